@@ -11,7 +11,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from bench import chain, load
 from bench.common import discovery, policies, replay, rules, violations
-from bench.common.testbed import ROOT, Site, site
+from bench.common.testbed import ROOT, Testbed, open_testbed
 from bench.part import Part
 from bench.ros1 import actions, audit, audit_cost, churn, hop, memory, silence, supervisor
 from bench.ros2 import audit, discovery, hop
@@ -45,7 +45,7 @@ ROS2_PARTS: dict[str, Part] = {
     "ros2_audit": audit.figures,
 }
 """Need rclpy: these run where it is installed, the others where it is not."""
-HERE = ROS2_PARTS if find_spec("rclpy") else PARTS
+AVAILABLE_PARTS = ROS2_PARTS if find_spec("rclpy") else PARTS
 OUTPUT = ROOT / "build" / "bench.json"
 
 
@@ -55,8 +55,8 @@ def main() -> None:
     chosen, output = args.parts, args.output
     console = Console(width=None if sys.stdout.isatty() else 110)
     found: list[Figure] = []
-    with site() as here, _progress(console) as progress:
-        for figure in _measure(here, chosen or list(HERE), progress):
+    with open_testbed() as testbed, _progress(console) as progress:
+        for figure in _measure(testbed, chosen or list(AVAILABLE_PARTS), progress):
             found.append(figure)
             console.print(f"{figure.name}: {number(figure.ours)} {figure.unit}")
             write(found, output, keep=bool(chosen))
@@ -64,14 +64,14 @@ def main() -> None:
     console.print(f"written to {output}")
 
 
-def _measure(here: Site, names: Sequence[str], progress: Progress) -> Iterator[Figure]:
+def _measure(testbed: Testbed, names: Sequence[str], progress: Progress) -> Iterator[Figure]:
     task = progress.add_task("", total=len(names))
     for name in names:
 
-        def say(what: str, name: str = name) -> None:
+        def report(what: str, name: str = name) -> None:
             progress.update(task, description=f"{name}: {what}")
 
-        yield from HERE[name](here, say)
+        yield from AVAILABLE_PARTS[name](testbed, report)
         progress.advance(task)
 
 
@@ -84,10 +84,10 @@ def _progress(console: Console) -> Progress:
 
 def _arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m bench", description=__doc__)
-    parser.add_argument("parts", nargs="*", metavar="PART", help=", ".join(HERE))
+    parser.add_argument("parts", nargs="*", metavar="PART", help=", ".join(AVAILABLE_PARTS))
     parser.add_argument("-o", "--output", type=Path, default=OUTPUT, help="the JSON file")
     args = parser.parse_args()
-    if unknown := set(args.parts) - set(HERE):
+    if unknown := set(args.parts) - set(AVAILABLE_PARTS):
         parser.error(f"no such part with this Python: {', '.join(sorted(unknown))}")
     return args
 

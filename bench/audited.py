@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from bench.common.plans import SUBSCRIBER, grcn
-from bench.common.testbed import Site, complaints, python, running
+from bench.common.testbed import Testbed, last_errors, python, running
 from bench.ros1.routes import PUBLISHER
 from rtron.errors import RTronError
 from rtron.planning.plan_file.writer import write_plan
@@ -23,19 +23,23 @@ _START_S = 60.0
 
 
 @contextmanager
-def audited(here: Site, number: int, *, audit: bool) -> Iterator[subprocess.Popen[str]]:
+def run_audited_guard(
+    testbed: Testbed, number: int, *, audit: bool
+) -> Iterator[subprocess.Popen[str]]:
     """Run so many relays behind a guard, with its audit or without; give the guard's process."""
     names = [f"/audited_{index}" for index in range(number)]
     node = replace(grcn(TOPIC, [PUBLISHER]), successors=(SUBSCRIBER, *names))
-    path = here.folder / "audited.yaml"
+    path = testbed.folder / "audited.yaml"
     path.write_text(write_plan(Plan(app="bench", grcn=(node,))), encoding="utf-8")
     with ExitStack() as stack:
-        words = python("bench.ros1.guard_process", str(path), *(["--audit"] if audit else []))
-        guard = stack.enter_context(running(here, words))
+        guard_command = python(
+            "bench.ros1.guard_process", str(path), *(["--audit"] if audit else [])
+        )
+        guard = stack.enter_context(running(testbed, guard_command))
         for name in names:
             relay = [_RELAY, OUT, f"{name}_heard", f"__name:={name[1:]}"]
-            stack.enter_context(running(here, relay, signal.SIGINT))
-        _wait_for(here, number)
+            stack.enter_context(running(testbed, relay, signal.SIGINT))
+        _wait_for(testbed, number)
         yield guard
 
 
@@ -45,16 +49,16 @@ def processor_ns(pid: int) -> int:
     return sum(int((each / "schedstat").read_text().split()[0]) for each in threads)
 
 
-def _wait_for(here: Site, number: int) -> None:
+def _wait_for(testbed: Testbed, number: int) -> None:
     deadline = time.monotonic() + _START_S
     while time.monotonic() < deadline:
-        if _heard(here.environ["ROS_MASTER_URI"]) >= number:
+        if _subscriber_count(testbed.environ["ROS_MASTER_URI"]) >= number:
             return
         time.sleep(0.1)
-    raise TimeoutError(f"the audited nodes do not start\n{complaints(here)}")
+    raise TimeoutError(f"the audited nodes do not start\n{last_errors(testbed)}")
 
 
-def _heard(master: str) -> int:
+def _subscriber_count(master: str) -> int:
     """Return how many nodes have subscribed the guard's output."""
     try:
         state = ros_call(master, "getSystemState", "/bench", timeout=5)

@@ -9,11 +9,11 @@ HANDSHAKE_S = 10.0
 
 def read_header(sock: socket.socket) -> dict[str, str]:
     """Read one connection header."""
-    length = frame_length(_exactly(sock, LENGTH.size), MAX_HEADER)
-    return decode_header(_exactly(sock, length))
+    length = frame_length(_receive_exactly(sock, LENGTH.size), MAX_HEADER)
+    return decode_header(_receive_exactly(sock, length))
 
 
-def _exactly(sock: socket.socket, size: int) -> bytes:
+def _receive_exactly(sock: socket.socket, size: int) -> bytes:
     data = b""
     while len(data) < size:
         more = sock.recv(size - len(data))

@@ -10,11 +10,11 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
-from rtron.service.config import Config
-from rtron.service.domain.schemas import Scope
+from rtron.service.config import ServiceConfig
+from rtron.service.domain.schemas import AccessScope
 from rtron.service.server.app import create_app
 from rtron.service.server.http import serve
-from rtron.service.store.accounts.tokens import TokenWish, create_token
+from rtron.service.store.accounts.tokens import TokenSpec, create_token
 from rtron.service.store.database import Database
 
 FILE = "rtron.db"
@@ -26,15 +26,15 @@ def main() -> None:
     database = Database(folder / FILE)
     tokens = dict(_tokens(database, robots))
     database.close()
-    config = Config(database=folder / FILE, port=_free_port())
+    config = ServiceConfig(database=folder / FILE, port=_free_port())
     app = create_app(config)
-    told = json.dumps({"port": config.port, "tokens": tokens})
-    serve(app, config, lambda: print(told, flush=True))
+    server_info = json.dumps({"port": config.port, "tokens": tokens})
+    serve(app, config, lambda: print(server_info, flush=True))
 
 
 def _tokens(database: Database, robots: int) -> Iterator[tuple[str, str]]:
     for robot in (f"robot{index}" for index in range(robots)):
-        wish = TokenWish(name=robot, scopes=[Scope.GUARD], robot=robot)
+        wish = TokenSpec(name=robot, scopes=[AccessScope.GUARD], robot=robot)
         with database.session() as session:
             yield robot, create_token(session, time.time_ns(), "bench", wish)[1]
 

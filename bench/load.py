@@ -4,11 +4,11 @@ from collections.abc import Iterator
 
 from bench.common.latency import p99
 from bench.common.plans import grcn
-from bench.common.pubsub import Load, Run, run
-from bench.common.testbed import Site
+from bench.common.pubsub import Load, LoadResult, run_load
+from bench.common.testbed import Testbed
 from bench.common.workload import LOAD_SECONDS
-from bench.part import Say
-from bench.ros1.routes import PUBLISHER, Way, guard, relay, relays_beside
+from bench.part import ReportProgress
+from bench.ros1.routes import PUBLISHER, Route, guard, parallel_relays, relay
 from figures.figure import Figure
 
 FLOWS = 20
@@ -16,19 +16,19 @@ _TWISTS = Load(5000 * LOAD_SECONDS, 5000)
 _IMAGES = Load(30 * LOAD_SECONDS, 30, message="image")
 
 
-def figures(here: Site, say: Say) -> Iterator[Figure]:
+def figures(testbed: Testbed, progress: ReportProgress) -> Iterator[Figure]:
     """Give loss, order and p99 of each load."""
     topics = guard(*(grcn(f"/cmd_vel_{index}", [PUBLISHER]) for index in range(FLOWS)))
     images = guard(grcn("/image", [PUBLISHER], "sensor_msgs/Image"))
-    yield from _compared(here, say, "twists", _TWISTS, (topics, relays_beside(FLOWS)))
-    yield from _highest(here, say)
-    yield from _compared(here, say, "images", _IMAGES, (images, relay()))
+    yield from _compared(testbed, progress, "twists", _TWISTS, (topics, parallel_relays(FLOWS)))
+    yield from _highest(testbed, progress)
+    yield from _compared(testbed, progress, "images", _IMAGES, (images, relay()))
 
 
 def _compared(
-    here: Site, say: Say, name: str, load: Load, ways: tuple[Way, Way]
+    testbed: Testbed, progress: ReportProgress, name: str, load: Load, routes: tuple[Route, Route]
 ) -> Iterator[Figure]:
-    ours, peer = (_run(here, say, name, way, load) for way in ways)
+    ours, peer = (_run(testbed, progress, name, route, load) for route in routes)
     unit = f"messages of {load.count}"
     yield Figure(f"load.{name}_lost", ours.lost, peer.lost, unit, at_most=0)
     yield Figure(f"load.{name}_disordered", ours.disordered, peer.disordered, unit, at_most=0)
@@ -36,11 +36,11 @@ def _compared(
     yield Figure(f"load.{name}_generator_late", ours.late_ms, peer.late_ms, "ms at most")
 
 
-def _highest(here: Site, say: Say) -> Iterator[Figure]:
+def _highest(testbed: Testbed, progress: ReportProgress) -> Iterator[Figure]:
     """Give the loss of the highest of 20 flows on one topic, and what of the others passed."""
-    way = guard(grcn("/cmd_vel", [f"{PUBLISHER}_{index}" for index in range(FLOWS)]))
+    route = guard(grcn("/cmd_vel", [f"{PUBLISHER}_{index}" for index in range(FLOWS)]))
     load = Load(_TWISTS.count, _TWISTS.rate, expected=_TWISTS.count // FLOWS)
-    came = _run(here, say, "one topic", way, load)
+    came = _run(testbed, progress, "one topic", route, load)
     passed = sum(sequence % FLOWS == 0 for sequence in came.sequences)
     unit = f"messages of {load.arriving}"
     yield Figure("load.highest_flow_lost", load.arriving - passed, None, unit, at_most=0)
@@ -48,6 +48,8 @@ def _highest(here: Site, say: Say) -> Iterator[Figure]:
     yield Figure("load.lower_flows_passed", others, None, f"messages of {load.count}", at_most=0)
 
 
-def _run(here: Site, say: Say, name: str, way: Way, load: Load) -> Run:
-    say(f"{name} through {way.name}, {load.count // load.rate} s")
-    return run(here, way, load)
+def _run(
+    testbed: Testbed, progress: ReportProgress, name: str, route: Route, load: Load
+) -> LoadResult:
+    progress(f"{name} through {route.name}, {load.count // load.rate} s")
+    return run_load(testbed, route, load)

@@ -2,10 +2,10 @@
 
 from collections.abc import Callable, Iterator
 
-from bench.common.testbed import Site
+from bench.common.testbed import Testbed
 from figures.figure import Figure
 
-Say = Callable[[str], None]
+ReportProgress = Callable[[str], None]
 """Tells what is being done."""
-Part = Callable[[Site, Say], Iterator[Figure]]
+Part = Callable[[Testbed, ReportProgress], Iterator[Figure]]
 """Measures, and gives each figure as soon as it is known."""

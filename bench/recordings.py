@@ -26,8 +26,8 @@ def plan(ros: int) -> Plan:
 
     Bags of ROS 2 do not tell who published, so there its plan has one publisher for all.
     """
-    said = PUBLISHERS if ros == 1 else PUBLISHERS[:1]
-    node = grcn(TOPIC, said)
+    publishers = PUBLISHERS if ros == 1 else PUBLISHERS[:1]
+    node = grcn(TOPIC, publishers)
     limited = GuardedTopic(
         topic=TOPIC,
         type=TWIST,

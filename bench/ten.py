@@ -2,9 +2,9 @@
 
 from bench.common.plans import grcn
 from bench.ros1.routes import PUBLISHER
-from rtron.guard.core.coordinator import Host
-from rtron.guard.core.event_loop import Loop
-from rtron.guard.runner import run_host
+from rtron.guard.core.coordinator import Coordinator
+from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.runner import run_coordinator
 from rtron.guard.transport.ros1.middleware import Ros1Transport
 from rtron.vocabulary import CoordinationKind, Mode, PolicySettings, Stage, Stream
 from rtron.wire.ros1.host_address import master_uri
@@ -17,7 +17,7 @@ def ten_stages() -> Stream:
     node = grcn("/cmd_vel", [PUBLISHER])
     settings = PolicySettings(policy=node.policy, kind=node.kind, flows=node.flows)
     stages = tuple(
-        Stage(id=f"grcn_{number}", coordination=CoordinationKind.GRCN, settings=settings)
+        Stage(id=f"grcn_{number}", coordination_kind=CoordinationKind.GRCN, settings=settings)
         for number in range(1, STAGES + 1)
     )
     return Stream(
@@ -31,6 +31,6 @@ def ten_stages() -> Stream:
 
 
 if __name__ == "__main__":
-    loop = Loop()
+    loop = EventLoop()
     transport = Ros1Transport(loop, master_uri())
-    run_host(Host(transport, (ten_stages(),)), transport, loop)
+    run_coordinator(Coordinator(transport, (ten_stages(),)), transport, loop)

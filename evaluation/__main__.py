@@ -9,8 +9,8 @@ from rich.console import Console
 from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
 from evaluation.common import demos, functions
-from evaluation.common.datasets import AbsentError, Place, place
-from evaluation.part import Part, Tell
+from evaluation.common.datasets import Datasets, MissingDatasetError, datasets_from_environ
+from evaluation.part import Part, Reporter
 from evaluation.ros1 import autorace, autoware, calls, launch_files
 from evaluation.ros1.systems import part
 from evaluation.ros2 import autoware_universe, launch_files, navigation2
@@ -40,37 +40,37 @@ def main() -> None:
     console = Console(width=None if sys.stdout.isatty() else 110)
     found: list[Figure] = []
     with _progress(console) as progress:
-        tell = _tell(console, progress, verbose=args.verbose)
-        for figure in _evaluated(place(), args.parts or list(PARTS), tell):
+        reporter = _reporter(console, progress, verbose=args.verbose)
+        for figure in _evaluated(datasets_from_environ(), args.parts or list(PARTS), reporter):
             found.append(figure)
             write(found, args.output, keep=bool(args.parts))
     console.print(table("RTron beside its peers", found))
     console.print(f"written to {args.output}")
 
 
-def _evaluated(here: Place, names: Sequence[str], tell: Tell) -> Iterator[Figure]:
+def _evaluated(datasets: Datasets, names: Sequence[str], reporter: Reporter) -> Iterator[Figure]:
     for name in names:
-        yield from _figures(name, here, tell)
+        yield from _figures(name, datasets, reporter)
 
 
-def _figures(name: str, here: Place, tell: Tell) -> Iterator[Figure]:
+def _figures(name: str, datasets: Datasets, reporter: Reporter) -> Iterator[Figure]:
     try:
-        yield from PARTS[name](here, tell)
-    except AbsentError as error:
-        tell.lines([f"{name} is skipped: {error}", ""])
+        yield from PARTS[name](datasets, reporter)
+    except MissingDatasetError as error:
+        reporter.lines([f"{name} is skipped: {error}", ""])
 
 
-def _tell(console: Console, progress: Progress, *, verbose: bool) -> Tell:
+def _reporter(console: Console, progress: Progress, *, verbose: bool) -> Reporter:
     task = progress.add_task("")
 
-    def say(what: str) -> None:
+    def show_activity(what: str) -> None:
         progress.update(task, description=what)
 
     def print_lines(lines: Sequence[str]) -> None:
         for line in lines:
             console.print(line, markup=False, highlight=False, soft_wrap=True)
 
-    return Tell(say, print_lines, print_lines if verbose else _quiet)
+    return Reporter(show_activity, print_lines, print_lines if verbose else _quiet)
 
 
 def _quiet(lines: Sequence[str]) -> None:

@@ -43,5 +43,5 @@ def is_explained(name: str) -> bool:
 
 def _calls(declarations: Iterable[Declaration]) -> Iterator[Call]:
     for found in declarations:
-        place = found.evidence[0]
-        yield found.kind.value, place.file, place.line
+        location = found.evidence[0]
+        yield found.kind.value, location.file, location.line

@@ -2,8 +2,8 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 
-from rtron.demos.experiment.adaptation import Adaptation
-from rtron.demos.metrics.case_run import Run, Variant
+from rtron.demos.experiment.adaptation import SlowdownResult
+from rtron.demos.metrics.case_run import CaseRun, Variant
 
 _HEAD = """\
 # The case studies, run by run
@@ -20,27 +20,27 @@ _COLUMNS = (
 _RULE = "--:|--:|---|---|--:|---|--:|--:|--:|--:"
 
 
-def markdown(runs: Sequence[Run], slowed: Mapping[int, Sequence[Adaptation]]) -> str:
+def runs_page(runs: Sequence[CaseRun], slowed: Mapping[int, Sequence[SlowdownResult]]) -> str:
     """Return the page of all runs and adaptations."""
     return "\n".join((_HEAD, *_parts(runs), *_slowed(slowed))) + "\n"
 
 
-def _parts(runs: Sequence[Run]) -> Iterator[str]:
+def _parts(runs: Sequence[CaseRun]) -> Iterator[str]:
     for ros, case in dict.fromkeys((run.ros, run.case) for run in runs):
-        own = [run for run in runs if (run.ros, run.case) == (ros, case)]
-        yield f"## {case.upper()} on ROS {ros}, at {own[0].speed:g} simulated seconds a second\n"
+        case_runs = [run for run in runs if (run.ros, run.case) == (ros, case)]
+        yield f"## {case.upper()} on ROS {ros}, at {case_runs[0].speed:g} simulated seconds a second\n"
         yield f"| {_COLUMNS} |\n|{_RULE}|"
-        for seed in dict.fromkeys(run.seed for run in own):
-            yield _line({run.variant: run for run in own if run.seed == seed})
+        for seed in dict.fromkeys(run.seed for run in case_runs):
+            yield _line({run.variant: run for run in case_runs if run.seed == seed})
         yield ""
 
 
-def _line(runs: Mapping[Variant, Run]) -> str:
-    calm, attacked, guarded = (runs[variant] for variant in Variant)
+def _line(runs: Mapping[Variant, CaseRun]) -> str:
+    reference, attacked, guarded = (runs[variant] for variant in Variant)
     off = f"{guarded.deviation.largest:.2f} m" if guarded.deviation else ""
     cells = (
-        str(calm.seed),
-        _time(calm.time_to_goal),
+        str(reference.seed),
+        _time(reference.time_to_goal),
         attacked.outcome,
         "yes" if attacked.collided else "no",
         f"{attacked.sent} / {attacked.delivered}",
@@ -57,7 +57,7 @@ def _time(seconds: float | None) -> str:
     return "-" if seconds is None else f"{seconds:.1f} s"
 
 
-def _slowed(slowed: Mapping[int, Sequence[Adaptation]]) -> Iterator[str]:
+def _slowed(slowed: Mapping[int, Sequence[SlowdownResult]]) -> Iterator[str]:
     for ros, found in slowed.items():
         yield f"## Safe on ROS {ros}: how soon the robot adapts\n"
         yield "The recogniser's rate is halved, from 20 to 10 images a second, while the robot"

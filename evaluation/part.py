@@ -3,12 +3,12 @@
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
-from evaluation.common.datasets import Place
+from evaluation.common.datasets import Datasets
 from figures.figure import Figure
 
 
 @dataclass(frozen=True, slots=True)
-class Tell:
+class Reporter:
     """Takes what is being done, and lines for a person; `detail` is for those who ask for it."""
 
     progress: Callable[[str], None]
@@ -16,5 +16,5 @@ class Tell:
     detail: Callable[[Sequence[str]], None]
 
 
-Part = Callable[[Place, Tell], Iterator[Figure]]
+Part = Callable[[Datasets, Reporter], Iterator[Figure]]
 """Measures, and gives each figure as soon as it is known; raises AbsentError if it cannot."""

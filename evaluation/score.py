@@ -28,7 +28,7 @@ class Score:
         """Return the share of the observed pairs that were recovered; 1 if none was observed."""
         return self.hits / len(self.observed) if self.observed else 1.0
 
-    def faults(self) -> Iterator[str]:
+    def differences(self) -> Iterator[str]:
         """Yield a line for each pair that was missed or invented."""
         for word, pairs in (
             ("MISSED", self.observed - self.recovered),
@@ -41,5 +41,5 @@ def score(observed: Architecture, recovered: Architecture, *, raw: bool) -> Mapp
     """Return the score of each kind, with nothing ignored if `raw`."""
     if not raw:
         observed, recovered = without_ignored(observed), without_ignored(recovered)
-    seen, found = with_actions(observed), with_actions(recovered)
-    return {kind: Score(getattr(seen, kind), getattr(found, kind)) for kind in KINDS}
+    observed_pairs, found = with_actions(observed), with_actions(recovered)
+    return {kind: Score(getattr(observed_pairs, kind), getattr(found, kind)) for kind in KINDS}

@@ -21,7 +21,7 @@ def table(title: str, figures: Sequence[Figure]) -> Table:
     shown.add_column("wanted")
     for figure in figures:
         values = map(number, (figure.ours, figure.peer, figure.ratio))
-        shown.add_row(figure.name, *values, figure.unit, _wanted(figure))
+        shown.add_row(figure.name, *values, figure.unit, _bounds_text(figure))
     return shown
 
 
@@ -40,11 +40,11 @@ def write(figures: Sequence[Figure], path: Path, *, keep: bool) -> None:
     path.write_text(json.dumps(new, indent=2) + "\n")
 
 
-def _wanted(figure: Figure) -> str:
+def _bounds_text(figure: Figure) -> str:
     limits = [
         (">=", figure.at_least),
         ("<=", figure.at_most),
         ("ratio <=", figure.ratio_at_most),
     ]
-    said = [f"{sign} {number(bound)}" for sign, bound in limits if bound is not None]
-    return " ".join((*said, _MARKS[figure.met])).strip()
+    texts = [f"{sign} {number(bound)}" for sign, bound in limits if bound is not None]
+    return " ".join((*texts, _MARKS[figure.met])).strip()

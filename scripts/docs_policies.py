@@ -10,7 +10,7 @@ from importlib import import_module
 from pathlib import Path
 
 from rtron.policies import POLICIES, Policy
-from rtron.policies.state_machine import Named, Table
+from rtron.policies.state_machine import TableEnum, TransitionTable
 from rtron.vocabulary import PolicyName, PolicySettings
 
 PAGES = Path(__file__).parent.parent / "docs" / "policies"
@@ -30,7 +30,7 @@ def policy_page(name: PolicyName, policy: Callable[[PolicySettings], Policy]) ->
     )
 
 
-def _states(table: Table[Named, Named]) -> Iterator[str]:
+def _states(table: TransitionTable[TableEnum, TableEnum]) -> Iterator[str]:
     for state in dict.fromkeys(state for state, _ in table):
         yield f"- **{state.name}**: {state.value}"
     yield "\n| state | what happens | next state | effect |\n|---|---|---|---|"

@@ -7,7 +7,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from rtron.risks import RULES, Rule, explain, severity
+from rtron.risks import RULES, RiskRule, rule_page, severity
 from rtron.risks.list_parser import TABLES, WORD_LISTS
 
 PAGES = Path(__file__).parent.parent / "docs" / "rules"
@@ -44,13 +44,13 @@ def index() -> str:
     )
 
 
-def _row(rule: Rule) -> str:
+def _row(rule: RiskRule) -> str:
     return f"| [{rule.name}]({rule.name}.md) | {rule.kind} | {rule.title} | {rule.severity} |"
 
 
 def stale(pages: Path) -> dict[Path, str]:
     """Return what should stand in each page that does not."""
-    wanted = {pages / f"{rule.name}.md": explain(rule.name) for rule in RULES}
+    wanted = {pages / f"{rule.name}.md": rule_page(rule.name) for rule in RULES}
     wanted[pages / "README.md"] = index()
     return {
         path: page

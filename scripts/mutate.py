@@ -19,7 +19,7 @@ from types import ModuleType
 import pytest
 
 from rtron import policies
-from rtron.policies.state_machine import Effect
+from rtron.policies.state_machine import TransitionEffect
 
 TESTS = Path(__file__).parent.parent / "tests" / "policies"
 OPTIONS = ["-x", "-q", "-p", "no:cacheprovider", "--timeout=0", "--hypothesis-profile=mutation"]
@@ -42,10 +42,12 @@ def changes() -> Iterator[Change]:
 def _table_changes(module: ModuleType) -> Iterator[Change]:
     table, effects = module.TABLE, dict.fromkeys(effect for _, effect in module.TABLE.values())
     for key, (state, effect) in table.items():
-        if effect is Effect.NEVER:
+        if effect is TransitionEffect.NEVER:
             continue
         others = [(other, effect) for other in module.State if other is not state]
-        others += [(state, other) for other in effects if other not in (effect, Effect.NEVER)]
+        others += [
+            (state, other) for other in effects if other not in (effect, TransitionEffect.NEVER)
+        ]
         for other in others:
             place = ", ".join(each.name for each in key)
             told = f"{module.__name__}: {place} -> {other[0].name}, {other[1].name}"

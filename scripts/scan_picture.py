@@ -10,7 +10,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.text import Text
 
-from rtron.demos.runtime.app_files import other_packages, own_packages
+from rtron.demos.runtime.app_files import first_party_packages, third_party_packages
 
 PICTURE = Path(__file__).parent.parent / "docs" / "images" / "scan.svg"
 LAUNCH = ("--launch", "tb3_demo/tb3_demo.launch")
@@ -21,11 +21,11 @@ FONT_FACE = re.compile(r"@font-face \{.*?\}\s*", re.DOTALL)
 
 def main() -> None:
     """Scan the demo app and keep what a terminal shows."""
-    others = other_packages(1)
+    others = third_party_packages(1)
     terminal = {"FORCE_COLOR": "1", "COLUMNS": str(WIDTH), "ROS_PACKAGE_PATH": str(others)}
     done = subprocess.run(  # noqa: S603 - the command is ours
         [sys.executable, "-m", "rtron", "scan", ".", *LAUNCH, "--fail-on", "never"],
-        cwd=own_packages(1),
+        cwd=first_party_packages(1),
         env=os.environ | terminal,
         check=True,
         capture_output=True,

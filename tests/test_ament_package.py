@@ -73,5 +73,5 @@ def _left_out(path):
 def test_what_ros_appends_is_not_the_guards(monkeypatch, given, taken):
     monkeypatch.setattr(sys, "argv", ["guard", *given])
     monkeypatch.setattr(as_node, "main", lambda: None)
-    as_node.guard()
+    as_node.run_guard_node()
     assert sys.argv == ["guard", "guard", *taken]

@@ -5,7 +5,7 @@ import os
 import pytest
 
 from rtron.errors import InputError
-from rtron.folders import MAX_DEPTH, is_folder, is_there, walk
+from rtron.folders import MAX_DEPTH, is_folder, path_exists, walk
 
 LONG = "n" * 5000
 
@@ -38,7 +38,7 @@ def sort(walked):
 
 @pytest.mark.parametrize("links", [False, True])
 def test_it_goes_as_os_walk_does(tree, links):
-    assert listed(walk(tree, links=links)) == listed(os.walk(tree, followlinks=links))
+    assert listed(walk(tree, follow_links=links)) == listed(os.walk(tree, followlinks=links))
 
 
 def test_what_is_taken_out_is_not_entered(tree):
@@ -78,4 +78,4 @@ def test_a_path_that_no_file_can_have(tree):
     with pytest.raises(InputError, match="File name too long") as raised:
         is_folder(tree / LONG)
     assert raised.value.path == str(tree / LONG)
-    assert [is_there(tree / name) for name in ("file", "absent", LONG)] == [True, False, False]
+    assert [path_exists(tree / name) for name in ("file", "absent", LONG)] == [True, False, False]

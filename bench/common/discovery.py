@@ -6,11 +6,11 @@ from dataclasses import replace
 from itertools import count, islice
 from statistics import median
 
-from bench.common.testbed import ROOT, Site
+from bench.common.testbed import ROOT, Testbed
 from bench.common.workload import ENDPOINTS
-from bench.part import Say
+from bench.part import ReportProgress
 from figures.figure import Figure
-from rtron.risks import discover
+from rtron.risks import discover_risks
 from rtron.sources.graph_json import read_graph
 from rtron.vocabulary import Endpoint, InteractionGraph
 
@@ -20,16 +20,16 @@ _REPEATS = 25
 _PARTS = (4, 2, 1)
 
 
-def figures(_here: Site, say: Say) -> Iterator[Figure]:
+def figures(_testbed: Testbed, progress: ReportProgress) -> Iterator[Figure]:
     """Give the time for Home, for the fleet, and how it grows with the endpoints."""
     home = read_graph(ROOT / "tests" / "fixtures" / "home.json")
-    say("Home")
+    progress("Home")
     ours = median(seconds(_fresh(home)) for _ in range(_REPEATS))
     yield Figure("discovery.home", ours, PUBLISHED_S, "s (peer: as published)")
     times = []
     for part in _PARTS:
         size = ENDPOINTS // part
-        say(f"{size:,} endpoints")
+        progress(f"{size:,} endpoints")
         times.append(seconds(fleet(home, size)))
         yield Figure(f"discovery.endpoints_{size}", times[-1], None, "s")
     growth = times[-1] / times[0]
@@ -39,7 +39,7 @@ def figures(_here: Site, say: Say) -> Iterator[Figure]:
 def seconds(graph: InteractionGraph) -> float:
     """Return how long discovery takes, s."""
     start = time.perf_counter()
-    discover(graph)
+    discover_risks(graph)
     return time.perf_counter() - start
 
 

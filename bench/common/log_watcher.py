@@ -8,7 +8,7 @@ from threading import Event, Thread
 _POLL_S = 0.001
 
 
-class Watched:
+class LogWatcher:
     """Reads a growing file in a thread; `lines` are (ns of the steady clock, text)."""
 
     def __init__(self, path: Path) -> None:
@@ -23,18 +23,18 @@ class Watched:
         self._ended.set()
         self._thread.join()
 
-    def find(self, word: str, after: int = 0) -> tuple[int, str] | None:
+    def find(self, text: str, after: int = 0) -> tuple[int, str] | None:
         """Return the first line with a word that came after `after` (ns), None before."""
         return next(
-            (line for line in list(self.lines) if line[0] > after and word in line[1]), None
+            (line for line in list(self.lines) if line[0] > after and text in line[1]), None
         )
 
-    def wait(self, word: str, after: int, limit_s: float) -> tuple[int, str]:
+    def wait(self, text: str, after: int, limit_s: float) -> tuple[int, str]:
         """Return the first such line, TimeoutError if it does not come."""
         deadline = time.monotonic() + limit_s
-        while not (found := self.find(word, after)):
+        while not (found := self.find(text, after)):
             if time.monotonic() > deadline:
-                raise TimeoutError(f"{word!r} was not said within {limit_s:g} s")
+                raise TimeoutError(f"{text!r} was not said within {limit_s:g} s")
             time.sleep(_POLL_S)
         return found
 
@@ -47,6 +47,6 @@ class Watched:
             rest = b""
             while not self._ended.wait(_POLL_S):
                 rest += file.read()
-                *whole, rest = rest.split(b"\n")
+                *complete, rest = rest.split(b"\n")
                 now = time.monotonic_ns()
-                self.lines += [(now, line.decode(errors="replace")) for line in whole]
+                self.lines += [(now, line.decode(errors="replace")) for line in complete]

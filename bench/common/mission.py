@@ -14,11 +14,11 @@ from rtron.vocabulary import (
     EventFlow,
     Flow,
     GuardedTopic,
+    MissionRule,
     Mode,
     Plan,
     Point,
     PolicyName,
-    Rule,
 )
 
 EVENT, EVENT_NODE = "/bench_pose", "/bench_localization"
@@ -50,7 +50,7 @@ def peer(node: str) -> Peer:
     return Peer(node, TypeInfo(type.type, type.md5sum, type.definition))
 
 
-def plan(rules: Sequence[Rule], expressions: Sequence[str] = ()) -> Plan:
+def plan(rules: Sequence[MissionRule], expressions: Sequence[str] = ()) -> Plan:
     """Return a plan of rules about goals; each expression over the events is an eflow."""
     goals = GuardedTopic(
         topic=GOAL,

@@ -10,10 +10,10 @@ from dataclasses import replace
 from statistics import median
 
 from bench.common.plans import flows
-from bench.common.testbed import Site
-from bench.part import Say
+from bench.common.testbed import Testbed
+from bench.part import ReportProgress
 from figures.figure import Figure
-from rtron.policies import POLICIES, Policy, Rates, build
+from rtron.policies import POLICIES, FrameMonitors, Policy, build_policy
 from rtron.vocabulary import (
     SECOND,
     FpsMonitor,
@@ -36,33 +36,33 @@ _CAMERA = FpsMonitor(id="camera", node="/detector", topic="/detector/image")
 _FAST = Velocity((2.0, 0.0, 0.0), (0.0, 0.0, 1.0))
 
 
-def figures(_here: Site, say: Say) -> Iterator[Figure]:
+def figures(_testbed: Testbed, progress: ReportProgress) -> Iterator[Figure]:
     """Give the median cost of a verdict, us."""
     for name in POLICIES:
-        say(str(name))
+        progress(str(name))
         cost = median(cost_of(name) for _ in range(_REPEATS))
         yield Figure(f"policies.{name}", cost, None, "us a verdict", at_most=_AT_MOST_US)
 
 
 def cost_of(name: PolicyName) -> float:
     """Return what a verdict costs, with the tick if one is due, us."""
-    rates = Rates([_CAMERA])
-    policy = build(_settings(name), rates)
+    rates = FrameMonitors([_CAMERA])
+    policy = build_policy(_settings(name), rates)
     message = _FAST if name in _LIMITS else b""
     speakers = [f"flow{index + 1}" for index in range(_FLOWS)] * _ROUNDS
     start = time.perf_counter_ns()
     for first in range(0, len(speakers), _FRAME):
-        rates.monitors[_CAMERA.id].frame(0, first * _PERIOD)
+        rates.monitors[_CAMERA.id].add_frame(0, first * _PERIOD)
         _decide(policy, message, speakers[first : first + _FRAME], first)
     return (time.perf_counter_ns() - start) / len(speakers) / 1000
 
 
 def _settings(name: PolicyName) -> PolicySettings:
-    said = flows([f"/n{index}" for index in range(_FLOWS)])
+    flow_list = flows([f"/n{index}" for index in range(_FLOWS)])
     if name in _LIMITS:
-        said = tuple(replace(flow, priority=0) for flow in said)
+        flow_list = tuple(replace(flow, priority=0) for flow in flow_list)
     return PolicySettings(
-        policy=name, kind=StreamKind.COMMAND, flows=said, threshold=0.02, max_vel_limit=0.5
+        policy=name, kind=StreamKind.COMMAND, flows=flow_list, threshold=0.02, max_vel_limit=0.5
     )
 
 

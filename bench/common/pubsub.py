@@ -7,9 +7,9 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 from typing import Any
 
-from bench.common.testbed import Site, complaints, end, python, start
-from bench.part import Say
-from bench.ros1.routes import Way
+from bench.common.testbed import Testbed, end, last_errors, python, start
+from bench.part import ReportProgress
+from bench.ros1.routes import Route
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +37,7 @@ class Load:
 
 
 @dataclass(frozen=True, slots=True)
-class Run:
+class LoadResult:
     """What came of a run; `late_ms` is how far the generator fell behind its schedule."""
 
     latencies_ns: tuple[int, ...]
@@ -48,16 +48,16 @@ class Run:
     seconds: float
 
 
-def run(here: Site, way: Way, load: Load) -> Run:
+def run_load(testbed: Testbed, route: Route, load: Load) -> LoadResult:
     """Open a way, send a load over it, and close it again."""
-    with way.open(here), ExitStack() as stack:
-        receiver = _started(here, stack, _receiver(way, load))
-        generator = _started(here, stack, _generator(way, load))
-        _expect_ready(here, way, receiver)
-        sent = _result(here, way, _say(generator, "go"))
-        came = _result(here, way, _say(receiver, "the end"))
+    with route.start(testbed), ExitStack() as stack:
+        receiver = _started(testbed, stack, _receiver(route, load))
+        generator = _started(testbed, stack, _generator(route, load))
+        _expect_ready(testbed, route, receiver)
+        sent = _result(testbed, route, _exchange_line(generator, "go"))
+        came = _result(testbed, route, _exchange_line(receiver, "the end"))
         _finish(generator)
-    return Run(
+    return LoadResult(
         latencies_ns=tuple(came["latencies_ns"]),
         sequences=tuple(came["sequences"]),
         disordered=came["disordered"],
@@ -68,41 +68,43 @@ def run(here: Site, way: Way, load: Load) -> Run:
 
 
 def interleave(
-    here: Site, ways: Sequence[Way], load: Load, runs: int, say: Say
-) -> dict[str, list[Run]]:
+    testbed: Testbed, routes: Sequence[Route], load: Load, runs: int, progress: ReportProgress
+) -> dict[str, list[LoadResult]]:
     """Run every way `runs` times, in turn, so that what disturbs one disturbs all."""
-    found: dict[str, list[Run]] = {way.name: [] for way in ways}
+    found: dict[str, list[LoadResult]] = {route.name: [] for route in routes}
     for number in range(1, runs + 1):
-        for way in ways:
-            say(f"{way.name}, run {number} of {runs}")
-            found[way.name].append(run(here, way, load))
+        for route in routes:
+            progress(f"{route.name}, run {number} of {runs}")
+            found[route.name].append(run_load(testbed, route, load))
     return found
 
 
-def _receiver(way: Way, load: Load) -> list[str]:
+def _receiver(route: Route, load: Load) -> list[str]:
     options = ("--count", str(load.arriving), "--message", load.message)
     limit = ("--limit", str(load.limit))
-    return python(way.end("receiver"), "--subscribe", *way.outputs, *options, *limit)
+    return python(
+        route.endpoint_module("receiver"), "--subscribe", *route.outputs, *options, *limit
+    )
 
 
-def _generator(way: Way, load: Load) -> list[str]:
+def _generator(route: Route, load: Load) -> list[str]:
     options = ("--count", str(load.count), "--message", load.message, "--limit", str(load.limit))
     pace = ("--rate", str(load.rate), "--burst", str(load.burst))
-    return python(way.end("generator"), "--publish", *way.inputs, *options, *pace)
+    return python(route.endpoint_module("generator"), "--publish", *route.inputs, *options, *pace)
 
 
-def _started(here: Site, stack: ExitStack, command: list[str]) -> subprocess.Popen[str]:
-    process = start(here, command, piped=True)
+def _started(testbed: Testbed, stack: ExitStack, command: list[str]) -> subprocess.Popen[str]:
+    process = start(testbed, command, piped=True)
     stack.callback(end, process)
     return process
 
 
-def _expect_ready(here: Site, way: Way, receiver: subprocess.Popen[str]) -> None:
+def _expect_ready(testbed: Testbed, route: Route, receiver: subprocess.Popen[str]) -> None:
     if not receiver.stdout or receiver.stdout.readline() != "ready\n":
-        raise TimeoutError(f"{way.name}: not every topic is heard\n{complaints(here)}")
+        raise TimeoutError(f"{route.name}: not every topic is heard\n{last_errors(testbed)}")
 
 
-def _say(process: subprocess.Popen[str], line: str) -> str:
+def _exchange_line(process: subprocess.Popen[str], line: str) -> str:
     """Say a line to a process and return its next one; empty if it ended."""
     if not process.stdin or not process.stdout:
         raise ValueError("the process is not piped")
@@ -114,14 +116,14 @@ def _say(process: subprocess.Popen[str], line: str) -> str:
     return process.stdout.readline()
 
 
-def _result(here: Site, way: Way, line: str) -> dict[str, Any]:
+def _result(testbed: Testbed, route: Route, line: str) -> dict[str, Any]:
     if not line:
-        raise TimeoutError(f"{way.name}: a process gave up\n{complaints(here)}")
+        raise TimeoutError(f"{route.name}: a process gave up\n{last_errors(testbed)}")
     result: dict[str, Any] = json.loads(line)
     return result
 
 
 def _finish(process: subprocess.Popen[str]) -> None:
     """Let a process take back its registrations."""
-    _say(process, "the end")
+    _exchange_line(process, "the end")
     process.wait()

@@ -14,40 +14,40 @@ from statistics import median
 from rosbags.rosbag1 import Reader as Reader1
 from rosbags.rosbag2 import Reader as Reader2
 
-from bench.common.testbed import Site
+from bench.common.testbed import Testbed
 from bench.common.workload import REPLAYED
-from bench.part import Say
+from bench.part import ReportProgress
 from bench.recordings import plan, write_mcap, write_ros1
 from figures.figure import Figure
-from rtron.guard.replay.player import Player
-from rtron.workflows.replay import Recording
+from rtron.guard.replay.player import RecordingPlayer
+from rtron.workflows.replay import GuardRecording
 
 _REPEATS = 3
 _AT_LEAST = 50_000
 _UNIT = "messages/s (more is better)"
 
 
-def figures(here: Site, say: Say) -> Iterator[Figure]:
+def figures(testbed: Testbed, progress: ReportProgress) -> Iterator[Figure]:
     """Give the median rate of both, messages a second."""
-    bag, folder = here.folder / "replay.bag", here.folder / "replay"
-    say(f"write {REPLAYED:,} messages")
+    bag, folder = testbed.folder / "replay.bag", testbed.folder / "replay"
+    progress(f"write {REPLAYED:,} messages")
     write_ros1(bag, REPLAYED)
     write_mcap(folder, REPLAYED)
     for name, path, ros, reader in (("ros1", bag, 1, Reader1), ("mcap", folder, 2, Reader2)):
-        say(name)
+        progress(name)
         ours, peer = _rates(partial(_play, path, ros), partial(_read, reader, path))
         yield Figure(f"replay.{name}", ours, peer, _UNIT, at_least=_AT_LEAST)
 
 
-def _rates(*ways: Callable[[], int]) -> Iterator[float]:
+def _rates(*readers: Callable[[], int]) -> Iterator[float]:
     """Yield the median rate of each way, messages a second; they run in turn."""
-    rates = [[_rate(way) for way in ways] for _ in range(_REPEATS)]
+    rates = [[_rate(reader) for reader in readers] for _ in range(_REPEATS)]
     yield from map(median, zip(*rates, strict=True))
 
 
-def _rate(way: Callable[[], int]) -> float:
+def _rate(read: Callable[[], int]) -> float:
     start = time.perf_counter()
-    messages = way()
+    messages = read()
     seconds = time.perf_counter() - start
     if messages != REPLAYED:
         raise AssertionError(f"{messages} of {REPLAYED} messages were replayed")
@@ -56,7 +56,7 @@ def _rate(way: Callable[[], int]) -> float:
 
 def _play(bag: Path, ros: int) -> int:
     """Replay a bag; return how many messages the policies decided about."""
-    found = Player(plan(ros)).play(Recording(bag).messages(ros), lambda count: None)
+    found = RecordingPlayer(plan(ros)).play(GuardRecording(bag).messages(ros), lambda count: None)
     flows = [flow for flow in found.streams[0].flows if flow.publisher]
     decided = [flow.passed + flow.modified + flow.dropped for flow in flows]
     if not all(decided):

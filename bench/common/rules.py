@@ -17,18 +17,18 @@ import celpy
 from celpy.adapter import json_to_cel
 
 from bench.common.mission import EVENT, EVENT_NODE, GOAL, GOAL_NODE, peer, plan, pose
-from bench.common.testbed import Site
-from bench.part import Say
+from bench.common.testbed import Testbed
+from bench.part import ReportProgress
 from bench.ros1 import rule_load
 from figures.figure import Figure
-from rtron.guard.core.coordinator import Host
-from rtron.guard.core.observation_inputs import Watching, Ways
-from rtron.guard.core.observations import senses_of
+from rtron.guard.core.coordinator import Coordinator
+from rtron.guard.core.observation_inputs import ObservationInputs, PublisherTopics
+from rtron.guard.core.observations import observations_of
 from rtron.guard.transport.common.memory import MemoryTransport
-from rtron.vocabulary import Rule, flow_topic, streams
+from rtron.vocabulary import MissionRule, build_streams, flow_topic
 
 EXPRESSION = "event.pose.position.x > 1.0 && event.pose.position.y < 2.0"
-_PLACES = ((0.0, 1.0), (0.0, 1.0), (2.0, 1.0), (2.0, 1.0))
+_POSITIONS = ((0.0, 1.0), (0.0, 1.0), (2.0, 1.0), (2.0, 1.0))
 """Where the robot is, in turn: every other event changes the bit."""
 _GOALS = ((1.0, 1.0), (3.0, 1.0), (5.0, 1.0), (3.0, 0.5))
 """Goals, every other inside the area."""
@@ -40,19 +40,19 @@ Work = Callable[[Any], object]
 """Takes a message; what comes of it does not matter."""
 
 
-def figures(here: Site, say: Say) -> Iterator[Figure]:
+def figures(testbed: Testbed, progress: ReportProgress) -> Iterator[Figure]:
     """Give the median cost of a decision and of an action, us, and what the stream takes."""
-    say("one decision")
-    places = [pose(x, y) for x, y in _PLACES]
-    ours = cost_of(_decision(), places)
-    documents = [{"event": _document(x, y)} for x, y in _PLACES]
+    progress("one decision")
+    positions = [pose(x, y) for x, y in _POSITIONS]
+    ours = cost_of(_decision(), positions)
+    documents = [{"event": _document(x, y)} for x, y in _POSITIONS]
     for name, evaluate in _peers().items():
-        theirs = cost_of(evaluate, [_ready(name, each) for each in documents])
+        theirs = cost_of(evaluate, [_prepare(name, each) for each in documents])
         yield Figure(f"rules.decision_vs_{name}", ours, theirs, "us", at_most=_AT_MOST_US)
-    say("one action")
+    progress("one action")
     goals = [pose(x, y) for x, y in _GOALS]
     yield Figure("rules.action", cost_of(_judge(), goals), None, "us", at_most=_AT_MOST_US)
-    yield from rule_load.figures(here, say)
+    yield from rule_load.figures(testbed, progress)
 
 
 def cost_of(work: Work, messages: Sequence[object]) -> float:
@@ -69,17 +69,19 @@ def _run(work: Work, messages: Sequence[object]) -> float:
 
 def _decision() -> Work:
     """Return what takes an event as the guard does."""
-    wanted = plan([Rule(name="rule1", when="eflow1", block=(GOAL,))], [EXPRESSION])
+    rule_plan = plan([MissionRule(name="rule1", when="eflow1", block=(GOAL,))], [EXPRESSION])
     transport = MemoryTransport()
-    Watching(transport, senses_of(wanted), Ways({}), lambda: None).open()
+    ObservationInputs(
+        transport, observations_of(rule_plan), PublisherTopics({}), lambda: None
+    ).open()
     return transport.publisher(EVENT, peer(EVENT_NODE))
 
 
 def _judge() -> Work:
     """Return what takes an action as the guard does."""
-    wanted = plan([Rule(name="rule1", action=_ACTION, block=(GOAL,))])
+    rule_plan = plan([MissionRule(name="rule1", action=_ACTION, block=(GOAL,))])
     transport = MemoryTransport()
-    Host(transport, streams(wanted), senses_of(wanted)).open()
+    Coordinator(transport, build_streams(rule_plan), observations_of(rule_plan)).open()
     return transport.publisher(flow_topic(GOAL, "aflow1"), peer(GOAL_NODE))
 
 
@@ -96,7 +98,7 @@ def _peers() -> dict[str, Work]:
     }
 
 
-def _ready(name: str, document: dict[str, Any]) -> object:
+def _prepare(name: str, document: dict[str, Any]) -> object:
     """Return a document as the peer wants it."""
     if name != "cel-python":
         return document

@@ -21,7 +21,7 @@ ROOT = Path(__file__).parents[1]
 
 
 @dataclass(frozen=True, slots=True)
-class Site:
+class Testbed:
     """A running master, the environment that leads to it, and a folder for files."""
 
     environ: Mapping[str, str]
@@ -29,34 +29,40 @@ class Site:
 
 
 @contextmanager
-def site() -> Iterator[Site]:
+def open_testbed() -> Iterator[Testbed]:
     """Run a master on a free port until the end of the block."""
     with tempfile.TemporaryDirectory(prefix="rtron-bench-") as name:
         port = _free_port()
-        here = Site(_environ(Path(name), port), Path(name))
-        with running(here, ["rosmaster", "--core", "-p", str(port)], signal.SIGINT):
+        testbed = Testbed(_environ(Path(name), port), Path(name))
+        with running(testbed, ["rosmaster", "--core", "-p", str(port)], signal.SIGINT):
             _wait_for(port)
-            yield here
+            yield testbed
 
 
 @contextmanager
 def running(
-    here: Site, command: Sequence[str], stop: signal.Signals = signal.SIGTERM
+    testbed: Testbed, command: Sequence[str], stop: signal.Signals = signal.SIGTERM
 ) -> Iterator[subprocess.Popen[str]]:
     """Run a command until the end of the block; its output goes to a file in the folder."""
-    process = start(here, command, piped=False)
+    process = start(testbed, command, piped=False)
     try:
         yield process
     finally:
         end(process, stop)
 
 
-def start(here: Site, command: Sequence[str], *, piped: bool) -> subprocess.Popen[str]:
+def start(testbed: Testbed, command: Sequence[str], *, piped: bool) -> subprocess.Popen[str]:
     """Start a command, with standard input and output piped or none; errors go to a file."""
     pipe = subprocess.PIPE if piped else subprocess.DEVNULL
-    with (here.folder / "errors.log").open("a") as errors:
+    with (testbed.folder / "errors.log").open("a") as errors:
         return subprocess.Popen(
-            command, env=here.environ, cwd=ROOT, stdin=pipe, stdout=pipe, stderr=errors, text=True
+            command,
+            env=testbed.environ,
+            cwd=ROOT,
+            stdin=pipe,
+            stdout=pipe,
+            stderr=errors,
+            text=True,
         )
 
 
@@ -73,15 +79,15 @@ def end(process: subprocess.Popen[str], stop: signal.Signals = signal.SIGTERM) -
             pipe.close()
 
 
-def result_of(here: Site, command: Sequence[str]) -> Any:  # noqa: ANN401 - any JSON value
+def result_of(testbed: Testbed, command: Sequence[str]) -> Any:  # noqa: ANN401 - any JSON value
     """Run a command to its end and return what it prints, a line of JSON."""
-    process = start(here, command, piped=True)
+    process = start(testbed, command, piped=True)
     try:
         printed = process.communicate()[0]
     finally:
         end(process)
     if not printed:
-        raise subprocess.SubprocessError(complaints(here))
+        raise subprocess.SubprocessError(last_errors(testbed))
     return json.loads(printed)
 
 
@@ -90,9 +96,9 @@ def python(module: str, *args: str) -> list[str]:
     return [sys.executable, "-m", module, *args]
 
 
-def complaints(here: Site) -> str:
+def last_errors(testbed: Testbed) -> str:
     """Return the last lines that any process wrote to standard error."""
-    lines = (here.folder / "errors.log").read_text(errors="replace").splitlines()
+    lines = (testbed.folder / "errors.log").read_text(errors="replace").splitlines()
     return "\n".join(lines[-10:])
 
 

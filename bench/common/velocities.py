@@ -51,7 +51,7 @@ KINDS = {
 """The types, and the part of the messages that is of each."""
 
 
-def a_limit(draw: random.Random) -> float:
+def random_limit(draw: random.Random) -> float:
     """Return a limit, m/s; curvature cannot be kept under a denormal one, which no plan has."""
     return draw.choice((*_LIMITS, draw.uniform(0.0, 3.0), 10 ** draw.uniform(-250, 250)))
 
@@ -80,7 +80,7 @@ def _packed(code: str, value: float) -> bytes:
         return struct.pack(f"<{code}", math.copysign(math.inf, value))
 
 
-class Check:
+class VelocityCheck:
     """Looks for what must not be in a message of one type under one limit."""
 
     def __init__(self, kind: Kind, limit: float) -> None:
@@ -88,24 +88,26 @@ class Check:
         self._unpack = kind.layout.unpack_from
         self._linear = slice(kind.first, kind.first + kind.linear)
         steering = partial(_same_steering, linear=self._linear)
-        self._keeps = _same_curve if kind.turns else steering
+        self._is_preserved = _same_curve if kind.turns else steering
 
-    def faults(self, asked: bytes, made: bytes) -> Iterator[str]:
+    def violations(self, original: bytes, limited: bytes) -> Iterator[str]:
         """Yield what is wrong with the message that went on instead of the one asked for."""
-        values = self._unpack(made, PREFIX.size)
+        values = self._unpack(limited, PREFIX.size)
         if not all(map(math.isfinite, values)):
             yield "not_finite"
         if not math.hypot(*values[self._linear]) <= self._limit:
             yield "above"
-        if made is not asked and not self._keeps(self._unpack(asked, PREFIX.size), values):
+        if limited is not original and not self._is_preserved(
+            self._unpack(original, PREFIX.size), values
+        ):
             yield "curvature"
 
 
-def _same_curve(asked: Sequence[float], made: Sequence[float]) -> bool:
+def _same_curve(original: Sequence[float], limited: Sequence[float]) -> bool:
     """Tell whether a Twist drives the same way: direction, and turn by metre. Rest is no curve."""
-    if not any(made):
+    if not any(limited):
         return True
-    pairs = zip(_curve(asked), _curve(made), strict=True)
+    pairs = zip(_curve(original), _curve(limited), strict=True)
     return all(math.isclose(*pair, rel_tol=_CURVATURE, abs_tol=_CURVATURE) for pair in pairs)
 
 
@@ -116,9 +118,9 @@ def _curve(values: Sequence[float]) -> Sequence[float]:
     return [each / speed if speed else math.nan for each in values]
 
 
-def _same_steering(asked: Sequence[float], made: Sequence[float], linear: slice) -> bool:
+def _same_steering(original: Sequence[float], limited: Sequence[float], linear: slice) -> bool:
     """Tell whether all but the one speed is as it was, and that not reversed."""
-    one, other = list(asked), list(made)
+    one, other = list(original), list(limited)
     (before,), (after,) = one[linear], other[linear]
     one[linear] = other[linear] = []
     return one == other and (after == 0 or math.copysign(1, before) == math.copysign(1, after))

@@ -12,14 +12,14 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 from multiprocessing import get_context
 
 from bench.common.plans import flows
-from bench.common.testbed import Site
-from bench.common.velocities import KINDS, Check, Kind, a_limit, messages
+from bench.common.testbed import Testbed
+from bench.common.velocities import KINDS, Kind, VelocityCheck, messages, random_limit
 from bench.common.workload import VIOLATIONS
-from bench.part import Say
+from bench.part import ReportProgress
 from figures.figure import Figure
-from rtron.guard.core.velocity_adapter import Decoding
-from rtron.messages import Definitions, Encoding, VelocityCodec, velocity_codec
-from rtron.policies import Rates
+from rtron.guard.core.velocity_adapter import VelocityAdapter
+from rtron.messages import DefinitionRegistry, Encoding, VelocityCodec, velocity_codec
+from rtron.policies import FrameMonitors
 from rtron.policies.velocity_limit.constrain import Constrain
 from rtron.vocabulary import Decision, PolicyName, PolicySettings, StreamKind
 
@@ -32,12 +32,12 @@ Task = tuple[Kind, int, int]
 """The type, how many messages, and the seed that they come from."""
 
 
-def figures(_here: Site, say: Say) -> Iterator[Figure]:
+def figures(_testbed: Testbed, progress: ReportProgress) -> Iterator[Figure]:
     """Give the faults, and what became of the messages."""
     found: Counter[str] = Counter()
     for counts in _run(list(_tasks())):
         found += counts
-        say(f"{found['ran']:,} of {VIOLATIONS:,} messages")
+        progress(f"{found['ran']:,} of {VIOLATIONS:,} messages")
     unit = f"of {found['ran']:,} messages"
     for fault in _FAULTS:
         yield Figure(f"violations.{fault}", found[fault], None, unit, at_most=0)
@@ -61,7 +61,7 @@ def _run(tasks: list[Task]) -> Iterator[Counter[str]]:
 def count(kind: Kind, number: int, seed: int) -> Counter[str]:
     """Return how many of so many messages ran, what became of them and what was wrong."""
     draw = random.Random(f"{kind.type} {seed}")
-    definition = Definitions().find(kind.type)
+    definition = DefinitionRegistry().find(kind.type)
     codec = velocity_codec(definition, Encoding.ROS1) if definition else None
     if codec is None:
         raise AssertionError(f"{kind.type} holds a velocity")
@@ -72,24 +72,24 @@ def count(kind: Kind, number: int, seed: int) -> Counter[str]:
 
 
 def _batch(kind: Kind, codec: VelocityCodec, number: int, draw: random.Random) -> Counter[str]:
-    limit = a_limit(draw)
-    policy, check, counts = _policy(codec, limit), Check(kind, limit), Counter[str]()
-    for asked in messages(kind, limit, number, draw):
-        verdict = policy.verdict("flow1", asked, 0)
+    limit = random_limit(draw)
+    policy, check, counts = _policy(codec, limit), VelocityCheck(kind, limit), Counter[str]()
+    for original in messages(kind, limit, number, draw):
+        verdict = policy.verdict("flow1", original, 0)
         counts[verdict.decision] += 1
-        made = asked if verdict.decision is Decision.PASS else verdict.message
+        limited = original if verdict.decision is Decision.PASS else verdict.message
         if verdict.decision is not Decision.DROP:
-            counts.update(check.faults(asked, made))  # type: ignore[arg-type]
+            counts.update(check.violations(original, limited))  # type: ignore[arg-type]
     return counts
 
 
-def _policy(codec: VelocityCodec, limit: float) -> Decoding:
+def _policy(codec: VelocityCodec, limit: float) -> VelocityAdapter:
     settings = PolicySettings(
         policy=PolicyName.CONSTRAIN,
         kind=StreamKind.COMMAND,
         flows=flows(["/n"]),
         max_vel_limit=limit,
     )
-    decoding = Decoding(Constrain(settings, Rates()))
+    decoding = VelocityAdapter(Constrain(settings, FrameMonitors()))
     decoding.learn(codec)
     return decoding

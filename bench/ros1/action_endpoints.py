@@ -6,7 +6,7 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from typing import Any
 
-from bench.common.testbed import ROOT, Site
+from bench.common.testbed import ROOT, Testbed
 
 sys.path.append(str(ROOT / "tests" / "ros1"))
 
@@ -16,12 +16,12 @@ from harness import Ros1
 
 from rtron.vocabulary import PolicyName
 
-__all__ = ["Ends", "Load", "both_ways", "compile_actions", "master"]
+__all__ = ["ActionEndpoints", "Load", "compile_actions", "master", "run_both_routes"]
 _LIMIT_S = 60
 
 
 @dataclass(frozen=True, slots=True)
-class Ends:
+class ActionEndpoints:
     """A server and a client in C++, and how long each goal took on its two ways, ns."""
 
     server: Server
@@ -36,17 +36,17 @@ class Ends:
         self.client.wait_for("done", before + count, _LIMIT_S)
         sent, done = (self._times(self.client, what, before) for what in ("sent", "done"))
         started, ended = (self._times(self.server, what, before) for what in ("started", "done"))
-        self.starts.extend(_between(sent, started))
-        self.results.extend(_between(ended, done))
+        self.starts.extend(_durations(sent, started))
+        self.results.extend(_durations(ended, done))
 
     def _times(self, written: Any, what: str, before: int) -> list[int]:  # noqa: ANN401 - tests
         return [line.time for line in written.all(what)][before:]
 
 
 @contextmanager
-def master(here: Site, name: str) -> Iterator[Ros1]:
+def master(testbed: Testbed, name: str) -> Iterator[Ros1]:
     """Run a master until the end of the block; its guard listens in the site's folder."""
-    folder = here.folder / name
+    folder = testbed.folder / name
     folder.mkdir(mode=0o700)
     with Ros1(folder) as ros1:
         ros1.environ["XDG_RUNTIME_DIR"] = str(folder)
@@ -54,19 +54,22 @@ def master(here: Site, name: str) -> Iterator[Ros1]:
 
 
 @contextmanager
-def both_ways(here: Site, programs: Any) -> Iterator[dict[str, Ends]]:  # noqa: ANN401 - of tests
+def run_both_routes(testbed: Testbed, programs: Any) -> Iterator[dict[str, ActionEndpoints]]:  # noqa: ANN401 - of tests
     """Run the ends twice until the end of the block, with nothing in between and with a guard."""
     plans = {"direct": None, "guard": action_plan(PolicyName.FIFO_QUEUE)}
     with ExitStack() as stack:
         acts = {
-            name: Act(stack.enter_context(master(here, name)), programs, plan)
+            name: Act(stack.enter_context(master(testbed, name)), programs, plan)
             for name, plan in plans.items()
         }
-        ways = {name: Ends(act.server("cpp"), act.client("cpp")) for name, act in acts.items()}
-        for ends in ways.values():
-            ends.client.wait_for("connected")
-        yield ways
+        routes = {
+            name: ActionEndpoints(act.server("cpp"), act.client("cpp"))
+            for name, act in acts.items()
+        }
+        for endpoints in routes.values():
+            endpoints.client.wait_for("connected")
+        yield routes
 
 
-def _between(begins: list[int], ends: list[int]) -> Iterator[int]:
-    return (end - begin for begin, end in zip(begins, ends, strict=True))
+def _durations(starts: list[int], stops: list[int]) -> Iterator[int]:
+    return (end - begin for begin, end in zip(starts, stops, strict=True))

@@ -13,10 +13,10 @@ from rosbags.typesys import Stores, get_typestore
 
 from bench.audited import processor_ns
 from bench.common.latency import quantile
-from bench.common.testbed import Site
+from bench.common.testbed import Testbed
 from bench.common.workload import GOALS, RUNS
-from bench.part import Say
-from bench.ros1.action_endpoints import Load, both_ways, compile_actions, master
+from bench.part import ReportProgress
+from bench.ros1.action_endpoints import Load, compile_actions, master, run_both_routes
 from figures.figure import Figure
 from rtron.messages.common.encoding import PREFIX
 from rtron.messages.ros1.actions import SUCCEEDED, GoalID, GoalStatus, read_statuses, with_statuses
@@ -30,55 +30,55 @@ _NO_STATUSES = (20).to_bytes(PREFIX, "little") + bytes(20)
 _NS_PER_MS = 1_000_000
 
 
-def figures(here: Site, say: Say) -> Iterator[Figure]:
+def figures(testbed: Testbed, progress: ReportProgress) -> Iterator[Figure]:
     """Give the ways of a goal, goals during a flood, and the reading of a status array."""
-    say("compiling the ends")
-    programs = compile_actions(here.folder)
-    yield from _goals(here, programs, say)
+    progress("compiling the ends")
+    programs = compile_actions(testbed.folder)
+    yield from _goals(testbed, programs, progress)
     for policy in (PolicyName.FIFO_QUEUE, PolicyName.PRIORITY_QUEUE):
-        say(f"a thousand goals during a flood, {policy}")
-        yield from _flooded(here, programs, policy)
-    say(f"reading {_STATUSES} statuses")
+        progress(f"a thousand goals during a flood, {policy}")
+        yield from _flooded(testbed, programs, policy)
+    progress(f"reading {_STATUSES} statuses")
     yield from _reading()
 
 
-def _goals(here: Site, programs: Any, say: Say) -> Iterator[Figure]:  # noqa: ANN401 - of tests
+def _goals(testbed: Testbed, programs: Any, progress: ReportProgress) -> Iterator[Figure]:  # noqa: ANN401 - of tests
     """Give median and p99 of a goal's way to its start, and of its result's way back."""
-    with both_ways(here, programs) as ways:
-        for ends in ways.values():
-            ends.run(_WARM_UP)
-            ends.starts.clear()
-            ends.results.clear()
+    with run_both_routes(testbed, programs) as routes:
+        for endpoints in routes.values():
+            endpoints.run(_WARM_UP)
+            endpoints.starts.clear()
+            endpoints.results.clear()
         for number in range(1, RUNS + 1):
-            for name, ends in ways.items():
-                say(f"goals, {name}, run {number} of {RUNS}")
-                ends.run(GOALS)
-    yield from _compared("start", {name: ends.starts for name, ends in ways.items()})
-    yield from _compared("end", {name: ends.results for name, ends in ways.items()})
+            for name, endpoints in routes.items():
+                progress(f"goals, {name}, run {number} of {RUNS}")
+                endpoints.run(GOALS)
+    yield from _compared("start", {name: endpoints.starts for name, endpoints in routes.items()})
+    yield from _compared("end", {name: endpoints.results for name, endpoints in routes.items()})
 
 
-def _compared(way: str, times: Mapping[str, Sequence[int]]) -> Iterator[Figure]:
+def _compared(direction: str, times: Mapping[str, Sequence[int]]) -> Iterator[Figure]:
     ours, peer = sorted(times["guard"]), sorted(times["direct"])
     for part, share in (("median", 0.5), ("p99", 0.99)):
         found = quantile(ours, share), quantile(peer, share)
-        yield Figure(f"actions.{way}_{part}", *found, "us (peer: no guard)")
+        yield Figure(f"actions.{direction}_{part}", *found, "us (peer: no guard)")
 
 
-def _flooded(here: Site, programs: Any, policy: PolicyName) -> Iterator[Figure]:  # noqa: ANN401
+def _flooded(testbed: Testbed, programs: Any, policy: PolicyName) -> Iterator[Figure]:  # noqa: ANN401
     """Give what became of the goals, and the guard's processor time meanwhile."""
     name = f"actions.{policy.lower()}"
-    with master(here, policy) as ros1:
+    with master(testbed, policy) as ros1:
         load = Load(ros1, programs, policy, server="cpp", max_age=_MAX_AGE)
         guard = load.act.guard_pid()
         used, flooded, began = processor_ns(guard), load.flooded(), time.monotonic_ns()
         load.run()
         spent, strange = processor_ns(guard) - used, load.flooded() - flooded
         took = time.monotonic_ns() - began
-    ends = list(load.ends().values())
-    unit = f"of {len(ends)} goals"
+    outcomes = list(load.ends().values())
+    unit = f"of {len(outcomes)} goals"
     for what in (load.answered_otherwise, load.late, load.touched):
         yield Figure(f"{name}.{what.__name__}", len(what()), None, unit, at_most=0)
-    yield Figure(f"{name}.too_old", ends.count("RECALLED"), None, f"{unit}, recalled")
+    yield Figure(f"{name}.too_old", outcomes.count("RECALLED"), None, f"{unit}, recalled")
     yield Figure(f"{name}.strange", strange * SECOND / took, None, "messages a second")
     yield Figure(f"{name}.processor", 100 * spent / took, None, "% of a core, the guard")
 

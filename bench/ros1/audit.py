@@ -15,11 +15,11 @@ from dataclasses import dataclass, replace
 from typing import TypeVar
 
 from bench.audited import OUT
-from bench.common.log_watcher import Watched
+from bench.common.log_watcher import LogWatcher
 from bench.common.plans import grcn
-from bench.common.testbed import Site, python, running, site
+from bench.common.testbed import Testbed, open_testbed, python, running
 from bench.common.workload import AUDIT_RUNS
-from bench.part import Say
+from bench.part import ReportProgress
 from bench.ros1.intruder import Intruder
 from bench.ros1.routes import PUBLISHER
 from figures.figure import Figure
@@ -33,7 +33,7 @@ _DRIVER = "/bench_driver"
 _GUARD = "/rtron/grcn_cmd_vel"
 _AT_MOST_MS = 100.0
 _LIMIT_S = 20.0
-_TOLD = {"impostor": "alarm:"}
+_EXPECTED_LINE = {"impostor": "alarm:"}
 """What is waited for in the log: an impostor may be dropped before it is heard."""
 _PHASE_S = 0.2
 """The audit's rounds are not to fall in step with the intrusions."""
@@ -45,34 +45,34 @@ DRIVERS = {
 """A node behind the guard, of each client library."""
 
 
-def figures(here: Site, say: Say) -> Iterator[Figure]:
+def figures(testbed: Testbed, progress: ReportProgress) -> Iterator[Figure]:
     """Give median and maximum for each intrusion at a node of each client library."""
     for library in DRIVERS:
-        with _scene(here, library) as scene:
+        with _scene(testbed, library) as scene:
             for name in ("rogue", "ghost", "impostor", "late", "second_master"):
-                say(f"{name} at a {library} node, {AUDIT_RUNS} times")
-                yield from _found(f"audit.{library}.{name}", _times(scene, name))
+                progress(f"{name} at a {library} node, {AUDIT_RUNS} times")
+                yield from _intrusion_figures(f"audit.{library}.{name}", _times(scene, name))
 
 
 @dataclass(slots=True)
-class Scene:
+class AuditScene:
     """A guard, a node behind it that can be started anew, another master, and the guard's log."""
 
-    here: Site
+    testbed: Testbed
     other: str
-    log: Watched
+    log: LogWatcher
     command: list[str]
     stack: ExitStack
 
     @property
     def master(self) -> str:
         """The address of the app's master."""
-        return self.here.environ["ROS_MASTER_URI"]
+        return self.testbed.environ["ROS_MASTER_URI"]
 
     def start(self) -> None:
         """Start the driver anew."""
         self.stack.close()
-        self.stack.enter_context(running(self.here, self.command, signal.SIGINT))
+        self.stack.enter_context(running(self.testbed, self.command, signal.SIGINT))
 
     def ready(self) -> str:
         """Return the driver's address once it hears the guard and nobody else is there."""
@@ -86,22 +86,25 @@ class Scene:
 
 
 @contextmanager
-def _scene(here: Site, library: str) -> Iterator[Scene]:
+def _scene(testbed: Testbed, library: str) -> Iterator[AuditScene]:
     node = replace(grcn("/cmd_vel", [PUBLISHER]), successors=(_DRIVER,))
-    path = here.folder / "audit.yaml"
+    path = testbed.folder / "audit.yaml"
     path.write_text(write_plan(Plan(app="bench", grcn=(node,))), encoding="utf-8")
-    said = here.folder / "errors.log"
+    log_file = testbed.folder / "errors.log"
     command = [*DRIVERS[library], f"__name:={_DRIVER[1:]}"]
-    with site() as other, running(here, python("bench.ros1.guard_process", str(path), "--audit")):
-        log, stack = Watched(said), ExitStack()
-        scene = Scene(here, other.environ["ROS_MASTER_URI"], log, command, stack)
+    with (
+        open_testbed() as other,
+        running(testbed, python("bench.ros1.guard_process", str(path), "--audit")),
+    ):
+        log, stack = LogWatcher(log_file), ExitStack()
+        scene = AuditScene(testbed, other.environ["ROS_MASTER_URI"], log, command, stack)
         scene.start()
         yield scene
         stack.close()
         log.close()
 
 
-def _times(scene: Scene, name: str) -> list[float]:
+def _times(scene: AuditScene, name: str) -> list[float]:
     """Intrude again and again; return how late each alarm was, ms."""
     late, chance = [], random.Random(1)
     for _ in range(AUDIT_RUNS):
@@ -114,29 +117,29 @@ def _times(scene: Scene, name: str) -> list[float]:
         with Intruder(named, OUT) as intruder:
             _intrude(scene, name, intruder, uri)
             _wait(lambda each=intruder: each.first)
-            told, _ = scene.log.wait(_TOLD.get(name, "hears"), began, _LIMIT_S)
-            late.append((told - intruder.first) / 1e6)
+            alarm_at, _ = scene.log.wait(_EXPECTED_LINE.get(name, "hears"), began, _LIMIT_S)
+            late.append((alarm_at - intruder.first_connection) / 1e6)
             if name in ("rogue", "late"):
                 intruder.unregister(scene.master)
             if name == "second_master":
                 intruder.unregister(scene.other)
-        scene.log.wait("no more:", told, _LIMIT_S)
+        scene.log.wait("no more:", alarm_at, _LIMIT_S)
     return late
 
 
-def _intrude(scene: Scene, name: str, intruder: Intruder, uri: str) -> None:
+def _intrude(scene: AuditScene, name: str, intruder: Intruder, uri: str) -> None:
     if name == "ghost":
         guard = ros_call(scene.master, "lookupNode", "/bench", _GUARD, timeout=5)
-        intruder.invite(uri, guard)
+        intruder.announce_to(uri, guard)
     elif name == "second_master":
-        intruder.invite_through(scene.other, _DRIVER, uri)
+        intruder.announce_through(scene.other, _DRIVER, uri)
     else:
         intruder.register(scene.master)
     if name == "late":
         scene.start()
 
 
-def _found(name: str, late: list[float]) -> Iterator[Figure]:
+def _intrusion_figures(name: str, late: list[float]) -> Iterator[Figure]:
     unit = f"ms of {len(late)}"
     yield Figure(f"{name}.median", statistics.median(late), None, unit)
     yield Figure(f"{name}.max", max(late), None, unit, at_most=_AT_MOST_MS)

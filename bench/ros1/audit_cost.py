@@ -7,13 +7,13 @@ to its output.
 import time
 from collections.abc import Iterator
 
-from bench.audited import OUT, audited, processor_ns
+from bench.audited import OUT, processor_ns, run_audited_guard
 from bench.common.latency import median, typical_p99
-from bench.common.pubsub import Load, Run, run
-from bench.common.testbed import Site
+from bench.common.pubsub import Load, LoadResult, run_load
+from bench.common.testbed import Testbed
 from bench.common.workload import AUDIT_SECONDS, HOP_MESSAGES, RUNS
-from bench.part import Say
-from bench.ros1.routes import PUBLISHER, Way
+from bench.part import ReportProgress
+from bench.ros1.routes import PUBLISHER, Route
 from figures.figure import Figure
 from rtron.vocabulary import flow_topic
 
@@ -22,17 +22,17 @@ _AT_MOST_PERCENT = 2.0
 _RATE = 200
 
 
-def figures(here: Site, say: Say) -> Iterator[Figure]:
+def figures(testbed: Testbed, progress: ReportProgress) -> Iterator[Figure]:
     """Give the processor time and the latency of a hop, with the audit and without."""
-    yield from _costs(here, say)
-    yield from _delays(here, say)
+    yield from _costs(testbed, progress)
+    yield from _delays(testbed, progress)
 
 
-def _costs(here: Site, say: Say) -> Iterator[Figure]:
+def _costs(testbed: Testbed, progress: ReportProgress) -> Iterator[Figure]:
     shares = {}
     for audit in (False, True):
-        say(f"{_NODES} nodes, {'audited' if audit else 'not audited'}")
-        with audited(here, _NODES, audit=audit) as guard:
+        progress(f"{_NODES} nodes, {'audited' if audit else 'not audited'}")
+        with run_audited_guard(testbed, _NODES, audit=audit) as guard:
             time.sleep(3.0)
             used, began = processor_ns(guard.pid), time.monotonic_ns()
             time.sleep(AUDIT_SECONDS)
@@ -44,19 +44,21 @@ def _costs(here: Site, say: Say) -> Iterator[Figure]:
     yield Figure("audit.processor_added", added, None, "% of a core", at_most=_AT_MOST_PERCENT)
 
 
-def _delays(here: Site, say: Say) -> Iterator[Figure]:
+def _delays(testbed: Testbed, progress: ReportProgress) -> Iterator[Figure]:
     """Give one hop's latency with 40 nodes, audited and not, the runs in turn."""
-    load, found = Load(HOP_MESSAGES, _RATE), dict[bool, list[Run]]({False: [], True: []})
+    load, found = Load(HOP_MESSAGES, _RATE), dict[bool, list[LoadResult]]({False: [], True: []})
     for number in range(RUNS):
         for audit, runs in found.items():
-            say(f"hop, {'audited' if audit else 'not audited'}, run {number + 1} of {RUNS}")
-            runs.append(run(here, _way(audit=audit), load))
+            progress(f"hop, {'audited' if audit else 'not audited'}, run {number + 1} of {RUNS}")
+            runs.append(run_load(testbed, _guard_route(audit=audit), load))
     for name, statistic in (("median", median), ("typical_p99", typical_p99)):
         ours, peer = statistic(found[True]), statistic(found[False])
         yield Figure(f"audit.hop_{name}", ours, peer, "us (peer: no audit)")
     yield Figure("audit.hop_lost", sum(r.lost for r in found[True]), None, "messages", at_most=0)
 
 
-def _way(*, audit: bool) -> Way:
+def _guard_route(*, audit: bool) -> Route:
     inputs = [f"{PUBLISHER}={flow_topic('/cmd_vel', 'flow1')}"]
-    return Way("guard", inputs, [OUT], lambda here: audited(here, _NODES, audit=audit))
+    return Route(
+        "guard", inputs, [OUT], lambda testbed: run_audited_guard(testbed, _NODES, audit=audit)
+    )

@@ -11,11 +11,11 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 
-from bench.common.log_watcher import Watched
+from bench.common.log_watcher import LogWatcher
 from bench.common.plans import grcn
-from bench.common.testbed import Site, end, python, start
+from bench.common.testbed import Testbed, end, python, start
 from bench.common.workload import CHURN_SECONDS
-from bench.part import Say
+from bench.part import ReportProgress
 from bench.ros1.audit import DRIVERS
 from figures.figure import Figure
 from rtron.planning.plan_file.writer import write_plan
@@ -30,17 +30,17 @@ _NAV = ["rostopic", "pub", "-r", "20", "/cmd_vel", "geometry_msgs/Twist", "{line
 
 
 @dataclass(slots=True)
-class Member:
+class AppProcess:
     """A process of the app that is started anew again and again."""
 
     command: Sequence[str]
     running: list[subprocess.Popen[str]] = field(default_factory=list)
 
-    def restart(self, here: Site, *, kindly: bool) -> None:
+    def restart(self, testbed: Testbed, *, gracefully: bool) -> None:
         """End the process, with a word to the master or without, and start it."""
         for process in self.running:
-            end(process, signal.SIGINT if kindly else signal.SIGKILL)
-        self.running = [start(here, self.command, piped=False)]
+            end(process, signal.SIGINT if gracefully else signal.SIGKILL)
+        self.running = [start(testbed, self.command, piped=False)]
 
     def close(self) -> None:
         """End the process."""
@@ -48,41 +48,41 @@ class Member:
             end(process, signal.SIGINT)
 
 
-def figures(here: Site, say: Say) -> Iterator[Figure]:
+def figures(testbed: Testbed, progress: ReportProgress) -> Iterator[Figure]:
     """Give how often something was started anew, and the alarms of the audit meanwhile."""
-    with _members(here) as members:
-        log = Watched(here.folder / "errors.log")
+    with _members(testbed) as members:
+        log = LogWatcher(testbed.folder / "errors.log")
         chance, restarts = random.Random(1), 0
         deadline = time.monotonic() + CHURN_SECONDS
         while (left := deadline - time.monotonic()) > 0:
-            say(f"{restarts} restarts, {left:.0f} s to go")
-            chance.choice(members).restart(here, kindly=chance.random() < 0.5)
+            progress(f"{restarts} restarts, {left:.0f} s to go")
+            chance.choice(members).restart(testbed, gracefully=chance.random() < 0.5)
             restarts += 1
             time.sleep(chance.uniform(*_PAUSE_S))
-        false = log.count(lambda told: "alarm:" in told and any(k in told for k in _KINDS))
+        false = log.count(lambda line: "alarm:" in line and any(k in line for k in _KINDS))
         log.close()
     yield Figure("churn.restarts", restarts, None, f"in {CHURN_SECONDS} s")
     yield Figure("churn.false_alarms", false, None, f"in {CHURN_SECONDS} s", at_most=0)
 
 
 @contextmanager
-def _members(here: Site) -> Iterator[list[Member]]:
+def _members(testbed: Testbed) -> Iterator[list[AppProcess]]:
     """Start the guard and the app."""
     names = [f"driver_{library}" for library in DRIVERS]
     node = replace(grcn("/cmd_vel", ["/nav"]), successors=tuple(f"/{name}" for name in names))
-    path = here.folder / "churn.yaml"
+    path = testbed.folder / "churn.yaml"
     path.write_text(write_plan(Plan(app="churn", grcn=(node,))), encoding="utf-8")
-    guard = Member(python("rtron", "guard", "--plan", str(path), "--log-level", "warning"))
+    guard = AppProcess(python("rtron", "guard", "--plan", str(path), "--log-level", "warning"))
     drivers = [
-        Member([*command, f"__name:={name}"])
+        AppProcess([*command, f"__name:={name}"])
         for name, command in zip(names, DRIVERS.values(), strict=True)
     ]
-    nav = Member([*_NAV, f"/cmd_vel:={flow_topic('/cmd_vel', 'flow1')}", "__name:=nav"])
-    tool = Member(["rostopic", "hz", "/cmd_vel"])
+    nav = AppProcess([*_NAV, f"/cmd_vel:={flow_topic('/cmd_vel', 'flow1')}", "__name:=nav"])
+    tool = AppProcess(["rostopic", "hz", "/cmd_vel"])
     members = [guard, *drivers, nav, tool]
     try:
         for member in members:
-            member.restart(here, kindly=True)
+            member.restart(testbed, gracefully=True)
         yield members
     finally:
         for member in reversed(members):

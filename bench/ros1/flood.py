@@ -43,12 +43,12 @@ class Flood:
         frame = _TWIST.frame()
         stamp(frame, 0, WARM_UP)
         deadline = time.monotonic() + _START_S
-        while not (self._back and self._take(0.05)):
+        while not (self._back and self._receive(0.05)):
             if time.monotonic() > deadline:
                 raise TimeoutError("nothing comes back")
             self._publishers.send(self._topic, frame)
             self._open.wait(0.02)
-        while self._take(_SILENCE_S):
+        while self._receive(_SILENCE_S):
             pass
         self.received = 0
 
@@ -70,19 +70,19 @@ class Flood:
 
     def _drain(self, sent: int, leave: int) -> None:
         while sent - self.received - self.lost > leave:
-            if not self._take(_SILENCE_S):
+            if not self._receive(_SILENCE_S):
                 self.lost = sent - self.received
 
-    def _take(self, patience: float) -> int:
+    def _receive(self, patience: float) -> int:
         """Receive what is there within `patience` (s); return the number of messages."""
         if self._back is None or not select.select([self._back], [], [], patience)[0]:
             return 0
         data = self._back.recv(1 << 16)
         if not data:
             raise ConnectionError("the way was closed")
-        whole, self._rest = divmod(self._rest + len(data), _FRAME)
-        self.received += whole
-        return whole or 1
+        complete, self._rest = divmod(self._rest + len(data), _FRAME)
+        self.received += complete
+        return complete or 1
 
     def _connected(self, _topic: str, sock: socket.socket) -> None:
         self._back = sock

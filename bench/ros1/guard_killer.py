@@ -26,7 +26,7 @@ from rtron.vocabulary import UNAPPROVED, flow_topic, output_topic
 from rtron.wire.ros1.host_address import master_uri
 
 TOPIC = "/cmd_vel"
-MOVER, BLOCKED, STRANGER = "/bench_pub", "/bench_blocked", f"/bench_{UNAPPROVED}"
+COMMANDER, BLOCKED, UNPLANNED = "/bench_pub", "/bench_blocked", f"/bench_{UNAPPROVED}"
 CAUSES = ("kill", "stop", "starve")
 _TWIST = MESSAGES["twist"]
 _FRAME = struct.Struct("<I6d")
@@ -36,7 +36,7 @@ _PATIENCE_S = 20.0
 _REST_S = 2.2
 
 
-class Driver:
+class DriverNode:
     """What the driver hears, from the guard and from its supervisor."""
 
     def __init__(self) -> None:
@@ -83,21 +83,21 @@ class Driver:
             self._selector.unregister(sock)
             sock.close()
         buffer += data
-        whole = len(buffer) // _FRAME.size * _FRAME.size
-        frames = bytes(buffer[:whole])
-        del buffer[:whole]
+        complete = len(buffer) // _FRAME.size * _FRAME.size
+        frames = bytes(buffer[:complete])
+        del buffer[:complete]
         return [values[1] for values in _FRAME.iter_unpack(frames)]
 
     def _connected(self, _topic: str, sock: socket.socket) -> None:
         self._selector.register(sock, selectors.EVENT_READ, bytearray())
 
 
-class Speakers:
+class Commanders:
     """Who drives, and who must not."""
 
     def __init__(self) -> None:
-        topics = {flow_topic(TOPIC, "flow1"): MOVER, flow_topic(TOPIC, "flow2"): BLOCKED}
-        self._publishers = Publishers(master_uri(), _TWIST, topics | {TOPIC: STRANGER})
+        topics = {flow_topic(TOPIC, "flow1"): COMMANDER, flow_topic(TOPIC, "flow2"): BLOCKED}
+        self._publishers = Publishers(master_uri(), _TWIST, topics | {TOPIC: UNPLANNED})
         Thread(target=self._speak, daemon=True).start()
 
     def _speak(self) -> None:
@@ -120,7 +120,7 @@ def _sent(sock: socket.socket, frame: bytes) -> bool:
     return True
 
 
-def end(cause: str, pid: int) -> int:
+def kill_guard(cause: str, pid: int) -> int:
     """End the guard; return the time just before, ns."""
     size = int(Path(f"/proc/{pid}/statm").read_text().split()[0]) * resource.getpagesize()
     now = time.monotonic_ns()
@@ -135,13 +135,13 @@ def main() -> None:
     """End the guard as the arguments say."""
     args = _arguments()
     signal.alarm(60 + 15 * args.rounds)
-    driver = Driver()
-    Speakers()
+    driver = DriverNode()
+    Commanders()
     driver.wait(moving=True)
     stop, back = [], []
     for _ in range(args.rounds):
         driver.rest(_REST_S)
-        ended = end(args.cause, guard_pid(master_uri()))
+        ended = kill_guard(args.cause, guard_pid(master_uri()))
         stop.append(driver.wait(moving=False) - ended)
         back.append(driver.wait(moving=True) - ended)
     print(json.dumps({"stop": stop, "back": back, "unchecked": driver.unchecked}), flush=True)

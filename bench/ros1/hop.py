@@ -4,9 +4,9 @@ from collections.abc import Iterator
 
 from bench.common.latency import median, p99, typical_p99
 from bench.common.pubsub import Load, interleave
-from bench.common.testbed import Site
+from bench.common.testbed import Testbed
 from bench.common.workload import HOP_MESSAGES, RUNS
-from bench.part import Say
+from bench.part import ReportProgress
 from bench.ros1.routes import direct, guard, mux, relay
 from figures.figure import Figure
 
@@ -19,10 +19,10 @@ _STATISTICS = {
 """What is taken of the latencies, and what it may be at most, us."""
 
 
-def figures(here: Site, say: Say) -> Iterator[Figure]:
+def figures(testbed: Testbed, progress: ReportProgress) -> Iterator[Figure]:
     """Give added median and p99 of the guard beside relay and mux, and the loss."""
-    ways = [direct(), guard(), relay(), mux()]
-    runs = interleave(here, ways, Load(HOP_MESSAGES, RATE), RUNS, say)
+    routes = [direct(), guard(), relay(), mux()]
+    runs = interleave(testbed, routes, Load(HOP_MESSAGES, RATE), RUNS, progress)
     for name, (statistic, at_most) in _STATISTICS.items():
         none = statistic(runs["direct"])
         ours = statistic(runs["guard"]) - none

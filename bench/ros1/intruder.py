@@ -1,6 +1,6 @@
 """Publishers that go past the guard: raw, so that they keep to no rule of a client library.
 
-`first` is when the first subscriber's connection was accepted, on the steady clock (ns).
+`first_connection` is when the first subscriber's connection was accepted, on the steady clock (ns).
 """
 
 import socket
@@ -30,7 +30,7 @@ class Intruder:
 
     def __init__(self, name: str, topic: str) -> None:
         self.name, self.topic = name, topic
-        self.first = 0
+        self.first_connection = 0
         self.shut_down = Event()
         self._connections: list[socket.socket] = []
         self._listener = socket.create_server((HOST, 0))
@@ -43,7 +43,7 @@ class Intruder:
         self._answer("publisherUpdate", 0)
         self._slave.register_function(self._shut, "shutdown")
         self.uri = f"http://{HOST}:{self._slave.server_address[1]}/"
-        works = (self._slave.serve_forever, self._accept, self._speak)
+        works = (self._slave.serve_forever, self._accept, self._publish)
         self._threads = [Thread(target=work, daemon=True) for work in works]
         for thread in self._threads:
             thread.start()
@@ -55,7 +55,7 @@ class Intruder:
         self.leave()
 
     @property
-    def heard(self) -> bool:
+    def has_subscriber(self) -> bool:
         """Whether a subscriber is connected."""
         return bool(self._connections)
 
@@ -67,12 +67,12 @@ class Intruder:
         """Leave the graph of a master."""
         ros_call(master, "unregisterPublisher", self.name, self.topic, self.uri, timeout=5)
 
-    def invite(self, subscriber: str, *others: str) -> None:
+    def announce_to(self, subscriber: str, *others: str) -> None:
         """Tell a subscriber, in the master's place, that this is a publisher beside `others`."""
         uris = [*others, self.uri]
         ros_call(subscriber, "publisherUpdate", "/master", self.topic, uris, timeout=_CALL_S)
 
-    def invite_through(self, master: str, subscriber: str, uri: str) -> None:
+    def announce_through(self, master: str, subscriber: str, uri: str) -> None:
         """Register a subscriber at another master, which tells it of its own publishers."""
         ros_call(master, "registerSubscriber", subscriber, self.topic, TWIST, uri, timeout=_CALL_S)
         self.register(master)
@@ -101,7 +101,7 @@ class Intruder:
                 sock, _ = self._listener.accept()
             except OSError:
                 return
-            self.first = self.first or time.monotonic_ns()
+            self.first_connection = self.first_connection or time.monotonic_ns()
             try:
                 self._welcome(sock)
             except (OSError, RTronError):
@@ -113,7 +113,7 @@ class Intruder:
         sock.sendall(encode_header({**header, "message_definition": "", "latching": "0"}))
         self._connections.append(sock)
 
-    def _speak(self) -> None:
+    def _publish(self) -> None:
         while self._listener.fileno() >= 0:
             time.sleep(_PERIOD_S)
             for sock in [each for each in self._connections if not _spoken(each)]:

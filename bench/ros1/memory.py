@@ -4,11 +4,11 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from bench.common.testbed import Site, python, result_of
+from bench.common.testbed import Testbed, python, result_of
 from bench.common.workload import MEMORY_SECONDS, MESSAGES
 from bench.guard import guard_pid
-from bench.part import Say
-from bench.ros1.routes import Way, guard, relay
+from bench.part import ReportProgress
+from bench.ros1.routes import Route, guard, relay
 from figures.figure import Figure
 
 _COUNTS = {"start": 1, "short": 100_000, "long": MESSAGES}
@@ -28,10 +28,10 @@ class Mark:
     size: float
 
 
-def figures(here: Site, say: Say) -> Iterator[Figure]:
+def figures(testbed: Testbed, progress: ReportProgress) -> Iterator[Figure]:
     """Give the resident memory at each mark and its growth; the relay's for the first ones."""
-    peer = _marks(here, say, relay(), ("start", "short"))
-    ours = _marks(here, say, guard(), tuple(_COUNTS))
+    peer = _marks(testbed, progress, relay(), ("start", "short"))
+    ours = _marks(testbed, progress, guard(), tuple(_COUNTS))
     for name, mark in ours.items():
         beside = peer[name].size if name in peer else None
         unit = f"MB after {mark.received:,}"
@@ -41,28 +41,30 @@ def figures(here: Site, say: Say) -> Iterator[Figure]:
     yield Figure("memory.lost", ours["long"].lost, None, "messages", at_most=0)
 
 
-def _marks(here: Site, say: Say, way: Way, names: Sequence[str]) -> dict[str, Mark]:
+def _marks(
+    testbed: Testbed, progress: ReportProgress, route: Route, names: Sequence[str]
+) -> dict[str, Mark]:
     """Send through one guard or relay, and look at it at each mark."""
     marks: dict[str, Mark] = {}
     received = lost = 0
-    with way.open(here) as process:
+    with route.start(testbed) as process:
         for name in names:
-            say(f"{way.name}: {_COUNTS[name]:,} messages")
-            result = _flood(here, way, _COUNTS[name] - received)
+            progress(f"{route.name}: {_COUNTS[name]:,} messages")
+            result = _flood(testbed, route, _COUNTS[name] - received)
             received += result["received"]
             lost += result["lost"]
-            pid = guard_pid(here.environ["ROS_MASTER_URI"]) or process.pid
+            pid = guard_pid(testbed.environ["ROS_MASTER_URI"]) or process.pid
             marks[name] = Mark(received, lost, resident(pid))
     return marks
 
 
-def _flood(here: Site, way: Way, count: int) -> dict[str, int]:
+def _flood(testbed: Testbed, route: Route, count: int) -> dict[str, int]:
     """Send `count` messages, as many as get through in the time."""
-    ends = ("--publish", way.inputs[0], "--subscribe", way.outputs[0])
-    window = ("--window", str(_WINDOWS[way.name]), "--limit", str(MEMORY_SECONDS))
+    endpoint_options = ("--publish", route.inputs[0], "--subscribe", route.outputs[0])
+    window = ("--window", str(_WINDOWS[route.name]), "--limit", str(MEMORY_SECONDS))
     count_option = ("--count", str(count))
     result: dict[str, int] = result_of(
-        here, python("bench.ros1.flood", *ends, *window, *count_option)
+        testbed, python("bench.ros1.flood", *endpoint_options, *window, *count_option)
     )
     return result
 

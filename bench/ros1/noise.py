@@ -32,12 +32,12 @@ def main() -> None:
 def _send(publishers: Publishers, topic: str, frame: bytes) -> None:
     """Send to whoever listens; a guard that was killed does not any more."""
     connections = publishers.connections[topic]
-    for connection in [each for each in tuple(connections) if not _said(each, frame)]:
+    for connection in [each for each in tuple(connections) if not _try_send(each, frame)]:
         connections.remove(connection)
         connection.close()
 
 
-def _said(connection: socket.socket, frame: bytes) -> bool:
+def _try_send(connection: socket.socket, frame: bytes) -> bool:
     try:
         connection.sendall(frame)
     except OSError:

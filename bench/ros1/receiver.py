@@ -22,7 +22,7 @@ _SILENCE_S = 1.0
 _ROOM = 1 << 16
 
 
-class Recorder:
+class LatencyRecorder:
     """What came, message by message."""
 
     def __init__(self, topics: set[str], count: int) -> None:
@@ -48,10 +48,12 @@ class Recorder:
         }
 
 
-class Connection:
+class PublisherConnection:
     """One publisher's connection: its bytes stay where they were received."""
 
-    def __init__(self, topic: str, sock: socket.socket, recorder: Recorder, room: int) -> None:
+    def __init__(
+        self, topic: str, sock: socket.socket, recorder: LatencyRecorder, room: int
+    ) -> None:
         self._topic = topic
         self._sock = sock
         self._recorder = recorder
@@ -96,11 +98,11 @@ def main() -> None:
     args = to_listen(MESSAGES, ros=1)
     signal.alarm(args.limit)
     message = MESSAGES[args.message]
-    recorder = Recorder(set(args.subscribe), args.count)
+    recorder = LatencyRecorder(set(args.subscribe), args.count)
     selector = selectors.DefaultSelector()
 
     def connected(topic: str, sock: socket.socket) -> None:
-        connection = Connection(topic, sock, recorder, message.size + _ROOM)
+        connection = PublisherConnection(topic, sock, recorder, message.size + _ROOM)
         selector.register(sock, selectors.EVENT_READ, connection)
 
     with suppress(PermissionError):  # /dev/null cannot be waited for
@@ -111,7 +113,7 @@ def main() -> None:
     print(json.dumps(recorder.result()), flush=True)
 
 
-def _listen(selector: selectors.BaseSelector, recorder: Recorder) -> None:
+def _listen(selector: selectors.BaseSelector, recorder: LatencyRecorder) -> None:
     patience = None
     while len(recorder.sequences) < recorder.count:
         ready = selector.select(patience)

@@ -9,17 +9,17 @@ from itertools import pairwise
 from typing import Any
 
 from bench.common.plans import grcn
-from bench.common.testbed import Site, python, running
+from bench.common.testbed import Testbed, python, running
 from rtron.planning.plan_file.writer import write_plan
 from rtron.vocabulary import GRCN, Plan, flow_topic, output_topic
 
 PUBLISHER = "/bench_pub"
 _TOOLS = "/usr/lib/topic_tools"
-Open = Callable[[Site], AbstractContextManager[Any]]
+StartRoute = Callable[[Testbed], AbstractContextManager[Any]]
 
 
 @dataclass(frozen=True, slots=True)
-class Way:
+class Route:
     """What stands between, how to start it, where to publish (NODE=TOPIC) and where to listen.
 
     `ros` is the generation that the ends speak.
@@ -28,53 +28,53 @@ class Way:
     name: str
     inputs: Sequence[str]
     outputs: Sequence[str]
-    open: Open = field(default=lambda _: nullcontext())
+    start: StartRoute = field(default=lambda _: nullcontext())
     ros: int = 1
 
-    def end(self, name: str) -> str:
+    def endpoint_module(self, name: str) -> str:
         """Return the module of the process at an end."""
         return f"bench.{name}" if self.ros == 1 else f"bench.ros2_{name}"
 
 
-def direct() -> Way:
+def direct() -> Route:
     """Return the way with nothing in between."""
-    return Way("direct", [_from("/bench")], ["/bench"])
+    return Route("direct", [_from("/bench")], ["/bench"])
 
 
-def relay(length: int = 1) -> Way:
+def relay(length: int = 1) -> Route:
     """Return a chain of relays."""
     topics = [f"/bench_{index}" for index in range(length + 1)]
     pairs = list(pairwise(topics))
-    return Way(
+    return Route(
         _many("relay", length), [_from(topics[0])], [topics[-1]], lambda s: _relays(s, pairs)
     )
 
 
-def relays_beside(number: int) -> Way:
+def parallel_relays(number: int) -> Route:
     """Return relays that each have their own topic."""
     pairs = [(f"/bench_{index}", f"/bench_{index}_out") for index in range(number)]
     inputs, outputs = zip(*pairs, strict=True)
-    return Way(
+    return Route(
         _many("relay", number), list(map(_from, inputs)), outputs, lambda s: _relays(s, pairs)
     )
 
 
-def mux() -> Way:
+def mux() -> Route:
     """Return the way through a mux with one input."""
     command = [f"{_TOOLS}/mux", "/bench_out", "/bench", "__name:=bench_mux"]
-    return Way(
+    return Route(
         "mux", [_from("/bench")], ["/bench_out"], lambda s: running(s, command, signal.SIGINT)
     )
 
 
-def ten() -> Way:
+def ten_nodes() -> Route:
     """Return the way through ten coordination nodes on one stream."""
     inputs = [_from(flow_topic("/cmd_vel", "flow1"))]
     command = python("bench.ten")
-    return Way("ten", inputs, [output_topic("/cmd_vel")], lambda s: running(s, command))
+    return Route("ten", inputs, [output_topic("/cmd_vel")], lambda s: running(s, command))
 
 
-def guard(*grcns: GRCN) -> Way:
+def guard(*grcns: GRCN) -> Route:
     """Return the way through the guard, by every flow of these coordination nodes."""
     chosen = grcns or (grcn("/cmd_vel", [PUBLISHER]),)
     plan = Plan(app="bench", grcn=chosen)
@@ -84,24 +84,24 @@ def guard(*grcns: GRCN) -> Way:
         for flow in node.flows
     ]
     outputs = [output_topic(node.topic) for node in chosen]
-    return Way("guard", inputs, outputs, lambda s: guarding(s, plan))
+    return Route("guard", inputs, outputs, lambda s: run_guard(s, plan))
 
 
 @contextmanager
-def guarding(here: Site, plan: Plan) -> Iterator[subprocess.Popen[str]]:
+def run_guard(testbed: Testbed, plan: Plan) -> Iterator[subprocess.Popen[str]]:
     """Run a guard with this plan until the end of the block."""
-    path = here.folder / "rtron.yaml"
+    path = testbed.folder / "rtron.yaml"
     path.write_text(write_plan(plan), encoding="utf-8")
     command = python("rtron", "guard", "--plan", str(path), "--log-level", "warning")
-    with running(here, command) as process:
+    with running(testbed, command) as process:
         yield process
 
 
 @contextmanager
-def _relays(here: Site, pairs: Sequence[tuple[str, str]]) -> Iterator[Any]:
+def _relays(testbed: Testbed, pairs: Sequence[tuple[str, str]]) -> Iterator[Any]:
     with ExitStack() as stack:
         started = [
-            stack.enter_context(running(here, _relay(*pair, index), signal.SIGINT))
+            stack.enter_context(running(testbed, _relay(*pair, index), signal.SIGINT))
             for index, pair in enumerate(pairs)
         ]
         yield started[0]

@@ -11,14 +11,14 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from bench.common.mission import EVENT, EVENT_NODE, GOAL, plan, pose, pose_type
-from bench.common.testbed import Site
+from bench.common.testbed import Testbed
 from bench.common.workload import LOAD_SECONDS
 from bench.guard import guard_pid
-from bench.part import Say
+from bench.part import ReportProgress
 from bench.ros1.publishers import Publishers
-from bench.ros1.routes import guarding
+from bench.ros1.routes import run_guard
 from figures.figure import Figure
-from rtron.vocabulary import Plan, Rule
+from rtron.vocabulary import MissionRule, Plan
 
 _RULES = 50
 _EXPRESSIONS = 10
@@ -29,13 +29,13 @@ _START_S = 20.0
 _STAT_TIMES = slice(11, 13)
 
 
-def figures(here: Site, say: Say) -> Iterator[Figure]:
+def figures(testbed: Testbed, progress: ReportProgress) -> Iterator[Figure]:
     """Give the guard's part of a core."""
-    say(f"{_RULES} rules at {_RATE} Hz")
-    master = here.environ["ROS_MASTER_URI"]
+    progress(f"{_RULES} rules at {_RATE} Hz")
+    master = testbed.environ["ROS_MASTER_URI"]
     publishers = Publishers(master, pose_type(), {EVENT: EVENT_NODE})
     try:
-        with guarding(here, rules()):
+        with run_guard(testbed, rules()):
             _wait_for(publishers)
             part, rate = _watch(guard_pid(master), publishers)
     finally:
@@ -51,7 +51,9 @@ def rules() -> Plan:
     ]
     return plan(
         [
-            Rule(name=f"rule{number}", when=f"eflow{number % _EXPRESSIONS + 1}", block=(GOAL,))
+            MissionRule(
+                name=f"rule{number}", when=f"eflow{number % _EXPRESSIONS + 1}", block=(GOAL,)
+            )
             for number in range(_RULES)
         ],
         expressions,
@@ -81,10 +83,10 @@ def _drive(publishers: Publishers, count: int) -> None:
         left = start + number / _RATE - time.monotonic()
         if left > 0:
             time.sleep(left)
-        publishers.send(EVENT, pose(_place(number / _RATE), 1.0))
+        publishers.send(EVENT, pose(_robot_position(number / _RATE), 1.0))
 
 
-def _place(seconds: float) -> float:
+def _robot_position(seconds: float) -> float:
     """Return where the robot is, m: to and fro over all lines, and one more metre behind them."""
     length = _EXPRESSIONS + 1
     return length - abs(seconds * _SPEED % (2 * length) - length)

@@ -15,28 +15,28 @@ from dataclasses import replace
 
 from bench.common.latency import quantile
 from bench.common.plans import grcn
-from bench.common.testbed import Site, python, result_of, running
+from bench.common.testbed import Testbed, python, result_of, running
 from bench.common.workload import SILENCES
-from bench.part import Say
-from bench.ros1.routes import PUBLISHER, guarding
+from bench.part import ReportProgress
+from bench.ros1.routes import PUBLISHER, run_guard
 from figures.figure import Figure
-from rtron.vocabulary import SECOND, Plan, Stop, flow_topic, output_topic
+from rtron.vocabulary import SECOND, Plan, StopProfile, flow_topic, output_topic
 
 _TOPIC = "/cmd_vel"
 _SILENT_AFTER = SECOND // 10
-_STOP = Stop(decel=1000.0, period=SECOND // 100, repeat=SECOND // 50)
+_STOP = StopProfile(decel=1000.0, period=SECOND // 100, repeat=SECOND // 50)
 _LOADS = {"idle": 20.0, "busy": 50.0}
 """What else the machine does, and how late 99 of 100 stops may be at most, ms."""
 _BUSY = "import signal; signal.alarm({seconds})\nwhile True: pass"
 _US_PER_MS = 1000
 
 
-def figures(here: Site, say: Say) -> Iterator[Figure]:
+def figures(testbed: Testbed, progress: ReportProgress) -> Iterator[Figure]:
     """Give median, p99 and maximum, ms, of each load."""
     for load, at_most in _LOADS.items():
-        say(f"{SILENCES} silences, {load}")
-        with guarding(here, _plan()), _load(here, load):
-            found = _fall_silent(here)
+        progress(f"{SILENCES} silences, {load}")
+        with run_guard(testbed, _plan()), _load(testbed, load):
+            found = _measure_stops(testbed)
         yield from _compared(f"silence.{load}", found["late"], found["slept"], at_most)
 
 
@@ -46,12 +46,12 @@ def _plan() -> Plan:
     return Plan(app="bench", grcn=(replace(node, flows=flows),), stop=_STOP)
 
 
-def _fall_silent(here: Site) -> dict[str, list[int]]:
-    ends = ("--publish", f"{PUBLISHER}={flow_topic(_TOPIC, 'flow1')}")
+def _measure_stops(testbed: Testbed) -> dict[str, list[int]]:
+    publisher_options = ("--publish", f"{PUBLISHER}={flow_topic(_TOPIC, 'flow1')}")
     output = ("--subscribe", output_topic(_TOPIC), "--silent-after", str(_SILENT_AFTER))
     rounds = ("--rounds", str(SILENCES))
     found: dict[str, list[int]] = result_of(
-        here, python("bench.ros1.silent_publisher", *ends, *output, *rounds)
+        testbed, python("bench.ros1.silent_publisher", *publisher_options, *output, *rounds)
     )
     return found
 
@@ -59,21 +59,21 @@ def _fall_silent(here: Site) -> dict[str, list[int]]:
 def _compared(
     name: str, late: Sequence[int], slept: Sequence[int], at_most: float
 ) -> Iterator[Figure]:
-    for part, share, wanted in (("median", 0.5, None), ("p99", 0.99, at_most), ("max", 1.0, None)):
+    for part, share, bound in (("median", 0.5, None), ("p99", 0.99, at_most), ("max", 1.0, None)):
         ours, peer = (quantile(sorted(times), share) / _US_PER_MS for times in (late, slept))
         unit = f"ms of {len(late)} (peer: its own sleep)"
-        yield Figure(f"{name}.{part}", ours, peer, unit, at_most=wanted)
+        yield Figure(f"{name}.{part}", ours, peer, unit, at_most=bound)
 
 
-def _load(here: Site, load: str) -> AbstractContextManager[None]:
-    return _busy(here) if load == "busy" else nullcontext()
+def _load(testbed: Testbed, load: str) -> AbstractContextManager[None]:
+    return _busy(testbed) if load == "busy" else nullcontext()
 
 
 @contextmanager
-def _busy(here: Site) -> Iterator[None]:
+def _busy(testbed: Testbed) -> Iterator[None]:
     """Keep every core busy until the end of the block, for ten minutes at most."""
     command = [sys.executable, "-c", _BUSY.format(seconds=600)]
     with ExitStack() as stack:
         for _ in os.sched_getaffinity(0):
-            stack.enter_context(running(here, command))
+            stack.enter_context(running(testbed, command))
         yield

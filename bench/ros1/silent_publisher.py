@@ -29,7 +29,7 @@ _START_LIMIT_S = 60
 _SECOND = 1_000_000_000
 
 
-class Silence:
+class SilentPublisher:
     """A publisher of velocities, and what the robot hears of them."""
 
     def __init__(self, node: str, topic: str, output: str, silent_after: int) -> None:
@@ -48,7 +48,7 @@ class Silence:
         while not self._receive(0.0)[1]:
             if time.monotonic() > deadline:
                 raise TimeoutError("nothing comes back")
-            self._say(0.0)
+            self._publish(0.0)
             time.sleep(0.02)
 
     def sleep(self) -> int:
@@ -64,21 +64,21 @@ class Silence:
         """Move the robot, and return how late the first stop message comes after the silence."""
         for _ in range(_MESSAGES):
             time.sleep(_PERIOD_S)
-            sent = self._say(_SPEED)
-        return self._stopped() - sent - self._silent_after
+            sent = self._publish(_SPEED)
+        return self._first_stop_time() - sent - self._silent_after
 
     def close(self) -> None:
         """Take back the registrations."""
         self._publishers.close()
         self._subscribers.close()
 
-    def _say(self, speed: float) -> int:
+    def _publish(self, speed: float) -> int:
         """Send a velocity; return the time just before, ns."""
         now = time.monotonic_ns()
         self._publishers.send(self._topic, _FRAME.pack(_TWIST.size, speed, 0, 0, 0, 0, 0))
         return now
 
-    def _stopped(self) -> int:
+    def _first_stop_time(self) -> int:
         """Return when the first stop message after the last velocity came, ns."""
         passed = 0
         while True:
@@ -99,8 +99,8 @@ class Silence:
         if not data:
             raise ConnectionError("the way was closed")
         self._buffer += data
-        whole = len(self._buffer) // _FRAME.size * _FRAME.size
-        frames, self._buffer = self._buffer[:whole], self._buffer[whole:]
+        complete = len(self._buffer) // _FRAME.size * _FRAME.size
+        frames, self._buffer = self._buffer[:complete], self._buffer[complete:]
         return now, [values[1] for values in _FRAME.iter_unpack(frames)]
 
     def _connected(self, _topic: str, sock: socket.socket) -> None:
@@ -112,7 +112,7 @@ def main() -> None:
     args = _arguments()
     signal.alarm(_START_LIMIT_S + args.rounds)
     node, topic = args.publish.split("=")
-    silence = Silence(node, topic, args.subscribe, args.silent_after)
+    silence = SilentPublisher(node, topic, args.subscribe, args.silent_after)
     silence.warm_up()
     slept, late = [], []
     for _ in range(args.rounds):

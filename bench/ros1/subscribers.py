@@ -54,9 +54,9 @@ class Subscribers:
             fresh = [uri for uri in uris if (topic, uri) not in self._known]
             self._known.update((topic, uri) for uri in fresh)
         for uri in fresh:
-            self._try(topic, uri)
+            self._try_connect(topic, uri)
 
-    def _try(self, topic: str, uri: str) -> None:
+    def _try_connect(self, topic: str, uri: str) -> None:
         try:
             node, sock = self._connect(topic, uri)
         except (OSError, RTronError) as error:
@@ -69,9 +69,11 @@ class Subscribers:
 
     def _connect(self, topic: str, uri: str) -> tuple[str, socket.socket]:
         """Return who publishes, and the connection to it."""
-        wanted = [["TCPROS"]]
-        where = ros_call(uri, "requestTopic", self._node.name, topic, wanted, timeout=HANDSHAKE_S)
-        sock = socket.create_connection((where[1], where[2]), HANDSHAKE_S)
+        protocols = [["TCPROS"]]
+        address = ros_call(
+            uri, "requestTopic", self._node.name, topic, protocols, timeout=HANDSHAKE_S
+        )
+        sock = socket.create_connection((address[1], address[2]), HANDSHAKE_S)
         sock.sendall(encode_header(self._header(topic)))
         answer = read_header(sock)
         if "error" in answer:

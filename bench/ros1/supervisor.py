@@ -12,12 +12,12 @@ from pathlib import Path
 
 from bench.common.latency import quantile
 from bench.common.plans import grcn
-from bench.common.testbed import Site, python, result_of
+from bench.common.testbed import Testbed, python, result_of
 from bench.common.workload import DEATHS
-from bench.part import Say
-from bench.ros1.guard_killer import BLOCKED, CAUSES, MOVER, TOPIC
+from bench.part import ReportProgress
+from bench.ros1.guard_killer import BLOCKED, CAUSES, COMMANDER, TOPIC
 from bench.ros1.memory import resident
-from bench.ros1.routes import guarding
+from bench.ros1.routes import run_guard
 from figures.figure import Figure
 from rtron.vocabulary import Plan
 
@@ -27,13 +27,13 @@ _AT_MOST_MB = 40.0
 _US_PER_MS = 1000
 
 
-def figures(here: Site, say: Say) -> Iterator[Figure]:
+def figures(testbed: Testbed, progress: ReportProgress) -> Iterator[Figure]:
     """Give median, p99 and maximum of both times, ms, for each cause; and the memory."""
-    with guarding(here, _plan()) as process:
+    with run_guard(testbed, _plan()) as process:
         for cause in CAUSES:
-            say(f"{DEATHS} times: {cause}")
+            progress(f"{DEATHS} times: {cause}")
             command = python("bench.ros1.guard_killer", "--cause", cause, "--rounds", str(DEATHS))
-            found: dict[str, list[int]] = result_of(here, command)
+            found: dict[str, list[int]] = result_of(testbed, command)
             yield from _times(f"supervisor.{cause}.stop", found["stop"], _STOP_MS)
             yield from _times(f"supervisor.{cause}.back", found["back"], _BACK_MS)
             came = len(found["unchecked"])
@@ -45,13 +45,13 @@ def figures(here: Site, say: Say) -> Iterator[Figure]:
 
 def _times(name: str, times: list[int], at_most: float) -> Iterator[Figure]:
     ordered = sorted(times)
-    for part, share, wanted in (("median", 0.5, None), ("p99", 0.99, at_most), ("max", 1.0, None)):
+    for part, share, bound in (("median", 0.5, None), ("p99", 0.99, at_most), ("max", 1.0, None)):
         late = quantile(ordered, share) / _US_PER_MS
-        yield Figure(f"{name}.{part}", late, None, f"ms of {len(times)}", at_most=wanted)
+        yield Figure(f"{name}.{part}", late, None, f"ms of {len(times)}", at_most=bound)
 
 
 def _plan() -> Plan:
-    node = grcn(TOPIC, [MOVER, BLOCKED])
+    node = grcn(TOPIC, [COMMANDER, BLOCKED])
     mover, blocked = node.flows
     return Plan(app="bench", grcn=(replace(node, flows=(mover, replace(blocked, block=True))),))
 

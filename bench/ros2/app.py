@@ -1,7 +1,7 @@
 """An app of real ROS 2 nodes, made by rule: `python -m bench.ros2.app FIRST COUNT`.
 
 The process is one participant with COUNT nodes from number FIRST on; it says `ready` and stays
-until its standard input ends. What the whole app is, `app` tells.
+until its standard input ends. What the whole app is, `expected_app` tells.
 """
 
 import sys
@@ -24,22 +24,22 @@ _SERVING = 4
 
 
 @dataclass(frozen=True, slots=True)
-class App:
+class ExpectedApp:
     """What the app has: endpoints as (node, topic, direction, type), services as (node, name)."""
 
     nodes: frozenset[str]
     endpoints: frozenset[tuple[str, str, str, str]]
     services: frozenset[tuple[str, str]]
 
-    def missing(self, found: "App") -> int:
+    def missing(self, found: "ExpectedApp") -> int:
         """Return how many of its entries are not among those found."""
         return sum(len(ours - theirs) for ours, theirs in self._beside(found))
 
-    def wrong(self, found: "App") -> int:
+    def wrong(self, found: "ExpectedApp") -> int:
         """Return how many of the entries found are not the app's."""
         return sum(len(theirs - ours) for ours, theirs in self._beside(found))
 
-    def _beside(self, found: "App") -> tuple[tuple[frozenset[Any], frozenset[Any]], ...]:
+    def _beside(self, found: "ExpectedApp") -> tuple[tuple[frozenset[Any], frozenset[Any]], ...]:
         return (
             (self.nodes, found.nodes),
             (self.endpoints, found.endpoints),
@@ -47,11 +47,11 @@ class App:
         )
 
 
-def app() -> App:
+def expected_app() -> ExpectedApp:
     """Return the app that all processes make together."""
-    return App(
+    return ExpectedApp(
         frozenset(map(node_name, range(NODES))),
-        frozenset(end for topic in range(TOPICS) for end in _ends(topic)),
+        frozenset(end for topic in range(TOPICS) for end in _topic_endpoints(topic)),
         frozenset((node_name(n), service_name(n)) for n in range(0, NODES, _SERVING)),
     )
 
@@ -66,7 +66,7 @@ def service_name(number: int) -> str:
     return f"{node_name(number)}/start"
 
 
-def _ends(topic: int) -> list[tuple[str, str, str, str]]:
+def _topic_endpoints(topic: int) -> list[tuple[str, str, str, str]]:
     """Return the publisher and the two subscribers of a topic."""
     name, type = f"/area{topic % 20}/topic{topic}", _TYPES[topic % len(_TYPES)]
     first, second = (topic * 7 + 1) % NODES, (topic * 11 + 6) % NODES
@@ -84,10 +84,10 @@ def main() -> None:
     first, count = map(int, sys.argv[1:])
     context = Context()
     context.init(args=[])
-    own = [_node(number, context) for number in range(first, first + count)]
+    nodes = [_node(number, context) for number in range(first, first + count)]
     print("ready", flush=True)
     sys.stdin.read()
-    for node in own:
+    for node in nodes:
         node.destroy_node()
     context.try_shutdown()
 
@@ -97,7 +97,7 @@ def _node(number: int, context: Any) -> Any:  # noqa: ANN401 - rclpy has no type
 
     space, _, base = node_name(number).rpartition("/")
     node = Node(base, namespace=space, context=context)
-    for owner, topic, direction, type in app().endpoints:
+    for owner, topic, direction, type in expected_app().endpoints:
         if owner == node_name(number):
             _open(node, topic, direction, _class(type))
     if number % _SERVING == 0:

@@ -12,11 +12,11 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
-from bench.common.log_watcher import Watched
+from bench.common.log_watcher import LogWatcher
 from bench.common.plans import grcn
-from bench.common.testbed import Site, end, python, running, start
+from bench.common.testbed import Testbed, end, python, running, start
 from bench.common.workload import AUDIT_RUNS
-from bench.part import Say
+from bench.part import ReportProgress
 from bench.ros1.routes import PUBLISHER
 from bench.ros2_scene import DRIVER, FLOW, OPEN, OUT, TOPIC
 from figures.figure import Figure
@@ -35,11 +35,11 @@ INTRUSIONS = {
 """The name and the topic of each intruder."""
 
 
-def figures(here: Site, say: Say) -> Iterator[Figure]:
+def figures(testbed: Testbed, progress: ReportProgress) -> Iterator[Figure]:
     """Give median and maximum for each intrusion."""
-    with _scene(here) as scene:
+    with _scene(testbed) as scene:
         for name in INTRUSIONS:
-            say(f"{name}, {AUDIT_RUNS} times")
+            progress(f"{name}, {AUDIT_RUNS} times")
             late = [_time(scene, name) for _ in range(AUDIT_RUNS)]
             unit = f"ms of {len(late)}"
             yield Figure(f"ros2_audit.{name}.median", statistics.median(late), None, unit)
@@ -48,35 +48,35 @@ def figures(here: Site, say: Say) -> Iterator[Figure]:
 
 
 @dataclass(frozen=True, slots=True)
-class Scene:
+class Ros2AuditScene:
     """A guard with a planned publisher and a successor, and its log."""
 
-    here: Site
-    log: Watched
+    testbed: Testbed
+    log: LogWatcher
 
 
 @contextmanager
-def _scene(here: Site) -> Iterator[Scene]:
+def _scene(testbed: Testbed) -> Iterator[Ros2AuditScene]:
     node = replace(grcn(TOPIC, [PUBLISHER]), successors=(DRIVER,))
-    path = here.folder / "ros2_audit.yaml"
+    path = testbed.folder / "ros2_audit.yaml"
     path.write_text(write_plan(Plan(app="bench", ros=2, grcn=(node,))), encoding="utf-8")
     guard = python("bench.ros2.audit_processes", "guard", str(path))
-    with running(here, guard), running(here, python("bench.ros2.audit_processes", "app")):
-        log = Watched(here.folder / "errors.log")
+    with running(testbed, guard), running(testbed, python("bench.ros2.audit_processes", "app")):
+        log = LogWatcher(testbed.folder / "errors.log")
         log.wait(OPEN, 0, _LIMIT_S)
-        yield Scene(here, log)
+        yield Ros2AuditScene(testbed, log)
         log.close()
 
 
-def _time(scene: Scene, name: str) -> float:
+def _time(scene: Ros2AuditScene, name: str) -> float:
     """Intrude once; return how late the alarm was, ms."""
     began = time.monotonic_ns()
     command = python("bench.ros2.audit_processes", "intrude", *INTRUSIONS[name])
-    intruder = start(scene.here, command, piped=True)
+    intruder = start(scene.testbed, command, piped=True)
     try:
-        told, _ = scene.log.wait("alarm:", began, _LIMIT_S)
+        alarm_at, _ = scene.log.wait("alarm:", began, _LIMIT_S)
         first = int(intruder.stdout.readline()) if intruder.stdout else 0
     finally:
         end(intruder, signal.SIGTERM)
-    scene.log.wait("no more:", told, _LIMIT_S)
-    return (told - first) / 1e6
+    scene.log.wait("no more:", alarm_at, _LIMIT_S)
+    return (alarm_at - first) / 1e6

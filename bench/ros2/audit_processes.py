@@ -10,14 +10,14 @@ from geometry_msgs.msg import Twist
 from bench.ros1.routes import PUBLISHER
 from bench.ros2_scene import DRIVER, FLOW, OPEN, OUT
 from rtron.guard.audit.ros2.auditor import Ros2Auditor
-from rtron.guard.core.coordinator import Host
-from rtron.guard.core.event_loop import Loop
-from rtron.guard.runner import run_host
+from rtron.guard.core.coordinator import Coordinator
+from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.runner import run_coordinator
 from rtron.guard.transport.ros2.middleware import Ros2Transport
 from rtron.planning.plan_file.loader import read_plan
-from rtron.vocabulary import streams
-from rtron.wire.ros2.discovery_tuning import announce_often
-from rtron.wire.ros2.session import Session
+from rtron.vocabulary import build_streams
+from rtron.wire.ros2.discovery_tuning import enable_fast_announcements
+from rtron.wire.ros2.session import Ros2Session
 
 _PERIOD_S = 0.001
 _SPEAK_S = 0.1
@@ -26,27 +26,27 @@ _DECODED = False
 
 def main() -> None:
     """Be the `guard` of a plan, the `app` around it, or `intrude` as a node on a topic."""
-    what, *words = sys.argv[1:]
+    what, *arguments = sys.argv[1:]
     signal.signal(signal.SIGTERM, lambda *_: sys.exit())
     if what == "guard":
-        _guard(Path(words[0]))
+        _guard(Path(arguments[0]))
         return
-    session = Session()
+    session = Ros2Session()
     try:
-        _app(session) if what == "app" else _intrude(session, *words)
+        _app(session) if what == "app" else _intrude(session, *arguments)
     finally:
         session.close()
 
 
 def _guard(path: Path) -> None:
-    announce_often()
-    plan, loop = read_plan(path), Loop()
-    transport = Ros2Transport(loop, Session())
-    host = Host(transport, streams(plan))
-    run_host(host, transport, loop, Ros2Auditor(plan, host, transport, loop))
+    enable_fast_announcements()
+    plan, loop = read_plan(path), EventLoop()
+    transport = Ros2Transport(loop, Ros2Session())
+    host = Coordinator(transport, build_streams(plan))
+    run_coordinator(host, transport, loop, Ros2Auditor(plan, host, transport, loop))
 
 
-def _app(session: Session) -> None:
+def _app(session: Ros2Session) -> None:
     """Speak as the planned publisher, listen as the successor, and say when the way is open."""
     publisher = session.node(PUBLISHER).create_publisher(Twist, FLOW, 10)
     listener = session.node(DRIVER).create_subscription(Twist, OUT, lambda _: None, 10)
@@ -61,7 +61,7 @@ def _app(session: Session) -> None:
         time.sleep(_SPEAK_S)
 
 
-def _intrude(session: Session, node: str, topic: str) -> None:
+def _intrude(session: Ros2Session, node: str, topic: str) -> None:
     """Publish a topic; say when somebody has begun to listen, and go on until told to end."""
     publisher = session.node(node).create_publisher(Twist, topic, 10)
     while not publisher.get_subscription_count():

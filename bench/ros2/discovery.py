@@ -10,60 +10,62 @@ from contextlib import ExitStack
 from statistics import median
 from typing import Any
 
-from bench.common.testbed import Site, end, python, result_of, start
+from bench.common.testbed import Testbed, end, python, result_of, start
 from bench.common.workload import RUNS
-from bench.part import Say
-from bench.ros2.app import NODES, TOPICS, app
+from bench.part import ReportProgress
+from bench.ros2.app import NODES, TOPICS, expected_app
 from figures.figure import Figure
 
 _EACH = 3
 _TRIES = 10
 
 
-def figures(here: Site, say: Say) -> Iterator[Figure]:
+def figures(testbed: Testbed, progress: ReportProgress) -> Iterator[Figure]:
     """Give the time of a read, and what it does not tell or tells wrong."""
     with ExitStack() as stack:
-        say(f"{NODES} nodes start")
-        _start(here, stack)
-        _settle(here)
+        progress(f"{NODES} nodes start")
+        _start(testbed, stack)
+        _settle(testbed)
         ours, plain = [], []
         for number in range(RUNS):
-            say(f"run {number + 1} of {RUNS}")
-            ours.append(_read(here, "ours"))
-            plain.append(_read(here, "plain"))
-    everything = len(app().nodes) + len(app().endpoints) + len(app().services)
+            progress(f"run {number + 1} of {RUNS}")
+            ours.append(_read(testbed, "ours"))
+            plain.append(_read(testbed, "plain"))
+    everything = (
+        len(expected_app().nodes) + len(expected_app().endpoints) + len(expected_app().services)
+    )
     unit = f"of {everything} entries, {TOPICS} topics"
-    faults, theirs = sum(map(_faults, ours)), median(map(_faults, plain))
+    faults, theirs = sum(map(_mismatches, ours)), median(map(_mismatches, plain))
     yield Figure("ros2.discovery_median", median(run["seconds"] for run in ours), None, "s")
     slowest = max(run["seconds"] for run in ours)
     yield Figure("ros2.discovery_slowest", slowest, None, "s", at_most=5.0)
     yield Figure("ros2.discovery_missing_or_wrong", faults, theirs, unit, at_most=0)
 
 
-def _start(here: Site, stack: ExitStack) -> None:
+def _start(testbed: Testbed, stack: ExitStack) -> None:
     """Start the app's processes, and wait until each has said that it is ready."""
     processes = []
     for first in range(0, NODES, _EACH):
         command = python("bench.ros2.app", str(first), str(_EACH))
-        processes.append(start(here, command, piped=True))
+        processes.append(start(testbed, command, piped=True))
         stack.callback(end, processes[-1])
     for process in processes:
         if process.stdout:
             process.stdout.readline()
 
 
-def _settle(here: Site) -> None:
+def _settle(testbed: Testbed) -> None:
     """Read the app until all of it is there: its nodes are busy to find each other at first."""
     for _ in range(_TRIES):
-        if not _faults(_read(here, "ours")):
+        if not _mismatches(_read(testbed, "ours")):
             return
     raise TimeoutError("the app does not start")
 
 
-def _read(here: Site, way: str) -> dict[str, Any]:
-    found: dict[str, Any] = result_of(here, python("bench.ros2.graph_reader", way))
+def _read(testbed: Testbed, reader: str) -> dict[str, Any]:
+    found: dict[str, Any] = result_of(testbed, python("bench.ros2.graph_reader", reader))
     return found
 
 
-def _faults(run: dict[str, Any]) -> int:
+def _mismatches(run: dict[str, Any]) -> int:
     return int(run["missing"] + run["wrong"])

@@ -27,25 +27,25 @@ def main() -> None:
     message = MESSAGES[args.message]
     pairs = [pair.split("=") for pair in args.publish]
     nodes = {name: node(name) for name, _ in pairs}
-    made = [
+    publishers = [
         nodes[name].create_publisher(class_of(message.type), topic, qos()) for name, topic in pairs
     ]
-    _warm_up(made, message)
-    print(json.dumps(_send(made, message, args.count, args.rate)), flush=True)
+    _warm_up(publishers, message)
+    print(json.dumps(_send(publishers, message, args.count, args.rate)), flush=True)
     sys.stdin.readline()
 
 
-def _warm_up(made: list[Any], message: Message) -> None:
+def _warm_up(publishers: list[Any], message: Message) -> None:
     while not select.select([sys.stdin], [], [], _WARM_UP_S)[0]:
-        for publisher in made:
+        for publisher in publishers:
             publisher.publish(message.stamped(time.monotonic_ns(), WARM_UP))
     sys.stdin.readline()
 
 
-def _send(made: list[Any], message: Message, count: int, rate: int) -> dict[str, float]:
+def _send(publishers: list[Any], message: Message, count: int, rate: int) -> dict[str, float]:
     start = time.monotonic_ns()
     latest = 0
-    for number, publisher in zip(range(count), cycle(made), strict=False):
+    for number, publisher in zip(range(count), cycle(publishers), strict=False):
         latest = max(latest, wait_until(start + number * _SECOND // rate))
         publisher.publish(message.stamped(time.monotonic_ns(), number))
     seconds = (time.monotonic_ns() - start) / _SECOND

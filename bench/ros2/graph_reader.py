@@ -12,8 +12,8 @@ from typing import Any
 
 import rclpy
 
-from bench.ros2.app import App, app
-from rtron.sources.live.ros2.source import Ros2Live
+from bench.ros2.app import ExpectedApp, expected_app
+from rtron.sources.live.ros2.source import Ros2LiveSource
 
 _PLAIN_S = 1.0
 _TIMEOUT_S = 30.0
@@ -24,14 +24,18 @@ def main() -> None:
     """Read the app once."""
     start = time.monotonic()
     found = _ours() if sys.argv[1] == "ours" else _plain()
-    seconds, wanted = time.monotonic() - start, app()
-    result = {"seconds": seconds, "missing": wanted.missing(found), "wrong": wanted.wrong(found)}
+    seconds, expected = time.monotonic() - start, expected_app()
+    result = {
+        "seconds": seconds,
+        "missing": expected.missing(found),
+        "wrong": expected.wrong(found),
+    }
     print(json.dumps(result), flush=True)
 
 
-def _ours() -> App:
-    graph = Ros2Live(None, _TIMEOUT_S).read()
-    return App(
+def _ours() -> ExpectedApp:
+    graph = Ros2LiveSource(None, _TIMEOUT_S).read()
+    return ExpectedApp(
         frozenset(node.name for node in graph.nodes),
         frozenset(
             (e.node, e.topic, e.direction.value, e.type) for e in graph.endpoints if not e.implicit
@@ -40,7 +44,7 @@ def _ours() -> App:
     )
 
 
-def _plain() -> App:
+def _plain() -> ExpectedApp:
     rclpy.init()
     node = rclpy.create_node("_bench_plain")
     end = time.monotonic() + _PLAIN_S
@@ -49,14 +53,14 @@ def _plain() -> App:
     nodes = set(node.get_node_names_and_namespaces()) - {("_bench_plain", "/")}
     found = [_info(node, base, space) for base, space in nodes]
     rclpy.shutdown()
-    return App(
+    return ExpectedApp(
         frozenset(f"{space.rstrip('/')}/{base}" for base, space in nodes),
         frozenset(end for each in found for end in each.endpoints),
         frozenset(service for each in found for service in each.services),
     )
 
 
-def _info(node: Any, base: str, space: str) -> App:  # noqa: ANN401 - rclpy has no types
+def _info(node: Any, base: str, space: str) -> ExpectedApp:  # noqa: ANN401 - rclpy has no types
     """Return what rclpy tells of a node; nothing if it is none any more."""
     name = f"{space.rstrip('/')}/{base}"
     with suppress(RuntimeError):
@@ -65,16 +69,18 @@ def _info(node: Any, base: str, space: str) -> App:  # noqa: ANN401 - rclpy has 
             "subscribe": node.get_subscriber_names_and_types_by_node(base, space),
         }
         services = node.get_service_names_and_types_by_node(base, space)
-        ends = (
+        endpoints = (
             (name, topic, direction, type)
             for direction, topics in sides.items()
             for topic, types in topics
             for type in types
             if topic not in _IMPLIED
         )
-        own = (service for service, types in services if types[0].startswith("std_srvs/"))
-        return App(frozenset(), frozenset(ends), frozenset((name, each) for each in own))
-    return App(frozenset(), frozenset(), frozenset())
+        service_names = (service for service, types in services if types[0].startswith("std_srvs/"))
+        return ExpectedApp(
+            frozenset(), frozenset(endpoints), frozenset((name, each) for each in service_names)
+        )
+    return ExpectedApp(frozenset(), frozenset(), frozenset())
 
 
 if __name__ == "__main__":

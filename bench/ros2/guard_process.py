@@ -8,29 +8,29 @@ from dataclasses import replace
 
 from bench.common.plans import grcn
 from bench.ros1.routes import PUBLISHER
-from rtron.guard.core.coordinator import Host
-from rtron.guard.core.event_loop import Loop
-from rtron.guard.runner import run_host
+from rtron.guard.core.coordinator import Coordinator
+from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.runner import run_coordinator
 from rtron.guard.transport.ros2.middleware import Ros2Transport
-from rtron.vocabulary import Plan, Stream, streams
-from rtron.wire.ros2.session import Session
+from rtron.vocabulary import Plan, Stream, build_streams
+from rtron.wire.ros2.session import Ros2Session
 
 
 def stream(topic: str, type: str, stages: int) -> Stream:
     """Return a stream that several GRCNs govern, each with a policy of its own."""
-    (made,) = streams(Plan(app="bench", ros=2, grcn=(grcn(topic, [PUBLISHER], type),)))
-    (first,) = made.stages
+    (planned,) = build_streams(Plan(app="bench", ros=2, grcn=(grcn(topic, [PUBLISHER], type),)))
+    (first,) = planned.stages
     more = tuple(replace(first, id=f"{first.id}_{number}") for number in range(1, stages + 1))
-    return replace(made, stages=more)
+    return replace(planned, stages=more)
 
 
 def main() -> None:
     """Guard until told to end."""
     stages, type, number = int(sys.argv[1]), sys.argv[2], int(sys.argv[3])
-    loop = Loop()
-    transport = Ros2Transport(loop, Session())
-    made = tuple(stream(f"/bench_{each}", type, stages) for each in range(number))
-    run_host(Host(transport, made), transport, loop)
+    loop = EventLoop()
+    transport = Ros2Transport(loop, Ros2Session())
+    guarded_streams = tuple(stream(f"/bench_{each}", type, stages) for each in range(number))
+    run_coordinator(Coordinator(transport, guarded_streams), transport, loop)
 
 
 if __name__ == "__main__":

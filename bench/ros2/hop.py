@@ -6,12 +6,12 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from bench.common.latency import median, p99
-from bench.common.pubsub import Load, interleave, run
-from bench.common.testbed import Site
+from bench.common.pubsub import Load, interleave, run_load
+from bench.common.testbed import Testbed
 from bench.common.workload import HOP_MESSAGES, LOAD_SECONDS, RUNS
-from bench.part import Say
+from bench.part import ReportProgress
 from bench.ros1.hop import RATE
-from bench.ros2.routes import direct, guard, relay, relays_beside
+from bench.ros2.routes import direct, guard, parallel_relays, relay
 from figures.figure import Figure
 
 FLOWS = 20
@@ -20,17 +20,17 @@ _IDLE_S = 10
 _TICKS = os.sysconf("SC_CLK_TCK")
 
 
-def figures(here: Site, say: Say) -> Iterator[Figure]:
+def figures(testbed: Testbed, progress: ReportProgress) -> Iterator[Figure]:
     """Give the latencies of the whole way, the losses under load, and what an idle guard costs."""
-    yield from _hops(here, say)
-    yield from _loads(here, say)
-    yield from _idle(here, say)
+    yield from _hops(testbed, progress)
+    yield from _loads(testbed, progress)
+    yield from _idle(testbed, progress)
 
 
-def _hops(here: Site, say: Say) -> Iterator[Figure]:
-    ways = [direct(), guard(), relay(), guard(stages=10), relay(10)]
-    runs = interleave(here, ways, Load(HOP_MESSAGES, RATE), RUNS, say)
-    none, one, peer, ten, peers = (median(runs[way.name]) for way in ways)
+def _hops(testbed: Testbed, progress: ReportProgress) -> Iterator[Figure]:
+    routes = [direct(), guard(), relay(), guard(stages=10), relay(10)]
+    runs = interleave(testbed, routes, Load(HOP_MESSAGES, RATE), RUNS, progress)
+    none, one, peer, ten, peers = (median(runs[route.name]) for route in routes)
     yield Figure("ros2.hop_whole_median", one, peer, "us", ratio_at_most=0.8)
     yield Figure("ros2.hop_whole_median_vs_direct", one, none, "us")
     yield Figure("ros2.hop_whole_p99", p99(runs["guard"]), p99(runs["relay"]), "us")
@@ -40,31 +40,33 @@ def _hops(here: Site, say: Say) -> Iterator[Figure]:
     yield Figure("ros2.hop_lost", lost["guard"], lost["relay"], "messages", at_most=0)
 
 
-def _loads(here: Site, say: Say) -> Iterator[Figure]:
+def _loads(testbed: Testbed, progress: ReportProgress) -> Iterator[Figure]:
     twists = Load(5000 * LOAD_SECONDS, 5000)
     images = Load(30 * LOAD_SECONDS, 30, message="image")
     loads = (
-        ("twists", twists, guard(number=FLOWS), relays_beside(FLOWS)),
+        ("twists", twists, guard(number=FLOWS), parallel_relays(FLOWS)),
         ("images", images, guard(type=_IMAGE), relay(message="image")),
     )
     for name, load, ours, peer in loads:
-        say(f"{name}, {LOAD_SECONDS} s each")
-        mine, theirs = run(here, ours, load), run(here, peer, load)
+        progress(f"{name}, {LOAD_SECONDS} s each")
+        mine, theirs = run_load(testbed, ours, load), run_load(testbed, peer, load)
         unit = f"messages of {load.count}"
         yield Figure(f"ros2.{name}_lost", mine.lost, theirs.lost, unit, at_most=0)
         yield Figure(f"ros2.{name}_p99", p99([mine]), p99([theirs]), "us")
         yield Figure(f"ros2.{name}_generator_late", mine.late_ms, theirs.late_ms, "ms at most")
 
 
-def _idle(here: Site, say: Say) -> Iterator[Figure]:
-    say(f"idle, {_IDLE_S} s each")
-    ours, peer = (_idle_cpu(here, way) for way in (guard(number=FLOWS), relays_beside(FLOWS)))
+def _idle(testbed: Testbed, progress: ReportProgress) -> Iterator[Figure]:
+    progress(f"idle, {_IDLE_S} s each")
+    ours, peer = (
+        _idle_cpu(testbed, route) for route in (guard(number=FLOWS), parallel_relays(FLOWS))
+    )
     yield Figure("ros2.idle_cpu", ours, peer, "% of a core", at_most=3)
 
 
-def _idle_cpu(here: Site, way) -> float:  # noqa: ANN001
+def _idle_cpu(testbed: Testbed, route) -> float:  # noqa: ANN001
     """Return the processor time of a way that nobody uses, % of a core, once it has started."""
-    with way.open(here) as process:
+    with route.open(testbed) as process:
         time.sleep(_IDLE_S / 2)
         before = _ticks(process.pid)
         time.sleep(_IDLE_S)

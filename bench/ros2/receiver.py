@@ -12,11 +12,11 @@ import time
 from functools import partial
 
 from bench.common.arguments import to_listen
-from bench.ros1.receiver import Recorder
+from bench.ros1.receiver import LatencyRecorder
 from bench.ros2.endpoints import DEPTH, class_of, node, qos
 from bench.ros2.messages import MESSAGES, WARM_UP, Message
-from rtron.guard.core.event_loop import Loop
-from rtron.guard.transport.ros2.event_fd import Bell
+from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.transport.ros2.event_fd import EventFd
 from rtron.guard.transport.ros2.rcl import Rcl
 
 _SILENCE_S = 1.0
@@ -27,13 +27,15 @@ def main() -> None:
     args = to_listen(MESSAGES, ros=2)
     signal.alarm(args.limit)
     message = MESSAGES[args.message]
-    recorder = Recorder(set(args.subscribe), args.count)
-    loop, rcl, own = Loop(), Rcl(), node(args.node)
+    recorder = LatencyRecorder(set(args.subscribe), args.count)
+    loop, rcl, receiver_node = EventLoop(), Rcl(), node(args.node)
     for topic in args.subscribe:
-        made = own.create_subscription(class_of(message.type), topic, print, qos(), raw=True)
-        take = partial(rcl.take, made.handle.pointer)
-        bell = Bell(loop, partial(_read, loop, recorder, topic, message, take, {}))
-        rcl.notify("subscription", made.handle, bell.fd)
+        subscription = receiver_node.create_subscription(
+            class_of(message.type), topic, print, qos(), raw=True
+        )
+        take = partial(rcl.take, subscription.handle.pointer)
+        wake_up = EventFd(loop, partial(_read, loop, recorder, topic, message, take, {}))
+        rcl.notify("subscription", subscription.handle, wake_up.fd)
     threading.Thread(target=_await_end, args=(loop, recorder), daemon=True).start()
     loop.run()
     print(json.dumps(recorder.result()), flush=True)
@@ -57,7 +59,7 @@ def _read(loop, recorder, topic: str, message: Message, take, last, count: int) 
             loop.stop()
 
 
-def _await_end(loop: Loop, recorder: Recorder) -> None:
+def _await_end(loop: EventLoop, recorder: LatencyRecorder) -> None:
     """Let the loop end when nothing has come for a while after the end of standard input."""
     sys.stdin.readline()
 

@@ -16,13 +16,13 @@ def main() -> None:
     """Relay until told to end."""
     message, *pairs = sys.argv[1:]
     kind = class_of(MESSAGES[message].type)
-    own = node(f"/bench_relay{pairs[0].replace('/', '_').replace('=', '_')}")
+    relay_node = node(f"/bench_relay{pairs[0].replace('/', '_').replace('=', '_')}")
     for pair in pairs:
         source, target = pair.split("=")
-        publisher = own.create_publisher(kind, target, qos())
-        own.create_subscription(kind, source, partial(_pass, publisher), qos(), raw=True)
-    executor = SingleThreadedExecutor(context=own.context)
-    executor.add_node(own)
+        publisher = relay_node.create_publisher(kind, target, qos())
+        relay_node.create_subscription(kind, source, partial(_pass, publisher), qos(), raw=True)
+    executor = SingleThreadedExecutor(context=relay_node.context)
+    executor.add_node(relay_node)
     try:
         executor.spin()
     except (KeyboardInterrupt, ExternalShutdownException):

@@ -7,26 +7,26 @@ from functools import partial
 from itertools import pairwise
 from typing import Any
 
-from bench.common.testbed import Site, python, running
-from bench.ros1.routes import PUBLISHER, Way
+from bench.common.testbed import Testbed, python, running
+from bench.ros1.routes import PUBLISHER, Route
 from rtron.vocabulary import flow_topic, output_topic
 
 
-def direct() -> Way:
+def direct() -> Route:
     """Return the way with nothing in between."""
-    return Way("direct", [f"{PUBLISHER}=/bench"], ["/bench"], ros=2)
+    return Route("direct", [f"{PUBLISHER}=/bench"], ["/bench"], ros=2)
 
 
-def relay(length: int = 1, message: str = "twist") -> Way:
+def relay(length: int = 1, message: str = "twist") -> Route:
     """Return a chain of relays, a process each."""
     topics = [f"/bench_{index}" for index in range(length + 1)]
     name = "relay" if length == 1 else f"{length} relays"
     pairs = [f"{source}={target}" for source, target in pairwise(topics)]
     opened = partial(_relays, message=message, pairs=pairs)
-    return Way(name, [f"{PUBLISHER}={topics[0]}"], [topics[-1]], opened, ros=2)
+    return Route(name, [f"{PUBLISHER}={topics[0]}"], [topics[-1]], opened, ros=2)
 
 
-def relays_beside(number: int) -> Way:
+def parallel_relays(number: int) -> Route:
     """Return one relay of many topics."""
     topics = [f"/bench_{index}" for index in range(number)]
     pairs = [f"{topic}={topic}/out" for topic in topics]
@@ -34,14 +34,14 @@ def relays_beside(number: int) -> Way:
     outputs = [f"{topic}/out" for topic in topics]
     inputs = [f"{PUBLISHER}={topic}" for topic in topics]
     opened = partial(running, command=command, stop=signal.SIGINT)
-    return Way("relay", inputs, outputs, opened, ros=2)
+    return Route("relay", inputs, outputs, opened, ros=2)
 
 
-def guard(stages: int = 1, type: str = "geometry_msgs/msg/Twist", number: int = 1) -> Way:
+def guard(stages: int = 1, type: str = "geometry_msgs/msg/Twist", number: int = 1) -> Route:
     """Return the way through the guard: `number` topics, through `stages` coordination nodes."""
     topics = [f"/bench_{index}" for index in range(number)]
     command = python("bench.ros2.guard_process", str(stages), type, str(number))
-    return Way(
+    return Route(
         "guard" if stages == 1 else f"{stages} nodes",
         [f"{PUBLISHER}={flow_topic(topic, 'flow1')}" for topic in topics],
         [output_topic(topic) for topic in topics],
@@ -51,11 +51,11 @@ def guard(stages: int = 1, type: str = "geometry_msgs/msg/Twist", number: int = 
 
 
 @contextmanager
-def _relays(here: Site, message: str, pairs: list[str]) -> Iterator[Any]:
+def _relays(testbed: Testbed, message: str, pairs: list[str]) -> Iterator[Any]:
     with ExitStack() as stack:
         started = [
             stack.enter_context(
-                running(here, python("bench.ros2.relay", message, pair), signal.SIGINT)
+                running(testbed, python("bench.ros2.relay", message, pair), signal.SIGINT)
             )
             for pair in pairs
         ]

@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from bench.service.service_process import Served, rtron
+from bench.service.service_process import ServiceProcess, rtron_command
 from figures.figure import Figure
 
 _AT_MOST_MS = 1000.0
@@ -38,7 +38,10 @@ def page_loads(folder: Path, database: Path, unit: str) -> Iterator[Figure]:
     """Give how long each view takes; without Chromium nothing."""
     if not (shutil.which("chromium") and shutil.which("chromedriver")):
         return
-    with Served(folder, database, "--log-level", "warning") as service, _browser() as browser:
+    with (
+        ServiceProcess(folder, database, "--log-level", "warning") as service,
+        _browser() as browser,
+    ):
         _log_in(service, browser)
         for name, (view, selector) in _VIEWS.items():
             spent = [_load(browser, f"{service.url}/#/{view}", selector) for _ in range(_LOADS)]
@@ -46,11 +49,11 @@ def page_loads(folder: Path, database: Path, unit: str) -> Iterator[Figure]:
             yield Figure(f"console.{name}", took, None, unit, at_most=_AT_MOST_MS)
 
 
-def _log_in(service: Served, browser: Any) -> None:  # noqa: ANN401 - selenium has no types
+def _log_in(service: ServiceProcess, browser: Any) -> None:  # noqa: ANN401 - selenium has no types
     password = service.folder / "viewer.password"
     words = ["user", "add", "viewer", "--role", "admin", "--role", "developer"]
     words += ["--password-file", str(password), "--database", service.database]
-    subprocess.run(rtron(*words), check=True, capture_output=True)
+    subprocess.run(rtron_command(*words), check=True, capture_output=True)
     browser.get(service.url)
     _wait(browser, "input[name=password]")
     browser.find_element("css selector", "input[name=name]").send_keys("viewer")

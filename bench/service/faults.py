@@ -17,12 +17,12 @@ from http.client import HTTPException
 from typing import Any
 from urllib.error import URLError
 
-from bench.common.testbed import Site
+from bench.common.testbed import Testbed
 from bench.common.workload import KILLS
 from bench.guard import guard_pid
-from bench.part import Say
-from bench.service.link import NOISE, ROBOT, guarding
-from bench.service.service_process import Served
+from bench.part import ReportProgress
+from bench.service.link import NOISE, ROBOT, run_guard_with_noise
+from bench.service.service_process import ServiceProcess
 from figures.figure import Figure
 
 _WINDOW_S = 0.1
@@ -31,12 +31,12 @@ _SEED = 6
 
 
 @dataclass(slots=True)
-class _Asked:
+class _AcknowledgedSettings:
     """The settings that were acknowledged: the limit by revision."""
 
     acknowledged: dict[int, float] = field(default_factory=dict)
 
-    def change(self, service: Served, limit: float) -> None:
+    def change(self, service: ServiceProcess, limit: float) -> None:
         """Ask for a limit; what is not acknowledged may be in force or not."""
         try:
             view = service.change(ROBOT, {"rsrcn": {"max_vel_limit": limit}})
@@ -53,64 +53,73 @@ class _Asked:
         return sum(stored.get(revision) != limit for revision, limit in self.acknowledged.items())
 
 
-def figures(here: Site, say: Say) -> Iterator[Figure]:
+def figures(testbed: Testbed, progress: ReportProgress) -> Iterator[Figure]:
     """Kill, and give what was lost."""
-    chance, asked = random.Random(_SEED), _Asked()
+    chance, settings = random.Random(_SEED), _AcknowledgedSettings()
     with ExitStack() as stack:
-        service = stack.enter_context(Served(here.folder, "", "--log-level", "warning"))
-        token = service.token(ROBOT, "guard", robot=ROBOT)
-        stack.enter_context(guarding(here, service, token))
+        service = stack.enter_context(ServiceProcess(testbed.folder, "", "--log-level", "warning"))
+        token = service.create_token(ROBOT, "guard", robot=ROBOT)
+        stack.enter_context(run_guard_with_noise(testbed, service, token))
         _wait(lambda: _connected(service), "the guard")
         for number in range(1, KILLS + 1):
-            say(f"kill {number} of {KILLS}")
-            _kill_service(service, asked, chance)
-            _kill_guard(here, service, asked, chance)
+            progress(f"kill {number} of {KILLS}")
+            _kill_service(service, settings, chance)
+            _kill_guard(testbed, service, settings, chance)
         _wait(lambda: _connected(service), "the guard")
-        last = asked.acknowledged[max(asked.acknowledged)]
-        asked.change(service, last)
+        last = settings.acknowledged[max(settings.acknowledged)]
+        settings.change(service, last)
         _wait(lambda: _applied(service), "the last settings in force")
-    yield from _found(service.database, asked)
+    yield from _loss_figures(service.database, settings)
 
 
-def _kill_service(service: Served, asked: _Asked, chance: random.Random) -> None:
+def _kill_service(
+    service: ServiceProcess, settings: _AcknowledgedSettings, chance: random.Random
+) -> None:
     time.sleep(chance.uniform(0.0, 0.5))
-    asked.change(service, chance.uniform(0.2, 0.9))
+    settings.change(service, chance.uniform(0.2, 0.9))
     time.sleep(chance.uniform(0.0, 0.05))
     service.stop(signal.SIGKILL)
     time.sleep(chance.uniform(0.0, 0.5))
     service.start()
 
 
-def _kill_guard(here: Site, service: Served, asked: _Asked, chance: random.Random) -> None:
-    master = here.environ["ROS_MASTER_URI"]
+def _kill_guard(
+    testbed: Testbed,
+    service: ServiceProcess,
+    settings: _AcknowledgedSettings,
+    chance: random.Random,
+) -> None:
+    master = testbed.environ["ROS_MASTER_URI"]
     time.sleep(chance.uniform(0.0, 1.0))
-    asked.change(service, chance.uniform(0.2, 0.9))
+    settings.change(service, chance.uniform(0.2, 0.9))
     time.sleep(chance.uniform(0.0, 0.05))
     before = guard_pid(master)
     os.kill(before, signal.SIGKILL)
     _wait(lambda: guard_pid(master) not in (0, before), "the next guard")
 
 
-def _found(database: str, asked: _Asked) -> Iterator[Figure]:
+def _loss_figures(database: str, settings: _AcknowledgedSettings) -> Iterator[Figure]:
     runs = _rows(database, "SELECT run, count(*), max(number) FROM events GROUP BY run")
-    told = _rows(
+    reported_losses = _rows(
         database, "SELECT json_extract(\"values\", '$.events') FROM events WHERE kind='lost'"
     )
     names = _rows(database, "SELECT count(DISTINCT run || ':' || number), count(*) FROM events")[0]
-    unit = f"of {len(asked.acknowledged)} acknowledged settings, {2 * KILLS} kills"
-    yield Figure("faults.settings_lost", asked.lost(database), None, unit, at_most=0)
+    unit = f"of {len(settings.acknowledged)} acknowledged settings, {2 * KILLS} kills"
+    yield Figure("faults.settings_lost", settings.lost(database), None, unit, at_most=0)
     holes = sum(most - count for _, count, most in runs)
     yield Figure("faults.events_missing", holes, None, f"of {names[1]:,} events", at_most=0)
     twice = names[1] - names[0]
     yield Figure("faults.events_twice", twice, None, f"of {names[1]:,} events", at_most=0)
-    worst = max((count for (count,) in told), default=0)
+    worst = max((count for (count,) in reported_losses), default=0)
     allowed = _WINDOW_S * NOISE + 1
-    wanted = KILLS * NOISE
-    yield Figure("faults.events", names[1], None, "events, so the load was there", at_least=wanted)
+    expected_events = KILLS * NOISE
+    yield Figure(
+        "faults.events", names[1], None, "events, so the load was there", at_least=expected_events
+    )
     unit = f"events told as lost with one guard ({NOISE} a second)"
     yield Figure("faults.crash_window", worst, None, unit, at_most=allowed)
-    lives = sum(not run.startswith("link-") for run, _, _ in runs)
-    yield Figure("faults.lives", lives, None, "lives of the guard", at_least=KILLS + 1)
+    guard_runs = sum(not run.startswith("link-") for run, _, _ in runs)
+    yield Figure("faults.lives", guard_runs, None, "lives of the guard", at_least=KILLS + 1)
 
 
 def _rows(database: str, query: str) -> list[tuple[Any, ...]]:
@@ -118,13 +127,13 @@ def _rows(database: str, query: str) -> list[tuple[Any, ...]]:
         return connection.execute(query).fetchall()
 
 
-def _connected(service: Served) -> bool:
+def _connected(service: ServiceProcess) -> bool:
     robot = service.state(ROBOT)
     return bool(robot and robot["connected"])
 
 
-def _applied(service: Served) -> bool:
-    return bool(service.ask(f"/api/v1/robots/{ROBOT}/settings")["outcome"] == "applied")
+def _applied(service: ServiceProcess) -> bool:
+    return bool(service.request(f"/api/v1/robots/{ROBOT}/settings")["outcome"] == "applied")
 
 
 def _wait(condition: Callable[[], object], what: str) -> None:

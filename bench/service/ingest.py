@@ -15,18 +15,18 @@ from pathlib import Path
 from typing import Any
 
 from bench.common.latency import quantile
-from bench.common.testbed import Site, end, python, start
+from bench.common.testbed import Testbed, end, python, start
 from bench.common.workload import INGEST_SECONDS, INGESTED
 from bench.ingesting import FILE
-from bench.part import Say
+from bench.part import ReportProgress
 from bench.service.console import page_loads
 from bench.service.ingest_processes import batches
 from figures.figure import Figure
 from rtron.service.store.database import Database
 from rtron.service.store.event_pages import EventFilter, event_page
-from rtron.service.store.event_rows import row
-from rtron.service.store.time_series import figures as stored_figures
-from rtron.vocabulary import Level
+from rtron.service.store.event_rows import event_row
+from rtron.service.store.time_series import robot_time_series as stored_figures
+from rtron.vocabulary import GuardEventLevel
 
 _ROBOTS = 4
 _AT_LEAST = 5000
@@ -35,21 +35,21 @@ _MEMORY_MB = 300
 _ROWS = 2000
 _PAGES = {
     "newest": EventFilter(),
-    "errors": EventFilter(level=Level.ERROR),
+    "errors": EventFilter(level=GuardEventLevel.ERROR),
     "text": EventFilter(text="nobody said that"),
 }
 _HOUR = 3_600_000_000_000
 
 
-def figures(here: Site, say: Say) -> Iterator[Figure]:
+def figures(testbed: Testbed, progress: ReportProgress) -> Iterator[Figure]:
     """Give the sustained rate, the peak of memory, the time of a batch, and the time of pages."""
-    folder = here.folder / "ingest"
+    folder = testbed.folder / "ingest"
     folder.mkdir()
-    with _service(here, folder) as (process, told):
-        say(f"{INGESTED:,} events from {_ROBOTS} guards")
-        result = _load(here, told)
+    with _service(testbed, folder) as (process, server_info):
+        progress(f"{INGESTED:,} events from {_ROBOTS} guards")
+        result = _load(testbed, server_info)
         peak = _peak(process.pid)
-    say(f"{INGESTED:,} rows by sqlite3 alone")
+    progress(f"{INGESTED:,} rows by sqlite3 alone")
     rate, bound = result["stored"] / result["seconds"], _plain_rate(folder)
     yield Figure("ingest.rate", rate, bound, "events/s (more is better)", at_least=_AT_LEAST)
     yield Figure("ingest.lost", INGESTED - result["stored"], None, "events", at_most=0)
@@ -57,17 +57,19 @@ def figures(here: Site, say: Say) -> Iterator[Figure]:
     delays = sorted(result["delays_ns"])
     for name, part in (("median", 0.5), ("p99", 0.99)):
         yield Figure(f"ingest.batch_{name}", quantile(delays, part) / 1e3, None, "ms till stored")
-    say("pages")
+    progress("pages")
     yield from _pages(folder)
-    say("the console")
+    progress("the console")
     yield from page_loads(folder, folder / FILE, f"ms with {INGESTED:,} events")
 
 
 @contextmanager
-def _service(here: Site, folder: Path) -> Iterator[tuple[subprocess.Popen[str], dict[str, Any]]]:
+def _service(
+    testbed: Testbed, folder: Path
+) -> Iterator[tuple[subprocess.Popen[str], dict[str, Any]]]:
     """Run the service; give its process, and its port and tokens."""
     command = python("bench.ingesting", str(folder), str(_ROBOTS))
-    process = start(here, command, piped=True)
+    process = start(testbed, command, piped=True)
     try:
         assert process.stdout
         yield process, json.loads(process.stdout.readline())
@@ -75,13 +77,16 @@ def _service(here: Site, folder: Path) -> Iterator[tuple[subprocess.Popen[str], 
         end(process)
 
 
-def _load(here: Site, told: dict[str, Any]) -> dict[str, Any]:
+def _load(testbed: Testbed, server_info: dict[str, Any]) -> dict[str, Any]:
     command = python(
-        "bench.service.ingest_processes", str(told["port"]), str(INGESTED), str(INGEST_SECONDS)
+        "bench.service.ingest_processes",
+        str(server_info["port"]),
+        str(INGESTED),
+        str(INGEST_SECONDS),
     )
-    process = start(here, command, piped=True)
+    process = start(testbed, command, piped=True)
     try:
-        printed = process.communicate(json.dumps(told["tokens"]))[0]
+        printed = process.communicate(json.dumps(server_info["tokens"]))[0]
     finally:
         end(process)
     result: dict[str, Any] = json.loads(printed)
@@ -121,7 +126,7 @@ def _rows() -> Iterator[list[dict[str, Any]]]:
     waiting: list[dict[str, Any]] = []
     for robot in range(_ROBOTS):
         for batch in batches(f"robot{robot}", INGESTED // _ROBOTS):
-            found = (row(robot + 1, 0, event) for event in batch)
+            found = (event_row(robot + 1, 0, event) for event in batch)
             waiting += [each | {"values": json.dumps(each["values"])} for each in found]
             if len(waiting) >= _ROWS:
                 yield waiting
@@ -134,9 +139,9 @@ def _pages(folder: Path) -> Iterator[Figure]:
     """Give how long the API's queries take on what is stored."""
     database = Database(folder / FILE)
     unit = f"ms of {INGESTED:,} events"
-    for name, wanted in _PAGES.items():
+    for name, event_filter in _PAGES.items():
         with database.session() as session:
-            spent = _ms(lambda: event_page(session, wanted))  # noqa: B023 - called at once
+            spent = _ms(lambda: event_page(session, event_filter))  # noqa: B023 - called at once
         yield Figure(f"ingest.page_{name}", spent, None, unit, at_most=_PAGE_MS)
     with database.session() as session:
         now = time.time_ns()

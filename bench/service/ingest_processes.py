@@ -15,8 +15,14 @@ from collections.abc import Iterator
 from websockets.asyncio.client import ClientConnection, connect
 
 from bench.common.plans import grcn
-from rtron.vocabulary import Decision, EventKind, GuardEvent, Level, Plan, PolicyName
-from rtron.wire.common.link_protocol import Events, Hello, Stored, guard_bytes, to_guard
+from rtron.vocabulary import Decision, EventKind, GuardEvent, GuardEventLevel, Plan, PolicyName
+from rtron.wire.common.link_protocol import (
+    Events,
+    Hello,
+    Stored,
+    decode_to_guard,
+    encode_from_guard,
+)
 
 BATCH = 500
 _IN_FLIGHT = 4000
@@ -41,7 +47,7 @@ def main() -> None:
 
 
 async def _all(port: int, tokens: dict[str, str], count: int, limit: int) -> dict[str, object]:
-    guards = [_Guard(robot, count // len(tokens)) for robot in tokens]
+    guards = [SimulatedGuard(robot, count // len(tokens)) for robot in tokens]
     url = f"ws://127.0.0.1:{port}/link/v1"
     works = [guard.send(url, tokens[guard.robot]) for guard in guards]
     start = time.perf_counter()
@@ -56,7 +62,7 @@ async def _all(port: int, tokens: dict[str, str], count: int, limit: int) -> dic
     }
 
 
-class _Guard:
+class SimulatedGuard:
     """One guard; `stored` is up to where its events are safe."""
 
     def __init__(self, robot: str, count: int) -> None:
@@ -73,10 +79,10 @@ class _Guard:
         async with connect(url, additional_headers=headers, compression=None, proxy=None) as socket:
             plan = Plan(app="bench", ros=1, grcn=(grcn("/cmd_vel", ["/nav", "/joy"]),))
             hello = Hello(app="bench", plan=plan, run=self.robot, began=0, version="bench")
-            await socket.send(guard_bytes(hello), text=True)
+            await socket.send(encode_from_guard(hello), text=True)
             await self._fill(socket)
             while self.stored < self._count:
-                self._heard(to_guard(await socket.recv()))
+                self._handle_reply(decode_to_guard(await socket.recv()))
                 await self._fill(socket)
 
     async def _fill(self, socket: ClientConnection) -> None:
@@ -84,9 +90,9 @@ class _Guard:
             batch = next(self._batches)
             self._number = batch[-1].number
             self._sent.append((self._number, time.perf_counter_ns()))
-            await socket.send(guard_bytes(Events(events=batch)), text=True)
+            await socket.send(encode_from_guard(Events(events=batch)), text=True)
 
-    def _heard(self, message: object) -> None:
+    def _handle_reply(self, message: object) -> None:
         if not isinstance(message, Stored):
             return
         self.stored = message.number
@@ -116,7 +122,7 @@ def _event(robot: str, number: int, at: int) -> GuardEvent:
         number=number,
         at=at,
         kind=EventKind.VERDICT,
-        level=Level.WARNING if number % 10 == 2 else Level.INFO,
+        level=GuardEventLevel.WARNING if number % 10 == 2 else GuardEventLevel.INFO,
         node=node,
         topic=topic,
         flow="flow2",

@@ -14,12 +14,12 @@ from pathlib import Path
 from bench.common.latency import median, quantile, typical_p99
 from bench.common.plans import SUBSCRIBER, TWIST, grcn
 from bench.common.pubsub import Load, interleave
-from bench.common.testbed import Site, python, running
+from bench.common.testbed import Testbed, python, running
 from bench.common.workload import CHANGES, HOP_MESSAGES, RUNS
-from bench.part import Say
+from bench.part import ReportProgress
 from bench.ros1.noise import NODE
-from bench.ros1.routes import PUBLISHER, Way, direct
-from bench.service.service_process import Served
+from bench.ros1.routes import PUBLISHER, Route, direct
+from bench.service.service_process import ServiceProcess
 from figures.figure import Figure
 from rtron.planning.plan_file.writer import write_plan
 from rtron.vocabulary import (
@@ -43,17 +43,23 @@ _WORSE = 1.1
 _PATIENCE_S = 30.0
 
 
-def figures(here: Site, say: Say) -> Iterator[Figure]:
+def figures(testbed: Testbed, progress: ReportProgress) -> Iterator[Figure]:
     """Give the hop's latency with the link and without, the events stored, and the settings."""
-    with Served(here.folder, "", "--log-level", "warning", idle=True) as service:
-        token = service.token(ROBOT, "guard", robot=ROBOT)
-        yield from _hop(here, say, service, token)
-        yield from _settings(here, say, service, token)
+    with ServiceProcess(testbed.folder, "", "--log-level", "warning", idle=True) as service:
+        token = service.create_token(ROBOT, "guard", robot=ROBOT)
+        yield from _hop(testbed, progress, service, token)
+        yield from _settings(testbed, progress, service, token)
 
 
-def _hop(here: Site, say: Say, service: Served, token: Path) -> Iterator[Figure]:
-    ways = [direct(), _way("linked", service, token), _way("unlinked", service, None)]
-    found = interleave(here, ways, Load(HOP_MESSAGES, _HOP), RUNS, say)
+def _hop(
+    testbed: Testbed, progress: ReportProgress, service: ServiceProcess, token: Path
+) -> Iterator[Figure]:
+    routes = [
+        direct(),
+        _link_route("linked", service, token),
+        _link_route("unlinked", service, None),
+    ]
+    found = interleave(testbed, routes, Load(HOP_MESSAGES, _HOP), RUNS, progress)
     for name, statistic in (("median", median), ("typical_p99", typical_p99)):
         none = statistic(found["direct"])
         ours, peer = statistic(found["linked"]) - none, statistic(found["unlinked"]) - none
@@ -61,18 +67,20 @@ def _hop(here: Site, say: Say, service: Served, token: Path) -> Iterator[Figure]
         yield Figure(f"link.hop_{name}", ours, peer, unit, at_most=_WORSE * peer)
     lost = {name: sum(run.lost for run in runs) for name, runs in found.items()}
     yield Figure("link.hop_lost", lost["linked"], lost["unlinked"], "messages", at_most=0)
-    stored = service.ask(f"/api/v1/events?robot={ROBOT}&limit=1")["events"][0]["id"]
-    wanted = 0.8 * RUNS * HOP_MESSAGES / _HOP * NOISE
-    yield Figure("link.events_meanwhile", stored, None, "events", at_least=wanted)
+    stored = service.request(f"/api/v1/events?robot={ROBOT}&limit=1")["events"][0]["id"]
+    expected_events = 0.8 * RUNS * HOP_MESSAGES / _HOP * NOISE
+    yield Figure("link.events_meanwhile", stored, None, "events", at_least=expected_events)
 
 
-def _settings(here: Site, say: Say, service: Served, token: Path) -> Iterator[Figure]:
+def _settings(
+    testbed: Testbed, progress: ReportProgress, service: ServiceProcess, token: Path
+) -> Iterator[Figure]:
     """Give how long it takes from asking for a change until the guard's word is stored."""
     took = []
-    with guarding(here, service, token):
+    with run_guard_with_noise(testbed, service, token):
         _wait_for(service, lambda robot: robot["connected"])
         for number in range(CHANGES):
-            say(f"settings, change {number + 1} of {CHANGES}")
+            progress(f"settings, change {number + 1} of {CHANGES}")
             began = time.time_ns()
             nodes = {"rsrcn": {"max_vel_limit": 0.3 + number / CHANGES}}
             revision = service.change(ROBOT, nodes)["revision"]
@@ -83,11 +91,11 @@ def _settings(here: Site, say: Say, service: Served, token: Path) -> Iterator[Fi
     yield Figure("settings.p99", quantile(took, 0.99) / 1e3, None, unit, at_most=_ACKNOWLEDGED_MS)
 
 
-def _answered(service: Served, revision: int) -> int:
+def _answered(service: ServiceProcess, revision: int) -> int:
     """Return when the guard's word on a revision was stored, ns."""
     deadline = time.monotonic() + _PATIENCE_S
     while time.monotonic() < deadline:
-        view = service.ask(f"/api/v1/robots/{ROBOT}/settings")
+        view = service.request(f"/api/v1/robots/{ROBOT}/settings")
         if view["revision"] == revision and view["outcome"] != "pending":
             if view["outcome"] != "applied":
                 raise ValueError(f"revision {revision}: {view['error']}")
@@ -96,7 +104,7 @@ def _answered(service: Served, revision: int) -> int:
     raise TimeoutError(f"revision {revision} is not acknowledged")
 
 
-def _wait_for(service: Served, condition: object) -> None:
+def _wait_for(service: ServiceProcess, condition: object) -> None:
     deadline = time.monotonic() + _PATIENCE_S
     while not ((robot := service.state(ROBOT)) and condition(robot)):  # type: ignore[operator]
         if time.monotonic() > deadline:
@@ -104,25 +112,29 @@ def _wait_for(service: Served, condition: object) -> None:
         time.sleep(0.02)
 
 
-def _way(name: str, service: Served, token: Path | None) -> Way:
+def _link_route(name: str, service: ServiceProcess, token: Path | None) -> Route:
     inputs = [f"{PUBLISHER}={flow_topic('/cmd_vel', 'flow1')}"]
     outputs = [output_topic("/cmd_vel")]
-    return Way(name, inputs, outputs, lambda here: guarding(here, service, token))
+    return Route(
+        name, inputs, outputs, lambda testbed: run_guard_with_noise(testbed, service, token)
+    )
 
 
 @contextmanager
-def guarding(here: Site, service: Served, token: Path | None) -> Iterator[None]:
+def run_guard_with_noise(
+    testbed: Testbed, service: ServiceProcess, token: Path | None
+) -> Iterator[None]:
     """Run the guard and the noise, with the link if there is a token."""
-    path = here.folder / "link.yaml"
+    path = testbed.folder / "link.yaml"
     path.write_text(write_plan(_plan()), encoding="utf-8")
     command = python("rtron", "guard", "--plan", str(path), "--log-level", "warning")
     if token:
         command += ["--service", service.url, "--token-file", str(token), "--robot", ROBOT]
-        command += ["--state", str(here.folder / "state")]
+        command += ["--state", str(testbed.folder / "state")]
     noise = python("bench.ros1.noise", flow_topic(NOISY, "vflow1"), str(NOISE))
     with ExitStack() as stack:
-        stack.enter_context(running(here, command))
-        stack.enter_context(running(here, noise))
+        stack.enter_context(running(testbed, command))
+        stack.enter_context(running(testbed, noise))
         yield
 
 

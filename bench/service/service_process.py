@@ -23,7 +23,7 @@ _CALL_S = 30.0
 _PAUSE_S = 0.02
 
 
-class Served:
+class ServiceProcess:
     """`rtron serve` on a port of its own; it can be killed and started again on the same data."""
 
     def __init__(
@@ -41,7 +41,9 @@ class Served:
 
     def __enter__(self) -> Self:
         self.start()
-        self._token = self.token("measuring", "read", "developer", "end_user", "admin").read_text()
+        self._token = self.create_token(
+            "measuring", "read", "developer", "end_user", "admin"
+        ).read_text()
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -62,10 +64,15 @@ class Served:
         self._starts += 1
         is_new = not Path(self.database).exists()
         log = self.folder / f"serve{self._starts}.log"
-        words = ["serve", "--database", self.database, "--port", str(self.port)]
+        arguments = ["serve", "--database", self.database, "--port", str(self.port)]
         with log.open("wb") as output:
             self._process = subprocess.Popen(
-                ["chrt", "--idle" if self._idle else "--other", "0", *rtron(*words, *self._more)],
+                [
+                    "chrt",
+                    "--idle" if self._idle else "--other",
+                    "0",
+                    *rtron_command(*arguments, *self._more),
+                ],
                 stdout=output,
                 stderr=subprocess.STDOUT,
             )
@@ -84,16 +91,18 @@ class Served:
                 self._process.kill()
                 self._process.wait()
 
-    def token(self, name: str, *scopes: str, robot: str = "") -> Path:
+    def create_token(self, name: str, *scopes: str, robot: str = "") -> Path:
         """Make a token and return the file that it stands in."""
         path = self.folder / f"{name}.token"
-        words = [word for scope in scopes for word in ("--scope", scope)]
-        words += ["--robot", robot] if robot else []
-        words += ["--token-file", str(path), "--database", self.database]
-        subprocess.run(rtron("token", "create", name, *words), check=True, capture_output=True)
+        options = [word for scope in scopes for word in ("--scope", scope)]
+        options += ["--robot", robot] if robot else []
+        options += ["--token-file", str(path), "--database", self.database]
+        subprocess.run(
+            rtron_command("token", "create", name, *options), check=True, capture_output=True
+        )
         return path
 
-    def ask(self, path: str, method: str = "GET", body: object = None, token: str = "") -> Any:  # noqa: ANN401
+    def request(self, path: str, method: str = "GET", body: object = None, token: str = "") -> Any:  # noqa: ANN401
         """Return what the API answers, as JSON; HTTPError if it is no."""
         request = Request(f"{self.url}{path}", method=method)
         request.add_header("Authorization", f"Bearer {(token or self._token).strip()}")
@@ -106,14 +115,14 @@ class Served:
 
     def change(self, robot: str, nodes: object, reason: str = "a test") -> Any:  # noqa: ANN401
         """Change settings on top of the newest; return the new ones."""
-        newest = self.ask(f"/api/v1/robots/{robot}/settings")["revision"]
+        newest = self.request(f"/api/v1/robots/{robot}/settings")["revision"]
         body = {"revision": newest, "nodes": nodes, "reason": reason}
-        return self.ask(f"/api/v1/robots/{robot}/settings", "PATCH", body)
+        return self.request(f"/api/v1/robots/{robot}/settings", "PATCH", body)
 
     def state(self, robot: str) -> Any:  # noqa: ANN401
         """Return what is so now on a robot; None while nobody knows."""
         try:
-            found = self.ask(f"/api/v1/robots/{robot}")
+            found = self.request(f"/api/v1/robots/{robot}")
         except HTTPError as error:
             error.close()
             return None
@@ -129,9 +138,9 @@ class Served:
             return False
 
 
-def rtron(*words: str) -> list[str]:
-    """Return the command line of this Python's `rtron`."""
-    return [sys.executable, "-m", "rtron", *words]
+def rtron_command(*arguments: str) -> list[str]:
+    """Return the command line of this Python's `rtron_command`."""
+    return [sys.executable, "-m", "rtron", *arguments]
 
 
 def _wait(condition: Callable[[], T], what: str) -> T:
@@ -149,7 +158,7 @@ def _free_port() -> int:
         return int(free.getsockname()[1])
 
 
-def environ_of(service: Served, token: Path, robot: str, state: Path) -> dict[str, str]:
+def environ_of(service: ServiceProcess, token: Path, robot: str, state: Path) -> dict[str, str]:
     """Return what a guard's environment says of the service."""
     named = {"RTRON_SERVICE": service.url, "RTRON_TOKEN_FILE": str(token), "RTRON_ROBOT": robot}
     return {**os.environ, **named, "XDG_STATE_HOME": str(state)}

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 
-class AbsentError(Exception):
+class MissingDatasetError(Exception):
     """What a part needs is not here."""
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class Datasets:
     """The folder of apps and that of the data; None where the environment names none."""
 
     apps: Path | None
@@ -22,7 +22,7 @@ class Place:
         folders = [self._apps() / name for name in names]
         missing = [folder.name for folder in folders if not folder.is_dir()]
         if missing:
-            raise AbsentError(f"RTRON_APPS lacks {', '.join(missing)}")
+            raise MissingDatasetError(f"RTRON_APPS lacks {', '.join(missing)}")
         return folders
 
     def present(self, names: Iterable[str]) -> list[Path]:
@@ -43,19 +43,21 @@ class Place:
 
     def _file(self, folder: str, name: str) -> Path:
         if self.data is None:
-            raise AbsentError(f"RTRON_DATA names no folder that holds {folder}/")
+            raise MissingDatasetError(f"RTRON_DATA names no folder that holds {folder}/")
         path = self.data / folder / name
         if not path.is_file():
-            raise AbsentError(f"RTRON_DATA lacks {folder}/{name}")
+            raise MissingDatasetError(f"RTRON_DATA lacks {folder}/{name}")
         return path
 
     def _apps(self) -> Path:
         if self.apps is None or not self.apps.is_dir():
-            raise AbsentError("RTRON_APPS names no folder of apps")
+            raise MissingDatasetError("RTRON_APPS names no folder of apps")
         return self.apps
 
 
-def place(environ: Mapping[str, str] = os.environ) -> Place:
+def datasets_from_environ(environ: Mapping[str, str] = os.environ) -> Datasets:
     """Return the folders that the environment names."""
     apps, data = environ.get("RTRON_APPS"), environ.get("RTRON_DATA")
-    return Place(Path(apps).absolute() if apps else None, Path(data).absolute() if data else None)
+    return Datasets(
+        Path(apps).absolute() if apps else None, Path(data).absolute() if data else None
+    )

@@ -4,19 +4,19 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from evaluation.common.datasets import AbsentError, Place
-from evaluation.demo_runs import markdown
-from evaluation.part import Tell
+from evaluation.common.datasets import Datasets, MissingDatasetError
+from evaluation.demo_runs import runs_page
+from evaluation.part import Reporter
 from figures.figure import Figure
 from rtron.demos.cases import CASES
-from rtron.demos.experiment.adaptation import Adaptation, adaptations
-from rtron.demos.experiment.demonstration import Wish, demonstrate
+from rtron.demos.experiment.adaptation import SlowdownResult, measure_adaptations
+from rtron.demos.experiment.demonstration import DemoRequest, run_demo
 from rtron.demos.experiment.study import Study
-from rtron.demos.experiment.wanted import Tell as TellStudy
-from rtron.demos.metrics.case_run import Run, Variant
-from rtron.demos.runtime.environment import begun
-from rtron.demos.runtime.instrumentation import Pipeline
-from rtron.demos.runtime.ros_installation import lacking
+from rtron.demos.experiment.wanted import ProgressListener as TellStudy
+from rtron.demos.metrics.case_run import CaseRun, Variant
+from rtron.demos.runtime.environment import demo_environment
+from rtron.demos.runtime.instrumentation import InstrumentationPipeline
+from rtron.demos.runtime.ros_installation import missing_requirements
 
 WORLDS = 20
 SPEED = 3.0
@@ -27,59 +27,62 @@ _ENOUGH = 19
 _SEEDS = range(1, WORLDS + 1)
 
 
-def figures(_here: Place, tell: Tell) -> Iterator[Figure]:
+def figures(_datasets: Datasets, reporter: Reporter) -> Iterator[Figure]:
     """Run all cases on each ROS that is there, and write the page of all runs."""
-    present = [ros for ros, lacks in lacking().items() if not lacks]
+    present = [ros for ros, lacks in missing_requirements().items() if not lacks]
     if not present:
-        raise AbsentError("there is neither ROS 1 nor ROS 2")
-    runs: list[Run] = []
-    slowed: dict[int, list[Adaptation]] = {}
+        raise MissingDatasetError("there is neither ROS 1 nor ROS 2")
+    runs: list[CaseRun] = []
+    slowed: dict[int, list[SlowdownResult]] = {}
     for ros in present:
-        own = _studied(ros, tell)
-        runs += own
-        yield from _of_ros(ros, own)
-        tell.progress(f"ROS {ros}: how soon the robot adapts")
+        ros_runs = _studied(ros, reporter)
+        runs += ros_runs
+        yield from _of_ros(ros, ros_runs)
+        reporter.progress(f"ROS {ros}: how soon the robot adapts")
         slowed[ros] = _adapted(ros)
         yield from figures_of_adaptations(ros, slowed[ros])
         PAGE.parent.mkdir(parents=True, exist_ok=True)
-        PAGE.write_text(markdown(runs, slowed), encoding="utf-8")
+        PAGE.write_text(runs_page(runs, slowed), encoding="utf-8")
 
 
-def _studied(ros: int, tell: Tell) -> list[Run]:
-    found: list[Run] = []
+def _studied(ros: int, reporter: Reporter) -> list[CaseRun]:
+    found: list[CaseRun] = []
 
     def now(what: str) -> None:
-        tell.progress(f"ROS {ros}: {what}")
+        reporter.progress(f"ROS {ros}: {what}")
 
-    def done(run: Run) -> None:
-        tell.detail([f"ROS {ros}, {run.case}, world {run.seed}, {run.variant}: {run.outcome}"])
+    def done(run: CaseRun) -> None:
+        reporter.detail([f"ROS {ros}, {run.case}, world {run.seed}, {run.variant}: {run.outcome}"])
 
     def finish(study: Study, _service: object) -> None:
         found.extend(study.runs)
 
     for case in CASES.values():  # each guarded by its own decisions alone
-        wish = Wish(cases=[case], seeds=_SEEDS, ros=ros, speed=SPEED)
+        wish = DemoRequest(cases=[case], seeds=_SEEDS, ros=ros, speed=SPEED)
         with TemporaryDirectory(prefix="rtron-demo-") as work:
-            demonstrate(wish, Path(work), TellStudy(now, done), finish)
+            run_demo(wish, Path(work), TellStudy(now, done), finish)
     return found
 
 
-def _adapted(ros: int) -> list[Adaptation]:
+def _adapted(ros: int) -> list[SlowdownResult]:
     """Return the adaptations at speed 1, in which the guard's time is that of the robot."""
-    with TemporaryDirectory(prefix="rtron-demo-") as work, begun(ros, Path(work)) as surroundings:
-        pipeline = Pipeline(surroundings, Path(work))
+    with (
+        TemporaryDirectory(prefix="rtron-demo-") as work,
+        demo_environment(ros, Path(work)) as environment,
+    ):
+        pipeline = InstrumentationPipeline(environment, Path(work))
         pipeline.scan()
-        return adaptations(surroundings, pipeline, _SEEDS)
+        return measure_adaptations(environment, pipeline, _SEEDS)
 
 
-def _of_ros(ros: int, runs: Sequence[Run]) -> Iterator[Figure]:
+def _of_ros(ros: int, runs: Sequence[CaseRun]) -> Iterator[Figure]:
     for case in CASES:
         yield from figures_of_case(
             f"demo.ros{ros}.{case}", [run for run in runs if run.case == case]
         )
 
 
-def figures_of_case(name: str, runs: Sequence[Run]) -> Iterator[Figure]:
+def figures_of_case(name: str, runs: Sequence[CaseRun]) -> Iterator[Figure]:
     """Yield the figures of the runs of a case."""
     calm, attacked, guarded = (
         [run for run in runs if run.variant is variant] for variant in Variant
@@ -100,7 +103,7 @@ def figures_of_case(name: str, runs: Sequence[Run]) -> Iterator[Figure]:
     yield Figure(f"{name}.guarded.slowest", worst, None, "share more")
 
 
-def _ratios(calm: Sequence[Run], guarded: Sequence[Run]) -> Iterator[float]:
+def _ratios(calm: Sequence[CaseRun], guarded: Sequence[CaseRun]) -> Iterator[float]:
     """Yield how long each guarded run took, where it arrived, as a multiple of the calm one."""
     times = {run.seed: run.time_to_goal for run in calm}
     for run in guarded:
@@ -109,15 +112,15 @@ def _ratios(calm: Sequence[Run], guarded: Sequence[Run]) -> Iterator[float]:
             yield run.time_to_goal / usual
 
 
-def _attacked(runs: Sequence[Run]) -> int:
+def _attacked(runs: Sequence[CaseRun]) -> int:
     return sum(bool(run.sent) for run in runs)
 
 
-def _harmed(runs: Sequence[Run]) -> int:
+def _harmed(runs: Sequence[CaseRun]) -> int:
     return sum(bool(run.harm) for run in runs)
 
 
-def figures_of_adaptations(ros: int, found: Sequence[Adaptation]) -> Iterator[Figure]:
+def figures_of_adaptations(ros: int, found: Sequence[SlowdownResult]) -> Iterator[Figure]:
     """Yield how many adaptations came soon enough, and the slowest."""
     times = [each.after for each in found if each.after is not None]
     soon = sum(time <= _ADAPTS for time in times)

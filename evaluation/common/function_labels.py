@@ -7,7 +7,7 @@ from hashlib import sha256
 from pathlib import Path
 
 from rtron.functions.classifier.result import Classification
-from rtron.functions.domains import DOMAIN_OF
+from rtron.functions.domains import DOMAIN_BY_TYPE
 from rtron.vocabulary import Domain, FunctionType
 
 
@@ -26,7 +26,7 @@ class Label:
     @property
     def is_node(self) -> bool:
         """Tell whether its first function is a node of the interaction graph."""
-        return all(DOMAIN_OF[type] is not Domain.OTHERS for type in self.primary)
+        return all(DOMAIN_BY_TYPE[type] is not Domain.OTHERS for type in self.primary)
 
     @property
     def half(self) -> int:
@@ -61,7 +61,7 @@ class FunctionScore:
         )
         return _share(2 * hits, 2 * hits + wrong)
 
-    def faults(self) -> Iterator[str]:
+    def differences(self) -> Iterator[str]:
         """Yield a line for each repository with a function that is wrong or missed."""
         for label, found in self.pairs:
             extra, missed = _extra(label, found), _missed(label, found)
@@ -110,5 +110,5 @@ def _names(types: Iterable[FunctionType]) -> str:
     return ", ".join(sorted(types)) or "none"
 
 
-def _share(part: int, whole: int) -> float:
-    return part / whole if whole else 0.0
+def _share(part: int, total: int) -> float:
+    return part / total if total else 0.0

@@ -4,14 +4,14 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from evaluation.common.datasets import Place
+from evaluation.common.datasets import Datasets
 from evaluation.common.function_labels import FunctionScore, Label, read_labels, score
 from evaluation.common.function_timing import Timing, timed
-from evaluation.part import Tell
+from evaluation.part import Reporter
 from figures.figure import Figure
 from rtron.functions.classifier.pipeline import classify
 from rtron.functions.classifier.result import Classification
-from rtron.functions.classifier.tables import count, function_nodes
+from rtron.functions.classifier.tables import build_tables, sum_function_nodes
 from rtron.functions.reading.corpus import read_corpus, read_readmes
 
 PAPER_AUTOMATION = 0.8852
@@ -20,23 +20,23 @@ _PEAK_MB = 300
 _HALVES = ("develop", "check")
 
 
-def figures(here: Place, tell: Tell) -> Iterator[Figure]:
+def figures(datasets: Datasets, reporter: Reporter) -> Iterator[Figure]:
     """Classify what is labelled, then every corpus."""
-    labels = read_labels(here.corpus("labels_dev.jsonl"))
-    paper, readmes = here.corpus("kinetic_941.jsonl"), here.corpus("kinetic_readme.jsonl")
-    tell.progress("labelled repositories")
+    labels = read_labels(datasets.corpus("labels_dev.jsonl"))
+    paper, readmes = datasets.corpus("kinetic_941.jsonl"), datasets.corpus("kinetic_readme.jsonl")
+    reporter.progress("labelled repositories")
     found = classified(paper, readmes)
     for half, name in enumerate(_HALVES):
         yield from _half(name, score([one for one in labels if one.half == half], found))
-    yield from _whole(labels, found, tell)
-    nodes = function_nodes(count(found.values()).types)
+    yield from _overall(labels, found, reporter)
+    nodes = sum_function_nodes(build_tables(found.values()).types)
     yield Figure("functions.941.nodes", nodes.total, 636, "functions")
     for name, corpus, texts, bound in (
         ("941", paper, None, 3),
-        ("1232", here.corpus("kinetic.jsonl"), readmes, 6),
-        ("humble", here.corpus("humble.jsonl"), None, None),
+        ("1232", datasets.corpus("kinetic.jsonl"), readmes, 6),
+        ("humble", datasets.corpus("humble.jsonl"), None, None),
     ):
-        tell.progress(f"{corpus.name}, timed")
+        reporter.progress(f"{corpus.name}, timed")
         yield from _timing(name, timed(corpus, texts), bound)
 
 
@@ -44,8 +44,10 @@ def classified(corpus: Path, readmes: Path | None = None) -> Mapping[str, Classi
     """Return the classification of every repository of a corpus."""
     texts = read_readmes(readmes, _ignore) if readmes else {}
     repositories = read_corpus(corpus, _ignore)
-    whole = (replace(each, readme=texts.get(each.name, each.readme)) for each in repositories)
-    return {each.name: classify(each) for each in whole}
+    with_readmes = (
+        replace(each, readme=texts.get(each.name, each.readme)) for each in repositories
+    )
+    return {each.name: classify(each) for each in with_readmes}
 
 
 def _half(name: str, found: FunctionScore) -> Iterator[Figure]:
@@ -54,14 +56,16 @@ def _half(name: str, found: FunctionScore) -> Iterator[Figure]:
     yield Figure(f"functions.{name}.f1", found.f1, None, "share")
 
 
-def _whole(
-    labels: tuple[Label, ...], found: Mapping[str, Classification], tell: Tell
+def _overall(
+    labels: tuple[Label, ...], found: Mapping[str, Classification], reporter: Reporter
 ) -> Iterator[Figure]:
-    whole = score(labels, found)
-    tell.detail([*whole.faults(), ""])
-    yield Figure("functions.automation", whole.automation, PAPER_AUTOMATION, "share", at_least=0.92)
-    yield Figure("functions.precision", whole.precision, PAPER_PRECISION, "share", at_least=0.97)
-    yield Figure("functions.f1", whole.f1, None, "share", at_least=0.90)
+    overall = score(labels, found)
+    reporter.detail([*overall.differences(), ""])
+    yield Figure(
+        "functions.automation", overall.automation, PAPER_AUTOMATION, "share", at_least=0.92
+    )
+    yield Figure("functions.precision", overall.precision, PAPER_PRECISION, "share", at_least=0.97)
+    yield Figure("functions.f1", overall.f1, None, "share", at_least=0.90)
 
 
 def _timing(name: str, found: Timing, bound: float | None) -> Iterator[Figure]:

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from evaluation.common.datasets import Place
+from evaluation.common.datasets import Datasets
 from rtron.sources.static.common.scan_options import ScanOptions
 from rtron.sources.static.ros1.app import StaticApp, scan_app
 
@@ -24,11 +24,11 @@ class App:
     dependencies: tuple[str, ...] = ()
     environ: Mapping[str, str] = field(default_factory=dict)
 
-    def scan(self, here: Place, *, dependencies: bool, options: ScanOptions) -> StaticApp:
+    def scan(self, datasets: Datasets, *, dependencies: bool, options: ScanOptions) -> StaticApp:
         """Return what the scan finds, with the dependencies' source or without it."""
-        own = here.repositories(self.repositories)
+        own = datasets.repositories(self.repositories)
         by_name = {folder.name.partition("@")[0]: folder for folder in own}
-        others = here.present(self.dependencies) if dependencies else []
+        others = datasets.present(self.dependencies) if dependencies else []
         environ = {key: value.format_map(by_name) for key, value in self.environ.items()}
         return scan_app([*own, *others], _launches(self, by_name), environ, options)
 

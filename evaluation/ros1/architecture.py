@@ -64,9 +64,9 @@ def read_architecture(path: Path) -> Architecture:
 
 def graph_architecture(graph: InteractionGraph) -> Architecture:
     """Return a graph's architecture; symbolic names and what no observer writes are left out."""
-    ends = [e for e in graph.endpoints if e.resolution is not Resolution.SYMBOLIC]
-    published = ((e.node, e.topic) for e in ends if e.direction is Direction.PUBLISH)
-    subscribed = ((e.node, e.topic) for e in ends if e.direction is Direction.SUBSCRIBE)
+    endpoints = [e for e in graph.endpoints if e.resolution is not Resolution.SYMBOLIC]
+    published = ((e.node, e.topic) for e in endpoints if e.direction is Direction.PUBLISH)
+    subscribed = ((e.node, e.topic) for e in endpoints if e.direction is Direction.SUBSCRIBE)
     services = ((s.node, s.name) for s in graph.services if "{" not in s.name)
     return Architecture(
         nodes=frozenset((node.name, node.name) for node in graph.nodes),
@@ -83,9 +83,11 @@ def without_ignored(architecture: Architecture) -> Architecture:
 
 def without_nodes(architecture: Architecture, names: Iterable[str]) -> Architecture:
     """Return an architecture without some nodes."""
-    gone = frozenset(names)
-    kept = _filtered(architecture, lambda pair: pair[0] not in gone)
-    return replace(kept, nodes=frozenset(pair for pair in kept.nodes if pair[0] not in gone))
+    removed = frozenset(names)
+    remaining = _filtered(architecture, lambda pair: pair[0] not in removed)
+    return replace(
+        remaining, nodes=frozenset(pair for pair in remaining.nodes if pair[0] not in removed)
+    )
 
 
 def is_ignored(name: str) -> bool:
@@ -140,10 +142,10 @@ def _observed(pairs: Iterable[Pair]) -> Pairs:
     )
 
 
-def _filtered(architecture: Architecture, keep: Callable[[Pair], bool]) -> Architecture:
+def _filtered(architecture: Architecture, is_included: Callable[[Pair], bool]) -> Architecture:
     return replace(
         architecture,
-        publishers=frozenset(filter(keep, architecture.publishers)),
-        subscribers=frozenset(filter(keep, architecture.subscribers)),
-        services=frozenset(filter(keep, architecture.services)),
+        publishers=frozenset(filter(is_included, architecture.publishers)),
+        subscribers=frozenset(filter(is_included, architecture.subscribers)),
+        services=frozenset(filter(is_included, architecture.services)),
     )

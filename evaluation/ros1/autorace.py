@@ -2,11 +2,11 @@
 
 from collections.abc import Iterator
 
-from evaluation.common.datasets import Place
-from evaluation.part import Tell
+from evaluation.common.datasets import Datasets
+from evaluation.part import Reporter
 from evaluation.ros1 import coordination_nodes
 from evaluation.ros1.app import App
-from evaluation.ros1.manual_truth import HandTruth, read_truth
+from evaluation.ros1.manual_truth import ManualTruth, read_truth
 from figures.figure import Figure
 from rtron.sources.static.common.scan_options import ScanOptions
 from rtron.vocabulary import Direction, InteractionGraph
@@ -49,42 +49,53 @@ AUTORACE = App(
 PAPER = {"Perception": 16, "Planning": 2, "Control": 4, "FMN": 5, "RSRCN": 1, "MSRCN": 1}
 
 
-def figures(here: Place, tell: Tell) -> Iterator[Figure]:
+def figures(datasets: Datasets, reporter: Reporter) -> Iterator[Figure]:
     """Score the app, its dependencies known by models or by their source."""
-    truth = read_truth(here.truth("autorace.yaml"))
+    truth = read_truth(datasets.truth("autorace.yaml"))
     for variant, dependencies in (("models", False), ("sources", True)):
-        tell.progress(f"autorace with {variant}")
-        graph = AUTORACE.scan(here, dependencies=dependencies, options=ScanOptions()).graph
-        yield from _scored(f"autorace.{variant}", truth, graph, tell)
-        tell.lines(
+        reporter.progress(f"autorace with {variant}")
+        graph = AUTORACE.scan(datasets, dependencies=dependencies, options=ScanOptions()).graph
+        yield from _scored(f"autorace.{variant}", truth, graph, reporter)
+        reporter.lines(
             ["", *coordination_nodes.rows(PAPER, {variant: graph, "truth": truth.graph()}), ""]
         )
-        tell.lines([*coordination_nodes.differences(graph, truth.graph()), ""])
-        tell.detail([*coordination_nodes.topics(graph), ""])
-        tell.detail([f"  unresolved: {note.what}: {note.why}" for note in graph.unresolved])
+        reporter.lines([*coordination_nodes.differences(graph, truth.graph()), ""])
+        reporter.detail([*coordination_nodes.topics(graph), ""])
+        reporter.detail([f"  unresolved: {note.what}: {note.why}" for note in graph.unresolved])
         yield from coordination_nodes.figures(f"autorace.{variant}", PAPER, graph)
 
 
-def _scored(name: str, truth: HandTruth, graph: InteractionGraph, tell: Tell) -> Iterator[Figure]:
-    whole, own = truth.score(graph), truth.score(graph, first_party=True)
+def _scored(
+    name: str, truth: ManualTruth, graph: InteractionGraph, reporter: Reporter
+) -> Iterator[Figure]:
+    all_scores, first_party = truth.score(graph), truth.score(graph, first_party=True)
     explicit = truth.score(graph, explicit=True)
-    published, subscribed = own.hits_of(Direction.PUBLISH), own.hits_of(Direction.SUBSCRIBE)
-    dead = len(whole.found & whole.dead)
-    tell.lines(
+    published, subscribed = (
+        first_party.hits_of(Direction.PUBLISH),
+        first_party.hits_of(Direction.SUBSCRIBE),
+    )
+    dead = len(all_scores.reported & all_scores.dead)
+    reporter.lines(
         [
-            f"{name}: {len(graph.nodes)} nodes, {whole.nodes_found} of the truth's {whole.nodes}",
-            f"  all          precision {whole.precision:.3f} recall {whole.recall:.3f}",
+            f"{name}: {len(graph.nodes)} nodes, {all_scores.matched_nodes} of the truth's {all_scores.nodes}",
+            f"  all          precision {all_scores.precision:.3f} recall {all_scores.recall:.3f}",
             f"  explicit     precision {explicit.precision:.3f} recall {explicit.recall:.3f}",
-            f"  first party  precision {own.precision:.3f} recall {own.recall:.3f}",
+            f"  first party  precision {first_party.precision:.3f} recall {first_party.recall:.3f}",
             f"  first party  published {published[0]}/{published[1]}",
             f"  first party  subscribed {subscribed[0]}/{subscribed[1]}",
-            f"  dead entries reported {dead}/{len(whole.dead)}",
+            f"  dead entries reported {dead}/{len(all_scores.dead)}",
         ]
     )
-    tell.detail([f"  {line}" for line in whole.faults()])
-    yield Figure(f"{name}.nodes", whole.nodes_found, whole.nodes, "nodes", at_least=whole.nodes)
-    yield Figure(f"{name}.precision", whole.precision, None, "share")
-    yield Figure(f"{name}.recall", whole.recall, None, "share")
+    reporter.detail([f"  {line}" for line in all_scores.differences()])
+    yield Figure(
+        f"{name}.nodes",
+        all_scores.matched_nodes,
+        all_scores.nodes,
+        "nodes",
+        at_least=all_scores.nodes,
+    )
+    yield Figure(f"{name}.precision", all_scores.precision, None, "share")
+    yield Figure(f"{name}.recall", all_scores.recall, None, "share")
     yield Figure(f"{name}.own_published", published[0], None, "publishers", at_least=published[1])
     yield Figure(
         f"{name}.own_subscribed", subscribed[0], None, "subscribers", at_least=subscribed[1]

@@ -7,8 +7,8 @@ tracking, prediction, mission and motion planning, control.
 
 from collections.abc import Iterator
 
-from evaluation.common.datasets import Place
-from evaluation.part import Tell
+from evaluation.common.datasets import Datasets
+from evaluation.part import Reporter
 from evaluation.ros1 import coordination_nodes
 from evaluation.ros1.app import App
 from figures.figure import Figure
@@ -57,13 +57,15 @@ AUTOWARE = App(
 PAPER = {"Perception": 11, "Planning": 3, "Control": 2, "FMN": 1, "RSRCN": 1, "MSRCN": 1}
 
 
-def figures(here: Place, tell: Tell) -> Iterator[Figure]:
+def figures(datasets: Datasets, reporter: Reporter) -> Iterator[Figure]:
     """Count the coordination nodes of the chosen app."""
-    tell.progress("autoware")
-    graph = AUTOWARE.scan(here, dependencies=False, options=ScanOptions()).graph
-    tell.lines(["Autoware.AI 1.14, started by", *(f"  {path}" for path, _ in AUTOWARE.launches)])
-    tell.lines([f"  {len(graph.nodes)} nodes, {len(graph.topics)} topics", ""])
-    tell.lines([*coordination_nodes.rows(PAPER, {"ours": graph}), ""])
-    tell.lines([*coordination_nodes.topics(graph), ""])
-    tell.detail([f"  unresolved: {note.what}: {note.why}" for note in graph.unresolved])
+    reporter.progress("autoware")
+    graph = AUTOWARE.scan(datasets, dependencies=False, options=ScanOptions()).graph
+    reporter.lines(
+        ["Autoware.AI 1.14, started by", *(f"  {path}" for path, _ in AUTOWARE.launches)]
+    )
+    reporter.lines([f"  {len(graph.nodes)} nodes, {len(graph.topics)} topics", ""])
+    reporter.lines([*coordination_nodes.rows(PAPER, {"ours": graph}), ""])
+    reporter.lines([*coordination_nodes.topics(graph), ""])
+    reporter.detail([f"  unresolved: {note.what}: {note.why}" for note in graph.unresolved])
     yield from coordination_nodes.figures("autoware", PAPER, graph)

@@ -11,7 +11,7 @@ from typing import TypeAlias
 
 from evaluation.call_count import Call
 
-Site: TypeAlias = tuple[str, int]
+CallSite: TypeAlias = tuple[str, int]
 """A file and a line."""
 
 NEAR = 3
@@ -24,19 +24,19 @@ _CPP_COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*", re.DOTALL)
 _PYTHON_COMMENT = re.compile(r"#[^\n]*")
 
 
-def call_sites(paths: Iterable[Path]) -> frozenset[Site]:
+def call_sites(paths: Iterable[Path]) -> frozenset[CallSite]:
     """Return the lines of source files that look like calls, outside comments."""
     return frozenset(site for path in paths for site in _sites(path))
 
 
-def unreached(sites: Iterable[Site], calls: Iterable[Call]) -> list[Site]:
+def unreached(sites: Iterable[CallSite], calls: Iterable[Call]) -> list[CallSite]:
     """Return the sites near which no call was counted."""
     reached = {(file, line) for _, file, line in calls}
     near = range(-NEAR, NEAR + 1)
     return sorted(s for s in sites if not any((s[0], s[1] + d) in reached for d in near))
 
 
-def _sites(path: Path) -> Iterator[Site]:
+def _sites(path: Path) -> Iterator[CallSite]:
     python = path.suffix not in {".cpp", ".cc", ".cxx", ".c", ".cu"}
     text = path.read_bytes().decode("utf-8", "replace")
     code = (_PYTHON_COMMENT if python else _CPP_COMMENT).sub(_blank, text)

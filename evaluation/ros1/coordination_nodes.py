@@ -3,8 +3,8 @@
 from collections.abc import Iterator, Mapping
 
 from figures.figure import Figure
-from rtron.risks import discover
-from rtron.vocabulary import Domain, InteractionGraph, Risk, RiskKind, RiskReport, Role
+from rtron.risks import discover_risks
+from rtron.vocabulary import Domain, InteractionGraph, Risk, RiskKind, RiskReport, RiskRole
 
 Counts = Mapping[str, int]
 
@@ -23,19 +23,19 @@ def row(report: RiskReport) -> Counts:
 def rows(paper: Counts, graphs: Mapping[str, InteractionGraph]) -> Iterator[str]:
     """Yield the table: the paper's row, then one for each graph."""
     yield f"  {'':16}" + "".join(f"{column:>12}" for column in COLUMNS)
-    counted = {name: row(discover(graph)) for name, graph in graphs.items()}
+    counted = {name: row(discover_risks(graph)) for name, graph in graphs.items()}
     for name, numbers in {"paper": paper, **counted}.items():
         yield f"  {name:16}" + "".join(f"{numbers[column]:12}" for column in COLUMNS)
 
 
 def topics(graph: InteractionGraph) -> Iterator[str]:
     """Yield a line for each topic that a GRCN would stand on, and for each image node."""
-    report = discover(graph)
+    report = discover_risks(graph)
     found = {t: k for r in report.risks if r.kind in _GENERAL for t, k in _kinds(r)}
     for domain in Domain:
         named = sorted(t for t in found if report.topic_classes[t].domain is domain)
         yield from (f"  {domain.value:11} {topic} ({found[topic]})" for topic in named)
-    images = {node for risk in report.risks for node in risk.role_nodes.get(Role.IMAGE, ())}
+    images = {node for risk in report.risks for node in risk.role_nodes.get(RiskRole.IMAGE, ())}
     yield from (f"  {'FMN':11} {node}" for node in sorted(images))
 
 
@@ -48,7 +48,7 @@ def differences(ours: InteractionGraph, other: InteractionGraph) -> Iterator[str
 
 def figures(app: str, paper: Counts, graph: InteractionGraph) -> Iterator[Figure]:
     """Give each number beside the paper's."""
-    for column, number in row(discover(graph)).items():
+    for column, number in row(discover_risks(graph)).items():
         yield Figure(f"{app}.{column}", number, paper[column], "coordination nodes")
 
 

@@ -8,12 +8,12 @@ from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 
-from evaluation.common.datasets import Place
-from evaluation.part import Tell
+from evaluation.common.datasets import Datasets
+from evaluation.part import Reporter
 from figures.figure import Figure
 from rtron.errors import InputError
 from rtron.sources.launch.common.packages import find_packages
-from rtron.sources.launch.ros1.file_search import ListedLaunch, launch_files
+from rtron.sources.launch.ros1.file_search import LaunchFileInfo, find_launch_files
 from rtron.sources.launch.ros1.reader import read_launch
 from rtron.sources.xacro import RobotDescriptions
 
@@ -27,7 +27,7 @@ _SHOWN = 100
 
 
 @dataclass(slots=True)
-class Outcome:
+class LaunchOutcome:
     """What became of the launch files of all repositories; faults are places and reasons."""
 
     read: int = 0
@@ -41,15 +41,15 @@ class Outcome:
         return self.read + len(self.refused) + len(self.failed)
 
 
-def figures(here: Place, tell: Tell) -> Iterator[Figure]:
+def figures(datasets: Datasets, reporter: Reporter) -> Iterator[Figure]:
     """Read all launch files, each with the packages of its own repository."""
-    outcome = Outcome()
-    for repository in here.all_repositories():
-        tell.progress(f"launch files of {repository.name}")
+    outcome = LaunchOutcome()
+    for repository in datasets.all_repositories():
+        reporter.progress(f"launch files of {repository.name}")
         _read_all(repository, outcome)
-    tell.lines([*_summary(outcome), ""])
-    tell.detail([f"  FAILED {place}: {why}" for place, why in outcome.failed])
-    tell.detail([f"  REFUSED {place}: {why}" for place, why in outcome.refused])
+    reporter.lines([*_summary(outcome), ""])
+    reporter.detail([f"  FAILED {location}: {why}" for location, why in outcome.failed])
+    reporter.detail([f"  REFUSED {location}: {why}" for location, why in outcome.refused])
     share = 1 - len(outcome.failed) / max(1, outcome.files)
     yield Figure("launches.files", outcome.files, None, "launch files")
     yield Figure("launches.interpreted", share, None, "share without internal error", at_least=0.99)
@@ -57,13 +57,13 @@ def figures(here: Place, tell: Tell) -> Iterator[Figure]:
     yield Figure("launches.seconds", outcome.seconds, None, "s for all")
 
 
-def _read_all(repository: Path, outcome: Outcome) -> None:
-    listed = launch_files([repository])
+def _read_all(repository: Path, outcome: LaunchOutcome) -> None:
+    listed = find_launch_files([repository])
     environ = guessed_environ(listed)
     packages = find_packages([repository], environ)
     describe = RobotDescriptions(packages=packages, environ=environ).describe
 
-    def read(launch: ListedLaunch, guess: str) -> None:
+    def read(launch: LaunchFileInfo, guess: str) -> None:
         args = dict.fromkeys(launch.required, guess)
         read_launch(launch.path, args, packages, environ, describe=describe)
 
@@ -73,15 +73,15 @@ def _read_all(repository: Path, outcome: Outcome) -> None:
         outcome.seconds += time.perf_counter() - before
 
 
-def _count(place: str, read: Callable[[str], None], outcome: Outcome) -> None:
+def _count(location: str, read: Callable[[str], None], outcome: LaunchOutcome) -> None:
     """Read a launch file; what refuses the first guess is given the second."""
     try:
         refused = _refusal(read, GUESS) and _refusal(read, NAME_GUESS)
     except Exception as error:  # noqa: BLE001 - what is counted here
-        outcome.failed.append((place, f"{type(error).__name__}: {error}"))
+        outcome.failed.append((location, f"{type(error).__name__}: {error}"))
         return
     if refused:
-        outcome.refused.append((place, refused))
+        outcome.refused.append((location, refused))
     else:
         outcome.read += 1
 
@@ -94,13 +94,13 @@ def _refusal(read: Callable[[str], None], guess: str) -> str:
     return ""
 
 
-def guessed_environ(listed: Iterable[ListedLaunch]) -> Mapping[str, str]:
+def guessed_environ(listed: Iterable[LaunchFileInfo]) -> Mapping[str, str]:
     """Return a value for each variable that launch files cannot be read without."""
     texts = (launch.path.read_bytes().decode("utf-8", "replace") for launch in listed)
     return {name: GUESS for text in texts for name in _NEEDED.findall(text)}
 
 
-def _summary(outcome: Outcome) -> Iterator[str]:
+def _summary(outcome: LaunchOutcome) -> Iterator[str]:
     yield f"{outcome.files} launch files: {outcome.read} read, {len(outcome.refused)} refused"
     yield f"  with an internal error: {len(outcome.failed)}"
     causes = Counter(_cause(why) for _, why in outcome.refused)

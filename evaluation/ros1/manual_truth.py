@@ -26,7 +26,7 @@ _UNLISTED_ENDING = "/transition_event"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Entry:
+class TruthEntry:
     """One line of the truth; `live` is false for what is in the source and never takes place.
 
     `implicit` marks what a library declares by itself.
@@ -46,24 +46,24 @@ class Entry:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class HandScore:
+class ManualScore:
     """The triples that are live, those that are dead, and those that the graph has."""
 
     nodes: int
-    nodes_found: int
+    matched_nodes: int
     live: frozenset[Triple]
     dead: frozenset[Triple]
-    found: frozenset[Triple]
+    reported: frozenset[Triple]
 
     @property
     def hits(self) -> frozenset[Triple]:
         """Return the live triples that were found."""
-        return self.live & self.found
+        return self.live & self.reported
 
     @property
     def precision(self) -> float:
         """Return the share of the found triples that are live."""
-        return len(self.hits) / len(self.found) if self.found else 0.0
+        return len(self.hits) / len(self.reported) if self.reported else 0.0
 
     @property
     def recall(self) -> float:
@@ -78,11 +78,11 @@ class HandScore:
         )
         return found, live
 
-    def faults(self) -> Iterator[str]:
+    def differences(self) -> Iterator[str]:
         """Yield a line for each triple that was missed, is dead, or is in no list."""
-        extra = self.found - self.live
+        extra = self.reported - self.live
         for word, triples in (
-            ("MISSED", self.live - self.found),
+            ("MISSED", self.live - self.reported),
             ("DEAD", extra & self.dead),
             ("EXTRA", extra - self.dead),
         ):
@@ -90,17 +90,17 @@ class HandScore:
 
 
 @dataclass(frozen=True, slots=True)
-class HandTruth:
+class ManualTruth:
     """The document of a truth by hand."""
 
     nodes: tuple[Mapping[str, Any], ...]
 
-    def entries(self, *, first_party: bool = False) -> Iterator[Entry]:
+    def entries(self, *, first_party: bool = False) -> Iterator[TruthEntry]:
         """Yield every entry, or those of the app's own nodes."""
         for node in self._chosen(first_party=first_party):
             for key, direction in _DIRECTIONS.items():
                 for entry in node.get(key) or ():
-                    yield Entry(
+                    yield TruthEntry(
                         node=node["name"],
                         direction=direction,
                         topic=entry["topic"],
@@ -111,7 +111,7 @@ class HandTruth:
 
     def score(
         self, graph: InteractionGraph, *, first_party: bool = False, explicit: bool = False
-    ) -> HandScore:
+    ) -> ManualScore:
         """Score a graph; only nodes that the truth has count, and no symbolic name.
 
         `explicit` leaves out what is implicit, in the truth and in the graph.
@@ -123,12 +123,12 @@ class HandTruth:
             if entry.topic != "/bond" and not (explicit and entry.implicit)
         ]
         live = frozenset(entry.triple for entry in entries if entry.live)
-        return HandScore(
+        return ManualScore(
             nodes=len(names),
-            nodes_found=len(names & {node.name for node in graph.nodes}),
+            matched_nodes=len(names & {node.name for node in graph.nodes}),
             live=live,
             dead=frozenset(entry.triple for entry in entries if not entry.live) - live,
-            found=_triples(graph, names, explicit=explicit),
+            reported=_triples(graph, names, explicit=explicit),
         )
 
     def graph(self) -> InteractionGraph:
@@ -151,9 +151,9 @@ class HandTruth:
         return [n for n in self.nodes if not (first_party and n.get("third_party"))]
 
 
-def read_truth(path: Path) -> HandTruth:
+def read_truth(path: Path) -> ManualTruth:
     """Return the truth in a YAML file."""
-    return HandTruth(tuple(yaml.safe_load(path.read_text(encoding="utf-8"))["nodes"]))
+    return ManualTruth(tuple(yaml.safe_load(path.read_text(encoding="utf-8"))["nodes"]))
 
 
 def _triples(graph: InteractionGraph, names: set[str], *, explicit: bool) -> frozenset[Triple]:

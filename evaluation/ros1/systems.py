@@ -4,8 +4,8 @@ from collections import Counter
 from collections.abc import Iterator, Mapping
 from functools import partial
 
-from evaluation.common.datasets import Place
-from evaluation.part import Part, Tell
+from evaluation.common.datasets import Datasets
+from evaluation.part import Part, Reporter
 from evaluation.ros1.app import App
 from evaluation.ros1.architecture import (
     KINDS,
@@ -32,31 +32,34 @@ def part(app: App) -> Part:
     return partial(_figures, app)
 
 
-def _figures(app: App, here: Place, tell: Tell) -> Iterator[Figure]:
-    observed = read_architecture(here.truth(f"{app.name}/observed.architecture.yml"))
+def _figures(app: App, datasets: Datasets, reporter: Reporter) -> Iterator[Figure]:
+    observed = read_architecture(datasets.truth(f"{app.name}/observed.architecture.yml"))
     for variant, dependencies in (("models", False), ("sources", True)):
-        tell.progress(f"{app.name} with {variant}")
-        graph = app.scan(here, dependencies=dependencies, options=ScanOptions()).graph
+        reporter.progress(f"{app.name} with {variant}")
+        graph = app.scan(datasets, dependencies=dependencies, options=ScanOptions()).graph
         title = f"{app.name}, dependencies from {variant}"
-        _tell(title, app.name, observed, graph, tell)
+        _report(title, app.name, observed, graph, reporter)
         yield from _scored(f"{app.name}.{variant}", app.name, observed, graph)
 
 
-def _tell(
-    title: str, name: str, observed: Architecture, graph: InteractionGraph, tell: Tell
+def _report(
+    title: str, name: str, observed: Architecture, graph: InteractionGraph, reporter: Reporter
 ) -> None:
     """Tell all scores, as observed and without the observation's known faults."""
     recovered = graph_architecture(graph)
-    for what, seen, found in (
+    for what, observed_pairs, found in (
         ("as observed", observed, recovered),
         ("corrected", *_corrected(name, observed, graph)),
     ):
-        filtered, raw = score(seen, found, raw=False), score(seen, found, raw=True)
+        filtered, raw = (
+            score(observed_pairs, found, raw=False),
+            score(observed_pairs, found, raw=True),
+        )
         rows = [_row(kind, filtered[kind], raw[kind]) for kind in KINDS]
-        tell.lines([f"{title}, {what}", _HEADER, *rows, ""])
-    tell.lines([*_resolutions(graph), ""])
-    tell.detail(_faults(score(seen, found, raw=True)))
-    tell.detail([f"  unresolved: {note.what}: {note.why}" for note in graph.unresolved])
+        reporter.lines([f"{title}, {what}", _HEADER, *rows, ""])
+    reporter.lines([*_resolutions(graph), ""])
+    reporter.detail(_problems(score(observed_pairs, found, raw=True)))
+    reporter.detail([f"  unresolved: {note.what}: {note.why}" for note in graph.unresolved])
 
 
 _HEADER = (
@@ -73,20 +76,20 @@ def _row(kind: str, filtered: Score, raw: Score) -> str:
     )
 
 
-def _faults(scores: Mapping[str, Score]) -> list[str]:
+def _problems(scores: Mapping[str, Score]) -> list[str]:
     """Return a line for each missed or invented pair; `*` marks names the ignore list has."""
     return [
         f"  {kind:15}{line}{' *' if is_ignored(line.rpartition(' ')[2]) else ''}"
         for kind, found in scores.items()
-        for line in found.faults()
+        for line in found.differences()
     ]
 
 
 def _resolutions(graph: InteractionGraph) -> Iterator[str]:
     counted = Counter(_origin(end.resolution) for end in graph.endpoints)
-    whole = max(1, sum(counted.values()))
+    total = max(1, sum(counted.values()))
     for origin in ("source", "model", "symbolic"):
-        yield f"  endpoints by {origin}: {counted[origin]} ({counted[origin] / whole:.0%})"
+        yield f"  endpoints by {origin}: {counted[origin]} ({counted[origin] / total:.0%})"
 
 
 def _origin(resolution: Resolution) -> str:
@@ -100,8 +103,8 @@ def _corrected(
     """Return both without the experimenter's nodes and without short-lived ones."""
     short = {n.name for n in graph.nodes if (n.package, n.executable) in SHORT_LIVED}
     names = {node for node, _ in observed.nodes}
-    seen = without_nodes(observed, EXPERIMENTERS.get(name, ()))
-    return seen, without_nodes(graph_architecture(graph), short - names)
+    observed_pairs = without_nodes(observed, EXPERIMENTERS.get(name, ()))
+    return observed_pairs, without_nodes(graph_architecture(graph), short - names)
 
 
 def _scored(

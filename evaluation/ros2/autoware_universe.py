@@ -10,28 +10,28 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
-from evaluation.common.datasets import Place
-from evaluation.part import Tell
+from evaluation.common.datasets import Datasets
+from evaluation.part import Reporter
 from evaluation.ros2.call_sites import call_sites
-from evaluation.ros2.navigation2 import sites_found
+from evaluation.ros2.navigation2 import call_site_figures
 from figures.figure import Figure
 from rtron.sources.static.common.scan_options import ScanOptions, default_workers
-from rtron.sources.static.ros2_scan import ros2_workspace, scan_programs
+from rtron.sources.static.ros2_scan import read_ros2_workspace, scan_programs
 
 _REPOSITORY = "autowarefoundation/autoware.universe@b8ce82e3"
 _KIB_PER_MIB = 1024
 
 
-def figures(here: Place, tell: Tell) -> Iterator[Figure]:
+def figures(datasets: Datasets, reporter: Reporter) -> Iterator[Figure]:
     """Scan all programs with an empty cache, and look for each call."""
-    [folder] = here.repositories([_REPOSITORY])
-    tell.progress("autoware.universe, cold")
+    [folder] = datasets.repositories([_REPOSITORY])
+    reporter.progress("autoware.universe, cold")
     with tempfile.TemporaryDirectory(prefix="rtron-eval-") as name:
         options = ScanOptions(cache=Path(name) / "cache")
         before = time.perf_counter()
-        found = list(scan_programs(ros2_workspace([folder]), folder, options))
+        found = list(scan_programs(read_ros2_workspace([folder]), folder, options))
         seconds = time.perf_counter() - before
-    yield from sites_found("universe", call_sites(folder), found, tell)
+    yield from call_site_figures("universe", call_sites(folder), found, reporter)
     failed = sum(_failed(note.why) for one in found for note in one.result.interface.unresolved)
     yield Figure("universe.programs", len(found), None, "programs")
     yield Figure("universe.failed", failed, None, "programs", at_most=0)

@@ -29,8 +29,8 @@ def call_sites(folder: Path) -> Mapping[str, frozenset[Site]]:
     """Return the sites below a folder, by kind."""
     found: dict[str, set[Site]] = defaultdict(set)
     for path in sorted(folder.rglob("*")):
-        place = str(path.relative_to(folder).parent)
-        if (path.suffix in _CPP or path.suffix == ".py") and not _TESTS.search(place):
+        location = str(path.relative_to(folder).parent)
+        if (path.suffix in _CPP or path.suffix == ".py") and not _TESTS.search(location):
             for kind, line in _sites(path):
                 found[kind].add((str(path), line))
     return {kind: frozenset(found[kind]) for kind in KINDS}

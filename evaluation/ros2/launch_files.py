@@ -12,13 +12,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from evaluation.common.datasets import Place
-from evaluation.part import Tell
+from evaluation.common.datasets import Datasets
+from evaluation.part import Reporter
 from figures.figure import Figure
-from rtron.sources.code.workspace_sources import WorkspaceFiles
+from rtron.sources.code.workspace_sources import WorkspaceSources
 from rtron.sources.launch.ros2.app import read_app_launch
-from rtron.sources.launch.ros2.folder_search import launch_files2
-from rtron.sources.launch.ros2.result import AppLaunch, Included, Start, StartKind
+from rtron.sources.launch.ros2.folder_search import find_ros2_launch_files
+from rtron.sources.launch.ros2.result import AppLaunch, IncludedFile, LaunchStart, StartKind
 from rtron.sources.static.common.worker import deep_recursion
 from rtron.sources.workspace import read_workspace
 
@@ -33,18 +33,18 @@ _KINDS = {StartKind.CONTAINER: "composable_node_container", StartKind.COMPONENT:
 _SHOWN = 12
 
 
-def figures(here: Place, tell: Tell) -> Iterator[Figure]:
+def figures(datasets: Datasets, reporter: Reporter) -> Iterator[Figure]:
     """Compare with the expected results, then read all launch files of the large apps."""
-    [folder] = here.repositories([INTERFACE])
+    [folder] = datasets.repositories([INTERFACE])
     expected = sorted((folder / "tests" / "expected").glob("*.json"))
     differing = [path.name for path in expected if not _is_equal(path, folder / "tests")]
-    tell.detail([f"  DIFFERS {name}" for name in differing])
+    reporter.detail([f"  DIFFERS {name}" for name in differing])
     equal = len(expected) - len(differing)
     yield Figure("launch2.expected", len(expected), None, "expected results")
     yield Figure("launch2.equal", equal, None, "equal to the expected", at_least=24)
-    for repository in here.repositories(LARGE):
-        tell.progress(f"launch files of {repository.name}")
-        yield from _all_read(repository, tell)
+    for repository in datasets.repositories(LARGE):
+        reporter.progress(f"launch files of {repository.name}")
+        yield from _all_read(repository, reporter)
 
 
 def _is_equal(path: Path, tests: Path) -> bool:
@@ -57,13 +57,13 @@ def _is_equal(path: Path, tests: Path) -> bool:
         name = path.stem.removeprefix("args_")
         found = _read(package / "launch" / f"{name}.launch.py", {}, package)
         return bool(_arguments(found) == expected)
-    given = expected["launch_arguments"]
-    found = _read(Path(expected["launch_file"]), given, package)
-    return bool(_as_expected(found, given) == _without_commands(expected))
+    arguments = expected["launch_arguments"]
+    found = _read(Path(expected["launch_file"]), arguments, package)
+    return bool(_as_expected(found, arguments) == _without_commands(expected))
 
 
 def _read(path: Path, arguments: Mapping[str, str], package: Path) -> AppLaunch:
-    files = WorkspaceFiles(read_workspace([package], {}))
+    files = WorkspaceSources(read_workspace([package], {}))
     return read_app_launch(path, arguments, ENVIRON, files)
 
 
@@ -80,11 +80,11 @@ def _arguments(found: AppLaunch) -> list[dict[str, str | None]]:
     ]
 
 
-def _as_expected(found: AppLaunch, given: Mapping[str, str]) -> dict[str, Any]:
+def _as_expected(found: AppLaunch, arguments: Mapping[str, str]) -> dict[str, Any]:
     nodes = [one for one in found.starts if one.kind not in {StartKind.PROCESS, *_LOADED}]
     return {
         "launch_file": found.file,
-        "launch_arguments": dict(given),
+        "launch_arguments": dict(arguments),
         "declared_arguments": {
             one.name: {"default": one.default, "description": one.description}
             for one in found.arguments
@@ -94,12 +94,14 @@ def _as_expected(found: AppLaunch, given: Mapping[str, str]) -> dict[str, Any]:
     }
 
 
-def _node(start: Start, found: AppLaunch) -> dict[str, Any]:
+def _node(start: LaunchStart, found: AppLaunch) -> dict[str, Any]:
     node = {
         **_common(start, found),
         "executable": start.program,
         "parameter_sources": [
-            {"type": "file", "path": source.file} for source in start.sources if source.file
+            {"type": "file", "path": source.file}
+            for source in start.parameter_sources
+            if source.file
         ],
     }
     if start.kind is StartKind.CONTAINER:
@@ -108,12 +110,12 @@ def _node(start: Start, found: AppLaunch) -> dict[str, Any]:
     return node
 
 
-def _component(start: Start, found: AppLaunch) -> dict[str, Any]:
-    extra = {name: one.value for name, one in start.extra.items()}
+def _component(start: LaunchStart, found: AppLaunch) -> dict[str, Any]:
+    extra = {name: one.value for name, one in start.extra_arguments.items()}
     return {**_common(start, found), "plugin": start.program, "extra_arguments": extra}
 
 
-def _common(start: Start, found: AppLaunch) -> dict[str, Any]:
+def _common(start: LaunchStart, found: AppLaunch) -> dict[str, Any]:
     return {
         "type": _KINDS.get(start.kind, "node"),
         "package": start.package,
@@ -126,7 +128,7 @@ def _common(start: Start, found: AppLaunch) -> dict[str, Any]:
     }
 
 
-def _include(included: Included) -> dict[str, Any]:
+def _include(included: IncludedFile) -> dict[str, Any]:
     return {
         "source_file": included.evidence.file,
         "included_file": included.file,
@@ -139,35 +141,37 @@ _LOADED = frozenset({StartKind.COMPONENT})
 
 
 @dataclass(slots=True)
-class _Outcome:
+class _LaunchOutcome:
     """What became of the launch files of a repository."""
 
     read: int = 0
     starts: int = 0
-    whole: int = 0
+    complete: int = 0
     failed: list[str] = field(default_factory=list)
     reasons: Counter[str] = field(default_factory=Counter)
 
 
-def _all_read(repository: Path, tell: Tell) -> Iterator[Figure]:
-    before, outcome = time.perf_counter(), _Outcome()
-    files = WorkspaceFiles(read_workspace([repository], {}))
+def _all_read(repository: Path, reporter: Reporter) -> Iterator[Figure]:
+    before, outcome = time.perf_counter(), _LaunchOutcome()
+    files = WorkspaceSources(read_workspace([repository], {}))
     with deep_recursion():
-        for path in launch_files2([repository]):
+        for path in find_ros2_launch_files([repository]):
             _count(path, files, outcome)
     seconds = time.perf_counter() - before
-    tell.detail([f"  FAILED {place}" for place in outcome.failed])
-    tell.detail([f"  {count:5} {why}" for why, count in outcome.reasons.most_common(_SHOWN)])
+    reporter.detail([f"  FAILED {location}" for location in outcome.failed])
+    reporter.detail([f"  {count:5} {why}" for why, count in outcome.reasons.most_common(_SHOWN)])
     name, total = repository.name.partition("@")[0], outcome.read + len(outcome.failed)
     share = outcome.read / max(1, total)
     yield Figure(f"launch2.{name}.files", total, None, "launch files")
     yield Figure(f"launch2.{name}.read", share, None, "share without failure", at_least=0.95)
-    yield Figure(f"launch2.{name}.whole", outcome.whole / max(1, total), None, "share without note")
+    yield Figure(
+        f"launch2.{name}.whole", outcome.complete / max(1, total), None, "share without note"
+    )
     yield Figure(f"launch2.{name}.starts", outcome.starts, None, "nodes, components, processes")
     yield Figure(f"launch2.{name}.seconds", seconds, None, "s for all")
 
 
-def _count(path: Path, files: WorkspaceFiles, outcome: _Outcome) -> None:
+def _count(path: Path, files: WorkspaceSources, outcome: _LaunchOutcome) -> None:
     try:
         found = read_app_launch(path, {}, ENVIRON, files)
     except Exception as error:  # noqa: BLE001 - what is counted here
@@ -175,5 +179,5 @@ def _count(path: Path, files: WorkspaceFiles, outcome: _Outcome) -> None:
         return
     outcome.read += 1
     outcome.starts += len(found.starts)
-    outcome.whole += not found.unresolved
+    outcome.complete += not found.unresolved
     outcome.reasons.update(note.why[:100] for note in found.unresolved)

@@ -15,15 +15,15 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
 
-from evaluation.common.datasets import Place
-from evaluation.part import Tell
+from evaluation.common.datasets import Datasets
+from evaluation.part import Reporter
 from evaluation.ros2.call_sites import Site, call_sites
 from evaluation.ros2.navigation2_launch import launch_figures
 from evaluation.ros2.navigation2_models import model_figures
 from figures.figure import Figure
 from rtron.sources.declaration import Declaration
 from rtron.sources.static.common.scan_options import ScanOptions
-from rtron.sources.static.ros2_scan import ScannedProgram, ros2_workspace, scan_programs
+from rtron.sources.static.ros2_scan import ProgramScan, read_ros2_workspace, scan_programs
 
 NEAR = 2
 """Lines between where a call begins and where it is said to be."""
@@ -41,36 +41,36 @@ _PEER_SECONDS = 10.9
 _NOT_NODES = ("nav2_system_tests", "nav2_rviz_plugins")
 
 
-def figures(here: Place, tell: Tell) -> Iterator[Figure]:
+def figures(datasets: Datasets, reporter: Reporter) -> Iterator[Figure]:
     """Scan all programs with an empty cache and with a full one, and look for each call."""
-    (folder,) = here.repositories([_REPOSITORY])
+    (folder,) = datasets.repositories([_REPOSITORY])
     with tempfile.TemporaryDirectory(prefix="rtron-eval-") as name:
         options = ScanOptions(cache=Path(name) / "cache")
-        tell.progress("navigation2, cold")
+        reporter.progress("navigation2, cold")
         found, cold = _scanned(folder, options)
-        tell.progress("navigation2, warm")
+        reporter.progress("navigation2, warm")
         _, warm = _scanned(folder, options)
-        tell.progress("navigation2, launched")
-        launched = list(launch_figures(folder, options, tell))
-        tell.progress("navigation2, its models")
-        launched += model_figures(folder, options, tell)
-    yield from sites_found("nav2", call_sites(folder), found, tell, _PEER)
+        reporter.progress("navigation2, launched")
+        launched = list(launch_figures(folder, options, reporter))
+        reporter.progress("navigation2, its models")
+        launched += model_figures(folder, options, reporter)
+    yield from call_site_figures("nav2", call_sites(folder), found, reporter, _PEER)
     yield Figure("nav2.cold", cold, _PEER_SECONDS, "s", at_most=6)
     yield Figure("nav2.warm", warm, None, "s", at_most=1)
     yield from launched
 
 
-def _scanned(folder: Path, options: ScanOptions) -> tuple[Sequence[ScannedProgram], float]:
+def _scanned(folder: Path, options: ScanOptions) -> tuple[Sequence[ProgramScan], float]:
     before = time.perf_counter()
-    found = list(scan_programs(ros2_workspace([folder]), folder, options))
+    found = list(scan_programs(read_ros2_workspace([folder]), folder, options))
     return found, time.perf_counter() - before
 
 
-def sites_found(
+def call_site_figures(
     name: str,
     sites: Mapping[str, frozenset[Site]],
-    programs: Sequence[ScannedProgram],
-    tell: Tell,
+    programs: Sequence[ProgramScan],
+    reporter: Reporter,
     peer: Mapping[str, float] = MappingProxyType({}),
 ) -> Iterator[Figure]:
     """Yield the share of each kind of call that a node declares a name at, beside a peer's.
@@ -80,27 +80,27 @@ def sites_found(
     declared = [d for one in programs if one.package not in _NOT_NODES for d in _named(one)]
     nodes = {d.node for d in declared}
     how = Counter(d.resolution.value for d in declared)
-    shown = ", ".join(f"{count} {word}" for word, count in sorted(how.items()))
-    tell.lines([f"{name}: {len(programs)} programs, {len(nodes)} nodes, names: {shown}"])
-    places = {(place.file, place.line) for d in declared for place in d.evidence}
+    shown = ", ".join(f"{count} {label}" for label, count in sorted(how.items()))
+    reporter.lines([f"{name}: {len(programs)} programs, {len(nodes)} nodes, names: {shown}"])
+    locations = {(location.file, location.line) for d in declared for location in d.evidence}
     for kind, found in sites.items():
-        missed = sorted(site for site in found if not _is_near(site, places))
-        tell.lines([f"  {len(found)} {kind} calls, {len(missed)} of them not found"])
-        tell.detail([f"  MISSED {kind} {file}:{line}" for file, line in missed])
+        missed = sorted(site for site in found if not _is_near(site, locations))
+        reporter.lines([f"  {len(found)} {kind} calls, {len(missed)} of them not found"])
+        reporter.detail([f"  MISSED {kind} {file}:{line}" for file, line in missed])
         share = _PERCENT * (1 - len(missed) / max(1, len(found)))
         theirs = _PERCENT * peer[kind] if kind in peer else None
-        asked = 90 if kind in peer else None
+        bound = 90 if kind in peer else None
         unit = f"% of {kind} calls"
-        yield Figure(f"{name}.{kind.replace(' ', '_')}", share, theirs, unit, at_least=asked)
+        yield Figure(f"{name}.{kind.replace(' ', '_')}", share, theirs, unit, at_least=bound)
 
 
-def _named(one: ScannedProgram) -> Iterator[Declaration]:
+def _named(one: ProgramScan) -> Iterator[Declaration]:
     """Yield what a program's nodes declare of themselves, if something is told of its name."""
     for declared in one.result.interface.declarations:
         if not declared.implicit and declared.node and not _NOTHING.search(declared.name):
             yield declared
 
 
-def _is_near(site: Site, places: set[Site]) -> bool:
+def _is_near(site: Site, locations: set[Site]) -> bool:
     file, line = site
-    return any((file, line + away) in places for away in range(-NEAR, NEAR + 1))
+    return any((file, line + away) in locations for away in range(-NEAR, NEAR + 1))

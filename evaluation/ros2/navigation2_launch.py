@@ -8,9 +8,9 @@ import time
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-from evaluation.part import Tell
+from evaluation.part import Reporter
 from figures.figure import Figure
-from rtron.risks import discover
+from rtron.risks import discover_risks
 from rtron.sources.static.common.scan_options import ScanOptions
 from rtron.sources.static.ros2.app import scan_ros2_app
 from rtron.vocabulary import InteractionGraph, RiskKind
@@ -32,28 +32,30 @@ _BRINGUP = "nav2_bringup/launch"
 _GAZEBO, _LOOPBACK = "tb3_simulation_launch.py", "tb3_loopback_simulation_launch.py"
 
 
-def launch_figures(folder: Path, options: ScanOptions, tell: Tell) -> Iterator[Figure]:
+def launch_figures(folder: Path, options: ScanOptions, reporter: Reporter) -> Iterator[Figure]:
     """Scan both simulations and compare what carries velocities."""
     before = time.perf_counter()
     gazebo = _scanned(folder, _GAZEBO, options)
     seconds = time.perf_counter() - before
     loopback = _scanned(folder, _LOOPBACK, options)
-    ways = list(ways_of(gazebo, loopback))
-    tell.detail([f"  DIFFERS {topic}" for topic, equal in ways if not equal])
+    routes = list(velocity_routes(gazebo, loopback))
+    reporter.detail([f"  DIFFERS {topic}" for topic, equal in routes if not equal])
     yield Figure("nav2.launch.nodes", len(gazebo.nodes), None, "nodes")
     yield Figure("nav2.launch.seconds", seconds, None, "s")
-    right = sum(equal for _, equal in ways)
-    yield Figure("nav2.launch.ways", right, None, f"of {len(ways)} ways", at_least=len(ways))
+    right = sum(equal for _, equal in routes)
+    yield Figure("nav2.launch.ways", right, None, f"of {len(routes)} ways", at_least=len(routes))
     contended = {
         topic
-        for risk in discover(loopback).risks
+        for risk in discover_risks(loopback).risks
         if risk.kind is RiskKind.GR_ST
         for topic in risk.topics
     }
     yield Figure("nav2.launch.bypass", int("/cmd_vel" in contended), None, "GR-ST", at_least=1)
 
 
-def ways_of(gazebo: InteractionGraph, loopback: InteractionGraph) -> Iterator[tuple[str, bool]]:
+def velocity_routes(
+    gazebo: InteractionGraph, loopback: InteractionGraph
+) -> Iterator[tuple[str, bool]]:
     """Yield the topics of each launch, and whether the expected nodes are at them."""
     for topic, (publishers, subscribers) in COMMANDS.items():
         for graph in (gazebo, loopback):

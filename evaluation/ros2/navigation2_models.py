@@ -10,9 +10,9 @@ from dataclasses import replace
 from pathlib import Path
 from xml.sax.saxutils import quoteattr
 
-from evaluation.part import Tell
+from evaluation.part import Reporter
 from figures.figure import Figure
-from rtron.sources.models import LIBRARY2, load_models
+from rtron.sources.models import ROS2_LIBRARY, load_models
 from rtron.sources.static.common.scan_options import ScanOptions
 from rtron.sources.static.ros2.app import scan_ros2_app
 from rtron.vocabulary import InteractionGraph
@@ -32,19 +32,21 @@ _NEEDED = """
 """What the collision monitor and detector do not start without."""
 
 
-def model_figures(folder: Path, options: ScanOptions, tell: Tell) -> Iterator[Figure]:
+def model_figures(folder: Path, options: ScanOptions, reporter: Reporter) -> Iterator[Figure]:
     """Compare the two, and tell each name that only one of them has."""
     with tempfile.TemporaryDirectory(prefix="rtron-eval-") as name:
         launch = Path(name) / "all.launch.xml"
         launch.write_text(_launch(_modelled()), encoding="utf-8")
         read, modelled = (
-            _told(scan_ros2_app([at], [(launch, {})], {"ROS_DISTRO": _DISTRIBUTION}, options))
+            _known_names(
+                scan_ros2_app([at], [(launch, {})], {"ROS_DISTRO": _DISTRIBUTION}, options)
+            )
             for at, options in ((folder, options), (launch.parent, replace(options, cache=None)))
         )
-    tell.detail([f"  ONLY IN THE SOURCE {' '.join(one)}" for one in sorted(read - modelled)])
-    tell.detail([f"  ONLY IN THE MODEL {' '.join(one)}" for one in sorted(modelled - read)])
+    reporter.detail([f"  ONLY IN THE SOURCE {' '.join(one)}" for one in sorted(read - modelled)])
+    reporter.detail([f"  ONLY IN THE MODEL {' '.join(one)}" for one in sorted(modelled - read)])
     both = len(read & modelled)
-    tell.lines([f"  models: {len(modelled)} names, {both} of the {len(read)} in the source"])
+    reporter.lines([f"  models: {len(modelled)} names, {both} of the {len(read)} in the source"])
     unit = "% of what the source declares"
     yield Figure("nav2.models", _PERCENT * both / max(1, len(read)), None, unit, at_least=90)
     unit = "% of what the models declare"
@@ -52,7 +54,7 @@ def model_figures(folder: Path, options: ScanOptions, tell: Tell) -> Iterator[Fi
 
 
 def _modelled() -> Sequence[str]:
-    nodes = [name for kind, name in load_models(LIBRARY2).by_name if kind == "node"]
+    nodes = [name for kind, name in load_models(ROS2_LIBRARY).by_name if kind == "node"]
     return sorted(name for name in nodes if name.startswith(_PREFIXES))
 
 
@@ -62,9 +64,9 @@ def _launch(nodes: Sequence[str]) -> str:
     return f"<launch>{_NEEDED}{''.join(lines)}</launch>"
 
 
-def _told(graph: InteractionGraph) -> set[tuple[str, ...]]:
+def _known_names(graph: InteractionGraph) -> set[tuple[str, ...]]:
     """Return what nodes have whose names are known."""
-    ends = ((e.node, e.direction.value, e.topic, e.type, str(e.qos)) for e in graph.endpoints)
+    endpoints = ((e.node, e.direction.value, e.topic, e.type, str(e.qos)) for e in graph.endpoints)
     services = ((s.node, "service", s.name, s.type) for s in graph.services)
     actions = ((a.node, a.role.value, a.name, a.type) for a in graph.actions)
-    return {one for one in (*ends, *services, *actions) if "{" not in one[2]}
+    return {one for one in (*endpoints, *services, *actions) if "{" not in one[2]}

@@ -19,13 +19,13 @@ class RTronError(Exception):
 class InputError(RTronError):
     """A file or an argument that the user gave is wrong; `line` counts from 1, 0 if unknown.
 
-    `why` is the message without the place.
+    `reason` is the message without the place.
     """
 
     def __init__(self, message: str, *, path: str = "", line: int = 0, help: str = "") -> None:
-        place = f"{path}:{line}: " if path and line else f"{path}: " if path else ""
-        super().__init__(place + message, help=help)
-        self.why = message
+        location = f"{path}:{line}: " if path and line else f"{path}: " if path else ""
+        super().__init__(location + message, help=help)
+        self.reason = message
         self.path = path
         self.line = line
 

@@ -9,9 +9,9 @@ from rtron.errors import InputError
 
 MAX_DEPTH = 100
 
-Unread: TypeAlias = Callable[[str, str], None]
+SkipHandler: TypeAlias = Callable[[str, str], None]
 """Takes a folder that is not read, and why."""
-Listed: TypeAlias = tuple[str, list[str], list[str]]
+FolderListing: TypeAlias = tuple[str, list[str], list[str]]
 """A folder, and the names of the folders and of the files in it."""
 
 
@@ -24,46 +24,50 @@ def is_folder(path: Path) -> bool:
         raise InputError(why, path=str(path), help="check the path") from None
 
 
-def is_there(path: Path) -> bool:
+def path_exists(path: Path) -> bool:
     """Return whether a path leads to something; one that cannot be looked at does not."""
     return os.path.exists(path)  # noqa: PTH110 - Path.exists raises OSError for a long name
 
 
-def _leave(folder: str, why: str) -> None:
+def _ignore_skipped(folder: str, why: str) -> None:
     """Leave a folder out."""
 
 
-def walk(top: Path, unread: Unread = _leave, *, links: bool = False) -> Iterator[Listed]:
+def walk(
+    top: Path, on_skipped: SkipHandler = _ignore_skipped, *, follow_links: bool = False
+) -> Iterator[FolderListing]:
     """Yield a folder and all below it, each before those in it, as os.walk does without recursion.
 
-    What is taken out of a list of folders is not entered; links are, if `links`. A folder that
-    cannot be listed, or lies more than MAX_DEPTH folders deep, goes to `unread`.
+    What is taken out of a list of folders is not entered; links are, if `follow_links`. A folder that
+    cannot be listed, or lies more than MAX_DEPTH folders deep, goes to `on_skipped`.
     """
-    waiting = [(str(top), 0)]
-    while waiting:
-        folder, depth = waiting.pop()
+    pending = [(str(top), 0)]
+    while pending:
+        folder, depth = pending.pop()
         try:
-            listed = _listed(folder, depth)
+            listing = _list_folder(folder, depth)
         except OSError as error:
-            unread(folder, error.strerror or "cannot be read")
+            on_skipped(folder, error.strerror or "cannot be read")
             continue
-        yield listed
-        below = [os.path.join(folder, name) for name in reversed(listed[1])]  # noqa: PTH118 - os.walk's spelling
-        waiting += [(path, depth + 1) for path in below if links or not os.path.islink(path)]  # noqa: PTH114
+        yield listing
+        subfolders = [os.path.join(folder, name) for name in reversed(listing[1])]  # noqa: PTH118 - os.walk's spelling
+        pending += [
+            (path, depth + 1) for path in subfolders if follow_links or not os.path.islink(path)
+        ]  # noqa: PTH114
 
 
-def _listed(folder: str, depth: int) -> Listed:
+def _list_folder(folder: str, depth: int) -> FolderListing:
     if depth > MAX_DEPTH:
         raise OSError(0, f"lies more than {MAX_DEPTH} folders deep")
     folders: list[str] = []
     files: list[str] = []
     with os.scandir(folder) as entries:
         for entry in entries:
-            (folders if _leads_on(entry) else files).append(entry.name)
+            (folders if _is_folder_entry(entry) else files).append(entry.name)
     return folder, folders, files
 
 
-def _leads_on(entry: os.DirEntry[str]) -> bool:
+def _is_folder_entry(entry: os.DirEntry[str]) -> bool:
     try:
         return entry.is_dir()
     except OSError:

@@ -11,7 +11,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "fixtures"))
 
 
 @dataclass
-class Ran:
+class CommandResult:
     code: int
     out: str
     err: str
@@ -27,7 +27,7 @@ def rtron(monkeypatch, capsys):
         with pytest.raises(SystemExit) as ended:
             main()
         said = capsys.readouterr()
-        return Ran(ended.value.code, said.out, said.err)
+        return CommandResult(ended.value.code, said.out, said.err)
 
     return run
 

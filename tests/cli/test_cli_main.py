@@ -6,10 +6,10 @@ import sys
 import pytest
 
 from rtron import __version__
-from rtron.cli.command_registry import COMMANDS, found
+from rtron.cli.command_registry import COMMANDS, load_command
 from rtron.sources.graph_json import GraphFile
 
-EVERY = [found(name) for names in COMMANDS.values() for name in names]
+EVERY = [load_command(name) for names in COMMANDS.values() for name in names]
 
 MODULE = (sys.executable, "-m", "rtron")
 

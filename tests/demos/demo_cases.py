@@ -11,11 +11,11 @@ from uuid import uuid4
 from harness import LIMIT_S, wait_for
 
 from rtron.demos.cases import CASES
-from rtron.demos.experiment.demonstration import Wish, demonstrate
+from rtron.demos.experiment.demonstration import DemoRequest, run_demo
 from rtron.demos.experiment.study import Study
-from rtron.demos.experiment.wanted import Tell, Wanted
+from rtron.demos.experiment.wanted import ProgressListener, StudyRequest
 from rtron.demos.metrics.case_run import Variant
-from rtron.demos.runtime.environment import begun
+from rtron.demos.runtime.environment import demo_environment
 
 SEEDS = (1, 2, 3)
 SPEED = 3.0
@@ -24,22 +24,22 @@ _RUNNING = 9
 """So many processes are there when the app is starting."""
 
 
-def studied(ros, folder, *cases):
+def run_study(ros, folder, *cases):
     """Return the study of cases in three worlds, without and with the guard."""
-    with begun(ros, folder, speed=SPEED) as surroundings:
-        wanted = Wanted(cases=[CASES[case] for case in cases], seeds=SEEDS)
-        study = Study(surroundings, wanted, Tell(lambda now: None, lambda done: None))
-        study.unguarded()
-        study.guarded()
+    with demo_environment(ros, folder, speed=SPEED) as surroundings:
+        wanted = StudyRequest(cases=[CASES[case] for case in cases], seeds=SEEDS)
+        study = Study(surroundings, wanted, ProgressListener(lambda now: None, lambda done: None))
+        study.run_unguarded()
+        study.run_guarded()
     return study
 
 
-def shown(ros, folder):
+def run_recorded_demo(ros, folder):
     """Return the runs of all cases in one world as `rtron demo all` makes them, recorded."""
-    wish = Wish(cases=list(CASES.values()), seeds=SEEDS[:1], ros=ros, speed=SPEED)
+    wish = DemoRequest(cases=list(CASES.values()), seeds=SEEDS[:1], ros=ros, speed=SPEED)
     found = []
-    tell = Tell(lambda now: None, lambda done: None)
-    demonstrate(wish, folder, tell, lambda study, _: found.extend(study.runs))
+    tell = ProgressListener(lambda now: None, lambda done: None)
+    run_demo(wish, folder, tell, lambda study, _: found.extend(study.runs))
     return found
 
 
@@ -79,25 +79,27 @@ def check_ending(ros, folder, number):
     command = [sys.executable, "-m", "rtron", "demo", "gr", "--ros", str(ros), "-o", str(out)]
     ran = subprocess.Popen(command, env={**os.environ, _MARK: mark}, start_new_session=True)
     try:
-        wait_for(lambda: len(marked(mark)) >= _RUNNING or ran.poll() is not None)
+        wait_for(lambda: len(marked_processes(mark)) >= _RUNNING or ran.poll() is not None)
         assert ran.poll() is None
         ran.send_signal(number)
         assert ran.wait(LIMIT_S) == 130
-        assert marked(mark) == []
+        assert marked_processes(mark) == []
     finally:
-        for pid in marked(mark):
+        for pid in marked_processes(mark):
             with suppress(ProcessLookupError):
                 os.kill(pid, signal.SIGKILL)
         ran.wait()
 
 
-def marked(mark):
+def marked_processes(mark):
     """Return the processes that the marked one has started, itself among them."""
     wanted = f"{_MARK}={mark}".encode()
-    return [int(each.name) for each in Path("/proc").glob("[0-9]*") if wanted in environ(each)]
+    return [
+        int(each.name) for each in Path("/proc").glob("[0-9]*") if wanted in environ_entries(each)
+    ]
 
 
-def environ(folder):
+def environ_entries(folder):
     try:
         return (folder / "environ").read_bytes().split(b"\0")
     except OSError:

@@ -2,12 +2,12 @@
 
 from math import cos, pi, sin
 
-from rtron.demos.metrics.case_run import Run, Variant
-from rtron.demos.metrics.deviation import deviation
+from rtron.demos.metrics.case_run import CaseRun, Variant
+from rtron.demos.metrics.deviation import measure_deviation
 from rtron.demos.metrics.guard_events import SECOND
 from rtron.demos.metrics.message_journal import Attack
-from rtron.demos.metrics.trajectory import way
-from rtron.demos.world.ground_truth import Truth
+from rtron.demos.metrics.trajectory import trajectory_of
+from rtron.demos.world.ground_truth import GroundTruth
 
 BEGAN = 1_000.0
 SPEED = 2.0
@@ -43,7 +43,7 @@ ROOM = CORRIDOR | {
 }
 
 
-def straight(upto=4.5, turn_at=None, until=20.0):
+def corridor_drive(upto=4.5, turn_at=None, until=20.0):
     """Return samples of a drive along the corridor; it bends to the right from `turn_at` (s) on."""
     x, y, heading, found, step = 0.4, 0.6, 0.0, [], 0.05
     for number in range(int(until / step)):
@@ -54,7 +54,7 @@ def straight(upto=4.5, turn_at=None, until=20.0):
         x, y = x + speed * cos(heading) * step, y + speed * sin(heading) * step
         collided = y < 0.105
         found.append(
-            Truth(
+            GroundTruth(
                 t=t,
                 run=1,
                 pose=(x, y, heading),
@@ -74,7 +74,7 @@ def straight(upto=4.5, turn_at=None, until=20.0):
     return tuple(found)
 
 
-def event(at, kind="verdict", **values):
+def guard_event(at, kind="verdict", **values):
     """Return an event at `at` wall s."""
     words = dict.fromkeys(("topic", "flow", "publisher", "decision"), "")
     return {"at": round(at * SECOND), "kind": kind, **words, "values": {}} | values
@@ -83,14 +83,14 @@ def event(at, kind="verdict", **values):
 def counted(at, **flows):
     """Return an event that counts what /cmd_vel's flows met in the wall second before `at`."""
     streams = {"/cmd_vel": {"flows": {name: list(counts) for name, counts in flows.items()}}}
-    return event(at, "counts", values={"streams": streams, "fps": {}})
+    return guard_event(at, "counts", values={"streams": streams, "fps": {}})
 
 
 def guard_events():
     """Return the events of a guarded run of the corridor."""
     named = [
-        event(BEGAN, topic="/cmd_vel", flow="flow1", publisher="/move_base", decision="pass"),
-        event(
+        guard_event(BEGAN, topic="/cmd_vel", flow="flow1", publisher="/move_base", decision="pass"),
+        guard_event(
             BEGAN + 2.5004,
             topic="/cmd_vel",
             flow="flow2",
@@ -112,10 +112,10 @@ def attack_of(ended, delivered):
     return Attack(tuple(times), tuple(times[:delivered]))
 
 
-def made(variant, **values):
+def make_run(variant, **values):
     """Return a run of the corridor."""
     turn_at = 5.0 if variant is Variant.ATTACKED else None
-    samples = straight(turn_at=turn_at)
+    samples = corridor_drive(turn_at=turn_at)
     attacked = variant is not Variant.UNATTACKED
     harm = "collision" if variant is Variant.ATTACKED else ""
     defaults = {
@@ -132,7 +132,7 @@ def made(variant, **values):
         "harmed_at": samples[-1].t if harm else None,
         "attack": attack_of(samples[-1].t, 180 if harm else 0) if attacked else Attack(),
         "mitigated_after": 0.0004 if variant is Variant.GUARDED else None,
-        "deviation": deviation(way(samples), way(straight())),
+        "deviation": measure_deviation(trajectory_of(samples), trajectory_of(corridor_drive())),
         "began_wall": BEGAN,
         "samples": samples,
         "events": guard_events() if variant is Variant.GUARDED else (),
@@ -141,12 +141,12 @@ def made(variant, **values):
         ("/cmd_vel", "flow1"): "/move_base",
         ("/cmd_vel", "flow2"): "/tb3_safe_control",
     }
-    return Run(**defaults | values)
+    return CaseRun(**defaults | values)
 
 
-def three(**values):
+def runs_by_variant(**values):
     """Return the three runs of a case by variant."""
-    return {variant: made(variant, **values) for variant in Variant}
+    return {variant: make_run(variant, **values) for variant in Variant}
 
 
 CIRCLE = tuple((cos(2 * pi * n / 200), sin(2 * pi * n / 200)) for n in range(201))

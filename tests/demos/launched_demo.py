@@ -13,8 +13,8 @@ LIMIT_T = 60.0
 def drive(begun, case, seed=3, *, attack=False):
     """Drive a mission of a case; return its last Truth, at the goal or under harm."""
     scene = begun.owner.reset(case, seed)
-    begun.show_map(scene.scene)
-    begun.arm(case if attack else "none", scene.run, 3.0, scene.scene["bad_goal"])
+    begun.write_map(scene.scene)
+    begun.arm_attack(case if attack else "none", scene.run, 3.0, scene.scene["bad_goal"])
     while not any(truth.t > scene.t + 1 for truth in begun.owner.poll(5.0)):
         pass  # the nodes are to know where the robot is now
     since = begun.owner.start()
@@ -22,11 +22,11 @@ def drive(begun, case, seed=3, *, attack=False):
         for truth in begun.owner.poll(5.0):
             late = truth.t - since > LIMIT_T
             if truth.distance_to_goal < 0.17 or truth.collided or truth.in_area or late:
-                begun.arm("none", scene.run)
+                begun.arm_attack("none", scene.run)
                 return truth
 
 
-def malicious(begun, node, what="sent"):
+def malicious_entries(begun, node, what="sent"):
     """Return what a node has noted of malicious turns."""
     path = begun.journal / f"{node}.jsonl"
     lines = map(json.loads, path.read_text().splitlines() if path.exists() else [])
@@ -36,7 +36,7 @@ def malicious(begun, node, what="sent"):
 def guarded_run(begun, pipeline, service):
     """Guard the app and attack it twice over; return the last Truth and what the guard counted."""
     guarded = pipeline.guard(DECISIONS)
-    with begun.launched(guarded, service.environ(), pipeline.plan) as app, begun.by_hand():
+    with begun.launch_app(guarded, service.environ(), pipeline.plan) as app, begun.by_hand():
         service.recorded.wait_until_linked(time.time_ns())
         since = time.time_ns()
         truth = drive(begun, "gr", attack=True)
@@ -49,8 +49,8 @@ def check_guarded(begun, truth, counts):
     assert truth.distance_to_goal < 0.17
     assert not truth.collided
     for node in ("tb3_safe_control", "safe_control_by_hand"):
-        assert len(malicious(begun, node)) > 50
-    assert malicious(begun, "turtlebot3_core", "received") == []
+        assert len(malicious_entries(begun, node)) > 50
+    assert malicious_entries(begun, "turtlebot3_core", "received") == []
     assert counts["flow2"].dropped > 50
     assert counts["unapproved"].dropped > 50
     assert counts["flow1"].passed > 100

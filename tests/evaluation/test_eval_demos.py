@@ -5,12 +5,12 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from demo_runs import made, three
+from demo_runs import make_run, runs_by_variant
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 from evaluation.common.demos import figures_of_adaptations, figures_of_case
-from evaluation.demo_runs import markdown
-from rtron.demos.experiment.adaptation import Adaptation
+from evaluation.demo_runs import runs_page
+from rtron.demos.experiment.adaptation import SlowdownResult
 from rtron.demos.metrics.case_run import Variant
 
 
@@ -20,7 +20,7 @@ def figures(runs):
 
 def worlds(count, **guarded):
     """Return the runs of some worlds, the guarded ones changed."""
-    runs = [run for seed in range(count) for run in three(seed=seed).values()]
+    runs = [run for seed in range(count) for run in runs_by_variant(seed=seed).values()]
     return [replace(run, **guarded) if run.guarded else run for run in runs]
 
 
@@ -46,7 +46,7 @@ def test_the_figures_of_a_case_that_goes_well():
     [
         ({"harm": "collision", "completed": False}, {"harmed", "completed"}),
         ({"time_to_goal": 20.2}, {"slower"}),
-        ({"attack": made(Variant.ATTACKED).attack}, {"delivered"}),
+        ({"attack": make_run(Variant.ATTACKED).attack}, {"delivered"}),
     ],
 )
 def test_what_goes_wrong_misses_its_bound(change, missed):
@@ -56,15 +56,17 @@ def test_what_goes_wrong_misses_its_bound(change, missed):
 
 
 def test_an_adaptation_that_is_late_or_never_comes_misses_its_bound():
-    soon = [Adaptation(seed, 0.17, 0.3) for seed in range(20)]
+    soon = [SlowdownResult(seed, 0.17, 0.3) for seed in range(20)]
     assert [each.met for each in figures_of_adaptations(1, soon)] == [True, True]
     for after in (0.51, None):
-        late = [*soon[:19], Adaptation(19, 0.17, after)]
+        late = [*soon[:19], SlowdownResult(19, 0.17, after)]
         assert [each.met for each in figures_of_adaptations(1, late)] == [False, False]
 
 
 def test_the_page_has_a_line_for_each_world():
-    text = markdown(worlds(3), {1: [Adaptation(7, 0.1694, 0.31), Adaptation(8, 0.1694, None)]})
+    text = runs_page(
+        worlds(3), {1: [SlowdownResult(7, 0.1694, 0.31), SlowdownResult(8, 0.1694, None)]}
+    )
     assert "## GR on ROS 1, at 2 simulated seconds a second" in text
     (line,) = [line for line in text.splitlines() if line.startswith("| 2 |")]
     assert line.startswith("| 2 | 19.1 s | collision | yes | 700 / 180 | completed | 19.1 s |")

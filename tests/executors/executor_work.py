@@ -20,7 +20,7 @@ def fail_at_three(number):
     return number
 
 
-def end_at_three(number):
+def kill_at_three(number):
     if number == 3:
         os.kill(os.getpid(), signal.SIGKILL)
     return number
@@ -30,11 +30,11 @@ def recurse_at_three(number):
     return recurse_at_three(number) if number == 3 else number
 
 
-def process(_):
+def process_id(_):
     return os.getpid()
 
 
-def meet(folder):
+def wait_for_other(folder):
     """Return this process's id as soon as another one has come to the folder, else None."""
     (Path(folder) / str(os.getpid())).touch()
     until = time.monotonic() + LIMIT
@@ -45,13 +45,13 @@ def meet(folder):
     return None
 
 
-def linger(folder):
+def sleep_marked(folder):
     """Put this process's id into a folder, and stay."""
     (Path(folder) / str(os.getpid())).touch()
     time.sleep(LIMIT)
 
 
-def linger_below(folder):
+def start_child_sleep(folder):
     """Put the id of a process that this one has started into a folder, and wait for it."""
     command = [sys.executable, "-c", f"import time; time.sleep({LIMIT})"]
     with subprocess.Popen(command) as started:

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 HERE = Path(__file__).parent
-TRIED_ONCE = {"DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "0"}
+SINGLE_ATTEMPT = {"DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "0"}
 """Each new try of what ended its worker takes a new worker, and seconds."""
 
 
@@ -15,7 +15,7 @@ TRIED_ONCE = {"DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "0"}
 def local_cluster(workers=2):
     """Run a cluster and yield its address."""
     paths = [str(HERE), *filter(None, sys.path)]
-    environment = {**os.environ, **TRIED_ONCE, "PYTHONPATH": os.pathsep.join(paths)}
+    environment = {**os.environ, **SINGLE_ATTEMPT, "PYTHONPATH": os.pathsep.join(paths)}
     command = [sys.executable, "-W", "ignore", __file__, str(workers)]
     with subprocess.Popen(
         command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=environment, text=True

@@ -4,12 +4,12 @@ import pytest
 
 from rtron.functions import node_functions
 from rtron.functions.app_categories import (
-    AppRow,
-    app_row,
+    AppProfile,
+    app_profile,
     categories,
     categories_of,
-    counts,
-    nearest,
+    count_categories,
+    nearest_category,
 )
 from rtron.vocabulary import Direction, Endpoint, InteractionGraph, Node
 from rtron.vocabulary import FunctionType as F
@@ -95,14 +95,14 @@ SLAM_LINKS = (
 
 
 def test_a_simulated_robot_has_the_drivers_that_its_simulator_stands_in_for():
-    row = app_row(graph(*SLAM_NODES, links=SLAM_LINKS))
+    row = app_profile(graph(*SLAM_NODES, links=SLAM_LINKS))
     assert row.categories == ("SLAM",)
     assert row.functions[F.MOBILE] == ("/gazebo",)
     assert row.functions[F.PREPROCESSING] == ("/gazebo",)
 
 
 def test_a_simulator_that_takes_no_command_drives_nothing():
-    row = app_row(graph(*SLAM_NODES, links=SLAM_LINKS[:3]))
+    row = app_profile(graph(*SLAM_NODES, links=SLAM_LINKS[:3]))
     assert F.MOBILE not in row.functions
     assert row.categories == ("Panorama",)
 
@@ -111,7 +111,7 @@ def test_a_map_that_is_only_handed_out_is_no_mapping():
     nodes = (*SLAM_NODES[1:], Node(name="/amcl", package="amcl"))
     served = Node(name="/map", package="map_server")
     links = (*SLAM_LINKS[2:], ("/map", "->", "nav_msgs/OccupancyGrid"))
-    assert app_row(graph(*node_functions, served, links=links)).categories == ("Navigation",)
+    assert app_profile(graph(*node_functions, served, links=links)).categories == ("Navigation",)
 
 
 def test_of_functions_that_are_not_sure_those_count_that_the_node_speaks_as(monkeypatch):
@@ -122,23 +122,23 @@ def test_of_functions_that_are_not_sure_those_count_that_the_node_speaks_as(monk
         ("/n", "->", "trajectory_msgs/JointTrajectory"),
         ("/n", "<-", "sensor_msgs/Image"),
     )
-    row = app_row(graph(Node(name="/n", package="both"), links=links))
+    row = app_profile(graph(Node(name="/n", package="both"), links=links))
     assert row.functions == {F.PATH_PLANNING: ("/n",)}
 
 
 def test_the_app_is_named_by_its_graph_or_as_told():
-    assert app_row(graph()).app == "app"
-    assert app_row(graph(), "told").app == "told"
-    assert app_row(InteractionGraph(app="")).app == "app"
+    assert app_profile(graph()).app == "app"
+    assert app_profile(graph(), "told").app == "told"
+    assert app_profile(InteractionGraph(app="")).app == "app"
 
 
 def test_counts_join_the_categories_that_share_a_set():
     rows = [
-        AppRow(app="a", functions={}, categories=("Object Search", "Autonomous Driving")),
-        AppRow(app="b", functions={}, categories=("Navigation", "Remote Control")),
-        AppRow(app="c", functions={}, categories=()),
+        AppProfile(app="a", functions={}, categories=("Object Search", "Autonomous Driving")),
+        AppProfile(app="b", functions={}, categories=("Navigation", "Remote Control")),
+        AppProfile(app="c", functions={}, categories=()),
     ]
-    found = {each.categories: (each.apps, each.paper) for each in counts(rows)}
+    found = {each.categories: (each.apps, each.paper) for each in count_categories(rows)}
     assert len(found) == 12
     assert found["Object Search", "Autonomous Driving"] == (1, 2)
     assert found["Face/Person Detection", "Object/Scene Detection"] == (0, 13)
@@ -155,54 +155,54 @@ def test_counts_join_the_categories_that_share_a_set():
     ],
 )
 def test_an_app_of_no_category_is_told_the_nearest(present, category, missing):
-    found = nearest(present)
+    found = nearest_category(present)
     assert found.categories[0] == category
     lacks = {c.name: c.functions for c in categories()}[category] - present
-    assert set(found.lack.missing) == lacks
-    assert missing is None or found.lack.missing == missing
+    assert set(found.missing.missing) == lacks
+    assert missing is None or found.missing.missing == missing
 
 
 def test_categories_of_one_set_are_near_together():
-    found = nearest({F.RECOGNITION})
+    found = nearest_category({F.RECOGNITION})
     assert found.categories == ("Face/Person Detection", "Object/Scene Detection")
 
 
 def test_what_only_lacks_one_of_several_is_told_which():
     """turtlebot3_teleop_key: a launch file of the teleoperation alone."""
-    found = nearest({F.TELEOPERATION})
+    found = nearest_category({F.TELEOPERATION})
     assert found.categories == ("Remote Control",)
-    assert (found.lack.missing, found.lack.one_of) == ((), (F.MOBILE, F.MANIPULATOR))
+    assert (found.missing.missing, found.missing.one_of) == ((), (F.MOBILE, F.MANIPULATOR))
 
 
 def test_one_of_several_counts_as_one_function():
-    found = nearest({F.MANIPULATOR})
+    found = nearest_category({F.MANIPULATOR})
     assert found.categories == ("Remote Control",)
-    assert (found.lack.missing, found.lack.one_of) == ((F.TELEOPERATION,), ())
-    speaks = nearest({F.PREPROCESSING, F.SPEECH_GENERATION, F.SPEAKER})
+    assert (found.missing.missing, found.missing.one_of) == ((F.TELEOPERATION,), ())
+    speaks = nearest_category({F.PREPROCESSING, F.SPEECH_GENERATION, F.SPEAKER})
     assert speaks.categories == ("Voice Interaction",)
-    assert (speaks.lack.missing, speaks.lack.one_of) == ((F.RECOGNITION,), ())
+    assert (speaks.missing.missing, speaks.missing.one_of) == ((F.RECOGNITION,), ())
 
 
 DRIVES_ITSELF = {F.PREPROCESSING, F.RECOGNITION, F.PATH_TRACKING, F.GOAL_PLANNER}
 
 
 def test_an_app_of_a_small_category_is_told_the_larger_one_that_it_nearly_is():
-    found = nearest(DRIVES_ITSELF)
+    found = nearest_category(DRIVES_ITSELF)
     assert found.categories == ("Object Search", "Autonomous Driving")
-    assert found.lack.missing == (F.LOCALIZATION, F.PATH_PLANNING, F.MOBILE)
+    assert found.missing.missing == (F.LOCALIZATION, F.PATH_PLANNING, F.MOBILE)
 
 
 @pytest.mark.parametrize("present", [NAVIGATES, NAVIGATES | {F.TELEOPERATION}, set(F)])
 def test_a_category_that_fits_as_well_is_the_nearest_so_none_is_told(present):
-    assert nearest(present) is None
+    assert nearest_category(present) is None
 
 
 @pytest.mark.parametrize("present", [set(), {F.VISUALIZATION, F.SENSORS}])
 def test_nothing_is_near_an_app_without_any_of_the_functions(present):
-    assert nearest(present) is None
+    assert nearest_category(present) is None
 
 
 def test_an_app_of_a_category_has_no_nearest():
-    assert app_row(graph(*SLAM_NODES, links=SLAM_LINKS)).nearest is None
-    near = app_row(graph(*SLAM_NODES[:2], links=SLAM_LINKS[:2])).nearest
+    assert app_profile(graph(*SLAM_NODES, links=SLAM_LINKS)).nearest is None
+    near = app_profile(graph(*SLAM_NODES[:2], links=SLAM_LINKS[:2])).nearest
     assert near.categories == ("SLAM",)

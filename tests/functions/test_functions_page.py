@@ -6,10 +6,10 @@ from pathlib import Path
 import pytest
 
 from rtron.functions.classifier.pipeline import classify
-from rtron.functions.domains import DOMAIN_OF
-from rtron.functions.repository import Package, Repository
-from rtron.functions.rules.examples import faults
-from rtron.functions.rules.loader import read_rules
+from rtron.functions.domains import DOMAIN_BY_TYPE
+from rtron.functions.repository import SourcePackage, SourceRepository
+from rtron.functions.rules.examples import failing_examples
+from rtron.functions.rules.loader import parse_rules
 from rtron.vocabulary import Domain, FunctionType
 
 PAGE = (Path(__file__).parents[2] / "docs" / "functions.md").read_text(encoding="utf-8")
@@ -17,8 +17,8 @@ PAGE = (Path(__file__).parents[2] / "docs" / "functions.md").read_text(encoding=
 
 def test_its_rule_is_one_and_does_what_it_says():
     (text,) = re.findall(r"```yaml\n(.*?)```", PAGE, re.DOTALL)
-    (rule,) = read_rules(text, "page", {})
-    assert list(faults([rule])) == []
+    (rule,) = parse_rules(text, "page", {})
+    assert list(failing_examples([rule])) == []
     assert rule.vetoes
 
 
@@ -30,7 +30,7 @@ def test_its_types_are_all_there_are():
         if domain in {*Domain}
         for type in types.split(", ")
     }
-    assert told == DOMAIN_OF
+    assert told == DOMAIN_BY_TYPE
 
 
 @pytest.mark.parametrize(
@@ -39,6 +39,6 @@ def test_its_types_are_all_there_are():
     ids=["lines", "blanks", "images", "headings", "spaces"],
 )
 def test_a_readme_of_signs_only_tells_nothing(text):
-    package = Package(name="qqq", description=text)
-    found = classify(Repository(name="zzz", packages=(package,), readme=text))
+    package = SourcePackage(name="qqq", description=text)
+    found = classify(SourceRepository(name="zzz", packages=(package,), readme=text))
     assert found.primary is None

@@ -4,9 +4,9 @@ import pytest
 
 from rtron.functions import node_functions
 from rtron.functions.node_functions import (
+    FunctionSource,
     NodeFunctions,
-    ToldBy,
-    agreed,
+    combine_sources,
     functions_of_nodes,
     with_functions,
 )
@@ -28,8 +28,8 @@ GOAL = "move_base_msgs/MoveBaseActionGoal"
 STATES = "gazebo_msgs/ModelStates"
 
 
-def app(node, sends=(), hears=(), actions=()):
-    sides = ((Direction.PUBLISH, sends), (Direction.SUBSCRIBE, hears))
+def app(node, publishes=(), subscribes=(), actions=()):
+    sides = ((Direction.PUBLISH, publishes), (Direction.SUBSCRIBE, subscribes))
     ends = tuple(
         Endpoint(node=node.name, topic=f"/{type}", type=type, direction=direction)
         for direction, types in sides
@@ -38,8 +38,8 @@ def app(node, sends=(), hears=(), actions=()):
     return InteractionGraph(app="app", nodes=(node,), endpoints=ends, actions=actions)
 
 
-def told(node, sends=(), hears=(), description=""):
-    graph = app(node, sends, hears)
+def node_functions(node, publishes=(), subscribes=(), description=""):
+    graph = app(node, publishes, subscribes)
     return functions_of_nodes(graph, {node.package: description})[node.name]
 
 
@@ -108,59 +108,69 @@ def test_an_action_is_asked_by_its_client_and_heard_by_its_server(type, expected
     ("pieces", "expected"),
     [
         ({}, NodeFunctions()),
-        ({ToldBy.PACKAGE: ()}, NodeFunctions()),
-        ({ToldBy.NAME: (F.MAPPING,)}, NodeFunctions(functions=(F.MAPPING,), told_by=ToldBy.NAME)),
+        ({FunctionSource.PACKAGE: ()}, NodeFunctions()),
         (
-            {ToldBy.PACKAGE: (F.MAPPING,), ToldBy.MESSAGES: (F.LOCALIZATION,)},
-            NodeFunctions(told_by=ToldBy.CONFLICT),
+            {FunctionSource.NAME: (F.MAPPING,)},
+            NodeFunctions(functions=(F.MAPPING,), source=FunctionSource.NAME),
         ),
         (
-            {ToldBy.PACKAGE: (F.LOCALIZATION, F.MAPPING), ToldBy.MESSAGES: (F.MAPPING,)},
-            NodeFunctions(functions=(F.MAPPING,), told_by=ToldBy.PACKAGE),
+            {FunctionSource.PACKAGE: (F.MAPPING,), FunctionSource.MESSAGES: (F.LOCALIZATION,)},
+            NodeFunctions(source=FunctionSource.CONFLICT),
         ),
         (
-            {ToldBy.PACKAGE: (F.LOCALIZATION, F.MAPPING)},
+            {
+                FunctionSource.PACKAGE: (F.LOCALIZATION, F.MAPPING),
+                FunctionSource.MESSAGES: (F.MAPPING,),
+            },
+            NodeFunctions(functions=(F.MAPPING,), source=FunctionSource.PACKAGE),
+        ),
+        (
+            {FunctionSource.PACKAGE: (F.LOCALIZATION, F.MAPPING)},
             NodeFunctions(
-                functions=(F.LOCALIZATION, F.MAPPING), told_by=ToldBy.PACKAGE, sure=False
+                functions=(F.LOCALIZATION, F.MAPPING),
+                source=FunctionSource.PACKAGE,
+                is_certain=False,
             ),
         ),
         (
-            {ToldBy.MESSAGES: (F.PATH_PLANNING, F.PATH_TRACKING)},
-            NodeFunctions(functions=(F.PATH_PLANNING, F.PATH_TRACKING), told_by=ToldBy.MESSAGES),
+            {FunctionSource.MESSAGES: (F.PATH_PLANNING, F.PATH_TRACKING)},
+            NodeFunctions(
+                functions=(F.PATH_PLANNING, F.PATH_TRACKING), source=FunctionSource.MESSAGES
+            ),
         ),
         (
-            {ToldBy.PACKAGE: (F.EXTENSION,), ToldBy.MESSAGES: (F.MAPPING,)},
-            NodeFunctions(functions=(F.MAPPING,), told_by=ToldBy.MESSAGES),
+            {FunctionSource.PACKAGE: (F.EXTENSION,), FunctionSource.MESSAGES: (F.MAPPING,)},
+            NodeFunctions(functions=(F.MAPPING,), source=FunctionSource.MESSAGES),
         ),
         (
-            {ToldBy.PACKAGE: (F.SUPPORT,)},
-            NodeFunctions(functions=(F.SUPPORT,), told_by=ToldBy.PACKAGE),
-        ),
-        (
-            {
-                ToldBy.PACKAGE: (F.MOBILE,),
-                ToldBy.NAME: (F.MAPPING,),
-                ToldBy.MESSAGES: (F.MAPPING,),
-            },
-            NodeFunctions(functions=(F.MAPPING,), told_by=ToldBy.NAME),
+            {FunctionSource.PACKAGE: (F.SUPPORT,)},
+            NodeFunctions(functions=(F.SUPPORT,), source=FunctionSource.PACKAGE),
         ),
         (
             {
-                ToldBy.PACKAGE: (F.MOBILE,),
-                ToldBy.NAME: (F.MAPPING,),
-                ToldBy.MESSAGES: (F.SENSORS,),
+                FunctionSource.PACKAGE: (F.MOBILE,),
+                FunctionSource.NAME: (F.MAPPING,),
+                FunctionSource.MESSAGES: (F.MAPPING,),
             },
-            NodeFunctions(told_by=ToldBy.CONFLICT),
+            NodeFunctions(functions=(F.MAPPING,), source=FunctionSource.NAME),
+        ),
+        (
+            {
+                FunctionSource.PACKAGE: (F.MOBILE,),
+                FunctionSource.NAME: (F.MAPPING,),
+                FunctionSource.MESSAGES: (F.SENSORS,),
+            },
+            NodeFunctions(source=FunctionSource.CONFLICT),
         ),
     ],
 )
 def test_pieces_that_agree_decide(pieces, expected):
-    assert agreed(pieces) == expected
+    assert combine_sources(pieces) == expected
 
 
 def test_function_and_domain_of_one_that_is_not_sure():
-    both = NodeFunctions(functions=(F.LOCALIZATION, F.MAPPING), sure=False)
-    apart = NodeFunctions(functions=(F.MOBILE, F.MAPPING), sure=False)
+    both = NodeFunctions(functions=(F.LOCALIZATION, F.MAPPING), is_certain=False)
+    apart = NodeFunctions(functions=(F.MOBILE, F.MAPPING), is_certain=False)
     assert (both.function, both.domain) == (None, Domain.PERCEPTION)
     assert (apart.function, apart.domain) == (None, None)
     sure = NodeFunctions(functions=(F.MOBILE, F.MAPPING))
@@ -179,34 +189,36 @@ def test_function_and_domain_of_one_that_is_not_sure():
     ],
 )
 def test_well_known_nodes(node, expected):
-    found = told(node)
-    assert (found.functions, found.told_by) == (expected, ToldBy.KNOWN)
+    found = node_functions(node)
+    assert (found.functions, found.source) == (expected, FunctionSource.KNOWN)
 
 
 def test_a_known_name_of_another_package_is_not_known():
-    assert told(Node(name="/amcl", package="my_own")).told_by is not ToldBy.KNOWN
+    assert node_functions(Node(name="/amcl", package="my_own")).source is not FunctionSource.KNOWN
 
 
 def test_a_package_is_told_by_its_description():
     node = Node(name="/n", package="qwert")
-    assert told(node).functions == ()
-    found = told(node, description="Detects and recognizes faces of people in camera images.")
-    assert (found.function, found.told_by) == (F.RECOGNITION, ToldBy.PACKAGE)
+    assert node_functions(node).functions == ()
+    found = node_functions(
+        node, description="Detects and recognizes faces of people in camera images."
+    )
+    assert (found.function, found.source) == (F.RECOGNITION, FunctionSource.PACKAGE)
 
 
 def test_a_robots_name_makes_no_driver_of_a_node_that_takes_no_command():
     node = Node(name="/x", package="qwert")
     words = "Driver for the mobile base"
-    assert told(node, description=words).function is F.MOBILE
-    assert told(node, [ODOM], [TWIST], words).function is F.MOBILE
-    assert told(node, ["std_msgs/UInt8"], ["std_msgs/UInt8"], words).function is None
+    assert node_functions(node, description=words).function is F.MOBILE
+    assert node_functions(node, [ODOM], [TWIST], words).function is F.MOBILE
+    assert node_functions(node, ["std_msgs/UInt8"], ["std_msgs/UInt8"], words).function is None
 
 
 def test_a_nodes_own_name_counts_with_messages_of_the_kind():
     node = Node(name="/detect_lane")
-    assert told(node).function is F.RECOGNITION
-    assert told(node, ["std_msgs/Float64"], [IMAGE]).function is F.RECOGNITION
-    assert told(node, ["std_msgs/Float64"], ["std_msgs/Float64"]).function is None
+    assert node_functions(node).function is F.RECOGNITION
+    assert node_functions(node, ["std_msgs/Float64"], [IMAGE]).function is F.RECOGNITION
+    assert node_functions(node, ["std_msgs/Float64"], ["std_msgs/Float64"]).function is None
 
 
 def test_each_name_is_asked_once_whatever_its_number(monkeypatch):
@@ -218,8 +230,8 @@ def test_each_name_is_asked_once_whatever_its_number(monkeypatch):
 
 
 def test_a_robots_name_alone_makes_no_driver_of_a_node():
-    assert told(Node(name="/mobile_base_driver", package="nodelet")).function is None
-    found = told(Node(name="/mobile_base_driver", package="nodelet"), [ODOM], [TWIST])
+    assert node_functions(Node(name="/mobile_base_driver", package="nodelet")).function is None
+    found = node_functions(Node(name="/mobile_base_driver", package="nodelet"), [ODOM], [TWIST])
     assert found.function is F.MOBILE
 
 
@@ -238,8 +250,8 @@ def test_of_a_packages_functions_those_that_the_messages_fit(
 ):
     both = {"both": (F.PATH_PLANNING, F.RECOGNITION)}
     monkeypatch.setattr(node_functions, "classify_name", lambda name, _="": both.get(name, ()))
-    found = told(Node(name="/n", package="both"), sends, hears)
-    assert (found.functions, found.sure) == (expected, sure)
+    found = node_functions(Node(name="/n", package="both"), sends, hears)
+    assert (found.functions, found.is_certain) == (expected, sure)
 
 
 def test_a_function_that_is_given_stays():
@@ -260,7 +272,7 @@ def test_the_graph_is_otherwise_as_it_was_and_a_second_time_changes_nothing():
 
 def test_a_given_function_keeps_the_others_that_fit_to_it():
     node = Node(name="/foo")
-    graph = app(node, sends=[TWIST], hears=[GOAL, SCAN])
+    graph = app(node, publishes=[TWIST], subscribes=[GOAL, SCAN])
     first = functions_of_nodes(graph)["/foo"].functions
     again = functions_of_nodes(with_functions(graph))["/foo"].functions
     assert again == first == (F.PATH_PLANNING, F.PATH_TRACKING)
@@ -268,5 +280,5 @@ def test_a_given_function_keeps_the_others_that_fit_to_it():
 
 def test_a_given_function_stands_alone_where_nothing_fits_to_it():
     node = Node(name="/foo", function=F.SPEAKER)
-    found = functions_of_nodes(app(node, sends=[TWIST], hears=[GOAL, SCAN]))["/foo"]
-    assert found == NodeFunctions(functions=(F.SPEAKER,), told_by=ToldBy.GIVEN)
+    found = functions_of_nodes(app(node, publishes=[TWIST], subscribes=[GOAL, SCAN]))["/foo"]
+    assert found == NodeFunctions(functions=(F.SPEAKER,), source=FunctionSource.DECLARED)

@@ -5,8 +5,8 @@ from dataclasses import replace
 import pytest
 from home import HOME
 
-from rtron.planning import Level, check_plan, propose_plan
-from rtron.risks import discover
+from rtron.planning import ProblemLevel, check_plan, propose_plan
+from rtron.risks import discover_risks
 from rtron.vocabulary import (
     EventFlow,
     FpsMonitor,
@@ -17,7 +17,7 @@ from rtron.vocabulary import (
     WatchedFlow,
 )
 
-PLAN = propose_plan(HOME, discover(HOME))
+PLAN = propose_plan(HOME, discover_risks(HOME))
 CMD_VEL = PLAN.grcn[0]
 
 
@@ -96,7 +96,7 @@ def test_a_subscriber_that_the_plan_forgets_hears_the_public_name():
 
 def test_a_private_topic_would_feed_the_guard_with_its_own_output():
     problems = check_plan(with_grcn(topic="/rtron/cmd_vel/out"), HOME)
-    assert [problem.level for problem in problems] == [Level.ERROR]
+    assert [problem.level for problem in problems] == [ProblemLevel.ERROR]
     assert "would come back to it" in problems[0].message
 
 

@@ -34,7 +34,7 @@ class NaiveFrameRate:
         return rate if age == 0 else min(rate, SECOND / age)
 
 
-class NaiveRates:
+class NaiveFrameMonitor:
     """One image node, as (fps, silent)."""
 
     def __init__(self, plan):

@@ -5,7 +5,7 @@ import random
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from rtron.policies import build
+from rtron.policies import build_policy
 from rtron.vocabulary import Decision, Flow, PolicyName, PolicySettings, StreamKind, Velocity
 
 MESSAGES_AT_ONCE = 10_000
@@ -55,7 +55,7 @@ def constrain(limit: float):
     """Return the policy that keeps velocities of the flow `vflow` to a limit."""
     flows = (Flow(name="vflow", publisher="/any"),)
     kind = StreamKind.COMMAND
-    return build(
+    return build_policy(
         PolicySettings(policy=PolicyName.CONSTRAIN, kind=kind, flows=flows, max_vel_limit=limit)
     )
 
@@ -94,28 +94,28 @@ def violations(
         verdict = judge("vflow", asked, now)
         if verdict.decision is Decision.PASS:
             found.passed += 1
-            if not asked.finite or asked.speed > limit:
+            if not asked.is_finite or asked.speed > limit:
                 found.note("passed", asked)
         elif verdict.decision is Decision.MODIFY:
             found.modified += 1
             check_modified(asked, decode(encode(verdict.message)), limit, close, found)
         else:
             found.dropped += 1
-            if asked.finite:
+            if asked.is_finite:
                 found.note("dropped", asked)
     return found
 
 
-def check_modified(asked, made, limit, close, found):
-    if not made.finite or made.speed > limit or asked.speed <= limit:
-        found.note("modified", asked, made)
-    elif not alike(asked, made, close):
-        found.note("bent", asked, made)
+def check_modified(opened_sources, made, limit, close, fake_study):
+    if not made.is_finite or made.speed > limit or opened_sources.speed <= limit:
+        fake_study.note("modified", opened_sources, made)
+    elif not alike(opened_sources, made, close):
+        fake_study.note("bent", opened_sources, made)
 
 
-def alike(asked, made, close=CLOSE):
+def alike(opened_sources, made, close=CLOSE):
     """Tell whether one velocity is the other, scaled by one factor from 0 to 1."""
-    before, after = (*asked.linear, *asked.angular), (*made.linear, *made.angular)
+    before, after = (*opened_sources.linear, *opened_sources.angular), (*made.linear, *made.angular)
     pairs = [*zip(before, after, strict=True)]
     if any(a * m < 0 or abs(m) > abs(a) for a, m in pairs):
         return False

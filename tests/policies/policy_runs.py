@@ -5,9 +5,9 @@ from dataclasses import dataclass, field, replace
 from hypothesis import settings as effort
 from hypothesis import strategies as st
 
-from rtron.policies import build
-from rtron.policies.state_machine import Machine
-from rtron.policies.state_transfer import InTurn
+from rtron.policies import build_policy
+from rtron.policies.state_machine import StateMachine
+from rtron.policies.state_transfer import LeaseState
 from rtron.vocabulary import (
     UNAPPROVED,
     Decision,
@@ -50,7 +50,7 @@ def timeout_of(flow, chosen):
     return chosen.release_after if timeout is None else timeout
 
 
-class Watched(Machine):
+class RecordingMachine(StateMachine):
     """A machine that notes the effects of its steps."""
 
     def __init__(self, machine):
@@ -64,7 +64,7 @@ class Watched(Machine):
 
 def watch_effects(policy):
     """Return a list that gets the effect of every step of a policy's machine."""
-    policy._machine = Watched(policy._machine)
+    policy._machine = RecordingMachine(policy._machine)
     return policy._machine.effects
 
 
@@ -88,10 +88,10 @@ class Run:
     story: list[tuple[int, Message, Decision | None]] = field(default_factory=list)
     held: set[Message] = field(default_factory=set)
     most_held: int = 0
-    went: InTurn | None = None
+    went: LeaseState | None = None
 
     def __post_init__(self):
-        self.policy = build(self.settings)
+        self.policy = build_policy(self.settings)
 
     def play(self, steps):
         for gap, what in steps:
@@ -126,12 +126,12 @@ class Run:
 
     def swap(self, chosen):
         """Put other settings in force, as the guard's pipeline does."""
-        before, self.policy, self.settings = self.policy, build(chosen), chosen
-        carried = before.carry(self.now)
-        if not carried.turns:
-            carried = replace(carried, turn=self.went)
+        before, self.policy, self.settings = self.policy, build_policy(chosen), chosen
+        carried = before.export_state(self.now)
+        if not carried.has_lease:
+            carried = replace(carried, lease=self.went)
         self.note(before.close())
-        self.note(self.policy.resume(carried, self.now))
+        self.note(self.policy.restore_state(carried, self.now))
 
     def say(self, flow):
         message = Message(len(self.messages), flow, self.now)
@@ -165,7 +165,7 @@ class Run:
 
     def leaves(self, message, verdict):
         if verdict.decision is Decision.PASS:
-            self.went = InTurn(message.flow, self.now, self.now)
+            self.went = LeaseState(message.flow, self.now, self.now)
         self.left.append((self.now, message, verdict))
         self.story.append((self.now, message, verdict.decision))
 

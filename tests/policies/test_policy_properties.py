@@ -27,7 +27,7 @@ from policy_runs import (
     watch_effects,
 )
 
-from rtron.policies.state_machine import Effect
+from rtron.policies.state_machine import TransitionEffect
 from rtron.vocabulary import Decision, PolicyName, StreamKind
 
 OF_GRCN = (PolicyName.BLOCK, PolicyName.PREEMPTION, *QUEUES)
@@ -235,11 +235,11 @@ def test_what_is_done_is_the_effect_in_the_table(chosen, steps):
         run.now += gap
         if what in (TICK, DONE):
             run.do(what)
-            assert set(effects) <= {Effect.NOTHING, Effect.LET_GO}
+            assert set(effects) <= {TransitionEffect.NOTHING, TransitionEffect.RELEASE}
         else:
             decision = run.say(what)
-            assert effects[-1] is Effect[decision.name]
-            assert set(effects[:-1]) <= {Effect.NOTHING}
+            assert effects[-1] is TransitionEffect[decision.name]
+            assert set(effects[:-1]) <= {TransitionEffect.NOTHING}
 
 
 @often
@@ -250,4 +250,4 @@ def test_each_message_that_a_tick_lets_go_is_a_step_in_the_table(chosen, steps):
     run.play(steps)
     effects.clear()
     gone = [decision for _, decision in run.tick()]
-    assert effects.count(Effect.LET_GO) == gone.count(Decision.PASS)
+    assert effects.count(TransitionEffect.RELEASE) == gone.count(Decision.PASS)

@@ -10,9 +10,9 @@ from docs_policies import PAGES, stale
 from policy_runs import LIMITS, settings
 
 from rtron.errors import PlanError
-from rtron.policies import POLICIES, block, build, preemption, velocity_watchdog
+from rtron.policies import POLICIES, block, build_policy, preemption, velocity_watchdog
 from rtron.policies.queues import message_queue
-from rtron.policies.state_machine import Effect, Machine
+from rtron.policies.state_machine import StateMachine, TransitionEffect
 from rtron.policies.velocity_limit import limiter
 from rtron.vocabulary import Flow, PolicyName, StreamKind
 
@@ -36,9 +36,9 @@ def test_every_state_can_be_reached(module):
 
 @pytest.mark.parametrize("module", TABLED)
 def test_what_cannot_arise_raises_and_changes_nothing(module):
-    never = [(pair, to) for pair, to in module.TABLE.items() if to[1] is Effect.NEVER]
+    never = [(pair, to) for pair, to in module.TABLE.items() if to[1] is TransitionEffect.NEVER]
     for (state, input), (after, _) in never:
-        machine = Machine(module.TABLE, state)
+        machine = StateMachine(module.TABLE, state)
         with pytest.raises(AssertionError, match=input.name):
             machine.step(input)
         assert machine.state is state is after
@@ -79,7 +79,7 @@ def test_a_stale_page_is_found(tmp_path):
 )
 def test_a_limit_that_is_not_given_is_refused(policy, key):
     with pytest.raises(PlanError, match=f"^{re.escape(policy)} needs {key}$") as raised:
-        build(settings(policy, **{key: None}))
+        build_policy(settings(policy, **{key: None}))
     assert raised.value.help == f"set {key} of the RSRCN"
 
 
@@ -90,7 +90,7 @@ def test_flows_that_have_an_order_have_it_among_all(policy):
         for name, priority in (("flow1", 1), ("flow2", 2), ("flow3", 1))
     )
     with pytest.raises(PlanError, match="flow1 and flow3 have the same priority 1"):
-        build(settings(policy, flows=flows))
+        build_policy(settings(policy, flows=flows))
 
 
 @pytest.mark.parametrize("policy", POLICIES)
@@ -98,7 +98,7 @@ def test_flows_that_have_an_order_have_it_among_all(policy):
 def test_equal_priorities_are_refused_where_priorities_count(policy, kind):
     equal = tuple(Flow(name=name, publisher="/any") for name in ("flow1", "flow2"))
     if policy in {PolicyName.BLOCK, PolicyName.FIFO_QUEUE, *LIMITS}:
-        build(settings(policy, kind, equal))
+        build_policy(settings(policy, kind, equal))
     else:
         with pytest.raises(PlanError, match="flow1 and flow2 have the same priority 0"):
-            build(settings(policy, kind, equal))
+            build_policy(settings(policy, kind, equal))

@@ -29,12 +29,12 @@ from policy_runs import (
 )
 
 from rtron.errors import PlanError
-from rtron.policies import POLICIES, Rates, build
-from rtron.policies.mission.event_bits import Bits
+from rtron.policies import POLICIES, FrameMonitors, build_policy
+from rtron.policies.mission.event_bits import EventBits
 from rtron.policies.mission.rule_block import RuleBlock
-from rtron.policies.mission.rule_status import Mission
-from rtron.policies.policy import Immediate
-from rtron.policies.state_transfer import Asked, Carried
+from rtron.policies.mission.rule_status import MissionMonitor
+from rtron.policies.policy import ImmediatePolicy
+from rtron.policies.state_transfer import PolicyState, VelocityRequest
 from rtron.vocabulary import Decision, Flow, PolicyName, StageRule, StreamKind, Velocity
 
 OF_GRCN = (PolicyName.BLOCK, PolicyName.PREEMPTION, *QUEUES)
@@ -340,7 +340,9 @@ def test_a_message_that_moved_can_be_withdrawn():
 
 @pytest.mark.parametrize("policy", POLICIES)
 def test_verdicts_that_were_given_before_are_given_anew_for_a_revision(policy):
-    made = build(settings(policy, flows=(*FLOWS, Flow(name="other", publisher="/o", priority=5))))
+    made = build_policy(
+        settings(policy, flows=(*FLOWS, Flow(name="other", publisher="/o", priority=5)))
+    )
     now = 0
 
     def said():
@@ -356,7 +358,7 @@ def test_verdicts_that_were_given_before_are_given_anew_for_a_revision(policy):
 
 
 def test_a_mission_s_verdicts_are_given_anew_for_a_revision():
-    made = RuleBlock(settings(PolicyName.BLOCK), Mission(Bits()), lambda message: {})
+    made = RuleBlock(settings(PolicyName.BLOCK), MissionMonitor(EventBits()), lambda message: {})
     flows = (HIGH, BLOCKED)
     assert {made.verdict(flow, "", 0).revision for flow in flows} == {0}
     made.revise(3)
@@ -364,21 +366,21 @@ def test_a_mission_s_verdicts_are_given_anew_for_a_revision():
 
 
 def test_a_policy_without_a_memory_carries_nothing():
-    assert Immediate().carry(0) == Carried()
-    assert Immediate().resume(Carried(), 0) == ()
+    assert ImmediatePolicy().export_state(0) == PolicyState()
+    assert ImmediatePolicy().restore_state(PolicyState(), 0) == ()
 
 
 FAST = Velocity((2.0,), (1.0,))
 
 
 def limited(speed, flows=FLOWS):
-    made = build(settings(PolicyName.CONSTRAIN, flows=flows, max_vel_limit=speed))
+    made = build_policy(settings(PolicyName.CONSTRAIN, flows=flows, max_vel_limit=speed))
     made.reissues = True
     return made
 
 
 def swapped(before, after, now=0):
-    assert after.resume(before.carry(now), now) == ()
+    assert after.resume(before.export_state(now), now) == ()
     return [(release.message.speed, release.restores) for release in after.tick(now)]
 
 
@@ -417,9 +419,9 @@ def test_a_flow_that_is_blocked_now_gets_nothing_back_but_is_held_to_a_lower_lim
 
 def test_who_spoke_without_an_order_is_fresh_in_the_order_that_comes():
     alike = tuple(replace(flow, priority=0) for flow in FLOWS)
-    before = build(settings(PolicyName.CONSTRAIN, flows=alike))
+    before = build_policy(settings(PolicyName.CONSTRAIN, flows=alike))
     before.verdict(HIGH, FAST, 0)
-    after = build(settings(PolicyName.CONSTRAIN))
+    after = build_policy(settings(PolicyName.CONSTRAIN))
     swapped(before, after, RELEASE_AFTER - 1)
     assert after.verdict(LOW, FAST, RELEASE_AFTER - 1).decision is DROP
     assert after.verdict(LOW, FAST, RELEASE_AFTER).decision is Decision.MODIFY
@@ -427,9 +429,9 @@ def test_who_spoke_without_an_order_is_fresh_in_the_order_that_comes():
 
 def test_who_spoke_before_an_order_was_lifted_is_fresh_when_it_comes_back():
     alike = tuple(replace(flow, priority=0) for flow in FLOWS)
-    before = build(settings(PolicyName.CONSTRAIN))
+    before = build_policy(settings(PolicyName.CONSTRAIN))
     before.verdict(HIGH, FAST, 0)
-    middle, after = (build(settings(PolicyName.CONSTRAIN, flows=f)) for f in (alike, FLOWS))
+    middle, after = (build_policy(settings(PolicyName.CONSTRAIN, flows=f)) for f in (alike, FLOWS))
     swapped(before, middle, 1)
     assert middle.verdict(LOW, FAST, 1).decision is Decision.MODIFY
     swapped(middle, after, 2)
@@ -438,9 +440,9 @@ def test_who_spoke_before_an_order_was_lifted_is_fresh_when_it_comes_back():
 
 def test_who_spoke_in_an_order_is_fresh_when_the_order_changes():
     upside_down = tuple(replace(flow, priority=-flow.priority) for flow in FLOWS)
-    before = build(settings(PolicyName.CONSTRAIN, flows=upside_down))
+    before = build_policy(settings(PolicyName.CONSTRAIN, flows=upside_down))
     before.verdict(HIGH, FAST, 0)
-    after = build(settings(PolicyName.CONSTRAIN))
+    after = build_policy(settings(PolicyName.CONSTRAIN))
     swapped(before, after, 1)
     assert after.owner is None or after.owner == HIGH
     assert after.verdict(LOW, FAST, 1).decision is DROP
@@ -448,8 +450,8 @@ def test_who_spoke_in_an_order_is_fresh_when_the_order_changes():
 
 @pytest.mark.parametrize("policy", LIMITS)
 def test_any_limit_takes_over_from_any_other(policy):
-    before = build(settings(policy), Rates())
-    after = build(settings(PolicyName.CONSTRAIN, max_vel_limit=0.2))
+    before = build_policy(settings(policy), FrameMonitors())
+    after = build_policy(settings(PolicyName.CONSTRAIN, max_vel_limit=0.2))
     after.reissues = before.reissues = True
     before.verdict(HIGH, FAST, 0)
     [(speed, _)] = swapped(before, after)
@@ -458,7 +460,7 @@ def test_any_limit_takes_over_from_any_other(policy):
 
 def test_a_limit_can_be_told_what_was_asked_for_under_no_limit():
     after = limited(0.5)
-    after.resume(Carried(asked=Asked(HIGH, FAST, FAST)), 0)
+    after.restore_state(PolicyState(velocity_request=VelocityRequest(HIGH, FAST, FAST)), 0)
     [release] = after.tick(0)
     assert release.message.speed == pytest.approx(0.5)
 
@@ -467,11 +469,11 @@ def test_a_limit_can_be_told_what_was_asked_for_under_no_limit():
 def test_equal_priorities_are_refused_before_anything_changes(policy):
     alike = tuple(replace(flow, priority=0) for flow in FLOWS)
     with pytest.raises(PlanError, match="same priority"):
-        build(settings(policy, flows=alike))
+        build_policy(settings(policy, flows=alike))
 
 
 def test_a_rule_block_is_made_for_the_standings_that_will_be():
-    mission = Mission(Bits())
-    rules = (StageRule(name="new", blocks=frozenset({HIGH})),)
+    mission = MissionMonitor(EventBits())
+    rules = (StageRule(name="new", blocked_flows=frozenset({HIGH})),)
     with pytest.raises(KeyError):
         RuleBlock(settings(PolicyName.BLOCK, rules=rules), mission, lambda message: {})

@@ -7,13 +7,18 @@ from hypothesis import given
 from hypothesis import strategies as st
 from policy_runs import TICK, often, watch_effects
 
-from rtron.policies.state_machine import Effect
-from rtron.policies.velocity_watchdog import LONGEST, Ramp, State, Stopping
-from rtron.vocabulary import SECOND, Flow, OnSilence, Stop, Velocity
+from rtron.policies.state_machine import TransitionEffect
+from rtron.policies.velocity_watchdog import (
+    MAX_RAMP_DURATION,
+    VelocityRamp,
+    VelocityWatchdog,
+    WatchdogState,
+)
+from rtron.vocabulary import SECOND, Flow, OnSilence, StopProfile, Velocity
 
 SILENT = SECOND // 2
 PERIOD, REPEAT = SECOND // 20, SECOND
-STOP = Stop(decel=2.0, angular_decel=4.0, period=PERIOD, repeat=REPEAT)
+STOP = StopProfile(decel=2.0, angular_decel=4.0, period=PERIOD, repeat=REPEAT)
 FLOW = Flow(name="flow1", publisher="/nav", silent_after=SILENT)
 RELEASING = Flow(name="flow2", publisher="/nav", silent_after=SILENT, on_silence=OnSilence.RELEASE)
 FORWARD = Velocity((1.0, 0.0, 0.0), (0.0, 0.0, 0.5))
@@ -21,12 +26,12 @@ RAMP = SECOND // 2
 
 
 def stopping(velocity=FORWARD, stop=STOP):
-    return Stopping(stop, lambda: velocity)
+    return VelocityWatchdog(stop, lambda: velocity)
 
 
 def moving(velocity=FORWARD, flow=FLOW, now=0, stop=STOP):
     made = stopping(velocity, stop)
-    made.said(flow, now)
+    made.record_output(flow, now)
     return made
 
 
@@ -48,28 +53,28 @@ def state(stopping):
 
 def test_a_stream_that_says_nothing_rests():
     made = stopping()
-    assert (made.deadline(), made.flow, made.why, made.stopped) == (None, None, "", "")
+    assert (made.deadline(), made.moving_flow, made.reason, made.last_flow) == (None, None, "", "")
     assert made.tick(10**12) is None
 
 
 def test_a_message_moves_the_robot():
     made = moving(now=7)
-    assert made.flow is FLOW
+    assert made.moving_flow is FLOW
     assert made.deadline() == 7 + SILENT
-    assert made.why == ""
+    assert made.reason == ""
 
 
 @pytest.mark.parametrize(("later", "stops"), [(SILENT - 1, False), (SILENT, True)])
 def test_silence_counts_from_its_bound(later, stops):
     made = moving(now=7)
     assert (made.tick(7 + later) is not None) is stops
-    assert (made.flow is None) is stops
-    assert made.why == ("flow1 has been silent for 0.50 s" if stops else "")
+    assert (made.moving_flow is None) is stops
+    assert made.reason == ("flow1 has been silent for 0.50 s" if stops else "")
 
 
 def test_every_message_puts_silence_off():
     made = moving(now=0)
-    made.said(FLOW, SILENT - 1)
+    made.record_output(FLOW, SILENT - 1)
     assert made.tick(SILENT) is None
     assert made.deadline() == 2 * SILENT - 1
 
@@ -77,39 +82,39 @@ def test_every_message_puts_silence_off():
 def test_a_flow_may_release_the_robot_instead():
     made = moving(flow=RELEASING)
     assert made.tick(SILENT - 1) is None
-    assert made.flow is RELEASING
+    assert made.moving_flow is RELEASING
     assert made.tick(SILENT) is None
-    assert (state(made), made.deadline(), made.why) == (State.RELEASED, None, "")
+    assert (state(made), made.deadline(), made.reason) == (WatchdogState.RELEASED, None, "")
 
 
 def test_what_was_released_is_told_to_rest_without_a_ramp_when_it_may_not_go_on():
     made = moving(flow=RELEASING)
     made.tick(SILENT)
     made.refuse("rule fire: no goals in a fire", SILENT + 9)
-    assert made.why == "rule fire: no goals in a fire"
-    assert not made.tick(SILENT + 9).moves
+    assert made.reason == "rule fire: no goals in a fire"
+    assert not made.tick(SILENT + 9).is_moving
 
 
 def test_what_was_released_may_speak_again():
     made = moving(flow=RELEASING)
     made.tick(SILENT)
-    made.said(RELEASING, SILENT + 1)
-    assert (state(made), made.flow) == (State.MOVING, RELEASING)
+    made.record_output(RELEASING, SILENT + 1)
+    assert (state(made), made.moving_flow) == (WatchdogState.MOVING, RELEASING)
 
 
 def test_what_somebody_else_has_stopped_is_not_ramped_down_once_more():
     made = moving()
-    made.interrupt()
-    assert (state(made), made.deadline()) == (State.RELEASED, None)
+    made.mark_stopped_elsewhere()
+    assert (state(made), made.deadline()) == (WatchdogState.RELEASED, None)
     made.refuse("rule", 5)
     assert {velocity.speed for _, velocity in wave(made)} == {0.0}
 
 
 def test_what_somebody_else_has_stopped_moves_again_with_the_next_message():
     made = moving()
-    made.interrupt()
-    made.said(FLOW, 7)
-    assert (state(made), made.deadline()) == (State.MOVING, 7 + SILENT)
+    made.mark_stopped_elsewhere()
+    made.record_output(FLOW, 7)
+    assert (state(made), made.deadline()) == (WatchdogState.MOVING, 7 + SILENT)
 
 
 @pytest.mark.parametrize("refused", [False, True])
@@ -117,30 +122,30 @@ def test_who_rests_or_is_being_stopped_is_not_interrupted(refused):
     made = moving() if refused else stopping()
     if refused:
         made.refuse("rule", 5)
-    before = (state(made), made.deadline(), made.why)
-    made.interrupt()
-    assert (state(made), made.deadline(), made.why) == before
+    before = (state(made), made.deadline(), made.reason)
+    made.mark_stopped_elsewhere()
+    assert (state(made), made.deadline(), made.reason) == before
 
 
 def test_the_last_flow_says_what_silence_means():
     made = moving(flow=RELEASING)
-    made.said(FLOW, 1)
+    made.record_output(FLOW, 1)
     assert made.tick(1 + SILENT) is not None
-    assert made.stopped == "flow1"
+    assert made.last_flow == "flow1"
 
 
 def test_what_may_not_go_on_is_stopped_at_once():
     made = moving()
     made.refuse("rule fire: no goals in a fire", 9)
-    assert made.why == "rule fire: no goals in a fire"
-    assert (made.deadline(), made.flow, made.stopped) == (9, None, "flow1")
+    assert made.reason == "rule fire: no goals in a fire"
+    assert (made.deadline(), made.moving_flow, made.last_flow) == (9, None, "flow1")
     assert made.tick(9) is not None
 
 
 def test_a_robot_at_rest_is_not_stopped():
     made = stopping()
     made.refuse("blocked", 5)
-    assert (state(made), made.deadline(), made.why) == (State.RESTING, None, "")
+    assert (state(made), made.deadline(), made.reason) == (WatchdogState.RESTING, None, "")
 
 
 @pytest.mark.parametrize("velocity", [Velocity((0.0, -0.0), (0.0,)), Velocity(())])
@@ -149,7 +154,7 @@ def test_a_robot_that_was_told_to_rest_is_not_stopped(velocity):
     refused.refuse("blocked", 5)
     assert silent.tick(SILENT) is None
     for made in (refused, silent):
-        assert (state(made), made.deadline(), made.why) == (State.RESTING, None, "")
+        assert (state(made), made.deadline(), made.reason) == (WatchdogState.RESTING, None, "")
 
 
 @pytest.mark.parametrize("velocity", [Velocity((0.0,), (0.1,)), Velocity((5e-324,))])
@@ -162,22 +167,22 @@ def test_a_second_refusal_changes_nothing():
     made.refuse("one", 0)
     first = made.tick(0)
     made.refuse("other", PERIOD // 2)
-    assert (made.why, made.deadline()) == ("one", PERIOD)
+    assert (made.reason, made.deadline()) == ("one", PERIOD)
     assert made.tick(PERIOD).speed < first.speed
 
 
 def test_the_waves_are_counted():
     made, resting = moving(), moving(Velocity((0.0,)))
-    assert made.stops == 0
+    assert made.stop_count == 0
     for number in (1, 2, 3):
         made.refuse("blocked", number)
         made.refuse("blocked still", number)
-        assert made.stops == number
-        made.said(FLOW, number)
+        assert made.stop_count == number
+        made.record_output(FLOW, number)
     made.tick(3 + SILENT)
-    assert made.stops == 4
+    assert made.stop_count == 4
     resting.refuse("blocked", 0)
-    assert resting.stops == 0
+    assert resting.stop_count == 0
 
 
 def test_a_message_ends_the_wave():
@@ -185,8 +190,8 @@ def test_a_message_ends_the_wave():
     made.refuse("blocked", 0)
     made.tick(0)
     other = Flow(name="flow3", publisher="/other", silent_after=3)
-    made.said(other, 10)
-    assert (made.why, made.flow, made.deadline()) == ("", other, 13)
+    made.record_output(other, 10)
+    assert (made.reason, made.moving_flow, made.deadline()) == ("", other, 13)
     assert made.tick(12) is None
 
 
@@ -202,7 +207,7 @@ def test_the_wave():
     speeds = [velocity.speed for _, velocity in out]
     assert speeds[:9] == pytest.approx([0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2, 0.1])
     assert speeds[9:] == [0.0] * 21
-    assert (state(made), made.deadline(), made.why) == (State.RESTING, None, "")
+    assert (state(made), made.deadline(), made.reason) == (WatchdogState.RESTING, None, "")
 
 
 @pytest.mark.parametrize(
@@ -214,29 +219,29 @@ def test_the_wave():
         (Velocity((1.0,), (4.0,)), SECOND),
         (Velocity((0.0,), (0.0, 0.0, -2.0)), SECOND // 2),
         (Velocity(()), 0),
-        (Velocity((20.0,)), LONGEST),
-        (Velocity((20.1,)), LONGEST),
-        (Velocity((0.0,), (40.0,)), LONGEST),
+        (Velocity((20.0,)), MAX_RAMP_DURATION),
+        (Velocity((20.1,)), MAX_RAMP_DURATION),
+        (Velocity((0.0,), (40.0,)), MAX_RAMP_DURATION),
         (Velocity((0.0,), (40.1,)), 0),
         (Velocity((1.0,), (40.1,)), SECOND // 2),
-        (Velocity((1e308, 1e308), (1e308,)), LONGEST),
-        (Velocity((1.7e308, 1.7e308)), LONGEST),
+        (Velocity((1e308, 1e308), (1e308,)), MAX_RAMP_DURATION),
+        (Velocity((1.7e308, 1.7e308)), MAX_RAMP_DURATION),
         (Velocity((5e-324,)), 0),
     ],
 )
 def test_the_ramp_is_as_steep_as_both_limits_allow_but_ends(velocity, lasts):
-    ramp = Ramp.of(velocity, STOP, 7)
-    assert (ramp.began, ramp.lasts, ramp.velocity) == (7, lasts, velocity)
+    ramp = VelocityRamp.for_stop(velocity, STOP, 7)
+    assert (ramp.started_at, ramp.duration, ramp.velocity) == (7, lasts, velocity)
     assert ramp.at(7 + lasts) == velocity.scaled(0.0)
 
 
 @pytest.mark.parametrize(("at", "share"), [(0, 1), (1, 0.75), (3, 0.25), (4, 0), (5, 0), (99, 0)])
 def test_the_ramp_is_straight_and_ends_at_0(at, share):
-    assert Ramp(FORWARD, 10, 4).at(10 + at) == FORWARD.scaled(share)
+    assert VelocityRamp(FORWARD, 10, 4).at(10 + at) == FORWARD.scaled(share)
 
 
 def test_the_ramp_of_the_longest_is_ten_seconds():
-    assert LONGEST == 10 * SECOND
+    assert MAX_RAMP_DURATION == 10 * SECOND
 
 
 def test_what_cannot_be_read_is_at_rest_at_once():
@@ -249,8 +254,8 @@ def test_what_cannot_be_read_is_at_rest_at_once():
 
 def test_what_went_out_last_is_asked_for_when_the_wave_begins():
     last = [FORWARD]
-    made = Stopping(STOP, lambda: last[0])
-    made.said(FLOW, 0)
+    made = VelocityWatchdog(STOP, lambda: last[0])
+    made.record_output(FLOW, 0)
     last[0] = Velocity((0.1,))
     made.refuse("blocked", 0)
     last[0] = Velocity((5.0,))
@@ -272,7 +277,7 @@ def test_zeros_are_repeated_for_their_time(at, over):
     made.refuse("blocked", 0)
     assert (made.tick(at) is None) is over
     assert (made.deadline() is None) is over
-    assert (made.why == "") is over
+    assert (made.reason == "") is over
 
 
 @pytest.mark.parametrize("before", ["resting", "moving", "released", "stopping"])
@@ -298,13 +303,13 @@ def test_the_brake_holds_until_it_is_loosened_and_then_ends_as_any_stop(before):
     assert sent[-1][0] > end - 2 * PERIOD
     made.loosen()
     assert made.tick(made.deadline()) is None
-    assert (made.deadline(), made.why, state(made)) == (None, "", State.RESTING)
+    assert (made.deadline(), made.why, state(made)) == (None, "", WatchdogState.RESTING)
 
 
 def test_a_brake_that_is_loosened_early_lets_the_wave_end_in_its_time():
     made = moving()
     made.brake("a foreign publisher", 0)
-    made.loosen()
+    made.release_brake()
     assert made.tick(RAMP + REPEAT - 1) is not None
     assert made.tick(RAMP + REPEAT - 1 + PERIOD) is None
 
@@ -313,15 +318,15 @@ def test_a_stop_goes_on_for_another_reason_as_it_was():
     made = moving()
     made.brake("one", 0)
     sent = made.tick(PERIOD)
-    made.explain("another")
-    assert (made.why, made.stops) == ("another", 1)
+    made.set_reason("another")
+    assert (made.reason, made.stop_count) == ("another", 1)
     assert made.tick(2 * PERIOD).speed < sent.speed
 
 
 def test_what_moves_has_no_reason_to_stop():
     made = moving()
-    made.explain("another")
-    assert made.why == ""
+    made.set_reason("another")
+    assert made.reason == ""
 
 
 speeds = st.sampled_from([0.0, -0.0, 1e-9, 0.1, 1.0, 5.0, -1.0, 1e308]) | st.floats(-20, 20)
@@ -330,7 +335,7 @@ velocities = st.builds(
     st.lists(speeds, min_size=6, max_size=6),
 )
 stops = st.builds(
-    Stop,
+    StopProfile,
     decel=st.floats(0.1, 10),
     angular_decel=st.floats(0.1, 10),
     period=st.sampled_from([SECOND // 100, PERIOD, SECOND // 2, 2 * SECOND]),
@@ -355,15 +360,18 @@ def test_no_wave_is_steeper_than_the_plan_allows(velocity, stop, latenesses):
     if not velocity.moves:
         assert not out
         return
-    lasts = Ramp.of(velocity, stop, 0).lasts
+    lasts = VelocityRamp.for_stop(velocity, stop, 0).duration
     began = [(SILENT - stop.period, velocity), *out]
     for (before, one), (after, other) in pairwise(began):
         assert other.speed <= one.speed
         assert other.turn <= one.turn
         passed = (after - before + 2) / SECOND
-        if lasts < LONGEST:
+        if lasts < MAX_RAMP_DURATION:
             assert one.speed - other.speed <= stop.decel * passed * (1 + 1e-6)
-        if lasts < LONGEST and velocity.turn <= stop.angular_decel * LONGEST / SECOND:
+        if (
+            lasts < MAX_RAMP_DURATION
+            and velocity.turn <= stop.angular_decel * MAX_RAMP_DURATION / SECOND
+        ):
             assert one.turn - other.turn <= stop.angular_decel * passed * (1 + 1e-6)
     for at, sent in out:
         left = max(0.0, (SILENT + lasts - at - stop.period) / lasts) if lasts else 0.0
@@ -387,7 +395,7 @@ def play(steps, seldom):
 
     def tick():
         if (velocity := made.tick(now)) is not None:
-            out.append((now, velocity, made.why, made.stopped))
+            out.append((now, velocity, made.reason, made.last_flow))
 
     for gap, what, flow in steps:
         end = now + gap
@@ -401,10 +409,10 @@ def play(steps, seldom):
             tick()
         now = end
         if what == SAID:
-            made.said(flow, now)
+            made.record_output(flow, now)
         else:
             made.refuse("blocked", now)
-        out.append((now, made.flow, made.why))
+        out.append((now, made.moving_flow, made.reason))
     return out
 
 
@@ -421,13 +429,13 @@ def test_why_is_told_exactly_while_the_wave_is_sent(steps):
     for gap, what, flow in steps:
         now += gap
         made.tick(now)
-        assert bool(made.why) is (state(made) is State.STOPPING)
+        assert bool(made.reason) is (state(made) is WatchdogState.STOPPING)
         if what == SAID:
-            made.said(flow, now)
+            made.record_output(flow, now)
         else:
             made.refuse("blocked", now)
-        assert bool(made.why) is (state(made) is State.STOPPING)
-        assert (made.flow is None) is (state(made) is not State.MOVING)
+        assert bool(made.reason) is (state(made) is WatchdogState.STOPPING)
+        assert (made.moving_flow is None) is (state(made) is not WatchdogState.MOVING)
 
 
 @often
@@ -438,13 +446,13 @@ def test_what_is_done_is_the_effect_in_the_table(steps):
     for gap, what, flow in steps:
         now += gap
         for act in (TICK, what):
-            before, stepped = made.why, len(effects)
+            before, stepped = made.reason, len(effects)
             if act == TICK:
                 made.tick(now)
             elif act == SAID:
-                made.said(flow, now)
+                made.record_output(flow, now)
             else:
                 made.refuse("blocked", now)
-            stops = bool(made.why) and not before
-            assert effects[stepped:].count(Effect.STOP) == stops
-            assert set(effects) <= {Effect.NOTHING, Effect.STOP}
+            stops = bool(made.reason) and not before
+            assert effects[stepped:].count(TransitionEffect.STOP) == stops
+            assert set(effects) <= {TransitionEffect.NOTHING, TransitionEffect.STOP}

@@ -11,13 +11,13 @@ from rtron.vocabulary import (
     Risk,
     RiskKind,
     RiskReport,
-    Role,
+    RiskRole,
     Severity,
     Sharing,
     Topic,
     TopicClass,
     Trust,
-    Unresolved,
+    UnresolvedItem,
 )
 
 CMD_VEL, SIGN = "/cmd_vel", "/detect/sign"
@@ -54,7 +54,7 @@ def report_of(*risks, grcn=None, **keys):
 
 CONTENDED = risk(
     RiskKind.GR_ST,
-    role_nodes={Role.PUBLISHER: ("/lane", "/parking", "/teleop")},
+    role_nodes={RiskRole.PUBLISHER: ("/lane", "/parking", "/teleop")},
     severity=Severity.HIGH,
     reason="/lane, /parking and /teleop all publish /cmd_vel",
     evidence=tuple(Evidence(file=f"src/{i}.py", line=i) for i in range(1, 6)),
@@ -62,7 +62,7 @@ CONTENDED = risk(
 EVENT = risk(
     RiskKind.MSR,
     id=f"MSR-event:{SIGN}",
-    role_nodes={Role.EVENT: ("/detect",)},
+    role_nodes={RiskRole.EVENT: ("/detect",)},
     topics=(SIGN,),
     message_type="std_msgs/UInt8",
     successors=("/lane",),
@@ -71,7 +71,7 @@ EVENT = risk(
 ACTION = risk(
     RiskKind.MSR,
     id=f"MSR-action:{CMD_VEL}",
-    role_nodes={Role.ACTION: ("/lane", "/teleop")},
+    role_nodes={RiskRole.ACTION: ("/lane", "/teleop")},
     severity=Severity.MEDIUM,
     reason="/lane and others make the robot act through /cmd_vel: /base obeys, whatever happens",
     evidence=(Evidence(file="src/lane.py", line=7), Evidence(file="src/teleop.py", line=9)),
@@ -104,7 +104,7 @@ GRAPH = InteractionGraph(
         speaks("/lane", "/rosout", implicit=True),
     ),
     unresolved=(
-        Unresolved(
+        UnresolvedItem(
             what="a publisher of /odd",
             why="its name comes from a service call",
             evidence=(Evidence(file="src/odd.cpp", line=12),),

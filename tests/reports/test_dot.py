@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from report_cases import CMD_VEL, GRAPH, REPORT, SIGN, hears, report_of, risk, speaks
 
 from rtron.reports.dot import graph_to_dot
-from rtron.vocabulary import FunctionType, InteractionGraph, Node, RiskKind, Role
+from rtron.vocabulary import FunctionType, InteractionGraph, Node, RiskKind, RiskRole
 
 QUOTED = r'"(?:[^"\\]|\\.)*"'
 ATTRIBUTE = rf"\w+=(?:{QUOTED}|[\w.]+)"
@@ -58,7 +58,7 @@ def test_implicit_endpoints_are_left_out():
 def test_general_risks_colour_the_arrows():
     multi = risk(
         RiskKind.GR_MT,
-        role_nodes={Role.PUBLISHER: ("/detect",)},
+        role_nodes={RiskRole.PUBLISHER: ("/detect",)},
         topics=(SIGN, CMD_VEL),
         successors=("/lane",),
     )
@@ -78,7 +78,7 @@ def test_mission_risks_colour_the_topics():
 
 
 def test_robot_risks_colour_the_nodes():
-    nodes = {Role.IMAGE: ("/detect",), Role.MAX_VEL: ("/lane",)}
+    nodes = {RiskRole.IMAGE: ("/detect",), RiskRole.MAX_VEL: ("/lane",)}
     looks, _ = parsed(graph_to_dot(GRAPH, report_of(risk(RiskKind.RSR, role_nodes=nodes))))
     assert "yellow" in looks["n/detect"]
     assert "orange" in looks["n/lane"]

@@ -2,7 +2,7 @@
 
 import pytest
 
-from rtron.functions.app_categories import AppRow, categories_of, nearest
+from rtron.functions.app_categories import AppProfile, categories_of, nearest_category
 from rtron.reports.functions_apps import apps_text, apps_to_json
 from rtron.vocabulary import FunctionType as F
 
@@ -23,18 +23,18 @@ DRIVES_ITSELF = {F.PREPROCESSING, F.RECOGNITION, F.PATH_TRACKING, F.GOAL_PLANNER
     ],
 )
 def test_the_nearest_is_told(present, expected, printed):
-    near = nearest(present)
-    row = AppRow(app="app", functions={}, categories=categories_of(present), nearest=near)
+    near = nearest_category(present)
+    row = AppProfile(app="app", functions={}, categories=categories_of(present), nearest=near)
     assert expected in " ".join(printed(apps_text([row], ())).split())
     (app,) = apps_to_json([row], ())["apps"]
     assert app["nearest"] == {
         "categories": list(near.categories),
-        "missing": list(map(str, near.lack.missing)),
-        "one_of": list(map(str, near.lack.one_of)),
+        "missing": list(map(str, near.missing.missing)),
+        "one_of": list(map(str, near.missing.one_of)),
     }
 
 
 def test_where_nothing_is_near_nothing_is_told(printed):
-    row = AppRow(app="app", functions={}, categories=())
+    row = AppProfile(app="app", functions={}, categories=())
     assert "nearest" not in printed(apps_text([row], ()))
     assert apps_to_json([row], ())["apps"][0]["nearest"] is None

@@ -5,7 +5,7 @@ import shutil
 
 import pytest
 
-from rtron.functions.interactions.abstract_graph import PackageUse, abstract_graph
+from rtron.functions.interactions.abstract_graph import PackageMessages, abstract_graph
 from rtron.reports.functions_graph_html import functions_to_html
 from rtron.vocabulary import FunctionType as F
 
@@ -17,7 +17,7 @@ webdriver = pytest.importorskip("selenium.webdriver")
 from selenium.webdriver.common.by import By  # noqa: E402
 from selenium.webdriver.common.keys import Keys  # noqa: E402
 
-GRAPH = abstract_graph([PackageUse(name=f.name, functions=(f,)) for f in F])
+GRAPH = abstract_graph([PackageMessages(name=f.name, functions=(f,)) for f in F])
 
 
 @pytest.fixture(scope="module")

@@ -6,24 +6,28 @@ from xml.etree import ElementTree as ET
 
 import pytest
 
-from rtron.functions.interactions.abstract_graph import AbstractGraph, PackageUse, abstract_graph
+from rtron.functions.interactions.abstract_graph import (
+    AbstractGraph,
+    PackageMessages,
+    abstract_graph,
+)
 from rtron.reports.functions_graph_dot import functions_to_dot
 from rtron.reports.functions_graph_ground import NODE_WIDTH
 from rtron.reports.functions_graph_html import functions_to_html
 from rtron.reports.functions_graph_json import functions_to_json
 from rtron.reports.functions_graph_layout import LEGEND_WIDTH, lay_out
 from rtron.reports.functions_graph_svg import functions_to_svg
-from rtron.vocabulary import Evidence, Unresolved
+from rtron.vocabulary import Evidence, UnresolvedItem
 from rtron.vocabulary import FunctionType as F
 
 TWIST = "geometry_msgs/Twist"
 EVIL = 'x_msgs/A"<script>alert(1)</script>&\n\x1b[31m'
 SVG = "{http://www.w3.org/2000/svg}"
-ALL = [PackageUse(name=f"p{number}", functions=(f,)) for number, f in enumerate(F)]
+ALL = [PackageMessages(name=f"p{number}", functions=(f,)) for number, f in enumerate(F)]
 
 
 def use(name, function, sends=(), hears=()):
-    return PackageUse(
+    return PackageMessages(
         name=name, functions=(function,), publishes=frozenset(sends), subscribes=frozenset(hears)
     )
 
@@ -143,7 +147,9 @@ def test_svg_is_described_and_hides_nothing_in_it(graph):
 NOTED = AbstractGraph(
     repeated=2,
     unresolved=(
-        Unresolved(what="the program of /a", why="<b>", evidence=(Evidence(file="a.py", line=3),)),
+        UnresolvedItem(
+            what="the program of /a", why="<b>", evidence=(Evidence(file="a.py", line=3),)
+        ),
     ),
 )
 

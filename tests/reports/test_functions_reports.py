@@ -1,9 +1,14 @@
 from dataclasses import replace
 
-from rtron.functions.classifier.result import Classification, DecidedBy, Evidence, Piece
-from rtron.functions.classifier.rule_trace import Matched
-from rtron.functions.classifier.tables import count
-from rtron.functions.repository import Package, Repository
+from rtron.functions.classifier.result import (
+    Classification,
+    DecisionSource,
+    InformationSource,
+    RuleEvidence,
+)
+from rtron.functions.classifier.rule_trace import RuleMatch
+from rtron.functions.classifier.tables import build_tables
+from rtron.functions.repository import SourcePackage, SourceRepository
 from rtron.reports.functions_evidence import evidence_text
 from rtron.reports.functions_json import classification_to_json
 from rtron.reports.functions_tables import tables_text
@@ -14,25 +19,29 @@ CLASSIFIED = Classification(
     repo="nav",
     functions=(PLANNING, MAPPING),
     primary=PLANNING,
-    decided_by=DecidedBy.NAME,
-    evidence=(Evidence(piece=Piece.NAME, text="nav", rule="planning-word", type=PLANNING),),
+    decided_by=DecisionSource.NAME,
+    evidence=(
+        RuleEvidence(
+            source=InformationSource.NAME, text="nav", rule="planning-word", type=PLANNING
+        ),
+    ),
     packages={"costmap": (MAPPING,)},
 )
 UNKNOWN = Classification(repo="zzz")
 
 
-def matched(text, package="", piece=Piece.NAME, **keys):
+def matched(text, package="", piece=InformationSource.NAME, **keys):
     of = {"rule": "mapping-map", "type": MAPPING, "weight": 4.5, "vetoed": False}
-    return Matched(text=text, package=package, piece=piece, **{**of, **keys})
+    return RuleMatch(text=text, package=package, source=piece, **{**of, **keys})
 
 
 MATCHED = (
     matched("nav", rule="planning-word", type=PLANNING, weight=6.0),
     matched("costmap", "costmap"),
-    matched("map", "costmap", Piece.MANIFEST),
-    matched("costmap", "costmap", Piece.MANIFEST),
-    matched("mobile base", "costmap", Piece.MANIFEST, rule="mobile-drive", vetoed=True),
-    matched("map\x1b[2J", piece=Piece.README),
+    matched("map", "costmap", InformationSource.MANIFEST),
+    matched("costmap", "costmap", InformationSource.MANIFEST),
+    matched("mobile base", "costmap", InformationSource.MANIFEST, rule="mobile-drive", vetoed=True),
+    matched("map\x1b[2J", piece=InformationSource.README),
 )
 EVIDENCE = """\
 nav  1 package, a README
@@ -54,27 +63,27 @@ README
 
 
 def test_the_evidence_of_a_repository(printed):
-    repository = Repository(name="nav", packages=(Package(name="costmap"),), readme="x")
+    repository = SourceRepository(name="nav", packages=(SourcePackage(name="costmap"),), readme="x")
     assert printed(evidence_text(repository, CLASSIFIED, MATCHED)) == EVIDENCE
 
 
 def test_that_nothing_tells_is_said(printed):
-    text = printed(evidence_text(Repository(name="zzz"), UNKNOWN, ()))
+    text = printed(evidence_text(SourceRepository(name="zzz"), UNKNOWN, ()))
     told = "no rule tells what this is: no name, no description, no README"
     assert text == f"zzz  0 packages\n{told}\n"
 
 
 def test_of_a_repository_that_nothing_decides_no_rule_has_decided(printed):
-    weak = replace(CLASSIFIED, functions=(), primary=None, decided_by=DecidedBy.NONE)
-    text = printed(evidence_text(Repository(name="nav"), weak, MATCHED))
+    weak = replace(CLASSIFIED, functions=(), primary=None, decided_by=DecisionSource.NONE)
+    text = printed(evidence_text(SourceRepository(name="nav"), weak, MATCHED))
     assert "cannot tell: what matches is too weak, or speaks for several functions alike" in text
     assert "decided" not in text
 
 
 def test_long_evidence_is_cut(printed):
-    words = [matched(f"map {n}", piece=Piece.README) for n in range(5)]
+    words = [matched(f"map {n}", piece=InformationSource.README) for n in range(5)]
     rules = [matched("map", rule=f"r{n}") for n in range(22)]
-    text = printed(evidence_text(Repository(name="zzz"), UNKNOWN, [*rules, *words]))
+    text = printed(evidence_text(SourceRepository(name="zzz"), UNKNOWN, [*rules, *words]))
     assert "  and 2 more rules\n" in text
     assert "“map 3”, …\n" in text
     assert "r20" not in text
@@ -106,7 +115,7 @@ def test_a_classification_as_json():
 
 
 def test_the_tables_at_80_columns(printed):
-    text = printed(tables_text(count([CLASSIFIED, CLASSIFIED, UNKNOWN])))
+    text = printed(tables_text(build_tables([CLASSIFIED, CLASSIFIED, UNKNOWN])))
     rows = [row.rstrip() for row in text.splitlines()]
     assert rows[0] == "3 repositories, 2 decided (66.7 %)"
     assert "                         repos      %     paper      %" in rows
@@ -125,4 +134,4 @@ def test_the_tables_at_80_columns(printed):
 
 
 def test_tables_of_nothing(printed):
-    assert printed(tables_text(count([]))).startswith("0 repositories, 0 decided (- %)\n")
+    assert printed(tables_text(build_tables([]))).startswith("0 repositories, 0 decided (- %)\n")

@@ -14,7 +14,7 @@ from report_cases import CMD_VEL, CONTENDED, GRAPH, REPORT, SIGN, hears, report_
 from rtron.planning import propose_plan
 from rtron.reports.html import graph_to_html
 from rtron.reports.neutral import neutral
-from rtron.risks import discover
+from rtron.risks import discover_risks
 from rtron.sources.graph_json import read_graph
 from rtron.vocabulary import (
     SECOND,
@@ -22,10 +22,10 @@ from rtron.vocabulary import (
     Evidence,
     FrameSource,
     InteractionGraph,
+    MissionRule,
     Node,
     Point,
     Resolution,
-    Rule,
     Transform,
     Trust,
     WatchedFlow,
@@ -65,7 +65,7 @@ def page_of(graph=GRAPH, report=REPORT, plan=None):
 
 def autorace():
     graph = read_graph(FIXTURES / "autorace.json")
-    report = discover(graph)
+    report = discover_risks(graph)
     return graph, report, propose_plan(graph, report)
 
 
@@ -138,7 +138,7 @@ def test_limits_rules_and_cameras_of_the_plan_in_words():
     graph, report, plan = autorace()
     rsrcn = replace(plan.rsrcn, threshold=0.02, max_vel_limit=0.22)
     event = replace(plan.msrcn.eflows[0], present=None, silent=SECOND)
-    rule = Rule(name="r1", block=(CMD_VEL,), when=event.name, reason=EVIL)
+    rule = MissionRule(name="r1", block=(CMD_VEL,), when=event.name, reason=EVIL)
     area = Area(name="hall", frame="map", polygon=(Point(x=0, y=0),) * 3)
     frames = Transform(source="odom", target="map")
     msrcn = replace(plan.msrcn, eflows=(event,), rules=(rule,), areas=(area,), transforms=(frames,))

@@ -10,7 +10,7 @@ from report_cases import GRAPH, report_of, speaks
 
 from rtron.planning import propose_plan
 from rtron.reports.html import graph_to_html
-from rtron.risks import discover
+from rtron.risks import discover_risks
 from rtron.sources.graph_json import read_graph
 from rtron.vocabulary import Direction, Endpoint, Evidence, InteractionGraph, Node
 
@@ -60,7 +60,7 @@ def opened(chromium, tmp_path):
 @pytest.fixture
 def autorace(opened):
     graph = read_graph(FIXTURES / "autorace.json")
-    report = discover(graph)
+    report = discover_risks(graph)
     return opened(graph, report, propose_plan(graph, report))
 
 

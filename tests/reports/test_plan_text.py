@@ -13,6 +13,7 @@ from rtron.vocabulary import (
     FpsMonitor,
     FrameSource,
     GuardedTopic,
+    MissionRule,
     Mode,
     OnError,
     OnForeign,
@@ -20,9 +21,8 @@ from rtron.vocabulary import (
     Plan,
     Point,
     PolicyName,
-    Rule,
     Sharing,
-    Stop,
+    StopProfile,
     StreamKind,
     Transform,
     WatchedFlow,
@@ -115,14 +115,14 @@ PLAN = Plan(
             EventFlow(name="blind", topic="/scan", publisher="/lidar", silent=SECOND // 2),
         ),
         rules=(
-            Rule(
+            MissionRule(
                 name="recharge",
                 when="low && !blind",
                 block=("/goal", "aflow1"),
                 require="/alert",
                 reason="The robot must recharge\nwhen its battery is low.",
             ),
-            Rule(
+            MissionRule(
                 name="keep_out",
                 block=("/goal",),
                 action="inside(action.pose.position, kitchen)",
@@ -143,7 +143,7 @@ PLAN = Plan(
         ),
         FpsMonitor(id="fps_monitor_sign", node="/sign", topic="/sign/image"),
     ),
-    stop=Stop(decel=1.0),
+    stop=StopProfile(decel=1.0),
     audit=Audit(period=SECOND // 20, on_foreign=OnForeign.ALARM),
 )
 

@@ -4,7 +4,14 @@ from report_cases import CONTENDED, GRAPH, REPORT, hears, report_of, risk, speak
 from rich.cells import cell_len
 
 from rtron.reports.text import MOST_UNRESOLVED, Scan, scan_text
-from rtron.vocabulary import Evidence, InteractionGraph, RiskKind, Role, Severity, Unresolved
+from rtron.vocabulary import (
+    Evidence,
+    InteractionGraph,
+    RiskKind,
+    RiskRole,
+    Severity,
+    UnresolvedItem,
+)
 
 AT_80_COLUMNS = """\
 autorace  ROS 1, read from graph.json
@@ -105,7 +112,7 @@ def test_an_empty_graph_is_named_so(printed):
 
 
 def test_a_long_list_of_unresolved_is_cut_and_counted(printed):
-    items = tuple(Unresolved(what=f"x{i}", why="?") for i in range(MOST_UNRESOLVED + 2))
+    items = tuple(UnresolvedItem(what=f"x{i}", why="?") for i in range(MOST_UNRESOLVED + 2))
     text = printed(scan_of(InteractionGraph(app="", unresolved=items), report_of()))
     assert f"Unresolved ({MOST_UNRESOLVED + 2})" in text
     assert "and 2 more" in text
@@ -115,7 +122,7 @@ def test_long_names_stay_whole(printed):
     name = "/" + "a_very_long_namespace/" * 8 + "node"
     found = risk(
         RiskKind.GR_ST,
-        role_nodes={Role.PUBLISHER: (name, "/b")},
+        role_nodes={RiskRole.PUBLISHER: (name, "/b")},
         topics=(name,),
     )
     told = risk(RiskKind.RSR, severity=Severity.HIGH, reason=f"{name} outruns its eyes")
@@ -128,7 +135,7 @@ def test_hostile_names_do_nothing(printed):
     found = risk(
         RiskKind.MSR,
         id=name,
-        role_nodes={Role.EVENT: (name,)},
+        role_nodes={RiskRole.EVENT: (name,)},
         topics=(name,),
         message_type=name,
         reason=name,
@@ -136,9 +143,9 @@ def test_hostile_names_do_nothing(printed):
         evidence=(Evidence(file=name),),
     )
     flow = risk(
-        RiskKind.GR_ST, role_nodes={Role.PUBLISHER: (name,)}, topics=(name,), successors=(name,)
+        RiskKind.GR_ST, role_nodes={RiskRole.PUBLISHER: (name,)}, topics=(name,), successors=(name,)
     )
-    graph = InteractionGraph(app=name, unresolved=(Unresolved(what=name, why=name),))
+    graph = InteractionGraph(app=name, unresolved=(UnresolvedItem(what=name, why=name),))
     text = printed(scan_of(graph, report_of(found, flow, not_run={name: name})))
     assert "\x1b" not in text
     assert "\u202e" not in text

@@ -10,7 +10,7 @@ from report_cases import CMD_VEL, CONTENDED, GRAPH, REPORT, report_of, risk, spe
 
 from rtron.reports.sarif import FINGERPRINT, risks_to_sarif
 from rtron.reports.sarif_places import physical_location
-from rtron.risks import discover
+from rtron.risks import discover_risks
 from rtron.sources.graph_json import read_graph
 from rtron.vocabulary import (
     Domain,
@@ -19,9 +19,9 @@ from rtron.vocabulary import (
     InteractionGraph,
     Node,
     RiskKind,
-    Role,
+    RiskRole,
     Severity,
-    Unresolved,
+    UnresolvedItem,
 )
 
 FIXTURES = Path(__file__).parents[1] / "fixtures"
@@ -37,8 +37,8 @@ def run_of(graph=GRAPH, report=REPORT, root=None):
     return run
 
 
-def fingerprint(found, graph=GRAPH):
-    (result,) = run_of(graph, report_of(found))["results"]
+def fingerprint(fake_study, graph=GRAPH):
+    (result,) = run_of(graph, report_of(fake_study))["results"]
     return result["partialFingerprints"][FINGERPRINT]
 
 
@@ -49,7 +49,7 @@ def artifact(file, root=ROOT):
 @pytest.mark.parametrize("app", ["home", "autorace"])
 def test_the_paper_s_apps_are_valid_sarif(app):
     graph = read_graph(FIXTURES / f"{app}.json")
-    report = discover(graph)
+    report = discover_risks(graph)
     results = run_of(graph, report)["results"]
     assert len(results) == len(report.risks) > 20
     assert len({r["partialFingerprints"][FINGERPRINT] for r in results}) == len(results)
@@ -179,8 +179,8 @@ def test_fingerprints_stay_when_lines_and_unrelated_nodes_change():
         {"topics": ("/cmd_vel2",)},
         {"kind": RiskKind.GR_MT},
         {"rule": "other"},
-        {"role_nodes": {Role.PUBLISHER: ("/lane", "/parking")}},
-        {"role_nodes": {Role.ACTION: ("/lane", "/parking", "/teleop")}},
+        {"role_nodes": {RiskRole.PUBLISHER: ("/lane", "/parking")}},
+        {"role_nodes": {RiskRole.ACTION: ("/lane", "/parking", "/teleop")}},
     ],
 )
 def test_fingerprints_tell_risks_apart(change):
@@ -198,7 +198,7 @@ def test_what_stayed_unresolved_is_a_notification():
 
 
 def test_the_order_does_not_depend_on_that_of_the_report():
-    items = [Unresolved(what=f"x{i}", why="y") for i in range(4)]
+    items = [UnresolvedItem(what=f"x{i}", why="y") for i in range(4)]
     graph = replace(GRAPH, unresolved=tuple(items))
     turned = replace(GRAPH, unresolved=tuple(reversed(items)))
     mixed = replace(REPORT, risks=REPORT.risks[::-1])
@@ -216,6 +216,6 @@ def test_a_stranger_s_brackets_are_no_link():
 def test_any_name_gives_valid_sarif(name, file, line):
     evidence = (Evidence(file=file, line=line),)
     found = risk(RiskKind.MSR, id=name, topics=(name,), reason=name, evidence=evidence)
-    unresolved = (Unresolved(what=name, why=name, evidence=evidence),)
+    unresolved = (UnresolvedItem(what=name, why=name, evidence=evidence),)
     run = run_of(InteractionGraph(app=name, unresolved=unresolved), report_of(found), ROOT)
     assert [result["ruleId"] for result in run["results"]] == ["MSR"]

@@ -2,10 +2,10 @@
 
 from autorace import AUTORACE
 
-from rtron.risks import discover
-from rtron.vocabulary import Domain, Role, Severity
+from rtron.risks import discover_risks
+from rtron.vocabulary import Domain, RiskRole, Severity
 
-REPORT = discover(AUTORACE)
+REPORT = discover_risks(AUTORACE)
 RISKS = {risk.id: risk for risk in REPORT.risks}
 
 
@@ -25,10 +25,10 @@ def test_the_coordination_nodes_are_those_of_the_paper_but_for_one_in_planning()
 
 def test_the_examples_of_general_risks():
     goal = RISKS["GR-ST:/move_base_simple/goal"]
-    assert goal.role_nodes[Role.PUBLISHER] == ("/detect_tunnel", "/rviz")
+    assert goal.role_nodes[RiskRole.PUBLISHER] == ("/detect_tunnel", "/rviz")
     lane = RISKS["GR-MT:/control_lane:std_msgs/Float64"]
     assert lane.topics == ("/control/max_vel", "/detect/lane")
-    assert {"/detect_lane", "/detect_traffic_light"} <= set(lane.role_nodes[Role.PUBLISHER])
+    assert {"/detect_lane", "/detect_traffic_light"} <= set(lane.role_nodes[RiskRole.PUBLISHER])
     assert not lane.one_to_one
     assert RISKS["GR-MT:/core_mode_decider:std_msgs/UInt8"].one_to_one
 
@@ -36,7 +36,7 @@ def test_the_examples_of_general_risks():
 def test_the_examples_of_robot_specific_risks():
     assert "/detect/traffic_sign" in RISKS["RSR-image:/detect_sign"].topics
     assert RISKS["RSR-image:/detect_sign"].successors == ("/core_mode_decider",)
-    publishers = RISKS["RSR-max_vel:/control/max_vel"].role_nodes[Role.MAX_VEL]
+    publishers = RISKS["RSR-max_vel:/control/max_vel"].role_nodes[RiskRole.MAX_VEL]
     assert publishers == (
         "/detect_level",
         "/detect_parking",
@@ -51,9 +51,9 @@ def test_the_examples_of_robot_specific_risks():
 
 def test_the_examples_of_mission_specific_risks():
     tunnel = RISKS["MSR-event:/detect/tunnel_stamped"]
-    assert tunnel.role_nodes == {Role.EVENT: ("/detect_tunnel",)}
+    assert tunnel.role_nodes == {RiskRole.EVENT: ("/detect_tunnel",)}
     assert tunnel.successors == ("/core_node_controller",)
-    assert "/detect_tunnel" in RISKS["MSR-action:/cmd_vel"].role_nodes[Role.ACTION]
+    assert "/detect_tunnel" in RISKS["MSR-action:/cmd_vel"].role_nodes[RiskRole.ACTION]
 
 
 def test_only_untrusted_nodes_make_a_general_risk_high():

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from reference_algorithm import naive_risks
 
-from rtron.risks import discover
+from rtron.risks import discover_risks
 from rtron.vocabulary import Direction, Endpoint, InteractionGraph, Node, Topic, Trust
 
 NODES = ["/a", "/b", "/c", "/detect", "/rviz"]
@@ -78,7 +78,7 @@ hostile = st.builds(
 
 @given(graphs)
 def test_discovery_agrees_with_the_naive_reading(graph):
-    report = discover(graph)
+    report = discover_risks(graph)
     naive = naive_risks(graph)
     assert {risk.id for risk in report.risks} == {
         i for i in naive if rule_of(i) not in report.not_run
@@ -96,13 +96,13 @@ def test_the_order_of_the_endpoints_changes_nothing(graph):
 
 
 def ids(graph):
-    return [risk.id for risk in discover(graph).risks]
+    return [risk.id for risk in discover_risks(graph).risks]
 
 
 @given(graphs)
 def test_trust_changes_the_severity_and_nothing_else(graph):
     trusted = replace(graph, nodes=tuple(replace(n, trust=Trust.OWN) for n in graph.nodes))
-    pairs = zip(discover(graph).risks, discover(trusted).risks, strict=True)
+    pairs = zip(discover_risks(graph).risks, discover_risks(trusted).risks, strict=True)
     order = ["low", "medium", "high"]
     for found, milder in pairs:
         assert replace(found, severity=milder.severity) == milder
@@ -111,7 +111,7 @@ def test_trust_changes_the_severity_and_nothing_else(graph):
 
 @given(hostile)
 def test_no_graph_breaks_discovery(graph):
-    report = discover(graph)
+    report = discover_risks(graph)
     assert all(risk.reason and risk.id for risk in report.risks)
 
 
@@ -120,7 +120,7 @@ def test_a_huge_name_does_no_harm():
     ends = tuple(
         Endpoint(node=name, topic=name, type=name, direction=direction) for direction in Direction
     )
-    assert {r.rule for r in discover(InteractionGraph(app="", endpoints=ends)).risks} == {
+    assert {r.rule for r in discover_risks(InteractionGraph(app="", endpoints=ends)).risks} == {
         "msr_event",
         "msr_action",
     }

@@ -3,7 +3,7 @@
 import pytest
 
 from rtron.risks import default_lists
-from rtron.risks.topic_table import Entry, Patterns, TopicTable
+from rtron.risks.topic_table import NamePatterns, TopicTable, TopicTableEntry
 from rtron.vocabulary import normalise_type
 
 PERCEPTION = {
@@ -130,9 +130,9 @@ class TestTable:
     def test_the_first_entry_that_matches_decides(self):
         table = TopicTable(
             [
-                Entry(word="both", types=("a/B",), topics=("/x*",)),
-                Entry(word="type", types=("a/*",)),
-                Entry(word="topic", topics=("*x*",)),
+                TopicTableEntry(category="both", types=("a/B",), topics=("/x*",)),
+                TopicTableEntry(category="type", types=("a/*",)),
+                TopicTableEntry(category="topic", topics=("*x*",)),
             ]
         )
         assert table.find("a/B", "/xy") == "both"
@@ -162,10 +162,10 @@ class TestTable:
         ],
     )
     def test_a_pattern(self, pattern, text, matches):
-        assert Patterns([pattern]).match(text) is matches
+        assert NamePatterns([pattern]).match(text) is matches
 
     def test_a_name_that_no_ros_has_costs_no_time(self):
-        assert not Patterns(["*a*b"]).match("a" * 10**6 + "c")
+        assert not NamePatterns(["*a*b"]).match("a" * 10**6 + "c")
 
     def test_no_pattern_matches_nothing(self):
-        assert not Patterns([]).match("")
+        assert not NamePatterns([]).match("")

@@ -3,7 +3,7 @@
 import pytest
 from write_json import FIXTURES, FOLDER, as_text
 
-from rtron.risks import discover
+from rtron.risks import discover_risks
 from rtron.sources.graph_json import read_graph
 
 
@@ -17,4 +17,4 @@ def test_the_json_is_fresh(name):
 def test_the_json_reads_as_the_same_graph(name):
     read = read_graph(FOLDER / name)
     assert read == FIXTURES[name]
-    assert discover(read) == discover(FIXTURES[name])
+    assert discover_risks(read) == discover_risks(FIXTURES[name])

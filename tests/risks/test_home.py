@@ -2,10 +2,10 @@
 
 from home import HOME
 
-from rtron.risks import discover
-from rtron.vocabulary import Domain, RiskKind, Role, Severity, Sharing
+from rtron.risks import discover_risks
+from rtron.vocabulary import Domain, RiskKind, RiskRole, Severity, Sharing
 
-REPORT = discover(HOME)
+REPORT = discover_risks(HOME)
 RISKS = {risk.id: risk for risk in REPORT.risks}
 
 
@@ -46,17 +46,17 @@ def test_the_coordination_nodes_are_those_of_the_paper():
 
 def test_the_examples_of_general_risks():
     cmd_vel = RISKS["GR-ST:/cmd_vel"]
-    assert cmd_vel.role_nodes[Role.PUBLISHER] == ("/move_base", "/teleop_twist_keyboard")
+    assert cmd_vel.role_nodes[RiskRole.PUBLISHER] == ("/move_base", "/teleop_twist_keyboard")
     assert cmd_vel.successors == ("/gazebo",)
     assert cmd_vel.severity is Severity.HIGH
     images = RISKS["GR-MT:/find_object_3d:sensor_msgs/Image"]
-    assert images.role_nodes[Role.PUBLISHER] == ("/gazebo",)
+    assert images.role_nodes[RiskRole.PUBLISHER] == ("/gazebo",)
     assert images.topics == ("/camera/depth/image_raw", "/camera/rgb/image_raw")
 
 
 def test_the_malicious_rviz_shares_the_goal_and_is_no_successor():
     goal = RISKS["GR-ST:/move_base_simple/goal"]
-    assert goal.role_nodes[Role.PUBLISHER] == ("/rviz", "/search_manager")
+    assert goal.role_nodes[RiskRole.PUBLISHER] == ("/rviz", "/search_manager")
     assert goal.successors == ("/move_base",)
     assert REPORT.viewers == ("/rviz",)
 
@@ -69,9 +69,9 @@ def test_the_example_of_a_robot_specific_risk():
 
 
 def test_the_examples_of_mission_specific_risks():
-    assert RISKS["MSR-event:/odom"].role_nodes == {Role.EVENT: ("/gazebo",)}
+    assert RISKS["MSR-event:/odom"].role_nodes == {RiskRole.EVENT: ("/gazebo",)}
     assert "/move_base" in RISKS["MSR-event:/odom"].successors
-    assert RISKS["MSR-action:/rosbot_audio/audio"].role_nodes == {Role.ACTION: ("/rosbot_tts",)}
+    assert RISKS["MSR-action:/rosbot_audio/audio"].role_nodes == {RiskRole.ACTION: ("/rosbot_tts",)}
     assert RISKS["MSR-action:/cmd_vel"].successors == ("/gazebo",)
 
 

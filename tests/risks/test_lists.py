@@ -6,7 +6,7 @@ import pytest
 from notation import graph_of
 
 from rtron.errors import InputError
-from rtron.risks import RiskLists, default_lists, discover, load_lists
+from rtron.risks import RiskLists, default_lists, discover_risks, load_lists
 from rtron.vocabulary import Domain, Sharing, StreamKind
 
 
@@ -22,7 +22,7 @@ def lists_file(tmp_path):
 
 
 def rules_found(text: str, lists: RiskLists) -> set[str]:
-    return {risk.rule for risk in discover(graph_of("app", text), lists).risks}
+    return {risk.rule for risk in discover_risks(graph_of("app", text), lists).risks}
 
 
 def test_without_a_file_the_default_lists_are_loaded_once():

@@ -8,12 +8,12 @@ from autorace import AUTORACE
 from home import HOME
 
 from rtron.planning import propose_plan
-from rtron.risks import default_lists, discover
-from rtron.vocabulary import Domain, RiskKind, Role
+from rtron.risks import default_lists, discover_risks
+from rtron.vocabulary import Domain, RiskKind, RiskRole
 
 PAGE = (Path(__file__).parents[2] / "docs" / "paper.md").read_text(encoding="utf-8")
 APPS = {"Home": HOME, "AutoRace": AUTORACE}
-REPORTS = {app: discover(graph) for app, graph in APPS.items()}
+REPORTS = {app: discover_risks(graph) for app, graph in APPS.items()}
 ROWS = [tuple(cell.strip() for cell in row.split("|")[1:-1]) for row in PAGE.splitlines()]
 EXAMPLES = [row for row in ROWS if len(row) == 5 and " on " in row[2]]
 
@@ -67,13 +67,13 @@ def test_an_example_is_found_as_the_table_says(row):
 
 def test_the_actions_and_events_of_home():
     risks = REPORTS["Home"].risks
-    actions = sorted(t for risk in risks if Role.ACTION in risk.role_nodes for t in risk.topics)
+    actions = sorted(t for risk in risks if RiskRole.ACTION in risk.role_nodes for t in risk.topics)
     assert code(actions) in PAGE
     msrcn = propose_plan(HOME, REPORTS["Home"]).msrcn
     assert f"\n  {code(topic.topic for topic in msrcn.aflows)}.\n" in PAGE
     events = {flow.topic for flow in msrcn.eflows}
     assert events == {"/objects", "/person_detector/detections", "/odom"}
-    assert [t for risk in risks if Role.EVENT in risk.role_nodes for t in risk.topics] == [
+    assert [t for risk in risks if RiskRole.EVENT in risk.role_nodes for t in risk.topics] == [
         "/odom",
         "/person_detector/detections",
     ]

@@ -9,7 +9,7 @@ from rule_pairs import PAIRS
 
 import rtron.risks
 from rtron.errors import InputError
-from rtron.risks import RULES, Rule, discover, explain
+from rtron.risks import RULES, RiskRule, discover_risks, rule_page
 from rtron.risks.pages import HEADINGS
 from rtron.vocabulary import InteractionGraph
 
@@ -25,29 +25,29 @@ def test_the_registry_has_every_rule_in_the_folder_once():
 
 @pytest.mark.parametrize("rule", RULES, ids=NAMES)
 class TestEachRule:
-    def test_is_named_like_its_file(self, rule: Rule):
+    def test_is_named_like_its_file(self, rule: RiskRule):
         assert rule.check.__module__ == f"rtron.risks.{rule.name}"
 
-    def test_finds_its_risk_and_nothing_beside_it(self, rule: Rule):
+    def test_finds_its_risk_and_nothing_beside_it(self, rule: RiskRule):
         risky, safe = (graph_of("pair", text) for text in PAIRS[rule.name])
-        found = [risk for risk in discover(risky).risks if risk.rule == rule.name]
+        found = [risk for risk in discover_risks(risky).risks if risk.rule == rule.name]
         assert len(found) == 1
         assert found[0].kind is rule.kind
-        assert [risk for risk in discover(safe).risks if risk.rule == rule.name] == []
-        assert rule.name not in discover(safe).not_run
+        assert [risk for risk in discover_risks(safe).risks if risk.rule == rule.name] == []
+        assert rule.name not in discover_risks(safe).not_run
 
-    def test_has_a_page_with_the_fixed_headings(self, rule: Rule):
-        page = explain(rule.name)
+    def test_has_a_page_with_the_fixed_headings(self, rule: RiskRule):
+        page = rule_page(rule.name)
         places = [page.index(f"## {heading}\n") for heading in HEADINGS]
         assert places == sorted(places)
         assert page.count("## ") == len(HEADINGS)
 
-    def test_says_where_its_severity_comes_from_and_since_when_it_is_there(self, rule: Rule):
+    def test_says_where_its_severity_comes_from_and_since_when_it_is_there(self, rule: RiskRule):
         assert rule.severity
         assert rule.since.count(".") == 2
 
-    def test_says_that_it_could_not_run(self, rule: Rule):
-        assert "the graph holds no" in discover(InteractionGraph(app="")).not_run[rule.name]
+    def test_says_that_it_could_not_run(self, rule: RiskRule):
+        assert "the graph holds no" in discover_risks(InteractionGraph(app="")).not_run[rule.name]
 
 
 def test_the_pages_in_docs_are_fresh(tmp_path):
@@ -58,18 +58,18 @@ def test_the_pages_in_docs_are_fresh(tmp_path):
 
 @pytest.mark.parametrize("name", ["gr_st", "GR-ST", "Gr_St"])
 def test_a_rule_is_explained_under_its_name_or_kind(name):
-    assert explain(name).startswith("# General risk with a single topic")
+    assert rule_page(name).startswith("# General risk with a single topic")
 
 
 @pytest.mark.parametrize(("name", "nearest"), [("gr_sr", "gr_st"), ("max_vel", "rsr_max_vel")])
 def test_an_unknown_rule_names_the_nearest(name, nearest):
     with pytest.raises(InputError, match="no rule") as caught:
-        explain(name)
+        rule_page(name)
     assert caught.value.help == f"did you mean {nearest}?"
 
 
 def test_a_rule_like_none_lists_them_all():
     with pytest.raises(InputError) as caught:
-        explain("x" * 10_000)
+        rule_page("x" * 10_000)
     assert all(name in caught.value.help for name in NAMES)
     assert len(str(caught.value)) < 200

@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 from notation import graph_of
 
-from rtron.risks import RULES, discover
+from rtron.risks import RULES, discover_risks
 from rtron.vocabulary import (
     Action,
     ActionRole,
@@ -18,7 +18,7 @@ from rtron.vocabulary import (
     InteractionGraph,
     Node,
     RiskKind,
-    Role,
+    RiskRole,
     Severity,
     Sharing,
     Topic,
@@ -27,7 +27,7 @@ from rtron.vocabulary import (
 
 
 def found(text: str, rule: str, **changes):
-    report = discover(replace(graph_of("app", text), **changes))
+    report = discover_risks(replace(graph_of("app", text), **changes))
     return [risk for risk in report.risks if risk.rule == rule]
 
 
@@ -44,7 +44,7 @@ class TestSingleTopic:
     def test_tells_who_publishes_what_to_whom(self):
         (risk,) = found(shared("/cmd_vel", "geometry_msgs/Twist"), "gr_st")
         assert risk.id == "GR-ST:/cmd_vel"
-        assert risk.role_nodes == {Role.PUBLISHER: ("/a", "/b")}
+        assert risk.role_nodes == {RiskRole.PUBLISHER: ("/a", "/b")}
         assert risk.topics == ("/cmd_vel",)
         assert risk.successors == ("/c",)
         assert risk.message_type == "geometry_msgs/Twist"
@@ -56,7 +56,7 @@ class TestSingleTopic:
 
     def test_a_publisher_may_be_its_own_successor(self):
         graph = graph_of("app", shared("/x", "p/T").replace("/c driver", "/a driver"))
-        (risk,) = discover(graph).risks
+        (risk,) = discover_risks(graph).risks
         assert risk.successors == ("/a",)
 
     @pytest.mark.parametrize("package", ["rviz", "rosbag", "rqt_graph", "rviz2", "ros2bag"])
@@ -68,7 +68,7 @@ class TestSingleTopic:
 
     def test_a_viewer_counts_as_a_publisher(self):
         (risk,) = found(shared("/x", "p/T").replace("/b b", "/rviz rviz"), "gr_st")
-        assert risk.role_nodes[Role.PUBLISHER] == ("/a", "/rviz")
+        assert risk.role_nodes[RiskRole.PUBLISHER] == ("/a", "/rviz")
 
     @pytest.mark.parametrize(
         ("topic", "message_type"),
@@ -92,7 +92,7 @@ class TestSingleTopic:
         text = "".join(f"/n{i} n own\n pub /x p/T\n" for i in range(9))
         (risk,) = found(text + "/s s own\n sub /x p/T\n", "gr_st")
         assert "/n0, /n1, /n2 and 6 more all publish /x" in risk.reason
-        assert len(risk.role_nodes[Role.PUBLISHER]) == 9
+        assert len(risk.role_nodes[RiskRole.PUBLISHER]) == 9
 
 
 class TestSeverity:
@@ -139,7 +139,7 @@ class TestMultipleTopics:
         (risk,) = found(text, "gr_mt")
         assert risk.id == "GR-MT:/n:p/T"
         assert risk.topics == ("/left", "/right")
-        assert risk.role_nodes == {Role.PUBLISHER: ("/g",)}
+        assert risk.role_nodes == {RiskRole.PUBLISHER: ("/g",)}
         assert risk.successors == ("/n",)
         assert risk.one_to_one
 
@@ -151,7 +151,7 @@ class TestMultipleTopics:
 
     def test_topics_that_nobody_publishes_count_but_are_mild(self):
         (risk,) = found("/n n own\n sub /{left,right} p/T\n", "gr_mt")
-        assert risk.role_nodes == {Role.PUBLISHER: ()}
+        assert risk.role_nodes == {RiskRole.PUBLISHER: ()}
         assert risk.severity is Severity.LOW
         assert "whoever publishes one" in risk.reason
 
@@ -177,7 +177,7 @@ class TestMultipleTopics:
             Endpoint(node="/n", topic=name, type=kind, direction=Direction.SUBSCRIBE)
             for name, kind in (("/a", ""), ("/b", ""), ("/c", "*"), ("/d", "*"), ("/e", "p/T"))
         ]
-        assert discover(InteractionGraph(app="app", endpoints=tuple(ends))).risks == ()
+        assert discover_risks(InteractionGraph(app="app", endpoints=tuple(ends))).risks == ()
 
     def test_a_subscriber_of_any_type_takes_the_type_of_its_topic(self):
         text = "/n n own\n sub /left p/T\n sub /right *\n/g g own\n pub /right p/T\n"
@@ -198,7 +198,7 @@ class TestMultipleTopics:
     def test_a_crowd_of_publishers_is_named_in_part(self):
         text = "".join(f"/n{i} n own\n pub /x p/T\n" for i in range(200))
         (risk,) = found(text + "/s s own\n sub /{x,y} p/T\n", "gr_mt")
-        assert len(risk.role_nodes[Role.PUBLISHER]) == 100
+        assert len(risk.role_nodes[RiskRole.PUBLISHER]) == 100
 
 
 class TestImage:
@@ -208,7 +208,7 @@ class TestImage:
     def test_the_recognition_is_known_by_its_name(self, topic):
         (risk,) = found(self.TEXT.format(topic), "rsr_image")
         assert risk.id == "RSR-image:/n"
-        assert risk.role_nodes == {Role.IMAGE: ("/n",)}
+        assert risk.role_nodes == {RiskRole.IMAGE: ("/n",)}
         assert risk.topics == (topic,)
         assert risk.message_type == "sensor_msgs/Image"
 
@@ -236,7 +236,7 @@ class TestMaxVel:
     def test_all_publishers_have_a_role(self):
         (risk,) = found(shared("/max_vel", "std_msgs/Float64"), "rsr_max_vel")
         assert risk.id == "RSR-max_vel:/max_vel"
-        assert risk.role_nodes == {Role.MAX_VEL: ("/a", "/b")}
+        assert risk.role_nodes == {RiskRole.MAX_VEL: ("/a", "/b")}
 
 
 class TestEvent:
@@ -259,7 +259,7 @@ class TestEvent:
     def test_a_detect_topic_counts_whatever_its_type(self):
         (risk,) = found(topic_pair("/detect/sign", "std_msgs/UInt8"), "msr_event")
         assert risk.id == "MSR-event:/detect/sign"
-        assert risk.role_nodes == {Role.EVENT: ("/a",)}
+        assert risk.role_nodes == {RiskRole.EVENT: ("/a",)}
 
     @pytest.mark.parametrize(
         "type", ["Image", "CompressedImage", "LaserScan", "PointCloud2", "Imu"]
@@ -268,7 +268,7 @@ class TestEvent:
         first = Node(name="/a", function=FunctionType.PREPROCESSING, trust=Trust.OWN)
         both = (first, Node(name="/b", function=FunctionType.RECOGNITION))
         text = "".join(f"/{n} {n} own\n pub /detect sensor_msgs/{type}\n" for n in "ab")
-        assert found(text, "msr_event", nodes=both)[0].role_nodes == {Role.EVENT: ("/b",)}
+        assert found(text, "msr_event", nodes=both)[0].role_nodes == {RiskRole.EVENT: ("/b",)}
         assert not found(topic_pair("/detect", f"sensor_msgs/{type}"), "msr_event", nodes=(first,))
 
     @pytest.mark.parametrize(
@@ -284,7 +284,7 @@ class TestEvent:
     def test_what_is_only_called_preprocessing_is_not(self, topic, type, trust):
         node = Node(name="/a", function=FunctionType.PREPROCESSING, trust=trust)
         [risk] = found(topic_pair(topic, type), "msr_event", nodes=(node,))
-        assert risk.role_nodes == {Role.EVENT: ("/a",)}
+        assert risk.role_nodes == {RiskRole.EVENT: ("/a",)}
 
 
 class TestAction:
@@ -316,7 +316,9 @@ class TestAction:
 
     @pytest.mark.parametrize("topic", ["/goal", "/move_base_simple/goal", "/current_goal_pose"])
     def test_a_goal_counts_whatever_its_type(self, topic):
-        assert found(topic_pair(topic, "p/T"), "msr_action")[0].role_nodes == {Role.ACTION: ("/a",)}
+        assert found(topic_pair(topic, "p/T"), "msr_action")[0].role_nodes == {
+            RiskRole.ACTION: ("/a",)
+        }
 
     @pytest.mark.parametrize(
         ("topic", "message_type"),
@@ -340,17 +342,17 @@ class TestAction:
         text = topic_pair("/x", "p/T")
         (risk,) = found(text, "msr_action", ros=2, actions=sides)
         assert risk.id == "MSR-action:/arm"
-        assert risk.role_nodes == {Role.ACTION: ("/c",)}
+        assert risk.role_nodes == {RiskRole.ACTION: ("/c",)}
         assert risk.successors == ("/s",)
         assert risk.domain is Domain.CONTROL
         more = (replace(sides[0], node="/b"), *sides)
         assert found(text, "msr_action", ros=2, actions=more)[0].role_nodes == {
-            Role.ACTION: ("/b", "/c")
+            RiskRole.ACTION: ("/b", "/c")
         }
         assert not found(text, "gr_st", ros=2, actions=sides)
         (shared,) = found(text, "gr_st", ros=2, actions=more)
         assert (shared.id, shared.topics, shared.successors) == ("GR-ST:/arm", ("/arm",), ("/s",))
-        assert shared.role_nodes == {Role.PUBLISHER: ("/b", "/c")}
+        assert shared.role_nodes == {RiskRole.PUBLISHER: ("/b", "/c")}
         own = (*sides, replace(sides[0], node="/s"))
         assert not found(text, "gr_st", ros=2, actions=own)
         assert not found(text, "gr_st", ros=1, actions=more)
@@ -361,7 +363,7 @@ class TestAction:
 class TestReport:
     def test_a_rule_that_cannot_run_finds_nothing_and_says_why(self):
         end = Endpoint(node="/a", topic="/detect/goal", direction=Direction.PUBLISH)
-        report = discover(InteractionGraph(app="app", endpoints=(end,)))
+        report = discover_risks(InteractionGraph(app="app", endpoints=(end,)))
         assert report.risks == ()
         assert report.not_run["msr_event"] == "the graph holds no message types"
         assert report.not_run["gr_mt"] == "the graph holds no subscribers and no message types"
@@ -377,7 +379,7 @@ class TestReport:
     def test_the_garbage_collector_is_left_as_it_was(self, enabled):
         was = gc.isenabled()
         (gc.enable if enabled else gc.disable)()
-        discover(InteractionGraph(app="app"))
+        discover_risks(InteractionGraph(app="app"))
         assert gc.isenabled() is enabled
         (gc.enable if was else gc.disable)()
 
@@ -388,17 +390,17 @@ class TestReport:
             for i, line in enumerate(lines)
         ]
         ends.append(Endpoint(node="/s", topic="/x", direction=Direction.SUBSCRIBE))
-        (risk,) = discover(InteractionGraph(app="app", endpoints=tuple(ends))).risks
+        (risk,) = discover_risks(InteractionGraph(app="app", endpoints=tuple(ends))).risks
         assert risk.evidence == tuple(lines[:2])
 
     def test_every_topic_of_a_risk_has_its_class(self):
-        report = discover(graph_of("app", shared("/tf", "tf2_msgs/TFMessage")))
+        report = discover_risks(graph_of("app", shared("/tf", "tf2_msgs/TFMessage")))
         assert set(report.topic_classes) == {"/tf"}
         assert report.topic_classes["/tf"].sharing is Sharing.MERGE
 
     def test_coordination_nodes_are_counted_once_a_topic(self):
         text = shared("/cmd_vel", "geometry_msgs/Twist") + "/d d own\n sub /{cmd_vel,x} p/T\n"
-        counted = discover(graph_of("app", text)).coordination_nodes
+        counted = discover_risks(graph_of("app", text)).coordination_nodes
         assert counted.grcn[Domain.CONTROL] == 1
         assert counted.grcn[Domain.OTHERS] == 1
         assert counted.grcn[Domain.PLANNING] == 0
@@ -406,7 +408,7 @@ class TestReport:
         assert (counted.fps_monitor, counted.rsrcn, counted.msrcn) == (0, 0, 1)
 
     def test_ids_are_unique_and_kinds_come_in_order(self):
-        report = discover(graph_of("app", shared("/detect/goal", "geometry_msgs/Twist")))
+        report = discover_risks(graph_of("app", shared("/detect/goal", "geometry_msgs/Twist")))
         ids = [risk.id for risk in report.risks]
         assert len(ids) == len(set(ids))
         order = list(RiskKind)

@@ -30,7 +30,7 @@ def _serve(server, answer):
                 answer(connection)
 
 
-def say_nothing(connection):
+def never_answer(connection):
     """Accept and never answer."""
 
 

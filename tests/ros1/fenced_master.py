@@ -4,7 +4,7 @@ from copy import copy
 
 from harness import wait_for
 
-from rtron.guard.master_proxy.master_file import private_master
+from rtron.guard.master_proxy.master_file import find_private_master
 from rtron.planning.plan_file.writer import write_plan
 
 
@@ -20,6 +20,6 @@ def start(ros1, plan, *more):
     ros1.master = ros1.rtron("master", "--plan", path, "--port", port, *more)
     wait_for(lambda: ros1.ask(ros1.uri, "getPid") is not None, what="the fence")
     inside = copy(ros1)
-    inside.uri = private_master(ros1.uri)
+    inside.uri = find_private_master(ros1.uri)
     assert inside.uri != ros1.uri
     return inside

@@ -10,20 +10,20 @@ from pathlib import Path
 
 from harness import HERE
 
-from rtron.guard.core.control_socket import Control
-from rtron.guard.core.coordinator import Host
-from rtron.guard.core.event_loop import Loop
-from rtron.guard.core.observations import senses_of
-from rtron.guard.runner import run_host
-from rtron.guard.settings.applier import Applying
+from rtron.guard.core.control_socket import ControlSocket
+from rtron.guard.core.coordinator import Coordinator
+from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.core.observations import observations_of
+from rtron.guard.runner import run_coordinator
+from rtron.guard.settings.applier import SettingsApplier
 from rtron.guard.transport.ros1.middleware import Ros1Transport
 from rtron.planning.plan_file.loader import read_plan
 from rtron.planning.plan_file.writer import write_plan
-from rtron.vocabulary import NodeSettings, Settings, streams
-from rtron.wire.common.link_protocol import NewSettings, service_bytes, to_guard
+from rtron.vocabulary import NodeSettings, Settings, build_streams
+from rtron.wire.common.link_protocol import NewSettings, decode_to_guard, encode_to_guard
 
 
-class ChangingGuard:
+class GuardWithSettings:
     """Starts the guard of a plan, and changes its settings."""
 
     def __init__(self, ros1, plan):
@@ -34,7 +34,7 @@ class ChangingGuard:
         words = (sys.executable, __file__, path, ros1.uri, self._door)
         self._process = ros1.spawn(*words, PYTHONPATH=str(HERE))
         self._process.hurry()
-        nodes = {f"/rtron/{stage.id}" for stream in streams(plan) for stage in stream.stages}
+        nodes = {f"/rtron/{stage.id}" for stream in build_streams(plan) for stage in stream.stages}
         ros1.wait_for_nodes(*nodes)
 
     def put(self, nodes=None, stop=None):
@@ -42,7 +42,7 @@ class ChangingGuard:
         self.revision += 1
         given = {id: NodeSettings(**values) for id, values in (nodes or {}).items()}
         settings = Settings(revision=self.revision, nodes=given, stop=stop)
-        answer = self._ask(service_bytes(NewSettings(settings=settings, now=0)).decode())
+        answer = self._ask(encode_to_guard(NewSettings(settings=settings, now=0)).decode())
         assert answer == {"applied": self.revision}, self._process.log
 
     def _ask(self, said):
@@ -56,18 +56,18 @@ class ChangingGuard:
 
 def main():
     plan, master, door = sys.argv[1:]
-    plan, loop = read_plan(Path(plan)), Loop()
+    plan, loop = read_plan(Path(plan)), EventLoop()
     transport = Ros1Transport(loop, master)
-    host = Host(transport, streams(plan), senses_of(plan))
-    applying = Applying(plan, host, transport)
+    host = Coordinator(transport, build_streams(plan), observations_of(plan))
+    applying = SettingsApplier(plan, host, transport)
 
     def answer(_who, request):
-        message = to_guard(request["said"])
+        message = decode_to_guard(request["said"])
         applying.apply(message.settings, message.now)
         return {"applied": applying.revision}
 
-    control = Control(loop, Path(door), answer)
-    run_host(host, transport, loop)
+    control = ControlSocket(loop, Path(door), answer)
+    run_coordinator(host, transport, loop)
     control.close()
 
 

@@ -30,7 +30,7 @@ def nodes_of(dump):
     return [*dump["nodes"], *dump["tests"]]
 
 
-def leads_to(node, name, order):
+def remapped_name(node, name, order):
     """Return where a resolved name leads at a node; clients read remaps in one of two orders."""
     pairs = node["resolved_remaps"]
     if order == "roscpp":  # goes through a map, sorted by what is written
@@ -75,6 +75,10 @@ def assert_guarded(original, guarded, plan, names):
         declared = {pair[0] for pair in before["resolved_remaps"]} | set(names)
         for name in declared:
             for order in ("rospy", "roscpp"):
-                led = leads_to(before, name, order)
+                led = remapped_name(before, name, order)
                 expected = private_topic(plan, before, led)
-                assert leads_to(after, name, order) == expected, (before["full_name"], name, order)
+                assert remapped_name(after, name, order) == expected, (
+                    before["full_name"],
+                    name,
+                    order,
+                )

@@ -28,7 +28,7 @@ _PORTS = (20_000, 32_000)
 """Ports that are not ephemeral: Linux gives out those from 32768 on."""
 
 
-class TooLateError(AssertionError):
+class WaitTimeoutError(AssertionError):
     """What was waited for did not come."""
 
 
@@ -37,7 +37,7 @@ def wait_for(condition, limit_s=LIMIT_S, what="the condition"):
     deadline, pause = time.monotonic() + limit_s, threading.Event()
     while not (found := condition()):
         if time.monotonic() > deadline:
-            raise TooLateError(f"{what}: not within {limit_s:g} s")
+            raise WaitTimeoutError(f"{what}: not within {limit_s:g} s")
         pause.wait(_PAUSE_S)
     return found
 

@@ -30,7 +30,7 @@ NODE_FIELDS = (
 POPEN = subprocess.Popen
 
 
-class Printed:
+class PrintedProcess:
     """A process that ended well and printed a text."""
 
     returncode = 0
@@ -45,7 +45,7 @@ class Printed:
 def answer(request):
     os.environ.pop("ROS_PACKAGE_PATH", None)
     os.environ.update(request["environ"])
-    run = partial(Printed, request["output"]) if "output" in request else POPEN
+    run = partial(PrintedProcess, request["output"]) if "output" in request else POPEN
     subprocess.Popen = run  # as roslaunch finds it
     roslaunch.substitution_args._rospack = None
     argv = [f"{name}:={value}" for name, value in request["args"].items()]
@@ -84,12 +84,13 @@ def shown(value):
     return "binary data" if isinstance(value, xmlrpc.client.Binary) else repr(value)
 
 
-def node(found):
-    full_name = rosgraph.names.ns_join(found.namespace, found.name)
+def node(fake_study):
+    full_name = rosgraph.names.ns_join(fake_study.namespace, fake_study.name)
     resolved = [
-        [rosgraph.names.resolve_name(name, full_name) for name in pair] for pair in found.remap_args
+        [rosgraph.names.resolve_name(name, full_name) for name in pair]
+        for pair in fake_study.remap_args
     ]
-    fields = {name: getattr(found, name) for name in NODE_FIELDS}
+    fields = {name: getattr(fake_study, name) for name in NODE_FIELDS}
     return fields | {"full_name": full_name, "resolved_remaps": resolved}
 
 

@@ -53,7 +53,7 @@ def started(dump):
     }
 
 
-def started_by_tree(tree):
+def nodes_of_tree(tree):
     return {
         node.name: (
             node.package,

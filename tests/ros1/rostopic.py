@@ -12,7 +12,7 @@ def say(ros1, name, topic, type, yaml, rate=10, *remaps):
     return ros1.spawn(*words, *remaps)
 
 
-class Heard:
+class TopicEcho:
     """What a subscriber of a topic hears, field by field as rostopic prints it."""
 
     def __init__(self, ros1, name, topic, *remaps):

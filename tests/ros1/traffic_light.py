@@ -5,7 +5,7 @@ from dataclasses import replace
 from harness import wait_for
 from rostopic import say
 
-from rtron.vocabulary import MSRCN, EventFlow, GuardedTopic, Mode, PolicyName, Rule
+from rtron.vocabulary import MSRCN, EventFlow, GuardedTopic, MissionRule, Mode, PolicyName
 
 LIGHT = "/light"
 MSRCN_NODE = "/rtron/msrcn"
@@ -30,7 +30,7 @@ def ruled(plan, topic):
         policy=PolicyName.BLOCK,
         aflows=(blocked,),
         eflows=(RED,),
-        rules=(Rule(name="light", when="red", block=(topic,), reason="the light is red"),),
+        rules=(MissionRule(name="light", when="red", block=(topic,), reason="the light is red"),),
     )
     return replace(plan, msrcn=msrcn)
 

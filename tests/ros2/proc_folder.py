@@ -2,7 +2,7 @@
 
 from shutil import rmtree
 
-from rtron.guard.transport.ros2.process_table import Processes
+from rtron.guard.transport.ros2.process_table import ProcessTable
 
 FIRST_NAMESPACE, ANOTHER = "pid:[4026531836]", "pid:[4026532198]"
 OUR_NETWORK, THEIR_NETWORK = "net:[4026531840]", "net:[4026532281]"
@@ -10,7 +10,7 @@ FAST_DDS = "7f00-7f01 r-xp 00000000 08:02 17 /opt/ros/jazzy/lib/libfastdds.so.3.
 LIBC = "7f00-7f01 r-xp 00000000 08:02 18 /usr/lib/libc.so.6\n"
 
 
-class Machine:
+class ProcFolder:
     """A machine with its first process, and us among them."""
 
     def __init__(self, folder, *, namespace=FIRST_NAMESPACE):
@@ -20,7 +20,7 @@ class Machine:
         self.start(1, maps=LIBC)
 
     def processes(self):
-        return Processes(self.proc)
+        return ProcessTable(self.proc)
 
     def start(
         self, pid, *, own=(), began=7, maps=FAST_DDS, network=OUR_NETWORK, state="S", threads=9

@@ -29,7 +29,7 @@ class Ros2:
         self._stack = ExitStack()
 
     def __enter__(self):
-        self.domain = self._stack.enter_context(own_domain())
+        self.domain = self._stack.enter_context(reserve_domain())
         kept = {name: text for name, text in os.environ.items() if not name.startswith("ROS_")}
         self.environ = kept | {
             "ROS_DOMAIN_ID": str(self.domain),
@@ -71,7 +71,7 @@ class Ros2:
 
 
 @contextmanager
-def own_domain():
+def reserve_domain():
     """Give a domain id that no other test of this machine uses meanwhile."""
     first = os.getpid() % len(_DOMAINS)
     for domain in (_DOMAINS[(first + n) % len(_DOMAINS)] for n in cycle(_DOMAINS)):

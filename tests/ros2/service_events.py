@@ -82,7 +82,7 @@ def goal(depth=0.5, **more):
     return _written("Dig_Goal", _goal(depth, **more))
 
 
-def goal_asked(id, depth=0.5, *, kind=RECEIVED, asker=1, number=0, contents=True, **more):
+def goal_request_event(id, depth=0.5, *, kind=RECEIVED, asker=1, number=0, contents=True, **more):
     """Return the event of a goal that is sent; by default its number is its id."""
     request = _of("Send_Request", goal_id=_id(id), goal=_goal(depth, **more))
     requests = [request] if contents else []
@@ -90,14 +90,14 @@ def goal_asked(id, depth=0.5, *, kind=RECEIVED, asker=1, number=0, contents=True
     return _written("Send_Event", _of("Send_Event", info=info, request=requests, response=[]))
 
 
-def goal_answered(number, *, accepted=True, stamp=5, kind=ANSWERED, asker=1):
+def goal_response_event(number, *, accepted=True, stamp=5, kind=ANSWERED, asker=1):
     """Return the event of the server's answer to a goal."""
     answer = _of("Send_Response", accepted=accepted, stamp=_time(stamp))
     info = _info(kind, asker, number)
     return _written("Send_Event", _of("Send_Event", info=info, request=[], response=[answer]))
 
 
-def cancel_asked(id, *, stamp=0, kind=RECEIVED, asker=1, number=1000):
+def cancel_request_event(id, *, stamp=0, kind=RECEIVED, asker=1, number=1000):
     """Return the event of a cancel."""
     meant = _of("action_msgs/msg/GoalInfo", goal_id=_id(id), stamp=_time(stamp))
     request = _of("Cancel_Request", goal_info=meant)

@@ -11,22 +11,22 @@ _FULL = passwords._hasher
 
 
 @pytest.fixture(scope="session", autouse=True)
-def little_effort():
+def cheap_password_hashing():
     """Let a password cost little here: many log in, and each would take a quarter of a second."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(passwords, "_hasher", PasswordHasher(1, 64, 1))
-        passwords._nobody.cache_clear()
+        passwords._dummy_hash.cache_clear()
         yield
-    passwords._nobody.cache_clear()
+    passwords._dummy_hash.cache_clear()
 
 
 @pytest.fixture
-def full_effort(monkeypatch):
+def real_password_hashing(monkeypatch):
     """Let a password cost what it costs in service."""
     monkeypatch.setattr(passwords, "_hasher", _FULL)
-    passwords._nobody.cache_clear()
+    passwords._dummy_hash.cache_clear()
     yield
-    passwords._nobody.cache_clear()
+    passwords._dummy_hash.cache_clear()
 
 
 @pytest.fixture(scope="session")

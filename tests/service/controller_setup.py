@@ -3,8 +3,8 @@
 from dataclasses import dataclass, field
 
 from rtron.planning import parse_plan
-from rtron.service.api.auth.authentication import Caller
-from rtron.service.controller.risk_controller import Controller
+from rtron.service.api.auth.authentication import Principal
+from rtron.service.controller.risk_controller import RiskController
 from rtron.service.domain.schemas import UserRole
 from rtron.service.store.database import Database
 from rtron.vocabulary import Plan, Settings
@@ -59,7 +59,7 @@ def plan(text: str = PLAN) -> Plan:
     return parse_plan(text)
 
 
-def swapped(old: str, new: str) -> Plan:
+def plan_with(old: str, new: str) -> Plan:
     assert old in PLAN
     return plan(PLAN.replace(old, new))
 
@@ -70,49 +70,49 @@ def hello(plan: Plan, *, revision: int = 0, app: str = "small", **keys) -> Hello
 
 
 @dataclass
-class Guards:
+class RecordingChannel:
     """What a hub is told, in order."""
 
     pushed: list[tuple[str, Settings]] = field(default_factory=list)
-    told: list[dict] = field(default_factory=list)
+    messages: list[dict] = field(default_factory=list)
 
     def push(self, robot: str, settings: Settings) -> None:
         self.pushed.append((robot, settings))
 
-    def tell(self, live: dict) -> None:
-        self.told.append(live)
+    def broadcast(self, live: dict) -> None:
+        self.messages.append(live)
 
 
 @dataclass
-class Clock:
+class FixedClock:
     now: int = 1_000
 
     def __call__(self) -> int:
         return self.now
 
 
-def caller(*roles: UserRole, name: str = "ann") -> Caller:
-    return Caller(name=name, roles=frozenset(roles), address="10.0.0.7")
+def caller(*roles: UserRole, name: str = "ann") -> Principal:
+    return Principal(name=name, roles=frozenset(roles), address="10.0.0.7")
 
 
 DEVELOPER = caller(UserRole.DEVELOPER, name="dev")
 END_USER = caller(UserRole.END_USER, name="eve")
 ADMIN = caller(UserRole.ADMIN, name="root")
-BOTH = caller(UserRole.DEVELOPER, UserRole.END_USER, name="both")
+DEVELOPER_AND_END_USER = caller(UserRole.DEVELOPER, UserRole.END_USER, name="both")
 
 
 @dataclass
-class World:
-    """A controller on a database of its own; `again` is the service after a restart."""
+class ControllerSetup:
+    """A controller on a database of its own; `restarted` is the service after a restart."""
 
     database: Database
-    guards: Guards = field(default_factory=Guards)
-    clock: Clock = field(default_factory=Clock)
+    guards: RecordingChannel = field(default_factory=RecordingChannel)
+    clock: FixedClock = field(default_factory=FixedClock)
 
     def __post_init__(self) -> None:
-        self.controller = Controller(self.database, self.guards, self.clock)
+        self.controller = RiskController(self.database, self.guards, self.clock)
 
-    def again(self) -> "World":
-        return World(
+    def restarted(self) -> "ControllerSetup":
+        return ControllerSetup(
             Database(self.database.url.render_as_string(hide_password=False)), clock=self.clock
         )

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from rtron.errors import InputError
 from rtron.sources import graph_json
 from rtron.sources.graph_json import GraphFile, graph_json_schema, graph_to_json, read_graph
-from rtron.sources.memory import MemorySource
+from rtron.sources.memory import InMemorySource
 from rtron.vocabulary import (
     GRAPH_SCHEMA,
     Action,
@@ -30,7 +30,7 @@ from rtron.vocabulary import (
     Service,
     Topic,
     Trust,
-    Unresolved,
+    UnresolvedItem,
 )
 
 words = st.text(st.characters(exclude_categories=["Cs"]), max_size=8)
@@ -103,7 +103,9 @@ graphs = st.builds(
             role=st.sampled_from(ActionRole),
         )
     ).map(tuple),
-    unresolved=st.lists(st.builds(Unresolved, what=words, why=words, evidence=evidence)).map(tuple),
+    unresolved=st.lists(st.builds(UnresolvedItem, what=words, why=words, evidence=evidence)).map(
+        tuple
+    ),
 )
 
 
@@ -155,7 +157,7 @@ def test_keys_are_those_of_the_contract():
         ),
         services=(Service(node="/a", name="/s"),),
         actions=(Action(node="/a", name="/go", role=ActionRole.SERVER),),
-        unresolved=(Unresolved(what="x", why="y"),),
+        unresolved=(UnresolvedItem(what="x", why="y"),),
     )
     assert graph_to_json(graph) == {
         "schema": "rtron.graph/1",
@@ -308,7 +310,7 @@ def test_a_file_that_cannot_be_opened_is_an_input_error(tmp_path):
 def test_both_sources_read(written):
     sources = [
         GraphFile(written(document(app="x"))),
-        MemorySource(InteractionGraph(app="x")),
+        InMemorySource(InteractionGraph(app="x")),
     ]
     assert [source.read() for source in sources] == [InteractionGraph(app="x")] * 2
 

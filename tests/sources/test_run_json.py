@@ -8,53 +8,53 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from rtron.errors import InputError
-from rtron.sources.run_json import MOST, read_run, run_to_json
+from rtron.sources.run_json import MAX_NUMBER, read_run, run_to_json
 from rtron.vocabulary import (
     Decision,
-    DurationFigures,
-    EventFigures,
-    FlowFigures,
+    DurationStatistics,
+    EventStatistics,
+    FlowStatistics,
+    MeasuredRun,
     Mode,
-    MonitorFigures,
-    OverlapFigures,
+    MonitorStatistics,
+    OverlapStatistics,
     PolicyName,
-    RefusalFigures,
-    Run,
-    StreamFigures,
-    ValueFigures,
+    RefusalStatistics,
+    StreamStatistics,
+    ValueStatistics,
 )
 
-GAPS = DurationFigures(count=3, p50=1, p99=2, p999=3, max=3)
-RUN = Run(
+GAPS = DurationStatistics(count=3, p50=1, p99=2, p999=3, max=3)
+RUN = MeasuredRun(
     app="base",
     duration=9,
     streams=(
-        StreamFigures(
+        StreamStatistics(
             topic="/cmd_vel",
             mode=Mode.ENFORCE,
             flows=(
-                FlowFigures(
+                FlowStatistics(
                     flow="flow1",
                     publisher="/nav",
                     messages=4,
                     gaps=GAPS,
                     refusals=(
-                        RefusalFigures(
+                        RefusalStatistics(
                             policy=PolicyName.PREEMPTION,
                             decision=Decision.DROP,
                             count=1,
                             reason="flow2 has the output",
                         ),
                     ),
-                    overlaps=(OverlapFigures(flow="flow2", duration=7),),
+                    overlaps=(OverlapStatistics(flow="flow2", duration=7),),
                 ),
             ),
-            per_frame=ValueFigures(count=1, min=0.1, p50=0.1, p99=0.1, p999=0.1, max=0.1),
+            per_frame=ValueStatistics(count=1, min=0.1, p50=0.1, p99=0.1, p999=0.1, max=0.1),
             strangers=("/rviz",),
         ),
     ),
-    monitors=(MonitorFigures(id="fps_cam", frames=4, gaps=GAPS),),
-    events=(EventFigures(name="eflow1"),),
+    monitors=(MonitorStatistics(id="fps_cam", frames=4, gaps=GAPS),),
+    events=(EventStatistics(name="eflow1"),),
 )
 
 
@@ -93,7 +93,7 @@ FAULTS = [
     ((*FLOW, "extra"), 1, "streams[0].flows[0].extra: no key"),
     ((*FLOW, "gaps", "extra"), 1, "gaps.extra: no key"),
     ((*FLOW, "messages"), -1, "streams[0].flows[0].messages: not between"),
-    ((*FLOW, "messages"), MOST + 1, "messages: not between"),
+    ((*FLOW, "messages"), MAX_NUMBER + 1, "messages: not between"),
     ((*FLOW, "messages"), 10**4000, "messages: not between"),
     ((*FLOW, "messages"), "4", "messages"),
     ((*FLOW, "messages"), 4.5, "messages"),
@@ -121,7 +121,7 @@ def test_a_fault_is_told_with_its_place(read, path, value, told):
     assert "--figures" in caught.value.help
 
 
-@pytest.mark.parametrize("value", [0, MOST])
+@pytest.mark.parametrize("value", [0, MAX_NUMBER])
 def test_the_bounds_are_in(read, value):
     assert read(at(("duration",), value)).duration == value
 

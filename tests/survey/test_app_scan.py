@@ -6,24 +6,24 @@ import pytest
 
 from rtron.errors import SourceError
 from rtron.survey import app_scan
-from rtron.survey.app_listing import Subject
-from rtron.survey.app_scan import scan_subject
+from rtron.survey.app_listing import AppToScan
+from rtron.survey.app_scan import scan_app
 
 
 def subject(repositories, launch):
-    return Subject(
+    return AppToScan(
         top=repositories, repository=repositories / "drive", launch=repositories / "drive" / launch
     )
 
 
 def test_what_the_scan_complains_of_is_told(repositories):
     with pytest.raises(SourceError, match=r"broken\.launch"):
-        scan_subject(subject(repositories, "drive_base/launch/broken.launch"))
+        scan_app(subject(repositories, "drive_base/launch/broken.launch"))
 
 
 def test_a_scan_that_takes_too_long_is_ended(repositories, monkeypatch):
     monkeypatch.setattr(app_scan, "SECONDS", 0.001)
     began = time.monotonic()
     with pytest.raises(SourceError, match="not done within"):
-        scan_subject(subject(repositories, "drive_base/launch/two.launch"))
-    assert time.monotonic() - began < app_scan._GRACE
+        scan_app(subject(repositories, "drive_base/launch/two.launch"))
+    assert time.monotonic() - began < app_scan._STOP_TIMEOUT_S

@@ -10,7 +10,7 @@ import pytest
 
 from rtron.errors import InputError
 from rtron.sources.launch.ros1 import file_search
-from rtron.survey.app_listing import subjects
+from rtron.survey.app_listing import find_apps
 
 sys.path.append(str(Path(__file__).parents[1] / "functions"))
 from local_cluster import local_cluster
@@ -25,7 +25,7 @@ def survey(*arguments):
 
 def test_an_app_is_a_launch_file_that_no_other_includes_and_that_needs_nothing(repositories):
     left = []
-    assert [each.app for each in subjects(repositories, left.append)] == APPS
+    assert [each.name for each in find_apps(repositories, left.append)] == APPS
     asks, broken = left
     assert str(asks) == "drive/drive_base/launch/asks.launch: needs the arguments robot"
     assert broken.place == "drive/drive_base/launch/broken.launch"
@@ -36,13 +36,13 @@ def test_a_repository_without_end_costs_itself_only(repositories, tmp_path, monk
     shutil.copytree(repositories, tmp_path, dirs_exist_ok=True)
     (tmp_path / "other/more/and/more").mkdir(parents=True)
     monkeypatch.setattr(file_search, "MAX_FOLDERS", 4)
-    assert [each.app for each in subjects(tmp_path, left.append)] == APPS[:1]
+    assert [each.name for each in find_apps(tmp_path, left.append)] == APPS[:1]
     assert f"{tmp_path / 'other'}: has more than 4 folders" in map(str, left)
 
 
 def test_a_folder_that_is_not_there(tmp_path):
     with pytest.raises(InputError):
-        list(subjects(tmp_path / "none", print))
+        list(find_apps(tmp_path / "none", print))
 
 
 def test_each_app_is_a_line(repositories):

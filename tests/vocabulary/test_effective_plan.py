@@ -13,17 +13,17 @@ from rtron.vocabulary import (
     FlowSettings,
     FpsMonitor,
     GuardedTopic,
-    MisfitError,
+    MissionRule,
     Mode,
     NodeSettings,
     PolicyName,
-    Rule,
     RuleSettings,
     Settings,
+    SettingsMismatchError,
     TimedOverride,
-    coordination_ids,
-    effective_plan,
-    fitting,
+    apply_settings,
+    compatible_settings,
+    coordination_node_ids,
 )
 
 
@@ -46,7 +46,10 @@ PLAN = replace(
         mode=Mode.ENFORCE,
         policy=PolicyName.BLOCK,
         aflows=(topic("/goal", "a1", "a2"),),
-        rules=(Rule(name="one", block=("a1",), when="e"), Rule(name="two", block=("a2",))),
+        rules=(
+            MissionRule(name="one", block=("a1",), when="e"),
+            MissionRule(name="two", block=("a2",)),
+        ),
     ),
     fps_monitor=(FpsMonitor(id="eyes", node="/eye", topic="/image"),),
 )
@@ -58,20 +61,20 @@ def one(id, **keys):
 
 
 def test_no_settings_are_the_plan():
-    assert effective_plan(PLAN, Settings()) == PLAN
-    assert effective_plan(PLAN, Settings(revision=7)) == replace(PLAN, revision=7)
+    assert apply_settings(PLAN, Settings()) == PLAN
+    assert apply_settings(PLAN, Settings(revision=7)) == replace(PLAN, revision=7)
 
 
 def test_overrides_and_the_stop_change_no_policy():
     override = TimedOverride(by="me", reason="why", until=1)
     stop = EmergencyStop(by="me", reason="why", at=1)
-    assert effective_plan(PLAN, Settings(overrides={"speed": override}, stop=stop)) == PLAN
+    assert apply_settings(PLAN, Settings(overrides={"speed": override}, stop=stop)) == PLAN
 
 
 def test_a_grcn_with_all_that_can_be_set():
     flows = {"flow2": FlowSettings(priority=0, block=False, timeout=0)}
     keys = {"policy": PolicyName.BLOCK, "release_after": 0, "max_age": 1, "max_hold": 2}
-    (after,) = effective_plan(PLAN, one(GRCN_ID, flows=flows, **keys)).grcn
+    (after,) = apply_settings(PLAN, one(GRCN_ID, flows=flows, **keys)).grcn
     before = PLAN.grcn[0]
     second = replace(before.flows[1], priority=0, block=False, timeout=0)
     assert after == replace(before, flows=(before.flows[0], second), **keys)
@@ -79,7 +82,7 @@ def test_a_grcn_with_all_that_can_be_set():
 
 def test_an_rsrcn_with_all_that_can_be_set():
     keys = {"policy": PolicyName.CONSTRAIN, "threshold": 0.2, "max_vel_limit": 0.3}
-    after = effective_plan(PLAN, one("speed", flows={"v2": FlowSettings(block=True)}, **keys)).rsrcn
+    after = apply_settings(PLAN, one("speed", flows={"v2": FlowSettings(block=True)}, **keys)).rsrcn
     assert [flow.block for each in after.vflows for flow in each.flows] == [False, True]
     assert replace(after, vflows=PLAN.rsrcn.vflows) == replace(PLAN.rsrcn, **keys)
 
@@ -92,21 +95,21 @@ def test_an_rsrcn_with_all_that_can_be_set():
         ({"one": RuleSettings(selected=False)}, PLAN.msrcn.rules[1:]),
         (
             {"one": RuleSettings(when="x")},
-            (Rule(name="one", block=("a1",), when="x"), PLAN.msrcn.rules[1]),
+            (MissionRule(name="one", block=("a1",), when="x"), PLAN.msrcn.rules[1]),
         ),
         (
             {"one": RuleSettings(block=("a2",))},
-            (Rule(name="one", block=("a2",), when="e"), PLAN.msrcn.rules[1]),
+            (MissionRule(name="one", block=("a2",), when="e"), PLAN.msrcn.rules[1]),
         ),
         (
             {"own": RuleSettings(when="x", block=("a1",))},
-            (*PLAN.msrcn.rules, Rule(name="own", when="x", block=("a1",))),
+            (*PLAN.msrcn.rules, MissionRule(name="own", when="x", block=("a1",))),
         ),
         ({"own": RuleSettings(when="x", block=("a1",), selected=False)}, PLAN.msrcn.rules),
     ],
 )
 def test_the_rules_of_the_mission(rules, left):
-    assert effective_plan(PLAN, one("mission", rules=rules)).msrcn.rules == left
+    assert apply_settings(PLAN, one("mission", rules=rules)).msrcn.rules == left
 
 
 NODE_KEYS = {
@@ -133,10 +136,10 @@ def test_all_settings_are_tried():
 def test_a_setting_is_for_its_kind_of_node(id, key):
     settings = one(id, **{key: NODE_KEYS[key]})
     if key in ALLOWED[id]:
-        effective_plan(PLAN, settings)
+        apply_settings(PLAN, settings)
     else:
-        with pytest.raises(MisfitError, match=f"^no setting of {id} is called {key}: "):
-            effective_plan(PLAN, settings)
+        with pytest.raises(SettingsMismatchError, match=f"^no setting of {id} is called {key}: "):
+            apply_settings(PLAN, settings)
 
 
 @pytest.mark.parametrize(
@@ -158,16 +161,16 @@ def test_a_setting_is_for_its_kind_of_node(id, key):
     ],
 )
 def test_what_the_plan_does_not_have(settings, told):
-    with pytest.raises(MisfitError) as caught:
-        effective_plan(PLAN, settings)
+    with pytest.raises(SettingsMismatchError) as caught:
+        apply_settings(PLAN, settings)
     assert told in str(caught.value)
-    left, lost = fitting(PLAN, settings)
+    left, lost = compatible_settings(PLAN, settings)
     assert (left, lost) == (Settings(revision=7), (str(caught.value),))
 
 
 def test_a_long_name_is_told_in_short():
-    with pytest.raises(MisfitError) as caught:
-        effective_plan(PLAN, one("speed", flows={"f" * 1_000_000: FlowSettings()}))
+    with pytest.raises(SettingsMismatchError) as caught:
+        apply_settings(PLAN, one("speed", flows={"f" * 1_000_000: FlowSettings()}))
     assert len(str(caught.value)) < 200
 
 
@@ -180,7 +183,7 @@ def test_what_fits_stays_under_another_plan():
         overrides={"speed": override, "gone": override},
         stop=EmergencyStop(by="me", reason="why", at=1),
     )
-    left, lost = fitting(PLAN, settings)
+    left, lost = compatible_settings(PLAN, settings)
     assert left == replace(settings, nodes=good, overrides={"speed": override})
     assert lost[1] == "gone has an override"
     assert len(lost) == 2
@@ -188,7 +191,9 @@ def test_what_fits_stays_under_another_plan():
 
 def test_a_grcn_is_never_overridden():
     override = TimedOverride(by="me", reason="why", until=1)
-    left, lost = fitting(PLAN, Settings(overrides={GRCN_ID: override, "mission": override}))
+    left, lost = compatible_settings(
+        PLAN, Settings(overrides={GRCN_ID: override, "mission": override})
+    )
     assert (left, lost) == (
         Settings(overrides={"mission": override}),
         (f"{GRCN_ID} has an override",),
@@ -196,5 +201,5 @@ def test_a_grcn_is_never_overridden():
 
 
 def test_the_ids_are_those_of_nodes_with_a_policy():
-    assert coordination_ids(PLAN) == (GRCN_ID, "speed", "mission")
-    assert coordination_ids(replace(PLAN, rsrcn=None, msrcn=None)) == (GRCN_ID,)
+    assert coordination_node_ids(PLAN) == (GRCN_ID, "speed", "mission")
+    assert coordination_node_ids(replace(PLAN, rsrcn=None, msrcn=None)) == (GRCN_ID,)

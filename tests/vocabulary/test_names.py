@@ -7,10 +7,10 @@ from hypothesis import strategies as st
 from rtron.vocabulary import (
     PRIVATE_ROOT,
     flow_topic,
-    names_node,
+    matches_node,
     normalise_type,
     output_topic,
-    without_stamp,
+    unstamped_type,
 )
 from rtron.vocabulary.launch import canonical_name, resolve_name
 
@@ -40,7 +40,7 @@ def test_both_generations_spell_one_type(written, spelled):
     ],
 )
 def test_only_a_velocity_loses_its_stamp(type, counts_as):
-    assert without_stamp(type) == counts_as
+    assert unstamped_type(type) == counts_as
 
 
 def test_private_topics_stand_below_the_private_root():
@@ -60,7 +60,7 @@ def test_private_topics_stand_below_the_private_root():
     ],
 )
 def test_a_pattern_means_the_nodes_that_it_fits(pattern, node, means):
-    assert names_node(pattern, node) is means
+    assert matches_node(pattern, node) is means
 
 
 @pytest.mark.parametrize(

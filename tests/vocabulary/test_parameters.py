@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rtron.vocabulary import Evidence, LaunchFile, LaunchInclude, LaunchNode, LaunchTree
-from rtron.vocabulary.parameters import Parameter, Parameters
+from rtron.vocabulary.parameters import Parameter, ParameterTree
 
 FIRST, SECOND = (Evidence(file="a.launch", line=line) for line in (1, 2))
 keys = st.sampled_from("abc")
@@ -16,7 +16,7 @@ names = st.lists(keys, min_size=1, max_size=3).map(lambda parts: "/" + "/".join(
 
 
 def made(*settings):
-    parameters = Parameters()
+    parameters = ParameterTree()
     for name, value in settings:
         parameters.set(name, Parameter(value=value, evidence=FIRST))
     return parameters
@@ -111,20 +111,20 @@ def test_keys_with_slashes_do_not_leave_their_namespace():
         ("speed", "/", None),
     ],
 )
-def test_the_search_goes_upwards_for_the_first_part_of_the_name(name, namespace, found):
+def test_the_search_goes_upwards_for_the_first_part_of_the_name(name, namespace, fake_study):
     parameters = made(("/robot/speed", 1), ("/robot/arm/joints", 6), ("/map", "office"))
-    assert parameters.search(name, namespace) == found
+    assert parameters.search(name, namespace) == fake_study
 
 
 def test_a_launch_is_walked_in_document_order():
     def node(name):
-        return LaunchNode(name=name, package="p", type="e", element=1)
+        return LaunchNode(name=name, package="p", type="e", element_index=1)
 
     inner = LaunchFile(path="/inner.launch", nodes=(node("/robot/b"),))
     outer = LaunchFile(
         path="/outer.launch",
         nodes=(node("/a"),),
-        includes=(LaunchInclude(element=2, spelled="inner.launch", file=inner),),
+        includes=(LaunchInclude(element_index=2, evaluated_name="inner.launch", file=inner),),
     )
     assert list(outer.walk()) == [outer, inner]
     nodes = LaunchTree(root=outer).nodes()

@@ -6,13 +6,18 @@ from hypothesis import strategies as st
 from remap_cases import CASES
 
 from rtron.vocabulary.launch import Remap
-from rtron.vocabulary.remap_rules import UNKNOWN, expanded, remaps_at, rules_in
+from rtron.vocabulary.remap_rules import (
+    UNKNOWN_NAME,
+    expand_name,
+    parse_remap_rules,
+    remaps_for_node,
+)
 
 
 def resolved(rules, node, name):
     """Return a name under rules, of which the first that matches counts."""
-    name = expanded(name, node)
-    found = [remap.target for remap in remaps_at(rules, node) if remap.declared == name]
+    name = expand_name(name, node)
+    found = [remap.target for remap in remaps_for_node(rules, node) if remap.source == name]
     return found[0] if found else name
 
 
@@ -22,24 +27,24 @@ def test_a_name_under_rules(rules, node, name, target):
 
 
 def test_a_rule_keeps_what_was_written():
-    assert list(remaps_at([("driver:~/out", "there")], "/arm/driver")) == [
+    assert list(remaps_for_node([("driver:~/out", "there")], "/arm/driver")) == [
         Remap(
-            written="driver:~/out",
+            written_source="driver:~/out",
             written_target="there",
-            declared="/arm/driver/out",
+            source="/arm/driver/out",
             target="/arm/there",
         )
     ]
 
 
 def test_a_node_of_no_known_name_may_be_the_one_that_a_rule_is_for():
-    [remap] = remaps_at([("driver:/out", "/there")], f"/arm/{UNKNOWN}")
-    assert (remap.declared, remap.target) == ("/out", "/there")
+    [remap] = remaps_for_node([("driver:/out", "/there")], f"/arm/{UNKNOWN_NAME}")
+    assert (remap.source, remap.target) == ("/out", "/there")
 
 
 @pytest.mark.parametrize("rule", [("", "there"), ("out", "")])
 def test_half_a_rule_is_none(rule):
-    assert list(remaps_at([rule], "/driver")) == []
+    assert list(remaps_for_node([rule], "/driver")) == []
 
 
 @pytest.mark.parametrize(
@@ -65,9 +70,9 @@ def test_half_a_rule_is_none(rule):
     ],
 )
 def test_the_rules_in_arguments(arguments, ros, rules):
-    assert list(rules_in(arguments, ros=ros)) == rules
+    assert list(parse_remap_rules(arguments, in_ros_args=ros)) == rules
 
 
 @given(st.text(), st.booleans())
 def test_any_arguments_give_rules_or_none(arguments, ros):
-    assert all(name and target for name, target in rules_in(arguments, ros=ros))
+    assert all(name and target for name, target in parse_remap_rules(arguments, in_ros_args=ros))

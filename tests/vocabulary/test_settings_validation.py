@@ -21,30 +21,30 @@ from rtron.vocabulary import (
     FlowSettings,
     FpsMonitor,
     GuardedTopic,
-    MisfitError,
+    MissionRule,
     Mode,
     NodeSettings,
     Plan,
     PolicyName,
-    Rule,
     RuleSettings,
     Settings,
+    SettingsMismatchError,
     Sharing,
     StreamKind,
     TimedOverride,
 )
 from rtron.vocabulary.settings_validation import (
-    FASTEST,
-    LONGEST,
-    LONGEST_CONDITION,
-    LONGEST_CONDITIONS,
-    LONGEST_NAME,
-    LONGEST_TEXT,
-    MOST_BLOCKED,
-    MOST_RULES,
-    PRIORITIES,
-    SLOWEST,
-    in_force,
+    MAX_BLOCKED_FLOWS,
+    MAX_CONDITION_LENGTH,
+    MAX_CONDITIONS_LENGTH,
+    MAX_INT64,
+    MAX_NAME_LENGTH,
+    MAX_RULES,
+    MAX_TEXT_LENGTH,
+    MAX_VELOCITY,
+    MIN_NONZERO_VELOCITY,
+    PRIORITY_RANGE,
+    apply_valid_settings,
 )
 
 FLOWS = (
@@ -77,7 +77,7 @@ MISSION = MSRCN(
     mode=Mode.ENFORCE,
     policy=PolicyName.BLOCK,
     aflows=(TOPIC,),
-    rules=(Rule(name="alert", block=("aflow1",), require="aflow2"),),
+    rules=(MissionRule(name="alert", block=("aflow1",), require="aflow2"),),
 )
 ROBOT = RSRCN(id="rsrcn", mode=Mode.ENFORCE, policy=PolicyName.BLOCK, vflows=(VFLOWS,), lowest=0.1)
 MONITOR = FpsMonitor(id="fps", node="/camera", topic="/image", silent_after=2 * SECOND)
@@ -101,7 +101,7 @@ OWN = {"when": "true", "block": ("/cmd_vel",)}
 
 def test_settings_within_their_bounds_are_in_force():
     settings = Settings(revision=7, nodes={"grcn": NodeSettings(policy=PolicyName.FIFO_QUEUE)})
-    after = in_force(PLAN, settings)
+    after = apply_valid_settings(PLAN, settings)
     assert after.revision == 7
     assert after.grcn[0].policy is PolicyName.FIFO_QUEUE
 
@@ -109,48 +109,51 @@ def test_settings_within_their_bounds_are_in_force():
 @pytest.mark.parametrize(
     "settings",
     [
-        Settings(revision=LONGEST),
-        of("grcn", release_after=0, max_age=LONGEST, max_hold=LONGEST),
-        flow("grcn", "flow1", priority=PRIORITIES[0], timeout=0),
-        flow("grcn", "flow1", priority=PRIORITIES[1], timeout=LONGEST),
+        Settings(revision=MAX_INT64),
+        of("grcn", release_after=0, max_age=MAX_INT64, max_hold=MAX_INT64),
+        flow("grcn", "flow1", priority=PRIORITY_RANGE[0], timeout=0),
+        flow("grcn", "flow1", priority=PRIORITY_RANGE[1], timeout=MAX_INT64),
         of("rsrcn", policy=PolicyName.CONSTRAIN, max_vel_limit=0.0),
-        of("rsrcn", policy=PolicyName.CONSTRAIN, max_vel_limit=SLOWEST),
-        of("rsrcn", policy=PolicyName.CONSTRAIN, max_vel_limit=FASTEST),
-        of("rsrcn", policy=PolicyName.SAFE, threshold=FASTEST),
+        of("rsrcn", policy=PolicyName.CONSTRAIN, max_vel_limit=MIN_NONZERO_VELOCITY),
+        of("rsrcn", policy=PolicyName.CONSTRAIN, max_vel_limit=MAX_VELOCITY),
+        of("rsrcn", policy=PolicyName.SAFE, threshold=MAX_VELOCITY),
         of("rsrcn", policy=PolicyName.SAFE, threshold=0.2),
         of("rsrcn", policy=PolicyName.SAFE_CONSTRAIN, threshold=0.2, max_vel_limit=1.0),
-        a_rule("x" * LONGEST_NAME, **OWN),
-        a_rule(when="a" * LONGEST_CONDITION, block=("/cmd_vel",) * MOST_BLOCKED),
+        a_rule("x" * MAX_NAME_LENGTH, **OWN),
+        a_rule(when="a" * MAX_CONDITION_LENGTH, block=("/cmd_vel",) * MAX_BLOCKED_FLOWS),
         of("msrcn", rules={n: RuleSettings(when="a" * 4096, block=("/cmd_vel",)) for n in "ab"}),
         a_rule("alert", selected=False),
-        of("msrcn", rules={f"r{n}": RuleSettings(**OWN) for n in range(MOST_RULES - 1)}),
-        Settings(overrides={"rsrcn": TimedOverride(by="x" * LONGEST_TEXT, reason="", until=0)}),
-        Settings(overrides={"msrcn": TimedOverride(by="", reason="", until=LONGEST)}),
-        Settings(stop=EmergencyStop(by="", reason="x" * LONGEST_TEXT, at=0)),
+        of("msrcn", rules={f"r{n}": RuleSettings(**OWN) for n in range(MAX_RULES - 1)}),
+        Settings(overrides={"rsrcn": TimedOverride(by="x" * MAX_TEXT_LENGTH, reason="", until=0)}),
+        Settings(overrides={"msrcn": TimedOverride(by="", reason="", until=MAX_INT64)}),
+        Settings(stop=EmergencyStop(by="", reason="x" * MAX_TEXT_LENGTH, at=0)),
         of("rsrcn", flows={"vflow1": FlowSettings(priority=1)}),
     ],
 )
 def test_the_bounds_themselves_are_within(settings):
-    in_force(PLAN, settings)
+    apply_valid_settings(PLAN, settings)
 
 
 @pytest.mark.parametrize(
     ("settings", "told"),
     [
         (Settings(revision=-1), "revision is not between"),
-        (Settings(revision=LONGEST + 1), "revision is not between"),
+        (Settings(revision=MAX_INT64 + 1), "revision is not between"),
         (of("grcn", release_after=-1), "'grcn': release_after is not between"),
-        (of("grcn", max_age=LONGEST + 1), "'grcn': max_age is not between"),
+        (of("grcn", max_age=MAX_INT64 + 1), "'grcn': max_age is not between"),
         (of("grcn", max_hold=-(10**400)), "'grcn': max_hold is not between"),
         (of("rsrcn", threshold=0.0), "threshold is not between"),
         (of("rsrcn", threshold=math.nan), "threshold is not between"),
-        (of("rsrcn", threshold=math.nextafter(FASTEST, math.inf)), "threshold is not between"),
+        (of("rsrcn", threshold=math.nextafter(MAX_VELOCITY, math.inf)), "threshold is not between"),
         (of("rsrcn", max_vel_limit=math.nan), "max_vel_limit is not between"),
         (of("rsrcn", max_vel_limit=math.inf), "max_vel_limit is not between"),
         (of("rsrcn", max_vel_limit=-0.1), "max_vel_limit is not between"),
-        (of("rsrcn", max_vel_limit=math.nextafter(SLOWEST, 0)), "max_vel_limit is not"),
-        (flow("grcn", "flow1", priority=PRIORITIES[1] + 1), "'flow1': priority is not between"),
-        (flow("grcn", "flow1", priority=PRIORITIES[0] - 1), "'flow1': priority is not between"),
+        (
+            of("rsrcn", max_vel_limit=math.nextafter(MIN_NONZERO_VELOCITY, 0)),
+            "max_vel_limit is not",
+        ),
+        (flow("grcn", "flow1", priority=PRIORITY_RANGE[1] + 1), "'flow1': priority is not between"),
+        (flow("grcn", "flow1", priority=PRIORITY_RANGE[0] - 1), "'flow1': priority is not between"),
         (flow("grcn", "flow1", timeout=-1), "'flow1': timeout is not between"),
         (flow("grcn", "flow1", priority=1), "flow1 and flow2 have the same priority 1"),
         (flow("grcn", "flow9"), "no flow of grcn is called flow9"),
@@ -165,9 +168,9 @@ def test_the_bounds_themselves_are_within(settings):
         (of("grcn", rules={"own": RuleSettings(**OWN)}), "grcn has no rules"),
         (a_rule("no word", **OWN), "a rule's name is a word"),
         (a_rule("", **OWN), "a rule's name is a word"),
-        (a_rule("x" * (LONGEST_NAME + 1), **OWN), "a rule's name is a word"),
-        (a_rule(when="a" * (LONGEST_CONDITION + 1), block=("/cmd_vel",)), "longer than"),
-        (a_rule(when="true", block=("/cmd_vel",) * (MOST_BLOCKED + 1)), "blocks more than"),
+        (a_rule("x" * (MAX_NAME_LENGTH + 1), **OWN), "a rule's name is a word"),
+        (a_rule(when="a" * (MAX_CONDITION_LENGTH + 1), block=("/cmd_vel",)), "longer than"),
+        (a_rule(when="true", block=("/cmd_vel",) * (MAX_BLOCKED_FLOWS + 1)), "blocks more than"),
         (
             of(
                 "msrcn",
@@ -177,19 +180,19 @@ def test_the_bounds_themselves_are_within(settings):
                     "alert": RuleSettings(when="a"),
                 },
             ),
-            f"longer than {LONGEST_CONDITIONS} characters together",
+            f"longer than {MAX_CONDITIONS_LENGTH} characters together",
         ),
         (a_rule(when="true"), "a new one needs `when` and `block`"),
         (a_rule(when="true", block=("/elsewhere",)), "no aflow or topic that is called"),
         (a_rule("alert", block=("aflow2",)), "blocks aflow2, which it requires"),
         (a_rule("alert", block=("/cmd_vel",)), "blocks aflow2, which it requires"),
         (
-            of("msrcn", rules={f"r{n}": RuleSettings(**OWN) for n in range(MOST_RULES)}),
-            f"msrcn: more than {MOST_RULES} rules",
+            of("msrcn", rules={f"r{n}": RuleSettings(**OWN) for n in range(MAX_RULES)}),
+            f"msrcn: more than {MAX_RULES} rules",
         ),
         (
-            of("msrcn", rules={f"r{n}": RuleSettings(**OWN) for n in range(MOST_RULES + 1)}),
-            f"'msrcn': more than {MOST_RULES} rules",
+            of("msrcn", rules={f"r{n}": RuleSettings(**OWN) for n in range(MAX_RULES + 1)}),
+            f"'msrcn': more than {MAX_RULES} rules",
         ),
         (
             Settings(overrides={"grcn": TimedOverride(by="", reason="", until=1)}),
@@ -201,36 +204,38 @@ def test_the_bounds_themselves_are_within(settings):
         ),
         (
             Settings(
-                overrides={"rsrcn": TimedOverride(by="x" * (LONGEST_TEXT + 1), reason="", until=1)}
+                overrides={
+                    "rsrcn": TimedOverride(by="x" * (MAX_TEXT_LENGTH + 1), reason="", until=1)
+                }
             ),
             "a text is longer than",
         ),
         (
-            Settings(stop=EmergencyStop(by="", reason="x" * (LONGEST_TEXT + 1), at=0)),
+            Settings(stop=EmergencyStop(by="", reason="x" * (MAX_TEXT_LENGTH + 1), at=0)),
             "emergency stop: a text is longer",
         ),
     ],
 )
 def test_what_a_guard_cannot_run_is_refused(settings, told):
-    with pytest.raises(MisfitError) as raised:
-        in_force(PLAN, settings)
+    with pytest.raises(SettingsMismatchError) as raised:
+        apply_valid_settings(PLAN, settings)
     assert told in str(raised.value)
 
 
 def test_a_stop_of_no_time_is_refused():
-    with pytest.raises(MisfitError, match="emergency stop: at is not between"):
-        in_force(PLAN, Settings(stop=EmergencyStop(by="", reason="", at=-1)))
+    with pytest.raises(SettingsMismatchError, match="emergency stop: at is not between"):
+        apply_valid_settings(PLAN, Settings(stop=EmergencyStop(by="", reason="", at=-1)))
 
 
 def test_plans_are_read_within_the_same_bounds():
-    assert durations.LONGEST == LONGEST
-    assert fields._RANGES["revision"] == (0, LONGEST)
-    assert fields._RANGES["priority"] == PRIORITIES
-    assert quantities.VELOCITY.greatest == quantities.PER_FRAME.greatest == FASTEST
-    assert quantities.VELOCITY.smallest == quantities.PER_FRAME.least == SLOWEST
-    assert msrcn.MOST_RULES == MOST_RULES
-    assert fields._TEXTS["when"].longest == LONGEST_CONDITION
-    assert fields.WORD.longest == LONGEST_NAME
+    assert durations.MAX_DURATION == MAX_INT64
+    assert fields._RANGES["revision"] == (0, MAX_INT64)
+    assert fields._RANGES["priority"] == PRIORITY_RANGE
+    assert quantities.VELOCITY.maximum == quantities.PER_FRAME.maximum == MAX_VELOCITY
+    assert quantities.VELOCITY.min_nonzero == quantities.PER_FRAME.minimum == MIN_NONZERO_VELOCITY
+    assert msrcn.MAX_RULES == MAX_RULES
+    assert fields._TEXTS["when"].max_length == MAX_CONDITION_LENGTH
+    assert fields.IDENTIFIER.max_length == MAX_NAME_LENGTH
 
 
 @pytest.mark.parametrize(
@@ -242,36 +247,38 @@ def test_plans_are_read_with_the_same_policies(id, policies):
     for policy in PolicyName:
         settings = of(id, policy=policy, **bounds)
         if policy in policies:
-            in_force(PLAN, settings)
+            apply_valid_settings(PLAN, settings)
         else:
-            with pytest.raises(MisfitError, match="is not for it"):
-                in_force(PLAN, settings)
+            with pytest.raises(SettingsMismatchError, match="is not for it"):
+                apply_valid_settings(PLAN, settings)
 
 
 def test_publishers_that_each_own_a_part_take_no_turns():
     merged = replace(PLAN, grcn=(replace(GENERAL, sharing=Sharing.MERGE),))
-    in_force(merged, of("grcn", policy=PolicyName.BLOCK))
-    with pytest.raises(MisfitError, match="choose from Block"):
-        in_force(merged, of("grcn", policy=PolicyName.FIFO_QUEUE))
+    apply_valid_settings(merged, of("grcn", policy=PolicyName.BLOCK))
+    with pytest.raises(SettingsMismatchError, match="choose from Block"):
+        apply_valid_settings(merged, of("grcn", policy=PolicyName.FIFO_QUEUE))
 
 
 def test_a_velocity_that_is_ordered_at_all_is_ordered_for_all():
     third = replace(FLOWS[0], name="vflow3", publisher="/third", priority=0)
     vflows = (replace(VFLOWS, flows=(*VFLOWS.flows, third)),)
     wider = replace(PLAN, rsrcn=replace(ROBOT, vflows=vflows))
-    with pytest.raises(MisfitError, match="the same priority 0"):
-        in_force(wider, flow("rsrcn", "vflow1", priority=5))
+    with pytest.raises(SettingsMismatchError, match="the same priority 0"):
+        apply_valid_settings(wider, flow("rsrcn", "vflow1", priority=5))
 
 
 def test_a_plan_without_an_rsrcn_and_msrcn_has_nothing_to_override():
     bare = Plan(app="app", grcn=(GENERAL,))
-    assert in_force(bare, Settings()) == bare
-    with pytest.raises(MisfitError, match="cannot be overridden"):
-        in_force(bare, Settings(overrides={"rsrcn": TimedOverride(by="", reason="", until=1)}))
+    assert apply_valid_settings(bare, Settings()) == bare
+    with pytest.raises(SettingsMismatchError, match="cannot be overridden"):
+        apply_valid_settings(
+            bare, Settings(overrides={"rsrcn": TimedOverride(by="", reason="", until=1)})
+        )
 
 
-numbers = st.integers() | st.sampled_from([0, 1, LONGEST, LONGEST + 1, -1, 10**400])
-floats = st.floats() | st.sampled_from([0.0, SLOWEST, FASTEST])
+numbers = st.integers() | st.sampled_from([0, 1, MAX_INT64, MAX_INT64 + 1, -1, 10**400])
+floats = st.floats() | st.sampled_from([0.0, MIN_NONZERO_VELOCITY, MAX_VELOCITY])
 names = st.sampled_from(["flow1", "aflow1", "vflow1", "flow9", "", "/cmd_vel", "\ud800", "x" * 300])
 nodes = st.builds(
     NodeSettings,
@@ -302,8 +309,8 @@ nodes = st.builds(
     )
 )
 def test_whatever_is_said_is_in_force_or_a_misfit(settings):
-    with suppress(MisfitError):
-        after = in_force(PLAN, settings)
+    with suppress(SettingsMismatchError):
+        after = apply_valid_settings(PLAN, settings)
         assert after.revision == settings.revision
         limit = after.rsrcn.max_vel_limit
-        assert limit is None or 0 <= limit <= FASTEST
+        assert limit is None or 0 <= limit <= MAX_VELOCITY

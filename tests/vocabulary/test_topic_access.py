@@ -12,12 +12,12 @@ from rtron.vocabulary import (
     Mode,
     PolicyName,
     StreamKind,
-    action_of,
-    part_topic,
-    planned_services,
-    planned_topics,
+    action_name,
+    build_streams,
+    list_service_access,
+    list_topic_access,
+    ros1_topic_name,
     stage_nodes,
-    streams,
 )
 
 T, NODE = "/cmd_vel", "/rtron/grcn_cmd_vel"
@@ -25,7 +25,7 @@ GOAL = {"type": "p/GoActionGoal", "kind": StreamKind.ACTION}
 
 
 def planned(*grcns, **more):
-    made = {each.topic: each for each in planned_topics(plan_of(*grcns, **more))}
+    made = {each.topic: each for each in list_topic_access(plan_of(*grcns, **more))}
     return {topic: (each.publishers, each.subscribers) for topic, each in made.items()}
 
 
@@ -64,7 +64,7 @@ def test_stages_are_joined_and_the_last_one_speaks():
         "rsrcn": RSRCN(id="rsrcn", mode=Mode.ENFORCE, policy=PolicyName.BLOCK, vflows=(topic,)),
     }
     plan = plan_of(grcn(T, ["/nav"], ["/base"]), **more)
-    (stream,) = streams(plan)
+    (stream,) = build_streams(plan)
     assert stage_nodes(stream) == (NODE, "/rtron/msrcn", "/rtron/rsrcn")
     found = planned(grcn(T, ["/nav"], ["/base"]), **more)
     assert found["/rtron/cmd_vel/grcn_cmd_vel"] == ((NODE,), ("/rtron/msrcn",))
@@ -95,13 +95,15 @@ def test_strangers_that_may_speak_ask_and_never_answer(part, free):
 
 def test_every_topic_stands_there_once_and_knows_its_stream():
     plan = plan_of(grcn(T, ["/nav"], ["/base"]), grcn("/act/goal", ["/one"], ["/server"], **GOAL))
-    topics = planned_topics(plan)
+    topics = list_topic_access(plan)
     assert len({each.topic for each in topics}) == len(topics)
-    assert {each.guarded for each in topics} == {T, "/act/goal"}
+    assert {each.stream_topic for each in topics} == {T, "/act/goal"}
 
 
 def test_names_may_be_patterns():
-    output = next(t for t in planned_topics(plan_of(grcn(T, ["/n"], ["/b_*"]))) if "out" in t.topic)
+    output = next(
+        t for t in list_topic_access(plan_of(grcn(T, ["/n"], ["/b_*"]))) if "out" in t.topic
+    )
     assert output.may_publish(NODE)
     assert output.may_publish(SUPERVISOR_NODE)
     assert not output.may_publish("/n")
@@ -126,20 +128,20 @@ def test_names_may_be_patterns():
     ],
 )
 def test_an_action_is_known_by_its_goals(topic, type, action):
-    assert action_of(topic, type) == action
-    (stream,) = streams(plan_of(grcn(topic, ["/n"], ["/b"], type=type)))
+    assert action_name(topic, type) == action
+    (stream,) = build_streams(plan_of(grcn(topic, ["/n"], ["/b"], type=type)))
     assert stream.action == action
 
 
 def test_the_topics_of_an_action_lie_below_it():
-    assert part_topic("/a", "cancel") == "/a/cancel"
+    assert ros1_topic_name("/a", "cancel") == "/a/cancel"
 
 
 def test_an_action_of_ros_2_has_two_topics_and_three_services_under_each_name():
     made = grcn("/act", ["/one", "/two"], ["/server"], **(GOAL | {"type": "p/action/Go"}))
     found, node = planned(made), "/rtron/grcn_act"
     plan = plan_of(made, ros=2)
-    served = {each.service: (each.servers, each.clients) for each in planned_services(plan)}
+    served = {each.service: (each.servers, each.clients) for each in list_service_access(plan)}
     for end in ("status", "feedback"):
         assert found.pop(f"/rtron/act/flow1/_action/{end}") == ((node,), ("/one",))
         assert found.pop(f"/rtron/act/flow2/_action/{end}") == ((node,), ("/two",))
@@ -151,4 +153,4 @@ def test_an_action_of_ros_2_has_two_topics_and_three_services_under_each_name():
         assert served.pop(f"/rtron/act/out/_action/{end}") == (("/server",), (node,))
         assert served.pop(f"/act/_action/{end}") == ((node,), ("*",))
     assert found == served == {}
-    assert {each.guarded for each in planned_services(plan)} == {"/act"}
+    assert {each.stream_topic for each in list_service_access(plan)} == {"/act"}

@@ -33,7 +33,7 @@ velocities = st.builds(
 def test_never_above_the_limit(velocity, limit):
     found = velocity.at_most(limit)
     assert found.speed <= limit
-    assert found.finite
+    assert found.is_finite
 
 
 @given(velocity=velocities, limit=limits)
@@ -106,11 +106,11 @@ def test_speed_above_all_floats():
 
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
 def test_not_finite(value):
-    assert not Velocity((value,)).finite
-    assert not Velocity((0.0, value), (0.0,)).finite
-    assert not Velocity((0.0,), (0.0, value)).finite
-    assert Velocity((value,)).moves
-    assert Velocity((0.0,), (value,)).moves
+    assert not Velocity((value,)).is_finite
+    assert not Velocity((0.0, value), (0.0,)).is_finite
+    assert not Velocity((0.0,), (0.0, value)).is_finite
+    assert Velocity((value,)).is_moving
+    assert Velocity((0.0,), (value,)).is_moving
 
 
 @pytest.mark.parametrize(
@@ -126,8 +126,8 @@ def test_not_finite(value):
 )
 def test_lengths(linear, angular, speed, turn, moves):
     velocity = Velocity(linear, angular)
-    assert (velocity.speed, velocity.turn, velocity.moves) == (speed, turn, moves)
-    assert velocity.finite
+    assert (velocity.speed, velocity.angular_speed, velocity.is_moving) == (speed, turn, moves)
+    assert velocity.is_finite
 
 
 @given(velocity=velocities, factor=st.floats(-2.0, 2.0))

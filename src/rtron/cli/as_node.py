@@ -7,8 +7,11 @@ from rtron.cli.main import main
 _ROS_ARGS = "--ros-args"
 
 
-def guard() -> None:
+def run_guard_node() -> None:
     """Run the guard; what ROS appends behind `--ros-args` is for nodes that use rcl's parser."""
-    own = sys.argv[1:]
-    sys.argv[1:] = ["guard", *(own[: own.index(_ROS_ARGS)] if _ROS_ARGS in own else own)]
+    arguments = sys.argv[1:]
+    sys.argv[1:] = [
+        "guard",
+        *(arguments[: arguments.index(_ROS_ARGS)] if _ROS_ARGS in arguments else arguments),
+    ]
     main()

@@ -37,33 +37,33 @@ _PANELS = {
 }
 
 
-def found(name: str) -> Any:  # noqa: ANN401 - a function with options of its own, or a group
+def load_command(name: str) -> Any:  # noqa: ANN401 - a function with options of its own, or a group
     """Return what the module of a command defines under the command's name."""
-    word = name.replace("-", "_")
-    return getattr(import_module(f"rtron.cli.{word}"), word)
+    module_name = name.replace("-", "_")
+    return getattr(import_module(f"rtron.cli.{module_name}"), module_name)
 
 
 @cache
-def _command(name: str) -> TyperCommand | TyperGroup:
-    what = found(name)
-    made = get_group(what) if isinstance(what, typer.Typer) else _alone(what)
-    made.rich_help_panel = _PANELS[name]
-    return made
+def _build_command(name: str) -> TyperCommand | TyperGroup:
+    loaded = load_command(name)
+    built = get_group(loaded) if isinstance(loaded, typer.Typer) else _single_command(loaded)
+    built.rich_help_panel = _PANELS[name]
+    return built
 
 
-def _alone(function: Any) -> Any:  # noqa: ANN401 - typer's types say less than it gives
+def _single_command(function: Any) -> Any:  # noqa: ANN401 - typer's types say less than it gives
     app = typer.Typer(add_completion=False, rich_markup_mode="rich")
     app.command()(function)
     return get_command(app)
 
 
-class _Loading(Mapping[str, Any]):
+class _LazyCommands(Mapping[str, Any]):
     """The commands: their names are known, and one is imported when it is taken."""
 
     def __getitem__(self, name: str) -> TyperCommand | TyperGroup:
         if name not in _PANELS:
             raise KeyError(name)
-        return _command(name)
+        return _build_command(name)
 
     def __contains__(self, name: object) -> bool:
         return name in _PANELS
@@ -75,8 +75,8 @@ class _Loading(Mapping[str, Any]):
         return len(_PANELS)
 
 
-class Commands(TyperGroup):
+class CommandGroup(TyperGroup):
     """`rtron` with its commands, of which only those that are asked for are imported."""
 
     def __init__(self, **options: Any) -> None:  # noqa: ANN401 - typer's own
-        super().__init__(**options | {"commands": _Loading()})
+        super().__init__(**options | {"commands": _LazyCommands()})

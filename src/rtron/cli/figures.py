@@ -7,28 +7,28 @@ from pathlib import Path
 from rtron.cli.support.outcome import as_json
 from rtron.errors import InputError
 from rtron.sources.run_json import run_to_json
-from rtron.vocabulary import Run
+from rtron.vocabulary import MeasuredRun
 
 
 @dataclass(frozen=True, slots=True)
-class Keeper:
+class RunFileWriter:
     """Writes runs to a file, each in place of the one before; goes to the guard's own process."""
 
     path: Path
 
-    def __call__(self, run: Run) -> None:
+    def __call__(self, run: MeasuredRun) -> None:
         """Write a run; InputError if that is not possible."""
-        beside = self.path.with_name(f".{self.path.name}.{os.getpid()}")
+        temporary = self.path.with_name(f".{self.path.name}.{os.getpid()}")
         try:
-            beside.unlink(missing_ok=True)
-            with beside.open("x", encoding="utf-8") as file:
+            temporary.unlink(missing_ok=True)
+            with temporary.open("x", encoding="utf-8") as file:
                 file.write(as_json(run_to_json(run)))
-            beside.replace(self.path)
+            temporary.replace(self.path)
         except OSError as error:
-            told = error.strerror or "cannot be written"
-            raise InputError(told, path=str(self.path), help="choose another file") from None
+            reason = error.strerror or "cannot be written"
+            raise InputError(reason, path=str(self.path), help="choose another file") from None
         finally:
-            _remove(beside)
+            _remove(temporary)
 
 
 def _remove(path: Path) -> None:

@@ -32,13 +32,13 @@ State = Annotated[
     Path | None,
     typer.Option(metavar="FOLDER", help="Where settings and waiting events are kept."),
 ]
-Authority = Annotated[
+CertificateAuthority = Annotated[
     Path | None,
     typer.Option(metavar="FILE", help="The service's own certificate authority, as PEM."),
 ]
 
 
-def link_options(
+def build_link_options(
     app: str,
     service: str,
     token_file: Path | None,
@@ -59,6 +59,6 @@ def link_options(
     )
     options.token()
     options.prepare()
-    if options.url and options.in_clear:
+    if options.url and options.is_unencrypted:
         sys.stderr.write(f"warning: {service} is not encrypted: others can read the token\n")
     return options

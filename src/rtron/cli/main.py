@@ -7,13 +7,13 @@ from typing import Annotated
 import typer
 
 from rtron import __version__
-from rtron.cli.command_registry import Commands
-from rtron.cli.support.outcome import BAD_INPUT, Outcome, complain, deliver
+from rtron.cli.command_registry import CommandGroup
+from rtron.cli.support.outcome import BAD_INPUT, Outcome, deliver, print_error
 from rtron.errors import RTronError
 
 app = typer.Typer(
     name="rtron",
-    cls=Commands,
+    cls=CommandGroup,
     no_args_is_help=True,
     rich_markup_mode="rich",
     pretty_exceptions_enable=False,
@@ -28,20 +28,21 @@ def main() -> None:
     try:
         app(prog_name="rtron")
     except RTronError as error:
-        complain(error)
+        print_error(error)
         sys.exit(BAD_INPUT)
 
 
-def _version(wanted: bool) -> None:  # noqa: FBT001 - typer hands over the option's value
-    if wanted:
+def _print_version(is_requested: bool) -> None:  # noqa: FBT001 - typer hands over the option's value
+    if is_requested:
         deliver(Outcome(f"rtron {__version__}\n"))
 
 
 @app.callback(result_callback=deliver)
-def start(
+def root(
     *,
     version: Annotated[
-        bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version.")
+        bool,
+        typer.Option("--version", callback=_print_version, is_eager=True, help="Show the version."),
     ] = False,
 ) -> None:
     """Find what the functions of a robot app can do to each other, and guard it while it runs.

@@ -2,22 +2,22 @@
 
 from dataclasses import dataclass
 
-from rtron.sources.source import Source
+from rtron.sources.source import GraphSource
 from rtron.vocabulary import InteractionGraph
-from rtron.workflows.source_app import StaticSource
+from rtron.workflows.source_app import WorkspaceSource
 
 
 @dataclass(frozen=True, slots=True)
-class WithFunctions:
+class FunctionAnnotatedSource:
     """A Source whose nodes have their functions and domains, where these are known."""
 
-    source: Source
+    source: GraphSource
 
     def read(self) -> InteractionGraph:
         """Return the graph; manifests are looked at where the app is read from source."""
         from rtron.functions.node_functions import with_functions  # noqa: PLC0415 - only what is scanned needs it
 
         graph = self.source.read()
-        if isinstance(self.source, StaticSource):
+        if isinstance(self.source, WorkspaceSource):
             return with_functions(graph, self.source.descriptions(graph))
         return with_functions(graph)

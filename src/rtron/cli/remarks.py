@@ -2,10 +2,10 @@
 
 from collections.abc import Iterable
 
-from rtron.planning.problem import Problem
+from rtron.planning.problem import PlanProblem
 from rtron.reports.problems_text import Remark
 
 
-def remarks_of(problems: Iterable[Problem]) -> list[Remark]:
+def to_remarks(problems: Iterable[PlanProblem]) -> list[Remark]:
     """Return a remark for each problem."""
-    return [Remark(problem.level, problem.where, problem.message) for problem in problems]
+    return [Remark(problem.level, problem.location, problem.message) for problem in problems]

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 
 from rich.text import Text
 
-from rtron.guard.audit.ros1.verification import Path, PathState, Verification
+from rtron.guard.audit.ros1.verification import GuardedPath, PathState, Verification
 from rtron.reports.lines import Page, Report, columns, counted, heading, line, paragraph
 
 VERIFY_SCHEMA = "rtron.verify/1"
@@ -17,16 +17,16 @@ _STYLES = {
 }
 
 
-def verified_text(title: str, found: Verification) -> Report:
+def verification_text(title: str, verification: Verification) -> Report:
     """Return the verdict, the paths, what is wrong with them, and what is not guarded."""
-    return Report(lambda page: _lines(title, found, page))
+    return Report(lambda page: _lines(title, verification, page))
 
 
-def verified_json(found: Verification) -> Mapping[str, object]:
+def verification_to_json(verification: Verification) -> Mapping[str, object]:
     """Return the document: the verdict, and all that was found."""
     return {
         "schema": VERIFY_SCHEMA,
-        "verdict": verdict(found),
+        "verdict": verdict(verification),
         "paths": [
             {
                 "topic": path.topic,
@@ -36,37 +36,41 @@ def verified_json(found: Verification) -> Mapping[str, object]:
                 "reason": path.reason,
                 "foreign": list(path.foreign),
             }
-            for path in found.paths
+            for path in verification.paths
         ],
-        "problems": list(found.problems),
-        "unguarded": [{"what": each.what, "why": each.why} for each in found.unguarded],
+        "problems": list(verification.problems),
+        "unguarded": [{"what": each.what, "why": each.why} for each in verification.unguarded],
     }
 
 
-def verdict(found: Verification) -> str:
+def verdict(verification: Verification) -> str:
     """Return the verdict in a word or two."""
-    if found.closed:
+    if verification.is_closed:
         return "closed"
-    return "open" if found.told else "cannot tell"
+    return "open" if verification.is_conclusive else "cannot tell"
 
 
-def _lines(title: str, found: Verification, page: Page) -> Iterator[Text]:
-    said = verdict(found)
-    yield line((title, "bold"), "  ", (said, "bold green" if found.closed else "bold red"))
-    for problem in found.problems:
+def _lines(title: str, verification: Verification, page: Page) -> Iterator[Text]:
+    verdict_text = verdict(verification)
+    yield line(
+        (title, "bold"),
+        "  ",
+        (verdict_text, "bold green" if verification.is_closed else "bold red"),
+    )
+    for problem in verification.problems:
         yield from paragraph(problem, page, indent=2, style="red")
-    yield from heading(counted(len(found.paths), "planned path"))
-    rows = [(str(path.state), path.node, path.private) for path in found.paths]
-    for path, row in zip(found.paths, columns(rows, indent=2) if rows else [], strict=True):
+    yield from heading(counted(len(verification.paths), "planned path"))
+    rows = [(str(path.state), path.node, path.private) for path in verification.paths]
+    for path, row in zip(verification.paths, columns(rows, indent=2) if rows else [], strict=True):
         row.stylize(_STYLES[path.state], 2, 2 + len(str(path.state)))
         yield row
         yield from _why(path, page)
-    if found.unguarded:
+    if verification.unguarded:
         yield from heading("Not guarded")
-        for each in found.unguarded:
+        for each in verification.unguarded:
             yield line((each.what, "cyan"), f"  {each.why}", indent=2)
 
 
-def _why(path: Path, page: Page) -> Iterator[Text]:
+def _why(path: GuardedPath, page: Page) -> Iterator[Text]:
     if path.reason:
         yield from paragraph(path.reason, page, indent=15)

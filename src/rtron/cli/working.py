@@ -3,27 +3,27 @@
 from collections.abc import Callable, Iterator, Sequence
 from typing import TypeVar
 
-from rtron.cli.support.progress import shown_progress
-from rtron.executors import Executor, Failed
-from rtron.functions.reading import Note, Skipped
+from rtron.cli.support.progress import show_progress
+from rtron.executors import ItemFailure, MapExecutor
+from rtron.functions.reading import SkippedEntry, SkippedHandler
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
 
-def worked(
-    executor: Executor,
+def map_with_progress(
+    executor: MapExecutor,
     function: Callable[[Item], Result],
     items: Sequence[Item],
     name: Callable[[Item], str],
-    left: Note,
+    note_skipped: SkippedHandler,
 ) -> Iterator[tuple[Item, Result]]:
-    """Yield each item with its result; one at which the function failed goes to `left`."""
-    with shown_progress() as progress:
+    """Yield each item with its result; one at which the function failed goes to `note_skipped`."""
+    with show_progress() as progress:
         results = executor.map(function, items)
         for done, (item, result) in enumerate(zip(items, results, strict=True), 1):
             progress(done, len(items), name(item))
-            if isinstance(result, Failed):
-                left(Skipped(place=name(item), why=result.why))
+            if isinstance(result, ItemFailure):
+                note_skipped(SkippedEntry(location=name(item), reason=result.reason))
             else:
                 yield item, result

@@ -1,6 +1,6 @@
-from rtron.executors.base import Executor, Failed
-from rtron.executors.dask_cluster import Cluster
-from rtron.executors.here import Here
-from rtron.executors.process_pool import Processes
+from rtron.executors.base import ItemFailure, MapExecutor
+from rtron.executors.dask_cluster import DaskExecutor
+from rtron.executors.here import SerialExecutor
+from rtron.executors.process_pool import ProcessExecutor
 
-__all__ = ["Cluster", "Executor", "Failed", "Here", "Processes"]
+__all__ = ["DaskExecutor", "ItemFailure", "MapExecutor", "ProcessExecutor", "SerialExecutor"]

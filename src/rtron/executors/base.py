@@ -9,18 +9,18 @@ Result = TypeVar("Result")
 
 
 @dataclass(frozen=True, slots=True)
-class Failed:
+class ItemFailure:
     """Stands for the result of an item at which the function failed, and says why."""
 
-    why: str
+    reason: str
 
 
-class Executor(Protocol):
+class MapExecutor(Protocol):
     """Runs one function on many items."""
 
     def map(
         self, function: Callable[[Item], Result], items: Iterable[Item]
-    ) -> Iterator[Result | Failed]:
+    ) -> Iterator[Result | ItemFailure]:
         """Yield each item's result, in the items' order; Failed in the place of one that failed.
 
         Items are taken as they are needed, and a few results at most wait for their turn. The
@@ -29,18 +29,20 @@ class Executor(Protocol):
         ...
 
 
-def attempt(function: Callable[[Item], Result], item: Item) -> Result | Failed:
+def run_item(function: Callable[[Item], Result], item: Item) -> Result | ItemFailure:
     """Return a function's result, or that it failed."""
     try:
         return function(item)
     except RecursionError:
-        return Failed("nested too deep")
+        return ItemFailure("nested too deep")
     except MemoryError:
-        return Failed("too large")
+        return ItemFailure("too large")
     except Exception as error:  # noqa: BLE001 - one item must not end the others
-        return Failed(f"{type(error).__name__}: {error}")
+        return ItemFailure(f"{type(error).__name__}: {error}")
 
 
-def attempt_all(function: Callable[[Item], Result], items: Sequence[Item]) -> list[Result | Failed]:
+def run_items(
+    function: Callable[[Item], Result], items: Sequence[Item]
+) -> list[Result | ItemFailure]:
     """Return each item's result, or that the function failed at it."""
-    return [attempt(function, item) for item in items]
+    return [run_item(function, item) for item in items]

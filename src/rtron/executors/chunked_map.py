@@ -5,19 +5,19 @@ from collections.abc import Callable, Iterable, Iterator
 from itertools import islice
 from typing import Any, Protocol
 
-from rtron.executors.base import Failed, Item, Result, attempt_all
+from rtron.executors.base import Item, ItemFailure, Result, run_items
 
-CHUNK = 16
+CHUNK_SIZE = 16
 """Items that go to a worker together: as many as make the way worth it, one if each is long."""
-AHEAD = 3
+CHUNKS_PER_WORKER = 3
 """Chunks that are on their way for each worker."""
 
 
-class LostError(Exception):
+class LostWorkerError(Exception):
     """The process that worked on a chunk ended, and with it the results."""
 
 
-class Workers(Protocol):
+class ChunkWorkers(Protocol):
     """Processes somewhere that work on chunks."""
 
     @property
@@ -30,21 +30,24 @@ class Workers(Protocol):
         ...
 
 
-def in_order(
-    workers: Workers, function: Callable[[Item], Result], items: Iterable[Item], chunk: int = CHUNK
-) -> Iterator[Result | Failed]:
+def map_in_order(
+    workers: ChunkWorkers,
+    function: Callable[[Item], Result],
+    items: Iterable[Item],
+    chunk_size: int = CHUNK_SIZE,
+) -> Iterator[Result | ItemFailure]:
     """Yield each item's result in the items' order, with AHEAD chunks for each worker under way.
 
     The items of a chunk that was lost are tried one by one: only one that ends its process anew
     has failed.
     """
-    under_way: deque[tuple[list[Item], Callable[[], Any]]] = deque()
-    for part in _chunks(items, chunk):
-        under_way.append((part, workers.submit(attempt_all, function, part)))
-        if len(under_way) >= AHEAD * workers.count:
-            yield from _results(workers, function, *under_way.popleft())
-    while under_way:
-        yield from _results(workers, function, *under_way.popleft())
+    pending: deque[tuple[list[Item], Callable[[], Any]]] = deque()
+    for chunk_items in _chunks(items, chunk_size):
+        pending.append((chunk_items, workers.submit(run_items, function, chunk_items)))
+        if len(pending) >= CHUNKS_PER_WORKER * workers.count:
+            yield from _chunk_results(workers, function, *pending.popleft())
+    while pending:
+        yield from _chunk_results(workers, function, *pending.popleft())
 
 
 def _chunks(items: Iterable[Item], size: int) -> Iterator[list[Item]]:
@@ -53,24 +56,24 @@ def _chunks(items: Iterable[Item], size: int) -> Iterator[list[Item]]:
         yield chunk
 
 
-def _results(
-    workers: Workers,
+def _chunk_results(
+    workers: ChunkWorkers,
     function: Callable[[Item], Result],
     chunk: list[Item],
-    wait: Callable[[], list[Result | Failed]],
-) -> Iterator[Result | Failed]:
+    wait: Callable[[], list[Result | ItemFailure]],
+) -> Iterator[Result | ItemFailure]:
     try:
         yield from wait()
-    except LostError:
+    except LostWorkerError:
         for item in chunk:
-            yield from _alone(workers, function, item)
+            yield from _retry_item(workers, function, item)
 
 
-def _alone(
-    workers: Workers, function: Callable[[Item], Result], item: Item
-) -> list[Result | Failed]:
+def _retry_item(
+    workers: ChunkWorkers, function: Callable[[Item], Result], item: Item
+) -> list[Result | ItemFailure]:
     try:
-        results: list[Result | Failed] = workers.submit(attempt_all, function, [item])()
-    except LostError:
-        return [Failed("the process that worked on it ended")]
+        results: list[Result | ItemFailure] = workers.submit(run_items, function, [item])()
+    except LostWorkerError:
+        return [ItemFailure("the process that worked on it ended")]
     return results

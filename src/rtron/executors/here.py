@@ -2,14 +2,14 @@
 
 from collections.abc import Callable, Iterable, Iterator
 
-from rtron.executors.base import Failed, Item, Result, attempt
+from rtron.executors.base import Item, ItemFailure, Result, run_item
 
 
-class Here:
+class SerialExecutor:
     """An Executor that starts nothing."""
 
     def map(
         self, function: Callable[[Item], Result], items: Iterable[Item]
-    ) -> Iterator[Result | Failed]:
+    ) -> Iterator[Result | ItemFailure]:
         """Yield each item's result, as Executor says."""
-        return (attempt(function, item) for item in items)
+        return (run_item(function, item) for item in items)

@@ -8,10 +8,10 @@ from multiprocessing import parent_process
 from pathlib import Path
 from threading import Thread
 
-_TASKS = Path("/proc/self/task")
+_PROC_TASKS = Path("/proc/self/task")
 
 
-def serve_parent() -> None:
+def follow_parent() -> None:
     """Leave Ctrl-C to the process that started this one, and end as soon as that has ended.
 
     What this process has started itself ends with it, where the system tells what that is (Linux).
@@ -24,13 +24,13 @@ def _end_with_parent() -> None:
     parent = parent_process()
     if parent is not None:
         parent.join()
-        for child in _children():
+        for child in _child_processes():
             with suppress(OSError):
                 os.kill(child, signal.SIGKILL)
         os._exit(1)
 
 
-def _children() -> Iterator[int]:
-    for listed in _TASKS.glob("*/children"):
+def _child_processes() -> Iterator[int]:
+    for path in _PROC_TASKS.glob("*/children"):
         with suppress(OSError):
-            yield from map(int, listed.read_text().split())
+            yield from map(int, path.read_text().split())

@@ -8,27 +8,27 @@ from dataclasses import dataclass
 from multiprocessing import get_context
 from typing import Any
 
-from rtron.executors.base import Failed, Item, Result
-from rtron.executors.chunked_map import CHUNK, LostError, in_order
-from rtron.executors.parent_process import serve_parent
+from rtron.executors.base import Item, ItemFailure, Result
+from rtron.executors.chunked_map import CHUNK_SIZE, LostWorkerError, map_in_order
+from rtron.executors.parent_process import follow_parent
 
 
 @dataclass(frozen=True, slots=True)
-class Processes:
-    """An Executor of `count` processes; they are started for each map and end with it."""
+class ProcessExecutor:
+    """An Executor of `process_count` processes; they are started for each map and end with it."""
 
-    count: int
-    chunk: int = CHUNK
+    process_count: int
+    chunk_size: int = CHUNK_SIZE
 
     def map(
         self, function: Callable[[Item], Result], items: Iterable[Item]
-    ) -> Iterator[Result | Failed]:
+    ) -> Iterator[Result | ItemFailure]:
         """Yield each item's result, as Executor says."""
-        with closing(_Pool(self.count)) as pool:
-            yield from in_order(pool, function, items, self.chunk)
+        with closing(_ProcessPool(self.process_count)) as pool:
+            yield from map_in_order(pool, function, items, self.chunk_size)
 
 
-class _Pool:
+class _ProcessPool:
     """Processes that are started anew where one of them has ended."""
 
     def __init__(self, count: int) -> None:
@@ -38,10 +38,10 @@ class _Pool:
     def submit(self, function: Callable[..., Any], *arguments: object) -> Callable[[], Any]:
         """Begin a call; the answer waits for its result."""
         try:
-            future = self._started().submit(function, *arguments)
+            future = self._running_executor().submit(function, *arguments)
         except BrokenProcessPool:
             self.close()
-            future = self._started().submit(function, *arguments)
+            future = self._running_executor().submit(function, *arguments)
         return lambda: self._result(future)
 
     def close(self) -> None:
@@ -54,13 +54,13 @@ class _Pool:
         try:
             return future.result()
         except BrokenProcessPool:
-            raise LostError from None
+            raise LostWorkerError from None
 
-    def _started(self) -> ProcessPoolExecutor:
+    def _running_executor(self) -> ProcessPoolExecutor:
         if self._executor is None:
             self._executor = ProcessPoolExecutor(
                 max_workers=self.count,
                 mp_context=get_context("spawn"),
-                initializer=serve_parent,
+                initializer=follow_parent,
             )
         return self._executor

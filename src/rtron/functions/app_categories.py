@@ -10,19 +10,19 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 
-from rtron.functions.interactions.typical_messages import typical
+from rtron.functions.interactions.typical_messages import typical_traffic
 from rtron.functions.node_functions import NodeFunctions, functions_of_nodes
-from rtron.functions.package_data import shipped
+from rtron.functions.package_data import load_package_yaml
 from rtron.functions.traffic_rules import (
     NodeTraffic,
     TrafficRule,
     node_traffic,
-    rule_of,
-    says_like,
+    parse_traffic_rule,
+    publishes_typical,
 )
 from rtron.vocabulary import FunctionType, InteractionGraph
 
-PAPERS_APPS = 110
+PAPER_APP_COUNT = 110
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -36,23 +36,23 @@ class Category:
     robots: tuple[str, ...] = ()
     example: str = ""
 
-    def needs(self, present: Collection[FunctionType]) -> frozenset[FunctionType]:
+    def required_functions(self, present: Collection[FunctionType]) -> frozenset[FunctionType]:
         """Return which of the functions present the category takes; none if it does not fit."""
         chosen = self.one_of & frozenset(present)
         fits = self.functions <= frozenset(present) and (chosen or not self.one_of)
         return self.functions | chosen if fits else frozenset()
 
-    def had(self, present: Collection[FunctionType]) -> int:
+    def count_present(self, present: Collection[FunctionType]) -> int:
         """Return how many functions of the category are there; of `one_of` one counts."""
         there = frozenset(present)
         return len(self.functions & there) + (not self.one_of.isdisjoint(there))
 
-    def lacks(self, present: Collection[FunctionType]) -> "Lack":
+    def missing_functions(self, present: Collection[FunctionType]) -> "MissingFunctions":
         """Return what the category takes and is not there."""
-        no_choice = self.one_of.isdisjoint(present)
-        return Lack(
+        has_none = self.one_of.isdisjoint(present)
+        return MissingFunctions(
             missing=tuple(f for f in FunctionType if f in self.functions - frozenset(present)),
-            one_of=tuple(f for f in FunctionType if f in self.one_of) if no_choice else (),
+            one_of=tuple(f for f in FunctionType if f in self.one_of) if has_none else (),
         )
 
     @property
@@ -62,28 +62,28 @@ class Category:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class AppRow:
+class AppProfile:
     """An app, the nodes of each function in it, and its most specific categories.
 
-    `nearest` is a category that it is not of, but has more functions of than of any of its own.
+    `nearest_category` is a category that it is not of, but has more functions of than of any of its own.
     """
 
     app: str
     functions: Mapping[FunctionType, tuple[str, ...]]
     categories: tuple[str, ...]
-    nearest: "Nearest | None" = None
+    nearest: "NearestCategory | None" = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Nearest:
+class NearestCategory:
     """The categories, of one set of functions, that an app comes nearest to, and what it lacks."""
 
     categories: tuple[str, ...]
-    lack: "Lack"
+    missing: "MissingFunctions"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Lack:
+class MissingFunctions:
     """The functions that an app lacks for a category: all of `missing`, and one of `one_of`."""
 
     missing: tuple[FunctionType, ...] = ()
@@ -116,38 +116,46 @@ def categories() -> tuple[Category, ...]:
             robots=tuple(each["robots"]),
             example=each["example"],
         )
-        for each in shipped("rtron.functions", "apps.yaml")["categories"]
+        for each in load_package_yaml("rtron.functions", "apps.yaml")["categories"]
     )
 
 
 def categories_of(present: Collection[FunctionType]) -> tuple[str, ...]:
     """Return the most specific categories of an app, those with the most functions first."""
-    fitting = {c.name: needs for c in categories() if (needs := c.needs(present))}
-    most = [n for n, needs in fitting.items() if not any(needs < its for its in fitting.values())]
+    fitting = {c.name: needs for c in categories() if (needs := c.required_functions(present))}
+    most = [
+        n
+        for n, needs in fitting.items()
+        if not any(needs < other_needs for other_needs in fitting.values())
+    ]
     return tuple(sorted(most, key=lambda name: -len(fitting[name])))
 
 
-def app_row(graph: InteractionGraph, name: str = "") -> AppRow:
+def app_profile(graph: InteractionGraph, name: str = "") -> AppProfile:
     """Return an app's functions and categories; `name` stands for that of its graph."""
     functions = functions_of_app(graph)
-    return AppRow(
+    return AppProfile(
         app=name or graph.app or "app",
         functions=functions,
         categories=categories_of(functions.keys()),
-        nearest=nearest(functions.keys()),
+        nearest=nearest_category(functions.keys()),
     )
 
 
-def nearest(present: Collection[FunctionType]) -> Nearest | None:
+def nearest_category(present: Collection[FunctionType]) -> NearestCategory | None:
     """Return the category with the most functions present, of equals the one that lacks fewest.
 
     None if one that fits has as many.
     """
-    best = max(categories(), key=lambda c: (c.had(present), -len(c.lacks(present))))
-    lack = best.lacks(present)
-    if not (best.had(present) and lack):
+    best = max(
+        categories(), key=lambda c: (c.count_present(present), -len(c.missing_functions(present)))
+    )
+    lack = best.missing_functions(present)
+    if not (best.count_present(present) and lack):
         return None
-    return Nearest(categories=tuple(c.name for c in categories() if c.key == best.key), lack=lack)
+    return NearestCategory(
+        categories=tuple(c.name for c in categories() if c.key == best.key), missing=lack
+    )
 
 
 def functions_of_app(graph: InteractionGraph) -> Mapping[FunctionType, tuple[str, ...]]:
@@ -158,28 +166,28 @@ def functions_of_app(graph: InteractionGraph) -> Mapping[FunctionType, tuple[str
     stands in for the drivers whose commands it takes, and a driver whose data others take hands on
     what Preprocessing would (`stand_ins` in `nodes.yaml`).
     """
-    found: dict[FunctionType, list[str]] = {function: [] for function in FunctionType}
+    nodes_by_function: dict[FunctionType, list[str]] = {function: [] for function in FunctionType}
     traffic = node_traffic(graph)
-    for node, its in functions_of_nodes(graph).items():
-        for function in _played(its, traffic[node]):
-            found[function].append(node)
-    return {function: tuple(nodes) for function, nodes in found.items() if nodes}
+    for node, node_functions in functions_of_nodes(graph).items():
+        for function in _played_functions(node_functions, traffic[node]):
+            nodes_by_function[function].append(node)
+    return {function: tuple(nodes) for function, nodes in nodes_by_function.items() if nodes}
 
 
-def counts(rows: Iterable[AppRow]) -> tuple[CategoryCount, ...]:
+def count_categories(rows: Iterable[AppProfile]) -> tuple[CategoryCount, ...]:
     """Return how many apps are of each set of functions; an app counts where it fits best."""
-    best = [_best(row) for row in rows]
+    best = [_best_category(row) for row in rows]
     groups: dict[object, list[Category]] = {}
     for category in categories():
         groups.setdefault(category.key, []).append(category)
-    return tuple(_count(group, best) for group in groups.values())
+    return tuple(_category_count(group, best) for group in groups.values())
 
 
-def _best(row: AppRow) -> str:
+def _best_category(row: AppProfile) -> str:
     return row.categories[0] if row.categories else ""
 
 
-def _count(group: Sequence[Category], best: Sequence[str]) -> CategoryCount:
+def _category_count(group: Sequence[Category], best: Sequence[str]) -> CategoryCount:
     names = tuple(category.name for category in group)
     return CategoryCount(
         categories=names,
@@ -190,27 +198,34 @@ def _count(group: Sequence[Category], best: Sequence[str]) -> CategoryCount:
     )
 
 
-def _played(its: NodeFunctions, traffic: NodeTraffic) -> tuple[FunctionType, ...]:
+def _played_functions(
+    node_functions: NodeFunctions, traffic: NodeTraffic
+) -> tuple[FunctionType, ...]:
     """Return the functions that a node has in its app, each once."""
-    sure = [f for f in its.functions if its.sure or says_like(f, traffic)]
-    own = [f for f in sure if f is not FunctionType.MAPPING or _maps(traffic)]
+    certain = [
+        f
+        for f in node_functions.functions
+        if node_functions.is_certain or publishes_typical(f, traffic)
+    ]
+    own_functions = [f for f in certain if f is not FunctionType.MAPPING or _makes_map(traffic)]
     stands_in = (
         rule.functions[0]
-        for by, rule in _stand_in_rules()
-        if not by.isdisjoint(its.functions) and rule.fits(traffic)
+        for by, rule in _simulator_rules()
+        if not by.isdisjoint(node_functions.functions) and rule.fits(traffic)
     )
-    return tuple(dict.fromkeys((*own, *stands_in)))
+    return tuple(dict.fromkeys((*own_functions, *stands_in)))
 
 
-def _maps(traffic: NodeTraffic) -> bool:
+def _makes_map(traffic: NodeTraffic) -> bool:
     """Tell whether a node makes its map: one that only hands out a known map senses nothing."""
-    usual = typical()[FunctionType.MAPPING.value]
+    usual = typical_traffic()[FunctionType.MAPPING.value]
     return not usual.subscribes.isdisjoint(traffic.subscribes)
 
 
 @cache
-def _stand_in_rules() -> tuple[tuple[frozenset[FunctionType], TrafficRule], ...]:
-    entries = shipped("rtron.functions", "nodes.yaml")["stand_ins"]
+def _simulator_rules() -> tuple[tuple[frozenset[FunctionType], TrafficRule], ...]:
+    entries = load_package_yaml("rtron.functions", "nodes.yaml")["stand_ins"]
     return tuple(
-        (frozenset(map(FunctionType, e["by"])), rule_of([e["function"]], e)) for e in entries
+        (frozenset(map(FunctionType, e["by"])), parse_traffic_rule([e["function"]], e))
+        for e in entries
     )

@@ -5,7 +5,7 @@ from types import MappingProxyType
 
 from rtron.vocabulary import Domain, FunctionType
 
-_TYPES_OF: Mapping[Domain, tuple[FunctionType, ...]] = {
+_TYPES_BY_DOMAIN: Mapping[Domain, tuple[FunctionType, ...]] = {
     Domain.PERCEPTION: (
         FunctionType.PREPROCESSING,
         FunctionType.LOCALIZATION,
@@ -28,6 +28,6 @@ _TYPES_OF: Mapping[Domain, tuple[FunctionType, ...]] = {
     Domain.OTHERS: (FunctionType.VISUALIZATION, FunctionType.SUPPORT, FunctionType.EXTENSION),
 }
 
-DOMAIN_OF: Mapping[FunctionType, Domain] = MappingProxyType(
-    {type: domain for domain, types in _TYPES_OF.items() for type in types}
+DOMAIN_BY_TYPE: Mapping[FunctionType, Domain] = MappingProxyType(
+    {type: domain for domain, types in _TYPES_BY_DOMAIN.items() for type in types}
 )

@@ -5,7 +5,7 @@ from pathlib import Path
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Package:
+class SourcePackage:
     """A package: its name, its manifest's description and the packages its manifest depends on.
 
     `folder` is where it lies, None for one that is only told of.
@@ -18,10 +18,10 @@ class Package:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Repository:
+class SourceRepository:
     """A repository: what can be read of it without running or building anything."""
 
     name: str
-    packages: tuple[Package, ...] = ()
+    packages: tuple[SourcePackage, ...] = ()
     readme: str = ""
     url: str = ""

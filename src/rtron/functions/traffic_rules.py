@@ -7,8 +7,12 @@ from fnmatch import fnmatchcase
 from functools import cache
 from typing import Any
 
-from rtron.functions.interactions.typical_messages import Traffic, says_something, typical
-from rtron.functions.package_data import shipped
+from rtron.functions.interactions.typical_messages import (
+    TypicalTraffic,
+    is_informative,
+    typical_traffic,
+)
+from rtron.functions.package_data import load_package_yaml
 from rtron.vocabulary import (
     ActionRole,
     Endpoint,
@@ -47,26 +51,29 @@ class TrafficRule:
     def fits(self, traffic: NodeTraffic) -> bool:
         """Tell whether a node with this traffic is one that the rule means."""
         return (
-            (not self.publishes or _any(traffic.publishes, self.publishes))
-            and (not self.publishes_only or _only(traffic.publishes, self.publishes_only))
-            and (not self.subscribes or self._hears(traffic.subscribes))
-            and not _any(traffic.subscribes, self.not_subscribes)
-            and not _any(traffic.publishes | traffic.subscribes, self.without)
+            (not self.publishes or _any_matches(traffic.publishes, self.publishes))
+            and (not self.publishes_only or _only_matches(traffic.publishes, self.publishes_only))
+            and (not self.subscribes or self._matches_subscriptions(traffic.subscribes))
+            and not _any_matches(traffic.subscribes, self.not_subscribes)
+            and not _any_matches(traffic.publishes | traffic.subscribes, self.without)
         )
 
-    def _hears(self, types: frozenset[str]) -> bool:
+    def _matches_subscriptions(self, types: frozenset[str]) -> bool:
         if self.subscribes == (_NOTHING,):
-            return not any(map(says_something, types))
-        return _any(types, self.subscribes)
+            return not any(map(is_informative, types))
+        return _any_matches(types, self.subscribes)
 
 
 def node_traffic(graph: InteractionGraph) -> Mapping[str, NodeTraffic]:
     """Return what each node of a graph publishes and subscribes itself."""
-    asked, served = _actions(graph, ActionRole.CLIENT), _actions(graph, ActionRole.SERVER)
+    client_types, server_types = (
+        _actions(graph, ActionRole.CLIENT),
+        _actions(graph, ActionRole.SERVER),
+    )
     return {
         node.name: NodeTraffic(
-            publishes=_types(graph.published_by(node.name)) | asked[node.name],
-            subscribes=_types(graph.subscribed_by(node.name)) | served[node.name],
+            publishes=_types(graph.published_by(node.name)) | client_types[node.name],
+            subscribes=_types(graph.subscribed_by(node.name)) | server_types[node.name],
         )
         for node in graph.nodes
     }
@@ -74,60 +81,67 @@ def node_traffic(graph: InteractionGraph) -> Mapping[str, NodeTraffic]:
 
 def functions_by_messages(traffic: NodeTraffic) -> tuple[FunctionType, ...]:
     """Return the functions that the messages tell: of the one rule that fits, else none."""
-    found = [rule.functions for rule in _rules() if rule.fits(traffic)]
-    return found[0] if len(found) == 1 else ()
+    matching = [rule.functions for rule in _message_rules() if rule.fits(traffic)]
+    return matching[0] if len(matching) == 1 else ()
 
 
-def plausible(functions: Iterable[FunctionType], traffic: NodeTraffic) -> tuple[FunctionType, ...]:
+def filter_plausible(
+    functions: Iterable[FunctionType], traffic: NodeTraffic
+) -> tuple[FunctionType, ...]:
     """Return those of a name's functions that a node with these messages may have.
 
     Where nothing is known of its messages, nothing is ruled out.
     """
-    known = traffic != NodeTraffic()
+    is_known = traffic != NodeTraffic()
     return tuple(
-        f for f in functions if not known or f not in _drivers() or _drivers()[f].fits(traffic)
+        f
+        for f in functions
+        if not is_known or f not in _driver_rules() or _driver_rules()[f].fits(traffic)
     )
 
 
-def speaks_like(function: FunctionType, traffic: NodeTraffic) -> bool:
+def has_typical_traffic(function: FunctionType, traffic: NodeTraffic) -> bool:
     """Tell whether a node publishes or subscribes something that is typical of a function."""
-    usual = _usual(function)
-    sent, heard = usual.publishes & traffic.publishes, usual.subscribes & traffic.subscribes
-    return bool(sent or heard)
+    typical = _typical_traffic(function)
+    published, subscribed = (
+        typical.publishes & traffic.publishes,
+        typical.subscribes & traffic.subscribes,
+    )
+    return bool(published or subscribed)
 
 
-def says_like(function: FunctionType, traffic: NodeTraffic) -> bool:
+def publishes_typical(function: FunctionType, traffic: NodeTraffic) -> bool:
     """Tell whether a node publishes something that is typical of a function."""
-    return not _usual(function).publishes.isdisjoint(traffic.publishes)
+    return not _typical_traffic(function).publishes.isdisjoint(traffic.publishes)
 
 
 @cache
-def _usual(function: FunctionType) -> Traffic:
+def _typical_traffic(function: FunctionType) -> TypicalTraffic:
     """Return what is typical of a function, and of its subfunctions."""
     names = [function.value]
     if function is FunctionType.RECOGNITION:
         names += [subfunction.value for subfunction in RecognitionSubfunction]
-    found = [typical().get(name, Traffic()) for name in names]
-    return Traffic(
-        publishes=frozenset().union(*(each.publishes for each in found)),
-        subscribes=frozenset().union(*(each.subscribes for each in found)),
+    traffic = [typical_traffic().get(name, TypicalTraffic()) for name in names]
+    return TypicalTraffic(
+        publishes=frozenset().union(*(each.publishes for each in traffic)),
+        subscribes=frozenset().union(*(each.subscribes for each in traffic)),
     )
 
 
 @cache
-def _drivers() -> Mapping[FunctionType, TrafficRule]:
-    entries = shipped("rtron.functions", "nodes.yaml")["drivers"]
-    rules = [rule_of([entry["function"]], entry) for entry in entries]
+def _driver_rules() -> Mapping[FunctionType, TrafficRule]:
+    entries = load_package_yaml("rtron.functions", "nodes.yaml")["drivers"]
+    rules = [parse_traffic_rule([entry["function"]], entry) for entry in entries]
     return {rule.functions[0]: rule for rule in rules}
 
 
 @cache
-def _rules() -> tuple[TrafficRule, ...]:
-    entries = shipped("rtron.functions", "nodes.yaml")["messages"]
-    return tuple(rule_of(entry["functions"], entry) for entry in entries)
+def _message_rules() -> tuple[TrafficRule, ...]:
+    entries = load_package_yaml("rtron.functions", "nodes.yaml")["messages"]
+    return tuple(parse_traffic_rule(entry["functions"], entry) for entry in entries)
 
 
-def rule_of(functions: Iterable[str], entry: Mapping[str, Any]) -> TrafficRule:
+def parse_traffic_rule(functions: Iterable[str], entry: Mapping[str, Any]) -> TrafficRule:
     """Return the rule of an entry in `nodes.yaml`."""
     return TrafficRule(
         functions=tuple(map(FunctionType, functions)),
@@ -156,10 +170,10 @@ def _types(endpoints: Iterable[Endpoint]) -> frozenset[str]:
     return frozenset(normalise_type(e.type) for e in endpoints if e.type and not e.implicit)
 
 
-def _any(types: Iterable[str], patterns: tuple[str, ...]) -> bool:
+def _any_matches(types: Iterable[str], patterns: tuple[str, ...]) -> bool:
     return any(fnmatchcase(type, pattern) for type in types for pattern in patterns)
 
 
-def _only(types: Iterable[str], patterns: tuple[str, ...]) -> bool:
-    telling = [type for type in types if says_something(type)]
-    return bool(telling) and all(_any([type], patterns) for type in telling)
+def _only_matches(types: Iterable[str], patterns: tuple[str, ...]) -> bool:
+    informative = [type for type in types if is_informative(type)]
+    return bool(informative) and all(_any_matches([type], patterns) for type in informative)

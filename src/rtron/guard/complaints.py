@@ -14,40 +14,40 @@ if TYPE_CHECKING:
 
 log = logging.getLogger(__name__)
 
-_CALM = 10 * SECOND
-_MOST = 64
-_LONGEST = 300
+_CLEAR_AFTER = 10 * SECOND
+_MAX_ALARMS = 64
+_MAX_LENGTH = 300
 
 
-class Complaints:
+class UnreadableInputAlarms:
     """Raises an alarm for each topic and node; settles it when nothing was wrong for 10 s."""
 
     def __init__(self, alarms: Alarms, transport: Transport) -> None:
         self._alarms = alarms
         self._transport = transport
-        self._last: dict[Alarm, int] = {}
+        self._last_report: dict[Alarm, int] = {}
 
-    def take(self, topic: str, node: str, why: str) -> None:
+    def report(self, topic: str, node: str, why: str) -> None:
         """Tell that something a node says on a topic is not heard, and why.
 
         What stands behind a colon differs from message to message and is only logged.
         """
         who = f"{topic}: {node or 'a node without a name'}"
-        log.warning("%s %s", who, why[:_LONGEST])
-        reason = f"{who} {why.partition(':')[0]}"[:_LONGEST]
+        log.warning("%s %s", who, why[:_MAX_LENGTH])
+        reason = f"{who} {why.partition(':')[0]}"[:_MAX_LENGTH]
         alarm = Alarm(kind=AlarmKind.UNREADABLE, reason=reason, topic=topic, peer=node)
-        if alarm not in self._last and len(self._last) == _MOST:
+        if alarm not in self._last_report and len(self._last_report) == _MAX_ALARMS:
             return
         now = self._transport.now()
-        if alarm not in self._last:
-            self._transport.call_at(now + _CALM, partial(self._look, alarm))
-        self._last[alarm] = now
+        if alarm not in self._last_report:
+            self._transport.call_at(now + _CLEAR_AFTER, partial(self._clear_if_calm, alarm))
+        self._last_report[alarm] = now
         self._alarms.raise_(alarm, now)
 
-    def _look(self, alarm: Alarm) -> None:
-        due = self._last[alarm] + _CALM
+    def _clear_if_calm(self, alarm: Alarm) -> None:
+        due = self._last_report[alarm] + _CLEAR_AFTER
         if due <= self._transport.now():
-            del self._last[alarm]
-            self._alarms.settle(alarm)
+            del self._last_report[alarm]
+            self._alarms.clear(alarm)
         else:
-            self._transport.call_at(due, partial(self._look, alarm))
+            self._transport.call_at(due, partial(self._clear_if_calm, alarm))

@@ -6,7 +6,7 @@ from rtron.errors import WireError
 from rtron.policies.velocity_limit.frame_rate import NO_STAMP
 
 
-class News:
+class StampFilter:
     """Knows the stamp of the last event of one publisher.
 
     That a message arrives does not make what it says fresh: a node that repeats its last message
@@ -15,7 +15,7 @@ class News:
 
     def __init__(self, stamp: Callable[[bytes], int]) -> None:
         self._stamp = stamp
-        self._last = NO_STAMP
+        self._last_stamp = NO_STAMP
 
     def is_new(self, message: bytes) -> bool:
         """Tell whether a message is not the last one once more; one without a head is new."""
@@ -23,6 +23,6 @@ class News:
             stamp = self._stamp(message)
         except WireError:
             return True
-        known = stamp == self._last != NO_STAMP
-        self._last = stamp
-        return not known
+        is_repeated = stamp == self._last_stamp != NO_STAMP
+        self._last_stamp = stamp
+        return not is_repeated

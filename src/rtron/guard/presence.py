@@ -5,41 +5,41 @@ import time
 from functools import partial
 from pathlib import Path
 
-from rtron.guard.core.event_loop import Loop
+from rtron.guard.core.event_loop import EventLoop
 
 log = logging.getLogger(__name__)
 
-_EVERY_S = 1.0
+_PERIOD_S = 1.0
 _PRIVATE = 0o600
 
 
-class Presence:
+class HeartbeatFile:
     """A file whose time is that of the last sign of life.
 
-    `before` is that of the guard before, ns of the wall clock; 0 if none is known, as after a
+    `previous_time` is that of the guard before, ns of the wall clock; 0 if none is known, as after a
     reboot, which ends its publishers too.
     """
 
     def __init__(self, path: Path) -> None:
         self._path = path
-        self.before = _time_of(path)
+        self.previous_time = _modification_time(path)
 
-    def keep(self, loop: Loop) -> None:
+    def beat(self, loop: EventLoop) -> None:
         """Leave a sign now, and each second from now on."""
-        loop.call_later(_EVERY_S, partial(self.keep, loop))
+        loop.call_later(_PERIOD_S, partial(self.beat, loop))
         try:
             self._path.touch(mode=_PRIVATE)
         except OSError as error:
             log.debug("the next guard will not know when this one was there: %s", error)
 
 
-def presence_path(control: Path, address: str) -> Path:
+def heartbeat_path(control: Path, address: str) -> Path:
     """Return the file of the guard at a master or domain that listens at `control`."""
     name = "".join(each if each.isalnum() else "_" for each in address)
     return control.with_name(f"{control.stem}-{name[:64]}.seen")
 
 
-def _time_of(path: Path) -> int:
+def _modification_time(path: Path) -> int:
     """Return when a file was written; one of the future was, when the clock has been set since."""
     try:
         return min(path.stat().st_mtime_ns, time.time_ns())

@@ -6,21 +6,21 @@ Nothing here makes code out of a definition, since definitions come from strange
 
 from rtron.messages.common.definition import Definition, Field
 from rtron.messages.common.definition_parser import parse_definition
-from rtron.messages.common.definition_registry import Definitions
+from rtron.messages.common.definition_registry import DefinitionRegistry
 from rtron.messages.common.encoding import Encoding
 from rtron.messages.common.stamp import stamp_reader
 from rtron.messages.common.velocity import VELOCITY_TYPES, VelocityCodec, velocity_codec
 from rtron.messages.expressions.condition import Condition
-from rtron.messages.expressions.evaluator import Judge, check_expression
+from rtron.messages.expressions.evaluator import MessageEvaluator, check_expression
 
 __all__ = [
     "VELOCITY_TYPES",
     "Condition",
     "Definition",
-    "Definitions",
+    "DefinitionRegistry",
     "Encoding",
     "Field",
-    "Judge",
+    "MessageEvaluator",
     "VelocityCodec",
     "check_expression",
     "parse_definition",

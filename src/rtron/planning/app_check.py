@@ -4,15 +4,14 @@ from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from rtron.planning.app_topics import action_topics, topics_of
-from rtron.planning.frames import is_per_frame
-from rtron.planning.plan_file.fields import TYPE
+from rtron.planning.app_topics import action_topics, all_topics
+from rtron.planning.frames import is_sent_per_frame
+from rtron.planning.plan_file.fields import TYPE_NAME
 from rtron.planning.plan_file.problems import suggestion
-from rtron.planning.problem import Level, Problem
+from rtron.planning.problem import PlanProblem, ProblemLevel
 from rtron.vocabulary import (
     GRCN,
     PRIVATE_ROOT,
-    ActionPart,
     EventFlow,
     Flow,
     FpsMonitor,
@@ -21,24 +20,25 @@ from rtron.vocabulary import (
     InteractionGraph,
     Mode,
     Plan,
+    Ros1ActionTopic,
     WatchedFlow,
-    action_of,
-    names_node,
+    action_name,
+    matches_node,
     normalise_type,
-    part_topic,
-    with_goals,
+    ros1_topic_name,
+    with_goal_topics,
 )
 
 
 @dataclass(frozen=True)
-class _App:
+class _AppGraph:
     """What a plan may name."""
 
     graph: InteractionGraph
 
     @cached_property
     def topics(self) -> frozenset[str]:
-        return topics_of(self.graph)
+        return all_topics(self.graph)
 
     @cached_property
     def nodes(self) -> frozenset[str]:
@@ -53,9 +53,11 @@ class _App:
 
     def types(self, topic: str) -> tuple[str, ...]:
         """Return the known types of a topic, as ROS 1 spells them."""
-        ends = (*self.graph.publishers(topic), *self.graph.subscribers(topic))
-        types = [*(end.type for end in ends), *self._declared.get(topic, ())]
-        return tuple(sorted({normalise_type(name) for name in types if name and TYPE.fits(name)}))
+        endpoints = (*self.graph.publishers(topic), *self.graph.subscribers(topic))
+        types = [*(endpoint.type for endpoint in endpoints), *self._declared.get(topic, ())]
+        return tuple(
+            sorted({normalise_type(name) for name in types if name and TYPE_NAME.matches(name)})
+        )
 
     @cached_property
     def _declared(self) -> dict[str, tuple[str, ...]]:
@@ -66,16 +68,16 @@ class _App:
         return action_topics(self.graph)
 
     @cached_property
-    def requested(self) -> frozenset[str]:
-        named = frozenset(action.name for action in self.graph.actions)
-        return named if self.graph.ros != 1 else frozenset()
+    def ros2_actions(self) -> frozenset[str]:
+        action_names = frozenset(action.name for action in self.graph.actions)
+        return action_names if self.graph.ros != 1 else frozenset()
 
 
 @dataclass(frozen=True, slots=True)
-class _Guard:
+class _GuardedFlows:
     """One topic that a coordination node stands before."""
 
-    where: str
+    location: str
     mode: Mode
     topic: str
     type: str
@@ -85,28 +87,33 @@ class _Guard:
     @property
     def action(self) -> str:
         """The action that is guarded as a whole, or nothing."""
-        return action_of(self.topic, self.type)
+        return action_name(self.topic, self.type)
 
-    def speakers(self, app: _App) -> tuple[str, ...]:
+    def client_nodes(self, app: _AppGraph) -> tuple[str, ...]:
         """Return the nodes that publish the topic; of an action also those that only cancel."""
-        cancels = part_topic(self.action, ActionPart.CANCEL) if self.action else self.topic
-        both = (*app.publishers(self.topic), *app.publishers(cancels))
-        return tuple(dict.fromkeys(both))
+        cancels = (
+            ros1_topic_name(self.action, Ros1ActionTopic.CANCEL) if self.action else self.topic
+        )
+        publishers = (*app.publishers(self.topic), *app.publishers(cancels))
+        return tuple(dict.fromkeys(publishers))
 
 
-def check_plan(plan: Plan, graph: InteractionGraph | None = None) -> tuple[Problem, ...]:
+def check_plan(plan: Plan, graph: InteractionGraph | None = None) -> tuple[PlanProblem, ...]:
     """Return what is odd in a plan, and what is wrong between it and a graph if there is one.
 
     Errors and warnings stand in the plan's order, those of the rules last.
     """
-    found = [*(_between(plan, _App(with_goals(graph))) if graph else ()), *_doubts(plan)]
-    return tuple(dict.fromkeys(found))
+    problems = [
+        *(_app_problems(plan, _AppGraph(with_goal_topics(graph))) if graph else ()),
+        *_rule_warnings(plan),
+    ]
+    return tuple(dict.fromkeys(problems))
 
 
-def _between(plan: Plan, app: _App) -> Iterator[Problem]:
-    for guard in _guards(plan):
+def _app_problems(plan: Plan, app: _AppGraph) -> Iterator[PlanProblem]:
+    for guard in _guarded_flows(plan):
         yield from _check_guard(guard, app)
-    for where, flow in _watched(plan):
+    for where, flow in _watched_flows(plan):
         yield from _check_watched(where, flow, app)
     for monitor in plan.fps_monitor:
         yield from _check_source(monitor, app)
@@ -115,32 +122,34 @@ def _between(plan: Plan, app: _App) -> Iterator[Problem]:
             yield from _check_done(f"GRCN {grcn.id}, done", grcn, grcn.done, app)
 
 
-def _doubts(plan: Plan) -> Iterator[Problem]:
+def _rule_warnings(plan: Plan) -> Iterator[PlanProblem]:
     if plan.msrcn is None or not plan.msrcn.rules:
         return
-    from rtron.planning.expressions import doubts  # noqa: PLC0415 - seldom needed
+    from rtron.planning.expressions import rule_warnings  # noqa: PLC0415 - seldom needed
 
-    for name, message in doubts(plan.msrcn):
-        yield Problem(Level.WARNING, f"MSRCN, rule {name}", message)
+    for name, message in rule_warnings(plan.msrcn):
+        yield PlanProblem(ProblemLevel.WARNING, f"MSRCN, rule {name}", message)
 
 
-def _guards(plan: Plan) -> Iterator[_Guard]:
+def _guarded_flows(plan: Plan) -> Iterator[_GuardedFlows]:
     for grcn in plan.grcn:
         where = f"GRCN {grcn.id}"
-        yield _Guard(where, grcn.mode, grcn.topic, grcn.type, grcn.flows, grcn.successors)
+        yield _GuardedFlows(where, grcn.mode, grcn.topic, grcn.type, grcn.flows, grcn.successors)
     if plan.rsrcn:
-        yield from _of("RSRCN", plan.rsrcn.mode, plan.rsrcn.vflows)
+        yield from _guarded_flows_of("RSRCN", plan.rsrcn.mode, plan.rsrcn.vflows)
     if plan.msrcn:
-        yield from _of("MSRCN", plan.msrcn.mode, plan.msrcn.aflows)
+        yield from _guarded_flows_of("MSRCN", plan.msrcn.mode, plan.msrcn.aflows)
 
 
-def _of(kind: str, mode: Mode, topics: Sequence[GuardedTopic]) -> Iterator[_Guard]:
-    for one in topics:
-        where = f"{kind} on {one.topic}"
-        yield _Guard(where, mode, one.topic, one.type, one.flows, one.successors)
+def _guarded_flows_of(
+    kind: str, mode: Mode, topics: Sequence[GuardedTopic]
+) -> Iterator[_GuardedFlows]:
+    for topic in topics:
+        where = f"{kind} on {topic.topic}"
+        yield _GuardedFlows(where, mode, topic.topic, topic.type, topic.flows, topic.successors)
 
 
-def _watched(plan: Plan) -> Iterator[tuple[str, WatchedFlow | EventFlow]]:
+def _watched_flows(plan: Plan) -> Iterator[tuple[str, WatchedFlow | EventFlow]]:
     iflows = plan.rsrcn.iflows if plan.rsrcn else ()
     eflows = plan.msrcn.eflows if plan.msrcn else ()
     yield from ((f"RSRCN, {flow.name}", flow) for flow in iflows)
@@ -152,29 +161,35 @@ def _watched(plan: Plan) -> Iterator[tuple[str, WatchedFlow | EventFlow]]:
             yield f"fps_monitor {monitor.id}, camera", monitor.camera
 
 
-def _check_guard(guard: _Guard, app: _App) -> Iterator[Problem]:
-    unknown = list(_check_topic(guard.where, guard.topic, app))
+def _check_guard(guard: _GuardedFlows, app: _AppGraph) -> Iterator[PlanProblem]:
+    unknown = list(_check_topic(guard.location, guard.topic, app))
     if unknown:
         yield from unknown
         return
-    yield from _check_type(guard.where, guard.topic, guard.type, app)
+    yield from _check_type(guard.location, guard.topic, guard.type, app)
     for flow in guard.flows:
         yield from _check_publisher(
-            f"{guard.where}, {flow.name}", flow.publisher, guard.topic, guard.speakers(app), app
+            f"{guard.location}, {flow.name}",
+            flow.publisher,
+            guard.topic,
+            guard.client_nodes(app),
+            app,
         )
     yield from _check_successors(guard, app)
-    yield from _forgotten(guard, app)
+    yield from _unplanned_nodes(guard, app)
     if guard.mode is Mode.ENFORCE and guard.topic in app.actions and not guard.action:
         why = "an action's topics move together, this one alone would part client and server"
         help = "guard its goals, and say their type, pkg/NameActionGoal"
-        told = f"{guard.topic} is one topic of an action: {why}; {help}"
-        yield Problem(Level.WARNING, guard.where, told)
-    if guard.topic in app.requested and not guard.action:
-        told = f"{guard.topic} is an action, not a topic: say its type, pkg/action/Name"
-        yield Problem(Level.ERROR, guard.where, told)
+        message = f"{guard.topic} is one topic of an action: {why}; {help}"
+        yield PlanProblem(ProblemLevel.WARNING, guard.location, message)
+    if guard.topic in app.ros2_actions and not guard.action:
+        message = f"{guard.topic} is an action, not a topic: say its type, pkg/action/Name"
+        yield PlanProblem(ProblemLevel.ERROR, guard.location, message)
 
 
-def _check_watched(where: str, flow: WatchedFlow | EventFlow, app: _App) -> Iterator[Problem]:
+def _check_watched(
+    where: str, flow: WatchedFlow | EventFlow, app: _AppGraph
+) -> Iterator[PlanProblem]:
     unknown = list(_check_topic(where, flow.topic, app))
     publishers = app.publishers(flow.topic)
     yield from unknown or _check_publisher(where, flow.publisher, flow.topic, publishers, app)
@@ -182,91 +197,95 @@ def _check_watched(where: str, flow: WatchedFlow | EventFlow, app: _App) -> Iter
         yield from _check_type(where, flow.topic, flow.type, app)
 
 
-def _check_type(where: str, topic: str, planned: str, app: _App) -> Iterator[Problem]:
+def _check_type(where: str, topic: str, planned: str, app: _AppGraph) -> Iterator[PlanProblem]:
     used = app.types(topic)
     if planned and used and normalise_type(planned) not in used:
         message = f"{topic} carries {' and '.join(used)}, not {planned}"
-        yield Problem(Level.ERROR, where, message)
+        yield PlanProblem(ProblemLevel.ERROR, where, message)
 
 
-def _check_source(monitor: FpsMonitor, app: _App) -> Iterator[Problem]:
+def _check_source(monitor: FpsMonitor, app: _AppGraph) -> Iterator[PlanProblem]:
     """Warn where a monitor counts as frames what may come only when something is seen."""
     types = app.types(monitor.topic)
-    if monitor.source is FrameSource.FRAMES and types and not any(map(is_per_frame, types)):
+    if monitor.source is FrameSource.FRAMES and types and not any(map(is_sent_per_frame, types)):
         where = f"fps_monitor {monitor.id}"
         why = "if it comes only when something is seen, an empty scene would freeze the robot"
         help = "say `source: detections`, or name a topic that comes with every frame"
         message = f"{monitor.topic} carries no images ({' and '.join(types)}): {why}; {help}"
-        yield Problem(Level.WARNING, where, message)
+        yield PlanProblem(ProblemLevel.WARNING, where, message)
 
 
-def _check_topic(where: str, topic: str, app: _App) -> Iterator[Problem]:
+def _check_topic(where: str, topic: str, app: _AppGraph) -> Iterator[PlanProblem]:
     if topic.startswith(PRIVATE_ROOT + "/"):
         why = "the guard's own output would come back to it"
-        yield Problem(Level.ERROR, where, f"{topic} is the guard's private topic: {why}")
+        yield PlanProblem(ProblemLevel.ERROR, where, f"{topic} is the guard's private topic: {why}")
     elif topic not in app.topics:
-        yield Problem(
-            Level.ERROR, where, f"no topic {topic} in the app: {_near(topic, app.topics)}"
+        yield PlanProblem(
+            ProblemLevel.ERROR,
+            where,
+            f"no topic {topic} in the app: {_suggestion(topic, app.topics)}",
         )
 
 
-def _check_done(where: str, grcn: GRCN, done: str, app: _App) -> Iterator[Problem]:
+def _check_done(where: str, grcn: GRCN, done: str, app: _AppGraph) -> Iterator[PlanProblem]:
     """Yield what keeps a topic, or an action of ROS 2, from telling that a successor is done."""
     unknown = list(_check_topic(where, done, app))
     yield from unknown
-    tellers = app.subscribers(done) if done in app.requested else app.publishers(done)
-    believed = any(names_node(name, node) for name in grcn.successors for node in tellers)
-    if tellers and not believed and not unknown:
-        who = " and ".join(tellers)
+    senders = app.subscribers(done) if done in app.ros2_actions else app.publishers(done)
+    is_accepted = any(matches_node(name, node) for name in grcn.successors for node in senders)
+    if senders and not is_accepted and not unknown:
+        who = " and ".join(senders)
         message = f"{done} is told by {who}, and only a successor of {grcn.topic} is believed"
-        yield Problem(Level.ERROR, where, message)
+        yield PlanProblem(ProblemLevel.ERROR, where, message)
 
 
 def _check_publisher(
-    where: str, pattern: str, topic: str, publishers: Sequence[str], app: _App
-) -> Iterator[Problem]:
-    if any(names_node(pattern, node) for node in publishers):
+    where: str, pattern: str, topic: str, publishers: Sequence[str], app: _AppGraph
+) -> Iterator[PlanProblem]:
+    if any(matches_node(pattern, node) for node in publishers):
         return
-    if any(names_node(pattern, node) for node in app.nodes):
+    if any(matches_node(pattern, node) for node in app.nodes):
         who = f"{', '.join(publishers)} does" if publishers else "nobody does"
-        yield Problem(Level.ERROR, where, f"{pattern} does not publish {topic}: {who}")
+        yield PlanProblem(ProblemLevel.ERROR, where, f"{pattern} does not publish {topic}: {who}")
     else:
         yield _no_node(where, pattern, app)
 
 
-def _check_successors(guard: _Guard, app: _App) -> Iterator[Problem]:
+def _check_successors(guard: _GuardedFlows, app: _AppGraph) -> Iterator[PlanProblem]:
     subscribers = app.subscribers(guard.topic)
     for name in guard.successors:
-        if any(names_node(name, node) for node in subscribers):
+        if any(matches_node(name, node) for node in subscribers):
             continue
-        if any(names_node(name, node) for node in app.nodes):
+        if any(matches_node(name, node) for node in app.nodes):
             message = f"{name} does not subscribe {guard.topic}"
-            yield Problem(Level.ERROR, guard.where, message)
+            yield PlanProblem(ProblemLevel.ERROR, guard.location, message)
         else:
-            yield _no_node(guard.where, name, app)
+            yield _no_node(guard.location, name, app)
 
 
-def _forgotten(guard: _Guard, app: _App) -> Iterator[Problem]:
+def _unplanned_nodes(guard: _GuardedFlows, app: _AppGraph) -> Iterator[PlanProblem]:
     """Yield a warning for each end of the topic in the app that the plan does not name."""
     named = [flow.publisher for flow in guard.flows]
-    for node in _not_named(guard.speakers(app), named):
+    for node in _not_named(guard.client_nodes(app), named):
         message = f"no flow names {node}, which publishes {guard.topic}: it counts as unapproved"
-        yield Problem(Level.WARNING, guard.where, message)
-    heard = app.subscribers(guard.topic) if guard.mode is Mode.ENFORCE else ()
-    for node in _not_named(heard, guard.successors):
+        yield PlanProblem(ProblemLevel.WARNING, guard.location, message)
+    subscribers = app.subscribers(guard.topic) if guard.mode is Mode.ENFORCE else ()
+    for node in _not_named(subscribers, guard.successors):
         message = (
             f"{node} is no successor: it hears the public {guard.topic}, where anyone can speak"
         )
-        yield Problem(Level.WARNING, guard.where, message)
+        yield PlanProblem(ProblemLevel.WARNING, guard.location, message)
 
 
 def _not_named(nodes: Sequence[str], patterns: Sequence[str]) -> list[str]:
-    return [node for node in nodes if not any(names_node(pattern, node) for pattern in patterns)]
+    return [node for node in nodes if not any(matches_node(pattern, node) for pattern in patterns)]
 
 
-def _no_node(where: str, name: str, app: _App) -> Problem:
-    return Problem(Level.ERROR, where, f"no node {name} in the app: {_near(name, app.nodes)}")
+def _no_node(where: str, name: str, app: _AppGraph) -> PlanProblem:
+    return PlanProblem(
+        ProblemLevel.ERROR, where, f"no node {name} in the app: {_suggestion(name, app.nodes)}"
+    )
 
 
-def _near(word: str, known: Collection[str]) -> str:
+def _suggestion(word: str, known: Collection[str]) -> str:
     return suggestion(word, sorted(known)) if known else "the graph has none"

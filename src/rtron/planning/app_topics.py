@@ -4,10 +4,10 @@ from collections import defaultdict
 
 from rtron.vocabulary import ActionRole, Endpoint, InteractionGraph
 
-PARTS = ("goal", "cancel", "status", "feedback", "result")
+ACTION_TOPIC_NAMES = ("goal", "cancel", "status", "feedback", "result")
 
 
-def topics_of(graph: InteractionGraph) -> frozenset[str]:
+def all_topics(graph: InteractionGraph) -> frozenset[str]:
     """Return the topics of a graph, those that only its endpoints name too."""
     listed = (topic.name for topic in graph.topics)
     return frozenset(listed).union(endpoint.topic for endpoint in graph.endpoints)
@@ -15,14 +15,23 @@ def topics_of(graph: InteractionGraph) -> frozenset[str]:
 
 def action_topics(graph: InteractionGraph) -> frozenset[str]:
     """Return the topics of every action: those the graph names, and those known by their five."""
-    found = topics_of(graph)
-    spaces: dict[str, int] = defaultdict(int)
-    for topic in found:
-        space, _, part = topic.rpartition("/")
-        spaces[space] += part in PARTS
-    named = {action.name for action in graph.actions}
-    whole = {space for space, parts in spaces.items() if parts == len(PARTS)}
-    return frozenset(f"{space}/{part}" for space in named | whole for part in PARTS) & found
+    topics = all_topics(graph)
+    namespaces: dict[str, int] = defaultdict(int)
+    for topic in topics:
+        namespace, _, part = topic.rpartition("/")
+        namespaces[namespace] += part in ACTION_TOPIC_NAMES
+    action_names = {action.name for action in graph.actions}
+    complete = {
+        namespace for namespace, parts in namespaces.items() if parts == len(ACTION_TOPIC_NAMES)
+    }
+    return (
+        frozenset(
+            f"{namespace}/{part}"
+            for namespace in action_names | complete
+            for part in ACTION_TOPIC_NAMES
+        )
+        & topics
+    )
 
 
 def action_servers(graph: InteractionGraph) -> dict[str, tuple[str, ...]]:
@@ -34,9 +43,9 @@ def action_servers(graph: InteractionGraph) -> dict[str, tuple[str, ...]]:
     for topic in action_topics(graph):
         if topic.endswith("/result"):
             for endpoint in graph.publishers(topic):
-                servers[endpoint.node].add(_space(endpoint))
+                servers[endpoint.node].add(_action_namespace(endpoint))
     return {node: tuple(sorted(names)) for node, names in servers.items()}
 
 
-def _space(endpoint: Endpoint) -> str:
+def _action_namespace(endpoint: Endpoint) -> str:
     return endpoint.topic.rpartition("/")[0]

@@ -17,6 +17,6 @@ def is_image(message_type: str) -> bool:
     return normalise_type(message_type) in _IMAGES
 
 
-def is_per_frame(message_type: str) -> bool:
+def is_sent_per_frame(message_type: str) -> bool:
     """Tell whether such a message comes for every frame, whatever is to be seen in it."""
     return normalise_type(message_type) in _PER_FRAME

@@ -2,10 +2,10 @@
 
 from dataclasses import dataclass
 
-from rtron.vocabulary import Word
+from rtron.vocabulary import StringEnum
 
 
-class Level(Word):
+class ProblemLevel(StringEnum):
     """Whether a problem keeps a plan from being used."""
 
     ERROR = "error"
@@ -13,12 +13,12 @@ class Level(Word):
 
 
 @dataclass(frozen=True, slots=True)
-class Problem:
-    """One thing that is wrong; `where` names the coordination node or topic."""
+class PlanProblem:
+    """One thing that is wrong; `location` names the coordination node or topic."""
 
-    level: Level
-    where: str
+    level: ProblemLevel
+    location: str
     message: str
 
     def __str__(self) -> str:
-        return f"{self.level}: {self.where}: {self.message}"
+        return f"{self.level}: {self.location}: {self.message}"

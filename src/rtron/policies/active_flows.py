@@ -8,56 +8,60 @@ from rtron.vocabulary import Flow
 
 
 @dataclass(slots=True, eq=False)
-class Speaker:
-    """A flow that may speak: fresh after each message for `limit` ns, until `lapses`.
+class FlowActivity:
+    """A flow that may speak: fresh after each message for `timeout` ns, until `expires_at`.
 
-    `listed` tells whether it stands in the heap; one that never spoke does not.
+    `in_heap` tells whether it stands in the heap; one that never spoke does not.
     """
 
     flow: Flow
-    limit: int
-    lapses: int = 0
-    listed: bool = False
+    timeout: int
+    expires_at: int = 0
+    in_heap: bool = False
 
 
-class Speakers:
+class ActiveFlows:
     """The fresh flows in a heap by priority; who fell silent is removed when it comes to the top.
 
     A flow stands in the heap at most once, so a message costs O(log flows) amortised, and O(1)
     while the same flows keep speaking. Priorities must differ.
     """
 
-    __slots__ = ("_heap", "named")
+    __slots__ = ("_heap", "by_name")
 
-    def __init__(self, flows: Iterable[Flow], limit: Callable[[Flow], int]) -> None:
-        self.named = {flow.name: Speaker(flow, limit(flow)) for flow in flows}
-        self._heap: list[tuple[int, Speaker]] = []
+    def __init__(self, flows: Iterable[Flow], timeout: Callable[[Flow], int]) -> None:
+        self.by_name = {flow.name: FlowActivity(flow, timeout(flow)) for flow in flows}
+        self._heap: list[tuple[int, FlowActivity]] = []
 
-    def hear(self, speaker: Speaker, now: int) -> None:
-        """Note that `speaker` spoke at `now`."""
-        speaker.lapses = now + speaker.limit
-        if not speaker.listed:
-            speaker.listed = True
-            heappush(self._heap, (-speaker.flow.priority, speaker))
+    def record_message(self, activity: FlowActivity, now: int) -> None:
+        """Note that `activity` spoke at `now`."""
+        activity.expires_at = now + activity.timeout
+        if not activity.in_heap:
+            activity.in_heap = True
+            heappush(self._heap, (-activity.flow.priority, activity))
 
-    def spoke(self, now: int) -> dict[str, int]:
+    def last_message_times(self, now: int) -> dict[str, int]:
         """Return when each fresh flow spoke last."""
-        named = self.named.items()
-        return {name: each.lapses - each.limit for name, each in named if now < each.lapses}
+        activities = self.by_name.items()
+        return {
+            name: each.expires_at - each.timeout
+            for name, each in activities
+            if now < each.expires_at
+        }
 
-    def resume(self, spoke: Mapping[str, int]) -> None:
+    def restore(self, last_message_times: Mapping[str, int]) -> None:
         """Take over who spoke when, of the flows that may speak here."""
-        for name, at in spoke.items():
-            if name in self.named:
-                self.hear(self.named[name], at)
+        for name, at in last_message_times.items():
+            if name in self.by_name:
+                self.record_message(self.by_name[name], at)
 
-    def highest(self, now: int) -> Speaker | None:
+    def highest_priority(self, now: int) -> FlowActivity | None:
         """Return the fresh flow of highest priority."""
         heap = self._heap
         while heap:
-            speaker = heap[0][1]
-            if now < speaker.lapses:
-                return speaker
+            activity = heap[0][1]
+            if now < activity.expires_at:
+                return activity
             heappop(heap)
-            speaker.listed = False
+            activity.in_heap = False
         return None

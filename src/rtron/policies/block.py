@@ -42,68 +42,70 @@ Block has one state. It remembers when each flow spoke last, for a policy that t
 
 from collections.abc import Sequence
 
-from rtron.policies.policy import Immediate, Release
-from rtron.policies.state_machine import Effect, Machine, Named, Table
-from rtron.policies.state_transfer import Carried
-from rtron.policies.verdicts import Answers, Gate
+from rtron.policies.policy import ImmediatePolicy, Release
+from rtron.policies.state_machine import StateMachine, TableEnum, TransitionEffect, TransitionTable
+from rtron.policies.state_transfer import PolicyState
+from rtron.policies.verdicts import FlowFilter, VerdictCache
 from rtron.vocabulary import Decision, PolicySettings, Verdict
 
 
-class State(Named):
+class BlockState(TableEnum):
     """The state of Block."""
 
     WATCHING = "bits are looked up"
 
 
-class Input(Named):
+class BlockInput(TableEnum):
     """What happens to Block."""
 
     ALLOWED = "a message of a flow whose block bit is 0"
     REFUSED = "a message of a blocked or unknown flow"
 
 
-TABLE: Table[State, Input] = {
-    (State.WATCHING, Input.ALLOWED): (State.WATCHING, Effect.PASS),
-    (State.WATCHING, Input.REFUSED): (State.WATCHING, Effect.DROP),
+TABLE: TransitionTable[BlockState, BlockInput] = {
+    (BlockState.WATCHING, BlockInput.ALLOWED): (BlockState.WATCHING, TransitionEffect.PASS),
+    (BlockState.WATCHING, BlockInput.REFUSED): (BlockState.WATCHING, TransitionEffect.DROP),
 }
 
 
-class Block(Immediate):
+class Block(ImmediatePolicy):
     """A block bit for each flow."""
 
-    __slots__ = ("_gate", "_machine", "_pass", "_reasons", "_spoke")
+    __slots__ = ("_filter", "_last_message_times", "_machine", "_pass", "_reasons")
 
     def __init__(self, settings: PolicySettings) -> None:
-        self._gate = Gate(settings)
-        self._machine = Machine(TABLE, State.WATCHING)
-        self._pass = Answers(settings, Decision.PASS)
-        self._reasons = {name: f"{name} is not blocked" for name in self._gate.flows}
-        self._spoke: dict[str, int] = {}
+        self._filter = FlowFilter(settings)
+        self._machine = StateMachine(TABLE, BlockState.WATCHING)
+        self._pass = VerdictCache(settings, Decision.PASS)
+        self._reasons = {name: f"{name} is not blocked" for name in self._filter.flows}
+        self._last_message_times: dict[str, int] = {}
 
     def verdict(self, flow: str, message: object, now: int) -> Verdict:  # noqa: ARG002
         """Pass the message unless its flow is blocked or unknown."""
         reason = self._reasons.get(flow)
         if reason is None:
-            self._machine.step(Input.REFUSED)
-            return self._gate.refusal(flow)
-        self._machine.step(Input.ALLOWED)
-        self._spoke[flow] = now
-        return self._pass.give(flow, reason)
+            self._machine.step(BlockInput.REFUSED)
+            return self._filter.refusal(flow)
+        self._machine.step(BlockInput.ALLOWED)
+        self._last_message_times[flow] = now
+        return self._pass.get(flow, reason)
 
     def refusal(self, flow: str, now: int, message: object = None) -> Verdict | None:  # noqa: ARG002
         """Return the refusal of a flow that is blocked or unknown."""
-        return None if flow in self._gate.flows else self._gate.refusal(flow)
+        return None if flow in self._filter.flows else self._filter.refusal(flow)
 
-    def carry(self, now: int) -> Carried:  # noqa: ARG002
+    def export_state(self, now: int) -> PolicyState:  # noqa: ARG002
         """Return when each flow spoke last."""
-        return Carried(spoke=self._spoke)
+        return PolicyState(last_message_times=self._last_message_times)
 
-    def resume(self, carried: Carried, now: int) -> Sequence[Release]:  # noqa: ARG002
+    def restore_state(self, state: PolicyState, now: int) -> Sequence[Release]:  # noqa: ARG002
         """Know who spoke when; let go what waited."""
-        self._spoke = {flow: at for flow, at in carried.spoke.items() if flow in self._gate.flows}
-        return self._gate.give_up(carried.held)
+        self._last_message_times = {
+            flow: at for flow, at in state.last_message_times.items() if flow in self._filter.flows
+        }
+        return self._filter.release_held(state.held_messages)
 
     def revise(self, revision: int) -> None:
         """Say from now on that verdicts are by settings of `revision`."""
-        self._gate.revise(revision)
+        self._filter.revise(revision)
         self._pass.revise(revision)

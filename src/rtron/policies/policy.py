@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
-from rtron.policies.state_transfer import Carried
+from rtron.policies.state_transfer import PolicyState
 from rtron.vocabulary import Verdict
 
 
@@ -65,11 +65,11 @@ class Policy(Protocol):
         """Give up every held message, because the end follows."""
         ...
 
-    def carry(self, now: int) -> Carried:
+    def export_state(self, now: int) -> PolicyState:
         """Return what the policy that takes the place of this one must know; this one is done."""
         ...
 
-    def resume(self, carried: Carried, now: int) -> Sequence[Release]:
+    def restore_state(self, state: PolicyState, now: int) -> Sequence[Release]:
         """Go on, as the first thing of all, where the policy before has ended.
 
         Return the messages which waited there and cannot wait here, each with its verdict.
@@ -90,7 +90,7 @@ class Policy(Protocol):
         ...
 
 
-class Immediate:
+class ImmediatePolicy:
     """What a policy says that decides at once: it holds nothing, and time changes nothing."""
 
     __slots__ = ()
@@ -112,11 +112,11 @@ class Immediate:
         """Nothing is ever held."""
         return ()
 
-    def carry(self, now: int) -> Carried:  # noqa: ARG002
+    def export_state(self, now: int) -> PolicyState:  # noqa: ARG002
         """Nothing is remembered."""
-        return Carried()
+        return PolicyState()
 
-    def resume(self, carried: Carried, now: int) -> Sequence[Release]:  # noqa: ARG002
+    def restore_state(self, state: PolicyState, now: int) -> Sequence[Release]:  # noqa: ARG002
         """Nothing of it matters here."""
         return ()
 

@@ -53,22 +53,28 @@ pass
 
 from collections.abc import Sequence
 
-from rtron.policies.active_flows import Speaker, Speakers
-from rtron.policies.policy import Immediate, Release
-from rtron.policies.state_machine import Effect, Machine, Named, Table
-from rtron.policies.state_transfer import Carried
-from rtron.policies.verdicts import Answers, Gate, check_priorities, has_output, with_priority
+from rtron.policies.active_flows import ActiveFlows, FlowActivity
+from rtron.policies.policy import ImmediatePolicy, Release
+from rtron.policies.state_machine import StateMachine, TableEnum, TransitionEffect, TransitionTable
+from rtron.policies.state_transfer import PolicyState
+from rtron.policies.verdicts import (
+    FlowFilter,
+    VerdictCache,
+    check_priorities,
+    owns_output_reason,
+    with_priority,
+)
 from rtron.vocabulary import Decision, PolicySettings, Verdict
 
 
-class State(Named):
+class PreemptionState(TableEnum):
     """The states of Preemption."""
 
     FREE = "no flow is fresh"
     OWNED = "the highest fresh flow owns the output"
 
 
-class Input(Named):
+class PreemptionInput(TableEnum):
     """What happens to Preemption."""
 
     HIGHEST = "a message, and no higher flow is fresh"
@@ -78,76 +84,93 @@ class Input(Named):
     SILENT = "a tick that finds none"
 
 
-TABLE: Table[State, Input] = {
-    (State.FREE, Input.HIGHEST): (State.OWNED, Effect.PASS),
-    (State.FREE, Input.LOWER): (State.FREE, Effect.NEVER),
-    (State.FREE, Input.REFUSED): (State.FREE, Effect.DROP),
-    (State.FREE, Input.FRESH): (State.FREE, Effect.NEVER),
-    (State.FREE, Input.SILENT): (State.FREE, Effect.NOTHING),
-    (State.OWNED, Input.HIGHEST): (State.OWNED, Effect.PASS),
-    (State.OWNED, Input.LOWER): (State.OWNED, Effect.DROP),
-    (State.OWNED, Input.REFUSED): (State.OWNED, Effect.DROP),
-    (State.OWNED, Input.FRESH): (State.OWNED, Effect.NOTHING),
-    (State.OWNED, Input.SILENT): (State.FREE, Effect.NOTHING),
+TABLE: TransitionTable[PreemptionState, PreemptionInput] = {
+    (PreemptionState.FREE, PreemptionInput.HIGHEST): (PreemptionState.OWNED, TransitionEffect.PASS),
+    (PreemptionState.FREE, PreemptionInput.LOWER): (PreemptionState.FREE, TransitionEffect.NEVER),
+    (PreemptionState.FREE, PreemptionInput.REFUSED): (PreemptionState.FREE, TransitionEffect.DROP),
+    (PreemptionState.FREE, PreemptionInput.FRESH): (PreemptionState.FREE, TransitionEffect.NEVER),
+    (PreemptionState.FREE, PreemptionInput.SILENT): (
+        PreemptionState.FREE,
+        TransitionEffect.NOTHING,
+    ),
+    (PreemptionState.OWNED, PreemptionInput.HIGHEST): (
+        PreemptionState.OWNED,
+        TransitionEffect.PASS,
+    ),
+    (PreemptionState.OWNED, PreemptionInput.LOWER): (PreemptionState.OWNED, TransitionEffect.DROP),
+    (PreemptionState.OWNED, PreemptionInput.REFUSED): (
+        PreemptionState.OWNED,
+        TransitionEffect.DROP,
+    ),
+    (PreemptionState.OWNED, PreemptionInput.FRESH): (
+        PreemptionState.OWNED,
+        TransitionEffect.NOTHING,
+    ),
+    (PreemptionState.OWNED, PreemptionInput.SILENT): (
+        PreemptionState.FREE,
+        TransitionEffect.NOTHING,
+    ),
 }
 
 
-class Preemption(Immediate):
+class Preemption(ImmediatePolicy):
     """The highest fresh flow passes, the others are dropped."""
 
-    __slots__ = ("_drop", "_gate", "_machine", "_owner", "_pass", "_reasons", "_speakers")
+    __slots__ = ("_active_flows", "_drop", "_filter", "_machine", "_owner", "_pass", "_reasons")
 
     def __init__(self, settings: PolicySettings) -> None:
         check_priorities(settings)
-        self._gate = Gate(settings)
-        flows = self._gate.flows.values()
-        self._speakers = Speakers(flows, lambda _: settings.release_after)
-        self._reasons = {flow.name: with_priority(flow, has_output(flow)) for flow in flows}
-        self._pass = Answers(settings, Decision.PASS)
-        self._drop = Answers(settings, Decision.DROP)
-        self._machine = Machine(TABLE, State.FREE)
-        self._owner: Speaker | None = None
+        self._filter = FlowFilter(settings)
+        flows = self._filter.flows.values()
+        self._active_flows = ActiveFlows(flows, lambda _: settings.release_after)
+        self._reasons = {flow.name: with_priority(flow, owns_output_reason(flow)) for flow in flows}
+        self._pass = VerdictCache(settings, Decision.PASS)
+        self._drop = VerdictCache(settings, Decision.DROP)
+        self._machine = StateMachine(TABLE, PreemptionState.FREE)
+        self._owner: FlowActivity | None = None
 
     def verdict(self, flow: str, message: object, now: int) -> Verdict:  # noqa: ARG002
         """Pass the message if no higher flow is fresh at `now`, otherwise drop it."""
-        speaker = self._speakers.named.get(flow)
-        if speaker is None:
-            self._machine.step(Input.REFUSED)
-            return self._gate.refusal(flow)
-        self._speakers.hear(speaker, now)
-        self._owner = owner = self._speakers.highest(now) or speaker
-        answers = self._pass if self._step(speaker, owner) is Effect.PASS else self._drop
-        return answers.give(flow, self._reasons[owner.flow.name])
+        activity = self._active_flows.by_name.get(flow)
+        if activity is None:
+            self._machine.step(PreemptionInput.REFUSED)
+            return self._filter.refusal(flow)
+        self._active_flows.record_message(activity, now)
+        self._owner = owner = self._active_flows.highest_priority(now) or activity
+        verdicts = (
+            self._pass if self._step(activity, owner) is TransitionEffect.PASS else self._drop
+        )
+        return verdicts.get(flow, self._reasons[owner.flow.name])
 
     def refusal(self, flow: str, now: int, message: object = None) -> Verdict | None:  # noqa: ARG002
         """Return the refusal of a flow that is blocked or unknown."""
-        return None if flow in self._gate.flows else self._gate.refusal(flow)
+        return None if flow in self._filter.flows else self._filter.refusal(flow)
 
     def tick(self, now: int) -> Sequence[Release]:
         """Find the owner at `now`; nothing is ever held."""
-        self._owner = self._speakers.highest(now)
-        self._machine.step(Input.SILENT if self._owner is None else Input.FRESH)
+        self._owner = self._active_flows.highest_priority(now)
+        self._machine.step(PreemptionInput.SILENT if self._owner is None else PreemptionInput.FRESH)
         return ()
 
     def deadline(self) -> int | None:
         """Return when the owner falls silent if it says nothing more."""
-        return self._owner.lapses if self._owner else None
+        return self._owner.expires_at if self._owner else None
 
-    def carry(self, now: int) -> Carried:
+    def export_state(self, now: int) -> PolicyState:
         """Return who is fresh."""
-        return Carried(spoke=self._speakers.spoke(now))
+        return PolicyState(last_message_times=self._active_flows.last_message_times(now))
 
-    def resume(self, carried: Carried, now: int) -> Sequence[Release]:
+    def restore_state(self, state: PolicyState, now: int) -> Sequence[Release]:
         """Know who is fresh, and who of them owns the output; let go what waited."""
-        self._speakers.resume(carried.spoke)
-        self._owner = self._speakers.highest(now)
+        self._active_flows.restore(state.last_message_times)
+        self._owner = self._active_flows.highest_priority(now)
         if self._owner:
-            self._machine.step(Input.HIGHEST)
-        return self._gate.give_up(carried.held)
+            self._machine.step(PreemptionInput.HIGHEST)
+        return self._filter.release_held(state.held_messages)
 
     def revise(self, revision: int) -> None:
         """Say from now on that verdicts are by settings of `revision`."""
-        for each in (self._gate, self._pass, self._drop):
+        for each in (self._filter, self._pass, self._drop):
             each.revise(revision)
 
     @property
@@ -155,6 +178,6 @@ class Preemption(Immediate):
         """The highest fresh flow, as of the last message or tick."""
         return self._owner.flow.name if self._owner else None
 
-    def _step(self, speaker: Speaker, owner: Speaker) -> Effect:
-        lower = owner.flow.priority > speaker.flow.priority
-        return self._machine.step(Input.LOWER if lower else Input.HIGHEST)
+    def _step(self, activity: FlowActivity, owner: FlowActivity) -> TransitionEffect:
+        lower = owner.flow.priority > activity.flow.priority
+        return self._machine.step(PreemptionInput.LOWER if lower else PreemptionInput.HIGHEST)

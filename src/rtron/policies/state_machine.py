@@ -5,14 +5,14 @@ from enum import Enum
 from typing import Generic, TypeVar
 
 
-class Named(Enum):
+class TableEnum(Enum):
     """A state, an input or an effect; its value says what it means."""
 
     # Enum hashes by name, in Python code; tables are read for every message.
     __hash__ = object.__hash__
 
 
-class Effect(Named):
+class TransitionEffect(TableEnum):
     """What a transition does besides changing the state."""
 
     PASS = "the message passes"  # noqa: S105 (no password)
@@ -21,22 +21,22 @@ class Effect(Named):
     MODIFY = "the message goes on changed"
     REISSUE = "what was asked for last goes out again"
     STOP = "the stop wave begins"
-    LET_GO = "the next waiting message goes"
+    RELEASE = "the next waiting message goes"
     NOTHING = "nothing"
     NEVER = "cannot arise"
 
 
-State = TypeVar("State", bound=Named)
-Input = TypeVar("Input", bound=Named)
-Table = Mapping[tuple[State, Input], tuple[State, Effect]]
+State = TypeVar("State", bound=TableEnum)
+Input = TypeVar("Input", bound=TableEnum)
+TransitionTable = Mapping[tuple[State, Input], tuple[State, TransitionEffect]]
 
 
-class Machine(Generic[State, Input]):
+class StateMachine(Generic[State, Input]):
     """The named state of one policy."""
 
     __slots__ = ("_state", "_table")
 
-    def __init__(self, table: Table[State, Input], state: State) -> None:
+    def __init__(self, table: TransitionTable[State, Input], state: State) -> None:
         self._table = table
         self._state = state
 
@@ -45,10 +45,10 @@ class Machine(Generic[State, Input]):
         """The state after the last step."""
         return self._state
 
-    def step(self, input: Input) -> Effect:
+    def step(self, input: Input) -> TransitionEffect:
         """Make the transition that the table gives for `input`; return its effect."""
         state, effect = self._table[self._state, input]
-        if effect is Effect.NEVER:
+        if effect is TransitionEffect.NEVER:
             raise AssertionError(f"{input.name} cannot arise in {self._state.name}")
         self._state = state
         return effect

@@ -3,41 +3,41 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from rtron.policies.queues.held_messages import Held
+from rtron.policies.queues.held_messages import HeldMessage
 from rtron.vocabulary import Velocity
 
 
 @dataclass(frozen=True, slots=True)
-class InTurn:
+class LeaseState:
     """The flow whose turn it is, since when, and when it last made use of it (ns)."""
 
     flow: str
-    began: int
-    renewed: int
+    granted_at: int
+    renewed_at: int
 
 
 @dataclass(frozen=True, slots=True)
-class Asked:
+class VelocityRequest:
     """The velocity that was asked for last, what of it went on, and the message it came in."""
 
     flow: str
-    wanted: Velocity
+    requested: Velocity
     sent: Velocity
     message: bytes = b""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Carried:
+class PolicyState:
     """The state of a policy at one moment.
 
-    `spoke` are the flows that are fresh, and when each spoke last (ns). `held` are the messages
-    that wait, in the order in which their places were taken. `turns`: the policy knows whose turn
-    it is, if anybody's. `last` is the flow and the message that went out last, behind all stages.
+    `last_message_times` are the flows that are fresh, and when each spoke last (ns). `held_messages` are the messages
+    that wait, in the order in which their places were taken. `has_lease`: the policy knows whose turn
+    it is, if anybody's. `last_output` is the flow and the message that went out last, behind all stages.
     """
 
-    spoke: Mapping[str, int] = field(default_factory=dict)
-    turns: bool = False
-    turn: InTurn | None = None
-    held: tuple[Held, ...] = ()
-    asked: Asked | None = None
-    last: tuple[str, bytes] | None = None
+    last_message_times: Mapping[str, int] = field(default_factory=dict)
+    has_lease: bool = False
+    lease: LeaseState | None = None
+    held_messages: tuple[HeldMessage, ...] = ()
+    velocity_request: VelocityRequest | None = None
+    last_output: tuple[str, bytes] | None = None

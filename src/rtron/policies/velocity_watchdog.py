@@ -7,14 +7,14 @@ curve, then zeros for a while, then nothing: others may drive. A message that go
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from rtron.policies.state_machine import Effect, Machine, Named, Table
-from rtron.vocabulary import SECOND, Flow, OnSilence, Stop, Velocity
+from rtron.policies.state_machine import StateMachine, TableEnum, TransitionEffect, TransitionTable
+from rtron.vocabulary import SECOND, Flow, OnSilence, StopProfile, Velocity
 
 # A velocity that takes longer to brake was never driven: its sender erred, or wants no stop.
-LONGEST = 10 * SECOND
+MAX_RAMP_DURATION = 10 * SECOND
 
 
-class State(Named):
+class WatchdogState(TableEnum):
     """The states of a stop."""
 
     RESTING = "nothing moves the robot"
@@ -23,10 +23,10 @@ class State(Named):
     STOPPING = "the stop wave is sent"
 
 
-class Input(Named):
+class WatchdogInput(TableEnum):
     """What happens to a stop."""
 
-    SAID = "a message goes out"
+    OUTPUT = "a message goes out"
     SILENT = "the flow that moves the robot is silent: stop"
     RELEASED = "the flow that moves the robot is silent: release"
     REFUSED = "what moves the robot may not go on"
@@ -34,167 +34,224 @@ class Input(Named):
     AT_REST = "the robot was told to rest for long enough, or was not moving"
 
 
-TABLE: Table[State, Input] = {
-    (State.RESTING, Input.SAID): (State.MOVING, Effect.NOTHING),
-    (State.RESTING, Input.SILENT): (State.RESTING, Effect.NEVER),
-    (State.RESTING, Input.RELEASED): (State.RESTING, Effect.NEVER),
-    (State.RESTING, Input.REFUSED): (State.RESTING, Effect.NOTHING),
-    (State.RESTING, Input.BRAKED): (State.STOPPING, Effect.STOP),
-    (State.RESTING, Input.AT_REST): (State.RESTING, Effect.NEVER),
-    (State.MOVING, Input.SAID): (State.MOVING, Effect.NOTHING),
-    (State.MOVING, Input.SILENT): (State.STOPPING, Effect.STOP),
-    (State.MOVING, Input.RELEASED): (State.RELEASED, Effect.NOTHING),
-    (State.MOVING, Input.REFUSED): (State.STOPPING, Effect.STOP),
-    (State.MOVING, Input.BRAKED): (State.STOPPING, Effect.STOP),
-    (State.MOVING, Input.AT_REST): (State.MOVING, Effect.NEVER),
-    (State.RELEASED, Input.SAID): (State.MOVING, Effect.NOTHING),
-    (State.RELEASED, Input.SILENT): (State.RELEASED, Effect.NEVER),
-    (State.RELEASED, Input.RELEASED): (State.RELEASED, Effect.NEVER),
-    (State.RELEASED, Input.REFUSED): (State.STOPPING, Effect.STOP),
-    (State.RELEASED, Input.BRAKED): (State.STOPPING, Effect.STOP),
-    (State.RELEASED, Input.AT_REST): (State.RELEASED, Effect.NEVER),
-    (State.STOPPING, Input.SAID): (State.MOVING, Effect.NOTHING),
-    (State.STOPPING, Input.SILENT): (State.STOPPING, Effect.NEVER),
-    (State.STOPPING, Input.RELEASED): (State.STOPPING, Effect.NEVER),
-    (State.STOPPING, Input.REFUSED): (State.STOPPING, Effect.NOTHING),
-    (State.STOPPING, Input.BRAKED): (State.STOPPING, Effect.NOTHING),
-    (State.STOPPING, Input.AT_REST): (State.RESTING, Effect.NOTHING),
+TABLE: TransitionTable[WatchdogState, WatchdogInput] = {
+    (WatchdogState.RESTING, WatchdogInput.OUTPUT): (WatchdogState.MOVING, TransitionEffect.NOTHING),
+    (WatchdogState.RESTING, WatchdogInput.SILENT): (WatchdogState.RESTING, TransitionEffect.NEVER),
+    (WatchdogState.RESTING, WatchdogInput.RELEASED): (
+        WatchdogState.RESTING,
+        TransitionEffect.NEVER,
+    ),
+    (WatchdogState.RESTING, WatchdogInput.REFUSED): (
+        WatchdogState.RESTING,
+        TransitionEffect.NOTHING,
+    ),
+    (WatchdogState.RESTING, WatchdogInput.BRAKED): (WatchdogState.STOPPING, TransitionEffect.STOP),
+    (WatchdogState.RESTING, WatchdogInput.AT_REST): (WatchdogState.RESTING, TransitionEffect.NEVER),
+    (WatchdogState.MOVING, WatchdogInput.OUTPUT): (WatchdogState.MOVING, TransitionEffect.NOTHING),
+    (WatchdogState.MOVING, WatchdogInput.SILENT): (WatchdogState.STOPPING, TransitionEffect.STOP),
+    (WatchdogState.MOVING, WatchdogInput.RELEASED): (
+        WatchdogState.RELEASED,
+        TransitionEffect.NOTHING,
+    ),
+    (WatchdogState.MOVING, WatchdogInput.REFUSED): (WatchdogState.STOPPING, TransitionEffect.STOP),
+    (WatchdogState.MOVING, WatchdogInput.BRAKED): (WatchdogState.STOPPING, TransitionEffect.STOP),
+    (WatchdogState.MOVING, WatchdogInput.AT_REST): (WatchdogState.MOVING, TransitionEffect.NEVER),
+    (WatchdogState.RELEASED, WatchdogInput.OUTPUT): (
+        WatchdogState.MOVING,
+        TransitionEffect.NOTHING,
+    ),
+    (WatchdogState.RELEASED, WatchdogInput.SILENT): (
+        WatchdogState.RELEASED,
+        TransitionEffect.NEVER,
+    ),
+    (WatchdogState.RELEASED, WatchdogInput.RELEASED): (
+        WatchdogState.RELEASED,
+        TransitionEffect.NEVER,
+    ),
+    (WatchdogState.RELEASED, WatchdogInput.REFUSED): (
+        WatchdogState.STOPPING,
+        TransitionEffect.STOP,
+    ),
+    (WatchdogState.RELEASED, WatchdogInput.BRAKED): (WatchdogState.STOPPING, TransitionEffect.STOP),
+    (WatchdogState.RELEASED, WatchdogInput.AT_REST): (
+        WatchdogState.RELEASED,
+        TransitionEffect.NEVER,
+    ),
+    (WatchdogState.STOPPING, WatchdogInput.OUTPUT): (
+        WatchdogState.MOVING,
+        TransitionEffect.NOTHING,
+    ),
+    (WatchdogState.STOPPING, WatchdogInput.SILENT): (
+        WatchdogState.STOPPING,
+        TransitionEffect.NEVER,
+    ),
+    (WatchdogState.STOPPING, WatchdogInput.RELEASED): (
+        WatchdogState.STOPPING,
+        TransitionEffect.NEVER,
+    ),
+    (WatchdogState.STOPPING, WatchdogInput.REFUSED): (
+        WatchdogState.STOPPING,
+        TransitionEffect.NOTHING,
+    ),
+    (WatchdogState.STOPPING, WatchdogInput.BRAKED): (
+        WatchdogState.STOPPING,
+        TransitionEffect.NOTHING,
+    ),
+    (WatchdogState.STOPPING, WatchdogInput.AT_REST): (
+        WatchdogState.RESTING,
+        TransitionEffect.NOTHING,
+    ),
 }
 
 
 @dataclass(frozen=True, slots=True)
-class Ramp:
-    """A velocity on its way to zero: `began` (ns), at rest after `lasts` (ns)."""
+class VelocityRamp:
+    """A velocity on its way to zero: `started_at` (ns), at rest after `duration` (ns)."""
 
     velocity: Velocity
-    began: int
-    lasts: int
+    started_at: int
+    duration: int
 
     @classmethod
-    def of(cls, velocity: Velocity, stop: Stop, now: int) -> "Ramp":
-        """Return the steepest ramp within the limits of `stop`, but none above `LONGEST`.
+    def for_stop(cls, velocity: Velocity, stop: StopProfile, now: int) -> "VelocityRamp":
+        """Return the steepest ramp within the limits of `stop`, but none above `MAX_RAMP_DURATION`.
 
         A turn that would take longer does not count: it ends with the linear part.
         """
-        slows = min(velocity.speed / stop.decel * SECOND, LONGEST)
-        turns = velocity.turn / stop.angular_decel * SECOND
-        return cls(velocity, now, round(max(slows, turns) if turns <= LONGEST else slows))
+        braking_time = min(velocity.speed / stop.decel * SECOND, MAX_RAMP_DURATION)
+        turning_time = velocity.angular_speed / stop.angular_decel * SECOND
+        return cls(
+            velocity,
+            now,
+            round(
+                max(braking_time, turning_time)
+                if turning_time <= MAX_RAMP_DURATION
+                else braking_time
+            ),
+        )
 
     def at(self, now: int) -> Velocity:
         """Return what the velocity is at `now`."""
-        left = self.began + self.lasts - now
-        return self.velocity.scaled(left / self.lasts if left > 0 else 0.0)
+        remaining = self.started_at + self.duration - now
+        return self.velocity.scaled(remaining / self.duration if remaining > 0 else 0.0)
 
 
-class Stopping:
+class VelocityWatchdog:
     """Watches what goes out on one velocity stream, and stops the robot when it must."""
 
-    def __init__(self, stop: Stop, velocity: Callable[[], Velocity | None]) -> None:
+    def __init__(self, stop: StopProfile, velocity: Callable[[], Velocity | None]) -> None:
         """`velocity` tells what went out last; None if that is no velocity that can be read."""
         self._stop = stop
         self._velocity = velocity
-        self._machine = Machine(TABLE, State.RESTING)
+        self._machine = StateMachine(TABLE, WatchdogState.RESTING)
         self._flow = Flow(name="", publisher="")
-        self._spoke = 0
-        self._ramp = Ramp(Velocity(()), 0, 0)
+        self._last_output = 0
+        self._ramp = VelocityRamp(Velocity(()), 0, 0)
         self._next = 0
         self._braked = False
-        self.why = ""
-        self.stops = 0
+        self.reason = ""
+        self.stop_count = 0
 
     @property
-    def stopped(self) -> str:
+    def last_flow(self) -> str:
         """The flow that moved the robot last."""
         return self._flow.name
 
     @property
-    def released(self) -> bool:
+    def is_released(self) -> bool:
         """Whether the flow that moved the robot is silent, which is allowed."""
-        return self._machine.state is State.RELEASED
+        return self._machine.state is WatchdogState.RELEASED
 
     @property
-    def flow(self) -> Flow | None:
+    def moving_flow(self) -> Flow | None:
         """The flow that moves the robot, or may still do so; None while none does."""
-        return self._flow if self._machine.state in (State.MOVING, State.RELEASED) else None
+        return (
+            self._flow
+            if self._machine.state in (WatchdogState.MOVING, WatchdogState.RELEASED)
+            else None
+        )
 
-    def said(self, flow: Flow, now: int) -> None:
-        """Note that a message of `flow` went out at `now`."""
-        self._machine.step(Input.SAID)
-        self._flow, self._spoke, self.why = flow, now, ""
+    def record_output(self, flow: Flow, now: int) -> None:
+        """Note that a message of `moving_flow` went out at `now`."""
+        self._machine.step(WatchdogInput.OUTPUT)
+        self._flow, self._last_output, self.reason = flow, now, ""
 
-    def refuse(self, why: str, now: int) -> None:
+    def refuse(self, reason: str, now: int) -> None:
         """Stop the robot: what moves it may not go on.
 
         What was released may have come to rest by itself: a ramp would set it in motion again.
         """
-        released = self.released
-        if self._machine.step(Input.REFUSED) is Effect.STOP:
-            self._begin(why, now, ramped=not released)
+        is_released = self.is_released
+        if self._machine.step(WatchdogInput.REFUSED) is TransitionEffect.STOP:
+            self._stop_if_moving(reason, now, ramped=not is_released)
 
-    def brake(self, why: str, now: int) -> None:
-        """Stop the robot, and keep telling it to rest until `loosen`, whoever else moves it."""
-        velocity = self._velocity() if self._machine.state is State.MOVING else None
+    def brake(self, reason: str, now: int) -> None:
+        """Stop the robot, and keep telling it to rest until `release_brake`, whoever else moves it."""
+        velocity = self._velocity() if self._machine.state is WatchdogState.MOVING else None
         self._braked = True
-        if self._machine.step(Input.BRAKED) is Effect.STOP:
-            self._start(velocity, why, now)
-        self.why = why
+        if self._machine.step(WatchdogInput.BRAKED) is TransitionEffect.STOP:
+            self._start_ramp(velocity, reason, now)
+        self.reason = reason
 
-    def explain(self, why: str) -> None:
+    def set_reason(self, reason: str) -> None:
         """Take another reason for a stop that is under way; the ramp goes on as it is."""
-        if self._machine.state is State.STOPPING:
-            self.why = why
+        if self._machine.state is WatchdogState.STOPPING:
+            self.reason = reason
 
-    def loosen(self) -> None:
+    def release_brake(self) -> None:
         """Let the stop end as any other."""
         self._braked = False
 
-    def interrupt(self) -> None:
+    def mark_stopped_elsewhere(self) -> None:
         """Somebody else has stopped the robot: it may be at rest, as after a release."""
-        if self._machine.state is State.MOVING:
-            self._machine.step(Input.RELEASED)
+        if self._machine.state is WatchdogState.MOVING:
+            self._machine.step(WatchdogInput.RELEASED)
 
     def tick(self, now: int) -> Velocity | None:
         """Return the velocity that goes out at `now`, if one is due."""
-        if self._machine.state is State.MOVING and now >= self._spoke + self._flow.silent_after:
-            self._fall_silent(now)
-        if self._machine.state is not State.STOPPING or now < self._next:
+        if (
+            self._machine.state is WatchdogState.MOVING
+            and now >= self._last_output + self._flow.silent_after
+        ):
+            self._handle_silence(now)
+        if self._machine.state is not WatchdogState.STOPPING or now < self._next:
             return None
-        return self._go_on(now)
+        return self._next_velocity(now)
 
     def deadline(self) -> int | None:
         """Return when `tick` next has something to do."""
         state = self._machine.state
-        if state is State.MOVING:
-            return self._spoke + self._flow.silent_after
-        return self._next if state is State.STOPPING else None
+        if state is WatchdogState.MOVING:
+            return self._last_output + self._flow.silent_after
+        return self._next if state is WatchdogState.STOPPING else None
 
-    def _fall_silent(self, now: int) -> None:
+    def _handle_silence(self, now: int) -> None:
         if self._flow.on_silence is OnSilence.RELEASE:
-            self._machine.step(Input.RELEASED)
+            self._machine.step(WatchdogInput.RELEASED)
         else:
-            self._machine.step(Input.SILENT)
+            self._machine.step(WatchdogInput.SILENT)
             silent = self._flow.silent_after / SECOND
             why = f"{self._flow.name} has been silent for {silent:.2f} s"
-            self._begin(why, now, ramped=True)
+            self._stop_if_moving(why, now, ramped=True)
 
-    def _begin(self, why: str, now: int, *, ramped: bool) -> None:
+    def _stop_if_moving(self, why: str, now: int, *, ramped: bool) -> None:
         velocity = self._velocity()
-        if velocity is not None and not velocity.moves:
-            self._machine.step(Input.AT_REST)
+        if velocity is not None and not velocity.is_moving:
+            self._machine.step(WatchdogInput.AT_REST)
             return
-        self._start(velocity if ramped else None, why, now)
+        self._start_ramp(velocity if ramped else None, why, now)
 
-    def _start(self, velocity: Velocity | None, why: str, now: int) -> None:
-        self.why = why
-        self.stops += 1
-        self._ramp = Ramp.of(velocity or Velocity(()), self._stop, now)
+    def _start_ramp(self, velocity: Velocity | None, why: str, now: int) -> None:
+        self.reason = why
+        self.stop_count += 1
+        self._ramp = VelocityRamp.for_stop(velocity or Velocity(()), self._stop, now)
         self._next = now
 
-    def _go_on(self, now: int) -> Velocity | None:
+    def _next_velocity(self, now: int) -> Velocity | None:
         self._next = now + self._stop.period
-        over = now >= self._ramp.began + self._ramp.lasts + self._stop.repeat
+        over = now >= self._ramp.started_at + self._ramp.duration + self._stop.repeat
         if over and not self._braked:
-            self._machine.step(Input.AT_REST)
-            self.why = ""
+            self._machine.step(WatchdogInput.AT_REST)
+            self.reason = ""
             return None
         return self._ramp.at(self._next)

@@ -8,7 +8,7 @@ from rtron.reports.flow import Flow, draw
 from rtron.reports.lines import Page, heading, line
 from rtron.reports.risk_list import evidence_lines, severity_mark
 from rtron.reports.words import KIND_TITLE, SEVERITY_STYLE, worst_first
-from rtron.vocabulary import InteractionGraph, Risk, RiskKind, RiskReport, Role, Trust
+from rtron.vocabulary import InteractionGraph, Risk, RiskKind, RiskReport, RiskRole, Trust
 
 _INDENT = 10
 
@@ -39,7 +39,7 @@ def _title(risk: Risk, report: RiskReport) -> Text:
 
 
 def _drawings(risk: Risk, foreign: frozenset[str], page: Page) -> Iterator[Text]:
-    publishers = risk.role_nodes.get(Role.PUBLISHER, ())
+    publishers = risk.role_nodes.get(RiskRole.PUBLISHER, ())
     for topic in risk.topics:
         flow = Flow(
             publishers=tuple(_marked(name, foreign) for name in publishers),

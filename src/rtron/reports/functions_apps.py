@@ -5,7 +5,12 @@ from typing import Any
 
 from rich.text import Text
 
-from rtron.functions.app_categories import PAPERS_APPS, AppRow, CategoryCount, Nearest
+from rtron.functions.app_categories import (
+    PAPER_APP_COUNT,
+    AppProfile,
+    CategoryCount,
+    NearestCategory,
+)
 from rtron.reports.lines import Page, Report, columns, counted, heading, line, paragraph
 from rtron.vocabulary import FunctionType
 
@@ -13,12 +18,12 @@ APPS_SCHEMA = "rtron.apps/1"
 _NONE = "none of the paper's categories"
 
 
-def apps_text(rows: Sequence[AppRow], counts: Sequence[CategoryCount]) -> Report:
+def apps_text(rows: Sequence[AppProfile], counts: Sequence[CategoryCount]) -> Report:
     """Return each app with its functions and categories, and how many apps there are of each."""
     return Report(lambda page: _lines(rows, counts, page))
 
 
-def apps_to_json(rows: Sequence[AppRow], counts: Sequence[CategoryCount]) -> dict[str, Any]:
+def apps_to_json(rows: Sequence[AppProfile], counts: Sequence[CategoryCount]) -> dict[str, Any]:
     """Return the same as a JSON document, with the nodes of each function."""
     return {
         "schema": APPS_SCHEMA,
@@ -38,25 +43,27 @@ def apps_to_json(rows: Sequence[AppRow], counts: Sequence[CategoryCount]) -> dic
     }
 
 
-def _nearest(row: AppRow) -> dict[str, Any] | None:
+def _nearest(row: AppProfile) -> dict[str, Any] | None:
     if row.nearest is None:
         return None
     return {
         "categories": list(row.nearest.categories),
-        "missing": list(map(str, row.nearest.lack.missing)),
-        "one_of": list(map(str, row.nearest.lack.one_of)),
+        "missing": list(map(str, row.nearest.missing.missing)),
+        "one_of": list(map(str, row.nearest.missing.one_of)),
     }
 
 
-def _lines(rows: Sequence[AppRow], counts: Sequence[CategoryCount], page: Page) -> Iterator[Text]:
+def _lines(
+    rows: Sequence[AppProfile], counts: Sequence[CategoryCount], page: Page
+) -> Iterator[Text]:
     for row in rows:
         yield from _app(row, page)
     if counts:
-        yield from heading(f"{counted(len(rows), 'app')}, beside the paper's {PAPERS_APPS}")
+        yield from heading(f"{counted(len(rows), 'app')}, beside the paper's {PAPER_APP_COUNT}")
         yield from columns(category_rows(counts, len(rows)), ("", "bold", "dim", "dim"), indent=2)
 
 
-def _app(row: AppRow, page: Page) -> Iterator[Text]:
+def _app(row: AppProfile, page: Page) -> Iterator[Text]:
     yield line((row.app, "bold"), "  ", (", ".join(row.categories) or _NONE, "green"))
     if row.nearest:
         yield from paragraph(_near(row.nearest, larger=bool(row.categories)), page, indent=2)
@@ -64,9 +71,9 @@ def _app(row: AppRow, page: Page) -> Iterator[Text]:
     yield from paragraph(said or "no function is known", page, indent=2, style="dim")
 
 
-def _near(nearest: Nearest, *, larger: bool) -> str:
-    lacks = [*map(str, nearest.lack.missing)]
-    lacks += [" or ".join(map(str, nearest.lack.one_of))] if nearest.lack.one_of else []
+def _near(nearest: NearestCategory, *, larger: bool) -> str:
+    lacks = [*map(str, nearest.missing.missing)]
+    lacks += [" or ".join(map(str, nearest.missing.one_of))] if nearest.missing.one_of else []
     word = "nearest larger" if larger else "nearest"
     return f"{word}: {' / '.join(nearest.categories)}, without {', '.join(lacks)}"
 
@@ -78,7 +85,7 @@ def category_rows(counts: Iterable[CategoryCount], apps: int) -> list[tuple[str,
 
 
 def _counted(count: CategoryCount, apps: int) -> tuple[str, ...]:
-    here, there = _share(count.apps, apps), _share(count.paper, PAPERS_APPS)
+    here, there = _share(count.apps, apps), _share(count.paper, PAPER_APP_COUNT)
     return " / ".join(count.categories), here, there, _set(count)
 
 

@@ -8,40 +8,40 @@ from typing import TypeAlias
 
 from rich.text import Text
 
-from rtron.functions.classifier.result import Classification, DecidedBy, Piece
-from rtron.functions.classifier.rule_trace import Matched
-from rtron.functions.repository import Repository
+from rtron.functions.classifier.result import Classification, DecisionSource, InformationSource
+from rtron.functions.classifier.rule_trace import RuleMatch
+from rtron.functions.repository import SourceRepository
 from rtron.reports.lines import Page, Report, columns, counted, heading, line, paragraph
 
 _TOLD = {
-    Piece.NAME: "name",
-    Piece.MANIFEST: "description",
-    Piece.README: "README",
+    InformationSource.NAME: "name",
+    InformationSource.MANIFEST: "description",
+    InformationSource.README: "README",
 }
 _PACKAGE = "package "
 _NOTHING = "no rule tells what this is: no name, no description, no README"
 _WEAK = "cannot tell: what matches is too weak, or speaks for several functions alike"
 _MAX_ROWS = 20
 _MAX_WORDS = 4
-Key: TypeAlias = tuple[str, Piece, str]
+Key: TypeAlias = tuple[str, InformationSource, str]
 
 
 def evidence_text(
-    repository: Repository, classification: Classification, matched: Sequence[Matched]
+    repository: SourceRepository, classification: Classification, matched: Sequence[RuleMatch]
 ) -> Report:
     """Return a repository's class with every rule that matched, and what became of it."""
     return Report(lambda page: _lines(repository, classification, matched, page))
 
 
 def _lines(
-    repository: Repository,
+    repository: SourceRepository,
     classification: Classification,
-    matched: Sequence[Matched],
+    matched: Sequence[RuleMatch],
     page: Page,
 ) -> Iterator[Text]:
     yield from _header(repository, classification, page)
     deciding = classification.evidence if classification.functions else ()
-    decided = {(each.package, each.piece, each.rule) for each in deciding}
+    decided = {(each.package, each.source, each.rule) for each in deciding}
     for place, group in groupby(matched, _place):
         yield from heading(place or f"repository {repository.name}")
         package = place.removeprefix(_PACKAGE)
@@ -51,20 +51,22 @@ def _lines(
         yield from _rows(list(group), decided)
 
 
-def _place(each: Matched) -> str:
-    if each.piece is Piece.README:
+def _place(each: RuleMatch) -> str:
+    if each.source is InformationSource.README:
         return "README"
     return f"{_PACKAGE}{each.package}" if each.package else ""
 
 
-def _header(repository: Repository, classification: Classification, page: Page) -> Iterator[Text]:
+def _header(
+    repository: SourceRepository, classification: Classification, page: Page
+) -> Iterator[Text]:
     read = [counted(len(repository.packages), "package")]
     read += ["a README"] if repository.readme else []
     yield line((repository.name, "bold"), f"  {', '.join(read)}")
-    if classification.decided_by is DecidedBy.NONE:
+    if classification.decided_by is DecisionSource.NONE:
         yield from paragraph(_WEAK if classification.evidence else _NOTHING, page, style="yellow")
         return
-    decided = _TOLD[Piece(classification.decided_by)]
+    decided = _TOLD[InformationSource(classification.decided_by)]
     primary = (str(classification.primary), "bold green")
     yield line(primary, f", decided by the {decided}")
     others = [str(each) for each in classification.functions if each != classification.primary]
@@ -72,10 +74,10 @@ def _header(repository: Repository, classification: Classification, page: Page) 
         yield from paragraph(f"and {', '.join(others)}", page)
 
 
-def _rows(matched: Sequence[Matched], decided: AbstractSet[Key]) -> Iterator[Text]:
-    texts: dict[tuple[Key, Matched], list[str]] = {}
+def _rows(matched: Sequence[RuleMatch], decided: AbstractSet[Key]) -> Iterator[Text]:
+    texts: dict[tuple[Key, RuleMatch], list[str]] = {}
     for each in matched:
-        key = (each.package, each.piece, each.rule)
+        key = (each.package, each.source, each.rule)
         texts.setdefault((key, replace(each, text="")), []).append(each.text)
     rows = [_row(each, words, key in decided) for (key, each), words in texts.items()]
     yield from columns(rows[:_MAX_ROWS], ("", "", "dim", "yellow", "cyan"), indent=2)
@@ -83,8 +85,8 @@ def _rows(matched: Sequence[Matched], decided: AbstractSet[Key]) -> Iterator[Tex
         yield line((f"and {len(rows) - _MAX_ROWS} more rules", "dim"), indent=2)
 
 
-def _row(each: Matched, words: Sequence[str], decided: bool) -> Sequence[str]:  # noqa: FBT001 - a cell
-    fate = "vetoed" if each.vetoed else "decided" if decided else ""
+def _row(each: RuleMatch, words: Sequence[str], decided: bool) -> Sequence[str]:  # noqa: FBT001 - a cell
+    fate = "vetoed" if each.is_vetoed else "decided" if decided else ""
     said = ", ".join(f"“{word}”" for word in words[:_MAX_WORDS])
     more = ", …" if len(words) > _MAX_WORDS else ""
     return (
@@ -92,5 +94,5 @@ def _row(each: Matched, words: Sequence[str], decided: bool) -> Sequence[str]:  
         f"{each.weight:g}",
         each.rule,
         fate,
-        f"{_TOLD[each.piece]} {said}{more}",
+        f"{_TOLD[each.source]} {said}{more}",
     )

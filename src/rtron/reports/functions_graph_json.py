@@ -17,7 +17,7 @@ def functions_to_json(graph: AbstractGraph) -> dict[str, Any]:
         "packages": graph.packages,
         "outside": graph.outside,
         "repeated": graph.repeated,
-        "known": {basis.value: number for basis, number in graph.known().items()},
+        "known": {basis.value: number for basis, number in graph.count_by_basis().items()},
         "functions": [
             {
                 "name": node.name,

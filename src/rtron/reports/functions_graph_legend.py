@@ -30,7 +30,7 @@ def legend_lines(graph: AbstractGraph) -> Iterator[tuple[Basis | None, str]]:
 
     None is that of arrows through the environment, or of none at all: such a line has no sample.
     """
-    known = graph.known()
+    known = graph.count_by_basis()
     yield from ((basis, text) for basis, text in _EXPLAINED.items() if known[basis])
     if graph.indirect:
         yield None, _THROUGH

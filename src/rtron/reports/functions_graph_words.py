@@ -6,7 +6,7 @@ from rtron.functions.interactions.abstract_graph import (
     AbstractGraph,
     Basis,
     DirectInteraction,
-    Exchanged,
+    ExchangedMessage,
     FunctionNode,
 )
 from rtron.functions.interactions.main_flow import main_flow
@@ -46,7 +46,7 @@ def label_lines(edge: DirectInteraction) -> tuple[tuple[str, Basis], ...]:
     return (*lines, *((f"and {len(left)} more", each.basis) for each in left[:1]))
 
 
-def evidence_words(message: Exchanged) -> str:
+def evidence_words(message: ExchangedMessage) -> str:
     """Return how it is known that two functions exchange a type."""
     sent, heard = message.sides
     sides = f"{sent} -> {counted(heard, 'package')}"
@@ -59,7 +59,7 @@ def evidence_words(message: Exchanged) -> str:
 
 def known_words(graph: AbstractGraph) -> str:
     """Return how many types of all edges are known in which way."""
-    known = graph.known()
+    known = graph.count_by_basis()
     parts = ", ".join(f"{BASIS_WORDS[basis]} {number}" for basis, number in known.items())
     return f"Message types of all interactions: {parts}."
 

@@ -12,7 +12,7 @@ def classification_to_json(classification: Classification) -> dict[str, object]:
         "decided_by": str(classification.decided_by),
         "evidence": [
             {
-                "piece": str(each.piece),
+                "piece": str(each.source),
                 "rule": each.rule,
                 "type": str(each.type),
                 "text": each.text,

@@ -5,9 +5,9 @@ from collections.abc import Iterator, Sequence
 from rich.text import Text
 
 from rtron.functions.classifier import paper_counts
-from rtron.functions.classifier.tables import Tables, function_nodes, sum_of
-from rtron.functions.classifier.tally import Tally
-from rtron.functions.domains import DOMAIN_OF
+from rtron.functions.classifier.tables import PaperTables, sum_domains, sum_function_nodes
+from rtron.functions.classifier.tally import ClassificationCounts
+from rtron.functions.domains import DOMAIN_BY_TYPE
 from rtron.reports.lines import Page, Report, heading, line, paragraph
 from rtron.vocabulary import Domain, FunctionType
 
@@ -19,12 +19,12 @@ _NOTE = (
 )
 
 
-def tables_text(tables: Tables) -> Report:
+def tables_text(tables: PaperTables) -> Report:
     """Return both tables, the paper's numbers beside each."""
     return Report(lambda page: _lines(tables, page))
 
 
-def _lines(tables: Tables, page: Page) -> Iterator[Text]:
+def _lines(tables: PaperTables, page: Page) -> Iterator[Text]:
     share = _percent(tables.decided, tables.repositories)
     yield line(
         (f"{tables.repositories} repositories", "bold"), f", {tables.decided} decided ({share} %)"
@@ -37,18 +37,23 @@ def _lines(tables: Tables, page: Page) -> Iterator[Text]:
     yield from paragraph(_NOTE, page, style="dim")
 
 
-def _by_type(tables: Tables) -> Iterator[Text]:
-    total = sum_of(tables.types, Domain).total
-    of_paper = sum(paper_counts.REPOS.values())
+def _by_type(tables: PaperTables) -> Iterator[Text]:
+    total = sum_domains(tables.types, Domain).total
+    of_paper = sum(paper_counts.REPOSITORIES_BY_TYPE.values())
     yield line(f"{'':{_WIDTH}}{'repos':>8}{'%':>7}{'paper':>10}{'%':>7}", indent=2)
     for domain in Domain:
-        ours = sum_of(tables.types, (domain,)).total
+        ours = sum_domains(tables.types, (domain,)).total
         theirs = sum(
-            number for type, number in paper_counts.REPOS.items() if DOMAIN_OF[type] is domain
+            number
+            for type, number in paper_counts.REPOSITORIES_BY_TYPE.items()
+            if DOMAIN_BY_TYPE[type] is domain
         )
         yield _counts(domain, (ours, total), (theirs, of_paper), "bold")
         for type in _types(domain):
-            numbers = (tables.types[type].total, total), (paper_counts.REPOS[type], of_paper)
+            numbers = (
+                (tables.types[type].total, total),
+                (paper_counts.REPOSITORIES_BY_TYPE[type], of_paper),
+            )
             yield _counts(f"  {type}", *numbers)
     yield _counts("all", (total, total), (of_paper, of_paper), "bold")
 
@@ -59,23 +64,23 @@ def _counts(name: str, ours: tuple[int, int], theirs: tuple[int, int], style: st
     return line((f"{name:{_WIDTH}}{numbers}", style), (of_paper, "dim"), indent=2)
 
 
-def _by_piece(tables: Tables) -> Iterator[Text]:
+def _by_piece(tables: PaperTables) -> Iterator[Text]:
     titles = "".join(f"{title:>9}" for title in ("name", "manifest", "readme", "none"))
     yield line(f"{'':{_WIDTH}}{titles}{'auto %':>8}{'paper':>8}", indent=2)
     for type in FunctionType:
-        yield _pieces(type, tables.types[type], paper_counts.AUTOMATION[type])
-        yield _pieces("", paper_counts.DECIDED[type], None, "dim")
+        yield _pieces(type, tables.types[type], paper_counts.AUTOMATION_BY_TYPE[type])
+        yield _pieces("", paper_counts.CLASSIFICATION_COUNTS[type], None, "dim")
     yield _pieces(
         "function nodes",
-        function_nodes(tables.types),
+        sum_function_nodes(tables.types),
         paper_counts.FUNCTION_NODE_AUTOMATION,
         "bold",
     )
-    yield _pieces("", paper_counts.FUNCTION_NODES, None, "dim")
-    yield _pieces("all", sum_of(tables.types, Domain), None, "bold")
+    yield _pieces("", paper_counts.FUNCTION_NODE_COUNTS, None, "dim")
+    yield _pieces("all", sum_domains(tables.types, Domain), None, "bold")
 
 
-def _pieces(name: str, tally: Tally, rate: float | None, style: str = "") -> Text:
+def _pieces(name: str, tally: ClassificationCounts, rate: float | None, style: str = "") -> Text:
     numbers = (tally.name, tally.manifest, tally.readme, tally.none)
     cells = "".join(f"{number:>9}" for number in numbers)
     automation = "-" if tally.automation is None else f"{100 * tally.automation:.2f}"
@@ -85,7 +90,7 @@ def _pieces(name: str, tally: Tally, rate: float | None, style: str = "") -> Tex
 
 
 def _types(domain: Domain) -> Sequence[FunctionType]:
-    return [type for type in FunctionType if DOMAIN_OF[type] is domain]
+    return [type for type in FunctionType if DOMAIN_BY_TYPE[type] is domain]
 
 
 def _percent(number: int, total: int) -> str:

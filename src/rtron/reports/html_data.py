@@ -19,7 +19,7 @@ from rtron.vocabulary import (
     Risk,
     RiskKind,
     RiskReport,
-    Unresolved,
+    UnresolvedItem,
 )
 
 
@@ -122,7 +122,7 @@ def _risk(risk: Risk, names: Numbers) -> dict[str, Any]:
     }
 
 
-def _unresolved(item: Unresolved) -> dict[str, Any]:
+def _unresolved(item: UnresolvedItem) -> dict[str, Any]:
     return {"what": item.what, "why": item.why, "evidence": _places(item.evidence)}
 
 

@@ -10,7 +10,7 @@ from rtron.vocabulary import (
     Plan,
     RiskReport,
     WatchedFlow,
-    names_node,
+    matches_node,
 )
 
 
@@ -33,7 +33,7 @@ class Numbers:
         """Return the nodes that a plan's publisher, a name or a pattern, means."""
         if pattern in self.nodes:
             return [self.nodes[pattern]]
-        return [number for name, number in self.nodes.items() if names_node(pattern, name)]
+        return [number for name, number in self.nodes.items() if matches_node(pattern, name)]
 
 
 def numbers(graph: InteractionGraph, report: RiskReport, plan: Plan | None) -> Numbers:

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from rtron.vocabulary import InteractionGraph, Risk, RiskKind, RiskReport, Role
+from rtron.vocabulary import InteractionGraph, Risk, RiskKind, RiskReport, RiskRole
 
 Edge = tuple[str, str]
 
@@ -27,10 +27,10 @@ def paint(graph: InteractionGraph, report: RiskReport) -> Paint:
     return Paint(
         single_topic=_edges(graph, by_kind[RiskKind.GR_ST]),
         multi_topic=_edges(graph, by_kind[RiskKind.GR_MT]),
-        event_topics=_published(graph, mission, Role.EVENT),
-        action_topics=_published(graph, mission, Role.ACTION),
-        image_nodes=_nodes(robot, Role.IMAGE),
-        max_vel_nodes=_nodes(robot, Role.MAX_VEL),
+        event_topics=_published(graph, mission, RiskRole.EVENT),
+        action_topics=_published(graph, mission, RiskRole.ACTION),
+        image_nodes=_nodes(robot, RiskRole.IMAGE),
+        max_vel_nodes=_nodes(robot, RiskRole.MAX_VEL),
     )
 
 
@@ -49,11 +49,11 @@ def _concerned(risk: Risk) -> frozenset[str]:
     return frozenset(risk.successors).union(*risk.role_nodes.values())
 
 
-def _nodes(risks: Iterable[Risk], role: Role) -> frozenset[str]:
+def _nodes(risks: Iterable[Risk], role: RiskRole) -> frozenset[str]:
     return frozenset(node for risk in risks for node in risk.role_nodes.get(role, ()))
 
 
-def _published(graph: InteractionGraph, risks: Iterable[Risk], role: Role) -> frozenset[str]:
+def _published(graph: InteractionGraph, risks: Iterable[Risk], role: RiskRole) -> frozenset[str]:
     """Return the risks' topics that a node in `role` publishes."""
     return frozenset(
         topic

@@ -25,7 +25,6 @@ from rtron.vocabulary import (
     MSRCN,
     RSRCN,
     UNAPPROVED,
-    ActionPart,
     Audit,
     Flow,
     FpsMonitor,
@@ -33,8 +32,9 @@ from rtron.vocabulary import (
     Mode,
     Node,
     Plan,
-    Stop,
-    action_of,
+    Ros1ActionTopic,
+    StopProfile,
+    action_name,
     is_action_type,
 )
 
@@ -148,8 +148,8 @@ def _fps_monitors(monitors: Sequence[FpsMonitor]) -> Iterator[Text]:
         yield line((monitor_words(monitor), "dim"), indent=4)
 
 
-def _stop(stop: Stop) -> Iterator[Text]:
-    if stop != Stop():
+def _stop(stop: StopProfile) -> Iterator[Text]:
+    if stop != StopProfile():
         yield from heading("Stop")
         yield line(stop_words(stop), indent=2)
 
@@ -173,14 +173,14 @@ def _guarded(topic: GuardedTopic) -> Iterator[Text]:
 def _topic(guarded: GRCN | GuardedTopic, more: str = "") -> Iterator[Text]:
     """Yield what is guarded; the goals of an action stand for all of its topics."""
     yield line(f"{guarded.topic}  {guarded.type}", more, indent=2)
-    action = action_of(guarded.topic, guarded.type)
+    action = action_name(guarded.topic, guarded.type)
     if is_action_type(guarded.type):
         yield line(
             (f"its goals, cancels and results are requests: {action} is one action", "dim"),
             indent=2,
         )
     elif action:
-        parts = ", ".join(part for part in ActionPart if part is not ActionPart.GOAL)
+        parts = ", ".join(part for part in Ros1ActionTopic if part is not Ros1ActionTopic.GOAL)
         yield line((f"with {parts}: {action} is one action", "dim"), indent=2)
 
 

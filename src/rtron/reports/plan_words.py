@@ -11,12 +11,12 @@ from rtron.vocabulary import (
     Flow,
     FpsMonitor,
     FrameSource,
+    MissionRule,
     OnError,
     OnForeign,
     OnSilence,
     PolicyName,
-    Rule,
-    Stop,
+    StopProfile,
     Transform,
     WhenUnknown,
 )
@@ -67,7 +67,7 @@ def _unknown(flow: EventFlow) -> Iterator[str]:
             yield f"{case}: {counts}"
 
 
-def rule_words(rule: Rule) -> str:
+def rule_words(rule: MissionRule) -> str:
     """Return when a rule blocks what, and what ends it."""
     when = "" if rule.when == "true" else f"while {one_line(rule.when)}: "
     action = f" where {one_line(rule.action)}" if rule.action else ""
@@ -109,7 +109,7 @@ def transform_words(one: Transform) -> str:
     return f"{one.source} lies in {one.target} at {one.x:g} m, {one.y:g} m, {one.yaw:g} rad"
 
 
-def stop_words(stop: Stop) -> str:
+def stop_words(stop: StopProfile) -> str:
     """Return how the robot is stopped."""
     ramp = f"a ramp of {stop.decel:g} m/s2 and {stop.angular_decel:g} rad/s2"
     return f"{ramp}, every {seconds(stop.period)}, then zeros for {seconds(stop.repeat)}"

@@ -3,10 +3,10 @@
 from dataclasses import asdict
 from typing import Any
 
-from rtron.vocabulary import REPLAY_SCHEMA, SECOND, Replay
+from rtron.vocabulary import REPLAY_SCHEMA, SECOND, ReplayReport
 
 
-def replay_to_json(replay: Replay) -> dict[str, Any]:
+def replay_to_json(replay: ReplayReport) -> dict[str, Any]:
     """Return a replay as a document; times are in seconds after the first message."""
     return {
         "schema": REPLAY_SCHEMA,

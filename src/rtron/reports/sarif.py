@@ -26,7 +26,7 @@ from rtron.vocabulary import (
     Risk,
     RiskReport,
     Severity,
-    Unresolved,
+    UnresolvedItem,
 )
 
 SCHEMA = (
@@ -85,7 +85,7 @@ def _invocation(graph: InteractionGraph, report: RiskReport, root: Path | None) 
     return {"executionSuccessful": True, "toolExecutionNotifications": notes}
 
 
-def _unresolved(item: Unresolved, root: Path | None) -> dict[str, Any]:
+def _unresolved(item: UnresolvedItem, root: Path | None) -> dict[str, Any]:
     places = [{"physicalLocation": physical_location(e, root)} for e in item.evidence if e.file]
     note = _notification(_UNRESOLVED, 0, f"{item.what}: {item.why}")
     return note | ({"locations": places} if places else {})
@@ -99,7 +99,7 @@ def _notification(id: str, index: int, text: str) -> dict[str, Any]:
     }
 
 
-def _order_of_unresolved(item: Unresolved) -> tuple[list[tuple[str, int]], str, str]:
+def _order_of_unresolved(item: UnresolvedItem) -> tuple[list[tuple[str, int]], str, str]:
     return [(e.file, e.line) for e in item.evidence], item.what, item.why
 
 

@@ -18,7 +18,7 @@ from rtron.vocabulary import (
     Domain,
     InteractionGraph,
     RiskReport,
-    Unresolved,
+    UnresolvedItem,
 )
 
 MOST_UNRESOLVED = 10
@@ -105,7 +105,7 @@ def _not_run(report: RiskReport, page: Page) -> Iterator[Text]:
         yield from paragraph(f"{rule}: {why}", page, indent=2)
 
 
-def _unresolved(unresolved: Sequence[Unresolved], page: Page) -> Iterator[Text]:
+def _unresolved(unresolved: Sequence[UnresolvedItem], page: Page) -> Iterator[Text]:
     if unresolved:
         yield from heading(f"Unresolved ({len(unresolved)})")
     for item in unresolved[:MOST_UNRESOLVED]:

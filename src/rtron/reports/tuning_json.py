@@ -4,10 +4,10 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
-from rtron.vocabulary import PROPOSALS_SCHEMA, SECOND, Proposal, Run
+from rtron.vocabulary import PROPOSALS_SCHEMA, SECOND, MeasuredRun, TuningProposal
 
 
-def tuning_to_json(run: Run, proposals: Sequence[Proposal]) -> dict[str, Any]:
+def tuning_to_json(run: MeasuredRun, proposals: Sequence[TuningProposal]) -> dict[str, Any]:
     """Return the proposals as a document; values are written as in the plan."""
     return {
         "schema": PROPOSALS_SCHEMA,

@@ -5,20 +5,20 @@ from collections.abc import Iterator, Sequence
 from rich.text import Text
 
 from rtron.reports.lines import Page, Report, columns, counted, heading, line, paragraph
-from rtron.vocabulary import SECOND, Proposal, ProposalKind, Run
+from rtron.vocabulary import SECOND, MeasuredRun, TuningProposal, TuningProposalKind
 
 _STYLES = ("cyan", "", "", "bold green")
 _HEADINGS = {
-    ProposalKind.CHANGE: "What changes",
-    ProposalKind.LOOK: "For you to look at",
-    ProposalKind.KEEP: "What stays as it is",
+    TuningProposalKind.CHANGE: "What changes",
+    TuningProposalKind.LOOK: "For you to look at",
+    TuningProposalKind.KEEP: "What stays as it is",
 }
 
 
 def tuning_text(
     title: str,
-    run: Run,
-    proposals: Sequence[Proposal],
+    run: MeasuredRun,
+    proposals: Sequence[TuningProposal],
     notes: Sequence[str] = (),
     next_step: str = "",
 ) -> Report:
@@ -36,21 +36,21 @@ def tuning_text(
     return Report(lines)
 
 
-def _head(title: str, run: Run) -> Text:
+def _head(title: str, run: MeasuredRun) -> Text:
     messages = sum(flow.messages for stream in run.streams for flow in stream.flows)
     told = f"{counted(messages, 'message')} in {run.duration / SECOND:.0f} s"
     return line((title, "bold"), "  ", told)
 
 
-def _proposed(proposals: Sequence[Proposal], page: Page) -> Iterator[Text]:
+def _proposed(proposals: Sequence[TuningProposal], page: Page) -> Iterator[Text]:
     for kind, words in _HEADINGS.items():
         chosen = [each for each in proposals if each.kind is kind]
-        if chosen or kind is ProposalKind.CHANGE:
+        if chosen or kind is TuningProposalKind.CHANGE:
             yield from heading(f"{words} ({len(chosen)})")
             yield from _rows(chosen, page)
 
 
-def _rows(proposals: Sequence[Proposal], page: Page) -> Iterator[Text]:
+def _rows(proposals: Sequence[TuningProposal], page: Page) -> Iterator[Text]:
     if not proposals:
         return
     rows = columns([_cells(each) for each in proposals], _STYLES, indent=2)
@@ -59,8 +59,8 @@ def _rows(proposals: Sequence[Proposal], page: Page) -> Iterator[Text]:
         yield from paragraph(proposal.why, page, indent=4, style="dim")
 
 
-def _cells(proposal: Proposal) -> tuple[str, ...]:
+def _cells(proposal: TuningProposal) -> tuple[str, ...]:
     value = proposal.before
-    if proposal.kind is ProposalKind.CHANGE:
+    if proposal.kind is TuningProposalKind.CHANGE:
         value = f"{proposal.before} -> {proposal.after}"
     return proposal.node, proposal.flow, proposal.key, value

@@ -28,58 +28,60 @@ observe it and block whom you do not know.
 
 from collections.abc import Iterator
 
-from rtron.risks.graph_facts import Facts, TopicFacts, evidence_of
-from rtron.risks.rule import Need, Rule
+from rtron.risks.graph_facts import GraphFacts, TopicFacts, evidence_of
+from rtron.risks.rule import RiskRule, RuleInput
 from rtron.risks.severity import contends_for_robot, severity_of
-from rtron.risks.wording import all_of, listed, verb
-from rtron.vocabulary import Risk, RiskKind, Role, Sharing, TopicClass
+from rtron.risks.wording import both_or_all, conjugate, join_names
+from rtron.vocabulary import Risk, RiskKind, RiskRole, Sharing, TopicClass
 
 
-def check(facts: Facts) -> Iterator[Risk]:
+def check(facts: GraphFacts) -> Iterator[Risk]:
     """Yield a risk for each topic with several publishers and a successor."""
-    for topic in map(facts.topic, (*facts.published, *facts.requested)):
+    for topic in map(facts.topic, (*facts.published_topics, *facts.ros2_actions)):
         if len(topic.publishers) > 1 and topic.successors and not _ignored(facts, topic):
             yield _risk(facts, topic)
 
 
-def _ignored(facts: Facts, topic: TopicFacts) -> bool:
+def _ignored(facts: GraphFacts, topic: TopicFacts) -> bool:
     ignores_type = facts.lists.ignores_type
     return facts.lists.ignores_topic(topic.name) or any(map(ignores_type, topic.types))
 
 
-def _risk(facts: Facts, topic: TopicFacts) -> Risk:
+def _risk(facts: GraphFacts, topic: TopicFacts) -> Risk:
     topic_class = facts.classify(topic.name)
     moves = contends_for_robot(topic_class)
     return Risk(
         id=f"GR-ST:{topic.name}",
         kind=RiskKind.GR_ST,
         rule=RULE.name,
-        role_nodes={Role.PUBLISHER: topic.publishers},
+        role_nodes={RiskRole.PUBLISHER: topic.publishers},
         topics=(topic.name,),
         message_type=topic.type,
         successors=topic.successors,
         domain=topic_class.domain,
-        severity=severity_of(moves=moves, own=topic.own, reaches=True),
+        severity=severity_of(
+            moves_robot=moves, only_own_nodes=topic.only_own_publishers, reaches_successor=True
+        ),
         reason=_reason(topic, topic_class),
-        evidence=evidence_of(facts.goals.publishers(topic.name)),
+        evidence=evidence_of(facts.graph_with_goals.publishers(topic.name)),
     )
 
 
 def _reason(topic: TopicFacts, topic_class: TopicClass) -> str:
-    told = f"{listed(topic.publishers)} {all_of(topic.publishers)} publish {topic.name}"
-    successors = listed(topic.successors)
+    subject = f"{join_names(topic.publishers)} {both_or_all(topic.publishers)} publish {topic.name}"
+    successors = join_names(topic.successors)
     if topic_class.sharing is Sharing.MERGE:
-        return f"{told}: each could overwrite what the others tell {successors}"
-    return f"{told}: {successors} {verb(topic.successors, 'follow')} whoever spoke last"
+        return f"{subject}: each could overwrite what the others tell {successors}"
+    return f"{subject}: {successors} {conjugate(topic.successors, 'follow')} whoever spoke last"
 
 
-RULE = Rule(
+RULE = RiskRule(
     name="gr_st",
     kind=RiskKind.GR_ST,
     title="General risk with a single topic",
     severity="high where an untrusted node contends for a topic of Planning or Control, "
     "else medium; one step milder when all publishers are your own",
-    needs=(Need.PUBLISHERS, Need.SUBSCRIBERS),
+    needs=(RuleInput.PUBLISHERS, RuleInput.SUBSCRIBERS),
     since="0.1.0",
     check=check,
 )

@@ -14,12 +14,12 @@ from rtron.vocabulary import (
     TopicClass,
     Trust,
     normalise_type,
-    with_goals,
+    with_goal_topics,
 )
 
 # A risk that spans several topics names so many nodes of each, or it could grow with the square
 # of the graph. Who publishes a topic with more publishers stands in full in its GR-ST.
-NAMED = 100
+MAX_NAMED_NODES = 100
 
 
 class TopicFacts(NamedTuple):
@@ -33,7 +33,7 @@ class TopicFacts(NamedTuple):
     types: tuple[str, ...]
     publishers: tuple[str, ...]
     successors: tuple[str, ...]
-    own: bool
+    only_own_publishers: bool
 
     @property
     def type(self) -> str:
@@ -42,7 +42,7 @@ class TopicFacts(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Facts:
+class GraphFacts:
     """A graph seen with the lists. Message types are in ROS 1 spelling throughout."""
 
     graph: InteractionGraph
@@ -51,23 +51,23 @@ class Facts:
     _classes: dict[str, TopicClass] = field(default_factory=dict, init=False)
 
     @cached_property
-    def published(self) -> tuple[str, ...]:
+    def published_topics(self) -> tuple[str, ...]:
         """The topics with a publisher."""
         return _distinct(e.topic for e in self.graph.endpoints if e.direction is Direction.PUBLISH)
 
     @cached_property
-    def goals(self) -> InteractionGraph:
+    def graph_with_goals(self) -> InteractionGraph:
         """The graph with the goals of ROS 2's actions as topics of the actions' names."""
-        return with_goals(self.graph)
+        return with_goal_topics(self.graph)
 
     @cached_property
-    def requested(self) -> tuple[str, ...]:
+    def ros2_actions(self) -> tuple[str, ...]:
         """The actions of ROS 2 with a client."""
-        more = self.goals.endpoints[len(self.graph.endpoints) :]
+        more = self.graph_with_goals.endpoints[len(self.graph.endpoints) :]
         return _distinct(e.topic for e in more if e.direction is Direction.PUBLISH)
 
     @cached_property
-    def subscribing(self) -> tuple[str, ...]:
+    def subscribing_nodes(self) -> tuple[str, ...]:
         """The nodes with a subscription."""
         return _distinct(e.node for e in self.graph.endpoints if e.direction is Direction.SUBSCRIBE)
 
@@ -86,9 +86,9 @@ class Facts:
         """Return what a topic is for."""
         if name not in self._classes:
             type = self.topic(name).type
-            requested = name in self._requested
-            asked = (f"{type}ActionGoal", f"{name}/goal") if requested else (type, name)
-            self._classes[name] = self.lists.classify(*asked)
+            is_ros2_action = name in self._ros2_action_names
+            lookup = (f"{type}ActionGoal", f"{name}/goal") if is_ros2_action else (type, name)
+            self._classes[name] = self.lists.classify(*lookup)
         return self._classes[name]
 
     def type_of(self, endpoint: Endpoint) -> str:
@@ -97,12 +97,15 @@ class Facts:
         declared = () if known else self._declared_types.get(endpoint.topic, ())
         return declared[0] if len(declared) == 1 else known
 
-    def own(self, nodes: Iterable[str]) -> bool:
+    def are_own(self, nodes: Iterable[str]) -> bool:
         """Tell whether all the nodes are the user's own."""
         return self._own_nodes.issuperset(nodes)
 
     def _read_topic(self, name: str) -> TopicFacts:
-        publishing, subscribing = self.goals.publishers(name), self.goals.subscribers(name)
+        publishing, subscribing = (
+            self.graph_with_goals.publishers(name),
+            self.graph_with_goals.subscribers(name),
+        )
         written = tuple([e.type for e in publishing + subscribing])
         publishers = _distinct([e.node for e in publishing])
         acting = {e.node for e in subscribing} - self.viewers if subscribing else ()
@@ -111,12 +114,12 @@ class Facts:
             _known_types(written, self._declared_types.get(name, ())),
             publishers,
             _distinct(acting),
-            self.own(publishers),
+            self.are_own(publishers),
         )
 
     @cached_property
-    def _requested(self) -> frozenset[str]:
-        return frozenset(self.requested)
+    def _ros2_action_names(self) -> frozenset[str]:
+        return frozenset(self.ros2_actions)
 
     @cached_property
     def _own_nodes(self) -> frozenset[str]:
@@ -132,7 +135,7 @@ class Facts:
 
 def evidence_of(endpoints: Iterable[Endpoint]) -> tuple[Evidence, ...]:
     """Return where the endpoints were read, each place once."""
-    return tuple(dict.fromkeys([place for e in endpoints for place in e.evidence]))
+    return tuple(dict.fromkeys([location for e in endpoints for location in e.evidence]))
 
 
 @lru_cache(4096)
@@ -148,5 +151,5 @@ def _known_types(written: tuple[str, ...], declared: tuple[str, ...]) -> tuple[s
 
 
 def _distinct(names: Iterable[str]) -> tuple[str, ...]:
-    found = set(names)
-    return tuple(sorted(found) if len(found) > 1 else found)
+    distinct = set(names)
+    return tuple(sorted(distinct) if len(distinct) > 1 else distinct)

@@ -9,10 +9,10 @@ from typing import Any
 import yaml
 
 from rtron.errors import InputError
-from rtron.risks.topic_table import Entry
+from rtron.risks.topic_table import TopicTableEntry
 from rtron.vocabulary import Domain, Sharing, StreamKind
 
-Written = Mapping[str, tuple[Any, ...]]
+ListFileContent = Mapping[str, tuple[Any, ...]]
 
 MAX_BYTES = 2**20
 WORD_LISTS = (
@@ -52,7 +52,7 @@ def read_text(path: Path) -> str:
     return text
 
 
-def parse_lists(text: str, path: str) -> Written:
+def parse_lists(text: str, path: str) -> ListFileContent:
     """Return the lists and tables in a YAML text; raise InputError where one is wrong."""
     return dict(_checked(_parsed(text, path), path))
 
@@ -80,7 +80,7 @@ def _checked(document: Mapping[Any, Any], path: str) -> Iterator[tuple[str, tupl
             raise _unknown("list", name, (*WORD_LISTS, *TABLES), path)
 
 
-def _entry(entry: object, table: str, path: str) -> Entry:
+def _entry(entry: object, table: str, path: str) -> TopicTableEntry:
     key, words = TABLES[table]
     if not isinstance(entry, dict) or key not in entry:
         raise InputError(
@@ -96,7 +96,7 @@ def _entry(entry: object, table: str, path: str) -> Entry:
     topics = _words(entry.get("topics", []), f"topics of {entry[key]}", path)
     if not types and not topics:
         raise InputError(f"an entry of {table} has neither types nor topics", path=path)
-    return Entry(word=entry[key], types=types, topics=topics)
+    return TopicTableEntry(category=entry[key], types=types, topics=topics)
 
 
 def _words(value: object, name: str, path: str) -> tuple[str, ...]:

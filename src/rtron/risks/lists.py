@@ -7,11 +7,11 @@ from functools import cache, cached_property, lru_cache
 from importlib.resources import files
 from pathlib import Path
 
-from rtron.risks.list_parser import Written, parse_lists, read_text
-from rtron.risks.topic_table import Entry, Patterns, TopicTable
-from rtron.vocabulary import Domain, Sharing, StreamKind, TopicClass, normalise_type, without_stamp
+from rtron.risks.list_parser import ListFileContent, parse_lists, read_text
+from rtron.risks.topic_table import NamePatterns, TopicTable, TopicTableEntry
+from rtron.vocabulary import Domain, Sharing, StreamKind, TopicClass, normalise_type, unstamped_type
 
-_TYPES_KEPT = 4096
+_TYPE_CACHE_SIZE = 4096
 _FALLBACK_KIND = {Domain.CONTROL: StreamKind.COMMAND, Domain.DRIVERS: StreamKind.COMMAND}
 
 
@@ -36,9 +36,9 @@ class RiskLists:
     ignored_topics: tuple[str, ...] = ()
     ignored_types: tuple[str, ...] = ()
     ignored_packages: tuple[str, ...] = ()
-    domains: tuple[Entry, ...] = ()
-    sharing: tuple[Entry, ...] = ()
-    kinds: tuple[Entry, ...] = ()
+    domains: tuple[TopicTableEntry, ...] = ()
+    sharing: tuple[TopicTableEntry, ...] = ()
+    kinds: tuple[TopicTableEntry, ...] = ()
 
     def is_event(self, message_type: str) -> bool:
         """Tell whether a type is in EVENT_MSG_TYPE."""
@@ -46,7 +46,7 @@ class RiskLists:
 
     def is_action(self, message_type: str) -> bool:
         """Tell whether a type is in ACTION_MSG_TYPE, an action being known by its goals."""
-        name = without_stamp(message_type)
+        name = unstamped_type(message_type)
         actions = self._types["action_msg_type"]
         return name in actions or (name.endswith("ActionGoal") and name[: -len("Goal")] in actions)
 
@@ -106,23 +106,23 @@ class RiskLists:
     @cached_property
     def _named(self) -> dict[str, re.Pattern[str]]:
         names = ("event_topic_name", "action_topic_name")
-        return {name: _one_of(getattr(self, name)) for name in names}
+        return {name: _any_word(getattr(self, name)) for name in names}
 
     @cached_property
-    def _patterns(self) -> dict[str, Patterns]:
+    def _patterns(self) -> dict[str, NamePatterns]:
         names = ("ignored_topics", "ignored_types", "ignored_packages")
-        return {name: Patterns(map(normalise_type, getattr(self, name))) for name in names}
+        return {name: NamePatterns(map(normalise_type, getattr(self, name))) for name in names}
 
     @cached_property
     def _ignores_type(self) -> Callable[[str], bool]:
-        return lru_cache(_TYPES_KEPT)(self._patterns["ignored_types"].match)
+        return lru_cache(_TYPE_CACHE_SIZE)(self._patterns["ignored_types"].match)
 
     @cached_property
     def _tables(self) -> tuple[TopicTable, TopicTable, TopicTable]:
         return TopicTable(self.domains), TopicTable(self.sharing), TopicTable(self.kinds)
 
 
-def _one_of(words: tuple[str, ...]) -> re.Pattern[str]:
+def _any_word(words: tuple[str, ...]) -> re.Pattern[str]:
     """Return a pattern that finds any of the words, and nothing if there is none."""
     return re.compile("|".join(map(re.escape, words)) or r"(?!)")
 
@@ -147,13 +147,15 @@ def default_lists() -> RiskLists:
 
 def load_lists(path: Path | None = None) -> RiskLists:
     """Return the default lists, a file's words added to them and its table entries asked first."""
-    ours = default_lists()
+    defaults = default_lists()
     if path is None:
-        return ours
-    own = parse_lists(read_text(path), str(path))
-    return _joined(own, {field.name: getattr(ours, field.name) for field in fields(RiskLists)})
+        return defaults
+    additions = parse_lists(read_text(path), str(path))
+    return _joined(
+        additions, {field.name: getattr(defaults, field.name) for field in fields(RiskLists)}
+    )
 
 
-def _joined(*parts: Written) -> RiskLists:
+def _joined(*parts: ListFileContent) -> RiskLists:
     names = [field.name for field in fields(RiskLists)]
     return RiskLists(**{name: sum((part.get(name, ()) for part in parts), ()) for name in names})

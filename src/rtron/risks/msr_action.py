@@ -24,53 +24,57 @@ An MSRCN in front of the actuators that blocks the action while an event of the 
 
 from collections.abc import Iterator
 
-from rtron.risks.graph_facts import Facts, TopicFacts, evidence_of
-from rtron.risks.rule import Need, Rule
+from rtron.risks.graph_facts import GraphFacts, TopicFacts, evidence_of
+from rtron.risks.rule import RiskRule, RuleInput
 from rtron.risks.severity import severity_of
-from rtron.risks.wording import listed, verb
-from rtron.vocabulary import Risk, RiskKind, Role
+from rtron.risks.wording import conjugate, join_names
+from rtron.vocabulary import Risk, RiskKind, RiskRole
 
 
-def check(facts: Facts) -> Iterator[Risk]:
+def check(facts: GraphFacts) -> Iterator[Risk]:
     """Yield a risk for each topic that makes the robot act, and for each action of ROS 2."""
-    for topic in map(facts.topic, facts.published):
+    for topic in map(facts.topic, facts.published_topics):
         if _acts(facts, topic):
             yield _risk(facts, topic)
-    yield from (_risk(facts, facts.topic(name)) for name in facts.requested)
+    yield from (_risk(facts, facts.topic(name)) for name in facts.ros2_actions)
 
 
-def _acts(facts: Facts, topic: TopicFacts) -> bool:
+def _acts(facts: GraphFacts, topic: TopicFacts) -> bool:
     answers = facts.lists.action_answer
     if topic.name.endswith(answers) or any(name.endswith(answers) for name in topic.types):
         return False
     return facts.lists.names_action(topic.name) or any(map(facts.lists.is_action, topic.types))
 
 
-def _risk(facts: Facts, topic: TopicFacts) -> Risk:
+def _risk(facts: GraphFacts, topic: TopicFacts) -> Risk:
     nodes, successors = topic.publishers, topic.successors
     return Risk(
         id=f"MSR-action:{topic.name}",
         kind=RiskKind.MSR,
         rule=RULE.name,
-        role_nodes={Role.ACTION: nodes},
+        role_nodes={RiskRole.ACTION: nodes},
         topics=(topic.name,),
         message_type=topic.type,
         successors=successors,
         domain=facts.classify(topic.name).domain,
-        severity=severity_of(moves=True, own=topic.own, reaches=bool(successors)),
-        reason=f"{listed(nodes)} {verb(nodes, 'make')} the robot act through {topic.name}: "
-        f"{listed(successors, 'no node so far')} {verb(successors, 'obey')}, whatever happens",
-        evidence=evidence_of(facts.goals.publishers(topic.name)),
+        severity=severity_of(
+            moves_robot=True,
+            only_own_nodes=topic.only_own_publishers,
+            reaches_successor=bool(successors),
+        ),
+        reason=f"{join_names(nodes)} {conjugate(nodes, 'make')} the robot act through {topic.name}: "
+        f"{join_names(successors, 'no node so far')} {conjugate(successors, 'obey')}, whatever happens",
+        evidence=evidence_of(facts.graph_with_goals.publishers(topic.name)),
     )
 
 
-RULE = Rule(
+RULE = RiskRule(
     name="msr_action",
     kind=RiskKind.MSR,
     title="Mission-specific risk of an action",
     severity="high where a publisher is untrusted, medium where all are your own; low while no "
     "node obeys",
-    needs=(Need.PUBLISHERS, Need.TYPES),
+    needs=(RuleInput.PUBLISHERS, RuleInput.TYPES),
     since="0.1.0",
     check=check,
 )

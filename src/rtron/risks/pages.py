@@ -5,12 +5,12 @@ from difflib import get_close_matches
 from importlib import import_module
 
 from rtron.errors import InputError
-from rtron.risks.rule import Rule
+from rtron.risks.rule import RiskRule
 
 HEADINGS = ("What it finds", "Why it is a risk", "Remedy", "Example")
 
 
-def page(rule: Rule) -> str:
+def format_rule_page(rule: RiskRule) -> str:
     """Return a rule's page in Markdown: its title, its facts and its module's docstring."""
     docstring = import_module(rule.check.__module__).__doc__ or ""
     summary, text = docstring.strip().split("\n", 1)
@@ -23,12 +23,12 @@ def page(rule: Rule) -> str:
     )
 
 
-def named(rules: Sequence[Rule], name: str) -> Rule:
+def find_rule(rules: Sequence[RiskRule], name: str) -> RiskRule:
     """Return the rule of that name (`gr_st` or `GR-ST`); raise InputError if there is none."""
     known = {rule.name: rule for rule in rules}
-    wanted = name.lower().replace("-", "_")
-    if wanted in known:
-        return known[wanted]
-    near = get_close_matches(wanted[:80], known, n=1, cutoff=0.3)
+    rule_name = name.lower().replace("-", "_")
+    if rule_name in known:
+        return known[rule_name]
+    near = get_close_matches(rule_name[:80], known, n=1, cutoff=0.3)
     help = f"did you mean {near[0]}?" if near else f"the rules are {', '.join(known)}"
     raise InputError(f"no rule is named {name[:80]!r}", help=help)

@@ -24,58 +24,66 @@ below what this rate allows (Safe), or below a limit that the user sets (Constra
 
 from collections.abc import Iterator
 
-from rtron.risks.graph_facts import NAMED, Facts, evidence_of
-from rtron.risks.rule import Need, Rule
+from rtron.risks.graph_facts import MAX_NAMED_NODES, GraphFacts, evidence_of
+from rtron.risks.rule import RiskRule, RuleInput
 from rtron.risks.severity import severity_of
-from rtron.risks.wording import listed
-from rtron.vocabulary import Endpoint, Risk, RiskKind, Role
+from rtron.risks.wording import join_names
+from rtron.vocabulary import Endpoint, Risk, RiskKind, RiskRole
 
 
-def check(facts: Facts) -> Iterator[Risk]:
+def check(facts: GraphFacts) -> Iterator[Risk]:
     """Yield a risk for each node that takes images and tells what it recognises."""
-    for node in facts.subscribing:
+    for node in facts.subscribing_nodes:
         images = [e for e in facts.graph.subscribed_by(node) if _is_image(facts, e)]
-        told = _recognitions(facts, node) if images else ()
-        if told:
-            yield _risk(facts, images, told)
+        recognitions = _recognitions(facts, node) if images else ()
+        if recognitions:
+            yield _risk(facts, images, recognitions)
 
 
-def _is_image(facts: Facts, endpoint: Endpoint) -> bool:
+def _is_image(facts: GraphFacts, endpoint: Endpoint) -> bool:
     return facts.lists.is_image(facts.type_of(endpoint))
 
 
-def _recognitions(facts: Facts, node: str) -> tuple[str, ...]:
+def _recognitions(facts: GraphFacts, node: str) -> tuple[str, ...]:
     topics = {endpoint.topic for endpoint in facts.graph.published_by(node)}
     words = facts.lists.recog_topic_name
     return tuple(sorted(topic for topic in topics if any(word in topic for word in words)))
 
 
-def _risk(facts: Facts, images: list[Endpoint], told: tuple[str, ...]) -> Risk:
+def _risk(facts: GraphFacts, images: list[Endpoint], recognitions: tuple[str, ...]) -> Risk:
     node = images[0].node
-    successors = tuple(sorted({n for topic in told for n in facts.topic(topic).successors[:NAMED]}))
+    successors = tuple(
+        sorted(
+            {n for topic in recognitions for n in facts.topic(topic).successors[:MAX_NAMED_NODES]}
+        )
+    )
     return Risk(
         id=f"RSR-image:{node}",
         kind=RiskKind.RSR,
         rule=RULE.name,
-        role_nodes={Role.IMAGE: (node,)},
-        topics=told,
+        role_nodes={RiskRole.IMAGE: (node,)},
+        topics=recognitions,
         message_type=facts.type_of(images[0]),
         successors=successors,
-        domain=facts.classify(told[0]).domain,
-        severity=severity_of(moves=False, own=facts.own([node]), reaches=bool(successors)),
-        reason=f"{node} recognises what is on {listed(sorted({e.topic for e in images}))} and "
-        f"tells it on {listed(told)}: if it slows down, the robot outruns its eyes",
+        domain=facts.classify(recognitions[0]).domain,
+        severity=severity_of(
+            moves_robot=False,
+            only_own_nodes=facts.are_own([node]),
+            reaches_successor=bool(successors),
+        ),
+        reason=f"{node} recognises what is on {join_names(sorted({e.topic for e in images}))} and "
+        f"tells it on {join_names(recognitions)}: if it slows down, the robot outruns its eyes",
         evidence=evidence_of(images),
     )
 
 
-RULE = Rule(
+RULE = RiskRule(
     name="rsr_image",
     kind=RiskKind.RSR,
     title="Robot-specific risk of an image node",
     severity="medium where the node is untrusted, low where it is your own or no node acts on "
     "what it tells",
-    needs=(Need.PUBLISHERS, Need.SUBSCRIBERS, Need.TYPES),
+    needs=(RuleInput.PUBLISHERS, RuleInput.SUBSCRIBERS, RuleInput.TYPES),
     since="0.1.0",
     check=check,
 )

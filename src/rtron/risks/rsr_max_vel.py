@@ -24,45 +24,49 @@ publisher.
 
 from collections.abc import Iterator
 
-from rtron.risks.graph_facts import Facts, TopicFacts, evidence_of
-from rtron.risks.rule import Need, Rule
+from rtron.risks.graph_facts import GraphFacts, TopicFacts, evidence_of
+from rtron.risks.rule import RiskRule, RuleInput
 from rtron.risks.severity import severity_of
-from rtron.risks.wording import listed, verb
-from rtron.vocabulary import Risk, RiskKind, Role
+from rtron.risks.wording import conjugate, join_names
+from rtron.vocabulary import Risk, RiskKind, RiskRole
 
 
-def check(facts: Facts) -> Iterator[Risk]:
+def check(facts: GraphFacts) -> Iterator[Risk]:
     """Yield a risk for each published topic that sets the maximal velocity."""
-    for topic in map(facts.topic, facts.published):
+    for topic in map(facts.topic, facts.published_topics):
         if any(facts.lists.is_max_vel(name, topic.name) for name in topic.types):
             yield _risk(facts, topic)
 
 
-def _risk(facts: Facts, topic: TopicFacts) -> Risk:
+def _risk(facts: GraphFacts, topic: TopicFacts) -> Risk:
     publishers, successors = topic.publishers, topic.successors
     return Risk(
         id=f"RSR-max_vel:{topic.name}",
         kind=RiskKind.RSR,
         rule=RULE.name,
-        role_nodes={Role.MAX_VEL: publishers},
+        role_nodes={RiskRole.MAX_VEL: publishers},
         topics=(topic.name,),
         message_type=topic.type,
         successors=successors,
         domain=facts.classify(topic.name).domain,
-        severity=severity_of(moves=True, own=topic.own, reaches=bool(successors)),
-        reason=f"{listed(publishers)} {verb(publishers, 'set')} on {topic.name} how fast "
-        f"{listed(successors, 'nobody so far')} may drive, whatever the cameras can follow",
+        severity=severity_of(
+            moves_robot=True,
+            only_own_nodes=topic.only_own_publishers,
+            reaches_successor=bool(successors),
+        ),
+        reason=f"{join_names(publishers)} {conjugate(publishers, 'set')} on {topic.name} how fast "
+        f"{join_names(successors, 'nobody so far')} may drive, whatever the cameras can follow",
         evidence=evidence_of(facts.graph.publishers(topic.name)),
     )
 
 
-RULE = Rule(
+RULE = RiskRule(
     name="rsr_max_vel",
     kind=RiskKind.RSR,
     title="Robot-specific risk of a maximal velocity",
     severity="high where a publisher is untrusted, medium where all are your own; low while no "
     "node obeys",
-    needs=(Need.PUBLISHERS, Need.TYPES),
+    needs=(RuleInput.PUBLISHERS, RuleInput.TYPES),
     since="0.1.0",
     check=check,
 )

@@ -3,11 +3,11 @@
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from rtron.risks.graph_facts import Facts
-from rtron.vocabulary import Risk, RiskKind, Word
+from rtron.risks.graph_facts import GraphFacts
+from rtron.vocabulary import Risk, RiskKind, StringEnum
 
 
-class Need(Word):
+class RuleInput(StringEnum):
     """What a graph must hold for a rule to run; without it the rule says so, never «clean»."""
 
     PUBLISHERS = "publishers"
@@ -16,7 +16,7 @@ class Need(Word):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Rule:
+class RiskRule:
     """One way to find risks; its module's docstring is its page, and its name the file's.
 
     `severity` says in words where the severity comes from, `since` the version it came with.
@@ -26,24 +26,24 @@ class Rule:
     kind: RiskKind
     title: str
     severity: str
-    needs: tuple[Need, ...]
+    needs: tuple[RuleInput, ...]
     since: str
-    check: Callable[[Facts], Iterator[Risk]]
+    check: Callable[[GraphFacts], Iterator[Risk]]
 
 
-def missing(rule: Rule, facts: Facts) -> str:
+def missing_inputs(rule: RiskRule, facts: GraphFacts) -> str:
     """Return why a rule cannot run on a graph, or an empty text."""
-    lacks = [str(need) for need in rule.needs if not _HOLDS[need](facts)]
+    lacks = [str(need) for need in rule.needs if not _IS_PRESENT[need](facts)]
     return f"the graph holds no {' and no '.join(lacks)}" if lacks else ""
 
 
-def _has_types(facts: Facts) -> bool:
+def _has_types(facts: GraphFacts) -> bool:
     graph = facts.graph
     return any(e.type for e in graph.endpoints) or any(topic.types for topic in graph.topics)
 
 
-_HOLDS: dict[Need, Callable[[Facts], bool]] = {
-    Need.PUBLISHERS: lambda facts: bool(facts.published),
-    Need.SUBSCRIBERS: lambda facts: bool(facts.subscribing),
-    Need.TYPES: _has_types,
+_IS_PRESENT: dict[RuleInput, Callable[[GraphFacts], bool]] = {
+    RuleInput.PUBLISHERS: lambda facts: bool(facts.published_topics),
+    RuleInput.SUBSCRIBERS: lambda facts: bool(facts.subscribing_nodes),
+    RuleInput.TYPES: _has_types,
 }

@@ -14,16 +14,16 @@ the attackers; section 4.1: a general risk needs at least one untrusted node).
 from rtron.vocabulary import Domain, Severity, Sharing, TopicClass
 
 
-def severity_of(*, moves: bool, own: bool, reaches: bool) -> Severity:
-    """Return a severity: `moves` the robot at once, by `own` nodes only, `reaches` a successor."""
-    if not reaches:
+def severity_of(*, moves_robot: bool, only_own_nodes: bool, reaches_successor: bool) -> Severity:
+    """Return a severity: `moves_robot` the robot at once, by `only_own_nodes` nodes only, `reaches_successor` a successor."""
+    if not reaches_successor:
         return Severity.LOW
-    if moves:
-        return Severity.MEDIUM if own else Severity.HIGH
-    return Severity.LOW if own else Severity.MEDIUM
+    if moves_robot:
+        return Severity.MEDIUM if only_own_nodes else Severity.HIGH
+    return Severity.LOW if only_own_nodes else Severity.MEDIUM
 
 
 def contends_for_robot(topic: TopicClass) -> bool:
     """Tell whether publishers of a topic take turns in planning for or controlling the robot."""
-    moves = topic.domain in (Domain.PLANNING, Domain.CONTROL)
-    return moves and topic.sharing is Sharing.CONTEND
+    moves_robot = topic.domain in (Domain.PLANNING, Domain.CONTROL)
+    return moves_robot and topic.sharing is Sharing.CONTEND

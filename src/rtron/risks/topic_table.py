@@ -7,42 +7,42 @@ from functools import lru_cache
 
 from rtron.vocabulary import normalise_type
 
-_TYPES_KEPT = 4096
+_TYPE_CACHE_SIZE = 4096
 _ANYTHING = ("*",)
 # No name in ROS is longer, and an expression takes time in the square of a hostile one.
 _LONGEST_NAME = 1000
 
 
-class Patterns:
+class NamePatterns:
     """Names, whole or with `*` for anything, that a text can match; most need no regex."""
 
-    __slots__ = ("_ends", "_holed", "_starts", "_whole")
+    __slots__ = ("_exact", "_prefixes", "_suffixes", "_wildcards")
 
     def __init__(self, patterns: Iterable[str]) -> None:
         written = frozenset(patterns)
-        self._whole = frozenset(name for name in written if "*" not in name)
-        holed = written - self._whole
-        starts = {name for name in holed if name.index("*") == len(name) - 1}
-        ends = {name for name in holed - starts if name.rindex("*") == 0}
-        self._starts = tuple(name[:-1] for name in starts)
-        self._ends = tuple(name[1:] for name in ends)
-        others = sorted(map(_regex, holed - starts - ends))
-        self._holed = re.compile("|".join(others)) if others else None
+        self._exact = frozenset(name for name in written if "*" not in name)
+        with_wildcard = written - self._exact
+        prefixes = {name for name in with_wildcard if name.index("*") == len(name) - 1}
+        suffixes = {name for name in with_wildcard - prefixes if name.rindex("*") == 0}
+        self._prefixes = tuple(name[:-1] for name in prefixes)
+        self._suffixes = tuple(name[1:] for name in suffixes)
+        others = sorted(map(_regex, with_wildcard - prefixes - suffixes))
+        self._wildcards = re.compile("|".join(others)) if others else None
 
     def match(self, text: str) -> bool:
         """Tell whether one of the patterns matches the whole text."""
-        if text in self._whole or text.startswith(self._starts) or text.endswith(self._ends):
+        if text in self._exact or text.startswith(self._prefixes) or text.endswith(self._suffixes):
             return True
-        if self._holed is None or len(text) > _LONGEST_NAME:
+        if self._wildcards is None or len(text) > _LONGEST_NAME:
             return False
-        return self._holed.search(text) is not None
+        return self._wildcards.search(text) is not None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Entry:
+class TopicTableEntry:
     """One of `types` and one of `topics` must match; an empty tuple asks for nothing."""
 
-    word: str
+    category: str
     types: tuple[str, ...] = ()
     topics: tuple[str, ...] = ()
 
@@ -50,16 +50,16 @@ class Entry:
 class TopicTable:
     """Entries in order. Which of them a type can match at all is kept, as types are few."""
 
-    def __init__(self, entries: Iterable[Entry]) -> None:
+    def __init__(self, entries: Iterable[TopicTableEntry]) -> None:
         self._entries = [
             (
-                Patterns(map(normalise_type, entry.types or _ANYTHING)),
-                Patterns(entry.topics or _ANYTHING),
-                entry.word,
+                NamePatterns(map(normalise_type, entry.types or _ANYTHING)),
+                NamePatterns(entry.topics or _ANYTHING),
+                entry.category,
             )
             for entry in entries
         ]
-        self._candidates = lru_cache(_TYPES_KEPT)(self._find_candidates)
+        self._candidates = lru_cache(_TYPE_CACHE_SIZE)(self._find_candidates)
 
     def find(self, message_type: str, topic: str) -> str | None:
         """Return the word of the first entry that matches, or None."""
@@ -68,7 +68,7 @@ class TopicTable:
                 return word
         return None
 
-    def _find_candidates(self, message_type: str) -> list[tuple[Patterns, str]]:
+    def _find_candidates(self, message_type: str) -> list[tuple[NamePatterns, str]]:
         return [(names, word) for types, names, word in self._entries if types.match(message_type)]
 
 

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 _SHOWN = 3
 
 
-def listed(names: Sequence[str], nobody: str = "nobody") -> str:
+def join_names(names: Sequence[str], nobody: str = "nobody") -> str:
     """Join names as a sentence does, the first few of many."""
     if not names:
         return nobody
@@ -15,11 +15,11 @@ def listed(names: Sequence[str], nobody: str = "nobody") -> str:
     return shown[0] if len(shown) == 1 else f"{', '.join(shown[:-1])} and {shown[-1]}"
 
 
-def verb(names: Sequence[str], plural: str) -> str:
+def conjugate(names: Sequence[str], plural: str) -> str:
     """Bend a regular verb to the number of its subjects."""
     return plural if len(names) > 1 else f"{plural}s"
 
 
-def all_of(names: Sequence[str]) -> str:
+def both_or_all(names: Sequence[str]) -> str:
     """Say «both» of two and «all» of more."""
     return "both" if len(names) == 2 else "all"  # noqa: PLR2004 - two is what both means

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rtron.errors import InputError
-from rtron.service.store.retention import Bounds
+from rtron.service.store.retention import RetentionLimits
 
 _HOUR = 3_600_000_000_000
-_KEPT = Bounds(days=30, size=4 << 30)
+_DEFAULT_RETENTION = RetentionLimits(max_days=30, max_bytes=4 << 30)
 _LOOPBACK = frozenset({"localhost", "127.0.0.1", "::1"})
 
 
@@ -21,12 +21,12 @@ class Tls:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Config:
+class ServiceConfig:
     """Where the service listens and keeps what; InputError if that is unsafe or impossible.
 
     `database` is a file or a URL. `allowed_hosts` are the names by which browsers and guards may
     call it, beside loopback. `proxies` are addresses or networks of reverse proxies, which must
-    speak TLS to the outside. `session_idle` and `session_longest` are in ns.
+    speak TLS to the outside. `session_idle_timeout` and `session_lifetime` are in ns.
     """
 
     database: str | Path = Path("rtron.db")
@@ -35,16 +35,16 @@ class Config:
     tls: Tls | None = None
     allowed_hosts: tuple[str, ...] = ()
     proxies: tuple[str, ...] = ()
-    insecure_http: bool = False
-    retention: Bounds = _KEPT
-    session_idle: int = 2 * _HOUR
-    session_longest: int = 12 * _HOUR
+    allow_insecure_http: bool = False
+    retention: RetentionLimits = _DEFAULT_RETENTION
+    session_idle_timeout: int = 2 * _HOUR
+    session_lifetime: int = 12 * _HOUR
 
     def __post_init__(self) -> None:
         _check_address(self)
         _check_retention(self.retention)
         for name in self.allowed_hosts:
-            _check_name(name)
+            _check_host_name(name)
         for proxy in self.proxies:
             _check_proxy(proxy)
         if self.tls:
@@ -62,16 +62,16 @@ class Config:
         return self.tls is not None or bool(self.proxies)
 
     @property
-    def names(self) -> frozenset[str]:
+    def host_names(self) -> frozenset[str]:
         """The host names that a request may be for, in small letters."""
         return _LOOPBACK | {name.lower() for name in (self.host, *self.allowed_hosts)}
 
 
-def _check_address(config: Config) -> None:
+def _check_address(config: ServiceConfig) -> None:
     if not 0 <= config.port <= 65535:  # noqa: PLR2004 - the range of ports
         raise InputError(f"--port {config.port} is not a port", help="choose one of 0 to 65535")
-    _check_name(config.host)
-    if not (config.is_local or config.tls or config.insecure_http):
+    _check_host_name(config.host)
+    if not (config.is_local or config.tls or config.allow_insecure_http):
         raise InputError(
             f"{config.host} is not this machine alone, and there is no TLS",
             help="give --tls-cert and --tls-key; or --insecure-http, if the network is trusted: "
@@ -79,14 +79,14 @@ def _check_address(config: Config) -> None:
         )
 
 
-def _check_retention(retention: Bounds) -> None:
-    if not retention.days > 0:
+def _check_retention(retention: RetentionLimits) -> None:
+    if not retention.max_days > 0:
         raise InputError("--keep-days must be more than 0", help="for example --keep-days 30")
-    if retention.size < 1 << 20:
+    if retention.max_bytes < 1 << 20:
         raise InputError("--keep-mb must be 1 at least", help="for example --keep-mb 4096")
 
 
-def _check_name(name: str) -> None:
+def _check_host_name(name: str) -> None:
     try:
         ipaddress.ip_address(name)
     except ValueError:

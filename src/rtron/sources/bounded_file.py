@@ -11,7 +11,7 @@ from typing import BinaryIO
 from rtron.errors import InputError
 
 STDIN = Path("-")
-_HASHED = 64 * 2**20
+_MAX_HASHED_BYTES = 64 * 2**20
 
 
 def read_bounded(path: Path, max_bytes: int) -> bytes:
@@ -20,7 +20,7 @@ def read_bounded(path: Path, max_bytes: int) -> bytes:
     Raise InputError past `max_bytes`, and for what cannot be read.
     """
     try:
-        with _opened(path) as stream:
+        with _open(path) as stream:
             data = stream.read(max_bytes + 1)
     except OSError as error:
         raise InputError(
@@ -34,13 +34,13 @@ def read_bounded(path: Path, max_bytes: int) -> bytes:
     return data
 
 
-def read_found(path: Path, max_bytes: int) -> bytes:
+def read_regular_file(path: Path, max_bytes: int) -> bytes:
     """Return the bytes of a file that nobody named, as `read_bounded` does.
 
     Raise InputError for a pipe or a device, too, which may never end.
     """
     try:
-        _check_end(path)
+        _require_regular_or_folder(path)
     except OSError as error:
         raise InputError(error.strerror or "cannot be read", path=str(path)) from None
     return read_bounded(path, max_bytes)
@@ -52,20 +52,20 @@ def content_hash(path: Path) -> str:
     Past _HASHED bytes its size stands for the rest: no file that is read is longer.
     """
     try:
-        _check_end(path)
+        _require_regular_or_folder(path)
         with path.open("rb") as stream:
             content = sha256(str(path.stat().st_size).encode())
-            content.update(stream.read(_HASHED))
+            content.update(stream.read(_MAX_HASHED_BYTES))
             return content.hexdigest()
     except OSError:
         return ""
 
 
-def _check_end(path: Path) -> None:
+def _require_regular_or_folder(path: Path) -> None:
     mode = path.stat().st_mode
     if not (S_ISREG(mode) or S_ISDIR(mode)):
         raise OSError(EINVAL, "is a pipe or a device, no file")
 
 
-def _opened(path: Path) -> AbstractContextManager[BinaryIO]:
+def _open(path: Path) -> AbstractContextManager[BinaryIO]:
     return nullcontext(sys.stdin.buffer) if path == STDIN else path.open("rb")

@@ -6,32 +6,32 @@ from math import isfinite
 from rtron.vocabulary import (
     Evidence,
     NodeParameter,
-    Parameters,
+    NodeParameterValue,
+    ParameterTree,
     ParameterValue,
-    PlainValue,
     QoS,
     Resolution,
-    Unresolved,
-    Word,
+    StringEnum,
+    UnresolvedItem,
 )
 
-MAX_TEXT = 4096
+MAX_VALUE_LENGTH = 4096
 
 
-def plain_value(value: object) -> PlainValue | None:
+def plain_value(value: object) -> NodeParameterValue | None:
     """Return a parameter's value as a graph tells it; None for what is long or none of ROS 2."""
     if isinstance(value, (list, tuple)):
-        items = [plain_value(item) for item in value[:MAX_TEXT]]
-        found = tuple(item for item in items if isinstance(item, (bool, int, float, str)))
-        return found if len(found) == len(value) else None
+        items = [plain_value(item) for item in value[:MAX_VALUE_LENGTH]]
+        values = tuple(item for item in items if isinstance(item, (bool, int, float, str)))
+        return values if len(values) == len(value) else None
     if isinstance(value, str):
-        return str(value) if len(value) <= MAX_TEXT else None
+        return str(value) if len(value) <= MAX_VALUE_LENGTH else None
     if isinstance(value, float):
         return value if isfinite(value) else None
     return value if isinstance(value, int) else None
 
 
-class DeclarationKind(Word):
+class DeclarationKind(StringEnum):
     """The calls of a client library that join a node to others."""
 
     PUBLISH = "publish"
@@ -82,15 +82,15 @@ _FORWARDED = "forward_global_arguments"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Loading:
+class ComponentLoading:
     """How a container loads a component (rclcpp_components: ComponentManager).
 
-    `container` is the full name of the node that loads it, `known` says that a launch that is read
+    `container` is the full name of the node that loads it, `is_process_known` says that a launch that is read
     tells all that this process is started with. `options` are the extra arguments.
     """
 
     container: str
-    known: bool = True
+    is_process_known: bool = True
     options: tuple[tuple[str, ParameterValue], ...] = ()
 
 
@@ -98,38 +98,38 @@ class Loading:
 class NodeSite:
     """A node where it runs: its full name, its command line and the parameters of the launch.
 
-    `remaps` lead from absolute declared names to absolute targets. `complete` says that
+    `remaps` lead from absolute declared names to absolute targets. `parameters_complete` says that
     `parameters` holds all there are: what is not in it is not set.
 
-    In ROS 2 (`ros`) the parameters are `settings`, of which the last that fits counts. `named` and
-    `placed` say that the launch gives the name and the namespace; where it does not, the source
+    In ROS 2 (`ros`) the parameters are `settings`, of which the last that fits counts. `has_launch_name` and
+    `has_launch_namespace` say that the launch gives the name and the namespace; where it does not, the source
     does. They are for every node of the process that takes the process's arguments. Of a component
     that is loaded (`loading`) they are its container's; `args` and `overrides` are its own, the
-    arguments and the parameters of the options that it is loaded with. `rules` are remap rules as
+    arguments and the parameters of the options that it is loaded with. `remap_rules` are remap rules as
     written, of which the first that fits counts.
     """
 
     name: str
     args: tuple[str, ...] = ()
-    parameters: Parameters = field(default_factory=Parameters)
+    parameters: ParameterTree = field(default_factory=ParameterTree)
     remaps: tuple[tuple[str, str], ...] = ()
     environ: tuple[tuple[str, str], ...] = ()
-    complete: bool = True
+    parameters_complete: bool = True
     ros: int = 1
-    named: bool = True
-    placed: bool = True
+    has_launch_name: bool = True
+    has_launch_namespace: bool = True
     settings: tuple[ParameterSetting, ...] = ()
     overrides: tuple[tuple[str, ParameterValue], ...] = ()
-    loading: Loading | None = None
-    rules: tuple[tuple[str, str], ...] = ()
+    loading: ComponentLoading | None = None
+    remap_rules: tuple[tuple[str, str], ...] = ()
 
     @property
-    def process(self) -> str:
+    def process_name(self) -> str:
         """The full name that a launch gives the nodes of the process."""
         return self.loading.container if self.loading else self.name
 
     @property
-    def own_settings(self) -> tuple[ParameterSetting, ...]:
+    def node_settings(self) -> tuple[ParameterSetting, ...]:
         """The settings that count for the node itself.
 
         A component has its container's only if `forward_global_arguments` says so
@@ -140,7 +140,7 @@ class NodeSite:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class StartedLaunch:
+class RuntimeStart:
     """A launch file, or a node, that a node starts itself."""
 
     path: str
@@ -149,16 +149,16 @@ class StartedLaunch:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class MadeNode:
+class CreatedNode:
     """A node that a process of ROS 2 makes: its full name, and the remaps that it gives itself.
 
-    The remaps are rules as written, and count before the process's. `globally` says that the
+    The remaps are rules as written, and count before the process's. `uses_global_arguments` says that the
     process's own count for it at all (rclcpp: NodeOptions::use_global_arguments).
     """
 
     name: str
     remaps: tuple[tuple[str, str], ...] = ()
-    globally: bool = True
+    uses_global_arguments: bool = True
     evidence: tuple[Evidence, ...] = ()
 
 
@@ -169,8 +169,8 @@ class NodeInterface:
     `nodes` are those of a process of ROS 2, in the order they are made, `parameters` theirs.
     """
 
-    nodes: tuple[MadeNode, ...] = ()
+    nodes: tuple[CreatedNode, ...] = ()
     declarations: tuple[Declaration, ...] = ()
-    starts: tuple[StartedLaunch, ...] = ()
-    unresolved: tuple[Unresolved, ...] = ()
+    runtime_starts: tuple[RuntimeStart, ...] = ()
+    unresolved: tuple[UnresolvedItem, ...] = ()
     parameters: tuple[NodeParameter, ...] = ()

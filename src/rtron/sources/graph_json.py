@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import ConfigDict, FailFast, Field, TypeAdapter, ValidationError, with_config
 
 from rtron.sources.bounded_file import read_bounded
-from rtron.sources.graph_json_errors import fault_in
+from rtron.sources.graph_json_errors import graph_file_error
 from rtron.vocabulary import (
     Action,
     Endpoint,
@@ -18,7 +18,7 @@ from rtron.vocabulary import (
     Service,
     ServiceClient,
     Topic,
-    Unresolved,
+    UnresolvedItem,
 )
 
 MAX_BYTES = 512 * 1024 * 1024
@@ -39,12 +39,12 @@ class GraphDocument:
     actions: Annotated[tuple[Action, ...], FailFast()] = ()
     clients: Annotated[tuple[ServiceClient, ...], FailFast()] = ()
     parameters: Annotated[tuple[NodeParameter, ...], FailFast()] = ()
-    unresolved: Annotated[tuple[Unresolved, ...], FailFast()] = ()
+    unresolved: Annotated[tuple[UnresolvedItem, ...], FailFast()] = ()
 
 
 _DOCUMENT = TypeAdapter(GraphDocument)
-_OPTIONAL = {"endpoints": "gid", "services": "implicit", "clients": "implicit"}
-_LISTS = ("clients", "parameters")
+_OPTIONAL_KEYS = {"endpoints": "gid", "services": "implicit", "clients": "implicit"}
+_OPTIONAL_LISTS = ("clients", "parameters")
 """What only graphs of ROS 2 have, and is written only where it is something."""
 
 
@@ -70,9 +70,9 @@ def read_graph(path: Path) -> InteractionGraph:
 def parse_graph(data: bytes, path: str) -> InteractionGraph:
     """Read a graph from the bytes of its JSON; `path` is what the errors call it."""
     try:
-        return _graph(_DOCUMENT.validate_json(data.removeprefix(BOM_UTF8)))
+        return _graph_of_document(_DOCUMENT.validate_json(data.removeprefix(BOM_UTF8)))
     except ValidationError as error:
-        raise fault_in(error, path) from None
+        raise graph_file_error(error, path) from None
 
 
 def graph_to_json(graph: InteractionGraph) -> dict[str, Any]:
@@ -91,11 +91,11 @@ def graph_to_json(graph: InteractionGraph) -> dict[str, Any]:
         unresolved=graph.unresolved,
     )
     json: dict[str, Any] = _DOCUMENT.dump_python(document, mode="json", exclude_none=True)
-    for key, optional in _OPTIONAL.items():
+    for key, optional in _OPTIONAL_KEYS.items():
         for each in json[key]:
             if not each[optional]:
                 del each[optional]
-    return {key: value for key, value in json.items() if value or key not in _LISTS}
+    return {key: value for key, value in json.items() if value or key not in _OPTIONAL_LISTS}
 
 
 def graph_json_schema() -> dict[str, Any]:
@@ -103,7 +103,7 @@ def graph_json_schema() -> dict[str, Any]:
     return _DOCUMENT.json_schema() | {"title": "rtron.graph/1"}
 
 
-def _graph(document: GraphDocument) -> InteractionGraph:
+def _graph_of_document(document: GraphDocument) -> InteractionGraph:
     return InteractionGraph(
         app=document.app,
         ros=document.ros,

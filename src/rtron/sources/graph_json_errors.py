@@ -19,11 +19,11 @@ from rtron.vocabulary import (
     QoS,
     Service,
     Topic,
-    Unresolved,
+    UnresolvedItem,
 )
 
-_Fault = Mapping[str, Any]
-_SHOWN = 60
+_ErrorDetails = Mapping[str, Any]
+_MAX_SHOWN = 60
 _TOP_LEVEL = ("schema", *(field.name for field in fields(InteractionGraph) if field.init))
 _KEYS: Mapping[str, tuple[str, ...]] = {
     key: tuple(field.name for field in fields(noun))
@@ -33,31 +33,31 @@ _KEYS: Mapping[str, tuple[str, ...]] = {
         "endpoints": Endpoint,
         "services": Service,
         "actions": Action,
-        "unresolved": Unresolved,
+        "unresolved": UnresolvedItem,
         "evidence": Evidence,
         "qos": QoS,
     }.items()
 }
 
 
-def fault_in(error: ValidationError, path: str) -> InputError:
+def graph_file_error(error: ValidationError, path: str) -> InputError:
     """Return the fault of a graph file that tells most, as an InputError."""
-    fault = min(error.errors(include_url=False), key=_rank)
-    if fault["type"] == "json_invalid":
-        return _not_json(fault, path)
-    place = _place(fault["loc"])
-    return InputError(f"{place}: {_message(fault)}", path=path, help=_help(fault))
+    details = min(error.errors(include_url=False), key=_rank)
+    if details["type"] == "json_invalid":
+        return _syntax_error(details, path)
+    json_path = _json_path(details["loc"])
+    return InputError(f"{json_path}: {_message(details)}", path=path, help=_help(details))
 
 
-def _rank(fault: _Fault) -> int:
+def _rank(details: _ErrorDetails) -> int:
     """Put a wrong schema first, then a misspelt key before the key that is missing for it."""
-    if fault["loc"] == ("schema",):
+    if details["loc"] == ("schema",):
         return 0
-    return 1 if fault["type"] == "unexpected_keyword_argument" else 2
+    return 1 if details["type"] == "unexpected_keyword_argument" else 2
 
 
-def _not_json(fault: _Fault, path: str) -> InputError:
-    reason = fault["ctx"]["error"]
+def _syntax_error(details: _ErrorDetails, path: str) -> InputError:
+    reason = details["ctx"]["error"]
     line = re.search(r"line (\d+)", reason)
     return InputError(
         f"not JSON: {reason}",
@@ -67,47 +67,47 @@ def _not_json(fault: _Fault, path: str) -> InputError:
     )
 
 
-def _place(location: Sequence[str | int]) -> str:
+def _json_path(location: Sequence[str | int]) -> str:
     """Return a JSON path such as `endpoints[3].direction`."""
     parts = (f"[{part}]" if isinstance(part, int) else f".{part}" for part in location)
     return "".join(parts).removeprefix(".") or "the document"
 
 
-def _message(fault: _Fault) -> str:
-    if fault["type"] == "missing":
+def _message(details: _ErrorDetails) -> str:
+    if details["type"] == "missing":
         return "is missing"
-    if fault["type"] == "unexpected_keyword_argument":
+    if details["type"] == "unexpected_keyword_argument":
         return "is not a key of the schema"
-    wanted = fault["msg"].removeprefix("Input should be ")
-    return f"must be {wanted}, not {_shown(fault['input'])}"
+    expected = details["msg"].removeprefix("Input should be ")
+    return f"must be {expected}, not {_value_text(details['input'])}"
 
 
-def _shown(value: object) -> str:
+def _value_text(value: object) -> str:
     if isinstance(value, (dict, list)):
         return "an object" if isinstance(value, dict) else "a list"
     text = repr(value)
-    return text if len(text) <= _SHOWN else text[:_SHOWN] + "…"
+    return text if len(text) <= _MAX_SHOWN else text[:_MAX_SHOWN] + "…"
 
 
-def _help(fault: _Fault) -> str:
-    location = fault["loc"]
+def _help(details: _ErrorDetails) -> str:
+    location = details["loc"]
     if location == ("schema",):
         return f'an interaction graph begins {{"schema": "{GRAPH_SCHEMA}", …}}'
-    if fault["type"] == "unexpected_keyword_argument":
+    if details["type"] == "unexpected_keyword_argument":
         return _suggestion(str(location[-1]), _keys_at(location[:-1]))
-    if "expected" in fault.get("ctx", {}):
-        words = re.findall(r"'([^']*)'", fault["ctx"]["expected"])
-        return _suggestion(str(fault["input"]), words)
+    if "expected" in details.get("ctx", {}):
+        choices = re.findall(r"'([^']*)'", details["ctx"]["expected"])
+        return _suggestion(str(details["input"]), choices)
     return "correct the value, or leave the key out if it is optional"
 
 
 def _keys_at(location: Sequence[str | int]) -> Sequence[str]:
     """Return the keys of the object at a place: those of the innermost list or object named."""
-    named = [part for part in location if isinstance(part, str)]
-    return _KEYS[named[-1]] if named else _TOP_LEVEL
+    keys = [part for part in location if isinstance(part, str)]
+    return _KEYS[keys[-1]] if keys else _TOP_LEVEL
 
 
-def _suggestion(word: str, words: Sequence[str]) -> str:
-    near = get_close_matches(word, words, n=1)
-    known = "it can be " + ", ".join(words)
-    return f"did you mean `{near[0]}`? {known}" if near else known
+def _suggestion(value: str, choices: Sequence[str]) -> str:
+    matches = get_close_matches(value, choices, n=1)
+    choices_text = "it can be " + ", ".join(choices)
+    return f"did you mean `{matches[0]}`? {choices_text}" if matches else choices_text

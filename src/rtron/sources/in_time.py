@@ -7,40 +7,40 @@ from queue import Empty, SimpleQueue
 from typing import TypeVar
 
 _T = TypeVar("_T")
-_THREADS = 64
+_MAX_THREADS = 64
 
 
-def in_time(jobs: Mapping[str, Callable[[], _T]], limit: float) -> dict[str, _T]:
+def run_with_deadline(jobs: Mapping[str, Callable[[], _T]], limit: float) -> dict[str, _T]:
     """Return the results of the jobs that end within `limit` seconds; jobs must not raise.
 
     A job that hangs (a name server that never answers cannot be timed out) keeps a daemon thread
     and nobody else.
     """
-    waiting: SimpleQueue[str] = SimpleQueue()
+    pending: SimpleQueue[str] = SimpleQueue()
     done: SimpleQueue[tuple[str, _T]] = SimpleQueue()
     for name in jobs:
-        waiting.put(name)
-    end = time.monotonic() + limit
+        pending.put(name)
+    deadline = time.monotonic() + limit
 
     def work() -> None:
-        while time.monotonic() < end:
+        while time.monotonic() < deadline:
             try:
-                name = waiting.get_nowait()
+                name = pending.get_nowait()
             except Empty:
                 return
             done.put((name, jobs[name]()))
 
-    for _ in range(min(_THREADS, len(jobs))):
+    for _ in range(min(_MAX_THREADS, len(jobs))):
         threading.Thread(target=work, daemon=True).start()
-    return _collected(done, len(jobs), end)
+    return _collect(done, len(jobs), deadline)
 
 
-def _collected(done: SimpleQueue[tuple[str, _T]], expected: int, end: float) -> dict[str, _T]:
-    found: dict[str, _T] = {}
-    while len(found) < expected:
+def _collect(done: SimpleQueue[tuple[str, _T]], expected: int, deadline: float) -> dict[str, _T]:
+    results: dict[str, _T] = {}
+    while len(results) < expected:
         try:
-            name, result = done.get(timeout=max(0.0, end - time.monotonic()))
+            name, result = done.get(timeout=max(0.0, deadline - time.monotonic()))
         except Empty:
             break
-        found[name] = result
-    return found
+        results[name] = result
+    return results

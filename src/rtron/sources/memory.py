@@ -6,7 +6,7 @@ from rtron.vocabulary import InteractionGraph
 
 
 @dataclass(frozen=True, slots=True)
-class MemorySource:
+class InMemorySource:
     """A Source of the graph it is given."""
 
     graph: InteractionGraph

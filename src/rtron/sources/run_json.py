@@ -15,20 +15,20 @@ from rtron.errors import InputError
 from rtron.sources.bounded_file import read_bounded
 from rtron.vocabulary import (
     RUN_SCHEMA,
-    DurationFigures,
-    EventFigures,
-    MonitorFigures,
-    Run,
-    StreamFigures,
-    ValueFigures,
+    DurationStatistics,
+    EventStatistics,
+    MeasuredRun,
+    MonitorStatistics,
+    StreamStatistics,
+    ValueStatistics,
 )
 
 MAX_BYTES = 16 * 1024 * 1024
-MOST = 2**63 - 1
-_LONGEST_TEXT = 1000
-_SHOWN = 60
+MAX_NUMBER = 2**63 - 1
+_MAX_TEXT_LENGTH = 1000
+_MAX_SHOWN = 60
 _HELP = "`rtron guard --dry-run --figures RUN.json` writes such files"
-_RISING = ("p50", "p99", "p999", "max")
+_QUANTILES = ("p50", "p99", "p999", "max")
 
 
 @with_config(ConfigDict(extra="forbid", strict=True, allow_inf_nan=False))
@@ -40,66 +40,72 @@ class RunDocument:
     app: str
     ros: Annotated[int, Field(ge=1, le=2)] = 1
     duration: int = 0
-    streams: Annotated[tuple[StreamFigures, ...], FailFast()] = ()
-    monitors: Annotated[tuple[MonitorFigures, ...], FailFast()] = ()
-    events: Annotated[tuple[EventFigures, ...], FailFast()] = ()
+    streams: Annotated[tuple[StreamStatistics, ...], FailFast()] = ()
+    monitors: Annotated[tuple[MonitorStatistics, ...], FailFast()] = ()
+    events: Annotated[tuple[EventStatistics, ...], FailFast()] = ()
 
 
 _DOCUMENT = TypeAdapter(RunDocument)
 
 
-def read_run(path: Path) -> Run:
+def read_run(path: Path) -> MeasuredRun:
     """Read a run; InputError where it is no run, or its figures contradict each other."""
     data = read_bounded(path, MAX_BYTES)
     try:
         document = _DOCUMENT.validate_json(data)
     except ValidationError as error:
-        raise _fault(error, str(path)) from None
-    fault = next(_faults(document, ""), None)
-    if fault:
-        raise InputError(fault, path=str(path), help=_HELP)
-    return Run(**{field.name: getattr(document, field.name) for field in fields(Run)})
+        raise _validation_error(error, str(path)) from None
+    problem = next(_problems(document, ""), None)
+    if problem:
+        raise InputError(problem, path=str(path), help=_HELP)
+    return MeasuredRun(
+        **{field.name: getattr(document, field.name) for field in fields(MeasuredRun)}
+    )
 
 
-def run_to_json(run: Run) -> dict[str, Any]:
+def run_to_json(run: MeasuredRun) -> dict[str, Any]:
     """Return a run as a JSON document."""
     return {"schema": RUN_SCHEMA, **asdict(run)}
 
 
-def _fault(error: ValidationError, path: str) -> InputError:
+def _validation_error(error: ValidationError, path: str) -> InputError:
     """Return the first fault that pydantic found, as an InputError."""
     first = min(error.errors(include_url=False), key=lambda each: each["loc"] != ("schema",))
     if first["type"] == "json_invalid":
         reason = first["ctx"]["error"]
         line = re.search(r"line (\d+)", reason)
-        at = int(line[1]) if line else 0
-        return InputError(f"not JSON: {reason}", path=path, line=at, help=_HELP)
-    place = "".join(f"[{each}]" if isinstance(each, int) else f".{each}" for each in first["loc"])
-    told = first["msg"][:_SHOWN].replace("Unexpected keyword argument", "no key of a run")
-    where = place[: 2 * _SHOWN].removeprefix(".") or "the document"
-    return InputError(f"{where}: {told}", path=path, help=_HELP)
+        line_number = int(line[1]) if line else 0
+        return InputError(f"not JSON: {reason}", path=path, line=line_number, help=_HELP)
+    json_path = "".join(
+        f"[{each}]" if isinstance(each, int) else f".{each}" for each in first["loc"]
+    )
+    message = first["msg"][:_MAX_SHOWN].replace("Unexpected keyword argument", "no key of a run")
+    shown_path = json_path[: 2 * _MAX_SHOWN].removeprefix(".") or "the document"
+    return InputError(f"{shown_path}: {message}", path=path, help=_HELP)
 
 
-def _faults(noun: Any, place: str) -> Iterator[str]:  # noqa: ANN401 - whatever a run is made of
+def _problems(value: Any, json_path: str) -> Iterator[str]:  # noqa: ANN401 - whatever a run is made of
     """Yield what no run can say: numbers below 0 or without bound, quantiles that fall."""
-    if isinstance(noun, tuple):
-        for at, each in enumerate(noun):
-            yield from _faults(each, f"{place}[{at}]")
-    elif is_dataclass(noun):
-        for field in fields(noun):
-            yield from _faults(getattr(noun, field.name), f"{place}.{field.name}".strip("."))
-        if isinstance(noun, (DurationFigures, ValueFigures)):
-            yield from _falling(noun, place)
-    elif isinstance(noun, str):
-        if len(noun) > _LONGEST_TEXT:
-            yield f"{place}: longer than {_LONGEST_TEXT} characters"
-    elif not 0 <= noun <= MOST:
-        yield f"{place}: not between 0 and {MOST}"
+    if isinstance(value, tuple):
+        for index, each in enumerate(value):
+            yield from _problems(each, f"{json_path}[{index}]")
+    elif is_dataclass(value):
+        for field in fields(value):
+            yield from _problems(getattr(value, field.name), f"{json_path}.{field.name}".strip("."))
+        if isinstance(value, (DurationStatistics, ValueStatistics)):
+            yield from _unordered_quantiles(value, json_path)
+    elif isinstance(value, str):
+        if len(value) > _MAX_TEXT_LENGTH:
+            yield f"{json_path}: longer than {_MAX_TEXT_LENGTH} characters"
+    elif not 0 <= value <= MAX_NUMBER:
+        yield f"{json_path}: not between 0 and {MAX_NUMBER}"
 
 
-def _falling(figures: DurationFigures | ValueFigures, place: str) -> Iterator[str]:
-    values = [getattr(figures, name) for name in _RISING]
-    if isinstance(figures, ValueFigures):
+def _unordered_quantiles(
+    figures: DurationStatistics | ValueStatistics, json_path: str
+) -> Iterator[str]:
+    values = [getattr(figures, name) for name in _QUANTILES]
+    if isinstance(figures, ValueStatistics):
         values.insert(0, figures.min)
     if values != sorted(values):
-        yield f"{place}: quantiles that fall"
+        yield f"{json_path}: quantiles that fall"

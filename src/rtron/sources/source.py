@@ -5,7 +5,7 @@ from typing import Protocol
 from rtron.vocabulary import InteractionGraph
 
 
-class Source(Protocol):
+class GraphSource(Protocol):
     """Anything that an InteractionGraph can be read from."""
 
     def read(self) -> InteractionGraph:

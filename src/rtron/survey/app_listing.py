@@ -8,17 +8,17 @@ from typing import TypeAlias
 
 from rtron.errors import InputError
 from rtron.functions.reading.folder import repository_folders
-from rtron.functions.reading.skipped_entries import Note, Skipped
-from rtron.sources.launch.ros1.file_search import ListedLaunch, launch_files
+from rtron.functions.reading.skipped_entries import SkippedEntry, SkippedHandler
+from rtron.sources.launch.ros1.file_search import LaunchFileInfo, find_launch_files
 
-Included: TypeAlias = tuple[str, str]
+IncludedLaunch: TypeAlias = tuple[str, str]
 """A package, and the end of the path of a launch file in it."""
 
-_FOUND = re.compile(r"\$\(find (\S+?)\)(/[^$]+)")
+_FIND_SUBSTITUTION = re.compile(r"\$\(find (\S+?)\)(/[^$]+)")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Subject:
+class AppToScan:
     """An app to scan: a launch file of a repository; `top` is where the others are looked for."""
 
     top: Path
@@ -26,50 +26,50 @@ class Subject:
     launch: Path
 
     @property
-    def app(self) -> str:
+    def name(self) -> str:
         """The launch file below the top, which names the app."""
         return str(self.launch.relative_to(self.top))
 
 
-def subjects(top: Path, note: Note) -> Iterator[Subject]:
+def find_apps(top: Path, on_skipped: SkippedHandler) -> Iterator[AppToScan]:
     """Yield the apps of the repositories below a folder.
 
     An app is a launch file that no other includes and that needs no arguments: one that needs some,
     or cannot be read, is noted. Raise InputError if the folder cannot be read.
     """
     top = top.absolute()
-    found = {folder: _launches(folder, note) for folder in repository_folders(top)}
-    included = frozenset(_included(each for listed in found.values() for each in listed))
-    for repository, listed in found.items():
+    launches = {folder: _launches(folder, on_skipped) for folder in repository_folders(top)}
+    included = frozenset(_included_files(each for listed in launches.values() for each in listed))
+    for repository, listed in launches.items():
         for launch in (each for each in listed if not _is_included(each, included)):
-            subject = Subject(top=top, repository=repository, launch=launch.path)
-            why = launch.fault or _needs(launch.required)
-            if why:
-                note(Skipped(place=subject.app, why=why))
+            subject = AppToScan(top=top, repository=repository, launch=launch.path)
+            reason = launch.error or _missing_arguments(launch.required)
+            if reason:
+                on_skipped(SkippedEntry(location=subject.name, reason=reason))
             else:
                 yield subject
 
 
-def _launches(folder: Path, note: Note) -> tuple[ListedLaunch, ...]:
+def _launches(folder: Path, on_skipped: SkippedHandler) -> tuple[LaunchFileInfo, ...]:
     try:
-        return launch_files([folder])
+        return find_launch_files([folder])
     except InputError as error:
-        note(Skipped(place=str(folder), why=error.why))
+        on_skipped(SkippedEntry(location=str(folder), reason=error.reason))
         return ()
 
 
-def _included(launches: Iterable[ListedLaunch]) -> Iterator[Included]:
+def _included_files(launches: Iterable[LaunchFileInfo]) -> Iterator[IncludedLaunch]:
     for launch in launches:
-        for spelled in launch.includes:
-            match = _FOUND.fullmatch(spelled)
+        for path in launch.includes:
+            match = _FIND_SUBSTITUTION.fullmatch(path)
             if match:
                 yield match[1], match[2]
 
 
-def _is_included(launch: ListedLaunch, included: Collection[Included]) -> bool:
+def _is_included(launch: LaunchFileInfo, included: Collection[IncludedLaunch]) -> bool:
     path = str(launch.path)
     return any(package == launch.package and path.endswith(end) for package, end in included)
 
 
-def _needs(arguments: tuple[str, ...]) -> str:
+def _missing_arguments(arguments: tuple[str, ...]) -> str:
     return f"needs the arguments {', '.join(arguments)}" if arguments else ""

@@ -9,50 +9,54 @@ from contextlib import contextmanager
 
 from rtron.errors import SourceError
 from rtron.sources.graph_json import parse_graph
-from rtron.survey.app_listing import Subject
-from rtron.survey.surveyed import Surveyed, surveyed
+from rtron.survey.app_listing import AppToScan
+from rtron.survey.surveyed import AppSurvey, survey_app
 
-SECONDS = 900.0
-_GRACE = 90.0
+TIMEOUT_S = 900.0
+_STOP_TIMEOUT_S = 90.0
 """Seconds in which a scan that is told to stop ends what it has begun."""
-_AS_GRAPH = ("--format", "graph", "--fail-on", "never", "--jobs", "1")
-_FAULT = "error: "
+_GRAPH_OPTIONS = ("--format", "graph", "--fail-on", "never", "--jobs", "1")
+_ERROR_PREFIX = "error: "
 
 
-def scan_subject(subject: Subject) -> Surveyed:
+def scan_app(app: AppToScan) -> AppSurvey:
     """Return what a scan of an app tells; raise SourceError, with its words, if it fails."""
-    command = [sys.executable, "-m", "rtron", "scan", str(subject.repository)]
-    command += ["--launch", str(subject.launch), *_AS_GRAPH]
-    environ = os.environ | {"ROS_PACKAGE_PATH": str(subject.top)}
-    with _running(command, environ) as process:
-        graph, said = process.communicate(timeout=SECONDS)
+    command = [sys.executable, "-m", "rtron", "scan", str(app.repository)]
+    command += ["--launch", str(app.launch), *_GRAPH_OPTIONS]
+    environ = os.environ | {"ROS_PACKAGE_PATH": str(app.top)}
+    with _scan_process(command, environ) as process:
+        graph, stderr = process.communicate(timeout=TIMEOUT_S)
     if process.returncode:
-        raise SourceError(_fault(said.decode(errors="replace")))
-    return surveyed(subject, parse_graph(graph, subject.app))
+        raise SourceError(_error_message(stderr.decode(errors="replace")))
+    return survey_app(app, parse_graph(graph, app.name))
 
 
 @contextmanager
-def _running(command: list[str], environ: dict[str, str]) -> Iterator[subprocess.Popen[bytes]]:
+def _scan_process(command: list[str], environ: dict[str, str]) -> Iterator[subprocess.Popen[bytes]]:
     pipe = subprocess.PIPE
     with subprocess.Popen(command, env=environ, stdout=pipe, stderr=pipe) as process:  # noqa: S603 - our own command
         try:
             yield process
         except subprocess.TimeoutExpired:
-            raise SourceError(f"not done within {SECONDS:g} s") from None
+            raise SourceError(f"not done within {TIMEOUT_S:g} s") from None
         finally:
-            _end(process)
+            _stop(process)
 
 
-def _end(process: "subprocess.Popen[bytes]") -> None:
+def _stop(process: "subprocess.Popen[bytes]") -> None:
     """End a scan so that it ends its own processes too."""
     if process.poll() is None:
         process.send_signal(signal.SIGINT)
         try:
-            process.communicate(timeout=_GRACE)
+            process.communicate(timeout=_STOP_TIMEOUT_S)
         except subprocess.TimeoutExpired:
             process.kill()
 
 
-def _fault(said: str) -> str:
-    told = [line.removeprefix(_FAULT) for line in said.splitlines() if line.startswith(_FAULT)]
-    return told[-1] if told else said.strip()[-200:] or "the scan ended without a word"
+def _error_message(stderr: str) -> str:
+    errors = [
+        line.removeprefix(_ERROR_PREFIX)
+        for line in stderr.splitlines()
+        if line.startswith(_ERROR_PREFIX)
+    ]
+    return errors[-1] if errors else stderr.strip()[-200:] or "the scan ended without a word"

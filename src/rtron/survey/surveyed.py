@@ -6,18 +6,18 @@ from collections import Counter
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from rtron.functions.app_categories import AppRow, app_row
-from rtron.risks import discover
+from rtron.functions.app_categories import AppProfile, app_profile
+from rtron.risks import discover_risks
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from rtron.survey.app_listing import Subject
+    from rtron.survey.app_listing import AppToScan
     from rtron.vocabulary import CoordinationCount, InteractionGraph, RiskKind
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Surveyed:
+class AppSurvey:
     """An app in numbers: its graph, its risks by kind, the coordination nodes they ask for.
 
     `unresolved` counts what the scan could not know.
@@ -28,19 +28,19 @@ class Surveyed:
     topics: int
     risks: Mapping[RiskKind, int]
     coordination_nodes: CoordinationCount
-    row: AppRow
+    profile: AppProfile
     unresolved: int
 
 
-def surveyed(subject: Subject, graph: InteractionGraph) -> Surveyed:
+def survey_app(app: AppToScan, graph: InteractionGraph) -> AppSurvey:
     """Return what an app's graph tells."""
-    report = discover(graph)
-    return Surveyed(
-        app=subject.app,
+    report = discover_risks(graph)
+    return AppSurvey(
+        app=app.name,
         nodes=len(graph.nodes),
         topics=len(graph.topics),
         risks=Counter(risk.kind for risk in report.risks),
         coordination_nodes=report.coordination_nodes,
-        row=app_row(graph, subject.app),
+        profile=app_profile(graph, app.name),
         unresolved=len(graph.unresolved),
     )

@@ -10,7 +10,7 @@ from rtron.vocabulary.graph import Action, Endpoint, InteractionGraph
 _ROS2 = 2
 
 
-def with_goals(graph: InteractionGraph) -> InteractionGraph:
+def with_goal_topics(graph: InteractionGraph) -> InteractionGraph:
     """Return a graph in which an action's clients publish it, and its servers subscribe it.
 
     That is what goals are in ROS 1, where the graph says so itself. A node that serves what it asks
@@ -18,27 +18,29 @@ def with_goals(graph: InteractionGraph) -> InteractionGraph:
     """
     if graph.ros != _ROS2 or not graph.actions:
         return graph
-    return replace(graph, endpoints=(*graph.endpoints, *_goals(graph)))
+    return replace(graph, endpoints=(*graph.endpoints, *_goal_endpoints(graph)))
 
 
-def _goals(graph: InteractionGraph) -> Iterator[Endpoint]:
-    known = {topic.name for topic in graph.topics}
-    known.update(endpoint.topic for endpoint in graph.endpoints)
+def _goal_endpoints(graph: InteractionGraph) -> Iterator[Endpoint]:
+    known_topics = {topic.name for topic in graph.topics}
+    known_topics.update(endpoint.topic for endpoint in graph.endpoints)
     servers = defaultdict(set)
-    for side in graph.actions:
-        if side.role is ActionRole.SERVER:
-            servers[side.name].add(side.node)
-    for side in dict.fromkeys(graph.actions):
-        serves = side.role is ActionRole.SERVER
-        if side.name not in known and (serves or side.node not in servers[side.name]):
-            yield _end(side, Direction.SUBSCRIBE if serves else Direction.PUBLISH)
+    for action in graph.actions:
+        if action.role is ActionRole.SERVER:
+            servers[action.name].add(action.node)
+    for action in dict.fromkeys(graph.actions):
+        is_server = action.role is ActionRole.SERVER
+        if action.name not in known_topics and (
+            is_server or action.node not in servers[action.name]
+        ):
+            yield _goal_endpoint(action, Direction.SUBSCRIBE if is_server else Direction.PUBLISH)
 
 
-def _end(side: Action, direction: Direction) -> Endpoint:
+def _goal_endpoint(action: Action, direction: Direction) -> Endpoint:
     return Endpoint(
-        node=side.node,
-        topic=side.name,
+        node=action.node,
+        topic=action.name,
         direction=direction,
-        type=side.type,
-        declared_name=side.name,
+        type=action.type,
+        declared_name=action.name,
     )

@@ -6,13 +6,13 @@ are requests, so there the action's own name stands for them (design.ros2.org: a
 
 import re
 
-from rtron.vocabulary.enums import Word
+from rtron.vocabulary.enums import StringEnum
 from rtron.vocabulary.names import normalise_type
 
 _ACTION_TYPE = re.compile(r"[A-Za-z]\w*/action/[A-Za-z][A-Za-z0-9]*", re.ASCII)
 
 
-class ActionPart(Word):
+class Ros1ActionTopic(StringEnum):
     """The topics of an action of ROS 1: clients publish the first two, the server the others."""
 
     GOAL = "goal"
@@ -22,7 +22,7 @@ class ActionPart(Word):
     RESULT = "result"
 
 
-class ActionEnd(Word):
+class Ros2ActionEntity(StringEnum):
     """What an action of ROS 2 is made of: three services of the server, and two topics."""
 
     SEND_GOAL = "send_goal"
@@ -32,20 +32,24 @@ class ActionEnd(Word):
     STATUS = "status"
 
 
-ASKED = (ActionPart.GOAL, ActionPart.CANCEL)
-ANSWERED = (ActionPart.STATUS, ActionPart.FEEDBACK, ActionPart.RESULT)
-REQUESTED = (ActionEnd.SEND_GOAL, ActionEnd.CANCEL_GOAL, ActionEnd.GET_RESULT)
-TOLD = (ActionEnd.FEEDBACK, ActionEnd.STATUS)
-SERVER = "server"
+ROS1_CLIENT_TOPICS = (Ros1ActionTopic.GOAL, Ros1ActionTopic.CANCEL)
+ROS1_SERVER_TOPICS = (Ros1ActionTopic.STATUS, Ros1ActionTopic.FEEDBACK, Ros1ActionTopic.RESULT)
+ROS2_ACTION_SERVICES = (
+    Ros2ActionEntity.SEND_GOAL,
+    Ros2ActionEntity.CANCEL_GOAL,
+    Ros2ActionEntity.GET_RESULT,
+)
+ROS2_ACTION_TOPICS = (Ros2ActionEntity.FEEDBACK, Ros2ActionEntity.STATUS)
+SERVER_FLOW = "server"
 """The flow of an action's server on the three topics that it publishes."""
 
 
-def action_of(topic: str, type: str) -> str:
+def action_name(topic: str, type: str) -> str:
     """Return the action whose goals a topic carries, or nothing; in ROS 2 it is the topic."""
     if is_action_type(type):
         return topic
-    goals = normalise_type(type).endswith("ActionGoal") and topic.endswith("/goal")
-    return topic.removesuffix("/goal") if goals else ""
+    has_goals = normalise_type(type).endswith("ActionGoal") and topic.endswith("/goal")
+    return topic.removesuffix("/goal") if has_goals else ""
 
 
 def is_action_type(type: str) -> bool:
@@ -53,11 +57,11 @@ def is_action_type(type: str) -> bool:
     return _ACTION_TYPE.fullmatch(type) is not None
 
 
-def part_topic(action: str, part: ActionPart) -> str:
+def ros1_topic_name(action: str, part: Ros1ActionTopic) -> str:
     """Return the public name of one of an action's topics in ROS 1."""
     return f"{action}/{part}"
 
 
-def end_name(action: str, end: ActionEnd) -> str:
+def ros2_entity_name(action: str, entity: Ros2ActionEntity) -> str:
     """Return the name of one of an action's services and topics in ROS 2."""
-    return f"{action}/_action/{end}"
+    return f"{action}/_action/{entity}"

@@ -2,17 +2,17 @@
 
 from dataclasses import dataclass
 
-from rtron.vocabulary.enums import Word
+from rtron.vocabulary.enums import StringEnum
 
 
-class AlarmKind(Word):
+class AlarmKind(StringEnum):
     """What an alarm is about."""
 
     FOREIGN_PUBLISHER = "foreign publisher"
-    GHOST = "ghost publisher"
+    UNREGISTERED_PUBLISHER = "ghost publisher"
     IMPOSTOR = "impostor"
     DRIFT = "drift"
-    UNSEEN = "unseen"
+    UNREACHABLE = "unseen"
     UNREADABLE = "unreadable"
     GUARD = "guard"
     SUPERVISOR = "supervisor"

@@ -5,106 +5,114 @@ from dataclasses import fields, replace
 from difflib import get_close_matches
 from typing import Any, TypeVar
 
-from rtron.vocabulary.plan import GRCN, MSRCN, RSRCN, Flow, GuardedTopic, Plan, Rule
+from rtron.vocabulary.plan import GRCN, MSRCN, RSRCN, Flow, GuardedTopic, MissionRule, Plan
 from rtron.vocabulary.settings import FlowSettings, NodeSettings, RuleSettings, Settings
 
 N = TypeVar("N", GRCN, RSRCN, MSRCN)
-_SHOWN = 80
+_MAX_SHOWN = 80
 
 
-class MisfitError(Exception):
+class SettingsMismatchError(Exception):
     """Settings name what the plan does not have; the text says what."""
 
 
-def effective(plan: Plan, settings: Settings) -> Plan:
+def apply_settings(plan: Plan, settings: Settings) -> Plan:
     """Return the plan in force, with the revision of the settings; MisfitError if they do not fit.
 
     Overrides and the emergency stop are not part of it: they change no policy.
     """
-    left = dict(settings.nodes)
-    grcn = tuple(_changed(node, left, _grcn) for node in plan.grcn)
-    rsrcn = _changed(plan.rsrcn, left, _rsrcn) if plan.rsrcn else None
-    msrcn = _changed(plan.msrcn, left, _msrcn) if plan.msrcn else None
-    _refuse(left, "coordination node", coordination_ids(plan))
+    remaining = dict(settings.nodes)
+    grcn = tuple(_apply_to_node(node, remaining, _apply_to_grcn) for node in plan.grcn)
+    rsrcn = _apply_to_node(plan.rsrcn, remaining, _apply_to_rsrcn) if plan.rsrcn else None
+    msrcn = _apply_to_node(plan.msrcn, remaining, _apply_to_msrcn) if plan.msrcn else None
+    _refuse_unknown(remaining, "coordination node", coordination_node_ids(plan))
     return replace(plan, grcn=grcn, rsrcn=rsrcn, msrcn=msrcn, revision=settings.revision)
 
 
-def fitting(plan: Plan, settings: Settings) -> tuple[Settings, tuple[str, ...]]:
+def compatible_settings(plan: Plan, settings: Settings) -> tuple[Settings, tuple[str, ...]]:
     """Return the settings without what the plan does not have, and what was left out."""
-    misfits = {id: _misfit(plan, Settings(nodes={id: settings.nodes[id]})) for id in settings.nodes}
-    nodes = {id: node for id, node in settings.nodes.items() if not misfits[id]}
-    known = {node.id for node in (plan.rsrcn, plan.msrcn) if node}
-    overrides = {id: each for id, each in settings.overrides.items() if id in known}
-    lost = [*filter(None, misfits.values())]
-    lost += [f"{id} has an override" for id in settings.overrides if id not in known]
-    return replace(settings, nodes=nodes, overrides=overrides), tuple(lost)
+    mismatches = {
+        id: _mismatch(plan, Settings(nodes={id: settings.nodes[id]})) for id in settings.nodes
+    }
+    nodes = {id: node for id, node in settings.nodes.items() if not mismatches[id]}
+    overridable = {node.id for node in (plan.rsrcn, plan.msrcn) if node}
+    overrides = {id: each for id, each in settings.overrides.items() if id in overridable}
+    dropped = [*filter(None, mismatches.values())]
+    dropped += [f"{id} has an override" for id in settings.overrides if id not in overridable]
+    return replace(settings, nodes=nodes, overrides=overrides), tuple(dropped)
 
 
-def coordination_ids(plan: Plan) -> tuple[str, ...]:
+def coordination_node_ids(plan: Plan) -> tuple[str, ...]:
     """Return the ids of the coordination nodes that have a policy, in the plan's order."""
     return tuple(node.id for node in (*plan.grcn, plan.rsrcn, plan.msrcn) if node)
 
 
-def _misfit(plan: Plan, settings: Settings) -> str:
+def _mismatch(plan: Plan, settings: Settings) -> str:
     try:
-        effective(plan, settings)
-    except MisfitError as error:
+        apply_settings(plan, settings)
+    except SettingsMismatchError as error:
         return str(error)
     return ""
 
 
-def _changed(node: N, left: dict[str, NodeSettings], change: Callable[[N, NodeSettings], N]) -> N:
-    settings = left.pop(node.id, None)
-    return change(node, settings) if settings else node
+def _apply_to_node(
+    node: N, remaining: dict[str, NodeSettings], apply: Callable[[N, NodeSettings], N]
+) -> N:
+    settings = remaining.pop(node.id, None)
+    return apply(node, settings) if settings else node
 
 
-def _grcn(node: GRCN, settings: NodeSettings) -> GRCN:
-    values = _values(settings, node, {"policy", "release_after", "max_age", "max_hold"})
+def _apply_to_grcn(node: GRCN, settings: NodeSettings) -> GRCN:
+    values = _set_values(settings, node, {"policy", "release_after", "max_age", "max_hold"})
     flows = dict(settings.flows)
-    changed = _flows(node.flows, flows)
-    _refuse(flows, f"flow of {node.id}", [flow.name for flow in node.flows])
+    changed = _apply_to_flows(node.flows, flows)
+    _refuse_unknown(flows, f"flow of {node.id}", [flow.name for flow in node.flows])
     return replace(node, flows=changed, **values)
 
 
-def _rsrcn(node: RSRCN, settings: NodeSettings) -> RSRCN:
-    values = _values(settings, node, {"policy", "threshold", "max_vel_limit"})
-    return replace(node, vflows=_topics(node.id, node.vflows, settings), **values)
+def _apply_to_rsrcn(node: RSRCN, settings: NodeSettings) -> RSRCN:
+    values = _set_values(settings, node, {"policy", "threshold", "max_vel_limit"})
+    return replace(node, vflows=_apply_to_topics(node.id, node.vflows, settings), **values)
 
 
-def _msrcn(node: MSRCN, settings: NodeSettings) -> MSRCN:
-    values = _values(settings, node, {"policy"})
-    aflows = _topics(node.id, node.aflows, settings)
-    return replace(node, aflows=aflows, rules=tuple(_rules(node, settings.rules)), **values)
+def _apply_to_msrcn(node: MSRCN, settings: NodeSettings) -> MSRCN:
+    values = _set_values(settings, node, {"policy"})
+    aflows = _apply_to_topics(node.id, node.aflows, settings)
+    return replace(
+        node, aflows=aflows, rules=tuple(_effective_rules(node, settings.rules)), **values
+    )
 
 
-def _values(
+def _set_values(
     settings: NodeSettings, node: GRCN | RSRCN | MSRCN, allowed: Collection[str]
 ) -> dict[str, Any]:
     """Return what is set beside flows and rules; all of it must be for this kind of node."""
     names = [each.name for each in fields(settings) if each.name not in ("flows", "rules")]
     values = {name: getattr(settings, name) for name in names}
-    given = {name: value for name, value in values.items() if value is not None}
-    _refuse(given.keys() - allowed, f"setting of {node.id}", allowed)
+    set_values = {name: value for name, value in values.items() if value is not None}
+    _refuse_unknown(set_values.keys() - allowed, f"setting of {node.id}", allowed)
     if settings.rules and not isinstance(node, MSRCN):
-        raise MisfitError(f"{node.id} has no rules")
-    return given
+        raise SettingsMismatchError(f"{node.id} has no rules")
+    return set_values
 
 
-def _topics(
+def _apply_to_topics(
     id: str, topics: tuple[GuardedTopic, ...], settings: NodeSettings
 ) -> tuple[GuardedTopic, ...]:
     flows = dict(settings.flows)
-    changed = tuple(replace(topic, flows=_flows(topic.flows, flows)) for topic in topics)
+    changed = tuple(replace(topic, flows=_apply_to_flows(topic.flows, flows)) for topic in topics)
     known = [flow.name for topic in topics for flow in topic.flows]
-    _refuse(flows, f"flow of {id}", known)
+    _refuse_unknown(flows, f"flow of {id}", known)
     return changed
 
 
-def _flows(flows: tuple[Flow, ...], left: dict[str, FlowSettings]) -> tuple[Flow, ...]:
-    return tuple(_flow(flow, left.pop(flow.name, FlowSettings())) for flow in flows)
+def _apply_to_flows(
+    flows: tuple[Flow, ...], remaining: dict[str, FlowSettings]
+) -> tuple[Flow, ...]:
+    return tuple(_apply_to_flow(flow, remaining.pop(flow.name, FlowSettings())) for flow in flows)
 
 
-def _flow(flow: Flow, settings: FlowSettings) -> Flow:
+def _apply_to_flow(flow: Flow, settings: FlowSettings) -> Flow:
     return replace(
         flow,
         priority=flow.priority if settings.priority is None else settings.priority,
@@ -113,29 +121,35 @@ def _flow(flow: Flow, settings: FlowSettings) -> Flow:
     )
 
 
-def _rules(node: MSRCN, settings: Mapping[str, RuleSettings]) -> Iterator[Rule]:
+def _effective_rules(node: MSRCN, settings: Mapping[str, RuleSettings]) -> Iterator[MissionRule]:
     known = {rule.name for rule in node.rules}
     for rule in node.rules:
-        own = settings.get(rule.name, RuleSettings())
-        if own.selected is not False:
-            yield replace(rule, block=own.block or rule.block, when=own.when or rule.when)
-    for name, own in settings.items():
+        rule_settings = settings.get(rule.name, RuleSettings())
+        if rule_settings.selected is not False:
+            yield replace(
+                rule, block=rule_settings.block or rule.block, when=rule_settings.when or rule.when
+            )
+    for name, rule_settings in settings.items():
         if name not in known:
-            yield from _own_rule(node, name, own)
+            yield from _user_rule(node, name, rule_settings)
 
 
-def _own_rule(node: MSRCN, name: str, settings: RuleSettings) -> Iterator[Rule]:
+def _user_rule(node: MSRCN, name: str, settings: RuleSettings) -> Iterator[MissionRule]:
     if not (settings.block and settings.when):
-        raise MisfitError(f"{node.id} has no rule {name}, and a new one needs `when` and `block`")
+        raise SettingsMismatchError(
+            f"{node.id} has no rule {name}, and a new one needs `when` and `block`"
+        )
     if settings.selected is not False:
-        yield Rule(name=name, block=settings.block, when=settings.when)
+        yield MissionRule(name=name, block=settings.block, when=settings.when)
 
 
-def _refuse(left: Iterable[str], what: str, known: Iterable[str]) -> None:
-    for name in (each[:_SHOWN] for each in left):
-        raise MisfitError(f"no {what} is called {name}: {_near(name, sorted(known))}")
+def _refuse_unknown(names: Iterable[str], what: str, known: Iterable[str]) -> None:
+    for name in (each[:_MAX_SHOWN] for each in names):
+        raise SettingsMismatchError(
+            f"no {what} is called {name}: {_suggestion(name, sorted(known))}"
+        )
 
 
-def _near(name: str, known: list[str]) -> str:
+def _suggestion(name: str, known: list[str]) -> str:
     near = get_close_matches(name, known, n=1)
     return f"did you mean {near[0]}?" if near else f"choose from {', '.join(known)}"

@@ -3,14 +3,14 @@
 from enum import Enum
 
 
-class Word(str, Enum):
+class StringEnum(str, Enum):
     """A closed set of words; a member is its value in JSON, YAML, the CLI and the console."""
 
     def __str__(self) -> str:
         return str(self.value)
 
 
-class Domain(Word):
+class Domain(StringEnum):
     """The part of the robot's workflow a topic or function belongs to (paper, table of repos)."""
 
     PERCEPTION = "Perception"
@@ -20,7 +20,7 @@ class Domain(Word):
     OTHERS = "Others"
 
 
-class FunctionType(Word):
+class FunctionType(StringEnum):
     """The paper's 17 function types (paper section 3.1)."""
 
     PREPROCESSING = "Preprocessing"
@@ -42,7 +42,7 @@ class FunctionType(Word):
     EXTENSION = "Extension"
 
 
-class RecognitionSubfunction(Word):
+class RecognitionSubfunction(StringEnum):
     """What a Recognition function recognises (paper section 3.2, footnote)."""
 
     IMAGE = "Image Recognition"
@@ -53,7 +53,7 @@ class RecognitionSubfunction(Word):
     HUMIDITY = "Humidity Recognition"
 
 
-class Trust(Word):
+class Trust(StringEnum):
     """How far a node is trusted: its package is the user's own, somebody else's, or not known."""
 
     OWN = "own"
@@ -61,14 +61,14 @@ class Trust(Word):
     UNKNOWN = "unknown"
 
 
-class Direction(Word):
+class Direction(StringEnum):
     """Whether an endpoint publishes or subscribes."""
 
     PUBLISH = "publish"
     SUBSCRIBE = "subscribe"
 
 
-class Resolution(Word):
+class Resolution(StringEnum):
     """How an endpoint's topic name became known."""
 
     LITERAL = "literal"
@@ -78,35 +78,35 @@ class Resolution(Word):
     OBSERVED = "observed"
 
 
-class ActionRole(Word):
+class ActionRole(StringEnum):
     """The side of an action that a node plays."""
 
     CLIENT = "client"
     SERVER = "server"
 
 
-class Reliability(Word):
+class Reliability(StringEnum):
     """ROS 2 reliability of an endpoint; ROS 1 is always reliable."""
 
     RELIABLE = "reliable"
     BEST_EFFORT = "best_effort"
 
 
-class Durability(Word):
+class Durability(StringEnum):
     """Whether a late subscriber gets what was said before; ROS 1 calls transient_local latched."""
 
     VOLATILE = "volatile"
     TRANSIENT_LOCAL = "transient_local"
 
 
-class Liveliness(Word):
+class Liveliness(StringEnum):
     """Who asserts that a ROS 2 publisher is alive: the middleware, or the publisher itself."""
 
     AUTOMATIC = "automatic"
     MANUAL_BY_TOPIC = "manual_by_topic"
 
 
-class RiskKind(Word):
+class RiskKind(StringEnum):
     """The kinds of risk that Algorithm 1 finds (paper section 4)."""
 
     GR_ST = "GR-ST"
@@ -115,7 +115,7 @@ class RiskKind(Word):
     MSR = "MSR"
 
 
-class Role(Word):
+class RiskRole(StringEnum):
     """The part a high-risk node plays in a risk."""
 
     PUBLISHER = "publisher"
@@ -125,7 +125,7 @@ class Role(Word):
     ACTION = "action"
 
 
-class Severity(Word):
+class Severity(StringEnum):
     """How bad a risk is, mildest first."""
 
     LOW = "low"
@@ -133,7 +133,7 @@ class Severity(Word):
     HIGH = "high"
 
 
-class CoordinationKind(Word):
+class CoordinationKind(StringEnum):
     """The coordination nodes of paper section 5.1."""
 
     GRCN = "GRCN"
@@ -142,21 +142,21 @@ class CoordinationKind(Word):
     FPS_MONITOR = "fps_monitor"
 
 
-class Mode(Word):
+class Mode(StringEnum):
     """Whether a coordination node stands in the flow or only watches it."""
 
     ENFORCE = "enforce"
     OBSERVE = "observe"
 
 
-class Sharing(Word):
+class Sharing(StringEnum):
     """Whether a topic's publishers each own a part of it (merge) or take turns (contend)."""
 
     MERGE = "merge"
     CONTEND = "contend"
 
 
-class StreamKind(Word):
+class StreamKind(StringEnum):
     """What a topic carries: velocity-like commands, goals of an action, or state."""
 
     COMMAND = "command"
@@ -164,7 +164,7 @@ class StreamKind(Word):
     STATE = "state"
 
 
-class PolicyName(Word):
+class PolicyName(StringEnum):
     """The policies of the paper's table."""
 
     BLOCK = "Block"
@@ -176,28 +176,28 @@ class PolicyName(Word):
     SAFE_CONSTRAIN = "Safe+Constrain"
 
 
-class OnSilence(Word):
+class OnSilence(StringEnum):
     """What the guard does when a flow that moved the robot falls silent."""
 
     STOP = "stop"
     RELEASE = "release"
 
 
-class OnForeign(Word):
+class OnForeign(StringEnum):
     """What the guard does when a node that the plan does not name speaks to a guarded one."""
 
     STOP = "stop"
     ALARM = "alarm"
 
 
-class OnError(Word):
+class OnError(StringEnum):
     """What the guard does about a message that it cannot judge: it never passes."""
 
     STOP = "stop"
     DROP = "drop"
 
 
-class WhenUnknown(Word):
+class WhenUnknown(StringEnum):
     """What an eflow's bit counts as while nobody knows it.
 
     `block`: what depends on it is blocked; `set`, `clear`: 1, 0; `keep`: the last one known.
@@ -209,21 +209,21 @@ class WhenUnknown(Word):
     KEEP = "keep"
 
 
-class FrameSource(Word):
+class FrameSource(StringEnum):
     """What an fps_monitor counts: each frame, or detections only, where there is nothing better."""
 
     FRAMES = "frames"
     DETECTIONS = "detections"
 
 
-class Executor(Word):
+class Executor(StringEnum):
     """Who may set a policy (paper, Executor column)."""
 
     DEVELOPER = "developer"
     END_USER = "end_user"
 
 
-class Decision(Word):
+class Decision(StringEnum):
     """What a policy does with a message."""
 
     PASS = "pass"  # noqa: S105 - a verdict, not a password

@@ -9,10 +9,10 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from rtron.vocabulary.alarm import Alarm
-from rtron.vocabulary.enums import Decision, Mode, PolicyName, Word
+from rtron.vocabulary.enums import Decision, Mode, PolicyName, StringEnum
 
 
-class EventKind(Word):
+class EventKind(StringEnum):
     """What an event is about."""
 
     GUARD = "guard"
@@ -21,14 +21,14 @@ class EventKind(Word):
     STOP = "stop"
     RULE = "rule"
     ALARM = "alarm"
-    SETTLED = "settled"
+    ALARM_CLEARED = "settled"
     OVERRIDE = "override"
     SETTINGS = "settings"
     COUNTS = "counts"
     LOST = "lost"
 
 
-class Level(Word):
+class GuardEventLevel(StringEnum):
     """How much an event asks for attention, least first."""
 
     INFO = "info"
@@ -52,7 +52,7 @@ class GuardEvent:
     number: int
     at: int
     kind: EventKind
-    level: Level = Level.INFO
+    level: GuardEventLevel = GuardEventLevel.INFO
     node: str = ""
     topic: str = ""
     flow: str = ""
@@ -65,7 +65,7 @@ class GuardEvent:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class FlowTally:
+class VerdictCounts:
     """How many messages of a flow met which verdict since the guard began."""
 
     passed: int = 0
@@ -89,7 +89,7 @@ class StreamState:
     owner: str = ""
     publisher: str = ""
     stopping: str = ""
-    flows: Mapping[str, FlowTally] = field(default_factory=dict)
+    flows: Mapping[str, VerdictCounts] = field(default_factory=dict)
     strangers: Mapping[str, int] = field(default_factory=dict)
     speed: float | None = None
     limit: float | None = None

@@ -106,7 +106,7 @@ class ServiceClient:
     implicit: bool = False
 
 
-PlainValue: TypeAlias = bool | int | float | str | tuple[bool | int | float | str, ...]
+NodeParameterValue: TypeAlias = bool | int | float | str | tuple[bool | int | float | str, ...]
 """What a parameter of ROS 2 may hold."""
 
 
@@ -116,7 +116,7 @@ class NodeParameter:
 
     node: str
     name: str
-    value: PlainValue | None = None
+    value: NodeParameterValue | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -130,7 +130,7 @@ class Action:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Unresolved:
+class UnresolvedItem:
     """Something that could not be read, and why: never silently left out."""
 
     what: str
@@ -156,7 +156,7 @@ class InteractionGraph:
     actions: tuple[Action, ...] = ()
     clients: tuple[ServiceClient, ...] = ()
     parameters: tuple[NodeParameter, ...] = ()
-    unresolved: tuple[Unresolved, ...] = ()
+    unresolved: tuple[UnresolvedItem, ...] = ()
     _indexes: dict[str, Mapping[str, tuple[Endpoint, ...]]] = field(
         default_factory=dict, init=False, repr=False, compare=False
     )
@@ -181,8 +181,8 @@ class InteractionGraph:
         self, name: str, direction: Direction, key: Callable[[Endpoint], str]
     ) -> Mapping[str, tuple[Endpoint, ...]]:
         if name not in self._indexes:
-            chosen = (e for e in self.endpoints if e.direction is direction)
-            self._indexes[name] = _grouped(chosen, key)
+            matching = (e for e in self.endpoints if e.direction is direction)
+            self._indexes[name] = _grouped(matching, key)
         return self._indexes[name]
 
 

@@ -3,8 +3,8 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from rtron.vocabulary.graph import Unresolved
-from rtron.vocabulary.parameters import Parameters
+from rtron.vocabulary.graph import UnresolvedItem
+from rtron.vocabulary.parameters import ParameterTree
 
 
 def resolve_name(name: str, node: str) -> str:
@@ -28,9 +28,9 @@ def canonical_name(name: str) -> str:
 class Remap:
     """A remap in force at a node: both its names as written, and as they resolve there."""
 
-    written: str
+    written_source: str
     written_target: str
-    declared: str
+    source: str
     target: str
 
 
@@ -38,11 +38,11 @@ class Remap:
 class LaunchNode:
     """A `<node>` or `<test>` that starts: its full name, what it runs, the remaps in force.
 
-    `element` counts the elements of its file in document order, the root being 0. `anonymous`
+    `element_index` counts the elements of its file in document order, the root being 0. `anonymous`
     means that the name changes at every start (`$(anon …)`); `name` then is a pattern with `*`.
     `environ` has the `<env>` in force, the last of a name counts. `conditional` means that it
     starts under a condition that is not known. In ROS 2, where the first remap of a name counts,
-    the first `shared` ones are not the element's own.
+    the first `inherited_remap_count` ones are not the element's own.
     """
 
     name: str
@@ -51,11 +51,11 @@ class LaunchNode:
     args: str = ""
     remaps: tuple[Remap, ...] = ()
     environ: tuple[tuple[str, str], ...] = ()
-    element: int
+    element_index: int
     line: int = 0
     anonymous: bool = False
     conditional: bool = False
-    shared: int = 0
+    inherited_remap_count: int = 0
 
     @property
     def namespace(self) -> str:
@@ -67,12 +67,12 @@ class LaunchNode:
 class LaunchInclude:
     """An `<include>` that is taken, and the file as it is seen from there.
 
-    `element` counts the elements of the including file in document order, the root being 0.
-    `spelled` is the file's name as it is evaluated there.
+    `element_index` counts the elements of the including file in document order, the root being 0.
+    `evaluated_name` is the file's name as it is evaluated there.
     """
 
-    element: int
-    spelled: str
+    element_index: int
+    evaluated_name: str
     file: "LaunchFile"
 
 
@@ -95,7 +95,7 @@ class LaunchFile:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class LaunchChoice:
+class LaunchInput:
     """An argument that decides what a launch starts, under which names; or an environment variable.
 
     `values` are those for which a LaunchTree holds; None stands for not being given.
@@ -111,13 +111,13 @@ class LaunchTree:
     """A launch file with everything it includes, evaluated for one set of arguments.
 
     `parameters` is the parameter server once everything has started; a value that cannot be
-    known is an UnknownValue. `choices` are what the tree depends on, so far as that is tracked.
+    known is an UnknownValue. `inputs` are what the tree depends on, so far as that is tracked.
     """
 
     root: LaunchFile
-    unresolved: tuple[Unresolved, ...] = ()
-    choices: tuple[LaunchChoice, ...] = ()
-    parameters: Parameters = field(default_factory=Parameters)
+    unresolved: tuple[UnresolvedItem, ...] = ()
+    inputs: tuple[LaunchInput, ...] = ()
+    parameters: ParameterTree = field(default_factory=ParameterTree)
 
     def nodes(self) -> tuple[LaunchNode, ...]:
         """Return every node that the launch starts."""

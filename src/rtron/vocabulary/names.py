@@ -12,7 +12,7 @@ def normalise_type(message_type: str) -> str:
     return message_type.replace("/msg/", "/", 1)
 
 
-def without_stamp(message_type: str) -> str:
+def unstamped_type(message_type: str) -> str:
     """Return the type that a stamped velocity counts as: `TwistStamped` counts with `Twist`."""
     twist = "geometry_msgs/Twist"
     return twist if normalise_type(message_type) == twist + "Stamped" else message_type
@@ -28,6 +28,6 @@ def output_topic(topic: str) -> str:
     return f"{PRIVATE_ROOT}{topic}/out"
 
 
-def names_node(pattern: str, node: str) -> bool:
+def matches_node(pattern: str, node: str) -> bool:
     """Tell whether a plan's publisher, a node name or a pattern with `*`, means `node`."""
     return pattern == node or fnmatchcase(node, pattern)

@@ -26,7 +26,7 @@ class Parameter:
 
 
 @dataclass(slots=True)
-class Parameters:
+class ParameterTree:
     """What stands below each absolute name, leaf by leaf; a name without a value is a namespace."""
 
     leaves: dict[str, Parameter] = field(default_factory=dict)
@@ -35,14 +35,16 @@ class Parameters:
         """Set a parameter; a dict becomes one leaf an entry, and what stood below the name goes."""
         for old in [leaf for leaf in self.leaves if _is_below(leaf, name)]:
             del self.leaves[old]
-        for leaf, value in _flat(name, parameter.value):
+        for leaf, value in _flatten(name, parameter.value):
             self.leaves[leaf] = Parameter(value=value, evidence=parameter.evidence)
 
     def get(self, name: str) -> Parameter | None:
         """Return a parameter, or a namespace as a dict of what stands below it; None if neither."""
         if name in self.leaves:
             return self.leaves[name]
-        below = {leaf: found for leaf, found in self.leaves.items() if _is_below(leaf, name)}
+        below = {
+            leaf: parameter for leaf, parameter in self.leaves.items() if _is_below(leaf, name)
+        }
         if not below:
             return None
         return Parameter(value=_nested(name, below), evidence=next(iter(below.values())).evidence)
@@ -62,20 +64,20 @@ def _is_below(leaf: str, name: str) -> bool:
     return leaf == name or leaf.startswith(name.rstrip("/") + "/")
 
 
-def _flat(name: str, value: ParameterValue) -> Iterator[tuple[str, ParameterValue]]:
+def _flatten(name: str, value: ParameterValue) -> Iterator[tuple[str, ParameterValue]]:
     if not isinstance(value, Mapping):
         yield name, value
         return
     for key, inner in value.items():
-        yield from _flat(f"{name.rstrip('/')}/{str(key).strip('/')}", inner)
+        yield from _flatten(f"{name.rstrip('/')}/{str(key).strip('/')}", inner)
 
 
 def _nested(name: str, below: Mapping[str, Parameter]) -> dict[str, ParameterValue]:
     tree: dict[str, ParameterValue] = {}
-    for leaf, found in below.items():
+    for leaf, parameter in below.items():
         *folders, last = leaf[len(name.rstrip("/")) + 1 :].split("/")
-        place = tree
+        subtree = tree
         for folder in folders:
-            place = place.setdefault(folder, {})
-        place[last] = found.value
+            subtree = subtree.setdefault(folder, {})
+        subtree[last] = parameter.value
     return tree

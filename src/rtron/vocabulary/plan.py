@@ -184,7 +184,7 @@ class Transform:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Rule:
+class MissionRule:
     """What the robot must not do, and when (paper section 4.3, table of examples).
 
     `when` is any boolean combination of eflow names. While it holds, the aflows that `block` names,
@@ -213,13 +213,13 @@ class MSRCN:
     policy: PolicyName
     aflows: tuple[GuardedTopic, ...] = ()
     eflows: tuple[EventFlow, ...] = ()
-    rules: tuple[Rule, ...] = ()
+    rules: tuple[MissionRule, ...] = ()
     areas: tuple[Area, ...] = ()
     transforms: tuple[Transform, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Stop:
+class StopProfile:
     """How the guard stops the robot: a ramp down, then zeros for a while, then nothing.
 
     `decel` (m/s2) and `angular_decel` (rad/s2) are the steepest ramp, `period` (ns) the time
@@ -271,7 +271,7 @@ class Plan:
     rsrcn: RSRCN | None = None
     msrcn: MSRCN | None = None
     fps_monitor: tuple[FpsMonitor, ...] = ()
-    stop: Stop = Stop()
+    stop: StopProfile = StopProfile()
     audit: Audit = Audit()
     messages: tuple[MessageDefinition, ...] = ()
     accept_unenforceable: tuple[str, ...] = ()

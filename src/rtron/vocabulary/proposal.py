@@ -2,12 +2,12 @@
 
 from dataclasses import dataclass
 
-from rtron.vocabulary.enums import Word
+from rtron.vocabulary.enums import StringEnum
 
 PROPOSALS_SCHEMA = "rtron.proposals/1"
 
 
-class ProposalKind(Word):
+class TuningProposalKind(StringEnum):
     """What follows from the figures.
 
     `change`: another value. `keep`: the value fits, or too little was seen to say more. `look`:
@@ -20,7 +20,7 @@ class ProposalKind(Word):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Proposal:
+class TuningProposal:
     """What to do with one value of a plan, and the figures behind it.
 
     `node` is the id of the coordination node, `flow` the flow where it is one's, `key` the key in
@@ -28,7 +28,7 @@ class Proposal:
     measured for it.
     """
 
-    kind: ProposalKind
+    kind: TuningProposalKind
     node: str
     key: str
     why: str

@@ -12,44 +12,44 @@ from typing import TypeAlias
 
 from rtron.vocabulary.launch import Remap, canonical_name
 
-UNKNOWN = "*"
+UNKNOWN_NAME = "*"
 """Stands for a name, or a namespace, that only the running launch knows."""
 
-Rule: TypeAlias = tuple[str, str]
+RemapRule: TypeAlias = tuple[str, str]
 """A remap rule: what is led, which may begin with a node's name, and where to."""
 
 _RULE = re.compile(r"(?:(\w+):(?!//))?(.+?):=(.+)")
 _SCHEME = re.compile(r"ros(topic|service)://")
 
 
-def expanded(name: str, node: str) -> str:
+def expand_name(name: str, node: str) -> str:
     """Return a name as rcl expands it at a node, before remapping."""
-    space, _, base = node.rpartition("/")
+    namespace, _, base = node.rpartition("/")
     name = _SCHEME.sub("", name)
-    for hole, value in (("{node}", base), ("{namespace}", space), ("{ns}", space)):
-        name = name.replace(hole, value)
+    for placeholder, value in (("{node}", base), ("{namespace}", namespace), ("{ns}", namespace)):
+        name = name.replace(placeholder, value)
     if name.startswith("~"):
         return canonical_name(node + name[1:])
-    return canonical_name(name if name.startswith("/") else f"{space}/{name}")
+    return canonical_name(name if name.startswith("/") else f"{namespace}/{name}")
 
 
-def rules_in(text: str, *, ros: bool) -> Iterator[Rule]:
+def parse_remap_rules(text: str, *, in_ros_args: bool) -> Iterator[RemapRule]:
     """Yield the remap rules in a node's arguments, which count before all others.
 
-    `ros` says that the arguments begin as ROS arguments.
+    `in_ros_args` says that the arguments begin as ROS arguments.
     """
     try:
-        words = shlex.split(text)
+        tokens = shlex.split(text)
     except ValueError:
-        words = text.split()
-    for word, following in pairwise([*words, ""]):
-        ros = word == "--ros-args" or (ros and word != "--")
-        rule = _RULE.fullmatch(following) if ros and word in {"-r", "--remap"} else None
+        tokens = text.split()
+    for token, following in pairwise([*tokens, ""]):
+        in_ros_args = token == "--ros-args" or (in_ros_args and token != "--")
+        rule = _RULE.fullmatch(following) if in_ros_args and token in {"-r", "--remap"} else None
         if rule and not rule[2].startswith("__"):
             yield f"{rule[1]}:{rule[2]}" if rule[1] else rule[2], rule[3]
 
 
-def remaps_at(rules: Iterable[Rule], node: str) -> Iterator[Remap]:
+def remaps_for_node(rules: Iterable[RemapRule], node: str) -> Iterator[Remap]:
     """Yield the rules that concern a node, in order; the first one for a name counts.
 
     Each may concern a node whose name is not known.
@@ -57,10 +57,10 @@ def remaps_at(rules: Iterable[Rule], node: str) -> Iterator[Remap]:
     base = node.rpartition("/")[2]
     for written, target in rules:
         rule = _RULE.fullmatch(f"{written}:={target}")
-        if rule and (rule[1] in {None, base} or base == UNKNOWN):
+        if rule and (rule[1] in {None, base} or base == UNKNOWN_NAME):
             yield Remap(
-                written=written,
+                written_source=written,
                 written_target=target,
-                declared=expanded(rule[2], node),
-                target=expanded(target, node),
+                source=expand_name(rule[2], node),
+                target=expand_name(target, node),
             )

@@ -6,7 +6,7 @@ REPLAY_SCHEMA = "rtron.replay/1"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class FlowCount:
+class ReplayFlowCounts:
     """What would have become of a flow's messages.
 
     A held message counts again when it passes or is dropped.
@@ -21,17 +21,17 @@ class FlowCount:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class StreamCount:
+class ReplayStreamCounts:
     """What would have become of a topic's messages; `stops` counts the stop waves."""
 
     topic: str
     nodes: tuple[str, ...]
-    flows: tuple[FlowCount, ...]
+    flows: tuple[ReplayFlowCounts, ...]
     stops: int = 0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Change:
+class DecisionChange:
     """A change in what happens on a topic, `at` ns after the first recorded message."""
 
     at: int
@@ -43,7 +43,7 @@ class Change:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Replay:
+class ReplayReport:
     """A whole replay: counts, changes in the order of time, and what was not judged and why.
 
     `duration` is the recording's, ns; `messages` counts all that were read; `unseen` the changes
@@ -52,7 +52,7 @@ class Replay:
 
     messages: int
     duration: int
-    streams: tuple[StreamCount, ...]
-    changes: tuple[Change, ...]
+    streams: tuple[ReplayStreamCounts, ...]
+    changes: tuple[DecisionChange, ...]
     notes: tuple[str, ...] = ()
     unseen: int = 0

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from rtron.vocabulary.enums import Domain, RiskKind, Role, Severity, Sharing, StreamKind
+from rtron.vocabulary.enums import Domain, RiskKind, RiskRole, Severity, Sharing, StreamKind
 from rtron.vocabulary.graph import Evidence
 
 RISKS_SCHEMA = "rtron.risks/1"
@@ -20,7 +20,7 @@ class Risk:
     id: str
     kind: RiskKind
     rule: str
-    role_nodes: Mapping[Role, tuple[str, ...]]
+    role_nodes: Mapping[RiskRole, tuple[str, ...]]
     topics: tuple[str, ...]
     message_type: str
     successors: tuple[str, ...]

@@ -13,7 +13,7 @@ RUN_SCHEMA = "rtron.run/1"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class DurationFigures:
+class DurationStatistics:
     """How long something took, ns: `count` times, the quantiles, and the longest.
 
     A quantile is never below the true one, and at most a tenth above it.
@@ -27,7 +27,7 @@ class DurationFigures:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ValueFigures:
+class ValueStatistics:
     """How large something was: `count` times, the least, the quantiles, and the most."""
 
     count: int = 0
@@ -39,7 +39,7 @@ class ValueFigures:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class RefusalFigures:
+class RefusalStatistics:
     """How many messages a policy would have kept from passing as they were, and why the last."""
 
     policy: PolicyName
@@ -49,7 +49,7 @@ class RefusalFigures:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class OverlapFigures:
+class OverlapStatistics:
     """For how long (ns) a flow spoke while another did."""
 
     flow: str
@@ -57,7 +57,7 @@ class OverlapFigures:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class FlowFigures:
+class FlowStatistics:
     """What one flow of a stream did.
 
     `active` (ns) is how long its phases lasted in all; `left_moving` counts those that ended with a
@@ -69,20 +69,20 @@ class FlowFigures:
     flow: str
     publisher: str
     messages: int = 0
-    gaps: DurationFigures = DurationFigures()
-    pauses: DurationFigures = DurationFigures()
+    gaps: DurationStatistics = DurationStatistics()
+    pauses: DurationStatistics = DurationStatistics()
     active: int = 0
     left_moving: int = 0
-    waits: DurationFigures = DurationFigures()
-    takes: DurationFigures = DurationFigures()
+    waits: DurationStatistics = DurationStatistics()
+    takes: DurationStatistics = DurationStatistics()
     undone: int = 0
-    speeds: ValueFigures = ValueFigures()
-    refusals: tuple[RefusalFigures, ...] = ()
-    overlaps: tuple[OverlapFigures, ...] = ()
+    speeds: ValueStatistics = ValueStatistics()
+    refusals: tuple[RefusalStatistics, ...] = ()
+    overlaps: tuple[OverlapStatistics, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class StreamFigures:
+class StreamStatistics:
     """What the flows of one stream did, and the nodes that spoke and are not in the plan.
 
     `per_frame` are the approved flows' speeds divided by the least frame rate of the moment: metres
@@ -91,40 +91,40 @@ class StreamFigures:
 
     topic: str
     mode: Mode
-    flows: tuple[FlowFigures, ...] = ()
-    per_frame: ValueFigures = ValueFigures()
+    flows: tuple[FlowStatistics, ...] = ()
+    per_frame: ValueStatistics = ValueStatistics()
     unseen: int = 0
     strangers: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class MonitorFigures:
+class MonitorStatistics:
     """What an fps_monitor measured; `fps` leaves out the first window of every phase."""
 
     id: str
     frames: int = 0
-    gaps: DurationFigures = DurationFigures()
-    pauses: DurationFigures = DurationFigures()
-    fps: ValueFigures = ValueFigures()
+    gaps: DurationStatistics = DurationStatistics()
+    pauses: DurationStatistics = DurationStatistics()
+    fps: ValueStatistics = ValueStatistics()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class EventFigures:
+class EventStatistics:
     """How often the event of an eflow came."""
 
     name: str
     messages: int = 0
-    gaps: DurationFigures = DurationFigures()
-    pauses: DurationFigures = DurationFigures()
+    gaps: DurationStatistics = DurationStatistics()
+    pauses: DurationStatistics = DurationStatistics()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Run:
+class MeasuredRun:
     """A measured run of the app of a plan; it lasted `duration` (ns)."""
 
     app: str
     ros: int = 1
     duration: int = 0
-    streams: tuple[StreamFigures, ...] = ()
-    monitors: tuple[MonitorFigures, ...] = ()
-    events: tuple[EventFigures, ...] = ()
+    streams: tuple[StreamStatistics, ...] = ()
+    monitors: tuple[MonitorStatistics, ...] = ()
+    events: tuple[EventStatistics, ...] = ()

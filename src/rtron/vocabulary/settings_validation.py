@@ -8,9 +8,9 @@ import math
 import re
 from collections.abc import Collection, Iterator
 
-from rtron.vocabulary.effective_plan import MisfitError, effective
+from rtron.vocabulary.effective_plan import SettingsMismatchError, apply_settings
 from rtron.vocabulary.enums import PolicyName, Sharing
-from rtron.vocabulary.plan import GRCN, MSRCN, RSRCN, SECOND, Flow, Plan, Rule
+from rtron.vocabulary.plan import GRCN, MSRCN, RSRCN, SECOND, Flow, MissionRule, Plan
 from rtron.vocabulary.settings import (
     EmergencyStop,
     FlowSettings,
@@ -20,118 +20,118 @@ from rtron.vocabulary.settings import (
     TimedOverride,
 )
 
-LONGEST = 2**63 - 1
+MAX_INT64 = 2**63 - 1
 """The longest duration, ns, and the greatest revision."""
-PRIORITIES = (-(2**31), 2**31 - 1)
-FASTEST = 1000.0
+PRIORITY_RANGE = (-(2**31), 2**31 - 1)
+MAX_VELOCITY = 1000.0
 """The greatest `max_vel_limit`, m/s, and `threshold`, metres per frame."""
-SLOWEST = 1e-6
+MIN_NONZERO_VELOCITY = 1e-6
 """Nothing but 0 is closer to 0: it would be a slip."""
-MOST_RULES = 200
-MOST_BLOCKED = 1000
-LONGEST_NAME = 255
-LONGEST_TEXT = 1000
-LONGEST_CONDITION = 4096
-LONGEST_CONDITIONS = 8192
+MAX_RULES = 200
+MAX_BLOCKED_FLOWS = 1000
+MAX_NAME_LENGTH = 255
+MAX_TEXT_LENGTH = 1000
+MAX_CONDITION_LENGTH = 4096
+MAX_CONDITIONS_LENGTH = 8192
 """All conditions that settings have together: messages wait while they are read."""
-_WORD = re.compile("[A-Za-z][A-Za-z0-9_]*")
-_OF_GRCN = (
+_RULE_NAME = re.compile("[A-Za-z][A-Za-z0-9_]*")
+_GRCN_POLICIES = (
     PolicyName.BLOCK,
     PolicyName.FIFO_QUEUE,
     PolicyName.PRIORITY_QUEUE,
     PolicyName.PREEMPTION,
 )
-_RANKED = (PolicyName.PRIORITY_QUEUE, PolicyName.PREEMPTION)
-_BY_RATE = (PolicyName.SAFE, PolicyName.SAFE_CONSTRAIN)
-_BY_LIMIT = (PolicyName.CONSTRAIN, PolicyName.SAFE_CONSTRAIN)
-_OF_RSRCN = (PolicyName.BLOCK, *_BY_RATE, PolicyName.CONSTRAIN)
+_PRIORITY_POLICIES = (PolicyName.PRIORITY_QUEUE, PolicyName.PREEMPTION)
+_FRAME_RATE_POLICIES = (PolicyName.SAFE, PolicyName.SAFE_CONSTRAIN)
+_VELOCITY_LIMIT_POLICIES = (PolicyName.CONSTRAIN, PolicyName.SAFE_CONSTRAIN)
+_RSRCN_POLICIES = (PolicyName.BLOCK, *_FRAME_RATE_POLICIES, PolicyName.CONSTRAIN)
 
 
-def in_force(plan: Plan, settings: Settings) -> Plan:
+def apply_valid_settings(plan: Plan, settings: Settings) -> Plan:
     """Return the plan in force under settings; MisfitError if a guard cannot run it."""
-    for fault in _values(settings):
-        raise MisfitError(fault)
-    after = effective(plan, settings)
-    for fault in (*_faults(after), *_overridden(plan, settings)):
-        raise MisfitError(fault)
-    return after
+    for problem in _out_of_bounds(settings):
+        raise SettingsMismatchError(problem)
+    applied = apply_settings(plan, settings)
+    for problem in (*_plan_problems(applied), *_unknown_overrides(plan, settings)):
+        raise SettingsMismatchError(problem)
+    return applied
 
 
-def _values(settings: Settings) -> Iterator[str]:
+def _out_of_bounds(settings: Settings) -> Iterator[str]:
     """Yield what is out of its bounds, whatever the plan is."""
-    yield from _whole("revision", settings.revision, 0, LONGEST)
+    yield from _integer_bounds("revision", settings.revision, 0, MAX_INT64)
     for id, node in settings.nodes.items():
-        yield from (f"{_short(id)}: {fault}" for fault in _node(node))
+        yield from (f"{_quoted(id)}: {problem}" for problem in _node(node))
     for id, override in settings.overrides.items():
-        yield from (f"override of {_short(id)}: {fault}" for fault in _override(override))
+        yield from (f"override of {_quoted(id)}: {problem}" for problem in _override(override))
     if settings.stop:
-        yield from (f"emergency stop: {fault}" for fault in _stop(settings.stop))
+        yield from (f"emergency stop: {problem}" for problem in _stop(settings.stop))
 
 
 def _node(node: NodeSettings) -> Iterator[str]:
     for name in ("release_after", "max_age", "max_hold"):
-        yield from _whole(name, getattr(node, name), 0, LONGEST)
-    yield from _quantity("threshold", node.threshold, SLOWEST)
+        yield from _integer_bounds(name, getattr(node, name), 0, MAX_INT64)
+    yield from _quantity_bounds("threshold", node.threshold, MIN_NONZERO_VELOCITY)
     if node.max_vel_limit != 0:
-        yield from _quantity("max_vel_limit", node.max_vel_limit, SLOWEST)
+        yield from _quantity_bounds("max_vel_limit", node.max_vel_limit, MIN_NONZERO_VELOCITY)
     for name, flow in node.flows.items():
-        yield from (f"{_short(name)}: {fault}" for fault in _flow(flow))
-    if len(node.rules) > MOST_RULES:
-        yield f"more than {MOST_RULES} rules"
-    if sum(len(rule.when or "") for rule in node.rules.values()) > LONGEST_CONDITIONS:
-        yield f"the conditions are longer than {LONGEST_CONDITIONS} characters together"
+        yield from (f"{_quoted(name)}: {problem}" for problem in _flow(flow))
+    if len(node.rules) > MAX_RULES:
+        yield f"more than {MAX_RULES} rules"
+    if sum(len(rule.when or "") for rule in node.rules.values()) > MAX_CONDITIONS_LENGTH:
+        yield f"the conditions are longer than {MAX_CONDITIONS_LENGTH} characters together"
     for name, rule in node.rules.items():
-        yield from (f"rule {_short(name)}: {fault}" for fault in _rule(name, rule))
+        yield from (f"rule {_quoted(name)}: {problem}" for problem in _rule(name, rule))
 
 
 def _flow(flow: FlowSettings) -> Iterator[str]:
-    yield from _whole("priority", flow.priority, *PRIORITIES)
-    yield from _whole("timeout", flow.timeout, 0, LONGEST)
+    yield from _integer_bounds("priority", flow.priority, *PRIORITY_RANGE)
+    yield from _integer_bounds("timeout", flow.timeout, 0, MAX_INT64)
 
 
 def _rule(name: str, rule: RuleSettings) -> Iterator[str]:
-    if len(name) > LONGEST_NAME or not _WORD.fullmatch(name):
+    if len(name) > MAX_NAME_LENGTH or not _RULE_NAME.fullmatch(name):
         yield "a rule's name is a word of letters, digits and _"
-    if len(rule.when or "") > LONGEST_CONDITION:
-        yield f"a condition is longer than {LONGEST_CONDITION} characters"
-    if len(rule.block or ()) > MOST_BLOCKED:
-        yield f"it blocks more than {MOST_BLOCKED} flows"
+    if len(rule.when or "") > MAX_CONDITION_LENGTH:
+        yield f"a condition is longer than {MAX_CONDITION_LENGTH} characters"
+    if len(rule.block or ()) > MAX_BLOCKED_FLOWS:
+        yield f"it blocks more than {MAX_BLOCKED_FLOWS} flows"
 
 
 def _override(override: TimedOverride) -> Iterator[str]:
-    yield from _whole("until", override.until, 0, LONGEST)
-    yield from _said(override)
+    yield from _integer_bounds("until", override.until, 0, MAX_INT64)
+    yield from _author_text(override)
 
 
 def _stop(stop: EmergencyStop) -> Iterator[str]:
-    yield from _whole("at", stop.at, 0, LONGEST)
-    yield from _said(stop)
+    yield from _integer_bounds("at", stop.at, 0, MAX_INT64)
+    yield from _author_text(stop)
 
 
-def _said(said: TimedOverride | EmergencyStop) -> Iterator[str]:
-    for text in (said.by, said.reason):
-        if len(text) > LONGEST_TEXT:
-            yield f"a text is longer than {LONGEST_TEXT} characters"
+def _author_text(entry: TimedOverride | EmergencyStop) -> Iterator[str]:
+    for text in (entry.by, entry.reason):
+        if len(text) > MAX_TEXT_LENGTH:
+            yield f"a text is longer than {MAX_TEXT_LENGTH} characters"
 
 
-def _whole(name: str, value: int | None, least: int, greatest: int) -> Iterator[str]:
+def _integer_bounds(name: str, value: int | None, least: int, greatest: int) -> Iterator[str]:
     if value is not None and not least <= value <= greatest:
         yield f"{name} is not between {least} and {greatest}"
 
 
-def _quantity(name: str, value: float | None, least: float) -> Iterator[str]:
-    if value is not None and not (math.isfinite(value) and least <= value <= FASTEST):
-        yield f"{name} is not between {least:g} and {FASTEST:g}"
+def _quantity_bounds(name: str, value: float | None, least: float) -> Iterator[str]:
+    if value is not None and not (math.isfinite(value) and least <= value <= MAX_VELOCITY):
+        yield f"{name} is not between {least:g} and {MAX_VELOCITY:g}"
 
 
-def _overridden(plan: Plan, settings: Settings) -> Iterator[str]:
+def _unknown_overrides(plan: Plan, settings: Settings) -> Iterator[str]:
     known = {node.id for node in (plan.rsrcn, plan.msrcn) if node}
     for id in settings.overrides:
         if id not in known:
-            yield f"{_short(id)} cannot be overridden"
+            yield f"{_quoted(id)} cannot be overridden"
 
 
-def _faults(plan: Plan) -> Iterator[str]:
+def _plan_problems(plan: Plan) -> Iterator[str]:
     """Yield what would keep a guard from running under a plan, or the plan from meaning it."""
     for grcn in plan.grcn:
         yield from _grcn(grcn)
@@ -142,18 +142,18 @@ def _faults(plan: Plan) -> Iterator[str]:
 
 
 def _grcn(grcn: GRCN) -> Iterator[str]:
-    yield from _policy(grcn.id, grcn.policy, _OF_GRCN)
+    yield from _policy(grcn.id, grcn.policy, _GRCN_POLICIES)
     if grcn.sharing is Sharing.MERGE:
         yield from _policy(grcn.id, grcn.policy, (PolicyName.BLOCK,))
-    if grcn.policy in _RANKED:
+    if grcn.policy in _PRIORITY_POLICIES:
         yield from _order(grcn.id, grcn.flows)
 
 
 def _rsrcn(rsrcn: RSRCN, plan: Plan) -> Iterator[str]:
-    yield from _policy(rsrcn.id, rsrcn.policy, _OF_RSRCN)
-    if rsrcn.policy in _BY_LIMIT and rsrcn.max_vel_limit is None:
+    yield from _policy(rsrcn.id, rsrcn.policy, _RSRCN_POLICIES)
+    if rsrcn.policy in _VELOCITY_LIMIT_POLICIES and rsrcn.max_vel_limit is None:
         yield f"{rsrcn.id}: {rsrcn.policy} needs max_vel_limit"
-    if rsrcn.policy in _BY_RATE:
+    if rsrcn.policy in _FRAME_RATE_POLICIES:
         yield from _by_rate(rsrcn, plan)
     for topic in rsrcn.vflows:
         if len({flow.priority for flow in topic.flows}) > 1:
@@ -172,19 +172,19 @@ def _by_rate(rsrcn: RSRCN, plan: Plan) -> Iterator[str]:
 
 def _msrcn(msrcn: MSRCN) -> Iterator[str]:
     yield from _policy(msrcn.id, msrcn.policy, (PolicyName.BLOCK,))
-    if len(msrcn.rules) > MOST_RULES:
-        yield f"{msrcn.id}: more than {MOST_RULES} rules"
+    if len(msrcn.rules) > MAX_RULES:
+        yield f"{msrcn.id}: more than {MAX_RULES} rules"
     topics = {topic.topic: {flow.name for flow in topic.flows} for topic in msrcn.aflows}
     flows = {name: {name} for names in topics.values() for name in names}
     for rule in msrcn.rules:
-        yield from (f"rule {rule.name}: {fault}" for fault in _blocks(rule, topics | flows))
+        yield from (f"rule {rule.name}: {problem}" for problem in _blocks(rule, topics | flows))
 
 
-def _blocks(rule: Rule, flows: dict[str, set[str]]) -> Iterator[str]:
+def _blocks(rule: MissionRule, flows: dict[str, set[str]]) -> Iterator[str]:
     """Yield what is wrong with what a rule blocks; `flows` are those of each flow and topic."""
     for name in rule.block:
         if name not in flows:
-            yield f"it blocks no aflow or topic that is called {_short(name)}"
+            yield f"it blocks no aflow or topic that is called {_quoted(name)}"
     blocked = set[str]().union(*(flows.get(name, ()) for name in rule.block))
     needed = flows.get(rule.require)
     if rule.require in rule.block or (needed and needed <= blocked):
@@ -204,5 +204,5 @@ def _order(id: str, flows: Collection[Flow]) -> Iterator[str]:
             yield f"{id}: {other} and {flow.name} have the same priority {flow.priority}"
 
 
-def _short(name: str) -> str:
-    return repr(name[:LONGEST_NAME])
+def _quoted(name: str) -> str:
+    return repr(name[:MAX_NAME_LENGTH])

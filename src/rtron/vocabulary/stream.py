@@ -2,9 +2,9 @@
 
 from dataclasses import dataclass
 
-from rtron.vocabulary.action import action_of
+from rtron.vocabulary.action import action_name
 from rtron.vocabulary.enums import CoordinationKind, Mode, PolicyName, StreamKind
-from rtron.vocabulary.plan import SECOND, Flow, Stop
+from rtron.vocabulary.plan import SECOND, Flow, StopProfile
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -12,8 +12,8 @@ class StageRule:
     """A rule of the mission on one topic: the flows it blocks, and those that meet what it asks."""
 
     name: str
-    blocks: frozenset[str] = frozenset()
-    meets: frozenset[str] = frozenset()
+    blocked_flows: frozenset[str] = frozenset()
+    required_flows: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -42,7 +42,7 @@ class Stage:
     """One coordination node's part in a stream; `id` is also the last part of its node name."""
 
     id: str
-    coordination: CoordinationKind
+    coordination_kind: CoordinationKind
     settings: PolicySettings
 
 
@@ -59,14 +59,14 @@ class Stream:
     queue_size: int = 100
     done: str | None = None
     block_unapproved: bool = True
-    stop: Stop = Stop()  # noqa: RUF009 - frozen
+    stop: StopProfile = StopProfile()  # noqa: RUF009 - frozen
 
     @property
     def action(self) -> str:
         """The action whose goals these are, all of which moves together; or nothing."""
-        return action_of(self.topic, self.type)
+        return action_name(self.topic, self.type)
 
     @property
-    def by_request(self) -> bool:
+    def is_ros2_action(self) -> bool:
         """Whether these are an action's goals in ROS 2, which are requests and no topic."""
         return self.action == self.topic

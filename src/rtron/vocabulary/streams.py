@@ -5,31 +5,40 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 from rtron.vocabulary.enums import CoordinationKind, Mode, StreamKind
-from rtron.vocabulary.names import names_node
-from rtron.vocabulary.plan import GRCN, MSRCN, RSRCN, UNAPPROVED, Flow, GuardedTopic, Plan, Rule
+from rtron.vocabulary.names import matches_node
+from rtron.vocabulary.plan import (
+    GRCN,
+    MSRCN,
+    RSRCN,
+    UNAPPROVED,
+    Flow,
+    GuardedTopic,
+    MissionRule,
+    Plan,
+)
 from rtron.vocabulary.stream import PolicySettings, Stage, StageRule, Stream
 
 
 @dataclass(frozen=True, slots=True)
-class _Part:
+class _StageOnTopic:
     """What the MSRCN or the RSRCN has to do with one topic."""
 
     stage: Stage
     mode: Mode
     topic: GuardedTopic
-    rules: tuple[Rule, ...] = ()
+    rules: tuple[MissionRule, ...] = ()
 
 
-def streams(plan: Plan) -> tuple[Stream, ...]:
+def build_streams(plan: Plan) -> tuple[Stream, ...]:
     """Return the plan's streams, one a topic and mode, in the order of the plan.
 
     A stage that observes never shares a stream with one that enforces: it has none of its say.
     """
-    found = {(grcn.topic, grcn.mode): _grcn_stream(grcn, plan.revision) for grcn in plan.grcn}
+    by_topic = {(grcn.topic, grcn.mode): _grcn_stream(grcn, plan.revision) for grcn in plan.grcn}
     for part in (*_msrcn_parts(plan), *_rsrcn_parts(plan)):
         key = (part.topic.topic, part.mode)
-        found[key] = _append(found.get(key) or _bare_stream(part.topic, part.mode), part)
-    return tuple(replace(stream, stop=plan.stop) for stream in found.values())
+        by_topic[key] = _append(by_topic.get(key) or _empty_stream(part.topic, part.mode), part)
+    return tuple(replace(stream, stop=plan.stop) for stream in by_topic.values())
 
 
 def _grcn_stream(grcn: GRCN, revision: int) -> Stream:
@@ -48,7 +57,7 @@ def _grcn_stream(grcn: GRCN, revision: int) -> Stream:
         type=grcn.type,
         mode=grcn.mode,
         flows=grcn.flows,
-        stages=(Stage(id=grcn.id, coordination=CoordinationKind.GRCN, settings=settings),),
+        stages=(Stage(id=grcn.id, coordination_kind=CoordinationKind.GRCN, settings=settings),),
         successors=grcn.successors,
         queue_size=grcn.queue_size,
         done=grcn.done,
@@ -56,27 +65,27 @@ def _grcn_stream(grcn: GRCN, revision: int) -> Stream:
     )
 
 
-def _msrcn_parts(plan: Plan) -> Iterator[_Part]:
+def _msrcn_parts(plan: Plan) -> Iterator[_StageOnTopic]:
     if plan.msrcn:
         stage = _stage(plan.msrcn, CoordinationKind.MSRCN, plan.revision)
         for topic in plan.msrcn.aflows:
-            yield _Part(stage, plan.msrcn.mode, topic, plan.msrcn.rules)
+            yield _StageOnTopic(stage, plan.msrcn.mode, topic, plan.msrcn.rules)
 
 
-def _rsrcn_parts(plan: Plan) -> Iterator[_Part]:
+def _rsrcn_parts(plan: Plan) -> Iterator[_StageOnTopic]:
     if plan.rsrcn:
-        stage = _limiting(_stage(plan.rsrcn, CoordinationKind.RSRCN, plan.revision), plan.rsrcn)
-        yield from (_Part(stage, plan.rsrcn.mode, topic) for topic in plan.rsrcn.vflows)
+        stage = _with_limits(_stage(plan.rsrcn, CoordinationKind.RSRCN, plan.revision), plan.rsrcn)
+        yield from (_StageOnTopic(stage, plan.rsrcn.mode, topic) for topic in plan.rsrcn.vflows)
 
 
 def _stage(node: MSRCN | RSRCN, coordination: CoordinationKind, revision: int) -> Stage:
     settings = PolicySettings(
         policy=node.policy, kind=StreamKind.COMMAND, flows=(), revision=revision
     )
-    return Stage(id=node.id, coordination=coordination, settings=settings)
+    return Stage(id=node.id, coordination_kind=coordination, settings=settings)
 
 
-def _limiting(stage: Stage, rsrcn: RSRCN) -> Stage:
+def _with_limits(stage: Stage, rsrcn: RSRCN) -> Stage:
     settings = replace(
         stage.settings,
         threshold=rsrcn.threshold,
@@ -86,7 +95,7 @@ def _limiting(stage: Stage, rsrcn: RSRCN) -> Stage:
     return replace(stage, settings=settings)
 
 
-def _bare_stream(guarded: GuardedTopic, mode: Mode) -> Stream:
+def _empty_stream(guarded: GuardedTopic, mode: Mode) -> Stream:
     return Stream(
         topic=guarded.topic,
         type=guarded.type,
@@ -97,7 +106,7 @@ def _bare_stream(guarded: GuardedTopic, mode: Mode) -> Stream:
     )
 
 
-def _append(stream: Stream, part: _Part) -> Stream:
+def _append(stream: Stream, part: _StageOnTopic) -> Stream:
     """Add a stage.
 
     Its block bits hold in the stages before it too: a flow that will not pass must not take the
@@ -106,7 +115,7 @@ def _append(stream: Stream, part: _Part) -> Stream:
     flows = part.topic.flows
     settings = replace(
         part.stage.settings,
-        flows=tuple(_own(flow, flows) for flow in stream.flows),
+        flows=tuple(_with_stage_priority(flow, flows) for flow in stream.flows),
         rules=tuple(_stage_rules(part.rules, stream, flows)),
     )
     blocked = tuple(flow.publisher for flow in flows if flow.block)
@@ -116,9 +125,9 @@ def _append(stream: Stream, part: _Part) -> Stream:
     return replace(stream, stages=tuple(_with_blocks(each, blocked) for each in stages))
 
 
-def _own(flow: Flow, guarded: Sequence[Flow]) -> Flow:
+def _with_stage_priority(flow: Flow, guarded: Sequence[Flow]) -> Flow:
     """Return the stream's flow with the priority that the stage gives it."""
-    priorities = (other.priority for other in guarded if _alike(flow, other))
+    priorities = (other.priority for other in guarded if _same_publisher(flow, other))
     priority = max(priorities, default=0)
     if priority == flow.priority and not flow.block:
         return flow
@@ -126,50 +135,57 @@ def _own(flow: Flow, guarded: Sequence[Flow]) -> Flow:
 
 
 def _stage_rules(
-    rules: Sequence[Rule], stream: Stream, guarded: Sequence[Flow]
+    rules: Sequence[MissionRule], stream: Stream, guarded: Sequence[Flow]
 ) -> Iterator[StageRule]:
     names = {stream.topic, *(flow.name for flow in guarded)}
     for rule in rules:
         if rule.require in names or not names.isdisjoint(rule.block):
             yield _stage_rule(rule, stream, guarded)
         else:
-            yield _elsewhere(rule.name)
+            yield _unrelated_rule(rule.name)
 
 
 @lru_cache(1000)
-def _elsewhere(name: str) -> StageRule:
+def _unrelated_rule(name: str) -> StageRule:
     """Return a rule that is not about the stream; all streams share it."""
     return StageRule(name=name)
 
 
-def _stage_rule(rule: Rule, stream: Stream, guarded: Sequence[Flow]) -> StageRule:
+def _stage_rule(rule: MissionRule, stream: Stream, guarded: Sequence[Flow]) -> StageRule:
     """Return a rule of the mission, with the names that its flows have in the stream."""
     return StageRule(
         name=rule.name,
-        blocks=_meant(rule.block, stream, guarded),
-        meets=_meant((rule.require,), stream, guarded),
+        blocked_flows=_matching_flows(rule.block, stream, guarded),
+        required_flows=_matching_flows((rule.require,), stream, guarded),
     )
 
 
-def _meant(names: Sequence[str], stream: Stream, guarded: Sequence[Flow]) -> frozenset[str]:
+def _matching_flows(
+    names: Sequence[str], stream: Stream, guarded: Sequence[Flow]
+) -> frozenset[str]:
     """Return the flows of a stream that are meant by their names, or all by their topic's."""
     if stream.topic in names:
         return frozenset(flow.name for flow in stream.flows) | {UNAPPROVED}
-    named = [flow for flow in guarded if flow.name in names]
-    return frozenset(f.name for f in stream.flows if any(_alike(f, other) for other in named))
+    named_flows = [flow for flow in guarded if flow.name in names]
+    return frozenset(
+        f.name for f in stream.flows if any(_same_publisher(f, other) for other in named_flows)
+    )
 
 
 def _with_blocks(stage: Stage, blocked: tuple[str, ...]) -> Stage:
     flows = tuple(
-        replace(flow, block=flow.block or any(_overlap(flow.publisher, name) for name in blocked))
+        replace(
+            flow,
+            block=flow.block or any(_patterns_overlap(flow.publisher, name) for name in blocked),
+        )
         for flow in stage.settings.flows
     )
     return replace(stage, settings=replace(stage.settings, flows=flows))
 
 
-def _alike(one: Flow, other: Flow) -> bool:
-    return _overlap(one.publisher, other.publisher)
+def _same_publisher(one: Flow, other: Flow) -> bool:
+    return _patterns_overlap(one.publisher, other.publisher)
 
 
-def _overlap(one: str, other: str) -> bool:
-    return names_node(one, other) or names_node(other, one)
+def _patterns_overlap(one: str, other: str) -> bool:
+    return matches_node(one, other) or matches_node(other, one)

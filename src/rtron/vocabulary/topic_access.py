@@ -5,72 +5,72 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from rtron.vocabulary.action import (
-    ANSWERED,
-    ASKED,
-    REQUESTED,
-    SERVER,
-    TOLD,
-    ActionPart,
-    end_name,
-    part_topic,
+    ROS1_CLIENT_TOPICS,
+    ROS1_SERVER_TOPICS,
+    ROS2_ACTION_SERVICES,
+    ROS2_ACTION_TOPICS,
+    SERVER_FLOW,
+    Ros1ActionTopic,
+    ros1_topic_name,
+    ros2_entity_name,
 )
 from rtron.vocabulary.enums import Mode, StreamKind
 from rtron.vocabulary.names import (
     PRIVATE_ROOT,
     SUPERVISOR_NODE,
     flow_topic,
-    names_node,
+    matches_node,
     output_topic,
 )
 from rtron.vocabulary.plan import Plan
 from rtron.vocabulary.stream import Stream
-from rtron.vocabulary.streams import streams
+from rtron.vocabulary.streams import build_streams
 
-ANYBODY = "*"
+ANY_NODE = "*"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PlannedTopic:
+class TopicAccess:
     """A topic, and the nodes that may publish and subscribe it: names, or patterns with `*`.
 
-    `guarded` is the public name of the stream that it belongs to.
+    `stream_topic` is the public name of the stream that it belongs to.
     """
 
     topic: str
-    guarded: str
+    stream_topic: str
     publishers: tuple[str, ...]
     subscribers: tuple[str, ...]
 
     def may_publish(self, node: str) -> bool:
         """Tell whether the plan lets a node publish the topic."""
-        return any(names_node(name, node) for name in self.publishers)
+        return any(matches_node(name, node) for name in self.publishers)
 
     def may_subscribe(self, node: str) -> bool:
         """Tell whether the plan lets a node listen."""
-        return any(names_node(name, node) for name in self.subscribers)
+        return any(matches_node(name, node) for name in self.subscribers)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PlannedService:
+class ServiceAccess:
     """A service of a guarded action of ROS 2, and the nodes that may offer and ask for it."""
 
     service: str
-    guarded: str
+    stream_topic: str
     servers: tuple[str, ...]
     clients: tuple[str, ...]
 
 
-def planned_topics(plan: Plan) -> tuple[PlannedTopic, ...]:
+def list_topic_access(plan: Plan) -> tuple[TopicAccess, ...]:
     """Return every topic that an enforced stream of a plan uses, each once."""
-    enforced = (stream for stream in streams(plan) if stream.mode is Mode.ENFORCE)
-    return tuple(topic for stream in enforced for topic in _topics(stream))
+    enforced = (stream for stream in build_streams(plan) if stream.mode is Mode.ENFORCE)
+    return tuple(topic for stream in enforced for topic in _topic_access(stream))
 
 
-def planned_services(plan: Plan) -> tuple[PlannedService, ...]:
+def list_service_access(plan: Plan) -> tuple[ServiceAccess, ...]:
     """Return every service that an enforced stream of a plan uses, each once."""
-    enforced = (stream for stream in streams(plan) if stream.mode is Mode.ENFORCE)
-    requested = (stream for stream in enforced if stream.by_request)
-    return tuple(service for stream in requested for service in _services(stream))
+    enforced = (stream for stream in build_streams(plan) if stream.mode is Mode.ENFORCE)
+    ros2_actions = (stream for stream in enforced if stream.is_ros2_action)
+    return tuple(service for stream in ros2_actions for service in _ros2_action_services(stream))
 
 
 def stage_nodes(stream: Stream) -> tuple[str, ...]:
@@ -78,85 +78,87 @@ def stage_nodes(stream: Stream) -> tuple[str, ...]:
     return tuple(f"{PRIVATE_ROOT}/{stage.id}" for stage in stream.stages)
 
 
-def _topics(stream: Stream) -> Iterator[PlannedTopic]:
+def _topic_access(stream: Stream) -> Iterator[TopicAccess]:
     nodes = stage_nodes(stream)
-    if stream.by_request:
-        yield from _told(stream, nodes[0])
+    if stream.is_ros2_action:
+        yield from _ros2_action_topics(stream, nodes[0])
         return
-    yield from _entries(stream, stream.topic, nodes[-1])
-    yield from _exits(stream, stream.topic, nodes[-1], stream.successors)
+    yield from _input_topics(stream, stream.topic, nodes[-1])
+    yield from _output_topics(stream, stream.topic, nodes[-1], stream.successors)
     for before, after in pairwise(nodes):
-        joint = f"{PRIVATE_ROOT}{stream.topic}{before.removeprefix(PRIVATE_ROOT)}"
-        yield _planned(stream, joint, (before,), (after,))
+        stage_topic = f"{PRIVATE_ROOT}{stream.topic}{before.removeprefix(PRIVATE_ROOT)}"
+        yield _access(stream, stage_topic, (before,), (after,))
     if stream.action:
-        yield from _action(stream, nodes[0])
+        yield from _ros1_action_topics(stream, nodes[0])
 
 
-def _action(stream: Stream, node: str) -> Iterator[PlannedTopic]:
+def _ros1_action_topics(stream: Stream, node: str) -> Iterator[TopicAccess]:
     """Yield the four topics of an action beside its goals; one node is the server to clients."""
-    cancel = part_topic(stream.action, ActionPart.CANCEL)
-    yield from _entries(stream, cancel, node)
-    yield from _exits(stream, cancel, node, stream.successors)
+    cancel = ros1_topic_name(stream.action, Ros1ActionTopic.CANCEL)
+    yield from _input_topics(stream, cancel, node)
+    yield from _output_topics(stream, cancel, node, stream.successors)
     clients = tuple(flow.publisher for flow in stream.flows)
-    for part in ANSWERED:
-        topic = part_topic(stream.action, part)
-        yield _planned(stream, flow_topic(topic, SERVER), stream.successors, (node,))
-        yield from _exits(stream, topic, node, clients)
+    for part in ROS1_SERVER_TOPICS:
+        topic = ros1_topic_name(stream.action, part)
+        yield _access(stream, flow_topic(topic, SERVER_FLOW), stream.successors, (node,))
+        yield from _output_topics(stream, topic, node, clients)
 
 
-def _told(stream: Stream, node: str) -> Iterator[PlannedTopic]:
+def _ros2_action_topics(stream: Stream, node: str) -> Iterator[TopicAccess]:
     """Yield the topics of an action of ROS 2, which its server and the guard publish."""
-    for action, publisher, listener in _sides(stream, node):
-        for end in TOLD:
-            yield _planned(stream, end_name(action, end), publisher, listener)
+    for action, publisher, subscriber in _ros2_action_names(stream, node):
+        for entity in ROS2_ACTION_TOPICS:
+            yield _access(stream, ros2_entity_name(action, entity), publisher, subscriber)
 
 
-def _services(stream: Stream) -> Iterator[PlannedService]:
+def _ros2_action_services(stream: Stream) -> Iterator[ServiceAccess]:
     """Yield the services of an action of ROS 2; who may ask under the public name, the guard says.
 
     Anybody may ask there, as anybody may publish a public topic in vain.
     """
-    for action, servers, clients in _sides(stream, stage_nodes(stream)[0]):
-        for end in REQUESTED:
-            name = end_name(action, end)
-            yield PlannedService(
-                service=name, guarded=stream.topic, servers=servers, clients=clients
+    for action, servers, clients in _ros2_action_names(stream, stage_nodes(stream)[0]):
+        for entity in ROS2_ACTION_SERVICES:
+            name = ros2_entity_name(action, entity)
+            yield ServiceAccess(
+                service=name, stream_topic=stream.topic, servers=servers, clients=clients
             )
 
 
-def _sides(stream: Stream, node: str) -> Iterator[tuple[str, tuple[str, ...], tuple[str, ...]]]:
+def _ros2_action_names(
+    stream: Stream, node: str
+) -> Iterator[tuple[str, tuple[str, ...], tuple[str, ...]]]:
     """Yield the names that an action of ROS 2 has, each with its servers and its clients."""
     yield output_topic(stream.action), stream.successors, (node,)
     for flow in stream.flows:
         yield flow_topic(stream.action, flow.name), (node,), (flow.publisher,)
-    yield stream.action, (node,), (ANYBODY,)
+    yield stream.action, (node,), (ANY_NODE,)
 
 
-def _entries(stream: Stream, topic: str, speaker: str) -> Iterator[PlannedTopic]:
+def _input_topics(stream: Stream, topic: str, guard_node: str) -> Iterator[TopicAccess]:
     """Yield the private topics of the flows; on that of a successor the guard speaks too."""
-    listener = stage_nodes(stream)[0]
+    first_node = stage_nodes(stream)[0]
     for flow in stream.flows:
-        follows = any(names_node(flow.publisher, node) for node in stream.successors)
-        publishers = (flow.publisher, speaker) if follows else (flow.publisher,)
-        subscribers = (listener, flow.publisher) if follows else (listener,)
-        yield _planned(stream, flow_topic(topic, flow.name), publishers, subscribers)
+        is_successor = any(matches_node(flow.publisher, node) for node in stream.successors)
+        publishers = (flow.publisher, guard_node) if is_successor else (flow.publisher,)
+        subscribers = (first_node, flow.publisher) if is_successor else (first_node,)
+        yield _access(stream, flow_topic(topic, flow.name), publishers, subscribers)
 
 
-def _exits(
-    stream: Stream, topic: str, node: str, listeners: tuple[str, ...]
-) -> Iterator[PlannedTopic]:
+def _output_topics(
+    stream: Stream, topic: str, node: str, subscribers: tuple[str, ...]
+) -> Iterator[TopicAccess]:
     """Yield the private output and the public name; strangers speak there where they may."""
-    asked = topic.rpartition("/")[2] in ASKED if stream.action else True
-    strangers = (ANYBODY,) if asked and not stream.block_unapproved else ()
-    moves = stream.stages[0].settings.kind is StreamKind.COMMAND and not stream.action
-    supervisor = (SUPERVISOR_NODE,) if moves else ()
-    yield _planned(stream, output_topic(topic), (node, *supervisor), listeners)
-    yield _planned(stream, topic, (node, *strangers), (ANYBODY,))
+    from_clients = topic.rpartition("/")[2] in ROS1_CLIENT_TOPICS if stream.action else True
+    unplanned = (ANY_NODE,) if from_clients and not stream.block_unapproved else ()
+    moves_robot = stream.stages[0].settings.kind is StreamKind.COMMAND and not stream.action
+    supervisor = (SUPERVISOR_NODE,) if moves_robot else ()
+    yield _access(stream, output_topic(topic), (node, *supervisor), subscribers)
+    yield _access(stream, topic, (node, *unplanned), (ANY_NODE,))
 
 
-def _planned(
+def _access(
     stream: Stream, topic: str, publishers: tuple[str, ...], subscribers: tuple[str, ...]
-) -> PlannedTopic:
-    return PlannedTopic(
-        topic=topic, guarded=stream.topic, publishers=publishers, subscribers=subscribers
+) -> TopicAccess:
+    return TopicAccess(
+        topic=topic, stream_topic=stream.topic, publishers=publishers, subscribers=subscribers
     )

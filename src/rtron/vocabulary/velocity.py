@@ -21,17 +21,17 @@ class Velocity:
         return math.hypot(*self.linear)
 
     @property
-    def turn(self) -> float:
+    def angular_speed(self) -> float:
         """The length of the angular part, rad/s."""
         return math.hypot(*self.angular)
 
     @property
-    def finite(self) -> bool:
+    def is_finite(self) -> bool:
         """Whether every component is a number, neither NaN nor Inf."""
         return all(map(math.isfinite, self.linear)) and all(map(math.isfinite, self.angular))
 
     @property
-    def moves(self) -> bool:
+    def is_moving(self) -> bool:
         """Whether any component differs from 0."""
         return any(self.linear) or any(self.angular)
 
@@ -52,8 +52,8 @@ class Velocity:
             return self
         if math.isinf(speed):
             return self.scaled(0.25).at_most(limit)
-        factor, less = limit / speed, math.ulp(1.0)
-        while (made := self.scaled(factor)).speed > limit:
-            factor *= 1 - less
-            less = min(2 * less, 1.0)
-        return made
+        factor, step = limit / speed, math.ulp(1.0)
+        while (result := self.scaled(factor)).speed > limit:
+            factor *= 1 - step
+            step = min(2 * step, 1.0)
+        return result

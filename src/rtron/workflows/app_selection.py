@@ -5,52 +5,52 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from shlex import quote
 
-from rtron.cli.node_functions import WithFunctions
+from rtron.cli.node_functions import FunctionAnnotatedSource
 from rtron.cli.support.options import Ros
 from rtron.errors import InputError
 from rtron.folders import is_folder
 from rtron.sources.bounded_file import STDIN
 from rtron.sources.graph_json import GraphFile
-from rtron.sources.source import Source
-from rtron.workflows.launch_arguments import ASSIGNED
-from rtron.workflows.live_app import RunningApp
-from rtron.workflows.source_app import StaticChoice, StaticSource, static_source
+from rtron.sources.source import GraphSource
+from rtron.workflows.launch_arguments import ASSIGNMENT
+from rtron.workflows.live_app import LiveApp
+from rtron.workflows.source_app import SourceOptions, WorkspaceSource, open_workspace_source
 
 
 @dataclass(frozen=True, slots=True)
-class App:
+class SelectedApp:
     """Where to read an app, how that is said, and the arguments that choose it."""
 
-    source: Source
-    said: str
+    source: GraphSource
+    description: str
     arguments: str
     root: Path | None = None
     launches: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Chosen:
+class AppSelection:
     """What a command line says about the app: its words, and where it runs if that is wanted."""
 
     inputs: Sequence[str]
-    running: RunningApp | None
-    static: StaticChoice
+    live: LiveApp | None
+    source: SourceOptions
 
     @property
     def paths(self) -> list[Path]:
         """The words that are paths."""
-        return [Path(word) for word in self.inputs if ASSIGNED not in word]
+        return [Path(argument) for argument in self.inputs if ASSIGNMENT not in argument]
 
     @property
-    def arguments(self) -> list[str]:
+    def launch_arguments(self) -> list[str]:
         """The words that are a launch file's arguments."""
-        return [word for word in self.inputs if ASSIGNED in word]
+        return [argument for argument in self.inputs if ASSIGNMENT in argument]
 
     @property
     def bag(self) -> Path | None:
         """The bag, if that is the only path; a folder with launch files is one of source."""
         sole = self.paths[0] if len(self.paths) == 1 else None
-        if not sole or not _is_bag(sole) or (is_folder(sole) and self.static.launches):
+        if not sole or not _is_bag(sole) or (is_folder(sole) and self.source.launches):
             return None
         return sole
 
@@ -67,7 +67,7 @@ class Chosen:
         return folders
 
 
-def chosen_by(  # noqa: PLR0913 - one for each option
+def select_app_options(  # noqa: PLR0913 - one for each option
     inputs: Sequence[str] | None,
     launch: Sequence[str] | None,
     env: Sequence[str] | None,
@@ -81,9 +81,9 @@ def chosen_by(  # noqa: PLR0913 - one for each option
     timeout: float | None,
     jobs: int | None,
     no_cache: bool,
-) -> Chosen:
+) -> AppSelection:
     """Return what the options of a command about an app choose."""
-    static = StaticChoice(
+    static = SourceOptions(
         launches=launch or (),
         env=env or (),
         jobs=jobs,
@@ -91,62 +91,66 @@ def chosen_by(  # noqa: PLR0913 - one for each option
         execute=execute,
         python=python,
     )
-    running = RunningApp(ros=ros, master=master, domain=domain, timeout=timeout)
-    return Chosen(inputs=inputs or (), running=running if live else None, static=static)
+    running = LiveApp(ros=ros, master=master, domain=domain, timeout=timeout)
+    return AppSelection(inputs=inputs or (), live=running if live else None, source=static)
 
 
-def chosen_app(chosen: Chosen) -> App:
+def select_app(chosen: AppSelection) -> SelectedApp:
     """Return the app that is chosen, its nodes with their functions.
 
     Raise InputError if none is chosen, or more than one.
     """
-    app = _chosen_app(chosen)
-    return replace(app, source=WithFunctions(app.source))
+    app = _select_app(chosen)
+    return replace(app, source=FunctionAnnotatedSource(app.source))
 
 
-def _chosen_app(chosen: Chosen) -> App:
+def _select_app(chosen: AppSelection) -> SelectedApp:
     paths = chosen.paths
-    if chosen.static.execute and not chosen.folders:
+    if chosen.source.execute and not chosen.folders:
         help = "give folders with source, and --launch"
         raise InputError("--execute-launch without an app in source", help=help)
-    if paths and chosen.running:
+    if paths and chosen.live:
         help = "leave one of the two out"
         raise InputError(f"both {paths[0]} and --live are given", help=help)
-    if chosen.running:
-        source, said = chosen.running.found()
-        return App(source, said, chosen.running.arguments)
+    if chosen.live:
+        source, description = chosen.live.open_source()
+        return SelectedApp(source, description, chosen.live.command_line)
     if chosen.bag:
-        return _recorded(chosen.bag, chosen.static.launches)
+        return _bag_app(chosen.bag, chosen.source.launches)
     if chosen.folders:
-        return _static(chosen)
+        return _source_app(chosen)
     if len(paths) > 1:
         raise InputError(
             f"what is {paths[1]}?", help="give one graph, one bag, or folders with source"
         )
     if paths:
-        return _in_file(paths[0])
+        return _graph_file(paths[0])
     help = "give a PATH with --launch, a GRAPH.json, a bag, or --live for the running app"
     raise InputError("no app to read", help=help)
 
 
-def _in_file(graph: Path) -> App:
-    said = "standard input" if graph == STDIN else str(graph)
-    return App(GraphFile(graph), said, "GRAPH.json" if graph == STDIN else quote(str(graph)))
+def _graph_file(graph: Path) -> SelectedApp:
+    description = "standard input" if graph == STDIN else str(graph)
+    return SelectedApp(
+        GraphFile(graph), description, "GRAPH.json" if graph == STDIN else quote(str(graph))
+    )
 
 
-def _static(chosen: Chosen) -> App:
-    source: StaticSource = static_source(chosen.folders, chosen.arguments, chosen.static)
-    words = [*map(str, chosen.folders), *chosen.arguments, *chosen.static.words]
-    return App(
+def _source_app(chosen: AppSelection) -> SelectedApp:
+    source: WorkspaceSource = open_workspace_source(
+        chosen.folders, chosen.launch_arguments, chosen.source
+    )
+    arguments = [*map(str, chosen.folders), *chosen.launch_arguments, *chosen.source.command_line]
+    return SelectedApp(
         source,
-        ", ".join(chosen.static.launches),
-        " ".join(map(quote, words)),
-        root=_common(chosen.folders),
+        ", ".join(chosen.source.launches),
+        " ".join(map(quote, arguments)),
+        root=_common_folder(chosen.folders),
         launches=tuple(str(path) for path, _ in source.launches),
     )
 
 
-def _common(folders: Sequence[Path]) -> Path | None:
+def _common_folder(folders: Sequence[Path]) -> Path | None:
     parents = [folder.absolute() for folder in folders]
     shared = [
         p for p in (parents[0], *parents[0].parents) if all(f.is_relative_to(p) for f in parents)
@@ -160,10 +164,10 @@ def _is_bag(path: Path) -> bool:
     return path != STDIN and is_bag(path)
 
 
-def _recorded(bag: Path, launches: Sequence[str]) -> App:
+def _bag_app(bag: Path, launches: Sequence[str]) -> SelectedApp:
     if launches:
         help = "leave one of the two out: a bag shows what ran, launch files what would run"
         raise InputError(f"both {bag} and --launch are given", help=help)
-    from rtron.sources.bag.graph import Bag  # noqa: PLC0415 - a graph needs no reader of bags
+    from rtron.sources.bag.graph import BagSource  # noqa: PLC0415 - a graph needs no reader of bags
 
-    return App(Bag(bag), str(bag), quote(str(bag)))
+    return SelectedApp(BagSource(bag), str(bag), quote(str(bag)))

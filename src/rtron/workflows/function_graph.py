@@ -4,92 +4,108 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from rtron.cli.support.progress import shown_progress
-from rtron.cli.support.skipped_report import left_out
+from rtron.cli.support.progress import show_progress
+from rtron.cli.support.skipped_report import report_skipped
 from rtron.functions.classifier.result import Classification
-from rtron.functions.interactions.abstract_graph import AbstractGraph, PackageUse, abstract_graph
-from rtron.functions.reading import Note, Skipped, read_repositories
-from rtron.functions.repository import Package, Repository
+from rtron.functions.interactions.abstract_graph import (
+    AbstractGraph,
+    PackageMessages,
+    abstract_graph,
+)
+from rtron.functions.reading import SkippedEntry, SkippedHandler, read_repositories
+from rtron.functions.repository import SourcePackage, SourceRepository
 from rtron.sources.bounded_file import STDIN
 from rtron.sources.static.common.scan_options import ScanOptions
-from rtron.sources.static.ros1.message_traffic import PackageTraffic, Traffic, read_traffic
+from rtron.sources.static.ros1.message_traffic import PackageTraffic, WorkspaceTraffic, read_traffic
 from rtron.vocabulary import FunctionType
-from rtron.workflows.classification import classified
+from rtron.workflows.classification import classify_repositories
 
 _NO_TRAFFIC = PackageTraffic()
 
 
 @dataclass(frozen=True, slots=True)
-class Asked:
+class FunctionGraphRequest:
     """A corpus, a folder or a distribution, READMEs beside it, and where to work on it."""
 
-    given: Path
+    source: Path
     readmes: Path | None = None
     jobs: int | None = None
     cluster: str | None = None
 
 
-def interaction_graph(asked: Asked, options: ScanOptions) -> AbstractGraph:
+def build_function_graph(request: FunctionGraphRequest, options: ScanOptions) -> AbstractGraph:
     """Return the graph of what is asked for; of a folder with its messages.
 
     Of packages with one name the first counts. Raise InputError if nothing can be read; what is
     left out is told on standard error.
     """
-    given = asked.given
-    with left_out() as left:
-        repositories = read_repositories(given, asked.readmes, left)
-        known = list(classified(repositories, asked.jobs, asked.cluster, left))
-        counting = _first_of_each_name(repositories)
-        traffic = Traffic(packages={})
-        if given != STDIN and given.is_dir():
-            traffic = _traffic(given, counting, options)
+    source = request.source
+    with report_skipped() as note_skipped:
+        repositories = read_repositories(source, request.readmes, note_skipped)
+        classified = list(
+            classify_repositories(repositories, request.jobs, request.cluster, note_skipped)
+        )
+        first_packages = _first_of_each_name(repositories)
+        traffic = WorkspaceTraffic(packages={})
+        if source != STDIN and source.is_dir():
+            traffic = _traffic(source, first_packages, options)
         for note in traffic.unresolved:
-            place = note.evidence[0].file if note.evidence else str(given)
-            left(Skipped(place=place, why=f"{note.what}: {note.why}"))
-        repeated = sum(_tell_repeated(each, counting, left) for each in repositories)
-    graph = abstract_graph(_uses(known, counting, traffic))
+            location = note.evidence[0].file if note.evidence else str(source)
+            note_skipped(SkippedEntry(location=location, reason=f"{note.what}: {note.why}"))
+        repeated = sum(
+            _report_duplicates(each, first_packages, note_skipped) for each in repositories
+        )
+    graph = abstract_graph(_package_uses(classified, first_packages, traffic))
     return replace(graph, repeated=repeated, unresolved=traffic.unresolved)
 
 
-def _first_of_each_name(repositories: Sequence[Repository]) -> dict[str, Package]:
-    found: dict[str, Package] = {}
+def _first_of_each_name(repositories: Sequence[SourceRepository]) -> dict[str, SourcePackage]:
+    found: dict[str, SourcePackage] = {}
     for repository in repositories:
         for package in repository.packages:
             found.setdefault(package.name, package)
     return found
 
 
-def _tell_repeated(repository: Repository, counting: Mapping[str, Package], left: Note) -> int:
+def _report_duplicates(
+    repository: SourceRepository,
+    first_packages: Mapping[str, SourcePackage],
+    note_skipped: SkippedHandler,
+) -> int:
     """Return how many of a repository's packages do not count, since others have their names."""
-    names = [each.name for each in repository.packages if counting[each.name] is not each]
+    names = [each.name for each in repository.packages if first_packages[each.name] is not each]
     if names:
         why = f"the first package of a name counts; there before: {', '.join(names)}"
-        left(Skipped(place=repository.name, why=why))
+        note_skipped(SkippedEntry(location=repository.name, reason=why))
     return len(names)
 
 
-def _traffic(top: Path, counting: Mapping[str, Package], options: ScanOptions) -> Traffic:
-    folders = {name: each.folder.absolute() for name, each in counting.items() if each.folder}
-    with shown_progress() as progress:
+def _traffic(
+    top: Path, first_packages: Mapping[str, SourcePackage], options: ScanOptions
+) -> WorkspaceTraffic:
+    folders = {name: each.folder.absolute() for name, each in first_packages.items() if each.folder}
+    with show_progress() as progress:
         return read_traffic(top, folders, replace(options, progress=progress))
 
 
-def _uses(
-    known: Iterable[tuple[Repository, Classification]],
-    counting: Mapping[str, Package],
-    traffic: Traffic,
-) -> Iterator[PackageUse]:
-    for repository, found in known:
+def _package_uses(
+    classified: Iterable[tuple[SourceRepository, Classification]],
+    first_packages: Mapping[str, SourcePackage],
+    traffic: WorkspaceTraffic,
+) -> Iterator[PackageMessages]:
+    for repository, found in classified:
         for package in repository.packages:
-            if counting[package.name] is package:
-                yield _use(package, found, traffic)
+            if first_packages[package.name] is package:
+                yield _package_use(package, found, traffic)
 
 
-def _use(package: Package, found: Classification, traffic: Traffic) -> PackageUse:
+def _package_use(
+    package: SourcePackage, found: Classification, traffic: WorkspaceTraffic
+) -> PackageMessages:
     used = _NO_TRAFFIC
     if package.folder:
         used = traffic.packages.get(package.folder.absolute(), _NO_TRAFFIC)
-    return PackageUse(
+    return PackageMessages(
         name=package.name,
         description=package.description,
         functions=_functions(package, found),
@@ -99,6 +115,6 @@ def _use(package: Package, found: Classification, traffic: Traffic) -> PackageUs
     )
 
 
-def _functions(package: Package, found: Classification) -> tuple[FunctionType, ...]:
+def _functions(package: SourcePackage, found: Classification) -> tuple[FunctionType, ...]:
     """Return a package's own functions, else its repository's first one."""
     return found.packages.get(package.name, ()) or found.functions[:1]

@@ -4,14 +4,14 @@ from collections.abc import Sequence
 
 from rtron.errors import InputError
 
-ASSIGNED = ":="
+ASSIGNMENT = ":="
 
 
-def assignments(arguments: Sequence[str]) -> dict[str, str]:
+def parse_assignments(arguments: Sequence[str]) -> dict[str, str]:
     """Return the values by name; raise InputError for an argument of another form."""
     for argument in arguments:
-        if ASSIGNED not in argument or argument.startswith(ASSIGNED):
+        if ASSIGNMENT not in argument or argument.startswith(ASSIGNMENT):
             help = "arguments are NAME:=VALUE, as for roslaunch"
             raise InputError(f"what is {argument!r}?", help=help)
-    parts = (argument.partition(ASSIGNED) for argument in arguments)
+    parts = (argument.partition(ASSIGNMENT) for argument in arguments)
     return {name: value for name, _, value in parts}

@@ -7,7 +7,7 @@ import typer
 from rtron.errors import InputError
 
 if TYPE_CHECKING:
-    from rtron.executors import Executor
+    from rtron.executors import MapExecutor
 
 ProcessCount = Annotated[
     int | None,
@@ -21,23 +21,23 @@ ClusterAddress = Annotated[
 ]
 
 
-def chosen_executor(
-    jobs: int | None, cluster: str | None, *, chunk: int, worth: bool
-) -> "Executor":
+def choose_executor(
+    jobs: int | None, cluster: str | None, *, chunk: int, is_worth_parallel: bool
+) -> "MapExecutor":
     """Return what is asked for, of cores no more than there are.
 
     By default that is all of them if the work is worth it, else this process.
 
     `chunk` things go to a worker together. Raise InputError if both are asked for.
     """
-    from rtron.executors import Cluster, Here, Processes  # noqa: PLC0415 - the guard starts without it
+    from rtron.executors import DaskExecutor, ProcessExecutor, SerialExecutor  # noqa: PLC0415 - the guard starts without it
     from rtron.sources.static.common.scan_options import default_workers  # noqa: PLC0415 - the guard starts without it
 
     if cluster and jobs:
         help = "leave one of the two out: a cluster has its own workers"
         raise InputError("both --cluster and --jobs are given", help=help)
     if cluster:
-        return Cluster(cluster, chunk)
+        return DaskExecutor(cluster, chunk)
     cores = default_workers()
-    count = min(jobs or (cores if worth else 1), cores)
-    return Processes(count, chunk) if count > 1 else Here()
+    count = min(jobs or (cores if is_worth_parallel else 1), cores)
+    return ProcessExecutor(count, chunk) if count > 1 else SerialExecutor()

@@ -4,19 +4,19 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from rtron.errors import InputError
-from rtron.guard.replay.recorded_streams import Recorded
+from rtron.guard.replay.recorded_streams import RecordedStream
 from rtron.messages.common.encoding import Encoding
-from rtron.sources.bag.common.reader import BagConnection, BagReading
-from rtron.sources.bag.formats import read_messages
+from rtron.sources.bag.common.reader import BagConnection, BagReader
+from rtron.sources.bag.formats import open_bag
 
-Message = tuple[int, Recorded, bytes]
+Message = tuple[int, RecordedStream, bytes]
 
 
-class Recording:
+class GuardRecording:
     """A bag that was opened; InputError if it cannot be read, also while its messages are."""
 
     def __init__(self, bag: Path) -> None:
-        self._reading = read_messages(bag)
+        self._reading = open_bag(bag)
 
     @property
     def definitions(self) -> Mapping[str, str]:
@@ -31,7 +31,7 @@ class Recording:
         """
         reading = self._reading
         encoding = Encoding.ROS1 if ros == 1 else Encoding.CDR
-        known = _known(reading, encoding)
+        known = _recorded_connections(reading, encoding)
         if reading.connections and not known:
             message = f"the plan is for ROS {ros}, the bag is not"
             help = "set `ros` in the plan, or choose another bag"
@@ -45,16 +45,20 @@ class Recording:
                 yield time, known[on], prefix(len(data)) + data
 
 
-def _known(reading: BagReading, encoding: Encoding) -> dict[BagConnection, Recorded]:
-    return {on: _recorded(on) for on in reading.connections if on.encoding == encoding.value}
+def _recorded_connections(
+    reading: BagReader, encoding: Encoding
+) -> dict[BagConnection, RecordedStream]:
+    return {
+        on: _recorded_connection(on) for on in reading.connections if on.encoding == encoding.value
+    }
 
 
 def _definition(on: BagConnection) -> str:
     return on.definition if on.definition_format != "ros2idl" else ""
 
 
-def _recorded(on: BagConnection) -> Recorded:
-    return Recorded(
+def _recorded_connection(on: BagConnection) -> RecordedStream:
+    return RecordedStream(
         topic=on.topic,
         type=on.type,
         md5sum=on.md5sum,

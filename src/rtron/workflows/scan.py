@@ -3,26 +3,26 @@
 from dataclasses import replace
 from pathlib import Path
 
-from rtron.vocabulary import Endpoint, Evidence, InteractionGraph, Unresolved
+from rtron.vocabulary import Endpoint, Evidence, InteractionGraph, UnresolvedItem
 
 
-def from_root(graph: InteractionGraph, root: Path | None) -> InteractionGraph:
+def with_relative_evidence(graph: InteractionGraph, root: Path | None) -> InteractionGraph:
     """Return a graph whose evidence below `root` is named from there."""
     if root is None:
         return graph
     prefix = f"{root}/"
-    endpoints = (_shortened(endpoint, prefix) for endpoint in graph.endpoints)
-    unresolved = (_shortened_note(note, prefix) for note in graph.unresolved)
+    endpoints = (_relative_endpoint(endpoint, prefix) for endpoint in graph.endpoints)
+    unresolved = (_relative_note(note, prefix) for note in graph.unresolved)
     return replace(graph, endpoints=tuple(endpoints), unresolved=tuple(unresolved))
 
 
-def _shortened(endpoint: Endpoint, prefix: str) -> Endpoint:
-    return replace(endpoint, evidence=_named(endpoint.evidence, prefix))
+def _relative_endpoint(endpoint: Endpoint, prefix: str) -> Endpoint:
+    return replace(endpoint, evidence=_relative_to(endpoint.evidence, prefix))
 
 
-def _shortened_note(note: Unresolved, prefix: str) -> Unresolved:
-    return replace(note, evidence=_named(note.evidence, prefix))
+def _relative_note(note: UnresolvedItem, prefix: str) -> UnresolvedItem:
+    return replace(note, evidence=_relative_to(note.evidence, prefix))
 
 
-def _named(evidence: tuple[Evidence, ...], prefix: str) -> tuple[Evidence, ...]:
+def _relative_to(evidence: tuple[Evidence, ...], prefix: str) -> tuple[Evidence, ...]:
     return tuple(replace(each, file=each.file.removeprefix(prefix)) for each in evidence)

@@ -50,20 +50,20 @@ CaOption = Annotated[
 ]
 DEFAULT_SERVICE = "http://127.0.0.1:8600"
 _API = "/api/v1"
-_PATIENCE_S = 10.0
-_LONGEST = 1 << 26
-_LONGEST_TOKEN = 1000
+_TIMEOUT_S = 10.0
+_MAX_RESPONSE_BYTES = 1 << 26
+_MAX_TOKEN_BYTES = 1000
 _LOOPBACK = ("localhost", "127.0.0.1", "::1")
 _WS = {"http": "ws", "https": "wss"}
 _UNAUTHORIZED, _CONFLICT, _SERVER = 401, 409, 500
 
 
-class OvertakenError(InputError):
+class RevisionConflictError(InputError):
     """Somebody else has changed the same thing meanwhile."""
 
 
 @dataclass(frozen=True)
-class Client:
+class SecurityServiceClient:
     """Calls one service with one token; InputError for what it refuses, SourceError if it is away.
 
     `ca` is a certificate authority of its own. Redirections and proxies are not followed: they
@@ -76,26 +76,26 @@ class Client:
 
     def get(self, *path: str, **query: object) -> Any:  # noqa: ANN401 - JSON
         """Return what stands at a path; what is None is left out of the query."""
-        given = {key: value for key, value in query.items() if value is not None}
-        return self._call("GET", path, query=urlencode(given))
+        parameters = {key: value for key, value in query.items() if value is not None}
+        return self._request("GET", path, query=urlencode(parameters))
 
     def patch(self, *path: str, body: object) -> Any:  # noqa: ANN401 - JSON
         """Change what stands at a path."""
-        return self._call("PATCH", path, json.dumps(body).encode())
+        return self._request("PATCH", path, json.dumps(body).encode())
 
     def post(self, *path: str, body: object) -> Any:  # noqa: ANN401 - JSON
         """Make something at a path."""
-        return self._call("POST", path, json.dumps(body).encode())
+        return self._request("POST", path, json.dumps(body).encode())
 
     def put(self, *path: str, data: bytes) -> Any:  # noqa: ANN401 - JSON
         """Put JSON at a path."""
-        return self._call("PUT", path, data)
+        return self._request("PUT", path, data)
 
     def delete(self, *path: str, body: object) -> Any:  # noqa: ANN401 - JSON
         """Take away what stands at a path."""
-        return self._call("DELETE", path, json.dumps(body).encode())
+        return self._request("DELETE", path, json.dumps(body).encode())
 
-    def robot(self, name: str) -> str:
+    def resolve_robot(self, name: str) -> str:
         """Return the robot that is meant: `name`, or the only one there is."""
         if name:
             return name
@@ -106,18 +106,18 @@ class Client:
         raise InputError("which robot?" if names else "the service knows no robot", help=help)
 
     @property
-    def live(self) -> str:
+    def live_url(self) -> str:
         """The address of what is live."""
         parts = urlsplit(self.service)
         return f"{_WS[parts.scheme]}://{parts.netloc}{parts.path.rstrip('/')}{_API}/live"
 
     @property
-    def headers(self) -> dict[str, str]:
+    def auth_headers(self) -> dict[str, str]:
         """What tells the service who calls."""
         return {"Authorization": f"Bearer {self.token}"}
 
     @cached_property
-    def tls(self) -> ssl.SSLContext | None:
+    def tls_context(self) -> ssl.SSLContext | None:
         """How the service's certificate is checked; None where it speaks in clear."""
         if urlsplit(self.service).scheme != "https":
             return None
@@ -126,22 +126,22 @@ class Client:
         except (OSError, ssl.SSLError) as error:
             raise InputError(f"{self.ca}: {error}", help="--ca takes a PEM file") from None
 
-    def _call(
+    def _request(
         self, method: str, path: tuple[str, ...], data: bytes | None = None, query: str = ""
     ) -> Any:  # noqa: ANN401 - JSON
         url = "/".join([self.service.rstrip("/") + _API, *(quote(part, safe="") for part in path)])
-        request = Request(  # noqa: S310 - http or https, as `client` has checked
+        request = Request(  # noqa: S310 - http or https, as `open_service_client` has checked
             f"{url}?{query}" if query else url,
             data=data,
             method=method,
-            headers={**self.headers, "Content-Type": "application/json"},
+            headers={**self.auth_headers, "Content-Type": "application/json"},
         )
         try:
-            with self._opener.open(request, timeout=_PATIENCE_S) as answer:
-                return _read(answer.read(_LONGEST + 1))
+            with self._opener.open(request, timeout=_TIMEOUT_S) as answer:
+                return _decode_json(answer.read(_MAX_RESPONSE_BYTES + 1))
         except HTTPError as error:
             with error:
-                raise _refusal(error) from None
+                raise _error_of(error) from None
         except (URLError, HTTPException, OSError) as error:
             help = "is `rtron serve` running there?"
             reason = error.reason if isinstance(error, URLError) else error
@@ -149,7 +149,7 @@ class Client:
 
     @cached_property
     def _opener(self) -> Any:  # noqa: ANN401 - an OpenerDirector
-        return build_opener(ProxyHandler({}), HTTPSHandler(context=self.tls), _NoRedirects)
+        return build_opener(ProxyHandler({}), HTTPSHandler(context=self.tls_context), _NoRedirects)
 
 
 class _NoRedirects(HTTPRedirectHandler):
@@ -159,7 +159,9 @@ class _NoRedirects(HTTPRedirectHandler):
         return None
 
 
-def client(service: str, token_file: Path | None, ca: Path | None) -> Client:
+def open_service_client(
+    service: str, token_file: Path | None, ca: Path | None
+) -> SecurityServiceClient:
     """Return a client as the options say; warns where the token would cross a network in clear."""
     parts = urlsplit(service)
     if parts.scheme not in _WS or not parts.hostname:
@@ -169,7 +171,7 @@ def client(service: str, token_file: Path | None, ca: Path | None) -> Client:
         sys.stderr.write(
             f"warning: {parts.hostname} is called without TLS: others can read the token\n"
         )
-    return Client(service, _token(token_file), ca)
+    return SecurityServiceClient(service, _token(token_file), ca)
 
 
 def _token(path: Path | None) -> str:
@@ -178,43 +180,46 @@ def _token(path: Path | None) -> str:
         raise InputError("no token", help=f"give --token-file; {help}")
     try:
         with path.open("rb") as stream:
-            text = stream.read(_LONGEST_TOKEN + 1).decode("ascii").strip()
+            text = stream.read(_MAX_TOKEN_BYTES + 1).decode("ascii").strip()
     except OSError as error:
         raise InputError(error.strerror or "cannot be read", path=str(path), help=help) from None
     except UnicodeDecodeError:
         text = ""
-    if not text or len(text) > _LONGEST_TOKEN or not text.isprintable() or " " in text:
+    if not text or len(text) > _MAX_TOKEN_BYTES or not text.isprintable() or " " in text:
         raise InputError("holds no token", path=str(path), help=help)
     return text
 
 
-def _read(data: bytes) -> Any:  # noqa: ANN401 - JSON
-    if len(data) > _LONGEST:
+def _decode_json(data: bytes) -> Any:  # noqa: ANN401 - JSON
+    if len(data) > _MAX_RESPONSE_BYTES:
         raise SourceError("the service's answer is too long")
     try:
         return json.loads(data) if data else None
     except ValueError:
-        raise SourceError("the service's answer is not JSON", help=_OTHER) from None
+        raise SourceError("the service's answer is not JSON", help=_WRONG_ADDRESS_HELP) from None
 
 
-def _refusal(error: HTTPError) -> RTronError:
+def _error_of(error: HTTPError) -> RTronError:
     """Return the error that an answer is: the caller's where the status says so."""
-    said = _problem(error)
-    told, help = str(said.get("error") or f"the service answers {error.code}"), said.get("help")
+    problem = _problem(error)
+    message, help = (
+        str(problem.get("error") or f"the service answers {error.code}"),
+        problem.get("help"),
+    )
     if error.code == _CONFLICT:
-        return OvertakenError(told, help=str(help or "look again, then ask again"))
+        return RevisionConflictError(message, help=str(help or "look again, then ask again"))
     if error.code == _UNAUTHORIZED:
-        return InputError(told, help=str(help or "the token is not known there"))
-    kind = SourceError if error.code >= _SERVER or not said else InputError
-    return kind(told, help=str(help or ("" if said else _OTHER)))
+        return InputError(message, help=str(help or "the token is not known there"))
+    kind = SourceError if error.code >= _SERVER or not problem else InputError
+    return kind(message, help=str(help or ("" if problem else _WRONG_ADDRESS_HELP)))
 
 
 def _problem(error: HTTPError) -> Mapping[str, Any]:
     try:
-        said = json.loads(error.read(_LONGEST))
+        problem = json.loads(error.read(_MAX_RESPONSE_BYTES))
     except (ValueError, OSError, HTTPException):
         return {}
-    return said if isinstance(said, dict) else {}
+    return problem if isinstance(problem, dict) else {}
 
 
-_OTHER = "is this really the address of `rtron serve`?"
+_WRONG_ADDRESS_HELP = "is this really the address of `rtron serve`?"

@@ -11,7 +11,7 @@ from websockets.exceptions import ConnectionClosed, InvalidHandshake, InvalidSta
 from websockets.sync.client import ClientConnection, connect
 
 from rtron.errors import InputError, SourceError
-from rtron.workflows.service_client import Client
+from rtron.workflows.service_client import SecurityServiceClient
 
 _PATIENCE_S = 10
 _PAUSE_S = 1.0
@@ -22,96 +22,100 @@ _POLICY_VIOLATION = 1008
 _LEVELS = ("info", "warning", "error")
 
 Event = Mapping[str, Any]
-Wanted = Mapping[str, str | None]
+EventFilter = Mapping[str, str | None]
 
 
-def followed(called: Client, wanted: Wanted, last: int) -> Iterator[Event]:
-    """Yield the events after the id `last` that fit `wanted`, each once; without end.
+def follow_events(
+    client: SecurityServiceClient, event_filter: EventFilter, last: int
+) -> Iterator[Event]:
+    """Yield the events after the id `last` that fit `event_filter`, each once; without end.
 
     While the service is away it tries again; InputError if the token is no longer good.
     """
-    follower = _Follower(called, wanted, last)
+    follower = _EventFollower(client, event_filter, last)
     while True:
-        yield from follower.while_there()
+        yield from follower.while_connected()
         time.sleep(_PAUSE_S)
 
 
 @dataclass(slots=True)
-class _Follower:
+class _EventFollower:
     """Knows up to which event all is told."""
 
-    called: Client
-    wanted: Wanted
+    client: SecurityServiceClient
+    event_filter: EventFilter
     last: int
 
-    def while_there(self) -> Iterator[Event]:
+    def while_connected(self) -> Iterator[Event]:
         """Yield events until the service is away; that stands on standard error."""
         try:
-            with _connected(self.called) as socket:
+            with _connect(self.client) as socket:
                 yield from self._events(socket)
         except (SourceError, OSError, InvalidHandshake, ConnectionClosed, TimeoutError) as error:
-            _refuse(error)
+            _raise_if_unauthorized(error)
             sys.stderr.write(f"the service is away, trying again: {error}\n")
 
     def _events(self, socket: ClientConnection) -> Iterator[Event]:
         """Yield what was missed, then what is live; of many at once not all are told live."""
-        yield from self._missed()
-        for event in _live(socket):
+        yield from self._missed_events()
+        for event in _live_events(socket):
             if event["id"] > self.last + 1:
-                yield from self._missed()
+                yield from self._missed_events()
             if event["id"] > self.last:
                 self.last = event["id"]
-                if _fits(event, self.wanted):
+                if _matches(event, self.event_filter):
                     yield event
 
-    def _missed(self) -> Iterator[Event]:
+    def _missed_events(self) -> Iterator[Event]:
         """Yield what is stored after the last event, oldest first."""
-        newest = self.called.get("events", limit=1)["events"]
+        newest = self.client.get("events", limit=1)["events"]
         end = max(self.last, newest[0]["id"]) if newest else self.last
-        for event in _between(self.called, self.wanted, self.last, end):
+        for event in _events_between(self.client, self.event_filter, self.last, end):
             self.last = event["id"]
             yield event
         self.last = end
 
 
-def _connected(called: Client) -> ClientConnection:
+def _connect(client: SecurityServiceClient) -> ClientConnection:
     return connect(
-        called.live,
-        additional_headers=called.headers,
-        ssl=called.tls,
+        client.live_url,
+        additional_headers=client.auth_headers,
+        ssl=client.tls_context,
         open_timeout=_PATIENCE_S,
         max_size=_LONGEST,
         proxy=None,
     )
 
 
-def _between(called: Client, wanted: Wanted, last: int, end: int) -> list[Event]:
+def _events_between(
+    client: SecurityServiceClient, event_filter: EventFilter, last: int, end: int
+) -> list[Event]:
     """Return what has happened after `last` up to `end`, oldest first."""
     found: list[Event] = []
     before: int | None = end + 1
     while True:
-        page = called.get("events", **wanted, after=last or None, before=before, limit=_PAGE)
+        page = client.get("events", **event_filter, after=last or None, before=before, limit=_PAGE)
         found += page["events"]
         before = page["next"]
         if before is None:
             return found[::-1]
 
 
-def _live(socket: ClientConnection) -> Iterator[Event]:
+def _live_events(socket: ClientConnection) -> Iterator[Event]:
     for data in socket:
         message = json.loads(data)
         if message["type"] == "event":
             yield message["event"]
 
 
-def _fits(event: Event, wanted: Wanted) -> bool:
-    least = _LEVELS.index(wanted["level"] or _LEVELS[0])
+def _matches(event: Event, event_filter: EventFilter) -> bool:
+    least = _LEVELS.index(event_filter["level"] or _LEVELS[0])
     if _LEVELS.index(event["level"]) < least:
         return False
-    return all(wanted[key] in (None, event[key]) for key in ("robot", "node", "kind"))
+    return all(event_filter[key] in (None, event[key]) for key in ("robot", "node", "kind"))
 
 
-def _refuse(error: Exception) -> None:
+def _raise_if_unauthorized(error: Exception) -> None:
     """Raise InputError if trying again is of no use."""
     status = error.response.status_code if isinstance(error, InvalidStatus) else 0
     closed = error.rcvd.code if isinstance(error, ConnectionClosed) and error.rcvd else 0

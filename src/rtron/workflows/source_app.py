@@ -7,21 +7,21 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rtron.cli.support.progress import shown_progress
+from rtron.cli.support.progress import show_progress
 from rtron.errors import InputError
 from rtron.sources.static.common.scan_options import ScanOptions
 from rtron.vocabulary import InteractionGraph
-from rtron.workflows.launch_arguments import ASSIGNED, assignments
+from rtron.workflows.launch_arguments import ASSIGNMENT, parse_assignments
 
 if TYPE_CHECKING:
     from rtron.sources.launch.ros2.executed.execution import Execution
     from rtron.sources.workspace import Workspace
 
-_TAKEN = ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH")
+_INHERITED = ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class StaticChoice:
+class SourceOptions:
     """The options that only an app in source has."""
 
     launches: Sequence[str] = ()
@@ -32,7 +32,7 @@ class StaticChoice:
     python: str | None = None
 
     @property
-    def words(self) -> list[str]:
+    def command_line(self) -> list[str]:
         """The words of a command line that choose the same app."""
         words = [word for launch in self.launches for word in ("--launch", launch)]
         words += [word for each in self.env for word in ("--env", each)]
@@ -41,7 +41,7 @@ class StaticChoice:
 
 
 @dataclass(frozen=True, slots=True)
-class StaticSource:
+class WorkspaceSource:
     """A Source that scans folders for what launch files start."""
 
     folders: tuple[Path, ...]
@@ -56,7 +56,7 @@ class StaticSource:
         from rtron.sources.static.ros1.app import scan_app  # noqa: PLC0415 - the guard starts without it
         from rtron.sources.static.ros2.app import scan_ros2_app  # noqa: PLC0415 - likewise
 
-        with shown_progress() as progress:
+        with show_progress() as progress:
             options = replace(self.options, progress=progress)
             if self.ros > 1:
                 return scan_ros2_app(self.folders, self.launches, self.environ, options)
@@ -68,35 +68,38 @@ class StaticSource:
         return {package: self.workspace.manifest(package).description for package in used}
 
 
-def static_source(
-    folders: Sequence[Path], arguments: Sequence[str], choice: StaticChoice
-) -> StaticSource:
+def open_workspace_source(
+    folders: Sequence[Path], arguments: Sequence[str], options: SourceOptions
+) -> WorkspaceSource:
     """Return the app in source; raise InputError for a launch file that is not there."""
-    from rtron.sources.launch.common.generation import generation_of  # noqa: PLC0415 - likewise
-    from rtron.sources.static.common.cache import user_cache  # noqa: PLC0415 - the guard starts without it
-    from rtron.sources.static.common.launch_paths import find_launch  # noqa: PLC0415 - likewise
+    from rtron.sources.launch.common.generation import launch_generation  # noqa: PLC0415 - likewise
+    from rtron.sources.static.common.cache import user_cache_folder  # noqa: PLC0415 - the guard starts without it
+    from rtron.sources.static.common.launch_paths import find_launch_file  # noqa: PLC0415 - likewise
     from rtron.sources.workspace import read_workspace  # noqa: PLC0415 - likewise
 
-    if not choice.launches:
+    if not options.launches:
         help = f"rtron scan {shlex.quote(str(folders[0]))} lists the launch files"
         raise InputError("--launch is missing", help=help)
-    environ = _environ(choice.env)
+    environ = _environ(options.env)
     workspace = read_workspace(folders, environ)
-    shared = assignments(arguments)
-    words = [_words(launch) for launch in choice.launches]
+    shared = parse_assignments(arguments)
+    launch_lines = [_split_launch(launch) for launch in options.launches]
     launches = [
-        (find_launch(spelled, workspace, environ), {**shared, **assignments(own)})
-        for spelled, *own in words
+        (
+            find_launch_file(spelled, workspace, environ),
+            {**shared, **parse_assignments(launch_arguments)},
+        )
+        for spelled, *launch_arguments in launch_lines
     ]
-    options = ScanOptions(cache=user_cache() if choice.use_cache else None)
-    if choice.jobs:
-        options = replace(options, workers=choice.jobs)
-    ros = _sole({path: generation_of(path) for path, _ in launches})
-    options = replace(options, execution=_execution(choice, ros))
-    return StaticSource(tuple(folders), tuple(launches), environ, options, workspace, ros)
+    scan_options = ScanOptions(cache=user_cache_folder() if options.use_cache else None)
+    if options.jobs:
+        scan_options = replace(scan_options, workers=options.jobs)
+    ros = _single_generation({path: launch_generation(path) for path, _ in launches})
+    scan_options = replace(scan_options, execution=_launch_execution(options, ros))
+    return WorkspaceSource(tuple(folders), tuple(launches), environ, scan_options, workspace, ros)
 
 
-def _execution(choice: StaticChoice, ros: int) -> "Execution | None":
+def _launch_execution(choice: SourceOptions, ros: int) -> "Execution | None":
     """Return how launch files are executed; raise InputError where they cannot be."""
     from rtron.sources.launch.ros2.executed.execution import Execution  # noqa: PLC0415 - likewise
 
@@ -108,7 +111,7 @@ def _execution(choice: StaticChoice, ros: int) -> "Execution | None":
     return Execution(python=choice.python) if choice.execute else None
 
 
-def _sole(generations: Mapping[Path, int]) -> int:
+def _single_generation(generations: Mapping[Path, int]) -> int:
     """Return the ROS that all launch files are of; raise InputError where they differ."""
     first = {generation: path for path, generation in generations.items()}
     if len(first) > 1:
@@ -117,15 +120,15 @@ def _sole(generations: Mapping[Path, int]) -> int:
     return next(iter(first))
 
 
-def _environ(given: Sequence[str]) -> dict[str, str]:
-    for each in given:
-        if "=" not in each or each.startswith("=") or ASSIGNED in each:
+def _environ(assignments: Sequence[str]) -> dict[str, str]:
+    for each in assignments:
+        if "=" not in each or each.startswith("=") or ASSIGNMENT in each:
             raise InputError(f"what is --env {each}?", help="write --env NAME=VALUE")
-    environ = {name: os.environ[name] for name in _TAKEN if name in os.environ}
-    return environ | dict(each.split("=", 1) for each in given)
+    environ = {name: os.environ[name] for name in _INHERITED if name in os.environ}
+    return environ | dict(each.split("=", 1) for each in assignments)
 
 
-def _words(launch: str) -> list[str]:
+def _split_launch(launch: str) -> list[str]:
     try:
         return shlex.split(launch) or [""]
     except ValueError as error:

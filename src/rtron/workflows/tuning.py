@@ -7,21 +7,21 @@ from shlex import quote
 
 from rtron.cli.support.options import TextOrJson
 from rtron.cli.support.outcome import STDOUT, Outcome, as_json, replace_file
-from rtron.cli.support.progress import counting
+from rtron.cli.support.progress import show_count
 from rtron.errors import InputError
 from rtron.planning.plan_file.loader import read_plan
-from rtron.planning.tuning import tuned_yaml, tuner
+from rtron.planning.tuning import tune_plan, tuned_yaml
 from rtron.reports.tuning_json import tuning_to_json
 from rtron.reports.tuning_text import tuning_text
 from rtron.sources.bag.file_type import is_bag
 from rtron.sources.run_json import read_run
-from rtron.vocabulary import Plan, Run
+from rtron.vocabulary import MeasuredRun, Plan
 
-TUNED = "tuned.yaml"
+TUNED_FILE = "tuned.yaml"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Tuning:
+class TuningRequest:
     """What the command line says: the run, its plan, and what to write and print."""
 
     run: Path
@@ -30,49 +30,49 @@ class Tuning:
     format: TextOrJson
 
 
-def tuned(chosen: Tuning) -> Outcome:
+def tune_from_run(request: TuningRequest) -> Outcome:
     """Return what the run proposes for its plan; write the plan if there is an `output`."""
-    if chosen.plan is None:
+    if request.plan is None:
         help = "add --plan rtron.yaml, the plan that the run was measured under"
         raise InputError("--from-run without --plan", help=help)
-    if chosen.output == STDOUT and chosen.format is TextOrJson.JSON:
+    if request.output == STDOUT and request.format is TextOrJson.JSON:
         help = "leave one of the two out, or give -o a file"
         raise InputError("both the plan and its figures would be printed", help=help)
-    plan, run, notes = _run(chosen.run, chosen.plan)
-    made, proposals = tuner(plan, run)
-    yaml = tuned_yaml(made, proposals)
-    if chosen.output == STDOUT:
+    plan, run, notes = _read_run(request.run, request.plan)
+    tuned_plan, proposals = tune_plan(plan, run)
+    yaml = tuned_yaml(tuned_plan, proposals)
+    if request.output == STDOUT:
         return Outcome(yaml)
-    if chosen.output:
-        replace_file(chosen.output, yaml)
-    if chosen.format is TextOrJson.JSON:
+    if request.output:
+        replace_file(request.output, yaml)
+    if request.format is TextOrJson.JSON:
         return Outcome(as_json(tuning_to_json(run, proposals)))
-    title, next_step = str(chosen.run), _next_step(chosen)
+    title, next_step = str(request.run), _next_step(request)
     return Outcome(tuning_text(title, run, proposals, notes, next_step))
 
 
-def _run(path: Path, plan: Path) -> tuple[Plan, Run, tuple[str, ...]]:
+def _read_run(path: Path, plan: Path) -> tuple[Plan, MeasuredRun, tuple[str, ...]]:
     """Return the plan, the figures in a file, or of a bag that is played through it, and notes."""
     if is_bag(path):
-        return _recorded(path, plan)
+        return _replay_run(path, plan)
     return read_plan(plan), read_run(path), ()
 
 
-def _recorded(bag: Path, plan: Path) -> tuple[Plan, Run, tuple[str, ...]]:
-    from rtron.guard.replay.player import Player  # noqa: PLC0415 - likewise
-    from rtron.workflows.replay import Recording  # noqa: PLC0415 - only what is read is loaded
+def _replay_run(bag: Path, plan: Path) -> tuple[Plan, MeasuredRun, tuple[str, ...]]:
+    from rtron.guard.replay.player import RecordingPlayer  # noqa: PLC0415 - likewise
+    from rtron.workflows.replay import GuardRecording  # noqa: PLC0415 - only what is read is loaded
 
     logging.basicConfig(level=logging.ERROR, format="%(levelname)s %(message)s")
-    recording = Recording(bag)
-    wanted = read_plan(plan, recording.definitions)
-    player = Player(wanted, measured=True)
-    with counting("messages") as tell:
-        found = player.play(recording.messages(wanted.ros), tell)
-    return wanted, player.figures(), found.notes
+    recording = GuardRecording(bag)
+    guard_plan = read_plan(plan, recording.definitions)
+    player = RecordingPlayer(guard_plan, measured=True)
+    with show_count("messages") as update:
+        found = player.play(recording.messages(guard_plan.ros), update)
+    return guard_plan, player.figures(), found.notes
 
 
-def _next_step(chosen: Tuning) -> str:
-    if chosen.output:
-        return f"rtron check {quote(str(chosen.output))}"
-    words = ("rtron", "plan", "--from-run", chosen.run, "--plan", chosen.plan, "-o", TUNED)
-    return " ".join(quote(str(word)) for word in words)
+def _next_step(request: TuningRequest) -> str:
+    if request.output:
+        return f"rtron check {quote(str(request.output))}"
+    command = ("rtron", "plan", "--from-run", request.run, "--plan", request.plan, "-o", TUNED_FILE)
+    return " ".join(quote(str(part)) for part in command)

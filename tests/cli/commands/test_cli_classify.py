@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import pytest
 
 from rtron.cli.commands.explain_class import _complete
-from rtron.executors import Failed, Here
+from rtron.executors import ItemFailure, SerialExecutor
 
 REPOS = [
     {"repo": "indoor_localization", "packages": [{"name": "indoor_localization"}]},
@@ -105,9 +105,9 @@ def test_what_is_left_out_is_told(rtron, corpus):
 
 def test_an_item_that_fails_is_told(rtron, corpus, monkeypatch):
     def failing(_, __, items):
-        return (Failed("ValueError: x") for _ in items)
+        return (ItemFailure("ValueError: x") for _ in items)
 
-    monkeypatch.setattr(Here, "map", failing)
+    monkeypatch.setattr(SerialExecutor, "map", failing)
     ran = rtron("classify", corpus)
     assert (ran.code, ran.out) == (0, "")
     assert ran.err.splitlines()[1] == "left out: zzz: ValueError: x"

@@ -2,15 +2,15 @@ import json
 
 import pytest
 
-from rtron.cli.pages import names
+from rtron.cli.pages import page_names
 from rtron.policies import POLICIES
 from rtron.risks import RULES
 
 
 def test_every_rule_and_policy_is_listed_and_explained(rtron):
     listed = rtron("explain").out
-    assert names() == [*(rule.name for rule in RULES), *map(str, POLICIES)]
-    for name in names():
+    assert page_names() == [*(rule.name for rule in RULES), *map(str, POLICIES)]
+    for name in page_names():
         assert f"\n  {name} " in listed
         ran = rtron("explain", name)
         assert ran.code == 0

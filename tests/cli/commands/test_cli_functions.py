@@ -8,7 +8,7 @@ from xml.etree import ElementTree as ET
 
 import pytest
 
-from rtron.executors import Processes
+from rtron.executors import ProcessExecutor
 
 CORPUS = [
     {"repo": "laser_driver", "packages": [{"name": "laser_driver"}]},
@@ -300,8 +300,10 @@ def test_a_graph_is_the_same_from_processes(rtron, corpus, monkeypatch):
     monkeypatch.setattr("rtron.sources.static.common.scan_options.default_workers", lambda: 2)
     alone = rtron("functions", "graph", corpus)
     started = []
-    map = Processes.map
-    monkeypatch.setattr(Processes, "map", lambda self, *a: started.append(self) or map(self, *a))
+    map = ProcessExecutor.map
+    monkeypatch.setattr(
+        ProcessExecutor, "map", lambda self, *a: started.append(self) or map(self, *a)
+    )
     assert rtron("functions", "graph", corpus, "-j", "2") == alone
     assert [each.count for each in started] == [2]
 

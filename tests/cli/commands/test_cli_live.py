@@ -16,7 +16,7 @@ PID = saying(dumps(((1, "", 5),), methodresponse=True).encode())
 
 
 @pytest.fixture
-def asked(monkeypatch, graph_file):
+def opened_sources(monkeypatch, graph_file):
     """Take the place of both sources, and tell what they were made with."""
     made = []
 
@@ -52,7 +52,7 @@ def rclpy(monkeypatch):
     return there
 
 
-def nobody():
+def unused_master_uri():
     return f"http://localhost:{free_port()}"
 
 
@@ -72,30 +72,30 @@ def nobody():
     ],
 )
 @pytest.mark.parametrize("command", ["scan", "plan"])
-def test_what_is_told_counts(rtron, asked, monkeypatch, command, words, environ, source):
+def test_what_is_told_counts(rtron, opened_sources, monkeypatch, command, words, environ, source):
     for name, value in environ.items():
         monkeypatch.setenv(name, value)
     assert rtron(command, "--live", *words).err == ""
-    assert asked == [source]
+    assert opened_sources == [source]
 
 
 @pytest.mark.parametrize("version", ["", "3", "noetic"])
-def test_else_what_is_there(rtron, asked, rclpy, monkeypatch, version):
+def test_else_what_is_there(rtron, opened_sources, rclpy, monkeypatch, version):
     monkeypatch.setenv("ROS_VERSION", version)
     rclpy(installed=False)
     with stranger(PID) as master:
         monkeypatch.setenv("ROS_MASTER_URI", master)
         rtron("scan", "--live")
     rclpy(installed=True)
-    monkeypatch.setenv("ROS_MASTER_URI", nobody())
+    monkeypatch.setenv("ROS_MASTER_URI", unused_master_uri())
     rtron("scan", "--live")
     with stranger(garbage) as master:
         monkeypatch.setenv("ROS_MASTER_URI", master)
         rtron("scan", "--live")
-    assert [made[0] for made in asked] == ["Ros1Live", "Ros2Live", "Ros2Live"]
+    assert [made[0] for made in opened_sources] == ["Ros1Live", "Ros2Live", "Ros2Live"]
 
 
-def test_both_or_none_is_an_error_that_says_what_to_do(rtron, asked, rclpy, monkeypatch):
+def test_both_or_none_is_an_error_that_says_what_to_do(rtron, opened_sources, rclpy, monkeypatch):
     rclpy(installed=True)
     with stranger(PID) as master:
         monkeypatch.setenv("ROS_MASTER_URI", master)
@@ -104,25 +104,25 @@ def test_both_or_none_is_an_error_that_says_what_to_do(rtron, asked, rclpy, monk
     assert f"a master answers at {master}, and ROS 2 is here, too" in ran.err
     assert "--ros 1 or --ros 2" in ran.err
     rclpy(installed=False)
-    monkeypatch.setenv("ROS_MASTER_URI", nobody())
+    monkeypatch.setenv("ROS_MASTER_URI", unused_master_uri())
     ran = rtron("plan", "--live")
     assert ran.code == 2
     assert "no ROS 2 is installed" in ran.err
     assert "--master" in ran.err
     assert "rtron[ros2]" in ran.err
-    assert asked == []
+    assert opened_sources == []
 
 
-def test_a_master_and_a_domain_are_not_one_app(rtron, asked):
+def test_a_master_and_a_domain_are_not_one_app(rtron, opened_sources):
     ran = rtron("scan", "--live", "--master", "http://a:1", "--domain", "1")
-    assert (ran.code, asked) == (2, [])
+    assert (ran.code, opened_sources) == (2, [])
     assert "both --master and --domain" in ran.err
 
 
 @pytest.mark.parametrize("domain", ["233", "-1", "x"])
-def test_a_domain_that_is_none_is_bad_input(rtron, asked, domain):
+def test_a_domain_that_is_none_is_bad_input(rtron, opened_sources, domain):
     assert rtron("scan", "--live", "--domain", domain).code == 2
-    assert asked == []
+    assert opened_sources == []
 
 
 def test_without_rclpy_there_is_help(rtron, monkeypatch):
@@ -133,7 +133,7 @@ def test_without_rclpy_there_is_help(rtron, monkeypatch):
     assert "pip install 'rtron[ros2]'" in ran.err
 
 
-def test_the_next_step_leads_to_the_same_app(rtron, asked):
+def test_the_next_step_leads_to_the_same_app(rtron, opened_sources):
     ran = rtron("scan", "--live", "--ros", "2", "--domain", "4")
     assert "the app running in ROS 2 domain x" in ran.out
     assert "rtron plan --live --ros 2 --domain 4 -o rtron.yaml" in ran.out

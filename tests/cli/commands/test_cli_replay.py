@@ -6,7 +6,7 @@ from rosbags.rosbag1 import Writer
 from rosbags.rosbag2 import StoragePlugin
 from rosbags.rosbag2 import Writer as Writer2
 from rosbags.typesys import Stores, get_typestore
-from service_events import ACTION, goal_asked
+from service_events import ACTION, goal_request_event
 
 STORE = get_typestore(Stores.ROS1_NOETIC)
 STORE2 = get_typestore(Stores.ROS2_HUMBLE)
@@ -182,7 +182,7 @@ def test_goals_of_ros_2_are_played_from_a_bag(rtron, tmp_path):
             rihs01="RIHS01_0",
         )
         for n in (1, 2):
-            writer.write(send, n * 10**9, goal_asked(n))
+            writer.write(send, n * 10**9, goal_request_event(n))
     ran = rtron("replay", bag, "--plan", plan)
     assert (ran.code, ran.err) == (0, "")
     rows = {words[0]: words for words in map(str.split, ran.out.splitlines()) if words}

@@ -13,21 +13,21 @@ SERVICE_TESTS = Path(__file__).parents[1] / "service"
 sys.path += [str(SERVICE_TESTS / "api"), str(SERVICE_TESTS / "controller")]
 from controller_setup import hello, plan  # noqa: E402
 from harness import free_port, wait_for  # noqa: E402
-from service_app import People, served  # noqa: E402
+from service_app import AccountFactory, serve_in_thread  # noqa: E402
 
-from rtron.cli.support.settings_arguments import KEYS, patch_of  # noqa: E402
+from rtron.cli.support.settings_arguments import KEYS, parse_patch  # noqa: E402
 from rtron.errors import InputError  # noqa: E402
-from rtron.service.config import Config  # noqa: E402
+from rtron.service.config import ServiceConfig  # noqa: E402
 from rtron.service.server.app import create_app  # noqa: E402
-from rtron.service.store.events import Batch, add_events  # noqa: E402
+from rtron.service.store.events import EventBatch, add_events  # noqa: E402
 from rtron.service.store.robots import find_robot  # noqa: E402
-from rtron.vocabulary import EventKind, GuardEvent, Level  # noqa: E402
+from rtron.vocabulary import EventKind, GuardEvent, GuardEventLevel  # noqa: E402
 from rtron.wire.common.link_protocol import Applied  # noqa: E402
 
 
 @pytest.fixture
 def app(tmp_path):
-    return create_app(Config(database=tmp_path / "rtron.db"))
+    return create_app(ServiceConfig(database=tmp_path / "rtron.db"))
 
 
 @pytest.fixture
@@ -37,7 +37,7 @@ def service(app):
 
 @pytest.fixture
 def url(app):
-    with served(app) as port:
+    with serve_in_thread(app) as port:
         yield f"http://127.0.0.1:{port}"
 
 
@@ -45,10 +45,10 @@ def url(app):
 def tokens(service, tmp_path):
     """Return a file with a token for these scopes."""
 
-    people = People(service)
+    people = AccountFactory(service)
 
     def token(*scopes):
-        header = people.token("me", *scopes)["Authorization"]
+        header = people.token_headers("me", *scopes)["Authorization"]
         path = tmp_path / f"{'-'.join(scopes)}.token"
         path.write_text(header.removeprefix("Bearer ") + "\n")
         return path
@@ -214,7 +214,7 @@ def test_a_wrong_token(rtron, url, tmp_path, content, told):
 
 
 def test_a_guards_token_may_not_look(rtron, url, service, tmp_path):
-    header = People(service).token("g", "guard", robot="r2")["Authorization"]
+    header = AccountFactory(service).token_headers("g", "guard", robot="r2")["Authorization"]
     path = tmp_path / "token"
     path.write_text(header.removeprefix("Bearer "))
     ran = rtron("settings", "get", "--service", url, "--token-file", path)
@@ -255,7 +255,7 @@ def test_each_key_can_be_set():
     for key in KEYS:
         owner, _, last = key.rpartition(".")
         word = f"{'flow1.' if owner == 'FLOW' else 'own.' if owner else ''}{last}"
-        patch = patch_of([f"{word}={values.get(last, 'x')}"], ["flow1"], has_rules=True)
+        patch = parse_patch([f"{word}={values.get(last, 'x')}"], ["flow1"], has_rules=True)
         assert patch
 
 
@@ -271,19 +271,19 @@ def test_each_key_can_be_set():
     ],
 )
 def test_words_are_read(word, patch):
-    assert patch_of([word], ["flow1"], has_rules=True) == patch
+    assert parse_patch([word], ["flow1"], has_rules=True) == patch
 
 
 @pytest.mark.parametrize("word", ["flow1.priority=1.5", "flow1.priority=", "flow1.when=x", "=x"])
 def test_words_are_refused(word):
     with pytest.raises(InputError):
-        patch_of([word], ["flow1"], has_rules=True)
+        parse_patch([word], ["flow1"], has_rules=True)
 
 
 # Events.
 
 
-def happen(service, *reasons, level=Level.WARNING, robot="r2", start=1):
+def happen(service, *reasons, level=GuardEventLevel.WARNING, robot="r2", start=1):
     with service.database.session() as session:
         id = find_robot(session, robot)[0].id
         events = [
@@ -300,7 +300,7 @@ def happen(service, *reasons, level=Level.WARNING, robot="r2", start=1):
             )
             for number, reason in enumerate(reasons, start)
         ]
-        added = add_events(session, service.clock(), [Batch(id, robot, events)])
+        added = add_events(session, service.clock(), [EventBatch(id, robot, events)])
     for each in added:
         event = each.view().model_dump(mode="json")
         service.hub.tell({"type": "event", "event": event})
@@ -343,7 +343,7 @@ def test_events_are_followed_each_once(url, tokens, service, tmp_path):
         try:
             assert reason(process) == "first"
             wait_for(lambda: service.hub.listened)
-            happen(service, "quiet", level=Level.INFO, start=2)
+            happen(service, "quiet", level=GuardEventLevel.INFO, start=2)
             happen(service, "second", "third", start=3)
             assert [reason(process), reason(process)] == ["second", "third"]
         finally:

@@ -9,11 +9,11 @@ from rosbags.rosbag2 import StoragePlugin
 from rosbags.rosbag2 import Writer as Writer2
 from rosbags.typesys import Stores, get_typestore
 
-from rtron.cli.figures import Keeper
+from rtron.cli.figures import RunFileWriter
 from rtron.errors import InputError
 from rtron.planning.plan_file.loader import parse_plan, read_plan
 from rtron.sources.run_json import read_run, run_to_json
-from rtron.vocabulary import Run
+from rtron.vocabulary import MeasuredRun
 
 STORE = get_typestore(Stores.ROS1_NOETIC)
 TWIST = "geometry_msgs/msg/Twist"
@@ -62,7 +62,7 @@ def plan(tmp_path):
 @pytest.fixture
 def run(tmp_path):
     path = tmp_path / "run.json"
-    path.write_text(json.dumps(run_to_json(Run(app="base"))))
+    path.write_text(json.dumps(run_to_json(MeasuredRun(app="base"))))
     return path
 
 
@@ -160,9 +160,9 @@ def test_figures_need_a_dry_run(rtron, plan, tmp_path):
 def test_figures_are_whole_at_every_moment(tmp_path):
     path = tmp_path / "run.json"
     path.write_text("old")
-    keep = pickle.loads(pickle.dumps(Keeper(path)))
+    keep = pickle.loads(pickle.dumps(RunFileWriter(path)))
     for duration in (1, 2):
-        keep(Run(app="base", duration=duration))
+        keep(MeasuredRun(app="base", duration=duration))
         assert read_run(path).duration == duration
     assert [each.name for each in tmp_path.iterdir()] == ["run.json"]
 
@@ -172,7 +172,7 @@ def test_figures_that_cannot_be_written_leave_nothing_behind(tmp_path):
     folder.mkdir()
     for path in (folder, tmp_path / "none" / "run.json"):
         with pytest.raises(InputError):
-            Keeper(path)(Run(app="base"))
+            RunFileWriter(path)(MeasuredRun(app="base"))
     assert [each.name for each in tmp_path.iterdir()] == ["run.json"]
 
 
@@ -180,6 +180,6 @@ def test_nobody_is_made_to_write_elsewhere(tmp_path):
     mine = tmp_path / "mine"
     mine.write_text("mine")
     (tmp_path / f".run.json.{os.getpid()}").symlink_to(mine)
-    Keeper(tmp_path / "run.json")(Run(app="base"))
+    RunFileWriter(tmp_path / "run.json")(MeasuredRun(app="base"))
     assert mine.read_text() == "mine"
     assert read_run(tmp_path / "run.json").app == "base"

@@ -28,7 +28,7 @@ def exactly_from(data):
     return exactly
 
 
-def asked_of(connection):
+def next_frame(connection):
     """Return the next frame that the other side sent; ConnectionError at its end."""
 
     def exactly(size):
@@ -47,7 +47,7 @@ def world(*frames, welcome=None):
 
     def serve():
         connection, _ = listener.accept()
-        accepted.connection, accepted.hello = connection, asked_of(connection)[0]
+        accepted.connection, accepted.hello = connection, next_frame(connection)[0]
         first = framing.encode({"welcome": "base", "speed": 2.0, "t": 0.0})
         connection.sendall(first if welcome is None else welcome)
         for frame in frames:
@@ -142,7 +142,7 @@ def test_velocities_reach_the_world_but_those_that_are_none(tmp_path):
         obey(device, journal, twist(0.0, float("inf")))
         obey(device, journal, twist(0.2, -0.1))
         there.thread.join(LIMIT)
-        assert asked_of(there.connection)[0] == {"velocity": [0.2, -0.1]}
+        assert next_frame(there.connection)[0] == {"velocity": [0.2, -0.1]}
         end(there)
         assert list(device) == []
     lines = (tmp_path / "core.jsonl").read_text().splitlines()

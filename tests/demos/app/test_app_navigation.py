@@ -162,7 +162,7 @@ def test_with_the_goal_behind_it_turns_to_the_shorter_side(behind, sign):
     assert abs(velocity[1]) <= MAX_TURN
 
 
-def driven(navigator, pose, seconds, limit=None):
+def drive_navigator(navigator, pose, seconds, limit=None):
     """Drive at once as told; return the poses and velocities, one for each 0.1 s."""
     found, velocity = [], (0.0, 0.0)
     for _ in range(int(seconds * 10)):
@@ -180,7 +180,7 @@ def driven(navigator, pose, seconds, limit=None):
     return found
 
 
-def begun(room, start=(0.5, 1.5, 0.0), goal=(3.5, 0.6)):
+def navigator_with_goal(room, start=(0.5, 1.5, 0.0), goal=(3.5, 0.6)):
     navigator = Navigator()
     navigator.moved(start, (0.0, 0.0))
     assert navigator.head_for(goal, room)
@@ -189,14 +189,14 @@ def begun(room, start=(0.5, 1.5, 0.0), goal=(3.5, 0.6)):
 
 @pytest.mark.parametrize("turn", [0.0, 1.0, -1.0, 2.0])
 def test_the_robot_comes_to_its_goal_and_touches_nothing(room, turn):
-    way = driven(begun(room), (0.5, 1.5, turn), 30)
+    way = drive_navigator(navigator_with_goal(room), (0.5, 1.5, turn), 30)
     assert dist(way[-1][0][:2], (3.5, 0.6)) <= REACHED
     assert min(static_map().clearance(pose[:2]) for pose, _ in way) > ROBOT_RADIUS
     assert max(velocity for _, (velocity, _) in way) <= CRUISE + 1e-9
 
 
 def test_at_the_goal_it_says_zero_a_few_times_and_is_silent(room):
-    navigator = begun(room)
+    navigator = navigator_with_goal(room)
     navigator.moved((3.5, 0.6, 0.0), (0.2, 0.0))
     said = [navigator.command() for _ in range(7)]
     assert said == [(0.0, 0.0)] * 5 + [None] * 2
@@ -210,7 +210,7 @@ def test_without_a_goal_it_is_silent():
 
 @pytest.mark.parametrize("goal", [(nan, 1.0), (1.0, inf)])
 def test_a_goal_that_is_no_place_changes_nothing(room, goal):
-    navigator = begun(room)
+    navigator = navigator_with_goal(room)
     assert not navigator.head_for(goal, room)
     assert navigator.command() is not None
 
@@ -220,7 +220,15 @@ def test_without_odometry_there_is_no_way(room):
 
 
 def test_a_higher_limit_makes_it_faster(room):
-    assert max(v for _, (v, _) in driven(begun(room), (0.5, 1.5, 0.0), 10, limit=2.0)) > 0.26
+    assert (
+        max(
+            v
+            for _, (v, _) in drive_navigator(
+                navigator_with_goal(room), (0.5, 1.5, 0.0), 10, limit=2.0
+            )
+        )
+        > 0.26
+    )
 
 
 @pytest.mark.parametrize("limit", [nan, inf, -0.1])
@@ -233,7 +241,7 @@ def test_a_limit_that_is_no_velocity_is_left_out(limit):
 
 @pytest.mark.parametrize(("away", "kept"), [(0.49, True), (0.51, False)])
 def test_a_robot_that_is_carried_away_forgets_its_goal_and_limit(room, away, kept):
-    navigator = begun(room)
+    navigator = navigator_with_goal(room)
     navigator.limit(2.0)
     navigator.moved((0.5 + away, 1.5, 0.0), (0.0, 0.0))
     assert (navigator.command() != (0.0, 0.0)) == kept
@@ -241,7 +249,7 @@ def test_a_robot_that_is_carried_away_forgets_its_goal_and_limit(room, away, kep
 
 
 def test_three_images_in_a_row_stop_it_and_three_let_it_go_on(room):
-    navigator = begun(room)
+    navigator = navigator_with_goal(room)
     navigator.seen(near())
     navigator.seen(near())
     navigator.seen([])
@@ -270,14 +278,14 @@ def test_three_images_in_a_row_stop_it_and_three_let_it_go_on(room):
     ],
 )
 def test_what_stops_it(room, seen, stops):
-    navigator = begun(room)
+    navigator = navigator_with_goal(room)
     for _ in range(3):
         navigator.seen(seen)
     assert (navigator.command() == (0.0, 0.0)) == stops
 
 
 def test_even_for_people_it_brakes_no_harder_than_it_can(room):
-    navigator = begun(room)
+    navigator = navigator_with_goal(room)
     navigator.moved((0.6, 1.5, 0.0), (2.0, 0.0))
     for _ in range(3):
         navigator.seen(near())

@@ -3,13 +3,13 @@
 import pytest
 from demo_runs import CORRIDOR, ROOM
 
-from rtron.demos.cases import CASES, GR, MSR, RSR, Setting
-from rtron.demos.cases.together import together
-from rtron.demos.experiment.deciding import by_decisions
+from rtron.demos.cases import CASES, GR, MSR, RSR, RunConditions
+from rtron.demos.cases.together import merge_decisions
+from rtron.demos.experiment.deciding import worlds_by_decisions
 
 
 def setting(speed=1.0, rate=10.0):
-    return Setting(scene=ROOM, speed=speed, rate=rate)
+    return RunConditions(scene=ROOM, speed=speed, rate=rate)
 
 
 def test_each_case_is_known_by_its_name():
@@ -91,7 +91,7 @@ def test_the_unstable_area_is_that_of_the_world():
 
 
 def test_only_where_the_world_decides_the_plan_depends_on_it():
-    other = Setting(scene=CORRIDOR | {"area": [[0, 0], [1, 0], [1, 1]]}, speed=1.0, rate=10.0)
+    other = RunConditions(scene=CORRIDOR | {"area": [[0, 0], [1, 0], [1, 1]]}, speed=1.0, rate=10.0)
     same = {
         case.name for case in CASES.values() if case.decisions(setting()) == case.decisions(other)
     }
@@ -101,14 +101,14 @@ def test_only_where_the_world_decides_the_plan_depends_on_it():
 def test_worlds_in_a_row_share_a_guarded_app_where_the_same_is_decided():
     slow, fast = setting(rate=5.0), setting(rate=10.0)
     settings = {1: fast, 2: fast, 3: slow, 4: fast}
-    found = by_decisions([RSR], list(settings), lambda _, seed: settings[seed])
+    found = worlds_by_decisions([RSR], list(settings), lambda _, seed: settings[seed])
     assert [seeds for _, seeds in found] == [[1, 2], [3], [4]]
     decided = [decisions for decisions, _ in found]
     assert decided == [RSR.decisions(one) for one in (fast, slow, fast)]
 
 
 def test_one_guarded_app_stands_against_all_cases():
-    ((decided, _),) = by_decisions(list(CASES.values()), [1, 2], lambda *_: setting())
+    ((decided, _),) = worlds_by_decisions(list(CASES.values()), [1, 2], lambda *_: setting())
     each = {name: case.decisions(setting()) for name, case in CASES.items()}
     assert decided["grcn"]["/cmd_vel"] == each["gr"]["grcn"]["/cmd_vel"]
     assert decided["grcn"]["/control/max_vel"] == {"policy": "Block", "release_after": "3 s"}
@@ -119,4 +119,4 @@ def test_one_guarded_app_stands_against_all_cases():
 
 def test_no_case_takes_back_what_another_decides():
     each = [case.decisions(setting()) for case in CASES.values()]
-    assert together(each) == together(reversed(each))
+    assert merge_decisions(each) == merge_decisions(reversed(each))

@@ -4,23 +4,23 @@ import json
 from types import SimpleNamespace
 
 import pytest
-from demo_runs import CORRIDOR, made, three
+from demo_runs import CORRIDOR, make_run, runs_by_variant
 
 from rtron.cli.commands.demo import CaseName, demo
 from rtron.cli.support import demo_session
 from rtron.cli.support.options import Ros
-from rtron.demos.cases import GR, Setting
-from rtron.demos.experiment.demonstration import Wish, as_expected
-from rtron.demos.experiment.results import document, write_results
-from rtron.demos.experiment.terminal_report import told
+from rtron.demos.cases import GR, RunConditions
+from rtron.demos.experiment.demonstration import DemoRequest, are_as_expected
+from rtron.demos.experiment.results import results_document, write_results
+from rtron.demos.experiment.terminal_report import demo_text
 from rtron.demos.metrics.case_run import Variant
 from rtron.demos.metrics.message_journal import Attack
 from rtron.demos.runtime import ros_installation
-from rtron.demos.runtime.processes import Finished
+from rtron.demos.runtime.processes import CompletedCommand
 from rtron.errors import InputError, SourceError
 from rtron.vocabulary import Domain, Risk, RiskKind, Severity
 
-WISH = Wish(cases=[GR], seeds=[1], ros=1, speed=2.0)
+WISH = DemoRequest(cases=[GR], seeds=[1], ros=1, speed=2.0)
 RISK = Risk(
     id=GR.risk,
     kind=RiskKind.GR_ST,
@@ -35,15 +35,15 @@ RISK = Risk(
 )
 
 
-class Found:
+class FakeStudy:
     """What a study has found, without one."""
 
     def __init__(self, folder, runs):
         self.runs = runs
         self.scenes = {("gr", 1): CORRIDOR}
-        self.decisions = {"gr": GR.decisions(Setting(scene=CORRIDOR, speed=2.0, rate=10.0))}
+        self.decisions = {"gr": GR.decisions(RunConditions(scene=CORRIDOR, speed=2.0, rate=10.0))}
         self.plan = "app: tb3\n"
-        self.said = [Finished("rtron scan", 1, "\x1b[1mrisks\x1b[0m")]
+        self.said = [CompletedCommand("rtron scan", 1, "\x1b[1mrisks\x1b[0m")]
         self.pipeline = SimpleNamespace(folder=folder)
 
     def runs_of(self, _case, seed):
@@ -54,31 +54,31 @@ class Found:
 
 
 @pytest.fixture
-def found(tmp_path):
+def fake_study(tmp_path):
     work = tmp_path / "work"
     (work / "log").mkdir(parents=True)
     (work / "log" / "01-world.log").write_text("fine")
     (work / "graph.json").write_text("{}")
-    return Found(work, list(three().values()))
+    return FakeStudy(work, list(runs_by_variant().values()))
 
 
 def test_it_is_as_expected_only_if_the_attack_does_harm_without_the_guard_alone():
-    assert as_expected(list(three().values()))
-    assert as_expected([made(Variant.ATTACKED)])
-    assert not as_expected([made(Variant.ATTACKED, harm="", completed=True)])
-    assert not as_expected([made(Variant.GUARDED, harm="collision")])
-    assert not as_expected([made(Variant.GUARDED, completed=False)])
-    assert not as_expected([made(Variant.GUARDED, attack=Attack())])
-    assert not as_expected([made(Variant.UNATTACKED, completed=False)])
+    assert are_as_expected(list(runs_by_variant().values()))
+    assert are_as_expected([make_run(Variant.ATTACKED)])
+    assert not are_as_expected([make_run(Variant.ATTACKED, harm="", completed=True)])
+    assert not are_as_expected([make_run(Variant.GUARDED, harm="collision")])
+    assert not are_as_expected([make_run(Variant.GUARDED, completed=False)])
+    assert not are_as_expected([make_run(Variant.GUARDED, attack=Attack())])
+    assert not are_as_expected([make_run(Variant.UNATTACKED, completed=False)])
 
 
 def test_how_many_runs_it_takes():
     assert WISH.runs == 3
-    assert Wish(cases=[GR, GR], seeds=[1, 2], ros=1, speed=2.0, guard=False).runs == 8
+    assert DemoRequest(cases=[GR, GR], seeds=[1, 2], ros=1, speed=2.0, guard=False).runs == 8
 
 
-def test_everything_is_written(tmp_path, found):
-    names = write_results(tmp_path, WISH, found)
+def test_everything_is_written(tmp_path, fake_study):
+    names = write_results(tmp_path, WISH, fake_study)
     assert names[0] == "report.html"
     assert {path.name for path in tmp_path.iterdir()} >= {*names, "graph.json", "log"}
     assert "gr-verdicts.png" in names
@@ -90,33 +90,33 @@ def test_everything_is_written(tmp_path, found):
     assert "&amp;id" not in page
 
 
-def test_earlier_results_are_replaced(tmp_path, found):
+def test_earlier_results_are_replaced(tmp_path, fake_study):
     (tmp_path / "rsr-velocity.png").write_text("of an earlier demo")
     (tmp_path / "report.html").symlink_to(tmp_path / "elsewhere")
-    write_results(tmp_path, WISH, found)
+    write_results(tmp_path, WISH, fake_study)
     assert not (tmp_path / "rsr-velocity.png").exists()
     assert not (tmp_path / "elsewhere").exists()
     assert not (tmp_path / "report.html").is_symlink()
 
 
-def test_the_results_have_every_moment(tmp_path, found):
-    write_results(tmp_path, WISH, found)
+def test_the_results_have_every_moment(tmp_path, fake_study):
+    write_results(tmp_path, WISH, fake_study)
     results = json.loads((tmp_path / "results.json").read_text())
     (case,) = results["cases"]
     assert [run["variant"] for run in case["runs"]] == ["unattacked", "attacked", "guarded"]
-    assert len(case["runs"][1]["samples"]) == len(found.runs[1].samples)
-    assert "samples" not in json.dumps(document(WISH, found))
+    assert len(case["runs"][1]["samples"]) == len(fake_study.runs[1].samples)
+    assert "samples" not in json.dumps(results_document(WISH, fake_study))
 
 
-def test_without_the_guard_there_are_no_decisions_to_show(tmp_path, found):
-    found.runs, found.decisions, found.plan = found.runs[:2], {}, ""
-    names = write_results(tmp_path, WISH, found)
+def test_without_the_guard_there_are_no_decisions_to_show(tmp_path, fake_study):
+    fake_study.runs, fake_study.decisions, fake_study.plan = fake_study.runs[:2], {}, ""
+    names = write_results(tmp_path, WISH, fake_study)
     assert not {"gr-verdicts.png", "rtron.yaml"} & set(names)
     assert GR.remedy not in (tmp_path / "report.html").read_text()
 
 
-def test_what_is_said_has_the_risk_and_the_table(found):
-    text = told(WISH, found)
+def test_what_is_said_has_the_risk_and_the_table(fake_study):
+    text = demo_text(WISH, fake_study)
     assert "rtron scan finds 1 risks" in text
     assert GR.risk in text
     assert "700 / 0" in text
@@ -126,7 +126,7 @@ def test_what_is_said_has_the_risk_and_the_table(found):
 def test_it_says_which_packages_are_missing(monkeypatch):
     monkeypatch.setattr(demo_session, "find_spec", lambda name: None if name == "irsim" else 1)
     with pytest.raises(InputError, match="the demo needs irsim") as caught:
-        demo_session.need_demo()
+        demo_session.require_demo_packages()
     assert caught.value.help == 'pip install "rtron[demo]"'
 
 
@@ -135,20 +135,20 @@ def test_it_says_which_packages_are_missing(monkeypatch):
 )
 def test_ros_2_is_taken_before_ros_1(monkeypatch, lacks, chosen):
     monkeypatch.setattr(ros_installation, "lacking", lambda: lacks)
-    assert demo_session.chosen_ros(Ros.AUTO) == chosen
+    assert demo_session.choose_ros(Ros.AUTO) == chosen
 
 
 def test_without_any_ros_it_says_what_is_lacking(monkeypatch):
     monkeypatch.setattr(ros_installation, "lacking", lambda: {1: "no ROS 1", 2: "no ROS 2"})
     with pytest.raises(SourceError, match="no ROS 2; no ROS 1"):
-        demo_session.chosen_ros(Ros.AUTO)
+        demo_session.choose_ros(Ros.AUTO)
 
 
 def test_the_last_world_is_known():
     last = demo_session.LAST_SEED
-    assert demo_session.worlds(last - 1, 2) == range(last - 1, last + 1)
+    assert demo_session.world_seeds(last - 1, 2) == range(last - 1, last + 1)
     with pytest.raises(InputError, match="the last world is 2147483647"):
-        demo_session.worlds(last, 2)
+        demo_session.world_seeds(last, 2)
 
 
 def test_the_console_shows_only_what_was_guarded():
@@ -175,7 +175,7 @@ def test_the_console_is_told_beside_what_a_program_reads(capsys, monkeypatch, as
     monkeypatch.setattr("threading.Event.wait", interrupt)
     monkeypatch.setattr("webbrowser.open", lambda _: True)
     service = SimpleNamespace(page="http://here/#/robots/tb3/events", password="word")
-    demo_session.show_console(service, aside=aside)
+    demo_session.show_console(service, to_stderr=aside)
     told, other = capsys.readouterr() if not aside else reversed(capsys.readouterr())
     assert "http://here/#/robots/tb3/events" in told
     assert "password word" in told

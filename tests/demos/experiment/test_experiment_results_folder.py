@@ -4,9 +4,13 @@ import json
 
 import pytest
 
-from rtron.cli.support.demo_session import logs_kept
+from rtron.cli.support.demo_session import preserve_logs
 from rtron.demos.experiment import results_folder
-from rtron.demos.experiment.results_folder import clear, keep_logs, results_folder
+from rtron.demos.experiment.results_folder import (
+    copy_logs,
+    prepare_results_folder,
+    remove_earlier_results,
+)
 from rtron.errors import InputError, SourceError
 
 
@@ -25,16 +29,16 @@ def out(tmp_path):
 
 
 def test_it_is_made_with_its_parents(tmp_path):
-    assert results_folder(tmp_path / "new" / "out").is_dir()
-    assert list(results_folder(tmp_path / "new" / "out").iterdir()) == []
+    assert prepare_results_folder(tmp_path / "new" / "out").is_dir()
+    assert list(prepare_results_folder(tmp_path / "new" / "out").iterdir()) == []
 
 
 def test_a_file_in_the_way_is_no_folder(tmp_path):
     (tmp_path / "file").write_text("mine")
     with pytest.raises(InputError, match="file: is no folder"):
-        results_folder(tmp_path / "file")
+        prepare_results_folder(tmp_path / "file")
     with pytest.raises(InputError, match="out: Not a directory"):
-        results_folder(tmp_path / "file" / "out")
+        prepare_results_folder(tmp_path / "file" / "out")
 
 
 @pytest.mark.parametrize("results", [None, "[]", '{"schema": "rtron.graph/1"}', "\udcff"])
@@ -43,7 +47,7 @@ def test_other_files_are_refused(out, results):
     if results is not None:
         (out / "results.json").write_text(results, errors="surrogateescape")
     with pytest.raises(InputError, match="holds other files") as caught:
-        results_folder(out)
+        prepare_results_folder(out)
     assert "-o" in caught.value.help
 
 
@@ -52,7 +56,7 @@ def test_earlier_results_are_not(out):
     (out / "results.json").write_text(
         json.dumps({"schema": results_folder.SCHEMA, "ros": 1}, indent=1)
     )
-    assert results_folder(out) == out
+    assert prepare_results_folder(out) == out
 
 
 def test_that_it_can_be_written_to_is_tried(out, monkeypatch):
@@ -61,7 +65,7 @@ def test_that_it_can_be_written_to_is_tried(out, monkeypatch):
 
     monkeypatch.setattr(results_folder, "TemporaryFile", refused)
     with pytest.raises(InputError, match="out: Permission denied"):
-        results_folder(out)
+        prepare_results_folder(out)
 
 
 def test_earlier_results_are_cleared_and_nothing_else(out, tmp_path):
@@ -70,7 +74,7 @@ def test_earlier_results_are_cleared_and_nothing_else(out, tmp_path):
         (tmp_path / name).write_text("")
     (out / "log").symlink_to(tmp_path / "others")
     (out / "results.json").symlink_to(tmp_path / "others" / "kept")
-    clear(out)
+    remove_earlier_results(out)
     assert [path.name for path in out.iterdir()] == ["mine"]
     assert (tmp_path / "others" / "kept").exists()
 
@@ -78,14 +82,14 @@ def test_earlier_results_are_cleared_and_nothing_else(out, tmp_path):
 def test_a_failure_leaves_its_logs(work, out, capsys):
     (out / "log").mkdir()
     (out / "log" / "old.log").write_text("")
-    with pytest.raises(SourceError, match="no world"), logs_kept(work, out):
+    with pytest.raises(SourceError, match="no world"), preserve_logs(work, out):
         raise SourceError("no world")
     assert [path.name for path in (out / "log").iterdir()] == ["01-world.log"]
     assert capsys.readouterr().err == f"The logs are in {out / 'log'}\n"
-    assert results_folder(out) == out
+    assert prepare_results_folder(out) == out
 
 
 def test_a_failure_before_there_are_logs_leaves_all_as_it_was(tmp_path, out):
     (out / "report.html").write_text("")
-    assert keep_logs(tmp_path / "none", out, "no ROS") is None
+    assert copy_logs(tmp_path / "none", out, "no ROS") is None
     assert (out / "report.html").exists()

@@ -1,6 +1,6 @@
 """A guarded run gets what its guard told in its time, and no other's."""
 
-from demo_runs import BEGAN, event, made
+from demo_runs import BEGAN, guard_event, make_run
 from test_runtime_plan_edits import PROPOSED
 
 from rtron.demos.cases import GR
@@ -13,8 +13,8 @@ NAMED = {"topic": "/cmd_vel", "flow": "flow2", "publisher": GR.attacker, "decisi
 def test_what_was_told_in_its_time_is_its_own(tmp_path):
     plan = tmp_path / "rtron.yaml"
     plan.write_text(PROPOSED)
-    run = made(Variant.GUARDED, events=(), mitigated_after=None)
-    events = [event(BEGAN + at, **NAMED) for at in (-1, 3.5, 300)]
+    run = make_run(Variant.GUARDED, events=(), mitigated_after=None)
+    events = [guard_event(BEGAN + at, **NAMED) for at in (-1, 3.5, 300)]
     found = with_verdicts(run, GR, events, plan)
     assert found.events == (events[1],)
     assert abs(found.mitigated_after - 1.0) < 1e-6

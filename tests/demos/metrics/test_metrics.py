@@ -4,14 +4,27 @@ import json
 from math import pi
 
 import pytest
-from demo_runs import BEGAN, CIRCLE, event, guard_events, made, straight, three
+from demo_runs import (
+    BEGAN,
+    CIRCLE,
+    corridor_drive,
+    guard_event,
+    guard_events,
+    make_run,
+    runs_by_variant,
+)
 
 from rtron.demos.metrics.case_run import Variant
-from rtron.demos.metrics.deviation import deviation
-from rtron.demos.metrics.guard_events import stopped_at, tallies
-from rtron.demos.metrics.message_journal import Attack, attack, mitigated_after, read_journal
+from rtron.demos.metrics.deviation import measure_deviation
+from rtron.demos.metrics.guard_events import decision_counts, first_stop
+from rtron.demos.metrics.message_journal import (
+    Attack,
+    attack_messages,
+    read_journal,
+    time_to_mitigation,
+)
 from rtron.demos.metrics.table import cells, columns
-from rtron.demos.metrics.trajectory import since
+from rtron.demos.metrics.trajectory import relative_to_start
 from rtron.errors import SourceError
 
 LINE = ((0.0, 0.0), (4.0, 0.0))
@@ -19,38 +32,42 @@ ATTACKER = ("/cmd_vel", "/tb3_safe_control")
 
 
 def test_a_way_does_not_deviate_from_itself():
-    found = deviation(CIRCLE, CIRCLE)
+    found = measure_deviation(CIRCLE, CIRCLE)
     assert (found.largest, found.mean) == pytest.approx((0, 0), abs=1e-12)
 
 
 def test_a_parallel_way_is_its_distance_away():
-    found = deviation([(0.1 * n, 0.3) for n in range(40)], LINE)
+    found = measure_deviation([(0.1 * n, 0.3) for n in range(40)], LINE)
     assert (found.largest, found.mean) == pytest.approx((0.3, 0.3))
 
 
 def test_behind_its_end_a_way_is_as_far_as_the_end():
-    assert deviation([(7.0, 4.0)], LINE).largest == pytest.approx(5)
+    assert measure_deviation([(7.0, 4.0)], LINE).largest == pytest.approx(5)
 
 
 def test_a_way_around_a_point_is_a_radius_away():
-    assert deviation(CIRCLE, [(0.0, 0.0)]).mean == pytest.approx(1)
-    assert deviation([(0.0, 0.0)], CIRCLE).largest == pytest.approx(1, abs=2e-4)
+    assert measure_deviation(CIRCLE, [(0.0, 0.0)]).mean == pytest.approx(1)
+    assert measure_deviation([(0.0, 0.0)], CIRCLE).largest == pytest.approx(1, abs=2e-4)
 
 
 def test_a_rest_does_not_weigh():
     half = [(0.02 * n, 0.0) for n in range(50)]
     off = [(1.0 + 0.02 * n, 1.0) for n in range(50)]
     rests = [*half, *off, *([off[-1]] * 10_000)]
-    assert deviation(rests, LINE).mean == pytest.approx(deviation([*half, *off], LINE).mean)
+    assert measure_deviation(rests, LINE).mean == pytest.approx(
+        measure_deviation([*half, *off], LINE).mean
+    )
 
 
 def test_of_no_way_nothing_is_known():
-    assert deviation([], LINE) is None
-    assert deviation(LINE, []) is None
+    assert measure_deviation([], LINE) is None
+    assert measure_deviation(LINE, []) is None
 
 
 def test_the_time_of_a_run_begins_with_it():
-    assert since(100.0, straight()[4]).t == pytest.approx(straight()[4].t - 100)
+    assert relative_to_start(100.0, corridor_drive()[4]).t == pytest.approx(
+        corridor_drive()[4].t - 100
+    )
 
 
 def write(folder, node, *entries):
@@ -74,10 +91,10 @@ def is_turn(topic, value):
 def test_the_journal_tells_what_was_sent_and_what_arrived(tmp_path):
     write(tmp_path, "safe", sent(3.0), sent(3.1), sent(1.0))
     write(tmp_path, "core", received(2.9, 0.2, 0), received(3.2, 0, -0.2), received(1.2, 0, -0.2))
-    found = attack(read_journal(tmp_path, since=2.0), is_turn)
+    found = attack_messages(read_journal(tmp_path, since=2.0), is_turn)
     assert found == Attack(sent=(3.0, 3.1), delivered=(3.2,))
     assert found.began == 3.0
-    assert attack(read_journal(tmp_path, 2.0, 3.1), is_turn) == Attack(sent=(3.0, 3.1))
+    assert attack_messages(read_journal(tmp_path, 2.0, 3.1), is_turn) == Attack(sent=(3.0, 3.1))
 
 
 def test_a_line_that_is_still_being_written_is_left_for_later(tmp_path):
@@ -95,7 +112,7 @@ def test_what_is_no_journal_is_told(tmp_path, line):
 
 
 def test_the_guards_counts_are_told_flow_by_flow():
-    found = tallies(guard_events())
+    found = decision_counts(guard_events())
     assert {each.flow for each in found} == {"flow1", "flow2", "unapproved"}
     third = [each for each in found if each.at == (BEGAN + 3) * 1_000_000_000]
     assert [each.counts["drop"] for each in third] == [0, 30, 0]
@@ -103,15 +120,15 @@ def test_the_guards_counts_are_told_flow_by_flow():
 
 
 def test_the_first_verdict_that_stops_an_attacker_counts():
-    assert stopped_at(guard_events(), *ATTACKER) == pytest.approx(BEGAN + 2.5004)
-    assert stopped_at(guard_events(), *ATTACKER, since=BEGAN + 3) is None
-    assert stopped_at(guard_events(), "/odom", ATTACKER[1]) is None
-    assert stopped_at(guard_events(), "/cmd_vel", "/move_base") is None
+    assert first_stop(guard_events(), *ATTACKER) == pytest.approx(BEGAN + 2.5004)
+    assert first_stop(guard_events(), *ATTACKER, since=BEGAN + 3) is None
+    assert first_stop(guard_events(), "/odom", ATTACKER[1]) is None
+    assert first_stop(guard_events(), "/cmd_vel", "/move_base") is None
 
 
 def test_whoever_is_not_in_the_plan_is_an_attacker():
-    events = [event(5.0, topic="/cmd_vel", flow="unapproved", decision="drop")]
-    assert stopped_at(events, *ATTACKER) == 5.0
+    events = [guard_event(5.0, topic="/cmd_vel", flow="unapproved", decision="drop")]
+    assert first_stop(events, *ATTACKER) == 5.0
 
 
 @pytest.mark.parametrize(
@@ -125,7 +142,7 @@ def test_whoever_is_not_in_the_plan_is_an_attacker():
     ],
 )
 def test_the_time_to_mitigation(messages, stopped, after):
-    assert mitigated_after(messages, stopped) == after
+    assert time_to_mitigation(messages, stopped) == after
 
 
 def table_of(runs):
@@ -133,7 +150,7 @@ def table_of(runs):
 
 
 def test_the_table_of_one_world():
-    found = table_of(three().values())
+    found = table_of(runs_by_variant().values())
     assert found["outcome"] == ("completed", "collision", "completed")
     assert found["collision"] == ("no", "yes", "no")
     assert found["malicious messages sent / delivered"] == ("-", "700 / 180", "700 / 0")
@@ -156,17 +173,18 @@ CAME = Attack(sent=(4.0,), delivered=(4.0,))
         ([(0.002, CAME), (None, CAME), (None, Attack())], "stopped", "never"),
     ],
 )
-def test_where_nothing_arrived_no_time_is_made_up(found, mitigation, cell):
+def test_where_nothing_arrived_no_time_is_made_up(fake_study, mitigation, cell):
     runs = [
-        made(Variant.GUARDED, attack=attacked, mitigated_after=after) for after, attacked in found
+        make_run(Variant.GUARDED, attack=attacked, mitigated_after=after)
+        for after, attacked in fake_study
     ]
     assert runs[0].as_json()["mitigation"] == mitigation
     assert table_of(runs)["stopped after, at most"] == (cell,)
 
 
 def test_the_table_of_two_worlds():
-    worlds = [*three().values(), *three(seed=2).values()]
-    worlds += [made(Variant.ATTACKED, seed=3, harm="", completed=True, collided=False)]
+    worlds = [*runs_by_variant().values(), *runs_by_variant(seed=2).values()]
+    worlds += [make_run(Variant.ATTACKED, seed=3, harm="", completed=True, collided=False)]
     found = table_of(worlds)
     assert found["outcome"][1] == "2 x collision, 1 x completed"
     assert found["collision"] == ("0 of 2", "2 of 3", "0 of 2")
@@ -175,12 +193,12 @@ def test_the_table_of_two_worlds():
 
 
 def test_what_was_not_run_is_no_column():
-    assert list(columns([made(Variant.ATTACKED)])) == [Variant.ATTACKED]
+    assert list(columns([make_run(Variant.ATTACKED)])) == [Variant.ATTACKED]
 
 
 def test_a_runs_json_is_plain():
-    run = made(Variant.ATTACKED)
-    whole = json.loads(json.dumps(run.as_json(whole=True)))
+    run = make_run(Variant.ATTACKED)
+    whole = json.loads(json.dumps(run.as_json(with_samples=True)))
     assert whole["samples"][0]["pose"] == [0.4, 0.6, 0.0]
     short = json.loads(json.dumps(run.as_json()))
     assert "samples" not in short

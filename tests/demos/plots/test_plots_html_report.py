@@ -6,20 +6,20 @@ from html import unescape
 from html.parser import HTMLParser
 
 import pytest
-from demo_runs import CORRIDOR, ROOM, guard_events, made, three
+from demo_runs import CORRIDOR, ROOM, guard_events, make_run, runs_by_variant
 
 from rtron.demos.cases import GR, MSR
 from rtron.demos.metrics.case_run import Variant
-from rtron.demos.plots.html_report import Findings, Picture, Said, page
-from rtron.demos.plots.lanes import lanes
-from rtron.demos.plots.style import need_matplotlib
-from rtron.demos.plots.timeline import timeline
-from rtron.demos.plots.trajectories import trajectories
-from rtron.demos.plots.velocity import velocity
+from rtron.demos.plots.html_report import CaseFindings, CommandOutput, Picture, render_report
+from rtron.demos.plots.lanes import flow_lanes
+from rtron.demos.plots.style import require_matplotlib
+from rtron.demos.plots.timeline import draw_timeline
+from rtron.demos.plots.trajectories import draw_trajectories
+from rtron.demos.plots.velocity import draw_velocity
 from rtron.errors import SourceError
 
 PNG = b"\x89PNG\r\n\x1a\n"
-SAID = [Said("rtron scan src", "2 risks")]
+SAID = [CommandOutput("rtron scan src", "2 risks")]
 EVIL = "<script>alert('&\"')</script>"
 
 
@@ -27,10 +27,10 @@ def findings(**values):
     defaults = {
         "case": GR,
         "ros": 1,
-        "runs": tuple(three().values()),
+        "runs": tuple(runs_by_variant().values()),
         "decisions": "grcn: {}\n",
     }
-    return Findings(**defaults | values)
+    return CaseFindings(**defaults | values)
 
 
 class Tags(HTMLParser):
@@ -48,11 +48,11 @@ class Tags(HTMLParser):
 
 
 def test_the_page_tells_everything():
-    text = " ".join(Tags(page([(findings(), [Picture(PNG, "the ways")])], SAID)).text)
+    text = " ".join(Tags(render_report([(findings(), [Picture(PNG, "the ways")])], SAID)).text)
     for part in (
         GR.title,
         GR.attack,
-        GR.harms,
+        GR.harm_description,
         GR.remedy,
         "grcn: {}",
         "$ rtron scan src",
@@ -64,41 +64,43 @@ def test_the_page_tells_everything():
 
 
 def test_a_picture_is_inside_the_page():
-    shown = dict(Tags(page([(findings(), [Picture(PNG, "the ways")])], [])).attributes)
+    shown = dict(Tags(render_report([(findings(), [Picture(PNG, "the ways")])], [])).attributes)
     assert shown["src"] == "data:image/png;base64," + b64encode(PNG).decode()
     assert shown["alt"] == "the ways"
 
 
 def test_nothing_from_outside_becomes_a_tag():
-    runs = (made(Variant.ATTACKED, harm=EVIL),)
-    said = (Said(f"rtron {EVIL}", EVIL),)
-    made_page = page([(findings(runs=runs, decisions=EVIL), [Picture(PNG, f'"{EVIL}')])], said)
+    runs = (make_run(Variant.ATTACKED, harm=EVIL),)
+    said = (CommandOutput(f"rtron {EVIL}", EVIL),)
+    made_page = render_report(
+        [(findings(runs=runs, decisions=EVIL), [Picture(PNG, f'"{EVIL}')])], said
+    )
     assert "script" not in Tags(made_page).tags
     assert made_page.count("<script") == 0
     assert unescape(made_page).count(EVIL) == 6
 
 
 def test_what_could_steer_a_terminal_is_shown_as_text():
-    text = page([(findings(), [])], [Said("rtron", "\x1b[31mred")])
+    text = render_report([(findings(), [])], [CommandOutput("rtron", "\x1b[31mred")])
     assert "\x1b" not in text
     assert r"\x1b[31mred" in text
 
 
 def test_each_case_has_its_part_and_the_commands_follow():
-    text = page([(findings(), []), (findings(case=MSR, decisions=""), [])], [])
+    text = render_report([(findings(), []), (findings(case=MSR, decisions=""), [])], [])
     assert Tags(text).tags.count("h1") == 3
     assert MSR.remedy not in text
 
 
 def test_the_page_allows_no_network():
-    text = page([(findings(), [])], SAID)
+    text = render_report([(findings(), [])], SAID)
     allowed = re.search(r'Policy" content="([^"]*)"', text).group(1)
     assert "default-src 'none'" in unescape(allowed)
     assert not re.search(r'(src|href)="(?!data:)', text)
 
 
 def test_a_lane_tells_who_and_how_often():
-    found = lanes(made(Variant.GUARDED), ["/cmd_vel"])
+    found = flow_lanes(make_run(Variant.GUARDED), ["/cmd_vel"])
     assert [(lane.publisher, lane.totals) for lane in found] == [
         ("/move_base", "200 passed"),
         ("/tb3_safe_control", "730 dropped"),
@@ -107,42 +109,44 @@ def test_a_lane_tells_who_and_how_often():
 
 
 def test_a_lanes_times_are_those_of_the_simulation():
-    (lane, *_) = lanes(made(Variant.GUARDED), ["/cmd_vel"])
+    (lane, *_) = flow_lanes(make_run(Variant.GUARDED), ["/cmd_vel"])
     assert [began for began, _ in lane.bars][:3] == pytest.approx([0.0, 2.0, 4.0])
 
 
 def test_other_topics_have_no_lane():
-    assert lanes(made(Variant.GUARDED), ["/goal"]) == ()
+    assert flow_lanes(make_run(Variant.GUARDED), ["/goal"]) == ()
 
 
 @pytest.mark.parametrize("scene", [CORRIDOR, ROOM])
 def test_the_ways_are_drawn(tmp_path, scene):
-    trajectories(tmp_path / "ways.png", "ways", scene, three())
+    draw_trajectories(tmp_path / "ways.png", "ways", scene, runs_by_variant())
     assert (tmp_path / "ways.png").read_bytes().startswith(PNG)
 
 
 def test_what_harm_there_was_is_marked_where_it_began():
-    run = made(Variant.ATTACKED, harm="overspeed", harmed_at=6.02)
-    assert list(run.harms) == ["overspeed", "collision"]
-    assert run.harms["overspeed"].t == pytest.approx(6.05)
-    assert run.harms["collision"] == run.samples[-1]
-    assert made(Variant.GUARDED).harms == {}
+    run = make_run(Variant.ATTACKED, harm="overspeed", harmed_at=6.02)
+    assert list(run.first_harms) == ["overspeed", "collision"]
+    assert run.first_harms["overspeed"].t == pytest.approx(6.05)
+    assert run.first_harms["collision"] == run.samples[-1]
+    assert make_run(Variant.GUARDED).first_harms == {}
 
 
 @pytest.mark.parametrize("turn", [True, False])
 def test_the_velocity_is_drawn(tmp_path, turn):
-    velocity(tmp_path / "v.png", "velocity", CORRIDOR, three(), turn=turn)
+    draw_velocity(tmp_path / "v.png", "velocity", CORRIDOR, runs_by_variant(), turn=turn)
     assert (tmp_path / "v.png").read_bytes().startswith(PNG)
 
 
 @pytest.mark.parametrize("events", [guard_events(), ()])
 def test_the_decisions_are_drawn(tmp_path, events):
-    timeline(tmp_path / "t.png", "decisions", made(Variant.GUARDED, events=events), ["/cmd_vel"])
+    draw_timeline(
+        tmp_path / "t.png", "decisions", make_run(Variant.GUARDED, events=events), ["/cmd_vel"]
+    )
     assert (tmp_path / "t.png").read_bytes().startswith(PNG)
 
 
 def test_without_matplotlib_it_is_said_what_to_install(monkeypatch):
     monkeypatch.setattr("rtron.demos.plots.style.find_spec", lambda _: None)
     with pytest.raises(SourceError) as caught:
-        need_matplotlib()
+        require_matplotlib()
     assert caught.value.help == 'pip install "rtron[demo]"'

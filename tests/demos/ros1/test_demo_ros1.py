@@ -3,12 +3,12 @@
 import signal
 
 import pytest
-from demo_cases import EXPECTED, SEEDS, check_ending, facts, shown, studied
+from demo_cases import EXPECTED, SEEDS, check_ending, facts, run_recorded_demo, run_study
 
 from rtron.demos.cases import GR, MSR, RSR
-from rtron.demos.experiment.demonstration import as_expected
+from rtron.demos.experiment.demonstration import are_as_expected
 from rtron.demos.metrics.case_run import Variant
-from rtron.demos.runtime.event_history import counted
+from rtron.demos.runtime.event_history import sum_decision_counts
 
 pytestmark = [pytest.mark.ros1, pytest.mark.timeout(600)]
 CASES = ("msr",)
@@ -16,7 +16,7 @@ CASES = ("msr",)
 
 @pytest.fixture(scope="module")
 def study(tmp_path_factory):
-    return studied(1, tmp_path_factory.mktemp("demo"), *CASES)
+    return run_study(1, tmp_path_factory.mktemp("demo"), *CASES)
 
 
 @pytest.mark.parametrize("seed", SEEDS)
@@ -26,11 +26,11 @@ def test_the_attack_does_harm_without_the_guard_and_none_with_it(study, case, se
 
 
 def test_one_guarded_app_stands_against_all_cases_and_the_service_records_it(tmp_path):
-    runs = shown(1, tmp_path / "demo")
-    assert as_expected(runs)
+    runs = run_recorded_demo(1, tmp_path / "demo")
+    assert are_as_expected(runs)
     guarded = {run.case: run for run in runs if run.variant is Variant.GUARDED}
     assert {case: run.delivered for case, run in guarded.items()} == {"gr": 0, "rsr": 0, "msr": 0}
-    tallies = {case: counted(counts(run)) for case, run in guarded.items()}
+    tallies = {case: sum_decision_counts(counts(run)) for case, run in guarded.items()}
     assert tallies["gr"][GR.topic]["unapproved"].dropped > 0
     assert sum(each.modified for each in tallies["rsr"][RSR.topic].values()) > 0
     assert sum(each.dropped for each in tallies["msr"][MSR.topic].values()) > 0

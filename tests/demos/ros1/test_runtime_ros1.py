@@ -8,21 +8,21 @@ import pytest
 sys.path.append(str(Path(__file__).parent))
 from launched_demo import SPEED, check_guarded, guarded_run
 
-from rtron.demos.runtime.environment import begun
-from rtron.demos.runtime.instrumentation import Pipeline
-from rtron.demos.runtime.service import served
+from rtron.demos.runtime.environment import demo_environment
+from rtron.demos.runtime.instrumentation import InstrumentationPipeline
+from rtron.demos.runtime.service import run_service
 
 pytestmark = pytest.mark.ros1
 
 
 def test_the_guarded_app_is_not_harmed(tmp_path):
     with (
-        begun(1, tmp_path, speed=SPEED) as demo,
-        served(demo.processes, tmp_path / "service", demo.environ) as service,
+        demo_environment(1, tmp_path, speed=SPEED) as demo,
+        run_service(demo.processes, tmp_path / "service", demo.environ) as service,
     ):
-        pipeline = Pipeline(demo, tmp_path / "guarded")
+        pipeline = InstrumentationPipeline(demo, tmp_path / "guarded")
         pipeline.scan()
         check_guarded(demo, *guarded_run(demo, pipeline, service))
-    commands = [said.command.split()[1] for said in pipeline.said]
+    commands = [said.command.split()[1] for said in pipeline.commands]
     assert commands == ["scan", "scan", "plan", "check", "instrument"]
-    assert "third party" in pipeline.said[1].text
+    assert "third party" in pipeline.commands[1].text

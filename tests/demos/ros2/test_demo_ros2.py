@@ -3,7 +3,7 @@
 import signal
 
 import pytest
-from demo_cases import EXPECTED, SEEDS, check_ending, facts, studied
+from demo_cases import EXPECTED, SEEDS, check_ending, facts, run_study
 
 pytestmark = [pytest.mark.ros2, pytest.mark.timeout(600)]
 CASES = ("gr",)
@@ -11,7 +11,7 @@ CASES = ("gr",)
 
 @pytest.fixture(scope="module")
 def study(tmp_path_factory):
-    return studied(2, tmp_path_factory.mktemp("demo"), *CASES)
+    return run_study(2, tmp_path_factory.mktemp("demo"), *CASES)
 
 
 @pytest.mark.parametrize("seed", SEEDS)

@@ -15,9 +15,9 @@ from launched_demo import (
 )
 
 from rtron.demos.runtime.app_files import launch_file
-from rtron.demos.runtime.environment import begun
-from rtron.demos.runtime.instrumentation import Pipeline
-from rtron.demos.runtime.service import served
+from rtron.demos.runtime.environment import demo_environment
+from rtron.demos.runtime.instrumentation import InstrumentationPipeline
+from rtron.demos.runtime.service import run_service
 
 pytestmark = pytest.mark.ros2
 
@@ -33,11 +33,11 @@ def shared_memory(app):
 
 def test_the_guarded_app_is_not_harmed(tmp_path):
     with (
-        begun(2, tmp_path, speed=SPEED) as demo,
-        served(demo.processes, tmp_path / "service", demo.environ) as service,
+        demo_environment(2, tmp_path, speed=SPEED) as demo,
+        run_service(demo.processes, tmp_path / "service", demo.environ) as service,
     ):
-        pipeline = Pipeline(demo, tmp_path / "guarded")
-        with demo.launched(launch_file(2)) as app:
+        pipeline = InstrumentationPipeline(demo, tmp_path / "guarded")
+        with demo.launch_app(launch_file(2)) as app:
             pipeline.scan()
             kept = shared_memory(app)
         assert len(kept) >= len(app.started)

@@ -5,13 +5,13 @@ from pathlib import Path
 
 import pytest
 
-from rtron.demos.runtime.app_files import launch_file, other_packages, own_packages
+from rtron.demos.runtime.app_files import first_party_packages, launch_file, third_party_packages
 from rtron.demos.runtime.nodes import node_commands, node_names
 from rtron.errors import InputError
-from rtron.planning.instrument import write_instrumented
+from rtron.planning.instrument import write_guarded_launch
 from rtron.planning.instrument.ros2 import instrument_ros2
 from rtron.planning.plan_file.loader import parse_plan
-from rtron.sources.launch.ros2.reader import read_launch2
+from rtron.sources.launch.ros2.reader import read_ros2_launch
 
 PYTHON = Path("/python")
 PLAN = """
@@ -27,11 +27,11 @@ grcn:
       - {name: other, publisher: /tb3_safe_control, priority: 1}
     successors: [/turtlebot3_core]
 """
-FOLDERS = (own_packages(2), other_packages(2))
+FOLDERS = (first_party_packages(2), third_party_packages(2))
 PACKAGES = {
-    "tb3_demo": own_packages(2) / "tb3_demo",
-    "tb3_monitor": other_packages(2) / "tb3_monitor",
-    "tb3_safe_control": other_packages(2) / "tb3_safe_control",
+    "tb3_demo": first_party_packages(2) / "tb3_demo",
+    "tb3_monitor": third_party_packages(2) / "tb3_monitor",
+    "tb3_safe_control": third_party_packages(2) / "tb3_safe_control",
 }
 
 
@@ -40,16 +40,16 @@ def rules(command):
 
 
 def test_the_app_is_the_same_on_both():
-    first = node_names(launch_file(1), (own_packages(1), other_packages(1)), {})
+    first = node_names(launch_file(1), (first_party_packages(1), third_party_packages(1)), {})
     second = node_commands(launch_file(2), FOLDERS, {}, PYTHON)
     assert {each.node for each in second} == first
     assert all(Path(each.command[1]).is_file() for each in second)
 
 
 def test_the_guarded_launch_starts_the_guard_and_remaps_who_is_guarded(tmp_path):
-    tree = read_launch2(launch_file(2), {}, {}, PACKAGES)
+    tree = read_ros2_launch(launch_file(2), {}, {}, PACKAGES)
     out = tmp_path / "guarded.launch.xml"
-    write_instrumented(instrument_ros2(tree, parse_plan(PLAN), out, plan_text=PLAN))
+    write_guarded_launch(instrument_ros2(tree, parse_plan(PLAN), out, plan_text=PLAN))
     guard, *nodes = node_commands(out, FOLDERS, {}, PYTHON)
     assert not guard.is_of_app
     assert guard.command == (str(tmp_path / "guarded.launch.d" / "guard"),)

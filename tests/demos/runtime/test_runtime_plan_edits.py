@@ -3,7 +3,7 @@
 import pytest
 import yaml
 
-from rtron.demos.runtime.plan_edits import decide, with_decisions
+from rtron.demos.runtime.plan_edits import with_decisions, write_decided_plan
 from rtron.errors import InputError
 from rtron.planning.plan_file.loader import read_plan
 from rtron.vocabulary import Mode, PolicyName
@@ -55,7 +55,7 @@ fps_monitor:
 def decided(tmp_path):
     def decided(**decisions):
         (tmp_path / "proposed.yaml").write_text(PROPOSED)
-        decide(tmp_path / "proposed.yaml", tmp_path / "rtron.yaml", decisions)
+        write_decided_plan(tmp_path / "proposed.yaml", tmp_path / "rtron.yaml", decisions)
         return read_plan(tmp_path / "rtron.yaml")
 
     return decided

@@ -9,7 +9,7 @@ from contextlib import suppress
 import pytest
 from harness import lives, wait_for
 
-from rtron.demos.runtime.processes import Processes
+from rtron.demos.runtime.processes import ProcessGroup
 from rtron.errors import SourceError
 
 IGNORE = "import signal; signal.signal(signal.SIGINT, signal.SIG_IGN)\n"
@@ -41,7 +41,7 @@ with Processes(Path(sys.argv[1])) as processes:
 
 @pytest.fixture
 def processes(tmp_path):
-    with Processes(tmp_path) as processes:
+    with ProcessGroup(tmp_path) as processes:
         yield processes
 
 
@@ -50,7 +50,7 @@ def here(started):
 
 
 def test_what_runs_ends_with_the_block(tmp_path):
-    with Processes(tmp_path) as processes:
+    with ProcessGroup(tmp_path) as processes:
         pids = [processes.start(SLEEP, os.environ).popen.pid for _ in range(3)]
         assert all(map(lives, pids))
     assert not any(map(lives, pids))
@@ -58,15 +58,15 @@ def test_what_runs_ends_with_the_block(tmp_path):
 
 def test_who_does_not_listen_is_killed(tmp_path, monkeypatch):
     graces = [(number, 0.2) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGKILL)]
-    monkeypatch.setattr("rtron.demos.runtime.processes._GRACES", graces)
-    with Processes(tmp_path) as processes:
+    monkeypatch.setattr("rtron.demos.runtime.processes._TERMINATION_STEPS", graces)
+    with ProcessGroup(tmp_path) as processes:
         started = processes.start(DEAF, os.environ)
         here(started)
     assert started.popen.returncode == -signal.SIGKILL
 
 
 def test_what_a_dead_process_has_left_in_another_session_is_killed(tmp_path):
-    with Processes(tmp_path) as processes:
+    with ProcessGroup(tmp_path) as processes:
         started = processes.start(LEFT_BEHIND, os.environ)
         pid = int(here(started))
         started.popen.wait(10)
@@ -86,7 +86,7 @@ def test_a_strangers_process_is_left_alone(processes):
 
 
 def test_a_command_is_told_with_what_it_printed(processes):
-    done = processes.finish([sys.executable, "-c", "print('a b')"], os.environ)
+    done = processes.run_command([sys.executable, "-c", "print('a b')"], os.environ)
     assert (done.code, done.text) == (0, "a b\n")
     assert done.command.endswith("""-c 'print('"'"'a b'"'"')'""")
 
@@ -95,15 +95,15 @@ def test_nothing_is_imported_from_the_users_folder(processes, tmp_path, monkeypa
     (tmp_path / "user").mkdir()
     (tmp_path / "user" / "yaml.py").write_text("raise SystemExit('imported')")
     monkeypatch.chdir(tmp_path / "user")
-    done = processes.finish([sys.executable, "-c", "import yaml; print('fine')"], os.environ)
+    done = processes.run_command([sys.executable, "-c", "import yaml; print('fine')"], os.environ)
     assert done.text == "fine\n"
 
 
 def test_a_command_that_fails_says_why(processes):
     fails = [sys.executable, "-c", "import sys; print('no way'); sys.exit(3)"]
     with pytest.raises(SourceError, match=r"failed \(3\)\n01-python\S* said last:\nno way"):
-        processes.finish(fails, os.environ)
-    assert processes.finish(fails, os.environ, codes=(0, 3)).code == 3
+        processes.run_command(fails, os.environ)
+    assert processes.run_command(fails, os.environ, codes=(0, 3)).code == 3
 
 
 def test_who_has_ended_is_told_with_what_it_said(processes):

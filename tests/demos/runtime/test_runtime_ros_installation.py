@@ -3,7 +3,7 @@
 import pytest
 
 from rtron.demos.runtime.environ import shared_environ
-from rtron.demos.runtime.ros_installation import PYTHON_VARIABLE, need
+from rtron.demos.runtime.ros_installation import PYTHON_VARIABLE, find_ros_python
 from rtron.errors import SourceError
 
 
@@ -23,18 +23,18 @@ def test_a_python_that_is_named_is_taken_wherever_it_is_started_from(tmp_path, m
     python.chmod(0o755)
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv(PYTHON_VARIABLE, "./python")
-    assert need(2) == python
+    assert find_ros_python(2) == python
 
 
 def test_a_python_without_ros_2_is_told(tmp_path, monkeypatch):
     monkeypatch.setenv(PYTHON_VARIABLE, str(tmp_path / "python"))
     with pytest.raises(SourceError, match=f"{PYTHON_VARIABLE}=.*cannot run") as caught:
-        need(2)
+        find_ros_python(2)
     assert "source a ROS 2" in caught.value.help
 
 
 def test_without_its_programs_there_is_no_ros_1(monkeypatch):
     monkeypatch.setattr("shutil.which", lambda _: None)
     with pytest.raises(SourceError, match="rosmaster, roslaunch not found") as caught:
-        need(1)
+        find_ros_python(1)
     assert "make setup" in caught.value.help

@@ -4,9 +4,9 @@ import os
 
 import pytest
 
-from rtron.demos.runtime.event_history import Recorded, Tally, counted
-from rtron.demos.runtime.processes import Processes
-from rtron.demos.runtime.service import served
+from rtron.demos.runtime.event_history import DecisionCounts, EventHistory, sum_decision_counts
+from rtron.demos.runtime.processes import ProcessGroup
+from rtron.demos.runtime.service import run_service
 from rtron.errors import SourceError
 
 
@@ -18,11 +18,11 @@ def test_the_service_runs_as_long_as_the_block(tmp_path):
     graph = tmp_path / "graph.json"
     graph.write_text('{"schema": "rtron.graph/1", "app": "tb3", "nodes": []}')
     environ = {**os.environ, "XDG_RUNTIME_DIR": str(tmp_path)}
-    with Processes(tmp_path) as processes:
-        with served(processes, tmp_path / "service", environ) as service:
+    with ProcessGroup(tmp_path) as processes:
+        with run_service(processes, tmp_path / "service", environ) as service:
             service.wait()
-            assert service.recorded.robots() == []
-            assert service.recorded.state() is None
+            assert service.history.robots() == []
+            assert service.history.state() is None
             assert len(service.password) >= 12
             assert service.environ()["RTRON_SERVICE"] == service.url
             assert service.guard_token.stat().st_mode & 0o077 == 0
@@ -31,12 +31,14 @@ def test_the_service_runs_as_long_as_the_block(tmp_path):
             with pytest.raises(SourceError, match="there is no such robot"):
                 service.upload(graph)
         with pytest.raises(SourceError, match="does not answer"):
-            service.recorded.robots()
+            service.history.robots()
 
 
 def test_counts_are_added_up_by_topic_and_flow():
     events = [counts(nav=(3, 0, 0, 1), other=(0, 0, 5, 0)), counts(nav=(2, 1, 0, 0))]
-    assert counted(events) == {"/cmd_vel": {"nav": Tally(5, 1, 0, 1), "other": Tally(dropped=5)}}
+    assert sum_decision_counts(events) == {
+        "/cmd_vel": {"nav": DecisionCounts(5, 1, 0, 1), "other": DecisionCounts(dropped=5)}
+    }
 
 
 def test_events_are_asked_for_page_by_page(monkeypatch):
@@ -44,7 +46,7 @@ def test_events_are_asked_for_page_by_page(monkeypatch):
         None: {"events": [{"at": 3}, {"at": 2}], "next": 7},
         7: {"events": [{"at": 1}], "next": None},
     }
-    recorded = Recorded("http://nowhere", "token", "tb3")
-    monkeypatch.setattr(Recorded, "wait_until_linked", lambda *_: None)
-    monkeypatch.setattr(Recorded, "_get", lambda _, path, **query: pages[query.get("before")])
+    recorded = EventHistory("http://nowhere", "token", "tb3")
+    monkeypatch.setattr(EventHistory, "wait_until_linked", lambda *_: None)
+    monkeypatch.setattr(EventHistory, "_get", lambda _, path, **query: pages[query.get("before")])
     assert [event["at"] for event in recorded.events(0, 10)] == [1, 2, 3]

@@ -6,20 +6,20 @@ from math import atan2, cos, dist, pi
 import pytest
 
 from rtron.demos.world import battery, robot_base
-from rtron.demos.world.command import Command
-from rtron.demos.world.server.requests import Reset
-from rtron.demos.world.simulation import World
+from rtron.demos.world.command import VelocityCommand
+from rtron.demos.world.server.requests import ResetRequest
+from rtron.demos.world.simulation import RobotSimulation
 
 CRUISE = 0.22
 
 
 @pytest.fixture(scope="module")
 def world():
-    return World()
+    return RobotSimulation()
 
 
-def began(world, case, seed=1):
-    world.reset(Reset(case, seed))
+def start_run(world, case, seed=1):
+    world.reset(ResetRequest(case, seed))
     world.start()
     return world.scene
 
@@ -48,7 +48,7 @@ def drive_to(world, place, speed, limit=60.0):
 
 
 def test_the_robot_accelerates_no_faster_than_its_motors_can(world):
-    began(world, "gr")
+    start_run(world, "gr")
     truths = drive(world, (9.0, 9.0), 0.6)
     before = (0.0, 0.0)
     for truth in truths:
@@ -61,7 +61,7 @@ def test_the_robot_accelerates_no_faster_than_its_motors_can(world):
 
 
 def test_the_motors_stop_when_nobody_has_told_them_anything_for_half_a_second(world):
-    began(world, "gr")
+    start_run(world, "gr")
     moving = drive(world, (CRUISE, 0.0), 1.0)[-1].velocity[0]
     speeds = []
     for _ in range(14):
@@ -74,7 +74,7 @@ def test_the_motors_stop_when_nobody_has_told_them_anything_for_half_a_second(wo
 
 
 def test_the_robot_goes_where_it_heads(world):
-    scene = began(world, "gr")
+    scene = start_run(world, "gr")
     truths = drive(world, (CRUISE, 0.0), 4.0)
     gone = dist(truths[-1].pose[:2], scene.start[:2])
     assert gone == pytest.approx(4.0 * CRUISE, abs=0.02)
@@ -85,9 +85,9 @@ def test_the_robot_goes_where_it_heads(world):
 
 
 def test_a_reset_begins_a_new_run_at_the_start_and_time_goes_on(world):
-    began(world, "gr")
+    start_run(world, "gr")
     before = drive(world, (CRUISE, 0.0), 1.0)[-1]
-    world.reset(Reset("rsr", 2))
+    world.reset(ResetRequest("rsr", 2))
     after = world.truth()
     assert (after.run, after.t) == (before.run + 1, before.t)
     assert after.pose == pytest.approx(world.scene.start)
@@ -95,7 +95,7 @@ def test_a_reset_begins_a_new_run_at_the_start_and_time_goes_on(world):
 
 
 def test_the_brake_is_on_from_the_reset_to_the_start(world):
-    world.reset(Reset("gr", 1))
+    world.reset(ResetRequest("gr", 1))
     held = drive(world, (CRUISE, 0.0), 1.0)[-1]
     assert held.pose[:2] == pytest.approx(world.scene.start[:2])
     assert cos(held.pose[2] - world.scene.start[2]) == pytest.approx(1.0)
@@ -104,7 +104,7 @@ def test_the_brake_is_on_from_the_reset_to_the_start(world):
 
 
 def test_a_collision_holds_the_robot_until_the_next_reset(world):
-    began(world, "gr")
+    start_run(world, "gr")
     drive(world, (0.0, 1.0), pi / 2)
     truths = drive(world, (CRUISE, 0.0), 4.0)
     hit = next(truth for truth in truths if truth.collided)
@@ -112,19 +112,19 @@ def test_a_collision_holds_the_robot_until_the_next_reset(world):
     assert truths[truths.index(hit) - 1].clearance < 0.02
     assert truths[-1].collided
     assert drive(world, (-CRUISE, 0.0), 1.0)[-1].pose == pytest.approx(hit.pose)
-    world.reset(Reset("gr", 1))
+    world.reset(ResetRequest("gr", 1))
     assert not drive(world, (0.0, 0.0), 0.1)[-1].collided
 
 
 def test_clearance_is_the_free_space_around_the_body(world):
-    scene = began(world, "gr", 4)
+    scene = start_run(world, "gr", 4)
     x, y, _ = scene.start
     walls = min(y, scene.size[1] - y, x, scene.size[0] - x)
     assert 0.1 < world.truth().clearance <= walls - robot_base.RADIUS + 1e-6
 
 
 def test_the_area_takes_the_network_and_stops_the_robot(world):
-    scene = began(world, "msr")
+    scene = start_run(world, "msr")
     drive_to(world, scene.bad_goal, 0.5, limit=15)
     truth = drive(world, (0.5, 0.0), 1.0)[-1]
     assert truth.in_area
@@ -132,13 +132,13 @@ def test_the_area_takes_the_network_and_stops_the_robot(world):
     assert not truth.collided
     assert truth.velocity == pytest.approx((0.0, 0.0))
     assert truth.commanded == (0.5, 0.0)
-    world.reset(Reset("msr", 1))
+    world.reset(ResetRequest("msr", 1))
     assert world.truth().network
 
 
 @pytest.mark.parametrize("seed", range(4))
 def test_the_right_way_of_msr_leads_to_the_goal(world, seed):
-    scene = began(world, "msr", seed)
+    scene = start_run(world, "msr", seed)
     truths = [truth for place in scene.route[1:] for truth in drive_to(world, place, CRUISE)]
     assert truths[-1].distance_to_goal < 0.12
     assert not any(truth.in_area or truth.collided for truth in truths)
@@ -148,7 +148,7 @@ def test_the_right_way_of_msr_leads_to_the_goal(world, seed):
 @pytest.mark.parametrize("reaction", [0.4, 9.0])
 @pytest.mark.parametrize("seed", range(8))
 def test_a_fast_robot_hits_a_pedestrian_though_it_brakes(world, seed, reaction):
-    scene = began(world, "rsr", seed)
+    scene = start_run(world, "rsr", seed)
     since, hit = 0.0, world.truth()
     while not hit.collided and hit.distance_to_goal > 0.1:
         since += robot_base.STEP if world.people else 0.0
@@ -158,14 +158,14 @@ def test_a_fast_robot_hits_a_pedestrian_though_it_brakes(world, seed, reaction):
 
 
 def test_a_robot_that_stops_sees_the_pedestrian_come_stand_and_go(world):
-    scene = began(world, "rsr", 1)
+    scene = start_run(world, "rsr", 1)
     crossing = scene.crossings[0]
     while not world.people:
         drive_to(world, scene.goal, CRUISE, limit=robot_base.STEP)
-    truths = drive(world, (0.0, 0.0), crossing.stays + 3.0)
+    truths = drive(world, (0.0, 0.0), crossing.pause + 3.0)
     present = [truth for truth in truths if truth.pedestrians]
     still = [a for a, b in pairwise(present) if a.pedestrians == b.pedestrians]
-    assert len(still) * robot_base.STEP == pytest.approx(crossing.stays, abs=0.15)
+    assert len(still) * robot_base.STEP == pytest.approx(crossing.pause, abs=0.15)
     assert dist(still[0].pedestrians[0], still[0].pose[:2]) > 0.6
     assert min(truth.clearance for truth in truths) > 0.2
     assert not truths[-1].pedestrians
@@ -173,7 +173,7 @@ def test_a_robot_that_stops_sees_the_pedestrian_come_stand_and_go(world):
 
 
 def test_the_light_is_red_then_green(world):
-    world.reset(Reset("rsr", 1))
+    world.reset(ResetRequest("rsr", 1))
     assert {truth.light for truth in drive(world, (0.0, 0.0), 12.0)} == {"red"}
     world.start()
     lights = [truth.light for truth in drive(world, (0.0, 0.0), 12.0)]
@@ -181,24 +181,24 @@ def test_the_light_is_red_then_green(world):
     assert set(lights[:changed]) == {"red"}
     assert set(lights[changed:]) == {"green"}
     assert changed * robot_base.STEP == pytest.approx(world.scene.green_after, abs=0.1)
-    began(world, "gr")
+    start_run(world, "gr")
     assert world.truth().light == "none"
 
 
 def test_the_battery_empties_and_never_below_nothing():
-    assert battery.percentage(0.0) == 1.0
-    assert battery.percentage(4500.0) == pytest.approx(0.5)
-    assert battery.percentage(1e6) == 0.0
-    assert battery.voltage(1e6) == pytest.approx(11.1)
+    assert battery.battery_percentage(0.0) == 1.0
+    assert battery.battery_percentage(4500.0) == pytest.approx(0.5)
+    assert battery.battery_percentage(1e6) == 0.0
+    assert battery.battery_voltage(1e6) == pytest.approx(11.1)
 
 
 def test_who_sends_more_often_has_a_larger_share_of_a_step():
-    command = Command()
-    assert command.mean() == (0.0, 0.0)
-    command.take((0.2, 0.0), 0.0)
-    command.take((0.0, -0.2), 0.25)
-    assert command.mean() == pytest.approx((0.05, -0.15))
-    assert command.mean() == (0.0, -0.2)
-    command.take((1.0, 0.0), 2.0)
-    assert command.mean() == pytest.approx((0.0, -0.2))
-    assert command.mean() == (1.0, 0.0)
+    command = VelocityCommand()
+    assert command.end_step() == (0.0, 0.0)
+    command.set_velocity((0.2, 0.0), 0.0)
+    command.set_velocity((0.0, -0.2), 0.25)
+    assert command.end_step() == pytest.approx((0.05, -0.15))
+    assert command.end_step() == (0.0, -0.2)
+    command.set_velocity((1.0, 0.0), 2.0)
+    assert command.end_step() == pytest.approx((0.0, -0.2))
+    assert command.end_step() == (1.0, 0.0)

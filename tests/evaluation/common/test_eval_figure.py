@@ -6,7 +6,7 @@ from io import StringIO
 import pytest
 from rich.console import Console
 
-from evaluation.common.datasets import AbsentError, place
+from evaluation.common.datasets import MissingDatasetError, datasets_from_environ
 from figures.figure import Figure
 from figures.table import table, write
 
@@ -63,17 +63,17 @@ def test_figures_of_other_parts_are_kept(tmp_path):
 
 def test_what_is_absent_is_named(tmp_path):
     (tmp_path / "me" / "app@1").mkdir(parents=True)
-    here = place({"RTRON_APPS": str(tmp_path)})
+    here = datasets_from_environ({"RTRON_APPS": str(tmp_path)})
     assert [path.name for path in here.repositories(["me/app@1"])] == ["app@1"]
     assert [path.name for path in here.present(["me/app@1", "me/other@2"])] == ["app@1"]
-    with pytest.raises(AbsentError, match="other@2"):
+    with pytest.raises(MissingDatasetError, match="other@2"):
         here.repositories(["me/app@1", "me/other@2"])
-    with pytest.raises(AbsentError, match="RTRON_DATA"):
+    with pytest.raises(MissingDatasetError, match="RTRON_DATA"):
         here.truth("x.yaml")
 
 
 def test_without_the_variables_all_is_absent(tmp_path):
-    with pytest.raises(AbsentError, match="RTRON_APPS"):
-        place({}).all_repositories()
-    with pytest.raises(AbsentError, match=r"groundtruth/x\.yaml"):
-        place({"RTRON_DATA": str(tmp_path)}).truth("x.yaml")
+    with pytest.raises(MissingDatasetError, match="RTRON_APPS"):
+        datasets_from_environ({}).all_repositories()
+    with pytest.raises(MissingDatasetError, match=r"groundtruth/x\.yaml"):
+        datasets_from_environ({"RTRON_DATA": str(tmp_path)}).truth("x.yaml")

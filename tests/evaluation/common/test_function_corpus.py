@@ -8,9 +8,9 @@ import pytest
 
 from evaluation.common.function_labels import read_labels, score
 from evaluation.common.functions import classified
-from rtron.functions.classifier.rule_trace import trace
+from rtron.functions.classifier.rule_trace import trace_rules
 from rtron.functions.reading.corpus import read_corpus, read_readmes
-from rtron.functions.rules.loader import rules
+from rtron.functions.rules.loader import load_rules
 
 CORPUS = Path(os.environ.get("RTRON_DATA", "")) / "corpus"
 KINETIC, READMES = CORPUS / "kinetic_941.jsonl", CORPUS / "kinetic_readme.jsonl"
@@ -27,8 +27,10 @@ def ignore(*_):
 def test_no_rule_is_for_one_repository():
     repositories = Counter()
     for repository in read_corpus(KINETIC, ignore):
-        repositories.update({found.rule for found in trace(repository) if not found.vetoed})
-    assert [rule.id for rule in rules() if repositories[rule.id] < 2] == []
+        repositories.update(
+            {found.rule for found in trace_rules(repository) if not found.is_vetoed}
+        )
+    assert [rule.id for rule in load_rules() if repositories[rule.id] < 2] == []
 
 
 def test_the_labelled_repositories_are_classified_well():

@@ -52,7 +52,7 @@ def test_the_score():
 
 
 def test_the_faults():
-    assert list(score(LABELS, FOUND).faults()) == [
+    assert list(score(LABELS, FOUND).differences()) == [
         "PART  right: Mobile (Mobile), extra none, missed Teleoperation",
         "PART  either: Support (Sensors/Support), extra none, missed Sensors",
         "WRONG wrong: Sensors (Mapping), extra Sensors, missed Mapping",

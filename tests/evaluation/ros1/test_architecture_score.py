@@ -29,7 +29,7 @@ needs_apps = pytest.mark.skipif(
 def test_precision_and_recall():
     found = Score(PAIRS, frozenset({("/a", "/x"), ("/c", "/x")}))
     assert (found.hits, found.precision, found.recall) == (1, 0.5, 0.25)
-    assert list(found.faults()) == [
+    assert list(found.differences()) == [
         "MISSED /a /y",
         "MISSED /b /x",
         "MISSED /b /z",
@@ -65,7 +65,7 @@ NODES = st.lists(
 )
 
 
-def written(path, nodes):
+def write_architecture(path, nodes):
     kinds = ("pubs", "subs", "provides")
     rows = [
         node | {kind: [{"name": name} for name in sorted(node[kind])] for kind in kinds}
@@ -75,7 +75,7 @@ def written(path, nodes):
     return path
 
 
-def theirs(observed, recovered, *flags):
+def reference_scores(observed, recovered, *flags):
     """Return what the script of the ground truth prints: observed, recovered, hits by kind."""
     command = [sys.executable, str(TRUTH / "score.py"), str(observed), str(recovered), *flags]
     text = subprocess.run(command, capture_output=True, text=True, check=True).stdout
@@ -83,7 +83,7 @@ def theirs(observed, recovered, *flags):
     return dict(zip(KINDS, [tuple(map(int, row)) for row in rows], strict=True))
 
 
-def ours(observed, recovered, *, raw):
+def rtron_scores(observed, recovered, *, raw):
     found = score(read_architecture(observed), read_architecture(recovered), raw=raw)
     return {kind: (len(s.observed), len(s.recovered), s.hits) for kind, s in found.items()}
 
@@ -96,9 +96,12 @@ def test_any_two_architectures_score_as_the_script_scores_them(
     tmp_path_factory, observed, recovered
 ):
     folder = tmp_path_factory.mktemp("yaml")
-    files = [written(folder / "o.yml", observed), written(folder / "r.yml", recovered)]
-    assert ours(*files, raw=False) == theirs(*files)
-    assert ours(*files, raw=True) == theirs(*files, "--raw")
+    files = [
+        write_architecture(folder / "o.yml", observed),
+        write_architecture(folder / "r.yml", recovered),
+    ]
+    assert rtron_scores(*files, raw=False) == reference_scores(*files)
+    assert rtron_scores(*files, raw=True) == reference_scores(*files, "--raw")
 
 
 @needs_truth
@@ -109,8 +112,10 @@ def test_the_peers_architectures_score_as_the_script_scores_them_and_as_we_say(s
     if not recovered.is_file():
         pytest.skip("RTRON_APPS lacks cmu-rss-lab/rosdiscover-evaluation")
     observed = TRUTH / system / "observed.architecture.yml"
-    assert ours(observed, recovered, raw=False) == theirs(observed, recovered)
-    assert ours(observed, recovered, raw=True) == theirs(observed, recovered, "--raw")
+    assert rtron_scores(observed, recovered, raw=False) == reference_scores(observed, recovered)
+    assert rtron_scores(observed, recovered, raw=True) == reference_scores(
+        observed, recovered, "--raw"
+    )
     found = score(read_architecture(observed), read_architecture(recovered), raw=False)
     for kind, peer in SYSTEMS[system].items():
         assert found[kind].precision == pytest.approx(peer.precision, abs=6e-4)

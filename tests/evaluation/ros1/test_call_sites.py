@@ -18,10 +18,10 @@ from evaluation.ros1.call_sites import NEAR, call_sites, unreached
         ("nh.advertised(x);", False),
     ],
 )
-def test_cpp(tmp_path, line, found):
+def test_cpp(tmp_path, line, fake_study):
     path = tmp_path / "a.cpp"
     path.write_text(f"/* one\ntwo */\n{line}\n")
-    assert call_sites([path]) == ({(str(path), 3)} if found else set())
+    assert call_sites([path]) == ({(str(path), 3)} if fake_study else set())
 
 
 @pytest.mark.parametrize(
@@ -33,10 +33,10 @@ def test_cpp(tmp_path, line, found):
         ("rospy.spin()", False),
     ],
 )
-def test_python(tmp_path, line, found):
+def test_python(tmp_path, line, fake_study):
     path = tmp_path / "node"
     path.write_text(f"\n{line}\n")
-    assert call_sites([path]) == ({(str(path), 2)} if found else set())
+    assert call_sites([path]) == ({(str(path), 2)} if fake_study else set())
 
 
 @pytest.mark.parametrize(

@@ -50,8 +50,8 @@ def graph_of(*endpoints):
 
 def test_the_graph_of_the_truth_scores_full(truth):
     found = truth.score(truth.graph())
-    assert (found.precision, found.recall, found.nodes, found.nodes_found) == (1, 1, 2, 2)
-    assert list(found.faults()) == []
+    assert (found.precision, found.recall, found.nodes, found.matched_nodes) == (1, 1, 2, 2)
+    assert list(found.differences()) == []
 
 
 def test_the_graph_of_the_truth_has_types_and_trust(truth):
@@ -63,7 +63,7 @@ def test_the_graph_of_the_truth_has_types_and_trust(truth):
 def test_what_is_dead_extra_or_missed_is_said(truth):
     found = truth.score(graph_of(publishes("/own", "/dead"), publishes("/own", "/new")))
     assert found.precision == 0
-    assert list(found.faults()) == [
+    assert list(found.differences()) == [
         "MISSED /own publish /both",
         "MISSED /own publish /cmd",
         "MISSED /own subscribe /scan",
@@ -89,7 +89,7 @@ def test_what_is_live_at_another_place_is_not_dead(truth):
     ],
 )
 def test_what_the_truth_does_not_list_is_not_held_against_a_graph(truth, endpoint):
-    assert truth.score(graph_of(endpoint)).found == frozenset()
+    assert truth.score(graph_of(endpoint)).reported == frozenset()
 
 
 def test_first_party_and_explicit_narrow_both_sides(truth):
@@ -127,6 +127,6 @@ def test_a_damaged_graph_scores_as_the_script_scores_it(tmp_path, flag):
     command = [*script, str(path), *filter(None, [flag])]
     said = subprocess.run(command, capture_output=True, text=True, check=False).stdout
     found = truth.score(graph, first_party="first" in flag, explicit="explicit" in flag)
-    ours = (found.nodes_found, found.nodes, len(found.live), found.precision, found.recall)
+    ours = (found.matched_nodes, found.nodes, len(found.live), found.precision, found.recall)
     numbers = re.match(r"nodes (\d+)/(\d+) live (\d+) precision (\S+) recall (\S+)", said)
     assert tuple(map(float, numbers.groups())) == pytest.approx(ours, abs=6e-4)

@@ -3,26 +3,26 @@
 import pytest
 
 from rtron.functions.classifier.pipeline import classify, classify_name
-from rtron.functions.classifier.result import DecidedBy, Piece
-from rtron.functions.domains import DOMAIN_OF
-from rtron.functions.repository import Package, Repository
+from rtron.functions.classifier.result import DecisionSource, InformationSource
+from rtron.functions.domains import DOMAIN_BY_TYPE
+from rtron.functions.repository import SourcePackage, SourceRepository
 from rtron.vocabulary import Domain, FunctionType
 
 T = FunctionType
 
 
 def repository(name, *packages, readme=""):
-    return Repository(
+    return SourceRepository(
         name=name,
-        packages=tuple(Package(name=p, description=d) for p, d in packages),
+        packages=tuple(SourcePackage(name=p, description=d) for p, d in packages),
         readme=readme,
     )
 
 
 def test_every_type_has_a_domain():
-    assert set(DOMAIN_OF) == set(FunctionType)
-    assert set(DOMAIN_OF.values()) == set(Domain)
-    assert DOMAIN_OF[T.SWITCHER] is Domain.CONTROL
+    assert set(DOMAIN_BY_TYPE) == set(FunctionType)
+    assert set(DOMAIN_BY_TYPE.values()) == set(Domain)
+    assert DOMAIN_BY_TYPE[T.SWITCHER] is Domain.CONTROL
 
 
 @pytest.mark.parametrize(
@@ -54,26 +54,26 @@ def test_every_type_has_a_domain():
 def test_a_name_tells(name, type):
     found = classify(repository(name))
     assert found.primary is type
-    assert found.decided_by is DecidedBy.NAME
+    assert found.decided_by is DecisionSource.NAME
 
 
 def test_the_name_is_asked_before_the_manifest():
     found = classify(repository("lidar_driver", ("lidar_driver", "Plans paths for arms.")))
-    assert (found.primary, found.decided_by) == (T.SENSORS, DecidedBy.NAME)
+    assert (found.primary, found.decided_by) == (T.SENSORS, DecisionSource.NAME)
 
 
 def test_a_weak_name_is_believed_if_the_manifest_does_not_outweigh_it():
     alone = classify(repository("turtlebot_foo", ("turtlebot_foo", "Says nothing.")))
-    assert (alone.primary, alone.decided_by) == (T.MOBILE, DecidedBy.NAME)
+    assert (alone.primary, alone.decided_by) == (T.MOBILE, DecisionSource.NAME)
     outweighed = classify(repository("turtlebot_foo", ("turtlebot_foo", "Calibrates it.")))
-    assert (outweighed.primary, outweighed.decided_by) == (T.PREPROCESSING, DecidedBy.MANIFEST)
+    assert (outweighed.primary, outweighed.decided_by) == (T.PREPROCESSING, DecisionSource.MANIFEST)
     strong = classify(repository("turtlebot_driver", ("turtlebot_driver", "Calibrates it.")))
-    assert (strong.primary, strong.decided_by) == (T.MOBILE, DecidedBy.NAME)
+    assert (strong.primary, strong.decided_by) == (T.MOBILE, DecisionSource.NAME)
 
 
 def test_a_weak_name_and_a_manifest_that_tell_alike_decide_nothing():
     alike = classify(repository("turtlebot_foo", ("turtlebot_foo", "Serialization.")))
-    assert (alike.primary, alike.decided_by) == (None, DecidedBy.NONE)
+    assert (alike.primary, alike.decided_by) == (None, DecisionSource.NONE)
     assert {found.type for found in alike.evidence} == {T.MOBILE, T.EXTENSION}
 
 
@@ -81,18 +81,18 @@ def test_the_manifest_is_asked_before_the_readme():
     found = classify(
         repository("foo", ("foo", "A driver for a laser scanner."), readme="Plans paths for arms.")
     )
-    assert (found.primary, found.decided_by) == (T.SENSORS, DecidedBy.MANIFEST)
-    assert {evidence.piece for evidence in found.evidence} == {Piece.MANIFEST}
+    assert (found.primary, found.decided_by) == (T.SENSORS, DecisionSource.MANIFEST)
+    assert {evidence.source for evidence in found.evidence} == {InformationSource.MANIFEST}
 
 
 def test_the_readme_is_asked_last():
     found = classify(repository("foo", ("foo", "The foo package"), readme="Plans paths for arms."))
-    assert (found.primary, found.decided_by) == (T.PATH_PLANNING, DecidedBy.README)
+    assert (found.primary, found.decided_by) == (T.PATH_PLANNING, DecisionSource.README)
 
 
 def test_what_nothing_tells_is_not_guessed():
     found = classify(repository("foo", ("foo", ""), readme="# foo\nHello."))
-    assert (found.functions, found.primary, found.decided_by) == ((), None, DecidedBy.NONE)
+    assert (found.functions, found.primary, found.decided_by) == ((), None, DecisionSource.NONE)
 
 
 def test_two_that_are_told_alike_decide_nothing():
@@ -107,7 +107,7 @@ def test_the_readme_decides_between_two_that_are_told_alike():
             "foo", ("foo", "Calibration and localization."), readme="Localization of a robot."
         )
     )
-    assert (found.primary, found.decided_by) == (T.LOCALIZATION, DecidedBy.README)
+    assert (found.primary, found.decided_by) == (T.LOCALIZATION, DecisionSource.README)
 
 
 def test_a_later_sentence_counts_less():
@@ -210,7 +210,7 @@ def test_a_gui_is_a_function_of_a_stack_without_a_driver_if_it_is_a_fifth(planne
 def test_packages_named_after_a_robot_do_not_tell_what_the_stack_is():
     named = [(f"turtlebot_{word}", "") for word in ("this", "that", "more")]
     found = classify(repository("foo", *named, ("turtlebot_navigation", ""), ("foo_planner", "")))
-    assert (found.primary, found.decided_by) == (T.PATH_PLANNING, DecidedBy.MANIFEST)
+    assert (found.primary, found.decided_by) == (T.PATH_PLANNING, DecisionSource.MANIFEST)
     assert classify(repository("foo", *named)).primary is None
 
 
@@ -254,7 +254,7 @@ def test_a_stack_without_a_telling_name_is_told_by_its_packages():
     found = classify(
         repository("foo", ("foo_local_planner", ""), ("foo_global_planner", ""), ("foo_x", ""))
     )
-    assert (found.primary, found.decided_by) == (T.PATH_PLANNING, DecidedBy.MANIFEST)
+    assert (found.primary, found.decided_by) == (T.PATH_PLANNING, DecisionSource.MANIFEST)
 
 
 def test_slam_is_both():
@@ -264,7 +264,11 @@ def test_slam_is_both():
 def test_evidence_names_the_words_the_rule_and_the_package():
     found = classify(repository("foo", ("foo", "A driver for a laser scanner.")))
     driver = next(one for one in found.evidence if one.rule == "sensors-driver")
-    assert (driver.piece, driver.type, driver.package) == (Piece.MANIFEST, T.SENSORS, "foo")
+    assert (driver.source, driver.type, driver.package) == (
+        InformationSource.MANIFEST,
+        T.SENSORS,
+        "foo",
+    )
     assert driver.text == "driver for a laser"
 
 

@@ -1,20 +1,30 @@
 import pytest
 
 from rtron.functions.classifier import paper_counts
-from rtron.functions.classifier.result import Classification, DecidedBy, Evidence, Piece
-from rtron.functions.classifier.tables import Tables, count, function_nodes, sum_of
-from rtron.functions.classifier.tally import Tally
-from rtron.functions.domains import DOMAIN_OF
+from rtron.functions.classifier.result import (
+    Classification,
+    DecisionSource,
+    InformationSource,
+    RuleEvidence,
+)
+from rtron.functions.classifier.tables import (
+    PaperTables,
+    build_tables,
+    sum_domains,
+    sum_function_nodes,
+)
+from rtron.functions.classifier.tally import ClassificationCounts
+from rtron.functions.domains import DOMAIN_BY_TYPE
 from rtron.vocabulary import Domain, FunctionType
 
 SLAM, MAP, PLAN = FunctionType.LOCALIZATION, FunctionType.MAPPING, FunctionType.PATH_PLANNING
 
 
-def told(piece, type, package=""):
-    return Evidence(piece=piece, type=type, text="x", rule="r", package=package)
+def evidence_of(piece, type, package=""):
+    return RuleEvidence(source=piece, type=type, text="x", rule="r", package=package)
 
 
-def classified(decided_by, *functions, evidence=()):
+def classification(decided_by, *functions, evidence=()):
     primary = functions[0] if functions else None
     return Classification(
         repo="r", functions=functions, primary=primary, decided_by=decided_by, evidence=evidence
@@ -23,85 +33,101 @@ def classified(decided_by, *functions, evidence=()):
 
 def test_the_papers_tables_tell_of_the_same_repositories():
     assert (
-        set(paper_counts.REPOS)
-        == set(paper_counts.DECIDED)
-        == set(paper_counts.AUTOMATION)
+        set(paper_counts.REPOSITORIES_BY_TYPE)
+        == set(paper_counts.CLASSIFICATION_COUNTS)
+        == set(paper_counts.AUTOMATION_BY_TYPE)
         == set(FunctionType)
     )
-    assert {type: tally.total for type, tally in paper_counts.DECIDED.items()} == paper_counts.REPOS
-    assert sum(paper_counts.REPOS.values()) == 1135
+    assert {
+        type: tally.total for type, tally in paper_counts.CLASSIFICATION_COUNTS.items()
+    } == paper_counts.REPOSITORIES_BY_TYPE
+    assert sum(paper_counts.REPOSITORIES_BY_TYPE.values()) == 1135
 
 
 @pytest.mark.parametrize("domain", Domain)
 def test_the_papers_shares_are_those_of_its_numbers(domain):
-    share = 100 * sum_of(paper_counts.DECIDED, (domain,)).total / 1135
+    share = 100 * sum_domains(paper_counts.CLASSIFICATION_COUNTS, (domain,)).total / 1135
     assert round(share, 1) == paper_counts.DOMAIN_SHARES[domain]
 
 
 @pytest.mark.parametrize("type", FunctionType)
 def test_the_papers_rates_are_those_of_its_numbers(type):
-    assert round(100 * paper_counts.DECIDED[type].automation, 2) == paper_counts.AUTOMATION[type]
+    assert (
+        round(100 * paper_counts.CLASSIFICATION_COUNTS[type].automation, 2)
+        == paper_counts.AUTOMATION_BY_TYPE[type]
+    )
 
 
 def test_the_papers_function_nodes_are_the_sum_of_the_first_14():
-    found = function_nodes(paper_counts.DECIDED)
-    assert found == paper_counts.FUNCTION_NODES
+    found = sum_function_nodes(paper_counts.CLASSIFICATION_COUNTS)
+    assert found == paper_counts.FUNCTION_NODE_COUNTS
     assert round(100 * found.automation, 2) == paper_counts.FUNCTION_NODE_AUTOMATION
-    assert sum(DOMAIN_OF[type] is not Domain.OTHERS for type in paper_counts.DECIDED) == 14
+    assert (
+        sum(
+            DOMAIN_BY_TYPE[type] is not Domain.OTHERS for type in paper_counts.CLASSIFICATION_COUNTS
+        )
+        == 14
+    )
 
 
 def test_of_none_there_is_no_rate():
-    assert Tally().automation is None
-    assert Tally(none=1).automation == 0
-    assert Tally(name=1, none=3).automation == 0.25
-    assert Tally(name=1, manifest=2, readme=4, none=8).total == 15
-    assert Tally(name=1, manifest=2, readme=4, none=8).decided == 7
+    assert ClassificationCounts().automation is None
+    assert ClassificationCounts(none=1).automation == 0
+    assert ClassificationCounts(name=1, none=3).automation == 0.25
+    assert ClassificationCounts(name=1, manifest=2, readme=4, none=8).total == 15
+    assert ClassificationCounts(name=1, manifest=2, readme=4, none=8).decided == 7
 
 
 def test_a_repository_counts_once_for_each_function():
-    tables = count(
+    tables = build_tables(
         [
-            classified(DecidedBy.NAME, SLAM, MAP),
-            classified(DecidedBy.README, MAP),
-            classified(DecidedBy.NONE),
+            classification(DecisionSource.NAME, SLAM, MAP),
+            classification(DecisionSource.README, MAP),
+            classification(DecisionSource.NONE),
         ]
     )
-    others = {type: Tally() for type in FunctionType}
-    assert tables == Tables(
+    others = {type: ClassificationCounts() for type in FunctionType}
+    assert tables == PaperTables(
         repositories=3,
         decided=2,
         types={
             **others,
-            SLAM: Tally(name=1),
-            MAP: Tally(name=1, readme=1),
-            FunctionType.EXTENSION: Tally(none=1),
+            SLAM: ClassificationCounts(name=1),
+            MAP: ClassificationCounts(name=1, readme=1),
+            FunctionType.EXTENSION: ClassificationCounts(none=1),
         },
     )
 
 
 def test_a_second_function_is_decided_by_the_first_piece_that_told_it():
     evidence = (
-        told(Piece.NAME, SLAM),
-        told(Piece.README, MAP),
-        told(Piece.MANIFEST, MAP, "a"),
-        told(Piece.NAME, PLAN),
+        evidence_of(InformationSource.NAME, SLAM),
+        evidence_of(InformationSource.README, MAP),
+        evidence_of(InformationSource.MANIFEST, MAP, "a"),
+        evidence_of(InformationSource.NAME, PLAN),
     )
-    evidence += (told(Piece.NAME, MAP, "a"),)
-    found = count([classified(DecidedBy.MANIFEST, SLAM, MAP, evidence=evidence)])
-    assert found.types[SLAM] == Tally(manifest=1)
-    assert found.types[MAP] == Tally(manifest=1)
-    assert found.types[PLAN] == Tally()
+    evidence += (evidence_of(InformationSource.NAME, MAP, "a"),)
+    found = build_tables([classification(DecisionSource.MANIFEST, SLAM, MAP, evidence=evidence)])
+    assert found.types[SLAM] == ClassificationCounts(manifest=1)
+    assert found.types[MAP] == ClassificationCounts(manifest=1)
+    assert found.types[PLAN] == ClassificationCounts()
     (readme,) = {each for each in found.types.values() if each.readme} or {None}
     assert readme is None
 
 
 def test_the_name_of_a_package_stands_in_its_manifest():
-    evidence = (told(Piece.NAME, SLAM), told(Piece.NAME, MAP, "a"))
-    found = count([classified(DecidedBy.NAME, SLAM, MAP, evidence=evidence)])
-    assert (found.types[SLAM], found.types[MAP]) == (Tally(name=1), Tally(manifest=1))
+    evidence = (
+        evidence_of(InformationSource.NAME, SLAM),
+        evidence_of(InformationSource.NAME, MAP, "a"),
+    )
+    found = build_tables([classification(DecisionSource.NAME, SLAM, MAP, evidence=evidence)])
+    assert (found.types[SLAM], found.types[MAP]) == (
+        ClassificationCounts(name=1),
+        ClassificationCounts(manifest=1),
+    )
 
 
 def test_nothing_at_all():
-    tables = count([])
+    tables = build_tables([])
     assert (tables.repositories, tables.decided) == (0, 0)
-    assert sum_of(tables.types, Domain) == Tally()
+    assert sum_domains(tables.types, Domain) == ClassificationCounts()

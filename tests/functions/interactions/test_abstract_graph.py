@@ -2,20 +2,20 @@
 
 import pytest
 
-from rtron.functions.interactions.abstract_graph import Basis, PackageUse, abstract_graph
+from rtron.functions.interactions.abstract_graph import Basis, PackageMessages, abstract_graph
 from rtron.vocabulary import FunctionType as F
 from rtron.vocabulary import RecognitionSubfunction as Sub
 
 TWIST, SCAN, PATH = "geometry_msgs/Twist", "sensor_msgs/LaserScan", "nav_msgs/Path"
 
 
-def use(name, *functions, sends=(), hears=(), depends=(), description=""):
-    return PackageUse(
+def use(name, *functions, publishes=(), subscribes=(), depends=(), description=""):
+    return PackageMessages(
         name=name,
         description=description,
         functions=functions,
-        publishes=frozenset(sends),
-        subscribes=frozenset(hears),
+        publishes=frozenset(publishes),
+        subscribes=frozenset(subscribes),
         depends=frozenset(depends),
     )
 
@@ -48,9 +48,9 @@ def test_a_function_that_is_absent_has_no_edges():
 
 def test_both_sides_in_source_are_counted():
     found = direct(
-        use("a", F.PATH_TRACKING, sends=[TWIST]),
-        use("b", F.PATH_TRACKING, sends=["geometry_msgs/msg/Twist"]),
-        use("c", F.MOBILE, hears=[TWIST]),
+        use("a", F.PATH_TRACKING, publishes=[TWIST]),
+        use("b", F.PATH_TRACKING, publishes=["geometry_msgs/msg/Twist"]),
+        use("c", F.MOBILE, subscribes=[TWIST]),
     )
     (first, *_) = found["Path Tracking", "Mobile"]
     assert (first.type, first.basis, first.publishers, first.subscribers) == (
@@ -63,8 +63,8 @@ def test_both_sides_in_source_are_counted():
 
 def test_one_side_in_source_is_not_enough_for_an_untypical_type():
     odd = "my_msgs/Odd"
-    assert direct(use("a", F.MAPPING, sends=[odd]), use("b", F.SPEAKER)) == {}
-    found = direct(use("a", F.MAPPING, sends=[odd]), use("b", F.SPEAKER, hears=[odd]))
+    assert direct(use("a", F.MAPPING, publishes=[odd]), use("b", F.SPEAKER)) == {}
+    found = direct(use("a", F.MAPPING, publishes=[odd]), use("b", F.SPEAKER, subscribes=[odd]))
     assert [m.type for m in found["Mapping", "Speaker"]] == [odd]
 
 
@@ -86,7 +86,7 @@ def test_dependencies_on_both_sides_are_a_hint(sender, hearer, basis):
 
 def test_source_on_one_side_and_a_dependency_on_the_other_is_a_hint():
     found = direct(
-        use("a", F.TELEOPERATION, sends=[TWIST]), use("b", F.MOBILE, depends=["geometry_msgs"])
+        use("a", F.TELEOPERATION, publishes=[TWIST]), use("b", F.MOBILE, depends=["geometry_msgs"])
     )
     (first,) = found["Teleoperation", "Mobile"]
     assert first.basis is Basis.MANIFEST
@@ -96,9 +96,9 @@ def test_source_on_one_side_and_a_dependency_on_the_other_is_a_hint():
 
 def test_dependants_count_apart_from_what_was_read():
     found = direct(
-        use("a", F.TELEOPERATION, sends=[TWIST], depends=["geometry_msgs"]),
+        use("a", F.TELEOPERATION, publishes=[TWIST], depends=["geometry_msgs"]),
         use("b", F.TELEOPERATION, depends=["geometry_msgs"]),
-        use("c", F.MOBILE, hears=[TWIST]),
+        use("c", F.MOBILE, subscribes=[TWIST]),
     )
     (first,) = found["Teleoperation", "Mobile"]
     assert (first.basis, first.sides) == (Basis.SOURCE, (1, 1))
@@ -108,12 +108,12 @@ def test_dependants_count_apart_from_what_was_read():
 def test_types_are_counted_by_how_they_are_known():
     graph = abstract_graph(
         [
-            use("a", F.PATH_TRACKING, sends=[TWIST], depends=["ackermann_msgs"]),
-            use("b", F.MOBILE, hears=[TWIST], depends=["ackermann_msgs"]),
+            use("a", F.PATH_TRACKING, publishes=[TWIST], depends=["ackermann_msgs"]),
+            use("b", F.MOBILE, subscribes=[TWIST], depends=["ackermann_msgs"]),
             use("c", F.MANIPULATOR),
         ]
     )
-    read, told, assumed = (graph.known()[basis] for basis in Basis)
+    read, told, assumed = (graph.count_by_basis()[basis] for basis in Basis)
     assert (read, told) == (1, 1)
     assert assumed == sum(len(e.messages) for e in graph.direct) - 2 > 0
 
@@ -139,7 +139,8 @@ def test_types_of_ros_2_are_typical_only_where_it_is(more, expected):
 
 def test_a_type_of_ros_2_that_is_read_counts_without_its_packages():
     found = direct(
-        use("bt", F.GOAL_PLANNER, sends=[NAVIGATE]), use("p", F.PATH_PLANNING, hears=[NAVIGATE])
+        use("bt", F.GOAL_PLANNER, publishes=[NAVIGATE]),
+        use("p", F.PATH_PLANNING, subscribes=[NAVIGATE]),
     )
     (first, *_) = found["Goal Planner", "Path Planning"]
     assert (first.type, first.basis) == (NAVIGATE, Basis.SOURCE)
@@ -147,7 +148,10 @@ def test_a_type_of_ros_2_that_is_read_counts_without_its_packages():
 
 @pytest.mark.parametrize("type", ["std_msgs/String", "std_msgs/Float64"])
 def test_a_type_without_meaning_joins_nobody_by_itself(type):
-    assert direct(use("a", F.MAPPING, sends=[type]), use("b", F.PATH_TRACKING, hears=[type])) == {}
+    assert (
+        direct(use("a", F.MAPPING, publishes=[type]), use("b", F.PATH_TRACKING, subscribes=[type]))
+        == {}
+    )
 
 
 def test_a_type_without_meaning_joins_where_it_is_typical():
@@ -157,15 +161,22 @@ def test_a_type_without_meaning_joins_where_it_is_typical():
 
 @pytest.mark.parametrize("type", ["tf2_msgs/TFMessage", "visualization_msgs/Marker", ""])
 def test_types_that_tell_no_state_are_left_out(type):
-    assert direct(use("a", F.MAPPING, sends=[type]), use("b", F.SPEAKER, hears=[type])) == {}
+    assert (
+        direct(use("a", F.MAPPING, publishes=[type]), use("b", F.SPEAKER, subscribes=[type])) == {}
+    )
 
 
 def test_a_function_does_not_interact_with_itself():
-    assert direct(use("a", F.MOBILE, sends=[TWIST]), use("b", F.MOBILE, hears=[TWIST])) == {}
+    assert (
+        direct(use("a", F.MOBILE, publishes=[TWIST]), use("b", F.MOBILE, subscribes=[TWIST])) == {}
+    )
 
 
 def test_raw_data_pass_through_preprocessing_where_there_is_any():
-    packages = [use("lidar", F.SENSORS, sends=[SCAN]), use("maps", F.MAPPING, hears=[SCAN])]
+    packages = [
+        use("lidar", F.SENSORS, publishes=[SCAN]),
+        use("maps", F.MAPPING, subscribes=[SCAN]),
+    ]
     assert ("Sensors", "Mapping") in direct(*packages)
     found = direct(*packages, use("filters", F.PREPROCESSING))
     assert ("Sensors", "Mapping") not in found
@@ -190,13 +201,19 @@ def test_typical_types_do_not_flow_back_but_from_drivers():
 
 
 def test_what_is_read_in_source_may_flow_back():
-    found = direct(use("a", F.PATH_PLANNING, sends=[SCAN]), use("b", F.PREPROCESSING, hears=[SCAN]))
+    found = direct(
+        use("a", F.PATH_PLANNING, publishes=[SCAN]), use("b", F.PREPROCESSING, subscribes=[SCAN])
+    )
     assert ("Path Planning", "Preprocessing") in found
 
 
 def test_types_of_a_package_with_several_functions_go_to_the_typical_one():
-    slam = use("slam", F.LOCALIZATION, F.MAPPING, sends=["nav_msgs/OccupancyGrid", "x_msgs/Own"])
-    found = direct(slam, use("p", F.PATH_PLANNING, hears=["nav_msgs/OccupancyGrid", "x_msgs/Own"]))
+    slam = use(
+        "slam", F.LOCALIZATION, F.MAPPING, publishes=["nav_msgs/OccupancyGrid", "x_msgs/Own"]
+    )
+    found = direct(
+        slam, use("p", F.PATH_PLANNING, subscribes=["nav_msgs/OccupancyGrid", "x_msgs/Own"])
+    )
     read = {
         key: [m.type for m in messages if m.basis is Basis.SOURCE]
         for key, messages in found.items()
@@ -207,10 +224,10 @@ def test_types_of_a_package_with_several_functions_go_to_the_typical_one():
 
 def test_the_best_known_types_come_first():
     found = direct(
-        use("a", F.PATH_TRACKING, sends=["x_msgs/B", "x_msgs/A"]),
-        use("c", F.PATH_TRACKING, sends=["x_msgs/B"]),
-        use("b", F.MOBILE, hears=["x_msgs/A", "x_msgs/B"]),
-        use("d", F.MOBILE, hears=["x_msgs/B"]),
+        use("a", F.PATH_TRACKING, publishes=["x_msgs/B", "x_msgs/A"]),
+        use("c", F.PATH_TRACKING, publishes=["x_msgs/B"]),
+        use("b", F.MOBILE, subscribes=["x_msgs/A", "x_msgs/B"]),
+        use("d", F.MOBILE, subscribes=["x_msgs/B"]),
     )
     types = [m.type for m in found["Path Tracking", "Mobile"]]
     assert types == ["x_msgs/B", "x_msgs/A", "ackermann_msgs/AckermannDriveStamped", TWIST]
@@ -253,7 +270,7 @@ def test_a_voice_is_heard_not_seen():
     ],
 )
 def test_recognition_is_split_where_it_is_known(name, description, hears, expected):
-    graph = abstract_graph([use(name, F.RECOGNITION, description=description, hears=hears)])
+    graph = abstract_graph([use(name, F.RECOGNITION, description=description, subscribes=hears)])
     (node,) = graph.functions
     assert node.name == (expected.value if expected else "Recognition")
     assert node.function is F.RECOGNITION

@@ -4,43 +4,43 @@ from fnmatch import fnmatchcase
 
 import pytest
 
-from rtron.functions.domains import DOMAIN_OF
+from rtron.functions.domains import DOMAIN_BY_TYPE
 from rtron.functions.interactions.typical_messages import (
-    effects,
-    flows,
+    environment_effects,
     function_of,
     is_generic,
-    says_something,
-    typical,
+    is_informative,
+    is_typical_flow,
+    typical_traffic,
 )
 from rtron.vocabulary import Domain, FunctionType, RecognitionSubfunction
 
 
 def test_every_function_of_the_graph_is_there():
-    inside = {f.value for f, domain in DOMAIN_OF.items() if domain is not Domain.OTHERS}
-    assert set(typical()) == inside | {s.value for s in RecognitionSubfunction}
+    inside = {f.value for f, domain in DOMAIN_BY_TYPE.items() if domain is not Domain.OTHERS}
+    assert set(typical_traffic()) == inside | {s.value for s in RecognitionSubfunction}
 
 
-@pytest.mark.parametrize("name", typical())
+@pytest.mark.parametrize("name", typical_traffic())
 def test_every_entry_has_a_source_and_types_that_say_something(name):
-    entry = typical()[name]
+    entry = typical_traffic()[name]
     assert entry.source
     assert entry.publishes or entry.subscribes
     for type in entry.publishes | entry.subscribes:
         assert fnmatchcase(type, "*_msgs/*")
-        assert says_something(type)
+        assert is_informative(type)
 
 
 def test_every_subscribed_type_has_a_typical_publisher():
-    published = frozenset().union(*(entry.publishes for entry in typical().values()))
-    subscribed = frozenset().union(*(entry.subscribes for entry in typical().values()))
+    published = frozenset().union(*(entry.publishes for entry in typical_traffic().values()))
+    subscribed = frozenset().union(*(entry.subscribes for entry in typical_traffic().values()))
     assert subscribed <= published
 
 
 def test_those_who_act_are_control_and_those_reached_are_known():
-    for effect in effects():
-        assert all(DOMAIN_OF[function_of(name)] is Domain.CONTROL for name in effect.acting)
-        assert set(effect.reached) <= set(typical())
+    for effect in environment_effects():
+        assert all(DOMAIN_BY_TYPE[function_of(name)] is Domain.CONTROL for name in effect.sources)
+        assert set(effect.targets) <= set(typical_traffic())
 
 
 @pytest.mark.parametrize(
@@ -59,7 +59,7 @@ def test_those_who_act_are_control_and_those_reached_are_known():
     ],
 )
 def test_what_is_typical_flows_stage_by_stage(source, target, expected):
-    assert flows(source, target) is expected
+    assert is_typical_flow(source, target) is expected
 
 
 def test_names_of_functions_and_subfunctions():
@@ -80,5 +80,5 @@ def test_names_of_functions_and_subfunctions():
     ],
 )
 def test_what_types_say(type, something, generic):
-    assert says_something(type) is something
+    assert is_informative(type) is something
     assert is_generic(type) is generic

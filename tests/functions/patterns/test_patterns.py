@@ -4,16 +4,16 @@ import pytest
 
 from rtron.errors import InputError
 from rtron.functions.patterns.index import PatternIndex
-from rtron.functions.patterns.parser import parse
-from rtron.functions.patterns.syntax_tree import matches
-from rtron.functions.text.tokens import tokens
+from rtron.functions.patterns.parser import parse_pattern
+from rtron.functions.patterns.syntax_tree import matches_at
+from rtron.functions.text.tokens import tokenize
 
-LISTS = {"maker": parse("velodyne | point grey", {})}
+LISTS = {"maker": parse_pattern("velodyne | point grey", {})}
 
 
 def found(pattern, text):
-    index = PatternIndex([(parse(pattern, LISTS), pattern)])
-    words = tokens(text.split())
+    index = PatternIndex([(parse_pattern(pattern, LISTS), pattern)])
+    words = tokenize(text.split())
     return [" ".join(words.words[match.start : match.end]) for match in index.find(words)]
 
 
@@ -86,7 +86,7 @@ def test_every_place_is_found_each_with_its_shortest_match():
 )
 def test_what_is_no_pattern_is_told(pattern, message):
     with pytest.raises(InputError, match=message):
-        parse(pattern, {})
+        parse_pattern(pattern, {})
 
 
 @pytest.mark.parametrize(
@@ -94,13 +94,13 @@ def test_what_is_no_pattern_is_told(pattern, message):
 )
 def test_a_pattern_that_begins_with_no_word_is_refused(pattern):
     with pytest.raises(InputError, match="begins with a word"):
-        PatternIndex([(parse(pattern, {}), 1)])
+        PatternIndex([(parse_pattern(pattern, {}), 1)])
 
 
 def test_a_gap_stops_at_the_end():
-    assert not matches(parse("a ..9 b", {}), tokens(["a", "c"]), 0)
+    assert not matches_at(parse_pattern("a ..9 b", {}), tokenize(["a", "c"]), 0)
 
 
 def test_many_gaps_in_a_long_sentence_take_no_time():
-    pattern = parse("a ..9 a ..9 a ..9 b", {})
-    assert not matches(pattern, tokens(["a"] * 60), 0)
+    pattern = parse_pattern("a ..9 a ..9 a ..9 b", {})
+    assert not matches_at(pattern, tokenize(["a"] * 60), 0)

@@ -12,20 +12,20 @@ from rtron.functions.reading import repositories as read_module
 from rtron.functions.reading.fields import MAX_NAME, MAX_TEXT
 from rtron.functions.reading.json_lines import MAX_LINE
 from rtron.functions.reading.skipped_entries import MAX_SKIPPED
-from rtron.functions.repository import Package, Repository
+from rtron.functions.repository import SourcePackage, SourceRepository
 from rtron.sources.bounded_file import STDIN
 
 GOOD = {"repo": "good", "packages": [{"name": "a"}]}
 
 
 @pytest.fixture
-def noted():
+def skipped_entries():
     return []
 
 
 @pytest.fixture
-def read(tmp_path, noted):
-    """Read lines, and keep what is left out in `noted`, without the file's name."""
+def read(tmp_path, skipped_entries):
+    """Read lines, and keep what is left out in `skipped_entries`, without the file's name."""
 
     def read_lines(*written, readmes=None):
         path = tmp_path / "corpus.jsonl"
@@ -34,7 +34,9 @@ def read(tmp_path, noted):
         if readmes is not None:
             more = tmp_path / "readmes.jsonl"
             more.write_bytes(b"\n".join(as_line(each) for each in readmes))
-        return read_repositories(path, more, lambda each: noted.append(said(each, tmp_path)))
+        return read_repositories(
+            path, more, lambda each: skipped_entries.append(skipped_text(each, tmp_path))
+        )
 
     return read_lines
 
@@ -43,28 +45,28 @@ def as_line(written):
     return written if isinstance(written, bytes) else json.dumps(written).encode()
 
 
-def said(skipped, folder):
+def skipped_text(skipped, folder):
     return str(skipped).replace(f"{folder}/", "")
 
 
-def test_all_that_counts_is_read(read, noted):
+def test_all_that_counts_is_read(read, skipped_entries):
     package = {"name": "b", "description": "Drives it.", "depends": ["std_msgs"], "license": "BSD"}
     line = {"repo": "r", "url": "https://x", "readme": "# R", "packages": [package], "more": 1}
     found = read(line)
     depends = ("std_msgs",)
-    packages = (Package(name="b", description="Drives it.", depends=depends),)
-    assert found == [Repository(name="r", url="https://x", readme="# R", packages=packages)]
-    assert noted == []
+    packages = (SourcePackage(name="b", description="Drives it.", depends=depends),)
+    assert found == [SourceRepository(name="r", url="https://x", readme="# R", packages=packages)]
+    assert skipped_entries == []
 
 
 def test_a_name_is_enough(read):
-    assert read({"repo": " r "}) == [Repository(name="r")]
-    assert read({"repo": "r", "packages": None, "readme": None}) == [Repository(name="r")]
+    assert read({"repo": " r "}) == [SourceRepository(name="r")]
+    assert read({"repo": "r", "packages": None, "readme": None}) == [SourceRepository(name="r")]
 
 
-def test_a_name_has_up_to_256_characters(read, noted):
+def test_a_name_has_up_to_256_characters(read, skipped_entries):
     (found,) = read({"repo": "r" * MAX_NAME})
-    assert (len(found.name), noted) == (256, [])
+    assert (len(found.name), skipped_entries) == (256, [])
 
 
 def test_a_placeholder_says_nothing(read):
@@ -96,29 +98,29 @@ def test_a_placeholder_says_nothing(read):
         ({"repo": "r", "url": 1}, "url is no text"),
     ],
 )
-def test_a_wrong_line_costs_itself_only(read, noted, line, why):
+def test_a_wrong_line_costs_itself_only(read, skipped_entries, line, why):
     assert [each.name for each in read(GOOD, line, {"repo": "last"})] == ["good", "last"]
-    (told,) = noted
+    (told,) = skipped_entries
     assert told.startswith(f"corpus.jsonl:2: {why}")
 
 
 @pytest.mark.parametrize(("extra", "kept"), [(0, True), (1, False)])
-def test_lines_are_read_up_to_a_mebibyte(read, noted, extra, kept):
+def test_lines_are_read_up_to_a_mebibyte(read, skipped_entries, extra, kept):
     start = b'{"repo": "long", "readme": "'
     line = start + b"x" * (MAX_LINE - len(start) - 3 + extra) + b'"}'
     names = [each.name for each in read(GOOD, line, {"repo": "last"})]
     assert names == (["good", "long", "last"] if kept else ["good", "last"])
-    assert noted == ([] if kept else ["corpus.jsonl:2: longer than 1 MiB"])
+    assert skipped_entries == ([] if kept else ["corpus.jsonl:2: longer than 1 MiB"])
 
 
-def test_a_line_of_100_megabytes_is_left_out(read, noted):
+def test_a_line_of_100_megabytes_is_left_out(read, skipped_entries):
     names = [each.name for each in read(b"x" * 100_000_000, GOOD)]
-    assert (names, noted) == (["good"], ["corpus.jsonl:1: longer than 1 MiB"])
+    assert (names, skipped_entries) == (["good"], ["corpus.jsonl:1: longer than 1 MiB"])
 
 
-def test_a_last_line_without_an_end_and_empty_lines(read, noted):
+def test_a_last_line_without_an_end_and_empty_lines(read, skipped_entries):
     assert [each.name for each in read(b"", b"  ", GOOD, b"\r", {"repo": "b"})] == ["good", "b"]
-    assert noted == []
+    assert skipped_entries == []
 
 
 def test_texts_are_cut(read):
@@ -130,13 +132,13 @@ def test_a_name_that_no_terminal_takes_is_kept_as_it_is(read):
     assert [each.name for each in read(rb'{"repo": "\ud800\u001b[2J"}')] == ["\ud800\x1b[2J"]
 
 
-def test_of_two_of_a_name_the_first_counts(read, noted):
+def test_of_two_of_a_name_the_first_counts(read, skipped_entries):
     found = read(GOOD, {"repo": "good", "url": "second"})
     assert [each.url for each in found] == [""]
-    assert noted == ["corpus.jsonl: good is there twice; the first counts"]
+    assert skipped_entries == ["corpus.jsonl: good is there twice; the first counts"]
 
 
-def test_readmes_are_for_those_that_have_none(read, noted):
+def test_readmes_are_for_those_that_have_none(read, skipped_entries):
     readmes = [
         {"repo": "good", "readme": "first"},
         {"repo": "good", "readme": "second"},
@@ -147,7 +149,7 @@ def test_readmes_are_for_those_that_have_none(read, noted):
     ]
     found = read(GOOD, {"repo": "own", "readme": "own"}, {"repo": "b"}, readmes=readmes)
     assert [each.readme for each in found] == ["first", "own", ""]
-    assert noted == [
+    assert skipped_entries == [
         "readmes.jsonl:5: readme is no text",
         "readmes.jsonl:6: repo is no name",
     ]
@@ -162,10 +164,10 @@ def test_nothing_that_can_be_read_is_an_error(read):
     assert raised.value.help == "a line is an object with `repo` and `packages`"
 
 
-def test_a_file_full_of_something_else_is_given_up(read, noted):
+def test_a_file_full_of_something_else_is_given_up(read, skipped_entries):
     with pytest.raises(InputError, match="more than 1000 entries cannot be read") as raised:
         read(*[b"x"] * (MAX_SKIPPED + 1))
-    assert len(noted) == MAX_SKIPPED
+    assert len(skipped_entries) == MAX_SKIPPED
     assert "is it the right file? " in raised.value.help
     assert len(read(GOOD, *[b"x"] * MAX_SKIPPED)) == 1
 
@@ -181,14 +183,14 @@ def test_a_file_has_a_size_and_a_number_of_repositories(read, monkeypatch):
         read(b'{"repo":"a"}'.ljust(101))
 
 
-def test_the_packages_of_a_line_are_bounded(read, noted, monkeypatch):
+def test_the_packages_of_a_line_are_bounded(read, skipped_entries, monkeypatch):
     monkeypatch.setattr(fields, "MAX_PACKAGES", 2)
     packages = [{"name": name} for name in "ab"]
     assert len(read({"repo": "r", "packages": packages})[0].packages) == 2
-    assert noted == []
+    assert skipped_entries == []
     found = read({"repo": "r", "packages": [*packages, "not looked at"]}, {"repo": "s"})
     assert [len(each.packages) for each in found] == [2, 0]
-    assert noted == ["corpus.jsonl:1: has more than 2 packages; the others are left out"]
+    assert skipped_entries == ["corpus.jsonl:1: has more than 2 packages; the others are left out"]
 
 
 def test_the_packages_of_all_lines_are_bounded(read, monkeypatch):

@@ -4,7 +4,7 @@ import yaml
 from rtron.errors import InputError
 from rtron.functions.reading import fields, read_repositories, yaml_file
 from rtron.functions.reading.yaml_file import MAX_DEPTH
-from rtron.functions.repository import Package, Repository
+from rtron.functions.repository import SourcePackage, SourceRepository
 
 DISTRIBUTION = """%YAML 1.1
 ---
@@ -28,31 +28,35 @@ version: 2
 
 
 @pytest.fixture
-def noted():
+def skipped_entries():
     return []
 
 
 @pytest.fixture
-def read(tmp_path, noted):
+def read(tmp_path, skipped_entries):
     def read_text(text):
         path = tmp_path / "distribution.yaml"
         path.write_text(text)
         return read_repositories(
-            path, None, lambda each: noted.append(str(each).replace(f"{path}", "file"))
+            path, None, lambda each: skipped_entries.append(str(each).replace(f"{path}", "file"))
         )
 
     return read_text
 
 
-def test_names_are_read(read, noted):
-    amcl, server, lone = Package(name="amcl"), Package(name="map_server"), Package(name="lone")
+def test_names_are_read(read, skipped_entries):
+    amcl, server, lone = (
+        SourcePackage(name="amcl"),
+        SourcePackage(name="map_server"),
+        SourcePackage(name="lone"),
+    )
     assert read(DISTRIBUTION) == [
-        Repository(name="navigation", packages=(amcl, server), url="https://source"),
-        Repository(name="lone", packages=(lone,), url="https://lone"),
-        Repository(name="unreleased", url="https://unreleased"),
-        Repository(name="empty"),
+        SourceRepository(name="navigation", packages=(amcl, server), url="https://source"),
+        SourceRepository(name="lone", packages=(lone,), url="https://lone"),
+        SourceRepository(name="unreleased", url="https://unreleased"),
+        SourceRepository(name="empty"),
     ]
-    assert noted == []
+    assert skipped_entries == []
 
 
 @pytest.mark.parametrize(
@@ -68,14 +72,14 @@ def test_names_are_read(read, noted):
         ("[a, b]: {}", None),
     ],
 )
-def test_a_wrong_entry_costs_itself_only(read, noted, entry, why):
+def test_a_wrong_entry_costs_itself_only(read, skipped_entries, entry, why):
     text = f"repositories:\n  {entry}\n  good: {{}}\n"
     if why is None:
         with pytest.raises(InputError, match="not YAML"):
             read(text)
         return
     assert [each.name for each in read(text)] == ["good"]
-    assert noted == [f"file: {why}"]
+    assert skipped_entries == [f"file: {why}"]
 
 
 @pytest.mark.parametrize(
@@ -106,11 +110,11 @@ def test_levels_up_to_the_bound_are_read(read):
     assert found.name == "good"
 
 
-def test_the_packages_of_a_release_are_bounded(read, noted, monkeypatch):
+def test_the_packages_of_a_release_are_bounded(read, skipped_entries, monkeypatch):
     monkeypatch.setattr(fields, "MAX_PACKAGES", 2)
     (found,) = read("repositories: {r: {release: {packages: [a, b, c]}}}")
     assert [each.name for each in found.packages] == ["a", "b"]
-    assert noted == ["file: r: has more than 2 packages; the others are left out"]
+    assert skipped_entries == ["file: r: has more than 2 packages; the others are left out"]
 
 
 def test_a_file_has_a_number_of_values(read, monkeypatch):

@@ -7,7 +7,7 @@ from rtron.errors import InputError
 from rtron.functions.reading import fields, read_repositories
 from rtron.functions.reading import folder as folder_module
 from rtron.functions.reading.fields import MAX_TEXT
-from rtron.functions.repository import Package
+from rtron.functions.repository import SourcePackage
 
 BOMB = """<?xml version="1.0"?>
 <!DOCTYPE package [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;&a;&a;&a;&a;&a;&a;&a;">]>
@@ -15,14 +15,14 @@ BOMB = """<?xml version="1.0"?>
 
 
 @pytest.fixture
-def noted():
+def skipped_entries():
     return []
 
 
 @pytest.fixture
-def read(tmp_path, noted):
+def read(tmp_path, skipped_entries):
     def read_folder(folder="r"):
-        note = lambda each: noted.append(str(each).replace(f"{tmp_path}/", ""))  # noqa: E731
+        note = lambda each: skipped_entries.append(str(each).replace(f"{tmp_path}/", ""))  # noqa: E731
         return read_repositories(tmp_path / folder, None, note)
 
     return read_folder
@@ -43,11 +43,11 @@ def manifest(name, more=""):
     return f"<package format='2'><name>{name}</name>{more}</package>"
 
 
-def names(found):
-    return {each.name: [package.name for package in each.packages] for each in found}
+def names(fake_study):
+    return {each.name: [package.name for package in each.packages] for each in fake_study}
 
 
-def test_a_package_is_a_repository(read, write, noted):
+def test_a_package_is_a_repository(read, write, skipped_entries):
     text = (
         "<description>Drives <b>two</b>\n  wheels.<!-- no --></description><depend>roscpp</depend>"
     )
@@ -57,8 +57,10 @@ def test_a_package_is_a_repository(read, write, noted):
     assert found.name == "r"
     assert found.readme == "# Base"
     description = "Drives two wheels."
-    assert found.packages == (Package(name="base", description=description, depends=("roscpp",)),)
-    assert noted == []
+    assert found.packages == (
+        SourcePackage(name="base", description=description, depends=("roscpp",)),
+    )
+    assert skipped_entries == []
 
 
 def test_every_package_that_a_build_would_find(read, write):
@@ -69,13 +71,13 @@ def test_every_package_that_a_build_would_find(read, write):
     assert names(read()) == {"r": ["b", "a"]}
 
 
-def test_a_folder_of_repositories(read, write, noted):
+def test_a_folder_of_repositories(read, write, skipped_entries):
     write("r/one/package.xml", manifest("one"))
     write("r/two/src/x/package.xml", manifest("x"))
     write("r/docs/index.md")
     write("r/file")
     assert names(read()) == {"one": ["one"], "two": ["x"]}
-    assert noted == ["r/docs: has no package.xml"]
+    assert skipped_entries == ["r/docs: has no package.xml"]
 
 
 @pytest.mark.parametrize(
@@ -107,23 +109,23 @@ def test_one_repository_or_several(read, write, files, repositories):
         ("<a>" * 100_000, ":1: not XML: "),
     ],
 )
-def test_a_manifest_that_cannot_be_read_costs_itself_only(read, write, noted, text, why):
+def test_a_manifest_that_cannot_be_read_costs_itself_only(read, write, skipped_entries, text, why):
     write("r/.git/HEAD")
     write("r/bad/package.xml", text)
     write("r/good/package.xml", manifest("good"))
     assert names(read()) == {"r": ["good"]}
-    (told,) = noted
+    (told,) = skipped_entries
     assert told.startswith(f"r/bad/package.xml{why}")
 
 
-def test_a_manifest_that_is_a_pipe_is_not_waited_for(read, write, noted, tmp_path):
+def test_a_manifest_that_is_a_pipe_is_not_waited_for(read, write, skipped_entries, tmp_path):
     write("r/good/package.xml", manifest("good"))
     write("r/.git/HEAD")
     (tmp_path / "r/bad").mkdir()
     os.mkfifo(tmp_path / "r/bad/package.xml")
     write("r/bad/manifest.xml", manifest("bad"))
     assert names(read()) == {"r": ["good"]}
-    assert noted == ["r/bad/package.xml: is no file"]
+    assert skipped_entries == ["r/bad/package.xml: is no file"]
 
 
 def test_a_package_without_a_name_has_its_folders(read, write):
@@ -152,11 +154,11 @@ def test_readmes(read, write, files, readme):
     assert found.readme == readme
 
 
-def test_a_binary_readme_is_left_out(read, write, noted):
+def test_a_binary_readme_is_left_out(read, write, skipped_entries):
     write("r/package.xml", manifest("a"))
     write("r/README.md", b"PK\0\0")
     (found,) = read()
-    assert (found.readme, noted) == ("", ["r/README.md: is binary"])
+    assert (found.readme, skipped_entries) == ("", ["r/README.md: is binary"])
 
 
 def test_a_readme_outside_of_the_folder_is_not_read(read, write, tmp_path):
@@ -186,7 +188,9 @@ def test_a_readme_elsewhere_in_the_repository_is_read(read, write, tmp_path):
 
 
 @pytest.mark.parametrize("target", ["../../elsewhere.xml", "absent.xml", "package.xml"])
-def test_a_manifest_that_leads_elsewhere_is_not_read(read, write, noted, tmp_path, target):
+def test_a_manifest_that_leads_elsewhere_is_not_read(
+    read, write, skipped_entries, tmp_path, target
+):
     write("elsewhere.xml", manifest("secret"))
     write("r/.git/HEAD")
     write("r/a/package.xml", manifest("a"))
@@ -195,10 +199,14 @@ def test_a_manifest_that_leads_elsewhere_is_not_read(read, write, noted, tmp_pat
         (tmp_path / "r" / name).mkdir()
         (tmp_path / "r" / name / "package.xml").symlink_to(link)
     assert names(read()) == {"r": ["a", "inner"]}
-    assert noted == ["r/bad/package.xml: is a link that leads out of the repository, or nowhere"]
+    assert skipped_entries == [
+        "r/bad/package.xml: is a link that leads out of the repository, or nowhere"
+    ]
 
 
-def test_a_linked_repository_counts_by_its_own_name(read, write, noted, tmp_path, monkeypatch):
+def test_a_linked_repository_counts_by_its_own_name(
+    read, write, skipped_entries, tmp_path, monkeypatch
+):
     write("elsewhere/target/package.xml", manifest("a"))
     write("elsewhere/target/README.md", "of a")
     write("r/b/package.xml", manifest("b"))
@@ -209,14 +217,14 @@ def test_a_linked_repository_counts_by_its_own_name(read, write, noted, tmp_path
     assert names(read("r/linked")) == {"linked": ["a"]}
     monkeypatch.chdir(tmp_path / "r/b")
     assert names(read_repositories(Path(), None, print)) == {"b": ["b"]}
-    assert noted == []
+    assert skipped_entries == []
 
 
-def test_a_package_that_cannot_be_read_is_told_once(read, write, noted):
+def test_a_package_that_cannot_be_read_is_told_once(read, write, skipped_entries):
     write("r/xxe/package.xml", BOMB)
     write("r/good/package.xml", manifest("good"))
     assert names(read()) == {"good": ["good"]}
-    assert noted == ["r/xxe/package.xml:1: has a document type"]
+    assert skipped_entries == ["r/xxe/package.xml:1: has a document type"]
 
 
 def test_links_to_folders_are_not_followed(read, write, tmp_path):
@@ -237,24 +245,26 @@ def test_a_folder_without_packages(read, tmp_path):
     assert raised.value.help == f"{tmp_path}/r: has no package.xml"
 
 
-def test_folders_and_packages_are_bounded(read, write, noted, monkeypatch):
+def test_folders_and_packages_are_bounded(read, write, skipped_entries, monkeypatch):
     write("r/.git/HEAD")
     for name in "abc":
         write(f"r/{name}/package.xml", manifest(name))
     monkeypatch.setattr(fields, "MAX_PACKAGES", 2)
     assert names(read()) == {"r": ["a", "b"]}
-    assert noted == ["r: has more than 2 packages; the others are left out"]
+    assert skipped_entries == ["r: has more than 2 packages; the others are left out"]
     monkeypatch.setattr(fields, "MAX_PACKAGES", 3)
     assert names(read()) == {"r": ["a", "b", "c"]}
     monkeypatch.setattr(folder_module, "MAX_FOLDERS", 4)
     assert names(read()) == {"r": ["a", "b", "c"]}
-    noted.clear()
+    skipped_entries.clear()
     monkeypatch.setattr(folder_module, "MAX_FOLDERS", 3)
     assert names(read()) == {"r": ["a", "b"]}
-    assert noted == ["r: has more than 3 folders; the others are left out"]
+    assert skipped_entries == ["r: has more than 3 folders; the others are left out"]
 
 
-def test_a_deep_folder_costs_what_lies_in_it_only(read, write, noted, deep_folder, tmp_path):
+def test_a_deep_folder_costs_what_lies_in_it_only(
+    read, write, skipped_entries, deep_folder, tmp_path
+):
     for name in "ab":
         write(f"r/{name}/package.xml", manifest(name))
     write("r/b/README.md", "of b")
@@ -263,4 +273,4 @@ def test_a_deep_folder_costs_what_lies_in_it_only(read, write, noted, deep_folde
     found = read()
     assert names(found) == {"a": ["a"], "b": ["b"], "deep": ["p"]}
     assert found[1].readme == "of b"
-    assert noted == [f"r/deep{'/d' * 101}: lies more than 100 folders deep"]
+    assert skipped_entries == [f"r/deep{'/d' * 101}: lies more than 100 folders deep"]

@@ -8,9 +8,9 @@ import pytest
 import yaml
 
 from rtron.errors import InputError
-from rtron.functions.patterns.parser import parse
-from rtron.functions.rules.examples import faults
-from rtron.functions.rules.loader import read_lists, read_rules, rules
+from rtron.functions.patterns.parser import parse_pattern
+from rtron.functions.rules.examples import failing_examples
+from rtron.functions.rules.loader import load_rules, parse_rules, parse_word_lists
 from rtron.functions.text.names import name_tokens
 from rtron.vocabulary import FunctionType
 
@@ -38,22 +38,24 @@ rules:
 
 
 def test_every_example_of_every_rule_holds():
-    assert list(faults(rules())) == []
+    assert list(failing_examples(load_rules())) == []
 
 
 def test_every_function_type_has_rules():
-    assert {rule.type for rule in rules()} == set(FunctionType)
+    assert {rule.type for rule in load_rules()} == set(FunctionType)
 
 
 def test_every_rule_has_its_own_name():
-    assert [name for name, count in Counter(rule.id for rule in rules()).items() if count > 1] == []
+    assert [
+        name for name, count in Counter(rule.id for rule in load_rules()).items() if count > 1
+    ] == []
 
 
 def test_a_rule_is_read():
-    (rule,) = read_rules(RULE, "x.yaml", {})
+    (rule,) = parse_rules(RULE, "x.yaml", {})
     assert (rule.id, rule.type, rule.weight) == ("a-rule", FunctionType.SENSORS, 3)
-    assert len(rule.pieces) == 3
-    assert list(faults([rule])) == []
+    assert len(rule.sources) == 3
+    assert list(failing_examples([rule])) == []
 
 
 @pytest.mark.parametrize(
@@ -69,7 +71,7 @@ def test_a_rule_is_read():
     ],
 )
 def test_an_example_that_does_not_hold_is_told(old, new, fault):
-    assert list(faults(read_rules(RULE.replace(old, new), "x.yaml", {}))) == [fault]
+    assert list(failing_examples(parse_rules(RULE.replace(old, new), "x.yaml", {}))) == [fault]
 
 
 @pytest.mark.parametrize(
@@ -89,20 +91,20 @@ def test_an_example_that_does_not_hold_is_told(old, new, fault):
 )
 def test_a_wrong_rule_is_told(old, new, message):
     with pytest.raises(InputError, match=message):
-        read_rules(RULE.replace(old, new), "x.yaml", {})
+        parse_rules(RULE.replace(old, new), "x.yaml", {})
 
 
 @pytest.mark.parametrize("text", ["", "[]", "a word", "[" * 5000])
 def test_what_holds_no_rules_is_told(text):
     with pytest.raises(InputError, match=r"x.yaml: (holds no rules|not YAML)"):
-        read_rules(text, "x.yaml", {})
+        parse_rules(text, "x.yaml", {})
 
 
 def test_a_list_may_use_one_above_it():
-    lists = read_lists("makers: a | b\nall: '@makers | c'\n", "x.yaml")
-    assert parse("@all", lists) == lists["all"]
+    lists = parse_word_lists("makers: a | b\nall: '@makers | c'\n", "x.yaml")
+    assert parse_pattern("@all", lists) == lists["all"]
     with pytest.raises(InputError, match="no list @later"):
-        read_lists("all: '@later'\nlater: a\n", "x.yaml")
+        parse_word_lists("all: '@later'\nlater: a\n", "x.yaml")
 
 
 def test_the_data_is_yaml_to_the_slow_loader_too():

@@ -4,10 +4,10 @@ import pytest
 
 from rtron.functions.text import prose, sentences
 from rtron.functions.text.descriptions import description_tokens
-from rtron.functions.text.prose import clean, readme_tokens
+from rtron.functions.text.prose import clean_readme, readme_tokens
 
 
-def said(parts):
+def words_of(parts):
     return [" ".join(part.words) for part in parts]
 
 
@@ -16,12 +16,12 @@ def said(parts):
     ["The foo package", "the foo_bar package.", "foo metapackage", "The foo meta-package", "", " "],
 )
 def test_a_placeholder_says_nothing(placeholder):
-    assert said(description_tokens(placeholder)) == []
+    assert words_of(description_tokens(placeholder)) == []
 
 
 def test_a_description_loses_its_tags_and_addresses():
     text = "<p>Drives <b>wheels</b>.</p> See http://example.org/camera for more."
-    assert said(description_tokens(text)) == ["drives wheels", "see for more"]
+    assert words_of(description_tokens(text)) == ["drives wheels", "see for more"]
 
 
 def test_a_description_is_bounded():
@@ -57,7 +57,7 @@ Runs the rover.
 
 
 def test_a_readme_keeps_what_tells():
-    text = clean(README)
+    text = clean_readme(README)
     assert "camera" not in text
     assert "example.org" not in text
     assert "code_here" not in text
@@ -67,15 +67,15 @@ def test_a_readme_keeps_what_tells():
 
 def test_a_readme_is_bounded():
     assert len(list(readme_tokens("A word.\n\n" * 1000))) == 30
-    assert len(clean("a " * 50_000)) <= 20_000
+    assert len(clean_readme("a " * 50_000)) <= 20_000
 
 
-class Watched:
+class RecordingPattern:
     """A pattern that keeps how many characters it is given."""
 
-    def __init__(self, pattern, looked_at):
+    def __init__(self, pattern, searched_texts):
         self.pattern = pattern
-        self.looked_at = looked_at
+        self.looked_at = searched_texts
 
     def __getattr__(self, name):
         def call(*arguments):
@@ -86,12 +86,12 @@ class Watched:
 
 
 @pytest.fixture
-def looked_at(monkeypatch):
+def searched_texts(monkeypatch):
     """Return how many characters each look of a README's patterns got."""
     found = []
     patterns = [(prose, name) for name in ("_CODE", "_MARKUP", "_HEADING", "_USELESS_LINE")]
     for module, name in (*patterns, (sentences, "_SENTENCE"), (sentences, "_RUN")):
-        monkeypatch.setattr(module, name, Watched(getattr(module, name), found))
+        monkeypatch.setattr(module, name, RecordingPattern(getattr(module, name), found))
     return found
 
 
@@ -114,9 +114,9 @@ SIGNS = [
 
 
 @pytest.mark.parametrize("sign", SIGNS)
-def test_of_a_hostile_readme_a_bounded_part_is_looked_at(looked_at, sign):
+def test_of_a_hostile_readme_a_bounded_part_is_looked_at(searched_texts, sign):
     words = [len(part.words) for part in readme_tokens(sign * 100_000)]
     assert max(words, default=0) <= 60
     assert len(words) <= 30
-    assert len(looked_at) <= 5 + 30
-    assert max(looked_at) <= 2 * 20_000 + 1  # headings get empty lines around them
+    assert len(searched_texts) <= 5 + 30
+    assert max(searched_texts) <= 2 * 20_000 + 1  # headings get empty lines around them

@@ -3,8 +3,8 @@
 import pytest
 
 from rtron.functions.text.names import name_tokens
-from rtron.functions.text.sentences import sentences
-from rtron.functions.text.tokens import stem, tokens
+from rtron.functions.text.sentences import split_sentences
+from rtron.functions.text.tokens import stem, tokenize
 
 
 @pytest.mark.parametrize(
@@ -49,14 +49,14 @@ def test_variants_have_one_stem(one, other):
 
 
 def test_tokens_are_in_lower_case_with_their_stems():
-    found = tokens(["Laser", "Filters"])
+    found = tokenize(["Laser", "Filters"])
     assert found.words == ("laser", "filters")
     assert found.stems == ("laser", "filter")
 
 
 def test_a_text_is_parted_into_sentences():
     text = "Drives a robot. Plans paths!\n- one item\n- another_item\n\nA paragraph\ngoes on."
-    assert [" ".join(found.words) for found in sentences(text, 10)] == [
+    assert [" ".join(found.words) for found in split_sentences(text, 10)] == [
         "drives a robot",
         "plans paths",
         "one item",
@@ -66,11 +66,11 @@ def test_a_text_is_parted_into_sentences():
 
 
 def test_a_version_and_an_address_do_not_end_a_sentence():
-    assert len(list(sentences("Works with 1.2 of example.org today", 10))) == 1
+    assert len(list(split_sentences("Works with 1.2 of example.org today", 10))) == 1
 
 
 def test_a_sentence_keeps_camel_humps_whole():
-    assert next(sentences("TurtleBot3 with MoveIt", 1)).words == (
+    assert next(split_sentences("TurtleBot3 with MoveIt", 1)).words == (
         "turtlebot",
         "3",
         "with",
@@ -79,5 +79,5 @@ def test_a_sentence_keeps_camel_humps_whole():
 
 
 def test_sentences_are_bounded():
-    assert len(list(sentences("A word. " * 100, 7))) == 7
-    assert len(next(sentences("word " * 500, 1)).words) == 60
+    assert len(list(split_sentences("A word. " * 100, 7))) == 7
+    assert len(next(split_sentences("word " * 500, 1)).words) == 60

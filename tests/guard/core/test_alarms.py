@@ -8,7 +8,7 @@ from rtron.vocabulary import SECOND, Alarm, AlarmKind
 
 
 def alarm(number):
-    return Alarm(kind=AlarmKind.GHOST, reason=f"ghost {number}")
+    return Alarm(kind=AlarmKind.UNREGISTERED_PUBLISHER, reason=f"ghost {number}")
 
 
 def test_an_alarm_is_news_once_and_again_after_it_was_settled(caplog):
@@ -17,8 +17,8 @@ def test_an_alarm_is_news_once_and_again_after_it_was_settled(caplog):
     assert alarms.raise_(alarm(1), 5)
     assert not alarms.raise_(alarm(1), 6)
     assert (alarms.since(alarm(1)), alarms.raised) == (5, 1)
-    alarms.settle(alarm(1))
-    alarms.settle(alarm(1))
+    alarms.clear(alarm(1))
+    alarms.clear(alarm(1))
     assert alarms.raise_(alarm(1), 7)
     assert [r.getMessage().split(":")[0] for r in caplog.records] == ["alarm", "no more", "alarm"]
 
@@ -29,6 +29,6 @@ def test_what_finds_no_place_is_counted_and_said_once_a_second(monkeypatch, capl
     for now in range(0, 3 * SECOND, SECOND // 10):
         for number in range(5):
             alarms.raise_(alarm(number), now)
-    assert alarms.standing == (alarm(0), alarm(1))
+    assert alarms.active == (alarm(0), alarm(1))
     assert alarms.raised == 2 + 30 * 3
     assert len(caplog.records) == 2 + 3

@@ -5,18 +5,18 @@ from streams import peer, stage, stream
 from test_mission_stream import AT_RED, LIGHT, MOVING, light, string
 from velocity_messages import speeds, twist
 
-from rtron.guard.core.coordinator import Host
-from rtron.guard.core.observations import senses_of
+from rtron.guard.core.coordinator import Coordinator
+from rtron.guard.core.observations import observations_of
 from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.guard.transport.common.protocol import TypeInfo
-from rtron.vocabulary import MSRCN, SECOND, Mode, Plan, PolicyName, StreamKind, streams
+from rtron.vocabulary import MSRCN, SECOND, Mode, Plan, PolicyName, StreamKind, build_streams
 
 OUT, NAV, TELEOP = "/rtron/cmd_vel/out", "/rtron/cmd_vel/flow1", "/rtron/cmd_vel/flow2"
 
 
 def dry(*wanted):
     transport = MemoryTransport()
-    host = Host(transport, wanted, dry_run=True)
+    host = Coordinator(transport, wanted, dry_run=True)
     host.open()
     return transport, host, transport.listen(OUT)
 
@@ -28,7 +28,7 @@ def test_what_would_be_dropped_passes_and_is_counted():
     for (topic, node), message in zip(sides, messages, strict=True):
         transport.publisher(topic, peer(node))(message)
     assert driver == messages
-    tallies = host.guarded[0].pipeline.tallies
+    tallies = host.streams[0].pipeline.tallies
     assert [tallies[flow].passed for flow in ("flow1", "flow2", "unapproved")] == [1, 0, 0]
     assert [tallies[flow].dropped for flow in ("flow1", "flow2", "unapproved")] == [0, 1, 1]
 
@@ -53,7 +53,7 @@ def test_what_would_wait_passes_once_and_at_once(kind):
     assert [x for x, _ in speeds(driver)] == [1.0, 2.0]
     transport.advance(700 * SECOND)
     assert [x for x, _ in speeds(driver)] == [1.0, 2.0]
-    assert host.guarded[0].pipeline.tallies["flow2"].held == 1
+    assert host.streams[0].pipeline.tallies["flow2"].held == 1
 
 
 def test_a_rule_that_holds_stops_nothing_and_is_told():
@@ -67,7 +67,7 @@ def test_a_rule_that_holds_stops_nothing_and_is_told():
     )
     plan = Plan(app="test", msrcn=msrcn)
     transport = MemoryTransport()
-    host = Host(transport, streams(plan), senses_of(plan), dry_run=True)
+    host = Coordinator(transport, build_streams(plan), observations_of(plan), dry_run=True)
     host.open()
     driver = transport.listen(OUT)
     lamp = light(transport)
@@ -78,7 +78,7 @@ def test_a_rule_that_holds_stops_nothing_and_is_told():
     nav(twist(1.0))
     transport.advance(SECOND)
     assert [x for x, _ in speeds(driver)] == [1.0, 1.0]
-    assert host.guarded[0].stopper.stops == 1
-    assert host.guarded[0].pipeline.tallies["aflow1"].dropped == 1
+    assert host.streams[0].stop_controller.stop_count == 1
+    assert host.streams[0].pipeline.tallies["aflow1"].dropped == 1
     told = host.statuses()[0]
     assert told.message.startswith("dry run, everything passes")

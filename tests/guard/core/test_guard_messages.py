@@ -8,9 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from message_samples import ENCODINGS, ROS1, ROS2, encode, header, long_name, make, pose_stamped
 
-from rtron.guard.core.coordinator import Host
+from rtron.guard.core.coordinator import Coordinator
 from rtron.guard.core.message_types import standard_info
-from rtron.guard.core.observations import senses_of
+from rtron.guard.core.observations import observations_of
 from rtron.guard.core.report_messages import (
     DIAGNOSTICS,
     FLOAT64,
@@ -22,8 +22,8 @@ from rtron.guard.core.report_messages import (
 )
 from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.guard.transport.common.protocol import Peer
-from rtron.messages import Definitions, Encoding, parse_definition
-from rtron.messages.ros2.cdr_validator import whole
+from rtron.messages import DefinitionRegistry, Encoding, parse_definition
+from rtron.messages.ros2.cdr_validator import cdr_validator
 from rtron.vocabulary import (
     MSRCN,
     RSRCN,
@@ -32,14 +32,14 @@ from rtron.vocabulary import (
     Flow,
     FpsMonitor,
     GuardedTopic,
+    MissionRule,
     Mode,
     Plan,
     PolicyName,
-    Rule,
-    streams,
+    build_streams,
 )
 
-STANDARD = {Encoding.ROS1: Definitions(), Encoding.CDR: Definitions(ros=2)}
+STANDARD = {Encoding.ROS1: DefinitionRegistry(), Encoding.CDR: DefinitionRegistry(ros=2)}
 CDR = Encoding.CDR
 NAV, OUT = "/rtron/cmd_vel/vflow1", "/rtron/cmd_vel/out"
 TEXTS = st.text(st.characters(codec="utf-8", exclude_characters="\0"), max_size=20)
@@ -92,7 +92,7 @@ def test_diagnostics(encoding, statuses):
 
 def test_what_ends_a_string_is_not_in_it():
     message = string_message(CDR, "a\0b\ud800")
-    whole(STANDARD[CDR].find(STRING.type))(message)
+    cdr_validator(STANDARD[CDR].find(STRING.type))(message)
     assert decoded(CDR, STRING.type, message).data == "a?b?"
 
 
@@ -121,8 +121,8 @@ LIGHT = EventFlow(
     type="std_msgs/msg/String",
     when="event.data == 'red'",
 )
-AT_RED = Rule(name="red_light", when="red", block=("/goal",), reason="the light is red")
-KEEP_OUT = Rule(
+AT_RED = MissionRule(name="red_light", when="red", block=("/goal",), reason="the light is red")
+KEEP_OUT = MissionRule(
     name="keep_out", action="action.pose.position.x > 2.0", block=("/goal",), reason="too far"
 )
 MONITOR = FpsMonitor(id="fps_cam", node="/detector", topic="/image")
@@ -131,7 +131,7 @@ MONITOR = FpsMonitor(id="fps_cam", node="/detector", topic="/image")
 def guarded(**parts):
     plan = Plan(app="test", ros=2, **parts)
     transport = MemoryTransport(CDR)
-    host = Host(transport, streams(plan), senses_of(plan))
+    host = Coordinator(transport, build_streams(plan), observations_of(plan))
     host.open()
     return transport, host
 
@@ -167,7 +167,7 @@ def test_a_velocity_is_limited_and_stopped_and_the_guard_says_so():
 def test_the_robot_is_kept_stopped_before_anybody_has_told_the_type():
     transport, host = guarded(rsrcn=rsrcn(max_vel_limit=0.5))
     driver = transport.listen(OUT)
-    host.guarded[0].brake("test", "a test")
+    host.streams[0].brake("test", "a test")
     assert set(speeds(driver)) == {0.0}
 
 
@@ -221,4 +221,4 @@ def test_rules_look_into_events_and_goals():
     lamp(string_message(CDR, "red"))
     ask(near)
     assert heard == [near]
-    assert host.guarded[0].pipeline.tallies["aflow1"].dropped == 2
+    assert host.streams[0].pipeline.tallies["aflow1"].dropped == 2

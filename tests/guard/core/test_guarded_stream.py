@@ -6,8 +6,8 @@ import pytest
 from streams import FLOWS, TWIST, peer, stage, stream
 from velocity_messages import twist
 
-from rtron.guard.core.coordinator import Host
-from rtron.guard.core.event_loop import Loop
+from rtron.guard.core.coordinator import Coordinator
+from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.guard.transport.common.protocol import TypeInfo
 from rtron.vocabulary import (
@@ -26,7 +26,7 @@ TENTH = SECOND // 10
 
 def guarded(*streams):
     transport = MemoryTransport()
-    host = Host(transport, streams)
+    host = Coordinator(transport, streams)
     host.open()
     return transport, host
 
@@ -66,7 +66,7 @@ def test_the_public_name_is_unapproved_even_for_a_planned_name_and_while_idle():
     transport.publisher("/cmd_vel", peer("/rogue"))(b"turn right")
     transport.publisher("/cmd_vel", peer("/nav"))(b"turn right")
     assert driver == tool == []
-    assert host.guarded[0].pipeline.tallies["unapproved"].dropped == 2
+    assert host.streams[0].pipeline.tallies["unapproved"].dropped == 2
 
 
 @pytest.mark.parametrize(
@@ -77,7 +77,7 @@ def test_a_stranger_on_a_private_topic_is_unapproved(impostor):
     driver = transport.listen(OUT)
     transport.publisher(NAV, impostor)(b"turn right")
     assert driver == []
-    assert impostor.node in host.guarded[0].strangers
+    assert impostor.node in host.streams[0].strangers
 
 
 def test_a_pattern_names_an_anonymous_publisher():
@@ -154,14 +154,14 @@ def test_observing_lets_nothing_in_or_out_of_the_way():
     for node in ("/nav", "/teleop", "/rogue"):
         transport.publisher("/cmd_vel", peer(node))(b"m")
     assert [t for t in transport.outputs if "cmd_vel" in t and "active" not in t] == []
-    tallies = host.guarded[0].pipeline.tallies
+    tallies = host.streams[0].pipeline.tallies
     assert (tallies["flow1"].passed, tallies["flow2"].dropped) == (1, 1)
     assert tallies["unapproved"].dropped == 1
 
 
 def test_a_second_stage_has_its_say_and_sees_what_the_first_releases():
     limiting = stage("rsrcn", PolicyName.CONSTRAIN, max_vel_limit=0.5)
-    limiting = replace(limiting, coordination=CoordinationKind.RSRCN)
+    limiting = replace(limiting, coordination_kind=CoordinationKind.RSRCN)
     first = stage(policy=PolicyName.PRIORITY_QUEUE)
     transport, host = guarded(stream(first, limiting))
     driver, joint = transport.listen(OUT), transport.listen("/rtron/cmd_vel/grcn_cmd_vel")
@@ -175,7 +175,7 @@ def test_a_second_stage_has_its_say_and_sees_what_the_first_releases():
     assert driver == []
     transport.advance(SECOND)
     assert driver == joint == [twist(0.5)]
-    tallies = host.guarded[0].pipeline.tallies
+    tallies = host.streams[0].pipeline.tallies
     assert (tallies["flow1"].dropped, tallies["flow2"].modified) == (1, 1)
 
 
@@ -190,7 +190,7 @@ def test_what_a_later_stage_blocks_is_not_put_to_the_first():
     nav(b"n1")
     teleop(b"t1")
     assert driver == [b"t1"]
-    assert host.guarded[0].pipeline.tallies["flow1"].dropped == 1
+    assert host.streams[0].pipeline.tallies["flow1"].dropped == 1
 
 
 def test_the_next_goal_goes_when_a_successor_says_done():
@@ -224,12 +224,12 @@ def test_a_killed_node_shuts_its_streams_and_never_opens_a_way_round():
     transport, host = guarded(stream())
     driver = transport.listen(OUT)
     nav = transport.publisher(NAV, peer("/nav"))
-    assert not host.killed("/rtron/grcn_cmd_vel", "a test")
+    assert not host.shut_down_node("/rtron/grcn_cmd_vel", "a test")
     nav(b"n")
     transport.advance(SECOND)
     assert driver == []
     assert host.statuses()[0].level == 2
-    assert host.killed(GUARD_NODE, "a test")
+    assert host.shut_down_node(GUARD_NODE, "a test")
 
 
 def test_diagnostics_come_each_second_and_warn_of_strangers():
@@ -254,7 +254,7 @@ def test_late_subscribers_get_the_latched_words_in_the_order_they_were_said():
     second(b"b1")
     first(b"a2")
     assert transport.listen("/rtron/map/out") == [b"b1", b"a2"]
-    host.killed("/rtron/grcn_cmd_vel", "a test")
+    host.shut_down_node("/rtron/grcn_cmd_vel", "a test")
     assert transport.listen("/rtron/map/out") == []
 
 
@@ -269,28 +269,28 @@ def test_the_list_of_strangers_is_bounded():
     for number in range(1000):
         transport.publisher("/cmd_vel", peer(f"/{'x' * 1000}{number}"))
         transport.publisher("/cmd_vel", peer(f"/rogue_{number}"))
-    assert len(host.guarded[0].strangers) <= 32
-    assert max(map(len, host.guarded[0].strangers)) <= 128
+    assert len(host.streams[0].strangers) <= 32
+    assert max(map(len, host.streams[0].strangers)) <= 128
 
 
 def test_a_killed_node_leaves_the_loop_to_the_other_streams():
-    loop = Loop()
+    loop = EventLoop()
     transport = MemoryTransport()
     transport.now, transport.call_at = loop.now, loop.call_at
-    host = Host(transport, [stream()])
+    host = Coordinator(transport, [stream()])
     host.open()
     transport.publisher(NAV, peer("/nav"))(b"n")
-    host.killed("/rtron/grcn_cmd_vel", "a test")
+    host.shut_down_node("/rtron/grcn_cmd_vel", "a test")
     done = []
     loop.call_later(0.7, lambda: done.append(True))
     while not done:
         loop.step(0.01)
-    assert host.guarded[0].pipeline.deadline() is None
+    assert host.streams[0].pipeline.deadline() is None
     loop.close()
 
 
 def test_a_timer_that_is_always_due_does_not_hold_up_the_loop():
-    loop = Loop()
+    loop = EventLoop()
     runs = []
 
     def again():
@@ -308,7 +308,7 @@ def test_what_was_held_when_a_node_is_killed_is_dropped_and_counted():
     transport, host = guarded(stream(stage(policy=PolicyName.PRIORITY_QUEUE)))
     transport.publisher(NAV, peer("/nav"))(b"n")
     transport.publisher(TELEOP, peer("/teleop"))(b"t")
-    tally = host.guarded[0].pipeline.tallies["flow2"]
+    tally = host.streams[0].pipeline.tallies["flow2"]
     assert (tally.held, tally.dropped) == (1, 0)
-    host.killed("/rtron/grcn_cmd_vel", "a test")
+    host.shut_down_node("/rtron/grcn_cmd_vel", "a test")
     assert (tally.held, tally.dropped) == (1, 1)

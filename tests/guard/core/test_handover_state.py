@@ -4,56 +4,56 @@ import json
 
 import pytest
 
-from rtron.guard.core.handover_state import MOST_BYTES, Will
-from rtron.guard.supervision.shared_memory import Page
+from rtron.guard.core.handover_state import MOST_BYTES, HandoverState
+from rtron.guard.supervision.shared_memory import GuardMemory
 
 
 @pytest.fixture
 def page():
-    made = Page.new(0)
+    made = GuardMemory.create(0)
     yield made
     made.close()
 
 
 def test_without_a_supervisor_nothing_is_found():
-    will = Will()
-    will.keep("owners", {"goal": "/nav"})
-    assert will.found("owners") is None
+    will = HandoverState()
+    will.store("owners", {"goal": "/nav"})
+    assert will.inherited("owners") is None
 
 
 def test_what_one_guard_keeps_the_next_one_finds(page):
-    first = Will(page.will.read()[1], page.will.write)
-    first.keep("owners", {"goal é": ["/nav", None, 1.5]})
-    first.keep("sent", [1])
-    second = Will(page.will.read()[1], page.will.write)
-    assert second.found("owners") == {"goal é": ["/nav", None, 1.5]}
-    second.keep("sent", [2])
-    third = Will(page.will.read()[1])
-    assert third.found("owners") == {"goal é": ["/nav", None, 1.5]}
-    assert third.found("sent") == [2]
+    first = HandoverState(page.handover_state.read()[1], page.handover_state.write)
+    first.store("owners", {"goal é": ["/nav", None, 1.5]})
+    first.store("sent", [1])
+    second = HandoverState(page.handover_state.read()[1], page.handover_state.write)
+    assert second.inherited("owners") == {"goal é": ["/nav", None, 1.5]}
+    second.store("sent", [2])
+    third = HandoverState(page.handover_state.read()[1])
+    assert third.inherited("owners") == {"goal é": ["/nav", None, 1.5]}
+    assert third.inherited("sent") == [2]
 
 
 def test_none_is_not_kept():
     left = []
-    will = Will(b'{"a": 1, "b": 2}', left.append)
-    will.keep("a", None)
+    will = HandoverState(b'{"a": 1, "b": 2}', left.append)
+    will.store("a", None)
     assert json.loads(left[-1]) == {"b": 2}
 
 
 def test_a_will_as_long_as_is_allowed_is_kept_and_one_byte_more_is_not(page):
-    will = Will(b"", page.will.write)
-    will.keep("other", 1)
+    will = HandoverState(b"", page.handover_state.write)
+    will.store("other", 1)
     room = MOST_BYTES - len('{"other":1,"long":""}')
-    will.keep("long", "x" * room)
-    assert Will(page.will.read()[1]).found("long") == "x" * room
-    will.keep("long", "x" * (room + 1))
-    after = Will(page.will.read()[1])
-    assert after.found("long") is None
-    assert after.found("other") == 1
+    will.store("long", "x" * room)
+    assert HandoverState(page.handover_state.read()[1]).inherited("long") == "x" * room
+    will.store("long", "x" * (room + 1))
+    after = HandoverState(page.handover_state.read()[1])
+    assert after.inherited("long") is None
+    assert after.inherited("other") == 1
 
 
 @pytest.mark.parametrize("left", [b"{", b"[1]", b"\xff", b'{"a":' * 100_000])
 def test_what_is_no_will_leaves_nothing(left):
-    will = Will(left)
-    assert will.found("a") is None
-    will.keep("a", 1)
+    will = HandoverState(left)
+    assert will.inherited("a") is None
+    will.store("a", 1)

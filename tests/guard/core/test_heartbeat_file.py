@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from rtron.guard.core.event_loop import Loop
-from rtron.guard.presence import Presence, presence_path
+from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.presence import HeartbeatFile, heartbeat_path
 
 
 @pytest.fixture
@@ -16,18 +16,18 @@ def path(tmp_path):
 
 
 def test_the_first_guard_knows_of_nobody(path):
-    assert Presence(path).before == 0
+    assert HeartbeatFile(path).previous_time == 0
 
 
 def test_the_next_one_knows_when_it_was_there(path):
     before = time.time_ns()
-    loop = Loop()
-    Presence(path).keep(loop)
+    loop = EventLoop()
+    HeartbeatFile(path).beat(loop)
     assert path.stat().st_mode & 0o777 == 0o600
     os.utime(path, ns=(before - 7, before - 7))
-    assert Presence(path).before == before - 7
+    assert HeartbeatFile(path).previous_time == before - 7
     loop.step()
-    assert Presence(path).before > before - 7
+    assert HeartbeatFile(path).previous_time > before - 7
     loop.close()
 
 
@@ -35,12 +35,12 @@ def test_a_time_to_come_counts_as_now(path):
     path.touch()
     future = time.time_ns() + 10**12
     os.utime(path, ns=(future, future))
-    assert Presence(path).before <= time.time_ns()
+    assert HeartbeatFile(path).previous_time <= time.time_ns()
 
 
 def test_where_nothing_can_be_written_the_guard_goes_on(tmp_path):
-    loop = Loop()
-    Presence(tmp_path / "none" / "robot.seen").keep(loop)
+    loop = EventLoop()
+    HeartbeatFile(tmp_path / "none" / "robot.seen").beat(loop)
     loop.close()
 
 
@@ -53,4 +53,4 @@ def test_where_nothing_can_be_written_the_guard_goes_on(tmp_path):
     ],
 )
 def test_each_master_and_domain_has_a_file_of_its_own(address, expected):
-    assert presence_path(Path("/run/rtron-a.sock"), address) == Path("/run") / expected
+    assert heartbeat_path(Path("/run/rtron-a.sock"), address) == Path("/run") / expected

@@ -6,10 +6,10 @@ from time import monotonic_ns, time_ns
 import pytest
 from streams import peer, stage, stream
 
-from rtron.guard.core.coordinator import Host
-from rtron.guard.core.handover_state import Will
+from rtron.guard.core.coordinator import Coordinator
+from rtron.guard.core.handover_state import HandoverState
 from rtron.guard.transport.common.memory import MemoryTransport
-from rtron.guard.transport.numbered import Numbered
+from rtron.guard.transport.numbered import NumberedMessage
 from rtron.vocabulary import SECOND, Durability, PolicyName, QoS, StreamKind
 
 IN, OUT = "/rtron/goal/flow1", "/rtron/goal/out"
@@ -18,11 +18,11 @@ KEPT = QoS(durability=Durability.TRANSIENT_LOCAL)
 
 def guard(left=b"", kind=StreamKind.ACTION, *, left_at=0, dry_run=False):
     written = []
-    will = Will(left, written.append)
-    will.left_at = left_at
+    will = HandoverState(left, written.append)
+    will.last_seen_at = left_at
     made = stream(stage(policy=PolicyName.BLOCK, kind=kind), topic="/goal")
     transport = MemoryTransport()
-    Host(transport, [made], will=will, dry_run=dry_run).open()
+    Coordinator(transport, [made], handover=will, dry_run=dry_run).open()
     return transport, transport.listen(OUT), written
 
 
@@ -76,19 +76,19 @@ def test_what_a_guard_has_left_may_be_nonsense():
 def test_what_is_remembered_is_bounded():
     made = stream(stage(policy=PolicyName.BLOCK, kind=StreamKind.ACTION), topic="/goal")
     transport = MemoryTransport()
-    host = Host(transport, [made])
+    host = Coordinator(transport, [made])
     host.open()
-    latched = host.guarded[0]._latched
+    latched = host.streams[0]._latch_filter
     for number in range(65):
-        latched.once(f"/n{number}", lambda message: None)(b"x")
+        latched.filter(f"/n{number}", lambda message: None)(b"x")
     taken = []
     for node in ("/n0", "/n1", "/n64"):
-        latched.once(node, lambda message, node=node: taken.append(node))(b"x")
+        latched.filter(node, lambda message, node=node: taken.append(node))(b"x")
     assert taken == ["/n0", "/n1"]
 
 
 def numbered(*numbers, writer="w1", text="kitchen"):
-    return [Numbered.of(f"{text} {number}".encode(), writer, number) for number in numbers]
+    return [NumberedMessage.of(f"{text} {number}".encode(), writer, number) for number in numbers]
 
 
 def hear(transport, words, node="/nav", qos=KEPT):
@@ -111,7 +111,7 @@ def test_what_was_said_while_no_guard_was_there_is_new():
     transport, _, written = guard()
     hear(transport, numbered(1, 2))
     transport, out, _ = guard(written[-1])
-    again = Numbered.of(b"kitchen 1", "w1", 3)
+    again = NumberedMessage.of(b"kitchen 1", "w1", 3)
     hear(transport, [*numbered(1, 2), again])
     assert out == [again]
 
@@ -120,7 +120,7 @@ def test_a_goal_that_is_given_again_after_the_history_passes():
     transport, _, written = guard()
     hear(transport, numbered(1, 2))
     transport, out, _ = guard(written[-1])
-    hear(transport, [*numbered(1, 2), *numbered(3), Numbered.of(b"kitchen 1", "w1", 4)])
+    hear(transport, [*numbered(1, 2), *numbered(3), NumberedMessage.of(b"kitchen 1", "w1", 4)])
     assert out == [b"kitchen 3", b"kitchen 1"]
 
 
@@ -161,16 +161,16 @@ def test_a_command_that_was_kept_is_done_once_and_a_state_is_told_again(kind, ti
 )
 def test_only_commands_are_for_the_moment(kind, done, expected):
     made = replace(stream(stage(policy=PolicyName.BLOCK, kind=kind), topic="/goal"), done=done)
-    host = Host(MemoryTransport(), [made])
+    host = Coordinator(MemoryTransport(), [made])
     host.open()
-    assert host.guarded[0]._is_momentary(peer("/nav", latching=True)) is expected
+    assert host.streams[0]._is_momentary(peer("/nav", latching=True)) is expected
 
 
 def given(*ages):
     """Return goals that were given so long (s) before now."""
     now = time_ns()
     return [
-        Numbered.of(b"goal", "w1", number, now - int(age * SECOND))
+        NumberedMessage.of(b"goal", "w1", number, now - int(age * SECOND))
         for number, age in enumerate(ages, 1)
     ]
 

@@ -7,8 +7,8 @@ import pytest
 from streams import TWIST, peer
 from velocity_messages import speeds, twist
 
-from rtron.guard.core.coordinator import Host
-from rtron.guard.core.observations import MAX_EVENT, senses_of
+from rtron.guard.core.coordinator import Coordinator
+from rtron.guard.core.observations import MAX_EVENT, observations_of
 from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.guard.transport.common.protocol import TypeInfo
 from rtron.vocabulary import (
@@ -21,16 +21,16 @@ from rtron.vocabulary import (
     EventFlow,
     Flow,
     GuardedTopic,
+    MissionRule,
     Mode,
     Plan,
     Point,
     PolicyName,
-    Rule,
     Sharing,
     StreamKind,
     Transform,
     WhenUnknown,
-    streams,
+    build_streams,
 )
 
 STRING = TypeInfo("std_msgs/String", "992ce8a1687cec8c8bd883ec73ca41d1")
@@ -64,13 +64,13 @@ LIGHT = EventFlow(
     type="std_msgs/String",
     when="event.data == 'red'",
 )
-AT_RED = Rule(name="red_light", when="red", block=("/cmd_vel",), reason="the light is red")
+AT_RED = MissionRule(name="red_light", when="red", block=("/cmd_vel",), reason="the light is red")
 UNSTABLE = Area(
     name="unstable",
     frame="map",
     polygon=(Point(x=2.0, y=0.0), Point(x=4.0, y=0.0), Point(x=4.0, y=2.0), Point(x=2.0, y=2.0)),
 )
-KEEP_OUT = Rule(
+KEEP_OUT = MissionRule(
     name="keep_out",
     action="inside(action.pose.position, unstable)",
     block=("/goal",),
@@ -101,7 +101,7 @@ def guarded(aflows=(MOVING,), eflows=(LIGHT,), rules=(AT_RED,), grcn=(), rsrcn=N
     )
     plan = Plan(app="test", msrcn=msrcn, grcn=grcn, rsrcn=rsrcn)
     transport = MemoryTransport()
-    host = Host(transport, streams(plan), senses_of(plan))
+    host = Coordinator(transport, build_streams(plan), observations_of(plan))
     host.open()
     return transport, host
 
@@ -123,7 +123,7 @@ def test_an_event_blocks_the_action_and_stops_the_robot_with_the_reason():
     nav(twist(1.0))
     transport.advance(SECOND)
     assert speeds(driver)[-1] == (0.0, 0.0)
-    assert host.guarded[0].pipeline.tallies["aflow1"].dropped == 1
+    assert host.streams[0].pipeline.tallies["aflow1"].dropped == 1
     lamp(string("green"))
     nav(twist(0.5))
     assert speeds(driver)[-1] == (0.5, 0.0)
@@ -200,7 +200,7 @@ def test_a_goal_inside_the_unstable_area_is_blocked_with_the_reason():
     for message in (pose(1.0, 1.0), pose(3.0, 1.0), pose(2.0, 0.0), pose(5.0, 1.0)):
         monitor(message)
     assert planner == [pose(1.0, 1.0), pose(5.0, 1.0)]
-    tally = host.guarded[0].pipeline.tallies["aflow3"]
+    tally = host.streams[0].pipeline.tallies["aflow3"]
     assert tally.dropped == 2
     monitor(pose(3.0, 1.0))
     assert tally.last.reason == "rule keep_out: no network there"
@@ -217,7 +217,7 @@ def test_a_goal_in_another_frame_is_blocked_unless_a_transform_is_configured():
         monitor(pose(-1.0, 1.0, "odom"))
         monitor(pose(1.0, 1.0, "odom"))
         assert planner == passed
-        tally = host.guarded[0].pipeline.tallies["aflow3"]
+        tally = host.streams[0].pipeline.tallies["aflow3"]
         assert tally.last.error is (not transforms)
 
 
@@ -239,7 +239,7 @@ def test_another_version_of_the_action_s_type_is_refused():
 
 def test_an_obligation_blocks_until_what_it_requires_was_seen_and_does_so_each_time():
     danger = replace(LIGHT, when="event.data == 'danger'", name="danger")
-    alert = Rule(name="alert", when="danger", block=("/cmd_vel",), require="/alert")
+    alert = MissionRule(name="alert", when="danger", block=("/cmd_vel",), require="/alert")
     transport, host = guarded((MOVING, ALERTS), (danger,), (alert,))
     driver = transport.listen(OUT)
     nav, lamp = transport.publisher(NAV, peer("/nav")), light(transport)
@@ -263,7 +263,7 @@ def test_what_a_later_stage_drops_meets_no_obligation():
         flows=(Flow(name="aflow5", publisher="/nav"),),
         successors=("/driver",),
     )
-    alert = Rule(name="alert", when="red", block=("/cmd_vel",), require="/slow")
+    alert = MissionRule(name="alert", when="red", block=("/cmd_vel",), require="/slow")
     rsrcn = RSRCN(
         id="rsrcn",
         mode=Mode.ENFORCE,
@@ -286,7 +286,7 @@ def test_what_a_later_stage_drops_meets_no_obligation():
 def test_an_obligation_may_be_met_by_an_event():
     danger = replace(LIGHT, when="event.data == 'danger'", name="danger")
     called = replace(LIGHT, topic="/phone", when="event.data == 'called'", name="called")
-    alert = Rule(name="alert", when="danger", block=("/cmd_vel",), require="called")
+    alert = MissionRule(name="alert", when="danger", block=("/cmd_vel",), require="called")
     transport, _ = guarded((MOVING,), (danger, called), (alert,))
     driver = transport.listen(OUT)
     nav, lamp = transport.publisher(NAV, peer("/nav")), light(transport)
@@ -312,7 +312,7 @@ def test_a_rule_blocks_the_flow_that_it_names_and_no_other():
 
 def test_the_most_restrictive_rule_wins():
     green = replace(LIGHT, name="green", when="event.data == 'green'")
-    free = Rule(name="none", when="green && red", block=("/cmd_vel",))
+    free = MissionRule(name="none", when="green && red", block=("/cmd_vel",))
     transport, _ = guarded(eflows=(LIGHT, green), rules=(free, AT_RED))
     driver = transport.listen(OUT)
     light(transport)(string("red"))
@@ -323,7 +323,7 @@ def test_the_most_restrictive_rule_wins():
 def test_presence_and_silence_of_an_event():
     near = replace(LIGHT, name="near", when="", present=SECOND)
     quiet = replace(LIGHT, name="quiet", when="", silent=3 * SECOND)
-    rules = (Rule(name="near", when="near || quiet", block=("/cmd_vel",)),)
+    rules = (MissionRule(name="near", when="near || quiet", block=("/cmd_vel",)),)
     transport, _ = guarded(eflows=(near, quiet), rules=rules)
     driver = transport.listen(OUT)
     nav, lamp = transport.publisher(NAV, peer("/nav")), light(transport)
@@ -340,12 +340,12 @@ def test_presence_and_silence_of_an_event():
 
 def test_each_event_is_decoded_once_however_many_rules_use_it(monkeypatch):
     flows = [replace(LIGHT, name=f"red{n}", when=f"event.data == '{n % 3}'") for n in range(9)]
-    rules = [Rule(name=f"r{n}", when=f"red{n}", block=("/cmd_vel",)) for n in range(9)]
+    rules = [MissionRule(name=f"r{n}", when=f"red{n}", block=("/cmd_vel",)) for n in range(9)]
     transport, host = guarded(eflows=flows, rules=rules)
-    (source,) = host.senses.events
+    (source,) = host.observations.events
     assert len(source.bits) == 9
     light(transport)(string("1"))
-    known = host.senses.mission.bits.known(transport.now())
+    known = host.observations.mission.bits.known_values(transport.now())
     assert [name for name, bit in known.items() if bit] == ["red1", "red4", "red7"]
 
 
@@ -365,7 +365,9 @@ def test_events_of_a_guarded_publisher_are_heard_on_its_private_topic():
 
 
 def test_a_twist_may_be_judged_by_its_own_fields():
-    slow = Rule(name="forward", when="red", action="action.linear.x > 0.0", block=("/cmd_vel",))
+    slow = MissionRule(
+        name="forward", when="red", action="action.linear.x > 0.0", block=("/cmd_vel",)
+    )
     transport, _ = guarded(rules=(slow,))
     driver = transport.listen(OUT)
     light(transport)(string("red"))
@@ -432,7 +434,7 @@ def test_a_goal_that_a_rule_forbids_takes_no_place_in_a_queue():
 
 
 def test_an_obligation_outlasts_what_it_came_from():
-    alert = Rule(name="alert", when="red", block=("/cmd_vel",), require="/alert")
+    alert = MissionRule(name="alert", when="red", block=("/cmd_vel",), require="/alert")
     transport, _ = guarded((MOVING, ALERTS), rules=(alert,))
     driver = transport.listen(OUT)
     nav, lamp = transport.publisher(NAV, peer("/nav")), light(transport)

@@ -4,15 +4,15 @@ import pytest
 from streams import peer, stage, stream
 from velocity_messages import speeds, twist
 
-from rtron.guard.core.coordinator import Host
-from rtron.guard.core.event_loop import Loop
-from rtron.guard.core.node_shutdown import Obeying, Refusing
+from rtron.guard.core.coordinator import Coordinator
+from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.core.node_shutdown import ShutdownRefusal, ShutdownSequence
 from rtron.guard.transport.common.memory import MemoryTransport
-from rtron.vocabulary import GUARD_NODE, SECOND, Stop
+from rtron.vocabulary import GUARD_NODE, SECOND, StopProfile
 
 OUT, NAV = "/rtron/cmd_vel/out", "/rtron/cmd_vel/flow1"
 NODE = "/rtron/grcn_cmd_vel"
-STOP = Stop(decel=10.0, angular_decel=10.0, period=SECOND // 50, repeat=SECOND // 10)
+STOP = StopProfile(decel=10.0, angular_decel=10.0, period=SECOND // 50, repeat=SECOND // 10)
 
 
 class Told(MemoryTransport):
@@ -31,12 +31,12 @@ class Guarded:
     """A guard without a supervisor, and a robot that moves."""
 
     def __init__(self):
-        self.loop = Loop()
+        self.loop = EventLoop()
         self.transport = Told(self.loop)
-        self.host = Host(self.transport, [stream(stage(), stop=STOP)])
+        self.host = Coordinator(self.transport, [stream(stage(), stop=STOP)])
         self.host.open()
         self.transport.driver = self.transport.listen(OUT)
-        self.obeying = Obeying(self.host, self.transport, self.loop)
+        self.obeying = ShutdownSequence(self.host, self.transport, self.loop)
 
     def move(self):
         self.transport.publisher(NAV, peer("/nav"))(twist(1.0))
@@ -56,8 +56,8 @@ def guarded():
 @pytest.mark.parametrize("node", [NODE, GUARD_NODE])
 def test_a_node_leaves_when_the_robot_was_told_to_rest(guarded, node):
     guarded.move()
-    guarded.obeying.shut(node, "a test")
-    guarded.obeying.shut(node, "a test")
+    guarded.obeying.handle(node, "a test")
+    guarded.obeying.handle(node, "a test")
     assert guarded.transport.left == []
     guarded.run()
     ((left, told),) = guarded.transport.left
@@ -68,20 +68,20 @@ def test_a_node_leaves_when_the_robot_was_told_to_rest(guarded, node):
 
 
 def test_a_node_that_moves_nothing_leaves_at_once(guarded):
-    guarded.obeying.shut(NODE, "a test")
+    guarded.obeying.handle(NODE, "a test")
     assert guarded.transport.left == [(NODE, [])]
 
 
 def test_the_guard_ends_with_its_own_node(guarded):
-    guarded.loop.post(lambda: guarded.obeying.shut(GUARD_NODE, "a test"))
+    guarded.loop.post(lambda: guarded.obeying.handle(GUARD_NODE, "a test"))
     guarded.loop.run()
     assert guarded.transport.left[0][0] == GUARD_NODE
 
 
 def test_a_refusal_is_told_once_a_second_and_in_few_words(guarded, caplog):
-    refusing = Refusing(guarded.loop)
+    refusing = ShutdownRefusal(guarded.loop)
     for _ in range(100):
-        refusing.shut(NODE, "one\nline " + "x" * 10_000)
+        refusing.handle(NODE, "one\nline " + "x" * 10_000)
     (record,) = caplog.records
     told = record.getMessage()
     assert told.startswith(f"{NODE} is not shut down, end rtron guard itself: one\\n")

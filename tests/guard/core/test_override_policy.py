@@ -14,16 +14,21 @@ from velocity_messages import FLOAT64, float64, floats, speeds, twist
 
 from rtron.errors import SourceError, WireError
 from rtron.guard import runner
-from rtron.guard.core.control_socket import Control, control_path
-from rtron.guard.core.event_loop import Loop
-from rtron.guard.settings.overrides import LONGEST, Overriding
+from rtron.guard.core.control_socket import ControlSocket, control_path
+from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.settings.overrides import MAX_DURATION, OverrideCommands
 from rtron.vocabulary import SECOND, PolicyName
 
 
 def limited():
     transport, host = guarded(plan(PolicyName.CONSTRAIN, VELOCITY, max_vel_limit=0.2))
     driver = transport.listen(OUT)
-    return transport, transport.publisher(NAV, peer("/nav")), driver, Overriding(host, transport)
+    return (
+        transport,
+        transport.publisher(NAV, peer("/nav")),
+        driver,
+        OverrideCommands(host, transport),
+    )
 
 
 def asked(duration, reason="docking", id="rsrcn"):
@@ -32,7 +37,7 @@ def asked(duration, reason="docking", id="rsrcn"):
 
 def test_what_was_limited_passes_until_the_override_expires():
     transport, nav, driver, overriding = limited()
-    overriding.answer("ann", asked(SECOND))
+    overriding.handle("ann", asked(SECOND))
     nav(twist(1.0))
     transport.advance(SECOND - 1)
     nav(twist(1.0))
@@ -43,23 +48,23 @@ def test_what_was_limited_passes_until_the_override_expires():
 
 def test_an_override_can_be_ended_before_its_time():
     _, nav, driver, overriding = limited()
-    overriding.answer("ann", asked(SECOND))
-    overriding.answer("ann", asked(0, reason=""))
+    overriding.handle("ann", asked(SECOND))
+    overriding.handle("ann", asked(0, reason=""))
     nav(twist(1.0))
     assert [x for x, _ in speeds(driver)] == [0.2]
 
 
 def test_the_verdict_tells_who_overrode_it_and_why():
     transport, host = guarded(plan(PolicyName.CONSTRAIN, VELOCITY, max_vel_limit=0.2))
-    Overriding(host, transport).answer("ann", asked(SECOND))
+    OverrideCommands(host, transport).handle("ann", asked(SECOND))
     transport.publisher(NAV, peer("/nav"))(twist(1.0))
-    reason = host.guarded[0].pipeline.tallies["vflow1"].last.reason
+    reason = host.streams[0].pipeline.tallies["vflow1"].last.reason
     assert reason == "overridden by ann (docking): limited to 0.2 m/s (max_vel_limit)"
 
 
 def test_an_override_is_told_while_it_lasts():
     transport, host = guarded(plan(PolicyName.CONSTRAIN, VELOCITY, max_vel_limit=0.2))
-    Overriding(host, transport).answer("ann", asked(3 * SECOND))
+    OverrideCommands(host, transport).handle("ann", asked(3 * SECOND))
     assert host.statuses()[0].values["overridden rsrcn"] == "by ann, 3 s left: docking"
     assert host.statuses()[0].level == 1
     transport.advance(3 * SECOND)
@@ -69,7 +74,7 @@ def test_an_override_is_told_while_it_lasts():
 
 def test_what_cannot_be_judged_and_who_is_unknown_stay_out():
     transport, nav, driver, overriding = limited()
-    overriding.answer("ann", asked(SECOND))
+    overriding.handle("ann", asked(SECOND))
     nav(twist(float("nan")))
     transport.publisher("/cmd_vel", peer("/rogue"))(twist(1.0))
     transport.publisher(NAV, peer("/rogue"))(twist(1.0))
@@ -79,7 +84,7 @@ def test_what_cannot_be_judged_and_who_is_unknown_stay_out():
 def test_a_limit_of_zero_stops_the_robot_again_when_the_override_expires():
     transport, host = guarded(plan(PolicyName.CONSTRAIN, VELOCITY, max_vel_limit=0.0))
     driver = transport.listen(OUT)
-    Overriding(host, transport).answer("ann", asked(SECOND))
+    OverrideCommands(host, transport).handle("ann", asked(SECOND))
     transport.publisher(NAV, peer("/nav"))(twist(1.0))
     transport.advance(SECOND)
     assert [x for x, _ in speeds(driver)] == pytest.approx([1.0, 0.875])
@@ -90,7 +95,7 @@ def test_a_maximal_velocity_is_taken_back_when_the_override_expires():
     driver = transport.listen("/rtron/max_vel/out")
     decider = transport.publisher("/rtron/max_vel/vflow1", peer("/decider", FLOAT64))
     decider(float64(0.1))
-    Overriding(host, transport).answer("ann", asked(SECOND))
+    OverrideCommands(host, transport).handle("ann", asked(SECOND))
     decider(float64(2.0))
     transport.advance(SECOND)
     assert floats(driver) == [0.1, 2.0, 0.2]
@@ -109,7 +114,7 @@ def test_a_maximal_velocity_is_taken_back_when_the_override_expires():
         asked(SECOND, reason="\n\x1b\u2028\ud800"),
         asked(SECOND, reason=3),
         asked(-1),
-        asked(LONGEST + 1),
+        asked(MAX_DURATION + 1),
         asked(duration=True),
         asked(1.5),
     ],
@@ -117,7 +122,7 @@ def test_a_maximal_velocity_is_taken_back_when_the_override_expires():
 def test_a_request_that_is_wrong_grants_nothing(request_):
     _, nav, driver, overriding = limited()
     with pytest.raises(WireError):
-        overriding.answer("ann", request_)
+        overriding.handle("ann", request_)
     nav(twist(1.0))
     assert [x for x, _ in speeds(driver)] == [0.2]
 
@@ -137,20 +142,20 @@ def test_a_request_that_is_wrong_grants_nothing(request_):
 )
 def test_a_reason_is_one_line_of_what_can_be_printed(reason, kept, caplog):
     transport, host = guarded(plan(PolicyName.CONSTRAIN, VELOCITY, max_vel_limit=0.2))
-    Overriding(host, transport).answer("ann", asked(SECOND, reason=json.loads(reason)))
+    OverrideCommands(host, transport).handle("ann", asked(SECOND, reason=json.loads(reason)))
     assert caplog.messages == [f"rsrcn: overridden by ann for 1.0 s: {kept}"]
     assert host.statuses()[0].values["overridden rsrcn"].encode().decode().endswith(f": {kept}")
     transport.publisher(NAV, peer("/nav"))(twist(1.0))
-    why = host.guarded[0].pipeline.tallies["vflow1"].last.reason
+    why = host.streams[0].pipeline.tallies["vflow1"].last.reason
     assert f"({kept})" in why.encode().decode()
 
 
 @pytest.fixture
 def door(tmp_path):
     """A loop in a thread of its own, with a door that tells what it was asked."""
-    loop = Loop()
+    loop = EventLoop()
     path = tmp_path / "door" / "guard.sock"
-    control = Control(loop, path, lambda who, request: {"who": who, **request})
+    control = ControlSocket(loop, path, lambda who, request: {"who": who, **request})
     thread = threading.Thread(target=loop.run)
     thread.start()
     yield path
@@ -199,26 +204,26 @@ def test_only_the_guard_s_user_can_reach_the_door(door):
 def test_a_folder_that_others_may_enter_is_refused(tmp_path):
     folder = tmp_path / "open"
     folder.mkdir(mode=0o755)
-    loop = Loop()
+    loop = EventLoop()
     with pytest.raises(SourceError, match="others may enter"):
-        Control(loop, folder / "guard.sock", lambda who, request: {})
+        ControlSocket(loop, folder / "guard.sock", lambda who, request: {})
     loop.close()
 
 
 @pytest.fixture
-def open_door(tmp_path):
+def open_control_socket(tmp_path):
     """Return what opens a door at one path, which nobody serves."""
-    loop = Loop()
+    loop = EventLoop()
     (tmp_path / "door").mkdir(mode=0o700)
     path = tmp_path / "door" / "guard.sock"
-    yield lambda: Control(loop, path, lambda who, request: {}), path
+    yield lambda: ControlSocket(loop, path, lambda who, request: {}), path
     loop.close()
 
 
 def test_a_second_guard_leaves_the_door_to_the_first(door):
-    loop = Loop()
+    loop = EventLoop()
     with pytest.raises(SourceError, match=f"another guard listens at {door}") as refused:
-        Control(loop, door, lambda who, request: {})
+        ControlSocket(loop, door, lambda who, request: {})
     loop.close()
     assert "--control" in refused.value.help
     assert talk(door, b'{"a": 1}\n')
@@ -234,8 +239,8 @@ def full(caller, path):
     return False
 
 
-def test_a_guard_that_hears_nobody_out_is_there_all_the_same(open_door):
-    control, path = open_door
+def test_a_guard_that_hears_nobody_out_is_there_all_the_same(open_control_socket):
+    control, path = open_control_socket
     first = control()
     callers = []
     while not (callers and full(callers[-1], path)):
@@ -247,8 +252,8 @@ def test_a_guard_that_hears_nobody_out_is_there_all_the_same(open_door):
     first.close()
 
 
-def test_a_socket_that_a_guard_left_behind_is_replaced(open_door):
-    control, path = open_door
+def test_a_socket_that_a_guard_left_behind_is_replaced(open_control_socket):
+    control, path = open_control_socket
     with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as gone:
         gone.bind(str(path))
     made = control()
@@ -258,16 +263,16 @@ def test_a_socket_that_a_guard_left_behind_is_replaced(open_door):
     assert not path.exists()
 
 
-def test_what_is_no_socket_is_not_replaced(open_door):
-    control, path = open_door
+def test_what_is_no_socket_is_not_replaced(open_control_socket):
+    control, path = open_control_socket
     path.write_text("mine")
     with pytest.raises(SourceError, match="in use"):
         control()
     assert path.read_text() == "mine"
 
 
-def test_at_its_end_a_guard_removes_only_its_own_socket(open_door):
-    control, path = open_door
+def test_at_its_end_a_guard_removes_only_its_own_socket(open_control_socket):
+    control, path = open_control_socket
     first = control()
     path.unlink()
     second = control()
@@ -279,16 +284,16 @@ def test_at_its_end_a_guard_removes_only_its_own_socket(open_door):
 
 
 def test_a_path_that_is_too_long_for_a_socket_is_refused(tmp_path):
-    loop = Loop()
+    loop = EventLoop()
     (tmp_path / "door").mkdir(mode=0o700)
     with pytest.raises(SourceError, match="too long") as refused:
-        Control(loop, tmp_path / "door" / ("x" * 108), lambda who, request: {})
+        ControlSocket(loop, tmp_path / "door" / ("x" * 108), lambda who, request: {})
     loop.close()
     assert refused.value.help == "choose --control PATH"
 
 
-def test_a_guard_tells_where_it_listens(open_door, caplog):
-    control, path = open_door
+def test_a_guard_tells_where_it_listens(open_control_socket, caplog):
+    control, path = open_control_socket
     with caplog.at_level(logging.INFO):
         control().close()
     assert caplog.messages == [f"listening for overrides at {path}"]
@@ -307,9 +312,11 @@ def test_a_guard_whose_door_cannot_be_opened_guards_without_one(monkeypatch, tmp
     open_to_all = tmp_path / "open"
     open_to_all.mkdir(mode=0o755)
     monkeypatch.setenv("XDG_RUNTIME_DIR", str(open_to_all))
-    loop, small = Loop(), plan(PolicyName.CONSTRAIN, VELOCITY, max_vel_limit=0.2)
-    assert runner._door(loop, small, None, lambda who, request: {}) is None
+    loop, small = EventLoop(), plan(PolicyName.CONSTRAIN, VELOCITY, max_vel_limit=0.2)
+    assert runner._open_control_socket(loop, small, None, lambda who, request: {}) is None
     assert "no overrides" in caplog.text
     with pytest.raises(SourceError):
-        runner._door(loop, small, open_to_all / "guard.sock", lambda who, request: {})
+        runner._open_control_socket(
+            loop, small, open_to_all / "guard.sock", lambda who, request: {}
+        )
     loop.close()

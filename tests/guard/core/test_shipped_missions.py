@@ -58,7 +58,9 @@ def test_the_paper_s_eight_examples_and_its_case_are_there():
 def test_nothing_is_allowed_while_nobody_tells_what_is_going_on(name):
     """Unless a rule is about the action alone, or about somebody who was seen."""
     started = app(name)
-    blocking = [each for each in started.host.senses.mission.standings.values() if each.blocks]
+    blocking = [
+        each for each in started.host.observations.mission.statuses.values() if each.is_blocking
+    ]
     assert blocking
 
 
@@ -96,10 +98,10 @@ def test_limited_weight(weight, lifts):
     ("percentage", "status", "anywhere"),
     [(0.9, 2, 1), (0.2, 2, 1), (0.19, 2, 0), (0.1, 1, 1), (float("nan"), 2, 0)],
 )
-def test_recharge(percentage, status, anywhere):
+def test_recharge(percentage, status, controller_on_each_database):
     robot = app("recharge")
     robot.event("/battery_state", percentage=percentage, power_supply_status=status)
-    assert robot.act("orders", **at(5.0, 5.0)) is bool(anywhere)
+    assert robot.act("orders", **at(5.0, 5.0)) is bool(controller_on_each_database)
     assert robot.act("orders", **at(0.5, 0.5))
 
 

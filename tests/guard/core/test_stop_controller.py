@@ -7,13 +7,13 @@ import pytest
 from streams import peer, stage, stream
 from velocity_messages import speeds, twist
 
-from rtron.guard.core.coordinator import Host
-from rtron.guard.core.observations import Senses
+from rtron.guard.core.coordinator import Coordinator
+from rtron.guard.core.observations import Observations
 from rtron.guard.transport.common.memory import MemoryTransport
-from rtron.vocabulary import SECOND, Flow, Mode, OnSilence, Stop, StreamKind
+from rtron.vocabulary import SECOND, Flow, Mode, OnSilence, StopProfile, StreamKind
 
 OUT, NAV, TELEOP = "/rtron/cmd_vel/out", "/rtron/cmd_vel/flow1", "/rtron/cmd_vel/flow2"
-STOP = Stop(decel=2.0, angular_decel=4.0, period=SECOND // 10, repeat=SECOND // 2)
+STOP = StopProfile(decel=2.0, angular_decel=4.0, period=SECOND // 10, repeat=SECOND // 2)
 FLOWS = (
     Flow(name="flow1", publisher="/nav", priority=2, silent_after=SECOND // 4),
     Flow(name="flow2", publisher="/teleop", priority=1, on_silence=OnSilence.RELEASE),
@@ -23,7 +23,7 @@ FLOWS = (
 def guarded(flows=FLOWS, **more):
     transport = MemoryTransport()
     wanted = stream(stage(flows=flows), flows=flows, stop=STOP, **more)
-    host = Host(transport, (wanted,), Senses())
+    host = Coordinator(transport, (wanted,), Observations())
     host.open()
     driver = transport.listen(OUT) if OUT in transport.outputs else []
     return transport, host, driver
@@ -78,7 +78,7 @@ def test_who_rests_is_not_stopped():
     transport.publisher(NAV, peer("/nav"))(twist(0.0))
     transport.advance(10 * SECOND)
     assert len(driver) == 1
-    assert host.guarded[0].stopper.stops == 0
+    assert host.streams[0].stop_controller.stop_count == 0
 
 
 @pytest.mark.parametrize("bad", [b"", b"\x00", twist(float("nan")), twist(1.0) + b"\x00"])
@@ -88,7 +88,7 @@ def test_what_cannot_be_read_is_stopped_at_once(bad):
     transport.advance(5 * SECOND)
     assert set(speeds(driver[1:])) == {(0.0, 0.0)}
     assert len(driver) == 6
-    assert host.guarded[0].stopper.stops == 1
+    assert host.streams[0].stop_controller.stop_count == 1
 
 
 def test_a_released_flow_is_left_alone():
@@ -105,14 +105,14 @@ def test_only_an_enforced_velocity_is_stopped(more):
     transport.publisher("/cmd_vel", peer("/nav"))(twist(1.0))
     transport.advance(10 * SECOND)
     assert not speeds(driver)
-    assert host.guarded[0].stopper.stops == 0
+    assert host.streams[0].stop_controller.stop_count == 0
 
 
 def test_a_state_is_not_stopped():
     flows = FLOWS
     transport = MemoryTransport()
     state = stream(stage(flows=flows, kind=StreamKind.STATE), flows=flows, stop=STOP)
-    Host(transport, (state,)).open()
+    Coordinator(transport, (state,)).open()
     driver = transport.listen(OUT)
     transport.publisher(NAV, peer("/nav"))(twist(1.0))
     transport.advance(10 * SECOND)
@@ -122,7 +122,7 @@ def test_a_state_is_not_stopped():
 def test_a_killed_coordination_node_stops_the_robot():
     transport, host, driver = guarded()
     transport.publisher(NAV, peer("/nav"))(twist(1.0))
-    host.killed("/rtron/grcn_cmd_vel", "a test")
+    host.shut_down_node("/rtron/grcn_cmd_vel", "a test")
     assert [x for x, _ in speeds(driver)] == pytest.approx([1.0, 0.8])
     transport.publisher(NAV, peer("/nav"))(twist(1.0))
     transport.advance(5 * SECOND)
@@ -148,7 +148,7 @@ def test_an_internal_error_drops_the_message_and_stops_the_robot(monkeypatch):
     def fail(*_):
         raise RuntimeError("a fault of ours")
 
-    policy = host.guarded[0].pipeline.policies[0]
+    policy = host.streams[0].pipeline.policies[0]
     monkeypatch.setattr(type(policy), "verdict", fail)
     nav(twist(2.0))
     assert [x for x, _ in speeds(driver)] == pytest.approx([1.0, 0.8])

@@ -3,7 +3,7 @@
 import pytest
 from streams import peer, stage, stream
 
-from rtron.guard.core.coordinator import Host
+from rtron.guard.core.coordinator import Coordinator
 from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.vocabulary import SECOND, PolicyName, StreamKind
 
@@ -26,7 +26,7 @@ def mode(policy, **more):
     """Guard /mode, a state; return the transport."""
     made = stream(stage(policy=policy, kind=StreamKind.STATE), topic="/mode", **more)
     transport = Waits()
-    Host(transport, [made]).open()
+    Coordinator(transport, [made]).open()
     return transport
 
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from rtron.guard.complaints import Complaints
+from rtron.guard.complaints import UnreadableInputAlarms
 from rtron.guard.core.alarms import Alarms
 from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.vocabulary import SECOND, AlarmKind
@@ -22,44 +22,44 @@ def alarms():
 
 @pytest.fixture
 def complaints(alarms, memory):
-    return Complaints(alarms, memory)
+    return UnreadableInputAlarms(alarms, memory)
 
 
 def test_it_is_one_alarm_whatever_differs_behind_the_colon(complaints, alarms):
-    complaints.take("/a", "/evil", "a message is dropped: 3 bytes follow")
-    complaints.take("/a", "/evil", "a message is dropped: 9 bytes follow")
-    (alarm,) = alarms.standing
+    complaints.report("/a", "/evil", "a message is dropped: 3 bytes follow")
+    complaints.report("/a", "/evil", "a message is dropped: 9 bytes follow")
+    (alarm,) = alarms.active
     assert (alarm.kind, alarm.topic, alarm.peer) == (AlarmKind.UNREADABLE, "/a", "/evil")
     assert alarm.reason == "/a: /evil a message is dropped"
 
 
 def test_it_is_settled_when_nothing_was_wrong_for_a_while(complaints, alarms, memory):
-    complaints.take("/a", "/evil", "is of another type")
+    complaints.report("/a", "/evil", "is of another type")
     memory.advance(CALM - 1)
-    assert alarms.standing
+    assert alarms.active
     memory.advance(1)
-    assert not alarms.standing
+    assert not alarms.active
 
 
 def test_it_stands_as_long_as_it_goes_on(complaints, alarms, memory):
     for _ in range(5):
-        complaints.take("/a", "/evil", "is of another type")
+        complaints.report("/a", "/evil", "is of another type")
         memory.advance(CALM - 1)
-    assert alarms.standing
+    assert alarms.active
     assert alarms.raised == 1
     memory.advance(CALM)
-    assert not alarms.standing
+    assert not alarms.active
 
 
 def test_who_has_no_name_is_told_too_and_names_are_shortened(complaints, alarms):
-    complaints.take("/a", "", "is of another type")
-    complaints.take("/a", "/" + "n" * 1000, "is of another type")
-    first, second = alarms.standing
+    complaints.report("/a", "", "is of another type")
+    complaints.report("/a", "/" + "n" * 1000, "is of another type")
+    first, second = alarms.active
     assert first.reason == "/a: a node without a name is of another type"
     assert len(second.reason) == 300
 
 
 def test_many_strangers_do_not_fill_the_memory(complaints, alarms):
     for number in range(1000):
-        complaints.take("/a", f"/evil{number}", "is of another type")
-    assert len(alarms.standing) == 64
+        complaints.report("/a", f"/evil{number}", "is of another type")
+    assert len(alarms.active) == 64

@@ -7,8 +7,8 @@ import pytest
 from streams import peer
 from velocity_messages import FLOAT64, IMAGE, float64, floats, image, speeds, twist
 
-from rtron.guard.core.coordinator import Host
-from rtron.guard.core.observations import senses_of
+from rtron.guard.core.coordinator import Coordinator
+from rtron.guard.core.observations import observations_of
 from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.vocabulary import (
     MSRCN,
@@ -18,14 +18,14 @@ from rtron.vocabulary import (
     Flow,
     FpsMonitor,
     GuardedTopic,
+    MissionRule,
     Mode,
     OnError,
     OnSilence,
     Plan,
     PolicyName,
-    Rule,
     WatchedFlow,
-    streams,
+    build_streams,
 )
 
 NAV = "/rtron/cmd_vel/vflow1"
@@ -53,7 +53,7 @@ def plan(policy, *vflows, **more):
 
 def guarded(wanted):
     transport = MemoryTransport()
-    host = Host(transport, streams(wanted), senses_of(wanted))
+    host = Coordinator(transport, build_streams(wanted), observations_of(wanted))
     host.open()
     return transport, host
 
@@ -74,7 +74,7 @@ def test_a_velocity_above_the_user_s_limit_is_scaled_as_a_whole():
     nav(twist(0.5, turn=9.0))
     nav(twist(-2.0, turn=1.0))
     assert speeds(driver) == [(0.5, 9.0), (-0.5, 0.25)]
-    tally = host.guarded[0].pipeline.tallies["vflow1"]
+    tally = host.streams[0].pipeline.tallies["vflow1"]
     assert (tally.passed, tally.modified) == (1, 1)
     assert tally.last.reason == "limited to 0.5 m/s (max_vel_limit)"
 
@@ -99,7 +99,7 @@ def test_what_is_no_velocity_never_passes(bad):
     driver = transport.listen("/rtron/max_vel/out")
     transport.publisher("/rtron/max_vel/vflow1", peer("/decider", FLOAT64))(bad)
     assert driver == []
-    assert host.guarded[0].pipeline.tallies["vflow1"].last.error
+    assert host.streams[0].pipeline.tallies["vflow1"].last.error
 
 
 def test_a_type_that_holds_no_velocity_never_passes():
@@ -108,7 +108,7 @@ def test_a_type_that_holds_no_velocity_never_passes():
     driver = transport.listen("/rtron/max_vel/out")
     transport.publisher("/rtron/max_vel/vflow1", peer("/decider", IMAGE))(float64(1.0))
     assert driver == []
-    assert "no velocity" in host.guarded[0].pipeline.tallies["vflow1"].last.reason
+    assert "no velocity" in host.streams[0].pipeline.tallies["vflow1"].last.reason
 
 
 def test_the_limit_follows_the_frame_rate():
@@ -139,7 +139,7 @@ def test_a_silent_image_node_stops_the_robot_on_a_ramp_and_keeps_it_at_rest():
     transport.advance(SECOND // 2)
     assert speeds(driver)[-1] == (0.0, 0.0)
     assert max(x for x, _ in speeds(driver)[len(slowed) :]) < slowed[-1]
-    assert "fps_cam is silent" in host.guarded[0].pipeline.tallies["vflow1"].last.reason
+    assert "fps_cam is silent" in host.streams[0].pipeline.tallies["vflow1"].last.reason
 
 
 def test_nothing_moves_before_the_first_frame():
@@ -193,7 +193,7 @@ def test_a_frame_that_is_sent_again_is_not_a_new_one():
     for number in range(40):
         transport.advance(SECOND // 40)
         say(image(1 + number // 4))
-    assert host.senses.rates.least(transport.now()).fps == pytest.approx(10)
+    assert host.observations.rates.lowest_rate(transport.now()).fps == pytest.approx(10)
 
 
 def test_the_rate_is_not_above_the_camera_s():
@@ -207,7 +207,7 @@ def test_the_rate_is_not_above_the_camera_s():
         detector(image(transport.now()))
         if number % 2:
             raw(image(transport.now()))
-    assert host.senses.rates.least(transport.now()).fps == pytest.approx(10)
+    assert host.observations.rates.lowest_rate(transport.now()).fps == pytest.approx(10)
 
 
 def test_the_rate_is_published_and_told():
@@ -233,7 +233,7 @@ def test_what_cannot_be_judged_stops_the_robot_where_the_plan_says_so(on_error, 
     nav(twist(float("nan")))
     transport.advance(0)
     assert len(driver) == 1 + stops
-    assert host.guarded[0].stopper.stops == stops
+    assert host.streams[0].stop_controller.stop_count == stops
 
 
 def test_a_rule_keeps_a_maximal_velocity_from_rising_again_but_not_from_falling():
@@ -244,7 +244,7 @@ def test_a_rule_keeps_a_maximal_velocity_from_rising_again_but_not_from_falling(
         policy=PolicyName.BLOCK,
         aflows=(replace(MAX_VEL, flows=(Flow(name="aflow1", publisher="/decider"),)),),
         eflows=(gone,),
-        rules=(Rule(name="blind", when="gone", block=("/max_vel",)),),
+        rules=(MissionRule(name="blind", when="gone", block=("/max_vel",)),),
     )
     wanted = replace(plan(PolicyName.SAFE, MAX_VEL, threshold=0.05), msrcn=msrcn)
     transport, _ = guarded(wanted)
@@ -275,7 +275,7 @@ def test_a_velocity_in_force_is_slowed_down_when_the_limit_falls_and_never_sped_
     assert all(one > other for (one, _), (other, _) in pairwise(told))
     assert told[-1][0] <= 0.25
     assert all(turn == pytest.approx(x / 3) for x, turn in told)
-    assert host.guarded[0].stopper.stops == 0
+    assert host.streams[0].stop_controller.stop_count == 0
 
 
 def test_who_rests_is_not_set_in_motion_by_a_limit():
@@ -298,7 +298,7 @@ def test_an_observing_rsrcn_counts_what_it_would_limit():
     nav = transport.publisher("/cmd_vel", peer("/nav"))
     nav(twist(0.1))
     nav(twist(2.0))
-    tally = host.guarded[0].pipeline.tallies["vflow1"]
+    tally = host.streams[0].pipeline.tallies["vflow1"]
     assert (tally.passed, tally.modified, tally.dropped) == (1, 1, 0)
 
 

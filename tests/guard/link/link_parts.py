@@ -15,9 +15,9 @@ from rtron.wire.common.link_protocol import (
     Events,
     Hello,
     Stored,
-    event_bytes,
-    from_guard,
-    service_bytes,
+    decode_from_guard,
+    encode_event,
+    encode_to_guard,
 )
 
 TOKEN = "rtron_secret"
@@ -27,8 +27,8 @@ def event(number, run="run", kind=EventKind.VERDICT, **values):
     return GuardEvent(run=run, number=number, at=number, kind=kind, **values)
 
 
-def written(*events):
-    return [(each, event_bytes(each)) for each in events]
+def encoded_events(*events):
+    return [(each, encode_event(each)) for each in events]
 
 
 def hello(run="run", **values):
@@ -64,7 +64,7 @@ class Service:
         return [message for message in self.heard if isinstance(message, kind)]
 
     def say(self, message):
-        self.socket.send(service_bytes(message).decode())
+        self.socket.send(encode_to_guard(message).decode())
 
     def serve(self, socket):
         self.socket = socket
@@ -74,7 +74,7 @@ class Service:
 
     def _hear(self, socket):
         for frame in socket:
-            message = from_guard(frame)
+            message = decode_from_guard(frame)
             self.heard.append(message)
             if isinstance(message, Events) and self.confirms:
                 last = message.events[-1]
@@ -98,7 +98,7 @@ def serving(service):
 
 
 @contextlib.contextmanager
-def relaying(made):
+def running_relay(made):
     """Run a link process's relay in a thread of its own."""
     started, found = threading.Event(), []
 

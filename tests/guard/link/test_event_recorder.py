@@ -3,9 +3,9 @@
 import pytest
 from settings_app import GENERAL, WALL, Base, flow, limit
 
-from rtron.guard.link.event_counter import RunCounter
-from rtron.guard.link.event_recorder import Recorder
-from rtron.vocabulary import Alarm, AlarmKind, Decision, EventKind, Level, PolicyName
+from rtron.guard.link.event_counter import EventCounter
+from rtron.guard.link.event_recorder import EventRecorder
+from rtron.vocabulary import Alarm, AlarmKind, Decision, EventKind, GuardEventLevel, PolicyName
 
 
 class Told(list):
@@ -28,8 +28,8 @@ def base():
 @pytest.fixture
 def told(base, tmp_path):
     told = Told()
-    base.recorder = Recorder(
-        base.host, RunCounter(tmp_path, "run"), "run", told.append, told.has_place, lambda: WALL
+    base.recorder = EventRecorder(
+        base.host, EventCounter(tmp_path, "run"), "run", told.append, told.has_place, lambda: WALL
     )
     base.recorder.watch()
     return told
@@ -70,9 +70,9 @@ def test_verdicts_that_repeat_are_told_once_and_counted(base, told):
 @pytest.mark.parametrize(
     ("settings", "speed", "node", "decision", "level"),
     [
-        (flow("flow1", block=True), 1.0, "grcn", Decision.DROP, Level.WARNING),
-        (limit(0.5), 1.0, "rsrcn", Decision.MODIFY, Level.WARNING),
-        (limit(0.5), float("nan"), "rsrcn", Decision.DROP, Level.ERROR),
+        (flow("flow1", block=True), 1.0, "grcn", Decision.DROP, GuardEventLevel.WARNING),
+        (limit(0.5), 1.0, "rsrcn", Decision.MODIFY, GuardEventLevel.WARNING),
+        (limit(0.5), float("nan"), "rsrcn", Decision.DROP, GuardEventLevel.ERROR),
     ],
 )
 def test_a_refusal_names_its_coordination_node(base, told, settings, speed, node, decision, level):
@@ -89,7 +89,7 @@ def test_a_rule_that_begins_to_block_is_told_and_stops_the_robot(base, told):
     rule = told.of(EventKind.RULE)[-1]
     assert (rule.node, rule.level, rule.values) == (
         "msrcn",
-        Level.WARNING,
+        GuardEventLevel.WARNING,
         {"rule": "red_light", "blocks": True},
     )
     assert "the light is red" in rule.reason
@@ -100,13 +100,13 @@ def test_a_rule_that_begins_to_block_is_told_and_stops_the_robot(base, told):
 
 
 def test_alarms_are_told_when_they_are_raised_and_when_they_are_over(base, told):
-    alarm = Alarm(kind=AlarmKind.GHOST, reason="a ghost", topic="/cmd_vel")
+    alarm = Alarm(kind=AlarmKind.UNREGISTERED_PUBLISHER, reason="a ghost", topic="/cmd_vel")
     base.host.alarms.raise_(alarm, 0)
     base.host.alarms.raise_(alarm, 1)
-    base.host.alarms.settle(alarm)
+    base.host.alarms.clear(alarm)
     assert [(each.kind, each.level) for each in told] == [
-        (EventKind.ALARM, Level.ERROR),
-        (EventKind.SETTLED, Level.INFO),
+        (EventKind.ALARM, GuardEventLevel.ERROR),
+        (EventKind.ALARM_CLEARED, GuardEventLevel.INFO),
     ]
     assert told[0].values["kind"] == "ghost publisher"
 
@@ -127,7 +127,7 @@ def test_what_finds_no_place_is_told_as_lost_once_there_is_place(base, told):
 
 
 def test_reasons_of_strangers_are_cut(base, told):
-    base.host.alarms.raise_(Alarm(kind=AlarmKind.GHOST, reason="x" * 5000), 0)
+    base.host.alarms.raise_(Alarm(kind=AlarmKind.UNREGISTERED_PUBLISHER, reason="x" * 5000), 0)
     assert len(told[0].reason) == 300
 
 
@@ -146,6 +146,6 @@ def test_the_state_tells_owner_speed_limit_and_delay(base, told):
 def test_an_alarm_that_stands_already_is_told_when_the_watch_begins(base, tmp_path):
     base.host.alarms.raise_(Alarm(kind=AlarmKind.DRIFT, reason="drift"), 0)
     told = Told()
-    counter = RunCounter(tmp_path, "run")
-    Recorder(base.host, counter, "run", told.append, told.has_place, lambda: WALL).watch()
+    counter = EventCounter(tmp_path, "run")
+    EventRecorder(base.host, counter, "run", told.append, told.has_place, lambda: WALL).start()
     assert [each.reason for each in told] == ["drift"]

@@ -7,13 +7,13 @@ import time
 
 import pytest
 from harness import wait_for
-from link_parts import TOKEN, Service, event, hello, options, relaying, serving
+from link_parts import TOKEN, Service, event, hello, options, running_relay, serving
 
 from rtron.errors import SourceError
-from rtron.guard.core.event_loop import Loop
-from rtron.guard.link.event_counter import RunCounter, former_runs
-from rtron.guard.link.link_client import MOST, Line
-from rtron.guard.link.settings_file import keep_settings, read_settings
+from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.link.event_counter import EventCounter, former_runs
+from rtron.guard.link.link_client import MAX_PENDING_EVENTS, LinkClient
+from rtron.guard.link.settings_file import read_settings, write_settings
 from rtron.vocabulary import (
     EmergencyStop,
     EventKind,
@@ -28,8 +28,8 @@ from rtron.wire.common.link_protocol import (
     Events,
     Hello,
     NewSettings,
-    State,
-    service_bytes,
+    StateReport,
+    encode_to_guard,
 )
 
 SETTINGS = Settings(revision=4, nodes={"grcn": NodeSettings(policy=PolicyName.BLOCK)})
@@ -39,17 +39,19 @@ class Guard:
     """A guard's end in a loop of its own, turned by whoever waits."""
 
     def __init__(self, made, run="run", revision=0):
-        self.loop = Loop()
+        self.loop = EventLoop()
         self.run, self.revision = run, revision
         self.settings = []
-        self.line = Line(self.loop, made.address, self.greeting, self.state, self.settings.append)
+        self.line = LinkClient(
+            self.loop, made.address, self.greeting, self.state, self.settings.append
+        )
         self.line.open()
 
     def greeting(self):
         return hello(self.run, settings=Settings(revision=self.revision))
 
     def state(self):
-        return State(state=GuardState(at=1, revision=self.revision))
+        return StateReport(state=GuardState(at=1, revision=self.revision))
 
     def until(self, condition, what):
         def turned():
@@ -73,7 +75,7 @@ def service():
 def made(tmp_path, service):
     made = options(tmp_path, service.url)
     yield made
-    shutil.rmtree(made.runs, ignore_errors=True)
+    shutil.rmtree(made.counter_folder, ignore_errors=True)
 
 
 @pytest.fixture
@@ -93,15 +95,15 @@ def kept(service, run):
 
 
 def test_events_reach_the_service_once_and_in_order(made, service, guard):
-    with relaying(made) as relay:
+    with running_relay(made) as relay:
         for number in range(1, 3001):
-            guard.line.tell(event(number))
+            guard.line.queue_event(event(number))
         guard.until(lambda: len(service.events()) >= 3000, "the events")
         guard.until(lambda: relay._spool.waiting == 0, "the service's word")
     assert numbers(service) == list(range(1, 3001))
     assert service.headers == [f"Bearer {TOKEN}"]
     assert [each.robot for each in service.of(Hello)] == ["r1"]
-    assert service.of(State)
+    assert service.of(StateReport)
 
 
 def test_events_wait_for_a_service_that_is_away(made, guard):
@@ -109,9 +111,9 @@ def test_events_wait_for_a_service_that_is_away(made, guard):
     with serving(away):
         pass
     made = options(made.state.parent, away.url)
-    with relaying(made) as relay:
+    with running_relay(made) as relay:
         for number in range(1, 11):
-            guard.line.tell(event(number))
+            guard.line.queue_event(event(number))
         guard.until(lambda: relay._spool.waiting == 10, "the events on disk")
         with serving(away):
             guard.until(lambda: numbers(away) == list(range(1, 11)), "the events")
@@ -119,8 +121,8 @@ def test_events_wait_for_a_service_that_is_away(made, guard):
 
 def test_what_was_not_confirmed_is_sent_again(made, service, guard):
     service.confirms = False
-    with relaying(made):
-        guard.line.tell(event(1))
+    with running_relay(made):
+        guard.line.queue_event(event(1))
         guard.until(lambda: numbers(service) == [1], "the event")
         service.confirms = True
         service.socket.close()
@@ -129,37 +131,37 @@ def test_what_was_not_confirmed_is_sent_again(made, service, guard):
 
 def test_events_wait_for_a_link_process_that_is_away(made, service, guard):
     for number in range(1, 6):
-        guard.line.tell(event(number))
-    with relaying(made):
+        guard.line.queue_event(event(number))
+    with running_relay(made):
         guard.until(lambda: numbers(service) == [1, 2, 3, 4, 5], "the events")
     for number in range(6, 9):
-        guard.line.tell(event(number))
-    with relaying(made):
+        guard.line.queue_event(event(number))
+    with running_relay(made):
         guard.until(lambda: numbers(service) == list(range(1, 9)), "the later events")
 
 
 def test_a_guard_keeps_no_more_than_it_may(made, guard):
-    assert guard.line.has_place
-    for number in range(1, MOST + 1):
-        guard.line.tell(event(number))
-    assert not guard.line.has_place
+    assert guard.line.has_capacity
+    for number in range(1, MAX_PENDING_EVENTS + 1):
+        guard.line.queue_event(event(number))
+    assert not guard.line.has_capacity
 
 
 def test_settings_reach_the_guard_and_the_disk(made, service, guard):
-    with relaying(made):
+    with running_relay(made):
         guard.until(lambda: service.of(Hello), "the greeting")
         service.say(NewSettings(settings=SETTINGS, now=time.time_ns()))
         guard.until(lambda: guard.settings, "the settings")
         assert guard.settings[0].settings == SETTINGS
         assert read_settings(made.settings_file, time.time_ns()) == SETTINGS
-        guard.line.say(Applied(revision=4))
+        guard.line.send(Applied(revision=4))
         guard.until(lambda: service.of(Applied), "the answer")
     assert service.of(Applied) == [Applied(revision=4)]
 
 
 def test_a_guard_that_returns_is_given_the_last_settings(made, service, guard):
-    keep_settings(made.settings_file, SETTINGS, 1)
-    with relaying(made):
+    write_settings(made.settings_file, SETTINGS, 1)
+    with running_relay(made):
         guard.until(lambda: guard.settings, "the settings")
         assert guard.settings[0].settings == SETTINGS
         guard.line.close()
@@ -171,25 +173,25 @@ def test_a_guard_that_returns_is_given_the_last_settings(made, service, guard):
 
 
 def test_refused_settings_are_not_kept(made, service, guard):
-    keep_settings(made.settings_file, Settings(revision=3), 1)
-    with relaying(made):
+    write_settings(made.settings_file, Settings(revision=3), 1)
+    with running_relay(made):
         guard.until(lambda: service.of(Hello), "the greeting")
         service.say(NewSettings(settings=SETTINGS, now=time.time_ns()))
         guard.until(lambda: len(guard.settings) == 2, "the settings")
-        guard.line.say(Applied(revision=4, error="no such flow"))
+        guard.line.send(Applied(revision=4, error="no such flow"))
         guard.until(lambda: service.of(Applied), "the answer")
     assert read_settings(made.settings_file, time.time_ns()) == Settings(revision=3)
 
 
 def test_a_stop_outlives_the_refusal_of_what_came_with_it(made, service, guard):
-    keep_settings(made.settings_file, Settings(revision=3), 1)
+    write_settings(made.settings_file, Settings(revision=3), 1)
     stop = EmergencyStop(by="ada", reason="smoke", at=3)
-    with relaying(made):
+    with running_relay(made):
         guard.until(lambda: service.of(Hello), "the greeting")
         settings = Settings(revision=4, nodes=SETTINGS.nodes, stop=stop)
         service.say(NewSettings(settings=settings, now=time.time_ns()))
         guard.until(lambda: len(guard.settings) == 2, "the settings")
-        guard.line.say(Applied(revision=4, error="no such flow"))
+        guard.line.send(Applied(revision=4, error="no such flow"))
         guard.until(lambda: service.of(Applied), "the answer")
     assert read_settings(made.settings_file, time.time_ns()) == Settings(revision=3, stop=stop)
 
@@ -199,11 +201,11 @@ def test_a_full_disk_keeps_no_stop_from_the_robot(made, service, guard, monkeypa
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr("rtron.guard.link.relay.keep_settings", full)
-    with relaying(made):
+    with running_relay(made):
         guard.until(lambda: service.of(Hello), "the greeting")
         service.say(NewSettings(settings=SETTINGS, now=time.time_ns()))
         guard.until(lambda: guard.settings, "the settings")
-        guard.line.say(Applied(revision=4))
+        guard.line.send(Applied(revision=4))
         guard.until(lambda: service.of(Applied), "the answer")
     assert "do not outlive" in caplog.text
 
@@ -212,8 +214,8 @@ def test_events_that_are_long_together_go_in_several_messages(made, service, gua
     text = "x" * 100_000
     service.confirms = False
     for number in range(1, 101):
-        guard.line.tell(event(number, kind=EventKind.COUNTS, values={"text": text}))
-    with relaying(made):
+        guard.line.queue_event(event(number, kind=EventKind.COUNTS, values={"text": text}))
+    with running_relay(made):
         guard.until(lambda: kept(service, "run") == list(range(1, 101)), "the events")
         service.heard.clear()
         service.confirms = True
@@ -225,19 +227,19 @@ def test_events_that_are_long_together_go_in_several_messages(made, service, gua
 def test_a_token_that_is_away_for_a_moment_ends_nothing(made, service, guard):
     token = made.token_file.read_text()
     made.token_file.unlink()
-    with relaying(made) as relay:
-        guard.until(lambda: relay._post._warned, "the failure")
-        assert "token create" not in relay._post._warned
+    with running_relay(made) as relay:
+        guard.until(lambda: relay._post._last_warning, "the failure")
+        assert "token create" not in relay._post._last_warning
         made.token_file.write_text(token)
         guard.until(lambda: service.of(Hello), "the greeting")
 
 
 def test_the_first_settings_refused_leave_none(made, service, guard):
-    with relaying(made):
+    with running_relay(made):
         guard.until(lambda: service.of(Hello), "the greeting")
         service.say(NewSettings(settings=SETTINGS, now=time.time_ns()))
         guard.until(lambda: guard.settings, "the settings")
-        guard.line.say(Applied(revision=4, error="no such flow"))
+        guard.line.send(Applied(revision=4, error="no such flow"))
         guard.until(lambda: service.of(Applied), "the answer")
     assert read_settings(made.settings_file, time.time_ns()) is None
 
@@ -245,7 +247,7 @@ def test_the_first_settings_refused_leave_none(made, service, guard):
 def test_an_override_ends_by_our_clock_whatever_the_services_says(made, service, guard):
     override = TimedOverride(by="ada", reason="docking", until=60_000_000_000)
     settings = Settings(revision=5, overrides={"rsrcn": override})
-    with relaying(made):
+    with running_relay(made):
         guard.until(lambda: service.of(Hello), "the greeting")
         before = time.time_ns()
         service.say(NewSettings(settings=settings, now=0))
@@ -256,13 +258,13 @@ def test_an_override_ends_by_our_clock_whatever_the_services_says(made, service,
 
 
 def test_what_a_killed_guard_took_with_it_is_told(made, service, guard):
-    counter = RunCounter(made.runs, "killed")
+    counter = EventCounter(made.counter_folder, "killed")
     for _ in range(7):
         counter.next()
     killed = Guard(made, "killed")
-    with relaying(made):
+    with running_relay(made):
         for number in range(1, 5):
-            killed.line.tell(event(number, "killed"))
+            killed.line.queue_event(event(number, "killed"))
         killed.until(lambda: numbers(service, "killed") == [1, 2, 3, 4], "the events")
         killed.close()
         returned = Guard(made, "next")
@@ -270,18 +272,18 @@ def test_what_a_killed_guard_took_with_it_is_told(made, service, guard):
         returned.close()
     lost = service.events()[-1]
     assert lost.values == {"events": 3, "run": "killed"}
-    assert not made.runs.exists()
+    assert not made.counter_folder.exists()
 
 
 def test_the_service_sees_that_the_guard_is_gone(made, service, guard):
-    with relaying(made):
-        guard.until(lambda: service.of(State), "the state")
+    with running_relay(made):
+        guard.until(lambda: service.of(StateReport), "the state")
         guard.close()
         wait_for(lambda: service.socket.close_code is not None, what="the end of the connection")
 
 
 def test_garbage_from_the_service_ends_the_connection_only(made, service, guard):
-    with relaying(made):
+    with running_relay(made):
         guard.until(lambda: service.of(Hello), "the first greeting")
         for text in ("{", "[]", json.dumps({"type": "settings"}), "x" * 10_000, "[" * 5000):
             heard = len(service.of(Hello))
@@ -291,7 +293,7 @@ def test_garbage_from_the_service_ends_the_connection_only(made, service, guard)
 
 
 def test_garbage_from_a_guard_ends_its_connection_only(made, service, guard):
-    with relaying(made):
+    with running_relay(made):
         guard.until(lambda: service.of(Hello), "the greeting")
         with socket.socket(socket.AF_UNIX) as stranger:
             stranger.settimeout(10)
@@ -299,17 +301,17 @@ def test_garbage_from_a_guard_ends_its_connection_only(made, service, guard):
             stranger.sendall(b"nonsense\n")
             assert stranger.recv(1) == b""
         guard.until(lambda: guard.line._sock, "the guard's return")
-        guard.line.tell(event(1))
+        guard.line.queue_event(event(1))
         guard.until(lambda: numbers(service) == [1], "the event")
 
 
 def test_two_guards_do_not_share_a_state(made, service, guard, caplog):
-    with relaying(made):
+    with running_relay(made):
         guard.until(lambda: service.of(Hello), "the greeting")
         other = Guard(made, "other")
         other.until(lambda: "give each its own --state" in caplog.text, "the refusal")
         guard.line.close()
-        other.line.tell(event(1, "other"))
+        other.line.queue_event(event(1, "other"))
         other.until(lambda: numbers(service, "other") == [1], "the event of the other one")
         other.close()
     assert [each.run for each in service.of(Hello)] == ["run", "other"]
@@ -317,17 +319,17 @@ def test_two_guards_do_not_share_a_state(made, service, guard, caplog):
 
 def test_what_a_killed_guard_said_last_is_read_before_the_next_one_speaks(made, service):
     killed = Guard(made, "killed")
-    with relaying(made):
+    with running_relay(made):
         killed.until(lambda: service.of(Hello), "the greeting")
-        counter = RunCounter(made.runs, "killed")
+        counter = EventCounter(made.counter_folder, "killed")
         for _ in range(200):
-            killed.line.tell(event(counter.next(), "killed"))
-        killed.line._gathered()
+            killed.line.queue_event(event(counter.next(), "killed"))
+        killed.line._send_batch()
         counter.next()
         killed.close()
         returned = Guard(made, "next")
         returned.until(lambda: len(service.of(Hello)) == 2, "the next greeting")
-        returned.line.tell(event(1, "next"))
+        returned.line.queue_event(event(1, "next"))
         returned.until(lambda: numbers(service, "next") == [1], "the next event")
         returned.close()
     assert kept(service, "killed") == list(range(1, 201))
@@ -336,10 +338,10 @@ def test_what_a_killed_guard_said_last_is_read_before_the_next_one_speaks(made, 
 
 
 def test_two_link_processes_do_not_share_a_state(made):
-    with relaying(made) as relay:
+    with running_relay(made) as relay:
         wait_for(lambda: listens(made), what="the first link process")
         with pytest.raises(SourceError, match="another link process"):
-            relay._listening()
+            relay._bind()
 
 
 def listens(made):
@@ -357,9 +359,9 @@ def test_settings_that_cannot_be_read_are_none(tmp_path, text):
 def test_settings_are_kept_whole(tmp_path):
     path = tmp_path / "settings.json"
     stop = EmergencyStop(by="ada", reason="smoke", at=3)
-    keep_settings(path, Settings(revision=9, stop=stop), 7)
+    write_settings(path, Settings(revision=9, stop=stop), 7)
     assert read_settings(path, 7) == Settings(revision=9, stop=stop)
-    message = service_bytes(NewSettings(settings=Settings(revision=9, stop=stop), now=7))
+    message = encode_to_guard(NewSettings(settings=Settings(revision=9, stop=stop), now=7))
     assert path.read_bytes() == message
     assert [each.name for each in tmp_path.iterdir()] == ["settings.json"]
 
@@ -368,13 +370,13 @@ def test_no_override_goes_on_by_a_clock_that_was_set_back(tmp_path):
     path = tmp_path / "settings.json"
     override = TimedOverride(by="ada", reason="docking", until=9)
     settings = Settings(revision=5, overrides={"rsrcn": override})
-    keep_settings(path, settings, 7)
+    write_settings(path, settings, 7)
     assert read_settings(path, 7) == settings
     assert read_settings(path, 6) == Settings(revision=5)
 
 
 def test_a_run_that_cannot_be_kept_is_counted_all_the_same(tmp_path, caplog):
-    counter = RunCounter(tmp_path / "none", "run")
+    counter = EventCounter(tmp_path / "none", "run")
     assert [counter.next(), counter.next()] == [1, 2]
     assert "will not be counted" in caplog.text
     assert list(former_runs(tmp_path / "none", "run")) == []

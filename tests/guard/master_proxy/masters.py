@@ -5,8 +5,8 @@ import threading
 from contextlib import ExitStack, contextmanager
 from xmlrpc.server import SimpleXMLRPCServer
 
-from rtron.guard.core.event_loop import Loop
-from rtron.guard.master_proxy.server import Proxy
+from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.master_proxy.server import MasterProxy
 from rtron.guard.transport.ros1.tcp_server import TcpServer
 
 
@@ -65,12 +65,12 @@ def running(loop):
 
 
 @contextmanager
-def fenced(topics, private):
+def running_proxy(topics, private):
     """Put a fence before the master at `private`; yields the fence's address."""
     with ExitStack() as stack:
-        loop = Loop()
+        loop = EventLoop()
         stack.callback(loop.close)
-        proxy = Proxy(loop, topics, private, "http://public:11311/")
+        proxy = MasterProxy(loop, topics, private, "http://public:11311/")
         server = TcpServer(loop, "127.0.0.1", proxy.accept)
         with running(loop):
             yield f"http://127.0.0.1:{server.port}/"
@@ -91,7 +91,7 @@ def raw(uri, data, *, limit_s=10, shut=True):
     return b"".join(parts)
 
 
-def posted(body, more=""):
+def http_post(body, more=""):
     """Return an HTTP request with a body."""
     head = f"POST /RPC2 HTTP/1.1\r\nHost: x\r\nContent-Length: {len(body)}\r\n{more}\r\n"
     return head.encode() + body

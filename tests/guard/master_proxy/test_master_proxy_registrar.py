@@ -6,7 +6,7 @@ import pytest
 from harness import wait_for
 from masters import Master, running, serving
 
-from rtron.guard.core.event_loop import Loop
+from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.transport.ros1 import registrar as registrars
 from rtron.guard.transport.ros1.middleware import Ros1Transport
 
@@ -33,7 +33,7 @@ def said(caplog):
 
 
 def test_a_refused_registration_is_an_error_in_the_log_once_for_each_text(said):
-    fence, loop = Fence(), Loop()
+    fence, loop = Fence(), EventLoop()
     with serving(fence) as uri:
         transport = Ros1Transport(loop, uri, "127.0.0.1")
         for node in NODES:
@@ -48,14 +48,14 @@ def test_a_refused_registration_is_an_error_in_the_log_once_for_each_text(said):
 
 
 def test_what_is_said_of_refusals_is_bounded(said):
-    refused = registrars._Refused()
+    refused = registrars._RefusalLog()
     for number in range(1000):
-        refused.note(f"refused by {number}")
-    assert len(said()) == len(refused._said) == 16
+        refused.log_once(f"refused by {number}")
+    assert len(said()) == len(refused._logged_at) == 16
 
 
 def test_a_master_that_is_not_there_is_no_refusal(said):
-    loop = Loop()
+    loop = EventLoop()
     with serving(Fence()) as uri:
         pass
     transport = Ros1Transport(loop, uri, "127.0.0.1")

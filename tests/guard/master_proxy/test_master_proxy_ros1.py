@@ -19,7 +19,7 @@ from driven_base import (
 from fenced_master import start
 from harness import named, wait_for
 from plans import grcn, plan_of
-from rostopic import TWIST, Heard, say
+from rostopic import TWIST, TopicEcho, say
 
 from rtron.errors import RTronError
 from rtron.planning.plan_file.writer import write_plan
@@ -198,7 +198,7 @@ def test_late_successors_hear_what_the_guard_lets_through(ros1):
     say(inside, "nav", FLOW1, TYPE, TWIST % 7)
     inside.spawn("/usr/lib/topic_tools/relay", OUT, "/relayed", *named("/relay"))
     for name, topic in (("late", OUT), ("anybody", CMD_VEL), ("other", "/relayed")):
-        heard = Heard(inside, name, topic)
+        heard = TopicEcho(inside, name, topic)
         assert heard.wait_for(len, "velocities")[0][0] == 7
 
 

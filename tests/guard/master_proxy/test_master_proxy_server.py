@@ -10,17 +10,17 @@ import pytest
 from harness import wait_for
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from masters import Master, fenced, posted, raw, serving
+from masters import Master, http_post, raw, running_proxy, serving
 from plans import grcn, plan_of
 
 from rtron.errors import RTronError, WireError
 from rtron.guard.master_proxy import server
-from rtron.guard.master_proxy.access_rules import forbidden
-from rtron.guard.master_proxy.server import MOST_CALLERS, understood
-from rtron.vocabulary.topic_access import planned_topics
+from rtron.guard.master_proxy.access_rules import denial_reason
+from rtron.guard.master_proxy.server import MAX_CLIENTS, decode_calls
+from rtron.vocabulary.topic_access import list_topic_access
 from rtron.wire.ros1.xmlrpc import call, decode_call, ros_call
 
-TOPICS = planned_topics(plan_of(grcn("/cmd_vel", ["/nav"], ["/driver"])))
+TOPICS = list_topic_access(plan_of(grcn("/cmd_vel", ["/nav"], ["/driver"])))
 OUT, TYPE, URI = "/rtron/cmd_vel/out", "geometry_msgs/Twist", "http://localhost:9/"
 GET_PID = dumps(("/x",), "getPid").encode()
 
@@ -29,7 +29,7 @@ GET_PID = dumps(("/x",), "getPid").encode()
 def shared():
     """Return the fence and the master behind it, the same for many tests."""
     master = Master()
-    with serving(master) as private, fenced(TOPICS, private) as public:
+    with serving(master) as private, running_proxy(TOPICS, private) as public:
         yield public, master
 
 
@@ -127,12 +127,12 @@ def test_bundled_calls_fare_as_they_would_alone(public, master, calls):
     master.asked.clear()
     bundle = [{"methodName": method, "params": params} for method, params in calls]
     answers = call(public, "system.multicall", bundle, timeout=10)
-    expected = [bool(forbidden(TOPICS, *each)) for each in calls]
+    expected = [bool(denial_reason(TOPICS, *each)) for each in calls]
     assert [answer[0][1].startswith("refused") for answer in answers] == expected
     for method, params in master.asked:
         whole = method == "system.multicall"
         told = [(c["methodName"], c["params"]) for c in params[0]] if whole else [(method, params)]
-        assert not any(forbidden(TOPICS, *each) for each in told)
+        assert not any(denial_reason(TOPICS, *each) for each in told)
 
 
 @pytest.mark.parametrize(
@@ -161,14 +161,14 @@ def test_a_bundle_that_is_none_is_closed(public, master, bundle):
         b"\x00" * 99,
         b"GET / HTTP/1.1\r\nHost: x\r\n\r\n",
         b"\xff\r\n\r\n" * 9,
-        posted(b"<a>&bomb;"),
-        posted(b'<!DOCTYPE a [<!ENTITY b "c">]><methodCall/>'),
-        posted(b"<methodCall>" * 300),
-        posted(b"<methodCall><methodName>getPid</methodName></methodCall"),
-        posted(dumps((2**31 - 1,), "getPid").replace(str(2**31 - 1), "9" * 30).encode()),
-        posted(GET_PID).replace(b"Content-Length", b"Content-Lengt"),
-        posted(GET_PID, "Content-Length: 3\r\n"),
-        posted(GET_PID, "Transfer-Encoding: chunked\r\n"),
+        http_post(b"<a>&bomb;"),
+        http_post(b'<!DOCTYPE a [<!ENTITY b "c">]><methodCall/>'),
+        http_post(b"<methodCall>" * 300),
+        http_post(b"<methodCall><methodName>getPid</methodName></methodCall"),
+        http_post(dumps((2**31 - 1,), "getPid").replace(str(2**31 - 1), "9" * 30).encode()),
+        http_post(GET_PID).replace(b"Content-Length", b"Content-Lengt"),
+        http_post(GET_PID, "Content-Length: 3\r\n"),
+        http_post(GET_PID, "Transfer-Encoding: chunked\r\n"),
         b"POST / HTTP/1.1\r\nHost: x\r\nContent-Length: 99999999999\r\n\r\n" + b"a" * (1 << 18),
         b"POST / HTTP/1.1\r\n" + b"x: y\r\n" * 9999,
     ],
@@ -191,7 +191,7 @@ def test_a_body_over_the_bound_is_closed(public, master):
 def test_two_calls_at_once_on_one_connection_are_answered_in_order(public):
     said = raw(
         public,
-        posted(GET_PID) + posted(dumps(("/y",), "getPid").encode(), "Connection: close\r\n"),
+        http_post(GET_PID) + http_post(dumps(("/y",), "getPid").encode(), "Connection: close\r\n"),
         shut=False,
     )
     assert said.count(b"200") == 2
@@ -207,7 +207,7 @@ def test_a_connection_is_kept_for_the_next_call(public):
 @settings(max_examples=300, deadline=None, suppress_health_check=list(HealthCheck))
 @given(st.data())
 def test_whatever_arrives_is_closed_or_answered(public, master, data):
-    whole = posted(GET_PID)
+    whole = http_post(GET_PID)
     start = data.draw(st.integers(0, len(whole)))
     end = data.draw(st.integers(start, min(len(whole), start + 9)))
     put = data.draw(st.binary(max_size=9))
@@ -220,12 +220,12 @@ def test_whatever_arrives_is_closed_or_answered(public, master, data):
 @given(st.binary(max_size=60) | st.text(max_size=60).map(str.encode))
 def test_a_request_is_understood_or_refused(body):
     with contextlib.suppress(WireError):
-        understood(body)
+        decode_calls(body)
     params = b"<params><param><value>%b</value></param></params>"
     wrapped = b"<methodCall><methodName>m</methodName>%b</methodCall>" % params
     with contextlib.suppress(WireError):
         method, params = decode_call(wrapped % body)
-        calls = understood(wrapped % body)
+        calls = decode_calls(wrapped % body)
         assert decode_call(calls[0].body) == (method, params)
 
 
@@ -234,7 +234,7 @@ def test_callers_that_say_nothing_delay_nobody(public):
         port = int(public.rstrip("/").rpartition(":")[2])
         for number in range(200):
             sock = silent.enter_context(socket.create_connection(("127.0.0.1", port), 5))
-            sock.sendall(posted(GET_PID)[: number % 60])
+            sock.sendall(http_post(GET_PID)[: number % 60])
         assert ros_call(public, "getPid", "/x", timeout=5) == ["/x"]
 
 
@@ -242,7 +242,7 @@ def test_of_too_many_callers_the_one_silent_longest_is_let_go(public):
     port = int(public.rstrip("/").rpartition(":")[2])
     with contextlib.ExitStack() as silent:
         first = silent.enter_context(socket.create_connection(("127.0.0.1", port), 5))
-        for _ in range(MOST_CALLERS):
+        for _ in range(MAX_CLIENTS):
             silent.enter_context(socket.create_connection(("127.0.0.1", port), 5))
         assert first.recv(1) == b""
         assert ros_call(public, "getPid", "/x", timeout=5) == ["/x"]
@@ -251,7 +251,7 @@ def test_of_too_many_callers_the_one_silent_longest_is_let_go(public):
 def test_a_master_that_hangs_delays_only_who_asks_it():
     with socket.create_server(("127.0.0.1", 0)) as hanging:
         private = f"http://127.0.0.1:{hanging.getsockname()[1]}/"
-        with fenced(TOPICS, private) as public:
+        with running_proxy(TOPICS, private) as public:
             answers = []
             asks = threading.Thread(
                 target=lambda: answers.append(call(public, "getPid", "/x", timeout=30))
@@ -279,7 +279,7 @@ def test_a_master_that_says_no_sense_is_an_error(said):
 
         thread = threading.Thread(target=answer)
         thread.start()
-        with fenced((), f"http://127.0.0.1:{broken.getsockname()[1]}/") as public:
+        with running_proxy((), f"http://127.0.0.1:{broken.getsockname()[1]}/") as public:
             assert call(public, "getPid", "/x", timeout=5)[0] == -1
         thread.join()
 
@@ -290,7 +290,7 @@ def test_too_many_long_calls_at_once_are_closed_and_short_ones_answered(
 ):
     monkeypatch.setattr(server, "_MOST_LONG", most)
     port = int(public.rstrip("/").rpartition(":")[2])
-    long = posted(dumps(("/x", "/long", ["z"] * 20_000), "setParam").encode())
+    long = http_post(dumps(("/x", "/long", ["z"] * 20_000), "setParam").encode())
     for _ in range(3):
         with socket.create_connection(("127.0.0.1", port), 60) as sock:
             sock.sendall(long)
@@ -302,7 +302,7 @@ def test_long_calls_share_a_budget_and_short_ones_need_none(monkeypatch):
     monkeypatch.setattr(server, "MOST_ASKED", 1 << 20)
     head = b"POST /RPC2 HTTP/1.1\r\nHost: x\r\nContent-Length: 9000000\r\n\r\n"
     with contextlib.ExitStack() as stack:
-        public = stack.enter_context(fenced(TOPICS, stack.enter_context(serving(Master()))))
+        public = stack.enter_context(running_proxy(TOPICS, stack.enter_context(serving(Master()))))
         port = int(public.rstrip("/").rpartition(":")[2])
 
         def begun(size):
@@ -318,12 +318,12 @@ def test_long_calls_share_a_budget_and_short_ones_need_none(monkeypatch):
 
 def test_a_call_that_was_answered_or_given_up_leaves_its_budget_to_others(monkeypatch):
     monkeypatch.setattr(server, "MOST_ASKED", 1 << 20)
-    with serving(Master()) as private, fenced(TOPICS, private) as public:
+    with serving(Master()) as private, running_proxy(TOPICS, private) as public:
         port = int(public.rstrip("/").rpartition(":")[2])
         for _ in range(5):
             wait_for(lambda: is_set(public), 10, "room for a long call")
             with socket.create_connection(("127.0.0.1", port), 10) as sock:
-                sock.sendall(posted(b"x" * 900_000)[:-1])
+                sock.sendall(http_post(b"x" * 900_000)[:-1])
 
 
 def is_set(public):
@@ -349,7 +349,7 @@ def test_nothing_is_asked_for_a_caller_that_has_left(public, master):
     port = int(public.rstrip("/").rpartition(":")[2])
     long = ["z"] * 100_000
     with socket.create_connection(("127.0.0.1", port)) as sock:
-        sock.sendall(posted(dumps(("/x", "/left", long), "setParam").encode()))
+        sock.sendall(http_post(dumps(("/x", "/left", long), "setParam").encode()))
     for number in range(2):  # each is read after what was sent before it
         ros_call(public, "setParam", "/x", f"/{number}", long, timeout=60)
     assert [params[1] for _, params in master.asked] == ["/0", "/1"]
@@ -358,6 +358,6 @@ def test_nothing_is_asked_for_a_caller_that_has_left(public, master):
 def test_a_dead_master_is_an_error():
     with socket.create_server(("127.0.0.1", 0)) as free:
         port = free.getsockname()[1]
-    with fenced((), f"http://127.0.0.1:{port}/") as public:
+    with running_proxy((), f"http://127.0.0.1:{port}/") as public:
         assert call(public, "getPid", "/x", timeout=5)[0] == -1
         assert call(public, "getPid", "/x", timeout=5)[0] == -1

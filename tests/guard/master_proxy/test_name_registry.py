@@ -6,14 +6,14 @@ from contextlib import ExitStack, contextmanager
 
 import pytest
 from harness import wait_for
-from masters import Master, Slave, fenced, serving
+from masters import Master, Slave, running_proxy, serving
 from plans import grcn, plan_of
 
 from rtron.guard.master_proxy import name_registry
-from rtron.vocabulary.topic_access import planned_topics
+from rtron.vocabulary.topic_access import list_topic_access
 from rtron.wire.ros1.xmlrpc import call
 
-TOPICS = planned_topics(plan_of(grcn("/cmd_vel", ["/nav", "/teleop_*"], ["/driver"])))
+TOPICS = list_topic_access(plan_of(grcn("/cmd_vel", ["/nav", "/teleop_*"], ["/driver"])))
 GUARD = "/rtron/grcn_cmd_vel"
 IPV4_HOSTS = ["127.0.0.1", "localhost", "127.0.0.2", "0.0.0.0"]
 HOSTS = [*IPV4_HOSTS, "[::1]", "[::ffff:127.0.0.1]", "localhost.", "no.such.invalid"]
@@ -33,7 +33,7 @@ def master():
 @pytest.fixture
 def register(stack, master):
     """Return what registers a name at an address: whether the fence lets it."""
-    public = stack.enter_context(fenced(TOPICS, stack.enter_context(serving(master))))
+    public = stack.enter_context(running_proxy(TOPICS, stack.enter_context(serving(master))))
 
     def ask(name, uri):
         answer = call(public, "registerSubscriber", name, "/chatter", "*", uri, timeout=10)

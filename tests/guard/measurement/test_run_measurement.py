@@ -17,12 +17,12 @@ from test_velocity_limits import VELOCITY, plan
 from velocity_messages import image, twist
 
 from rtron.errors import SourceError
-from rtron.guard.core.coordinator import Host
-from rtron.guard.measurement.activity import Phases
-from rtron.guard.measurement.frame_rates import MeasuredRates
+from rtron.guard.core.coordinator import Coordinator
+from rtron.guard.measurement.activity import ActivityPhases
+from rtron.guard.measurement.frame_rates import FrameRateMeasurement
 from rtron.guard.measurement.histogram import Histogram, duration_figures, value_figures
-from rtron.guard.measurement.run import WRITE_PERIOD, Measuring
-from rtron.guard.measurement.stream import MOST_COMPARED, MOST_OPEN, MeasuredStream
+from rtron.guard.measurement.run import WRITE_PERIOD, RunMeasurement
+from rtron.guard.measurement.stream import MOST_COMPARED, MOST_OPEN, StreamMeasurement
 from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.vocabulary import (
     GRCN,
@@ -30,15 +30,15 @@ from rtron.vocabulary import (
     SECOND,
     Decision,
     Domain,
-    DurationFigures,
+    DurationStatistics,
     Flow,
     Mode,
     Plan,
     PolicyName,
     Sharing,
     StreamKind,
-    ValueFigures,
-    streams,
+    ValueStatistics,
+    build_streams,
 )
 
 TWIST, IMAGE, STRING = (
@@ -66,16 +66,16 @@ def test_a_quantile_is_a_value_and_at_most_a_tenth_too_high(values, part):
 @settings(deadline=None)
 @given(st.lists(st.integers(0, 10**12), max_size=100), st.integers(0, 10**12))
 def test_parting_loses_nothing(values, limit):
-    low, high = histogram(values).parted(limit)
+    low, high = histogram(values).split_at(limit)
     assert low.count + high.count == len(values)
     assert low.total(0) + high.total(0) == sum(values)
-    assert high.least(limit + 1) > limit
+    assert high.minimum(limit + 1) > limit
     assert low.quantile(1, 0) <= limit * 1.1000001
 
 
 def test_figures_of_nothing_are_zero():
-    assert duration_figures(Histogram()) == DurationFigures()
-    assert value_figures(Histogram()) == ValueFigures()
+    assert duration_figures(Histogram()) == DurationStatistics()
+    assert value_figures(Histogram()) == ValueStatistics()
 
 
 def test_a_histogram_does_not_grow():
@@ -84,25 +84,25 @@ def test_a_histogram_does_not_grow():
 
 
 def phases(times):
-    made = Phases()
-    return made, [made.heard(time) for time in times]
+    made = ActivityPhases()
+    return made, [made.add_message(time) for time in times]
 
 
 @pytest.mark.parametrize(("gap", "ends"), [(SECOND, False), (SECOND + 1, True)])
 def test_a_phase_of_a_fast_speaker_ends_after_a_second(gap, ends):
     made, _ = phases([n * SECOND // 100 for n in range(100)])
-    assert (made.heard(99 * SECOND // 100 + gap) is None) is ends
+    assert (made.add_message(99 * SECOND // 100 + gap) is None) is ends
 
 
 @pytest.mark.parametrize(("gap", "ends"), [(10 * SECOND, False), (10 * SECOND + 1, True)])
 def test_a_phase_of_a_slow_speaker_ends_after_ten_of_its_gaps(gap, ends):
     made, _ = phases([n * SECOND for n in range(65)])
-    assert (made.heard(64 * SECOND + gap) is None) is ends
+    assert (made.add_message(64 * SECOND + gap) is None) is ends
 
 
 def test_gaps_and_pauses_are_told_apart_in_the_end():
     made, _ = phases([start + n * TENTH for start in (0, 60 * SECOND) for n in range(50)])
-    gaps, pauses = made.parted()
+    gaps, pauses = made.gaps_and_pauses()
     assert (gaps.count, pauses.count) == (98, 1)
     assert gaps.total(0) == 98 * TENTH
     assert pauses.quantile(1, 0) == 60 * SECOND - 49 * TENTH
@@ -129,16 +129,18 @@ class Dry:
 
     def __init__(self, plan):
         self.transport = MemoryTransport()
-        self.measuring = Measuring(plan, self.transport)
-        self.host = Host(self.transport, streams(plan), self.measuring.senses, dry_run=True)
-        self.measuring.watch(self.host.guarded)
+        self.measuring = RunMeasurement(plan, self.transport)
+        self.host = Coordinator(
+            self.transport, build_streams(plan), self.measuring.observations, dry_run=True
+        )
+        self.measuring.measure(self.host.streams)
         self.host.open()
 
     def says(self, topic, node, info=TWIST):
         return self.transport.publisher(topic, peer(node, info))
 
     def flow(self, name, stream=0):
-        flows = self.measuring.run().streams[stream].flows
+        flows = self.measuring.figures().streams[stream].flows
         return next(flow for flow in flows if flow.flow == name)
 
 
@@ -157,7 +159,7 @@ def test_flows_are_measured(dry):
         dry.transport.advance(TENTH)
     one, other = dry.flow("flow1"), dry.flow("flow2")
     assert (one.messages, other.messages) == (100, 10)
-    assert one.gaps == DurationFigures(count=99, p50=TENTH, p99=TENTH, p999=TENTH, max=TENTH)
+    assert one.gaps == DurationStatistics(count=99, p50=TENTH, p99=TENTH, p999=TENTH, max=TENTH)
     assert one.active == 99 * TENTH
     assert (one.speeds.min, one.speeds.max) == (0.0, pytest.approx(0.2))
     assert not one.refusals
@@ -165,7 +167,7 @@ def test_flows_are_measured(dry):
     assert (refusal.decision, refusal.count) == (Decision.DROP, 10)
     assert refusal.reason == "flow1 has the output (priority 2)"
     assert [(each.flow, each.duration) for each in other.overlaps] == [("flow1", 9 * TENTH)]
-    assert dry.measuring.run().duration == 10 * SECOND
+    assert dry.measuring.figures().duration == 10 * SECOND
 
 
 @pytest.mark.parametrize(("last", "left"), [(0.5, 1), (0.0, 0)])
@@ -183,13 +185,13 @@ def test_a_pause_with_the_robot_moving_is_counted(dry, last, left):
 
 
 def test_strangers_are_named_and_what_they_say_is_a_flow_of_its_own(dry):
-    assert len(dry.measuring.run().streams[0].flows) == 2
+    assert len(dry.measuring.figures().streams[0].flows) == 2
     dry.says("/cmd_vel", "/early")
     dry.says("/rtron/cmd_vel/flow1", "/nav")
     rogue = dry.says("/cmd_vel", "/rogue")
     rogue(twist(9.0))
     assert dry.flow("unapproved").messages == 1
-    assert dry.measuring.run().streams[0].strangers == ("/early", "/rogue")
+    assert dry.measuring.figures().streams[0].strangers == ("/early", "/rogue")
 
 
 @pytest.mark.parametrize("bad", [b"", b"\x01", twist(math.nan), twist(math.inf)])
@@ -232,7 +234,7 @@ def test_held_messages_that_never_go_are_let_go(more):
         teleop(twist())
         dry.transport.advance(2 * SECOND)
     assert dry.flow("flow2").waits.count == 0
-    assert len(dry.host.guarded[0].measured._held) == MOST_OPEN
+    assert len(dry.host.streams[0].measurement._held) == MOST_OPEN
 
 
 def test_goals_are_measured_until_they_are_done():
@@ -274,14 +276,14 @@ WALK = GOALS | {"topic": "/walk/goal", "type": "test/WalkActionGoal", "done": No
 
 def test_goals_of_an_action_are_known_by_their_ids():
     dry = Dry(Plan(app="base", grcn=(grcn(**WALK),)))
-    measured = dry.host.guarded[0].measured
+    measured = dry.host.streams[0].measurement
     for id in (b"a", b"b", b"c"):
-        measured.heard("flow1", goal(id), dry.transport.now(), None)
+        measured.add_message("flow1", goal(id), dry.transport.now(), None)
         dry.transport.advance(SECOND)
-    measured.heard("flow1", b"no goal", dry.transport.now(), None)
-    measured.done(dry.transport.now())
+    measured.add_message("flow1", b"no goal", dry.transport.now(), None)
+    measured.finish_goal_without_id(dry.transport.now())
     for id in (b"b", b"b", b"unknown", b""):
-        measured.finished(id, dry.transport.now())
+        measured.finish_goal(id, dry.transport.now())
     flow = dry.flow("flow1")
     assert (flow.takes.count, flow.takes.max, flow.undone) == (1, 2 * SECOND, 2)
 
@@ -289,16 +291,16 @@ def test_goals_of_an_action_are_known_by_their_ids():
 @pytest.mark.parametrize("more", [0, 1, 2])
 def test_goals_that_nobody_ends_are_counted_and_let_go(more):
     dry = Dry(Plan(app="base", grcn=(grcn(**WALK),)))
-    measured = dry.host.guarded[0].measured
+    measured = dry.host.streams[0].measurement
     for n in range(MOST_OPEN + more):
-        measured.heard("flow1", goal(b"%d" % n), n, None)
+        measured.add_message("flow1", goal(b"%d" % n), n, None)
     assert dry.flow("flow1").undone == MOST_OPEN + more
     assert len(measured._goals) == MOST_OPEN
 
 
 def test_the_results_of_a_guarded_action_end_its_goals():
     act = Act()
-    measured = act.action.measured = MeasuredStream(act.action.stream, MeasuredRates(()))
+    measured = act.action.measurement = StreamMeasurement(act.action.spec, FrameRateMeasurement(()))
     act.serve()
     act.ask(ONE, b"1")
     act.ask(TWO, b"2")
@@ -322,7 +324,7 @@ def test_metres_a_frame_are_measured_once_the_rate_is_known():
         nav(twist(0.5))
         dry.transport.advance(TENTH)
     dry.says("/cmd_vel", "/rogue")(twist(9.0))
-    stream, monitor = dry.measuring.run().streams[0], dry.measuring.run().monitors[0]
+    stream, monitor = dry.measuring.figures().streams[0], dry.measuring.figures().monitors[0]
     assert stream.unseen == 1
     assert stream.per_frame.count == 20
     assert stream.per_frame.max == pytest.approx(0.05)
@@ -336,7 +338,7 @@ def test_a_frozen_picture_is_no_frame():
     for _ in range(9):
         camera(image(7))
         dry.transport.advance(TENTH)
-    assert dry.measuring.run().monitors[0].frames == 1
+    assert dry.measuring.figures().monitors[0].frames == 1
 
 
 def test_events_are_measured_and_still_judged():
@@ -355,14 +357,14 @@ def test_events_are_measured_and_still_judged():
         lamp(string(colour))
         dry.transport.advance(TENTH)
     nav(twist(1.0))
-    event = dry.measuring.run().events[0]
+    event = dry.measuring.figures().events[0]
     assert (event.name, event.messages, event.gaps.max) == (LIGHT.name, 3, TENTH)
-    assert dry.host.guarded[0].pipeline.tallies["aflow1"].dropped == 1
+    assert dry.host.streams[0].pipeline.tallies["aflow1"].dropped == 1
 
 
 def test_figures_are_written_at_once_and_every_now_and_then(dry):
     kept = []
-    dry.measuring.keep(kept.append)
+    dry.measuring.write_periodically(kept.append)
     assert len(kept) == 1
     dry.transport.advance(WRITE_PERIOD - 1)
     assert len(kept) == 1
@@ -379,7 +381,7 @@ def test_a_full_disk_is_told_at_the_start_and_stops_nothing_later(dry, caplog):
             raise SourceError("no space left")
         kept.append(run)
 
-    dry.measuring.keep(write)
+    dry.measuring.write_periodically(write)
     dry.transport.advance(2 * WRITE_PERIOD)
     assert "no space left" in caplog.text
 
@@ -387,7 +389,7 @@ def test_a_full_disk_is_told_at_the_start_and_stops_nothing_later(dry, caplog):
         raise SourceError("no space left")
 
     with pytest.raises(SourceError):
-        dry.measuring.keep(refuse)
+        dry.measuring.write_periodically(refuse)
 
 
 def test_measuring_goes_on_when_a_write_fails_once(dry):
@@ -398,7 +400,7 @@ def test_measuring_goes_on_when_a_write_fails_once(dry):
         if len(calls) == 2:
             raise SourceError("busy")
 
-    dry.measuring.keep(write)
+    dry.measuring.write_periodically(write)
     dry.transport.advance(3 * WRITE_PERIOD)
     assert len(calls) == 4
 
@@ -411,7 +413,7 @@ def test_nothing_is_kept_of_a_day_but_figures():
     )
     queue = grcn(policy=PolicyName.PRIORITY_QUEUE, flows=flows)
     dry = Dry(Plan(app="base", grcn=(queue,)))
-    measured = dry.host.guarded[0].measured
+    measured = dry.host.streams[0].measurement
     nodes = [dry.says(f"/rtron/cmd_vel/{flow.name}", flow.publisher) for flow in flows]
     clock = random.Random(1)
 
@@ -432,4 +434,4 @@ def test_nothing_is_kept_of_a_day_but_figures():
     tracemalloc.stop()
     assert 0 < after < 1.2 * before
     assert len(measured._held) <= MOST_OPEN
-    assert len(measured._speaking) <= MOST_COMPARED
+    assert len(measured._active_flows) <= MOST_COMPARED

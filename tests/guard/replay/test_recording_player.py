@@ -8,8 +8,8 @@ from test_mission_stream import AT_RED, LIGHT, MOVING, string
 from test_velocity_limits import VELOCITY, plan
 from velocity_messages import image, twist
 
-from rtron.guard.replay.player import MOST_CHANGES, Player
-from rtron.guard.replay.recorded_streams import Recorded
+from rtron.guard.replay.player import MOST_CHANGES, RecordingPlayer
+from rtron.guard.replay.recorded_streams import RecordedStream
 from rtron.messages.common.encoding import Encoding
 from rtron.vocabulary import (
     MSRCN,
@@ -27,18 +27,20 @@ START = 1_700_000_000 * SECOND
 
 
 def recorded(topic, publisher, type=TWIST):
-    return Recorded(topic, type.type, type.md5sum, type.definition, publisher)
+    return RecordedStream(topic, type.type, type.md5sum, type.definition, publisher)
 
 
 NAV = recorded("/cmd_vel", "/nav")
 
 
 def play(wanted, messages):
-    return Player(wanted).play([(START + at, *rest) for at, *rest in messages], lambda count: None)
+    return RecordingPlayer(wanted).play(
+        [(START + at, *rest) for at, *rest in messages], lambda count: None
+    )
 
 
-def counts(found, flow, topic="/cmd_vel"):
-    stream = next(stream for stream in found.streams if stream.topic == topic)
+def counts(fake_study, flow, topic="/cmd_vel"):
+    stream = next(stream for stream in fake_study.streams if stream.topic == topic)
     count = next(count for count in stream.flows if count.flow == flow)
     return count.passed, count.held, count.dropped, count.modified
 
@@ -133,7 +135,7 @@ def test_an_unknown_publisher_is_the_only_one_that_the_plan_has_or_nobody():
 
 def test_messages_of_ros_2_are_read_as_cdr():
     wanted = replace(LIMITED, ros=2)
-    nameless = Recorded("/cmd_vel", "geometry_msgs/msg/Twist")
+    nameless = RecordedStream("/cmd_vel", "geometry_msgs/msg/Twist")
     message = Encoding.CDR.prefix(48) + twist(2.0)[4:]
     found = play(wanted, [(0, nameless, message), (1, nameless, twist(2.0))])
     assert counts(found, "vflow1") == (0, 0, 1, 1)
@@ -142,7 +144,7 @@ def test_messages_of_ros_2_are_read_as_cdr():
 def test_a_whole_recording_ends_as_message_by_message():
     steps = [(n * SECOND // 7, NAV, twist(0.1 * (n % 9))) for n in range(200)]
     at_once = play(LIMITED, steps)
-    player = Player(LIMITED)
+    player = RecordingPlayer(LIMITED)
     for at, on, data in steps:
         found = player.play([(START + at, on, data)], lambda count: None)
     assert found.streams == at_once.streams

@@ -9,12 +9,12 @@ from test_recording_player import START, counts
 from test_run_measurement import TWIST, grcn
 from velocity_messages import twist
 
-from rtron.guard.replay.player import Player
-from rtron.guard.replay.recorded_streams import Recorded
-from rtron.planning.coherence import misfits
-from rtron.planning.tuning import tuner
-from rtron.policies import build
-from rtron.vocabulary import SECOND, Decision, Flow, Plan, streams
+from rtron.guard.replay.player import RecordingPlayer
+from rtron.guard.replay.recorded_streams import RecordedStream
+from rtron.planning.coherence import coherence_problems
+from rtron.planning.tuning import tune_plan
+from rtron.policies import build_policy
+from rtron.vocabulary import SECOND, Decision, Flow, Plan, build_streams
 
 FLOWS = (
     Flow(name="flow1", publisher="/joy", priority=3),
@@ -22,7 +22,9 @@ FLOWS = (
     Flow(name="flow3", publisher="/nav", priority=1),
 )
 NODES = {
-    each.publisher: Recorded("/cmd_vel", TWIST.type, TWIST.md5sum, TWIST.definition, each.publisher)
+    each.publisher: RecordedStream(
+        "/cmd_vel", TWIST.type, TWIST.md5sum, TWIST.definition, each.publisher
+    )
     for each in FLOWS
 }
 MS = SECOND // 1000
@@ -45,7 +47,7 @@ def recording(seed):
 
 
 def played(plan, said):
-    player = Player(plan, measured=True)
+    player = RecordingPlayer(plan, measured=True)
     found = player.play(
         [(START + at, NODES[node], twist(0.1)) for at, node in said], lambda n: None
     )
@@ -54,7 +56,7 @@ def played(plan, said):
 
 def decided(plan, said):
     """Return the decision about each message, as the plan's policy gives it."""
-    policy = build(streams(plan)[0].stages[0].settings)
+    policy = build_policy(build_streams(plan)[0].stages[0].settings)
     names = {flow.publisher: flow.name for flow in plan.grcn[0].flows}
     return [policy.verdict(names[node], None, at).decision for at, node in said]
 
@@ -64,7 +66,7 @@ def case(seed):
     plan = Plan(app="base", grcn=(grcn(flows=FLOWS, release_after=release),))
     said = recording(seed)
     found, run = played(plan, said)
-    made, _ = tuner(plan, run)
+    made, _ = tune_plan(plan, run)
     return plan, made, said, found
 
 
@@ -88,7 +90,7 @@ def phases(said, node):
 def test_what_passed_passes_unless_somebody_keeps_the_output_longer(case):
     plan, made, said, _ = case
     before, after = plan.grcn[0], made.grcn[0]
-    assert not list(misfits(made))
+    assert not list(coherence_problems(made))
     if after.release_after > before.release_after or _order(after) != _order(before):
         return
     pairs = zip(decided(plan, said), decided(made, said), strict=True)

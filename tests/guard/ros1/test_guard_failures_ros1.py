@@ -5,7 +5,7 @@ from itertools import pairwise
 import pytest
 from driven_base import Driven, start_guard
 from harness import wait_for
-from rostopic import IMAGE, TWIST, Heard, say
+from rostopic import IMAGE, TWIST, TopicEcho, say
 from traffic_light import MSRCN_NODE, RED, Light
 
 from rtron.vocabulary import (
@@ -17,18 +17,18 @@ from rtron.vocabulary import (
     Flow,
     FpsMonitor,
     GuardedTopic,
+    MissionRule,
     Mode,
     Plan,
     Point,
     PolicyName,
-    Rule,
-    Stop,
+    StopProfile,
 )
 
 pytestmark = pytest.mark.ros1
 DRIVEN = ("/cmd_vel:=/rtron/cmd_vel/out",)
 SPEED = 0.8
-STOP = Stop(decel=0.25, period=SECOND // 20)
+STOP = StopProfile(decel=0.25, period=SECOND // 20)
 """So slow that a busy machine which leaves out some messages makes no step of the ramp."""
 MOVING = GuardedTopic(
     topic="/cmd_vel",
@@ -105,7 +105,7 @@ def test_the_attack_on_the_maximal_velocity_is_held_at_the_limit(ros1):
     plan = limited(PolicyName.CONSTRAIN, topic, max_vel_limit=0.22)
     start_guard(ros1, plan, "/rtron/rsrcn")
     out = f"{topic.topic}:=/rtron{topic.topic}/out"
-    heard = Heard(ros1, "driver", topic.topic, out)
+    heard = TopicEcho(ros1, "driver", topic.topic, out)
     flows = [f"{topic.topic}:=/rtron{topic.topic}/{flow.name}" for flow in topic.flows]
     say(ros1, "decider", topic.topic, "std_msgs/Float64", "0.22", 5, flows[0])
     heard.wait_for(lambda rows: rows, "the decider's limit")
@@ -116,7 +116,7 @@ def test_the_attack_on_the_maximal_velocity_is_held_at_the_limit(ros1):
 
 
 def test_without_the_guard_the_attack_on_the_maximal_velocity_succeeds(ros1):
-    heard = Heard(ros1, "driver", "/control/max_vel")
+    heard = TopicEcho(ros1, "driver", "/control/max_vel")
     say(ros1, "decider", "/control/max_vel", "std_msgs/Float64", "0.22", 5)
     say(ros1, "tb3_monitor", "/control/max_vel", "std_msgs/Float64", "2.0", 50)
     assert heard.wait_for(lambda rows: [2.0] in rows, "the attack")
@@ -172,7 +172,7 @@ def told(ros1):
     ids=["battery", "event"],
 )
 def test_a_dead_event_node_stops_the_robot(ros1, driven, event, yaml):
-    rule = Rule(name="careful", when="low", block=("/cmd_vel",), reason="charge first")
+    rule = MissionRule(name="careful", when="low", block=("/cmd_vel",), reason="charge first")
     start_guard(ros1, missioned((MOVING,), (event,), (rule,)), "/rtron/msrcn")
     source = say(ros1, "battery", event.topic, event.type, yaml)
     navigate(ros1)
@@ -195,7 +195,7 @@ def wait_for_navigation_to_go_on(ros1):
 
 
 def test_an_event_stops_the_robot_and_its_end_lets_it_go_on(ros1, driven):
-    rule = Rule(name="light", when="red", block=("/cmd_vel",))
+    rule = MissionRule(name="light", when="red", block=("/cmd_vel",))
     start_guard(ros1, missioned((MOVING,), (RED,), (rule,)), MSRCN_NODE)
     light = Light(ros1, "green")
     navigate(ros1)
@@ -213,7 +213,7 @@ def test_an_event_stops_the_robot_and_its_end_lets_it_go_on(ros1, driven):
 def test_a_goal_in_the_unstable_area_is_blocked(ros1):
     corners = ((2.0, 0.0), (4.0, 0.0), (4.0, 2.0), (2.0, 2.0))
     area = Area(name="unstable", frame="map", polygon=tuple(Point(x=x, y=y) for x, y in corners))
-    rule = Rule(
+    rule = MissionRule(
         name="network",
         action="inside(action.pose.position, unstable)",
         block=("/move_base_simple/goal",),
@@ -230,7 +230,7 @@ def test_a_goal_in_the_unstable_area_is_blocked(ros1):
     )
     start_guard(ros1, missioned((topic,), (), (rule,), areas=(area,)), "/rtron/msrcn")
     out = f"{topic.topic}:=/rtron{topic.topic}/out"
-    heard = Heard(ros1, "move_base", topic.topic, out)
+    heard = TopicEcho(ros1, "move_base", topic.topic, out)
     goal = "{header: {frame_id: map}, pose: {position: {x: %s, y: 1.0}, orientation: {w: 1.0}}}"
     flows = [f"{topic.topic}:=/rtron{topic.topic}/{flow.name}" for flow in topic.flows]
     pose = "geometry_msgs/PoseStamped"

@@ -15,7 +15,7 @@ from driven_base import (
 from harness import wait_for
 
 from rtron.planning.plan_file.writer import write_plan
-from rtron.sources.live.ros1.source import Ros1Live
+from rtron.sources.live.ros1.source import Ros1LiveSource
 
 pytestmark = pytest.mark.ros1
 RATES = pytest.mark.parametrize("rate", [50, 1000])
@@ -136,7 +136,7 @@ def test_the_tools_of_ros_see_a_coordination_node(guarded):
 
 def test_a_scan_of_the_guarded_app_finds_every_end_and_no_ghost(guarded):
     guarded.navigate()
-    graph = Ros1Live(guarded.ros1.uri, 15.0).read()
+    graph = Ros1LiveSource(guarded.ros1.uri, 15.0).read()
     assert graph.unresolved == ()
     ends = {(e.node, e.topic) for e in graph.endpoints}
     assert {("/nav", "/rtron/cmd_vel/flow1"), ("/driver", "/rtron/cmd_vel/out")} <= ends

@@ -11,7 +11,7 @@ from rclpy_nodes import TWIST, twist
 from ros2_plans import driving, written
 
 from rtron.vocabulary import OnSilence, flow_topic, output_topic
-from rtron.wire.ros2.interfaces import interface
+from rtron.wire.ros2.interfaces import find_interface
 
 pytestmark = [
     pytest.mark.ros2,
@@ -44,7 +44,7 @@ def test_names_that_cannot_be_read_do_not_blind_the_guard(guard, stand):
     stranger.publisher("/evil", NAV)
     evil = stranger.node("/evil")
     forger = Forger(evil)
-    forger.publisher(interface(TWIST).cls, b"rt/" + NO_UTF8)
+    forger.publisher(find_interface(TWIST).cls, b"rt/" + NO_UTF8)
     lie = forger.calls("/evil", NO_UTF8, NAV)
     seen = r"unapproved publisher /.+\( on the private topic of nav"
     app.wait_for(lambda: lie() or re.search(seen, guard.log), "the event")
@@ -67,7 +67,7 @@ def test_a_publisher_is_heard_whatever_a_stranger_calls_it(guard, stand):
 def test_a_publisher_of_another_version_of_the_type_is_refused(guard, stand):
     app, elsewhere = stand(), stand()
     driver = app.listener("/driver", OUT)
-    with another_version(interface(TWIST).cls):
+    with another_version(find_interface(TWIST).cls):
         nav = elsewhere.publisher("/nav", NAV)
     told = f"{NAV}: /nav is not heard: its geometry_msgs/msg/Twist is another version"
     elsewhere.say_until(nav, twist(9.0), lambda: told in guard.log, "the event")

@@ -13,14 +13,14 @@ from rtron.vocabulary import (
     EventFlow,
     Flow,
     GuardedTopic,
+    MissionRule,
     Mode,
     PolicyName,
-    Rule,
     flow_topic,
     output_topic,
 )
-from rtron.wire.ros2.interfaces import interface
-from rtron.wire.ros2.session import Session
+from rtron.wire.ros2.interfaces import find_interface
+from rtron.wire.ros2.session import Ros2Session
 
 pytestmark = [
     pytest.mark.ros2,
@@ -44,7 +44,7 @@ MISSION = MSRCN(
             max_age=60 * 10**9,
         ),
     ),
-    rules=(Rule(name="rest", when="worn", block=("/cmd_vel",)),),
+    rules=(MissionRule(name="rest", when="worn", block=("/cmd_vel",)),),
 )
 
 
@@ -52,8 +52,8 @@ MISSION = MSRCN(
 def arm(ros2, monkeypatch):
     """Say how worn the arm is."""
     monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-    session = Session(ros2.domain)
-    cls = interface(CUSTOM).cls
+    session = Ros2Session(ros2.domain)
+    cls = find_interface(CUSTOM).cls
     publisher = session.node("/arm").create_publisher(cls, TOPIC, 1)
 
     def say(hours):

@@ -15,7 +15,7 @@ from ros2_plans import driving, written
 
 from rtron.vocabulary import SECOND, Durability, Reliability, flow_topic, output_topic
 from rtron.wire.ros2.endpoints import publishers_of
-from rtron.wire.ros2.session import Session
+from rtron.wire.ros2.session import Ros2Session
 
 pytestmark = pytest.mark.ros2
 PLAN = written(driving("nav", "teleop"))
@@ -52,7 +52,7 @@ def domain(ros2):
     """Look at the test's domain from this process."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-        session = Session(ros2.domain)
+        session = Ros2Session(ros2.domain)
         yield session.node("/looker")
         session.close()
 

@@ -6,14 +6,14 @@ import pytest
 from settings_app import GENERAL, PLAN, WALL, Base, flow, limit, of
 from streams import peer
 
-from rtron.guard.settings.overrides import LONGEST, Overriding
+from rtron.guard.settings.overrides import MAX_DURATION, OverrideCommands
 from rtron.vocabulary import (
     SECOND,
     EmergencyStop,
     Mode,
     PolicyName,
     Settings,
-    Stop,
+    StopProfile,
     TimedOverride,
 )
 
@@ -30,7 +30,7 @@ def base():
 def test_the_base_is_ramped_down_and_told_to_rest_until_it_is_released(base):
     base.drive(1.0)
     base.apply(STOP)
-    assert base.applying.stopped
+    assert base.applying.is_stopped
     base.transport.advance(5 * SECOND)
     xs = base.xs()
     assert xs[:3] == [1.0, 0.875, 0.75]
@@ -41,7 +41,7 @@ def test_the_base_is_ramped_down_and_told_to_rest_until_it_is_released(base):
     assert set(base.xs()[len(xs) :]) == {0.0}
     assert base.tally("flow1").last.reason == WHY
     base.apply(GO)
-    assert not base.applying.stopped
+    assert not base.applying.is_stopped
     base.drive(0.7)
     assert base.xs()[-1] == 0.7
 
@@ -68,17 +68,17 @@ def test_a_stop_while_a_stop_goes_on_does_not_set_the_base_in_motion_again(base)
     base.drive(1.0)
     base.apply(flow("flow1", block=True))
     base.transport.advance(SECOND // 5)
-    assert base.stream().stopper.why == "flow1 is blocked"
+    assert base.stream().stop_controller.reason == "flow1 is blocked"
     base.apply(replace(STOP, revision=3))
-    assert base.stream().stopper.why == WHY
+    assert base.stream().stop_controller.reason == WHY
     base.transport.advance(SECOND)
     base.apply(replace(STOP, revision=4))
     base.apply(replace(STOP, revision=5, stop=replace(STOP.stop, by="bob")))
     base.transport.advance(SECOND)
     xs = base.xs()
     assert xs == sorted(xs, reverse=True)
-    assert base.stream().stopper.stops == 1
-    assert base.stream().stopper.why == "emergency stop by bob: a child is there"
+    assert base.stream().stop_controller.stop_count == 1
+    assert base.stream().stop_controller.reason == "emergency stop by bob: a child is there"
 
 
 def test_other_settings_change_while_the_stop_stays(base):
@@ -89,16 +89,16 @@ def test_other_settings_change_while_the_stop_stays(base):
     base.transport.advance(SECOND)
     xs = base.xs()
     assert xs == sorted(xs, reverse=True)
-    assert base.stream().braked == WHY
+    assert base.stream().brake_reason == WHY
 
 
 def test_what_another_has_braked_stays_braked(base):
     base.drive(1.0)
     base.stream().brake("the audit", "a stranger")
     base.apply(STOP)
-    assert base.stream().stopper.why == WHY
+    assert base.stream().stop_controller.reason == WHY
     base.apply(GO)
-    assert base.stream().stopper.why == "a stranger"
+    assert base.stream().stop_controller.reason == "a stranger"
     base.transport.advance(3 * SECOND)
     base.drive(1.0)
     base.transport.advance(SECOND)
@@ -115,14 +115,14 @@ def test_what_another_releases_stays_stopped(base):
     base.drive(1.0)
     base.transport.advance(SECOND)
     assert set(base.xs()) == {0.0}
-    assert base.stream().stopper.why == WHY
+    assert base.stream().stop_controller.reason == WHY
 
 
 def test_states_and_what_only_observes_go_on():
     base = Base(replace(PLAN, grcn=(replace(GENERAL, mode=Mode.OBSERVE), PLAN.grcn[1])))
     base.apply(STOP)
     braked = {
-        (each.stream.topic, each.stream.mode): bool(each.braked) for each in base.host.guarded
+        (each.spec.topic, each.spec.mode): bool(each.brake_reason) for each in base.host.streams
     }
     assert braked == {
         ("/cmd_vel", Mode.OBSERVE): False,
@@ -135,7 +135,7 @@ def test_states_and_what_only_observes_go_on():
 def test_a_dry_run_only_tells_so(caplog):
     base = Base(dry_run=True)
     base.apply(STOP)
-    assert not base.applying.stopped
+    assert not base.applying.is_stopped
     base.drive(1.0)
     assert base.xs() == [1.0]
     assert WHY in caplog.messages
@@ -188,7 +188,7 @@ def test_a_limit_that_was_lowered_during_the_stop_holds_afterwards(base):
 
 
 def test_a_ramp_is_as_steep_as_the_plan_says():
-    base = Base(replace(PLAN, stop=Stop(decel=1.0, period=SECOND // 10)))
+    base = Base(replace(PLAN, stop=StopProfile(decel=1.0, period=SECOND // 10)))
     base.drive(1.0)
     base.apply(STOP)
     base.transport.advance(SECOND // 2)
@@ -253,7 +253,7 @@ def test_an_override_is_as_long_as_settings_say_last(limited):
 def test_no_override_lasts_longer_than_one_that_is_asked_for_on_the_robot(limited):
     base, nodes = limited
     base.apply(over("rsrcn", 2**63 - 1, **nodes))
-    base.transport.advance(LONGEST - 1)
+    base.transport.advance(MAX_DURATION - 1)
     base.drive(2.0)
     base.transport.advance(1)
     assert base.xs() == [2.0, 0.5]
@@ -274,27 +274,27 @@ def asked(duration, reason="by hand"):
 
 def test_an_override_on_the_robot_stands_beside_that_of_the_settings(limited):
     base, nodes = limited
-    local = Overriding(base.host, base.transport)
-    local.answer("bob", asked(SECOND))
+    local = OverrideCommands(base.host, base.transport)
+    local.handle("bob", asked(SECOND))
     base.apply(over("rsrcn", WALL + 2 * SECOND, **nodes))
     base.transport.advance(SECOND)
     base.drive(2.0)
     assert "overridden by ann" in base.tally("flow1").last.reason
-    local.answer("bob", asked(9 * SECOND))
+    local.handle("bob", asked(9 * SECOND))
     base.apply(Settings(revision=3, nodes=nodes))
     base.drive(2.0)
     assert "overridden by bob" in base.tally("flow1").last.reason
-    local.answer("bob", asked(0, reason=""))
+    local.handle("bob", asked(0, reason=""))
     base.transport.advance(0)
     assert base.xs() == [2.0, 2.0, 0.5]
 
 
 def test_ending_the_override_on_the_robot_leaves_that_of_the_settings(limited):
     base, nodes = limited
-    local = Overriding(base.host, base.transport)
+    local = OverrideCommands(base.host, base.transport)
     base.apply(over("rsrcn", WALL + 2 * SECOND, **nodes))
-    local.answer("bob", asked(9 * SECOND))
-    local.answer("bob", asked(0, reason=""))
+    local.handle("bob", asked(9 * SECOND))
+    local.handle("bob", asked(0, reason=""))
     base.drive(2.0)
     base.transport.advance(2 * SECOND)
     assert base.xs() == [2.0, 0.5]

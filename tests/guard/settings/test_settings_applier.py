@@ -18,10 +18,10 @@ from rtron.vocabulary import (
     EmergencyStop,
     Flow,
     FlowSettings,
+    MissionRule,
     Mode,
     NodeSettings,
     PolicyName,
-    Rule,
     RuleSettings,
     Settings,
     TimedOverride,
@@ -40,12 +40,12 @@ def policies(base):
 
 
 def test_only_what_changes_gets_a_new_policy_and_everything_else_stays(base):
-    guarded, pipelines = base.host.guarded, [each.pipeline for each in base.host.guarded]
+    guarded, pipelines = base.host.streams, [each.pipeline for each in base.host.streams]
     told = []
-    base.stream().pipeline.changed = told.append
+    base.stream().pipeline.on_verdict_change = told.append
     before = policies(base)
     base.apply(flow("flow2", priority=5))
-    assert base.host.guarded is guarded
+    assert base.host.streams is guarded
     assert [each.pipeline for each in guarded] == pipelines
     differ = [one is not other for one, other in zip(before, policies(base), strict=True)]
     assert differ == [True, False, False, False, False, False]
@@ -60,7 +60,7 @@ def test_verdicts_of_policies_that_did_not_change_have_the_new_revision(base):
     base.apply(flow("flow2", revision=7, priority=5))
     base.ask(1.0)
     assert base.tally("aflow3", "/max_vel").last.revision == 7
-    base.host.guarded[0].bar("somebody", "/nav", "why not")
+    base.host.streams[0].bar("somebody", "/nav", "why not")
     base.apply(Settings(revision=8))
     base.drive(1.0)
     assert base.tally("flow1").last.revision == 8
@@ -117,7 +117,7 @@ def test_blocking_the_flow_that_moves_the_base_stops_it(base, id, name):
     assert xs[-1] == 0.0
     base.drive(1.0)
     assert base.xs() == xs
-    assert base.stream().stopper.stops == 1
+    assert base.stream().stop_controller.stop_count == 1
     base.apply(Settings(revision=3))
     base.drive(0.5)
     assert base.xs()[-1] == 0.5
@@ -175,10 +175,10 @@ def test_a_limit_in_the_place_of_none_holds_for_what_went_out_before():
 
 def test_safe_in_the_place_of_constrain_counts_the_frames_so_far(base):
     base.drive(2.0)
-    monitor = base.host.senses.rates.monitors["fps"]
+    monitor = base.host.observations.rates.monitors["fps"]
     for _ in range(10):
         base.transport.advance(SECOND // 10)
-        monitor.frame(base.transport.now(), base.transport.now())
+        monitor.add_frame(base.transport.now(), base.transport.now())
     base.apply(of("rsrcn", policy=PolicyName.SAFE))
     assert base.xs() == [2.0, pytest.approx(0.1 * monitor.rate(base.transport.now()).fps)]
 
@@ -193,7 +193,7 @@ def test_a_rule_that_is_deselected_frees_and_one_that_is_selected_again_stops(ba
     base.apply(rule("red_light", revision=3, selected=True))
     base.transport.advance(2 * SECOND)
     assert base.xs()[:2] == [1.0, 0.875]
-    assert base.stream().stopper.stopped == "flow1"
+    assert base.stream().stop_controller.stopped_flow == "flow1"
     base.drive(1.0)
     assert base.xs()[-1] == 0.0
     assert base.tally("flow1").last.reason == "rule red_light: the light is red"
@@ -210,11 +210,13 @@ def test_a_rule_of_the_user_s_own_holds_at_once(base):
     base.drive(0.3, "teleop")
     assert base.xs()[-1] == 0.3
     base.event("red")
-    assert "own" not in [n for n, s in base.host.senses.mission.standings.items() if s.blocks]
+    assert "own" not in [
+        n for n, s in base.host.observations.mission.statuses.items() if s.is_blocking
+    ]
 
 
 def test_what_a_rule_requires_is_seen_as_long_as_the_rule_counts(caplog):
-    slow_first = Rule(name="slow_first", when="fire", block=("/cmd_vel",), require="aflow3")
+    slow_first = MissionRule(name="slow_first", when="fire", block=("/cmd_vel",), require="aflow3")
     msrcn = replace(PLAN.msrcn, rules=(slow_first,))
     base = Base(replace(PLAN, msrcn=msrcn))
     base.event("fire")
@@ -279,7 +281,7 @@ def test_a_rule_can_look_into_one_more_topic_of_its_type():
     assert len(out) == 2
     other = replace(TWIST, md5sum="0" * 32)
     assert base.transport.publisher("/rtron/slow_vel/slowflow2", peer("/teleop", other))
-    assert base.stream("/slow_vel")._md5sum == TWIST.md5sum
+    assert base.stream("/slow_vel")._rules_md5sum == TWIST.md5sum
 
 
 def test_two_rules_look_into_a_topic_that_one_of_them_was_moved_to():
@@ -308,7 +310,7 @@ def test_two_rules_look_into_a_topic_that_one_of_them_was_moved_to():
 
 
 def test_messages_of_another_version_than_a_moved_rule_is_written_for_refuse_it(base):
-    base.stream()._info = replace(TWIST, md5sum="0" * 32)
+    base.stream()._type_info = replace(TWIST, md5sum="0" * 32)
     with pytest.raises(InputError, match="another version"):
         base.apply(rule("not_fast", block=("/cmd_vel",)))
     assert base.applying.revision == 1
@@ -339,15 +341,15 @@ def test_settings_that_cannot_be_change_nothing(base, settings):
     stop = EmergencyStop(by="ann", reason="", at=0)
     good = {"grcn": NodeSettings(release_after=1), "rsrcn": NodeSettings(max_vel_limit=0.1)}
     base.event("red")
-    before = policies(base), dict(base.host.senses.mission.standings)
+    before = policies(base), dict(base.host.observations.mission.statuses)
     mixed = replace(settings, nodes={**good, **settings.nodes}, stop=stop)
     with pytest.raises(RTronError):
         base.apply(mixed)
     assert policies(base) == before[0]
-    assert base.host.senses.mission.standings == before[1]
+    assert base.host.observations.mission.statuses == before[1]
     assert base.applying.revision == 1
-    assert not base.applying.stopped
-    assert base.stream().braked == ""
+    assert not base.applying.is_stopped
+    assert base.stream().brake_reason == ""
 
 
 def test_settings_before_the_host_opens_are_in_force_when_it_does():
@@ -394,7 +396,7 @@ def test_a_dry_run_takes_settings_too_and_lets_everything_pass():
 def test_a_stream_that_observes_takes_settings_too():
     base = Base(replace(PLAN, grcn=(replace(GENERAL, mode=Mode.OBSERVE), MAPS)))
     base.apply(flow("flow1", block=True))
-    assert [p.owner for each in base.host.guarded for p in each.pipeline.policies]
+    assert [p.owner for each in base.host.streams for p in each.pipeline.policies]
 
 
 nodes = st.fixed_dictionaries(
@@ -473,11 +475,11 @@ def test_whatever_is_swapped_nothing_that_is_forbidden_goes_out(steps):
             assert not (passed and stop)
             stream, name = base.stream(), {"nav": "flow1", "teleop": "flow2"}[what]
             blocked = any(
-                f.name == name and f.block for s in stream.stream.stages for f in s.settings.flows
+                f.name == name and f.block for s in stream.spec.stages for f in s.settings.flows
             )
             assert not (passed and blocked)
             assert base.tally(name).last.revision == base.applying.revision
-    base.stream().shut("the end")
+    base.stream().shut_down("the end")
     for by, name in (("nav", "flow1"), ("teleop", "flow2")):
         tally = base.tally(name)
         said = sum(what == by for what, _ in steps)

@@ -6,7 +6,7 @@ import pytest
 from action_app import GUARD, Act, action_plan, compile_actions
 from compiler import compiled
 from driven_base import Driven
-from guard_with_settings import ChangingGuard
+from guard_with_settings import GuardWithSettings
 from harness import wait_for
 from plans import grcn, plan_of
 from rostopic import TWIST, say
@@ -88,7 +88,7 @@ class Drive:
 
 @pytest.fixture
 def base(ros1, driver, speaker):
-    guard = ChangingGuard(ros1, drive_plan())
+    guard = GuardWithSettings(ros1, drive_plan())
     light = Light(ros1, "green")
     return guard, Drive(ros1, driver, speaker), light
 
@@ -166,7 +166,7 @@ class ChangingAct(Act):
 
 def test_goals_that_wait_move_to_a_priority_queue_and_each_is_answered_once(ros1, programs):
     plan = action_plan(PolicyName.FIFO_QUEUE, ("/one", "/two"))
-    guard = ChangingGuard(ros1, plan)
+    guard = GuardWithSettings(ros1, plan)
     act = ChangingAct(ros1, programs)
     served = act.server("cpp")
     one = act.client("py", name="/one", flow="flow1")
@@ -190,7 +190,7 @@ def test_goals_that_wait_move_to_a_priority_queue_and_each_is_answered_once(ros1
 
 def test_goals_that_wait_are_recalled_where_the_new_policy_holds_none(ros1, programs):
     plan = action_plan(PolicyName.FIFO_QUEUE, ("/one",))
-    guard = ChangingGuard(ros1, plan)
+    guard = GuardWithSettings(ros1, plan)
     act = ChangingAct(ros1, programs)
     served = act.server("py")
     one = act.client("cpp", name="/one", flow="flow1")
@@ -206,7 +206,7 @@ def test_goals_that_wait_are_recalled_where_the_new_policy_holds_none(ros1, prog
 
 def test_an_emergency_stop_cancels_the_goal_in_progress(ros1, programs):
     plan = action_plan(PolicyName.FIFO_QUEUE, ("/one",))
-    guard = ChangingGuard(ros1, plan)
+    guard = GuardWithSettings(ros1, plan)
     act = ChangingAct(ros1, programs)
     served = act.server("cpp")
     one = act.client("py", name="/one", flow="flow1")

@@ -5,9 +5,9 @@ from dataclasses import replace
 import pytest
 from test_action_stream_ros1 import FLOWS, GOAL_TYPE, ONE, SERVER, TWO, Act, Simple, active
 
-from rtron.guard.core.handover_state import Will
-from rtron.guard.settings.applier import Applying
-from rtron.guard.settings.emergency_stop import Emergency
+from rtron.guard.core.handover_state import HandoverState
+from rtron.guard.settings.applier import SettingsApplier
+from rtron.guard.settings.emergency_stop import EmergencyBrake
 from rtron.messages.ros1.actions import PREEMPTED, RECALLED, REJECTED, SUCCEEDED, read_cancel
 from rtron.vocabulary import (
     GRCN,
@@ -22,7 +22,7 @@ from rtron.vocabulary import (
     Settings,
     Sharing,
     StreamKind,
-    streams,
+    build_streams,
 )
 
 STOP = EmergencyStop(by="ann", reason="", at=0)
@@ -55,8 +55,8 @@ class Changed(Act):
     def __init__(self, policy=PolicyName.FIFO_QUEUE, **more):
         super().__init__(policy, **more)
         plan = plan_of(policy)
-        assert streams(plan) == (self.stream,)
-        self.applying = Applying(plan, self.host, self.transport)
+        assert build_streams(plan) == (self.stream,)
+        self.applying = SettingsApplier(plan, self.host, self.transport)
         self.revision = 0
 
     def put(self, stop=None, **values):
@@ -228,15 +228,15 @@ def test_an_emergency_stop_cancels_goals_that_the_server_gives_itself(act):
 
 def test_a_guard_that_begins_under_a_stop_cancels_what_the_one_before_had_sent():
     written = []
-    before = Changed(will=Will(write=written.append))
+    before = Changed(will=HandoverState(write=written.append))
     before.serve()
     waiting(before)
     before.transport.advance(SECOND)
     after = Changed.__new__(Changed)
-    Act.__init__(after, will=Will(written[-1]))
+    Act.__init__(after, will=HandoverState(written[-1]))
     after.applying, after.revision = None, 0
     plan = plan_of(PolicyName.FIFO_QUEUE)
-    after.applying = Applying(plan, after.host, after.transport)
+    after.applying = SettingsApplier(plan, after.host, after.transport)
     after.put(STOP)
     after.serve(*active(b"a"))
     assert b"a" in after.cancelled()
@@ -245,12 +245,12 @@ def test_a_guard_that_begins_under_a_stop_cancels_what_the_one_before_had_sent()
 def test_a_cancel_that_no_server_could_hear_is_said_again(act):
     act.ask(ONE, b"a")
     act.serve(*active(b"a"))
-    act.transport.deaf.add(SERVER)
+    act.transport.unreachable.add(SERVER)
     act.action.server.node, node = "", act.action.server.node
     act.action._heard = False
     act.put(STOP)
     assert act.cancelled() == [b"a"]
-    act.transport.deaf.clear()
+    act.transport.unreachable.clear()
     act.action.server.node = node
     act.serve(*active(b"a"))
     assert act.cancelled() == [b"a", b"a"]
@@ -262,13 +262,13 @@ def test_goals_may_wait_in_number_after_a_change_too(act):
     act.ask(ONE, b"a")
     act.put(policy=PolicyName.PRIORITY_QUEUE)
     room = replace(act.stream.stages[0].settings).queue_size
-    stage = act.action.stream.stages[0]
+    stage = act.action.spec.stages[0]
     assert stage.settings.queue_size == room * (len(FLOWS) + 1)
 
 
 def test_an_emergency_stop_cancels_goals_without_an_id_and_those_that_appear_later():
     act = Simple()
-    emergency = Emergency(act.host, act.transport)
+    emergency = EmergencyBrake(act.host, act.transport)
     act.give(ONE, b"first")
     act.give(TWO, b"second")
     act.serve(*active(b"s1"))
@@ -289,17 +289,17 @@ def test_a_queue_of_goals_without_an_id_waits_for_the_server_s_own_after_a_chang
     act = Simple()
     act.give(ONE, b"first")
     act.serve(*active(b"s1"))
-    simple = act.host.guarded[1]
+    simple = act.host.streams[1]
     changed = replace(
-        simple.stream,
+        simple.spec,
         stages=tuple(
             replace(s, settings=replace(s.settings, policy=PolicyName.PRIORITY_QUEUE))
-            for s in simple.stream.stages
+            for s in simple.spec.stages
         ),
     )
-    senses = act.host.senses
-    adaptation = simple.prepare(changed, senses, senses.mission.standings)
-    assert simple.adapt(adaptation, act.transport.now()) == []
+    senses = act.host.observations
+    adaptation = simple.prepare_update(changed, senses, senses.mission.statuses)
+    assert simple.apply_update(adaptation, act.transport.now()) == []
     act.give(TWO, b"second")
     assert act.simple == [b"first"]
     act.finish(b"s1")

@@ -10,7 +10,7 @@ import pytest
 from harness import wait_for
 
 from rtron.guard.supervision import link_process as module
-from rtron.guard.supervision.link_process import LATEST, SOONEST, Companion
+from rtron.guard.supervision.link_process import MAX_RESTART_DELAY, MIN_RESTART_DELAY, LinkProcess
 from rtron.vocabulary import SECOND
 
 
@@ -26,9 +26,9 @@ def order():
 def companion(order, monkeypatch):
     code = "import signal; signal.signal(signal.SIGTERM, lambda *_: exit(7)); signal.pause()"
     monkeypatch.setattr(module, "command", lambda role, files: [sys.executable, "-c", code])
-    companion = Companion(order)
+    companion = LinkProcess(order)
     yield companion
-    companion.dismiss()
+    companion.stop()
 
 
 def end(companion):
@@ -42,62 +42,62 @@ def handles(status):
 
 
 def test_it_runs_once(companion):
-    companion.look(0)
+    companion.tick(0)
     first = companion.process
-    companion.look(LATEST)
+    companion.tick(MAX_RESTART_DELAY)
     assert companion.process is first
 
 
 def test_it_is_started_again_but_not_at_once(companion):
-    companion.look(0)
+    companion.tick(0)
     first = companion.process
     end(companion)
-    companion.look(5)
-    companion.look(5 + SOONEST - 1)
+    companion.tick(5)
+    companion.tick(5 + MIN_RESTART_DELAY - 1)
     assert companion.process is first
-    companion.look(5 + SOONEST)
+    companion.tick(5 + MIN_RESTART_DELAY)
     assert companion.process is not first
 
 
 def test_one_that_keeps_ending_is_tried_more_seldom(companion):
     starts, last = [], None
     for second in range(300):
-        companion.look(second * SECOND)
+        companion.tick(second * SECOND)
         if companion.process is not last:
             last = companion.process
             starts.append(second)
             end(companion)
     gaps = [after - before - 1 for before, after in pairwise(starts)]
-    assert gaps[:6] == [1, 2, 4, 8, 16, LATEST // SECOND]
-    assert set(gaps[6:]) == {LATEST // SECOND}
+    assert gaps[:6] == [1, 2, 4, 8, 16, MAX_RESTART_DELAY // SECOND]
+    assert set(gaps[6:]) == {MAX_RESTART_DELAY // SECOND}
 
 
 def test_one_that_ran_for_long_is_started_again_soon(companion):
     now = 0
     for _ in range(4):
-        companion.look(now)
+        companion.tick(now)
         end(companion)
-        companion.look(now := now + 1)
-        now += LATEST
-    companion.look(now)
+        companion.tick(now := now + 1)
+        now += MAX_RESTART_DELAY
+    companion.tick(now)
     lasting = companion.process
-    companion.look(now := now + LATEST)
+    companion.tick(now := now + MAX_RESTART_DELAY)
     end(companion)
-    companion.look(now)
-    companion.look(now + SOONEST)
+    companion.tick(now)
+    companion.tick(now + MIN_RESTART_DELAY)
     assert companion.process is not lasting
 
 
 def test_it_is_told_to_end(companion):
-    companion.look(0)
+    companion.tick(0)
     wait_for(lambda: handles(Path(f"/proc/{companion.process.pid}/status")), what="its handler")
-    companion.dismiss()
+    companion.stop()
     assert companion.process.returncode == 7
 
 
 def test_a_program_that_cannot_be_started_is_tried_again(order, monkeypatch, caplog):
     monkeypatch.setattr(module, "command", lambda role, files: ["/no/such/program"])
-    companion = Companion(order)
-    companion.look(0)
+    companion = LinkProcess(order)
+    companion.tick(0)
     assert "cannot be started" in caplog.text
-    companion.dismiss()
+    companion.stop()

@@ -4,16 +4,16 @@ import pytest
 from streams import stage, stream
 from velocity_messages import FLOAT64, float64, speeds, twist
 
-from rtron.guard.supervision.guard_config import stoppable
-from rtron.guard.supervision.last_message import Said, info_bytes
-from rtron.guard.supervision.shared_memory import Field, Page
-from rtron.guard.supervision.stream_brakes import Brakes
+from rtron.guard.supervision.guard_config import is_stoppable
+from rtron.guard.supervision.last_message import LastMessage, encode_type_info
+from rtron.guard.supervision.shared_memory import GuardMemory, StatusWord
+from rtron.guard.supervision.stream_brakes import StreamBrakes
 from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.guard.transport.common.protocol import TypeInfo
-from rtron.vocabulary import SECOND, Mode, Stop, StreamKind
+from rtron.vocabulary import SECOND, Mode, StopProfile, StreamKind
 
 OUT = "/rtron/cmd_vel/out"
-STOP = Stop(decel=2.0, angular_decel=4.0, period=SECOND // 10, repeat=SECOND // 2)
+STOP = StopProfile(decel=2.0, angular_decel=4.0, period=SECOND // 10, repeat=SECOND // 2)
 LOOK = SECOND // 100
 
 
@@ -22,16 +22,16 @@ class Braked:
 
     def __init__(self, **more):
         self.transport = MemoryTransport()
-        self.page = Page.new(1)
+        self.page = GuardMemory.create(1)
         self.transport.advance(SECOND)
-        self.brakes = Brakes((stream(stage(), stop=STOP, **more),), self.transport, self.page)
+        self.brakes = StreamBrakes((stream(stage(), stop=STOP, **more),), self.transport, self.page)
         self.driver = self.transport.listen(OUT)
 
     def says(self, message, in_force=SECOND // 2):
         """Let the guard say a message, and be alive at that moment."""
         now = self.transport.now()
-        self.page[Field.GUARD_BEAT] = now
-        self.page.said[0].write(Said(now, now + in_force, message).bytes())
+        self.page[StatusWord.GUARD_BEAT] = now
+        self.page.last_messages[0].write(LastMessage(now, now + in_force, message).encode())
 
     def advance(self, duration):
         for _ in range(duration // LOOK):
@@ -73,7 +73,7 @@ def test_the_stop_ends_after_a_while_when_there_is_a_guard_again(braked):
     braked.says(twist(1.0))
     braked.brake()
     braked.advance(SECOND // 2)
-    braked.brakes.loosen()
+    braked.brakes.release()
     braked.advance(5 * SECOND)
     assert len(braked.told) == 10
     assert braked.told[-6:] == [0.0] * 6
@@ -82,7 +82,7 @@ def test_the_stop_ends_after_a_while_when_there_is_a_guard_again(braked):
 def test_the_stop_ends_at_once_when_the_guard_speaks_again(braked):
     braked.says(twist(1.0))
     braked.brake()
-    braked.brakes.loosen()
+    braked.brakes.release()
     braked.advance(SECOND // 5)
     told = len(braked.told)
     braked.says(twist(0.7))
@@ -102,13 +102,13 @@ def test_a_guard_that_stands_still_but_speaks_does_not_end_the_stop(braked):
 def test_the_next_guard_speaks_and_the_stop_for_the_one_before_ends(braked):
     braked.says(twist(1.0))
     braked.brake()
-    page = Page.new(1)
+    page = GuardMemory.create(1)
     braked.brakes.follow(page)
-    braked.brakes.loosen()
+    braked.brakes.release()
     braked.advance(SECOND // 10)
     told = len(braked.told)
     now = braked.transport.now()
-    page.said[0].write(Said(now, now + SECOND, twist(0.3)).bytes())
+    page.last_messages[0].write(LastMessage(now, now + SECOND, twist(0.3)).encode())
     braked.advance(SECOND)
     assert len(braked.told) == told
     page.close()
@@ -120,7 +120,7 @@ def test_a_message_is_ramped_down_only_if_it_was_in_force_when_the_guard_last_be
 ):
     braked.says(twist(1.0), in_force)
     braked.transport.advance(SECOND // 2)
-    braked.page[Field.GUARD_BEAT] = braked.transport.now()
+    braked.page[StatusWord.GUARD_BEAT] = braked.transport.now()
     braked.brake()
     assert braked.told == pytest.approx([0.8] if in_force == SECOND // 2 else [0.0])
 
@@ -147,13 +147,13 @@ def test_to_brake_twice_is_to_brake_once(braked):
 
 def test_the_guard_is_told_when_the_robot_was_stopped(braked):
     braked.brake()
-    assert braked.page[Field.STOPPED] == SECOND
+    assert braked.page[StatusWord.STOPPED] == SECOND
 
 
 def test_a_maximal_velocity_and_other_types_are_left_alone():
     for info in (FLOAT64, TypeInfo("a/B", "0" * 32)):
         braked = Braked(type=info.type)
-        braked.page.infos[0].write(info_bytes(info))
+        braked.page.type_infos[0].write(encode_type_info(info))
         braked.says(float64(1.0))
         braked.advance(LOOK)
         braked.brake()
@@ -163,6 +163,6 @@ def test_a_maximal_velocity_and_other_types_are_left_alone():
 
 
 def test_only_what_moves_the_robot_and_is_enforced_is_stopped():
-    assert stoppable(stream(stage()))
-    assert not stoppable(stream(stage(kind=StreamKind.STATE)))
-    assert not stoppable(stream(stage(), mode=Mode.OBSERVE))
+    assert is_stoppable(stream(stage()))
+    assert not is_stoppable(stream(stage(kind=StreamKind.STATE)))
+    assert not is_stoppable(stream(stage(), mode=Mode.OBSERVE))

@@ -7,13 +7,18 @@ from pathlib import Path
 
 import pytest
 
-from rtron.guard.core.coordinator import Host
-from rtron.guard.core.event_loop import Loop
-from rtron.guard.supervision.guard_config import Order
-from rtron.guard.supervision.guard_process import spawn
-from rtron.guard.supervision.shared_memory import Field, Page
-from rtron.guard.supervision.supervisor_client import ALONE, Tie
-from rtron.guard.supervision.supervisor_handover import LEAVE, Answer, Door, bound
+from rtron.guard.core.coordinator import Coordinator
+from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.supervision.guard_config import GuardConfig
+from rtron.guard.supervision.guard_process import spawn_guard
+from rtron.guard.supervision.shared_memory import GuardMemory, StatusWord
+from rtron.guard.supervision.supervisor_client import UNSUPERVISED_LIMIT, SupervisorClient
+from rtron.guard.supervision.supervisor_handover import (
+    RELEASE,
+    HandoverAnswer,
+    HandoverSocket,
+    bind_guard_socket,
+)
 from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.vocabulary import SECOND, Plan
 
@@ -22,7 +27,7 @@ NO_FILE = 1 << 14
 
 @pytest.fixture
 def loop():
-    made = Loop()
+    made = EventLoop()
     yield made
     made.close()
 
@@ -32,23 +37,23 @@ def master(tmp_path):
     return f"http://localhost/{tmp_path}"
 
 
-class Tied:
+class ConnectedGuard:
     """A guard that moves nothing, tied to a supervisor; another one cannot be started."""
 
     def __init__(self, loop, master):
         self.loop = loop
-        self.page = Page.new(0)
-        self.page[Field.OWNER] = os.getpid()
+        self.page = GuardMemory.create(0)
+        self.page[StatusWord.OWNER] = os.getpid()
         self.supervisor, self.life = socket.socketpair()
-        order = Order(plan=Plan(app="none", ros=1), master=master)
-        self.tie = Tie(order, self.page, self.life, NO_FILE)
-        self.tie.open(loop, Host(MemoryTransport(), ()))
+        order = GuardConfig(plan=Plan(app="none", ros=1), master=master)
+        self.tie = SupervisorClient(order, self.page, self.life, NO_FILE)
+        self.tie.open(loop, Coordinator(MemoryTransport(), ()))
 
     def give_another(self):
         """Let another supervisor take over."""
         self.supervisor.close()
         self.supervisor, self.life = socket.socketpair()
-        self.tie._taken(self.life)
+        self.tie._on_accept(self.life)
 
     def run(self, duration):
         until = self.loop.now() + duration
@@ -63,14 +68,16 @@ class Tied:
 
 @pytest.fixture
 def tied(loop, master):
-    made = Tied(loop, master)
+    made = ConnectedGuard(loop, master)
     yield made
     made.close()
 
 
 def test_a_caller_that_leaves_before_the_answer_leaves_no_descriptor_behind(loop, master):
-    sock = bound(master)
-    door = Door(loop, sock, lambda digest: (Answer.SUPERVISED, -1), lambda life: None)
+    sock = bind_guard_socket(master)
+    door = HandoverSocket(
+        loop, sock, lambda digest: (HandoverAnswer.SUPERVISED, -1), lambda life: None
+    )
     with socket.socket(socket.AF_UNIX) as caller:
         caller.connect(sock.getsockname())
     for _ in range(3):
@@ -95,16 +102,16 @@ def test_a_supervisor_takes_the_place_of_one_that_has_just_died(tied):
 def test_a_supervisor_is_told_that_another_takes_its_place(tied):
     with tied.supervisor.dup() as former:
         tied.give_another()
-        assert former.recv(len(LEAVE)) == LEAVE
+        assert former.recv(len(RELEASE)) == RELEASE
 
 
 def test_a_guard_beats_and_tries_again_when_no_supervisor_can_be_started(tied, caplog):
     tied.supervisor.close()
-    tied.run(2 * ALONE + SECOND // 2)
+    tied.run(2 * UNSUPERVISED_LIMIT + SECOND // 2)
     assert caplog.text.count("no supervisor can be started") == 2
-    beat = tied.page[Field.GUARD_BEAT]
+    beat = tied.page[StatusWord.GUARD_BEAT]
     tied.run(SECOND // 10)
-    assert tied.page[Field.GUARD_BEAT] > beat
+    assert tied.page[StatusWord.GUARD_BEAT] > beat
 
 
 def open_files():
@@ -114,6 +121,6 @@ def open_files():
 def test_a_guard_that_cannot_be_started_leaves_nothing_behind():
     before, files = signal.pthread_sigmask(signal.SIG_BLOCK, ()), open_files()
     with pytest.raises(OSError):
-        spawn(NO_FILE, 1)
+        spawn_guard(NO_FILE, 1)
     assert signal.pthread_sigmask(signal.SIG_BLOCK, ()) == before
     assert open_files() == files

@@ -13,7 +13,7 @@ from driven_base import CMD_VEL_GUARD, Driven, drive_plan, start_guard
 from harness import free_port, lives, named, wait_for
 from rostopic import TWIST, say
 
-from rtron.guard.supervision.supervisor_fsm import STARTING
+from rtron.guard.supervision.supervisor_fsm import START_TIMEOUT
 from rtron.planning.plan_file.writer import write_plan
 from rtron.vocabulary import GUARD_NODE, SECOND, SUPERVISOR_NODE, Plan
 
@@ -84,10 +84,10 @@ class Supervised:
 def supervised(ros1, driver):
     made = Supervised(ros1, driver)
     yield made
-    end_rest(made)
+    end_remaining(made)
 
 
-def end_rest(supervised):
+def end_remaining(supervised):
     """End what is left of a guard whose first supervisor was killed."""
     for node in (SUPERVISOR_NODE, GUARD_NODE):
         pid = supervised.pid_of(node)
@@ -160,7 +160,7 @@ def test_a_spare_guard_that_stands_still_is_soon_replaced(supervised):
     os.kill(spare, signal.SIGSTOP)
     os.kill(supervised.guard, signal.SIGKILL)
     stopped = supervised.wait_for_stop(told)
-    limit_s = STARTING / SECOND * 0.9
+    limit_s = START_TIMEOUT / SECOND * 0.9
     wait_for(lambda: SPEED in supervised.speeds()[stopped:], limit_s, what="the next guard")
     assert not lives(spare)
 

@@ -4,12 +4,12 @@ from functools import cache
 
 from rosbags.typesys import Stores, get_typestore
 
-from rtron.guard.core.coordinator import Host
-from rtron.guard.core.observations import senses_of
+from rtron.guard.core.coordinator import Coordinator
+from rtron.guard.core.observations import observations_of
 from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.guard.transport.common.protocol import Peer, TypeInfo
 from rtron.messages.common.encoding import Encoding
-from rtron.vocabulary import flow_topic, output_topic, streams
+from rtron.vocabulary import build_streams, flow_topic, output_topic
 
 
 @cache
@@ -59,7 +59,7 @@ class App:
 
     def __init__(self, plan):
         self.transport = MemoryTransport()
-        self.host = Host(self.transport, streams(plan), senses_of(plan))
+        self.host = Coordinator(self.transport, build_streams(plan), observations_of(plan))
         self.host.open()
         self.plan = plan
         self._says = {}
@@ -85,7 +85,7 @@ class App:
 
     def reason(self, flow_name):
         """Return the newest verdict's reason on a flow."""
-        tallies = [each.pipeline.tallies for each in self.host.guarded]
+        tallies = [each.pipeline.tallies for each in self.host.streams]
         return next(tally[flow_name].last.reason for tally in tallies if flow_name in tally)
 
     def _say(self, topic, publisher, type, fields):

@@ -25,7 +25,7 @@ from functools import partial
 from harness import wait_for
 from rmw_dds_common.msg import ParticipantEntitiesInfo
 
-from rtron.wire.ros2.endpoints import PARTICIPANT, publishers_of
+from rtron.wire.ros2.endpoints import PARTICIPANT_SIZE, publishers_of
 
 _FRONT = b"\0\1\0\0"
 _OF_PARTICIPANT = b"\0\0\1\xc1"
@@ -118,7 +118,7 @@ class Forger:
         ROS tells the truth now and then: it has to be said again.
         """
         end = wait_for(partial(self._publisher_of, node, topic), what=f"the publisher of {node}")
-        gid = end.gid[:PARTICIPANT] + _OF_PARTICIPANT
+        gid = end.gid[:PARTICIPANT_SIZE] + _OF_PARTICIPANT
         node = _string(b"/") + _string(name) + struct.pack("<II", 0, 1) + end.gid
         message = _FRONT + gid + struct.pack("<I", 1) + node
         publisher = self.publisher(ParticipantEntitiesInfo, b"ros_discovery_info")

@@ -7,8 +7,8 @@ from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
-from rtron.wire.ros2.interfaces import interface
-from rtron.wire.ros2.session import Session
+from rtron.wire.ros2.interfaces import find_interface
+from rtron.wire.ros2.session import Ros2Session
 
 TWIST, STRING, IMAGE = "geometry_msgs/msg/Twist", "std_msgs/msg/String", "sensor_msgs/msg/Image"
 
@@ -23,11 +23,11 @@ def kept(depth):
     return QoSProfile(depth=depth, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
-class Outside:
+class RclpyParticipant:
     """Nodes of rclpy that publish and hear raw bytes."""
 
     def __init__(self, domain):
-        self._session = Session(domain)
+        self._session = Ros2Session(domain)
         self._executor = SingleThreadedExecutor(context=self._session.context)
         self._nodes = set()
 
@@ -36,11 +36,11 @@ class Outside:
         self._session.close()
 
     def publisher(self, name, topic, type=TWIST, profile=10):
-        return self.node(name).create_publisher(interface(type).cls, topic, profile)
+        return self.node(name).create_publisher(find_interface(type).cls, topic, profile)
 
     def listener(self, name, topic, type=TWIST, profile=1000):
         heard = []
-        cls = interface(type).cls
+        cls = find_interface(type).cls
         silent = SubscriptionEventCallbacks(use_default_callbacks=False)
         self.node(name).create_subscription(
             cls, topic, heard.append, profile, raw=True, event_callbacks=silent

@@ -14,22 +14,22 @@ from rclpy.context import Context
 from rclpy.executors import MultiThreadedExecutor, SingleThreadedExecutor
 from test_msgs.action import Fibonacci
 
-from rtron.guard.core.coordinator import Host
-from rtron.guard.core.event_loop import Loop
-from rtron.guard.core.handover_state import Will
-from rtron.guard.core.observations import senses_of
+from rtron.guard.core.coordinator import Coordinator
+from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.core.handover_state import HandoverState
+from rtron.guard.core.observations import observations_of
 from rtron.guard.transport.ros2.middleware import Ros2Transport
 from rtron.vocabulary import (
     SECOND,
-    ActionEnd,
     PolicyName,
+    Ros2ActionEntity,
     StreamKind,
-    end_name,
+    build_streams,
     flow_topic,
     output_topic,
-    streams,
+    ros2_entity_name,
 )
-from rtron.wire.ros2.session import Session
+from rtron.wire.ros2.session import Ros2Session
 
 ACTION, SERVER, ONE, TWO = "/fib", "/server", "/one", "/two"
 TYPE = "test_msgs/action/Fibonacci"
@@ -77,7 +77,7 @@ class Liar(Participant):
 
     def __init__(self, domain, name):
         super().__init__(name, domain)
-        service = end_name(output_topic(ACTION), ActionEnd.GET_RESULT)
+        service = ros2_entity_name(output_topic(ACTION), Ros2ActionEntity.GET_RESULT)
         self.end = self.node.create_service(Fibonacci.Impl.GetResultService, service, self._answer)
         self.start()
 
@@ -194,11 +194,13 @@ class Guard:
     """The guard of the action, its loop in a thread."""
 
     def __init__(self, domain, plan, will=None):
-        self.loop = Loop()
-        self.session = Session(domain)
+        self.loop = EventLoop()
+        self.session = Ros2Session(domain)
         self.transport = Ros2Transport(self.loop, self.session)
-        self.host = Host(self.transport, streams(plan), senses_of(plan), will=will)
-        self.action = self.host.guarded[0]
+        self.host = Coordinator(
+            self.transport, build_streams(plan), observations_of(plan), handover=will
+        )
+        self.action = self.host.streams[0]
         self.loop.post(self.host.open)
         self._thread = threading.Thread(target=self.loop.run, daemon=True)
         self._thread.start()
@@ -249,7 +251,9 @@ class App2:
 
     def _start(self):
         self.server = self.keep(Server(self.domain))
-        self.guard = self.keep(Guard(self.domain, self.plan, Will(write=self.wills.append)))
+        self.guard = self.keep(
+            Guard(self.domain, self.plan, HandoverState(write=self.wills.append))
+        )
         self.one, self.two = self.client(ONE, "flow1"), self.client(TWO, "flow2")
         for client in (self.one, self.two):
             wait_for(client.ready, FOUND_S, f"the action of {client.node.get_name()}")

@@ -7,8 +7,8 @@ from transport_worlds import Real
 from rtron.guard.transport.ros2.middleware import Ros2Transport
 from rtron.messages.common.encoding import Encoding
 from rtron.wire.ros2.endpoints import publishers_of, subscribers_of
-from rtron.wire.ros2.interfaces import interface
-from rtron.wire.ros2.session import Session
+from rtron.wire.ros2.interfaces import find_interface
+from rtron.wire.ros2.session import Ros2Session
 
 DEPTH = 1000
 
@@ -21,8 +21,8 @@ class OnRos2(Real):
 
     def __init__(self, ros2):
         super().__init__()
-        self.session = Session(domain=ros2.domain)
-        self.transport = Ros2Transport(self.loop, Session(domain=ros2.domain))
+        self.session = Ros2Session(domain=ros2.domain)
+        self.transport = Ros2Transport(self.loop, Ros2Session(domain=ros2.domain))
         self._executor = SingleThreadedExecutor(context=self.session.context)
         self._nodes = {}
 
@@ -36,12 +36,12 @@ class OnRos2(Real):
         self._executor.spin_once(timeout_sec=0)
 
     def publisher(self, node, topic, type="std_msgs/String", *, latched=False):
-        made = self._node(node).create_publisher(interface(type).cls, topic, _profile(latched))
+        made = self._node(node).create_publisher(find_interface(type).cls, topic, _profile(latched))
         return Ros2Publisher(self._node(node), made)
 
     def listener(self, node, topic, *, latched=False):
         heard = []
-        cls = interface("std_msgs/String").cls
+        cls = find_interface("std_msgs/String").cls
         self._node(node).create_subscription(cls, topic, heard.append, _profile(latched), raw=True)
         return heard
 

@@ -3,10 +3,10 @@
 from streams import peer
 from velocity_messages import float64, floats, speeds, twist
 
-from rtron.guard.core.coordinator import Host
+from rtron.guard.core.coordinator import Coordinator
 from rtron.guard.core.message_types import standard_info
-from rtron.guard.core.observations import senses_of
-from rtron.guard.settings.applier import Applying
+from rtron.guard.core.observations import observations_of
+from rtron.guard.settings.applier import SettingsApplier
 from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.guard.transport.common.protocol import TypeInfo
 from rtron.messages.common.encoding import Encoding
@@ -21,17 +21,17 @@ from rtron.vocabulary import (
     FlowSettings,
     FpsMonitor,
     GuardedTopic,
+    MissionRule,
     Mode,
     NodeSettings,
     Plan,
     PolicyName,
-    Rule,
     RuleSettings,
     Settings,
     Sharing,
     StreamKind,
     WhenUnknown,
-    streams,
+    build_streams,
 )
 
 TWIST = standard_info("geometry_msgs/Twist", Encoding.ROS1)
@@ -98,8 +98,10 @@ EVENTS = tuple(
     )
     for name in ("red", "fire")
 )
-AT_RED = Rule(name="red_light", when="red", block=("/cmd_vel",), reason="the light is red")
-NOT_FAST = Rule(name="not_fast", when="fire", block=("/cmd_vel",), action="action.linear.x > 0.5")
+AT_RED = MissionRule(name="red_light", when="red", block=("/cmd_vel",), reason="the light is red")
+NOT_FAST = MissionRule(
+    name="not_fast", when="fire", block=("/cmd_vel",), action="action.linear.x > 0.5"
+)
 PLAN = Plan(
     app="base",
     revision=1,
@@ -146,8 +148,10 @@ class Base:
 
     def __init__(self, plan=PLAN, *, opened=True, dry_run=False):
         self.transport = MemoryTransport()
-        self.host = Host(self.transport, streams(plan), senses_of(plan), dry_run=dry_run)
-        self.applying = Applying(plan, self.host, self.transport)
+        self.host = Coordinator(
+            self.transport, build_streams(plan), observations_of(plan), dry_run=dry_run
+        )
+        self.applying = SettingsApplier(plan, self.host, self.transport)
         self.driver = self.transport.listen("/rtron/cmd_vel/out")
         self.limits = self.transport.listen("/rtron/max_vel/out")
         if opened:
@@ -171,7 +175,7 @@ class Base:
         self.transport.advance(0)
 
     def stream(self, topic="/cmd_vel"):
-        return next(each for each in self.host.guarded if each.stream.topic == topic)
+        return next(each for each in self.host.streams if each.spec.topic == topic)
 
     def tally(self, name, topic="/cmd_vel"):
         return self.stream(topic).pipeline.tallies[name]

@@ -29,7 +29,7 @@ def stage(
 ) -> Stage:
     return Stage(
         id=id,
-        coordination=CoordinationKind.GRCN,
+        coordination_kind=CoordinationKind.GRCN,
         settings=PolicySettings(policy=policy, kind=kind, flows=flows, **settings),
     )
 

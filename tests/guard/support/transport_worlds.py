@@ -1,6 +1,6 @@
 """A transport of the guard and outside nodes beside it, with the same few words for each of them.
 
-A `World` has `transport`, `publisher` and `listener` for outside nodes, `shows` for what the graph
+A `TransportWorld` has `transport`, `publisher` and `listener` for outside nodes, `shows` for what the graph
 tells of two nodes, and `until`, which lets the guard work until something is so.
 """
 
@@ -13,7 +13,7 @@ from harness import LIMIT_S
 from raw_ros1 import RawPublisher, RawSubscriber
 
 from rtron.errors import RTronError
-from rtron.guard.core.event_loop import Loop
+from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.message_types import standard_info
 from rtron.guard.core.report_messages import string_message
 from rtron.guard.transport.common.memory import MemoryTransport
@@ -25,7 +25,7 @@ from rtron.wire.ros1.xmlrpc import ros_call
 STEP_S = 0.02
 
 
-class World:
+class TransportWorld:
     """What the worlds have in common; `encoding` is that of their messages.
 
     Of one topic, `most_waiting` messages wait for a guard that is busy, where they are counted.
@@ -44,14 +44,14 @@ class World:
         return string_message(self.encoding, str(text))
 
 
-class InMemory(World):
+class InMemory(TransportWorld):
     """The memory, as ROS 2 would be encoded in it."""
 
     encoding = Encoding.CDR
 
     def __init__(self):
         self.transport = MemoryTransport(self.encoding)
-        self.transport.deaf.add("/nobody")
+        self.transport.unreachable.add("/nobody")
         self._coming = []
 
     def __exit__(self, *_):
@@ -104,11 +104,11 @@ class MemoryPublisher:
             self._last = message
 
 
-class Real(World):
+class Real(TransportWorld):
     """A transport on the loop, which only works while the test waits."""
 
     def __init__(self):
-        self.loop = Loop()
+        self.loop = EventLoop()
 
     def until(self, condition):
         end = time.monotonic() + LIMIT_S
@@ -169,7 +169,7 @@ class Ros1Publisher:
 
     def __init__(self, master, node, topic, header):
         self._raw = RawPublisher(master, node, topic, **header)
-        self._raw.connections = Greeting()
+        self._raw.connections = LatchedConnections()
         self._latching = header["latching"] == "1"
         self._is_here = True
 
@@ -184,7 +184,7 @@ class Ros1Publisher:
             self._raw.__exit__()
 
 
-class Greeting(list):
+class LatchedConnections(list):
     """Connections, each of which is told the last word when it is new."""
 
     last = b""

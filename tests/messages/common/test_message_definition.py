@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from message_samples import ROS1, ROS2
 
 from rtron.errors import InputError
-from rtron.messages import Definitions, Field, parse_definition
+from rtron.messages import DefinitionRegistry, Field, parse_definition
 from rtron.messages.common.definition_lines import MAX_FIELDS, MAX_VALUES
 from rtron.messages.common.definition_parser import MAX_DEPTH, MAX_TEXT
 from rtron.vocabulary import MessageDefinition
@@ -40,12 +40,12 @@ print(json.dumps(found))
     ],
 )
 def test_known_md5sum(type, md5sum):
-    assert Definitions().find(type).md5sum == md5sum
+    assert DefinitionRegistry().find(type).md5sum == md5sum
 
 
 @pytest.mark.parametrize("type", sorted(ROS1.fielddefs))
 def test_md5sum_as_rosbags(type):
-    assert Definitions().find(type).md5sum == ROS1.generate_msgdef(type)[1]
+    assert DefinitionRegistry().find(type).md5sum == ROS1.generate_msgdef(type)[1]
 
 
 def test_md5sums_as_debian():
@@ -62,12 +62,12 @@ def test_md5sums_as_debian():
 
 @pytest.mark.parametrize("type", sorted(ROS2.fielddefs))
 def test_ros2_definitions_are_read(type):
-    assert Definitions(ros=2).find(type).type == type.replace("/msg/", "/")
+    assert DefinitionRegistry(ros=2).find(type).type == type.replace("/msg/", "/")
 
 
 def test_header_of_either_generation():
     names = {
-        ros: [each.name for each in Definitions(ros=ros).find("std_msgs/Header").fields]
+        ros: [each.name for each in DefinitionRegistry(ros=ros).find("std_msgs/Header").fields]
         for ros in (1, 2)
     }
     assert names == {1: ["seq", "stamp", "frame_id"], 2: ["stamp", "frame_id"]}
@@ -101,8 +101,8 @@ bool b
     found = parse_definition("a_msgs/Thing", text)
     assert found.fields == (
         Field(name="x", type="float64"),
-        Field(name="name", type="string", longest=10),
-        Field(name="few", type="int32", array=True, most=5),
+        Field(name="name", type="string", max_bytes=10),
+        Field(name="few", type="int32", array=True, max_elements=5),
         Field(name="id", type="uint8", array=True, length=16),
         Field(name="many", type="float32", array=True),
         Field(name="at", type="time"),
@@ -126,7 +126,7 @@ def test_bounds_make_another_type():
 
 def test_a_bound_that_bounds_nothing():
     found = parse_definition("a/B", f"string<={'9' * 5000} x\nint8[<={'9' * 11}] y")
-    assert [(each.longest, each.most) for each in found.fields] == [(None, None)] * 2
+    assert [(each.max_bytes, each.max_elements) for each in found.fields] == [(None, None)] * 2
 
 
 def test_constants_count_as_spelled():
@@ -229,9 +229,9 @@ def test_types_that_branch_are_bounded():
 
 def test_own_definitions_come_first():
     own = MessageDefinition(type="std_msgs/msg/String", definition="float64 data")
-    assert Definitions([own]).find("std_msgs/String").fields[0].type == "float64"
-    assert Definitions().find("std_msgs/String").fields[0].type == "string"
-    assert Definitions().find("a/Unknown") is None
+    assert DefinitionRegistry([own]).find("std_msgs/String").fields[0].type == "float64"
+    assert DefinitionRegistry().find("std_msgs/String").fields[0].type == "string"
+    assert DefinitionRegistry().find("a/Unknown") is None
 
 
 def test_own_definitions_know_each_other_and_the_standard_ones():
@@ -240,7 +240,7 @@ def test_own_definitions_know_each_other_and_the_standard_ones():
         MessageDefinition(type="a/One", definition="Two[] two\ngeometry_msgs/Pose pose\n"),
         MessageDefinition(type="a/Two", definition="bool x\n"),
     ]
-    found = Definitions(own).find("a/One")
+    found = DefinitionRegistry(own).find("a/One")
     assert sorted(found.nested) == ["a/Two", "geometry_msgs/Pose"]
 
 
@@ -250,7 +250,7 @@ def test_own_definitions_that_contain_each_other():
         MessageDefinition(type="a/Two", definition="One x"),
     ]
     with pytest.raises(InputError, match="a/One -> a/Two -> a/One"):
-        Definitions(own).find("a/One")
+        DefinitionRegistry(own).find("a/One")
 
 
 def test_own_definitions_too_deep():
@@ -258,7 +258,7 @@ def test_own_definitions_too_deep():
         MessageDefinition(type=f"a/T{n}", definition=f"T{n + 1} x" if n < 40 else "bool x")
         for n in range(41)
     ]
-    known = Definitions(own)
+    known = DefinitionRegistry(own)
     for type in ("a/T0", "a/T20", "a/T0"):
         with pytest.raises(InputError, match="nested deeper"):
             known.find(type)
@@ -277,7 +277,7 @@ lines = st.lists(
 @given(text=lines.map("".join) | st.text())
 def test_fuzz_definition(text):
     try:
-        found = parse_definition("a/B", text, lookup=Definitions().find)
+        found = parse_definition("a/B", text, lookup=DefinitionRegistry().find)
     except InputError:
         return
     assert found.type == "a/B"
@@ -296,5 +296,5 @@ def test_fuzz_definition(text):
 )
 def test_the_standard_is_that_of_the_sourced_distribution(monkeypatch, distro, ros, has_variance):
     monkeypatch.setenv("ROS_DISTRO", distro)
-    found = Definitions(ros=ros).find("sensor_msgs/Range")
+    found = DefinitionRegistry(ros=ros).find("sensor_msgs/Range")
     assert (found.find("variance") is not None) is has_variance

@@ -19,11 +19,11 @@ from message_samples import (
 )
 
 from rtron.errors import WireError
-from rtron.messages import Definitions, Encoding, parse_definition
+from rtron.messages import DefinitionRegistry, Encoding, parse_definition
 from rtron.messages.expressions.protobuf_types import descriptor_pool, protobuf_name
 from rtron.messages.expressions.protobuf_wire import transcoder, varint
 
-DEFINITIONS = {Encoding.ROS1: Definitions(), Encoding.CDR: Definitions(ros=2)}
+DEFINITIONS = {Encoding.ROS1: DefinitionRegistry(), Encoding.CDR: DefinitionRegistry(ros=2)}
 KINDS = [(Encoding.ROS1, type) for type in sorted(ROS1.fielddefs)]
 KINDS += [(Encoding.CDR, type) for type in sorted(ROS2.fielddefs)]
 DUMMY = "structure_needs_at_least_one_member"
@@ -36,15 +36,17 @@ def read(definition, encoding, message, wanted=None):
     return GetMessageClass(found).FromString(transcoder(definition, encoding, names)(message))
 
 
-def same(found, worth):
+def same(fake_study, worth):
     """Compare a value that protobuf read with what it was made from."""
     if isinstance(worth, dict):
-        return all(same(getattr(found, key), each) for key, each in worth.items() if key != DUMMY)
+        return all(
+            same(getattr(fake_study, key), each) for key, each in worth.items() if key != DUMMY
+        )
     if isinstance(worth, list):
-        return len(found) == len(worth) and all(map(same, found, worth))
+        return len(fake_study) == len(worth) and all(map(same, fake_study, worth))
     if isinstance(worth, float):
-        return struct.pack("<d", found) == struct.pack("<d", worth)
-    return found == worth and type(found) is type(worth)
+        return struct.pack("<d", fake_study) == struct.pack("<d", worth)
+    return fake_study == worth and type(fake_study) is type(worth)
 
 
 @pytest.mark.parametrize(("encoding", "type"), KINDS)
@@ -137,7 +139,7 @@ def test_bytes_behind_the_last_field_of_ros1():
 @pytest.mark.parametrize("front", [b"\0\0\0\0", b"\0\3\0\0", b"\0\7\0\0", b"\1\0\0\0"])
 def test_other_encapsulations(front):
     with pytest.raises(WireError, match=f"encapsulation {front[:2].hex()}"):
-        Encoding.CDR.check(front + b"\5")
+        Encoding.CDR.check_prefix(front + b"\5")
 
 
 @pytest.mark.parametrize("message", [b"", b"\0", b"\0\1\0"])
@@ -166,9 +168,9 @@ def test_utf8(text, said):
 @pytest.mark.parametrize(
     ("body", "found"), [(b"\2\0\0\0a\0", b"a"), (b"\1\0\0\0\0", b""), (b"\0\0\0\0", b"")]
 )
-def test_strings_of_cdr(body, found):
+def test_strings_of_cdr(body, fake_study):
     decode = transcoder(DEFINITIONS[Encoding.CDR].find("std_msgs/String"), Encoding.CDR, ("data",))
-    assert decode(b"\0\1\0\0" + body) == b"\x0a" + bytes([len(found)]) + found
+    assert decode(b"\0\1\0\0" + body) == b"\x0a" + bytes([len(fake_study)]) + fake_study
 
 
 def test_string_of_cdr_without_nul():

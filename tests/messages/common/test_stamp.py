@@ -8,9 +8,9 @@ from hypothesis import strategies as st
 from message_samples import ENCODINGS, POSE, encode, header, make, pose
 
 from rtron.errors import WireError
-from rtron.messages import Definitions, Encoding, parse_definition, stamp_reader
+from rtron.messages import DefinitionRegistry, Encoding, parse_definition, stamp_reader
 
-DEFINITIONS = {Encoding.ROS1: Definitions(), Encoding.CDR: Definitions(ros=2)}
+DEFINITIONS = {Encoding.ROS1: DefinitionRegistry(), Encoding.CDR: DefinitionRegistry(ros=2)}
 
 
 @given(
@@ -52,8 +52,8 @@ def test_no_header_in_front(type, encoding):
     ],
 )
 @pytest.mark.parametrize("encoding", ENCODINGS)
-def test_shapes_of_headers(text, found, encoding):
-    assert (stamp_reader(parse_definition("a/B", text), encoding) is not None) is found
+def test_shapes_of_headers(text, fake_study, encoding):
+    assert (stamp_reader(parse_definition("a/B", text), encoding) is not None) is fake_study
 
 
 @given(encoding=st.sampled_from(ENCODINGS), message=st.binary(max_size=24))

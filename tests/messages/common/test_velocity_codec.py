@@ -9,10 +9,16 @@ from hypothesis import strategies as st
 from message_samples import ENCODINGS, ROS2, encode, header, make
 
 from rtron.errors import WireError
-from rtron.messages import VELOCITY_TYPES, Definitions, Encoding, parse_definition, velocity_codec
+from rtron.messages import (
+    VELOCITY_TYPES,
+    DefinitionRegistry,
+    Encoding,
+    parse_definition,
+    velocity_codec,
+)
 from rtron.vocabulary import Velocity
 
-DEFINITIONS = {Encoding.ROS1: Definitions(), Encoding.CDR: Definitions(ros=2)}
+DEFINITIONS = {Encoding.ROS1: DefinitionRegistry(), Encoding.CDR: DefinitionRegistry(ros=2)}
 TWIST, STAMPED = "geometry_msgs/Twist", "geometry_msgs/TwistStamped"
 DRIVE, DRIVE_STAMPED = "ackermann_msgs/AckermannDrive", "ackermann_msgs/AckermannDriveStamped"
 SINGLES = ("angle", "turn", "speed", "acceleration", "jerk")
@@ -104,7 +110,7 @@ def test_drives_are_read(encoding, values, frame):
         if all(map(math.isfinite, values)):
             assert bits(found.linear) == bits([values[2]])
         else:
-            assert not found.finite
+            assert not found.is_finite
 
 
 @given(
@@ -125,9 +131,9 @@ def test_drives_are_written(encoding, values, speed, frame):
 @pytest.mark.parametrize("encoding", ENCODINGS)
 def test_no_other_float_of_a_drive_may_be_no_number(encoding, index, bad):
     values = [0.1] * 5
-    assert codec(encoding, DRIVE).decode(drive_message(encoding, values)).finite
+    assert codec(encoding, DRIVE).decode(drive_message(encoding, values)).is_finite
     values[index] = bad
-    assert not codec(encoding, DRIVE).decode(drive_message(encoding, values)).finite
+    assert not codec(encoding, DRIVE).decode(drive_message(encoding, values)).is_finite
 
 
 @given(encoding=encodings, value=doubles, other=doubles)
@@ -165,7 +171,7 @@ def test_no_twist_is_above_its_limit(encoding, values, limit):
     found = codec(encoding, TWIST)
     message = twist_message(encoding, values)
     velocity = found.decode(message)
-    assume(velocity.finite)
+    assume(velocity.is_finite)
     written = found.decode(found.encode(message, velocity.at_most(limit)))
     assert written.speed <= limit
     if velocity.speed <= limit:
@@ -191,7 +197,7 @@ def test_no_drive_is_above_its_limit(encoding, values, limit):
     found = codec(encoding, DRIVE)
     message = drive_message(encoding, values)
     velocity = found.decode(message)
-    assume(velocity.finite)
+    assume(velocity.is_finite)
     written = found.encode(message, velocity.at_most(limit))
     assert found.decode(written).speed <= limit
     assert written[:12] + written[16:] == message[:12] + message[16:]
@@ -265,12 +271,12 @@ def test_every_other_length_is_refused(encoding):
 @pytest.mark.parametrize("type", sorted(VELOCITY_TYPES))
 def test_rest_is_a_message_of_zeros(type, encoding):
     found = codec(encoding, type)
-    assert not any(found.rest[4:])
-    assert not found.decode(found.rest).moves
+    assert not any(found.zero_message[4:])
+    assert not found.decode(found.zero_message).is_moving
     length = {TWIST: 48, DRIVE: 20, "std_msgs/Float64": 8, "std_msgs/Float32": 4}.get(type)
     head = 16 if encoding is Encoding.ROS1 else 12
     stamped = {STAMPED: 48 + head + (head == 12) * 4, DRIVE_STAMPED: 20 + head}.get(type)
-    assert len(found.rest) == 4 + (length or stamped)
+    assert len(found.zero_message) == 4 + (length or stamped)
 
 
 STRANGE = "Twist twist\n{} more\n===\nMSG: geometry_msgs/Twist\n" + VECTORS + "float64 x\n"
@@ -295,8 +301,8 @@ def test_strange_definitions_have_a_rest_or_no_codec(more, size):
     if size is None:
         assert found is None
     else:
-        assert len(found.rest) == size + 4
-        assert not found.decode(found.rest).moves
+        assert len(found.zero_message) == size + 4
+        assert not found.decode(found.zero_message).is_moving
 
 
 def test_padding_of_cdr_stays():
@@ -316,7 +322,7 @@ def test_fuzz_velocity(encoding, type, body):
         velocity = found.decode(front + body)
     except WireError:
         return
-    if velocity.finite:
+    if velocity.is_finite:
         assert len(found.encode(front + body, velocity.at_most(0.1))) == len(body) + 4
 
 

@@ -12,12 +12,18 @@ from hypothesis import strategies as st
 from message_samples import ENCODINGS, POSE, encode, header, make, pose_stamped, square
 
 from rtron.errors import InputError
-from rtron.messages import Definitions, Encoding, Judge, check_expression, parse_definition
+from rtron.messages import (
+    DefinitionRegistry,
+    Encoding,
+    MessageEvaluator,
+    check_expression,
+    parse_definition,
+)
 from rtron.messages.expressions.compiler import MAX_EXPRESSION
 from rtron.vocabulary import Area, Point
 
 pytest.importorskip("cel_expr_python.cel", reason="no CEL on this machine")
-KNOWN = {Encoding.ROS1: Definitions(), Encoding.CDR: Definitions(ros=2)}
+KNOWN = {Encoding.ROS1: DefinitionRegistry(), Encoding.CDR: DefinitionRegistry(ros=2)}
 KINDS = """
 bool flag
 byte octet
@@ -64,7 +70,7 @@ MESSAGE = struct.pack("<I", len(BODY)) + BODY
 def judge(text, message=MESSAGE, definition=None, **more):
     kinds = {"subject": "event", "encoding": Encoding.ROS1} | more
     known = definition or parse_definition("a/Kinds", KINDS)
-    (found,) = Judge(known, [text], **kinds).judge(message)
+    (found,) = MessageEvaluator(known, [text], **kinds).evaluate(message)
     return found
 
 
@@ -204,12 +210,17 @@ def test_many_texts_keep_their_order():
     ]
     definition = parse_definition("a/Kinds", KINDS)
     with pytest.raises(InputError):
-        Judge(definition, texts, subject="event", encoding=Encoding.ROS1)
+        MessageEvaluator(definition, texts, subject="event", encoding=Encoding.ROS1)
     texts[1] = "event.flag"
-    found = Judge(definition, texts, subject="event", encoding=Encoding.ROS1).judge(MESSAGE)
+    found = MessageEvaluator(definition, texts, subject="event", encoding=Encoding.ROS1).evaluate(
+        MESSAGE
+    )
     assert found[:4] == (True, True, False, True)
     assert "Index" in found[4]
-    assert Judge(definition, [], subject="event", encoding=Encoding.ROS1).judge(MESSAGE) == ()
+    assert (
+        MessageEvaluator(definition, [], subject="event", encoding=Encoding.ROS1).evaluate(MESSAGE)
+        == ()
+    )
 
 
 def test_each_text_is_evaluated_once(monkeypatch):
@@ -219,18 +230,18 @@ def test_each_text_is_evaluated_once(monkeypatch):
         lambda text, activation: asked.append(text) or True,
     )
     definition = parse_definition("a/Kinds", KINDS)
-    judged = Judge(definition, ["event.flag", "!event.flag"] * 25, subject="event",
+    judged = MessageEvaluator(definition, ["event.flag", "!event.flag"] * 25, subject="event",
                    encoding=Encoding.ROS1)  # fmt: skip
-    assert judged.judge(MESSAGE) == (True,) * 50
+    assert judged.evaluate(MESSAGE) == (True,) * 50
     assert len(asked) == 2
 
 
 @pytest.mark.parametrize("length", range(0, len(MESSAGE), 7))
 def test_malformed(length):
-    found = Judge(
+    found = MessageEvaluator(
         parse_definition("a/Kinds", KINDS), ["event.flag", "true"], subject="event",
         encoding=Encoding.ROS1,
-    ).judge(MESSAGE[:length])  # fmt: skip
+    ).evaluate(MESSAGE[:length])  # fmt: skip
     assert isinstance(found[0], str)
     assert found == (found[0],) * 2
 
@@ -344,13 +355,13 @@ def test_an_area_of_a_distance_is_called_by_its_name():
 
 def test_no_memory_is_lost():
     """Functions in Python lost a kilobyte a call."""
-    judged = Judge(KNOWN[Encoding.ROS1].find(POSE), TRICKY[:1], subject="event",
+    judged = MessageEvaluator(KNOWN[Encoding.ROS1].find(POSE), TRICKY[:1], subject="event",
                    encoding=Encoding.ROS1, areas=[square()])  # fmt: skip
     message = pose_stamped(Encoding.ROS1)
     sizes = []
     for _ in range(2):
         for _ in range(5000):
-            judged.judge(message)
+            judged.evaluate(message)
         sizes.append(int(Path("/proc/self/statm").read_text().split()[1]))
     assert (sizes[1] - sizes[0]) * 4096 < 5000 * 100
 
@@ -391,8 +402,8 @@ BOTH = [
 
 @pytest.mark.parametrize("encoding", ENCODINGS)
 def test_either_encoding(encoding):
-    judged = Judge(KNOWN[encoding].find(POSE), BOTH, subject="event", encoding=encoding)
-    assert judged.judge(pose_stamped(encoding)) == (True, True)
+    judged = MessageEvaluator(KNOWN[encoding].find(POSE), BOTH, subject="event", encoding=encoding)
+    assert judged.evaluate(pose_stamped(encoding)) == (True, True)
 
 
 @pytest.mark.parametrize("encoding", ENCODINGS)
@@ -402,6 +413,6 @@ def test_points_of_32_bits(encoding):
     polygon = make(encoding, "geometry_msgs/Polygon", [corner] * 3)
     message = encode(encoding, type, make(encoding, type, header(encoding), polygon))
     text = "event.polygon.points.all(p, inside(p, zone) && distance(p, place(1.0, 5.0)) == 3.0)"
-    judged = Judge(KNOWN[encoding].find(type), [text], subject="event", encoding=encoding,
+    judged = MessageEvaluator(KNOWN[encoding].find(type), [text], subject="event", encoding=encoding,
                    areas=[square()])  # fmt: skip
-    assert judged.judge(message) == (True,)
+    assert judged.evaluate(message) == (True,)

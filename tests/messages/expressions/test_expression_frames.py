@@ -8,7 +8,13 @@ import pytest
 from message_samples import ENCODINGS, POSE, encode, header, make, pose, pose_stamped, square
 
 from rtron.errors import InputError
-from rtron.messages import Definitions, Encoding, Judge, check_expression, parse_definition
+from rtron.messages import (
+    DefinitionRegistry,
+    Encoding,
+    MessageEvaluator,
+    check_expression,
+    parse_definition,
+)
 from rtron.vocabulary import MessageDefinition, Transform
 
 pytest.importorskip("cel_expr_python.cel", reason="no CEL on this machine")
@@ -17,7 +23,7 @@ GOAL = MessageDefinition(
     definition="Header header\nactionlib_msgs/GoalID goal_id\nMoveBaseGoal goal\n"
     "===\nMSG: move_base_msgs/MoveBaseGoal\ngeometry_msgs/PoseStamped target_pose\n",
 )
-KNOWN = Definitions([GOAL])
+KNOWN = DefinitionRegistry([GOAL])
 AREAS = (square(),)
 INSIDE = "inside(event.pose.position, zone)"
 QUARTER = Transform(source="odom", target="map", x=10.0, y=0.0, yaw=math.pi / 2)
@@ -25,11 +31,11 @@ NOT_KNOWN = "positions are in frame odom, the rule asks for map, and no transfor
 
 
 def judge(text, message, type=POSE, frame="", transforms=(), areas=AREAS):
-    judged = Judge(
+    judged = MessageEvaluator(
         KNOWN.find(type), [text], subject="event", encoding=Encoding.ROS1, areas=areas,
         transforms=transforms, frames=[frame],
     )  # fmt: skip
-    return judged.judge(message)[0]
+    return judged.evaluate(message)[0]
 
 
 def goal(outer, inner, x=1.0, y=2.0):
@@ -102,13 +108,18 @@ def test_transforms_there_and_back(transform, place, target):
 def test_texts_in_different_frames_in_one_judge():
     texts = [INSIDE, "event.pose.position.x == 1.0", "inside(event.pose.position, other)",
              "event.pose.position.x == 1.0"]  # fmt: skip
-    judged = Judge(
+    judged = MessageEvaluator(
         KNOWN.find(POSE), texts, subject="event", encoding=Encoding.ROS1,
         areas=[square(), square("other", "odom", 9.0)], transforms=[QUARTER],
         frames=["", "", "", "map"],
     )  # fmt: skip
-    assert judged.judge(pose_stamped(Encoding.ROS1, "odom", 1.0, 8.0)) == (True, True, True, False)
-    found = judged.judge(pose_stamped(Encoding.ROS1, "base", 1.0, 8.0))
+    assert judged.evaluate(pose_stamped(Encoding.ROS1, "odom", 1.0, 8.0)) == (
+        True,
+        True,
+        True,
+        False,
+    )
+    found = judged.evaluate(pose_stamped(Encoding.ROS1, "base", 1.0, 8.0))
     assert found[1] is True
     assert all("in frame base" in found[index] for index in (0, 2, 3))
 
@@ -124,18 +135,18 @@ def test_texts_in_different_frames_in_one_judge():
         ("", "", "positions are in no frame, the rule asks for map"),
     ],
 )
-def test_a_goal_is_in_the_frame_of_its_own_pose(outer, inner, found):
+def test_a_goal_is_in_the_frame_of_its_own_pose(outer, inner, fake_study):
     text = "inside(event.goal.target_pose.pose.position, zone)"
-    assert judge(text, goal(outer, inner), "move_base_msgs/MoveBaseActionGoal") == found
+    assert judge(text, goal(outer, inner), "move_base_msgs/MoveBaseActionGoal") == fake_study
 
 
 @pytest.mark.parametrize(
     ("inner", "found"),
     [(["map", ""], True), ([], True), (["map", "odom"], NOT_KNOWN), (["odom"], NOT_KNOWN)],
 )
-def test_every_position_must_be_in_the_frame(inner, found):
+def test_every_position_must_be_in_the_frame(inner, fake_study):
     text = "event.poses.all(p, inside(p.pose.position, zone))"
-    assert judge(text, path("map", *inner), "nav_msgs/Path") == found
+    assert judge(text, path("map", *inner), "nav_msgs/Path") == fake_study
 
 
 def test_positions_that_are_not_asked_for_do_not_count():
@@ -189,30 +200,30 @@ def test_only_some_positions_have_a_header():
 
 
 @pytest.mark.parametrize(("frame", "found"), [("map", True), ("odom", None)])
-def test_coordinates_that_are_no_points_are_not_transformed(frame, found):
+def test_coordinates_that_are_no_points_are_not_transformed(frame, fake_study):
     definition = parse_definition("a/B", "Header header\nfloat64 x", lookup=KNOWN.find)
     head = encode(Encoding.ROS1, "std_msgs/Header", header(Encoding.ROS1, frame))[4:]
     message = struct.pack("<I", len(head) + 8) + head + struct.pack("<d", 1.0)
-    judged = Judge(
+    judged = MessageEvaluator(
         definition, ["event.x == 1.0"], subject="event", encoding=Encoding.ROS1,
         frames=["map"], transforms=[QUARTER],
-    ).judge(message)  # fmt: skip
-    if found:
+    ).evaluate(message)  # fmt: skip
+    if fake_study:
         assert judged == (True,)
     else:
         assert "it has no points to transform" in judged[0]
 
 
 @pytest.mark.parametrize(("frames", "found"), [("map map", True), ("map odom", NOT_KNOWN)])
-def test_two_positions_of_one_type(frames, found):
+def test_two_positions_of_one_type(frames, fake_study):
     text = f"{POSE} one\n{POSE} two"
     definition = parse_definition("a/B", text, lookup=KNOWN.find)
     body = b"".join(pose_stamped(Encoding.ROS1, frame)[4:] for frame in frames.split())
-    judged = Judge(
+    judged = MessageEvaluator(
         definition, ["inside(event.one.pose.position, zone) && has(event.two)"], subject="event",
         encoding=Encoding.ROS1, areas=AREAS,
     )  # fmt: skip
-    assert judged.judge(struct.pack("<I", len(body)) + body) == (found,)
+    assert judged.evaluate(struct.pack("<I", len(body)) + body) == (fake_study,)
 
 
 def test_parts_without_positions_are_not_visited():
@@ -222,11 +233,11 @@ def test_parts_without_positions_are_not_visited():
     head = encode(Encoding.ROS1, "std_msgs/Header", header(Encoding.ROS1))[4:]
     other = encode(Encoding.ROS1, "std_msgs/Header", header(Encoding.ROS1, "odom"))[4:]
     body = head + struct.pack("<I", 1) + other + struct.pack("<3d", 1.0, 1.0, 0.0)
-    judged = Judge(
+    judged = MessageEvaluator(
         definition, ["inside(event.p, zone) && size(event.inner) == 1"], subject="event",
         encoding=Encoding.ROS1, areas=AREAS,
     )  # fmt: skip
-    assert judged.judge(struct.pack("<I", len(body)) + body) == (True,)
+    assert judged.evaluate(struct.pack("<I", len(body)) + body) == (True,)
 
 
 def test_own_transform_before_the_inverse_of_another():
@@ -245,7 +256,9 @@ def test_a_point_type_of_another_shape_is_no_position():
 
 @pytest.mark.parametrize("encoding", ENCODINGS)
 def test_either_encoding(encoding):
-    known = Definitions(ros=1 if encoding is Encoding.ROS1 else 2)
-    judged = Judge(known.find(POSE), [INSIDE], subject="event", encoding=encoding, areas=[square()])
-    assert judged.judge(pose_stamped(encoding)) == (True,)
-    assert "in frame odom" in judged.judge(pose_stamped(encoding, "odom"))[0]
+    known = DefinitionRegistry(ros=1 if encoding is Encoding.ROS1 else 2)
+    judged = MessageEvaluator(
+        known.find(POSE), [INSIDE], subject="event", encoding=encoding, areas=[square()]
+    )
+    assert judged.evaluate(pose_stamped(encoding)) == (True,)
+    assert "in frame odom" in judged.evaluate(pose_stamped(encoding, "odom"))[0]

@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 from message_samples import POSE, pose_stamped
 from slow_geometry import TOLERANCE, Polygon, distance
 
-from rtron.messages import Definitions, Encoding, Judge
-from rtron.messages.expressions.geometry import motion
+from rtron.messages import DefinitionRegistry, Encoding, MessageEvaluator
+from rtron.messages.expressions.geometry import planar_transform
 from rtron.vocabulary import Area, Point, Transform
 
 CORNERS = ((0, 0), (4, 0), (4, 4), (2, 1), (0, 4))
@@ -97,14 +97,16 @@ def test_distance():
     ("yaw", "found"),
     [(0.0, (11.0, 20.0)), (math.pi / 2, (10.0, 21.0)), (math.pi, (9.0, 20.0))],
 )
-def test_first_turned_then_moved(yaw, found):
-    moved = motion(Transform(source="a", target="b", x=10.0, y=20.0, yaw=yaw)).apply(1.0, 0.0)
-    assert moved == pytest.approx(found)
+def test_first_turned_then_moved(yaw, fake_study):
+    moved = planar_transform(Transform(source="a", target="b", x=10.0, y=20.0, yaw=yaw)).apply(
+        1.0, 0.0
+    )
+    assert moved == pytest.approx(fake_study)
 
 
 @given(place=places, x=coordinates, y=coordinates, yaw=st.floats(-7, 7))
 def test_there_and_back(place, x, y, yaw):
-    there = motion(Transform(source="a", target="b", x=x, y=y, yaw=yaw))
+    there = planar_transform(Transform(source="a", target="b", x=x, y=y, yaw=yaw))
     assert there.inverse().apply(*there.apply(*place)) == pytest.approx(place, abs=1e-8)
     assert there.apply(*there.inverse().apply(*place)) == pytest.approx(place, abs=1e-8)
 
@@ -121,8 +123,8 @@ def judged():
         *(f"distance({at}, zone) <= {limit}" for limit in LIMITS),
         *(f"distance({at}, place(1.0, 1.0)) <= {limit}" for limit in LIMITS),
     ]
-    return Judge(
-        Definitions().find(POSE), texts, subject="event", encoding=Encoding.ROS1,
+    return MessageEvaluator(
+        DefinitionRegistry().find(POSE), texts, subject="event", encoding=Encoding.ROS1,
         areas=[Area(name="zone", frame="map", polygon=corners)], frames=["map"] * len(texts),
     )  # fmt: skip
 
@@ -139,7 +141,7 @@ near = st.one_of(
 
 @given(x=near, y=near)
 def test_expressions_agree_with_the_plain_way(judged, x, y):
-    found = judged.judge(pose_stamped(Encoding.ROS1, "map", x, y))
+    found = judged.evaluate(pose_stamped(Encoding.ROS1, "map", x, y))
     inside, away = NOTCHED.contains((x, y)), NOTCHED.distance((x, y))
     assert found[:2] == (inside, inside)
     for said, limit in zip(found[2:6], LIMITS, strict=True):

@@ -9,10 +9,10 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from rtron.errors import WireError
 from rtron.messages.ros1.actions import (
-    MOST_STATUSES,
+    MAX_STATUSES,
     GoalID,
     GoalStatus,
-    behind_header,
+    after_header,
     cancel_message,
     read_cancel,
     read_goal,
@@ -69,13 +69,13 @@ def goal_of(goal, frame=""):
     return framed(made("demo_msgs/msg/GoActionGoal", header(0, frame), goal_id(goal), point))
 
 
-def array_of(found, frame=""):
-    entries = [status_of(each) for each in found]
+def array_of(fake_study, frame=""):
+    entries = [status_of(each) for each in fake_study]
     return framed(made("actionlib_msgs/msg/GoalStatusArray", header(0, frame), entries))
 
 
-def plain(found):
-    return [(each.goal, each.status) for each in found]
+def plain(fake_study):
+    return [(each.goal, each.status) for each in fake_study]
 
 
 @given(goal_ids, goal_ids, texts)
@@ -95,7 +95,7 @@ def test_cancels(goal):
 def test_statuses_are_read_and_added(told, more, frame):
     message = array_of(told, frame)
     assert read_statuses(message) == {each.goal.id: each.status for each in told}
-    assert behind_header(message) == behind_header(array_of(told, frame + "other"))
+    assert after_header(message) == after_header(array_of(told, frame + "other"))
     assert with_statuses(message, more) == array_of([*told, *more], frame)
 
 
@@ -164,7 +164,7 @@ def test_no_cut_message_is_read(reader):
             reader(whole[:length])
 
 
-@pytest.mark.parametrize(("count", "read"), [(MOST_STATUSES, True), (MOST_STATUSES + 1, False)])
+@pytest.mark.parametrize(("count", "read"), [(MAX_STATUSES, True), (MAX_STATUSES + 1, False)])
 def test_the_list_of_goals_is_bounded(count, read):
     told = [GoalStatus(GoalID(b"%d" % number, 0), 3) for number in range(count)]
     message = with_statuses(array_of([]), told)

@@ -8,12 +8,12 @@ from hypothesis import strategies as st
 from message_samples import ROS2, Generator, encode
 
 from rtron.errors import WireError
-from rtron.messages import Definitions, Encoding, parse_definition
+from rtron.messages import DefinitionRegistry, Encoding, parse_definition
 from rtron.messages.common.definition import SIZES
 from rtron.messages.common.encoding import PADDING
-from rtron.messages.ros2.cdr_validator import whole
+from rtron.messages.ros2.cdr_validator import cdr_validator
 
-DEFINITIONS = Definitions(ros=2)
+DEFINITIONS = DefinitionRegistry(ros=2)
 KINDS = sorted(ROS2.fielddefs)
 FRONT = b"\0\1\0\0"
 MOST = (1 << 32) - 1
@@ -26,7 +26,7 @@ class Plain(Generator):
 
 
 def check(text):
-    return whole(parse_definition("a/B", text))
+    return cdr_validator(parse_definition("a/B", text))
 
 
 def accepts(text, body):
@@ -44,7 +44,7 @@ def string(text, *, count=None):
 @pytest.mark.parametrize("type", KINDS)
 def test_every_standard_type(type):
     """What rosbags writes is whole; with a byte less or more than padding it is not."""
-    look = whole(DEFINITIONS.find(type))
+    look = cdr_validator(DEFINITIONS.find(type))
     for seed in range(5):
         message = encode(
             Encoding.CDR, type.replace("/msg/", "/"), Plain(Encoding.CDR, seed).message(type)[0]
@@ -58,7 +58,7 @@ def test_every_standard_type(type):
 
 @pytest.mark.parametrize("type", ["nav_msgs/msg/Path", "diagnostic_msgs/msg/DiagnosticArray"])
 def test_every_truncation(type):
-    look = whole(DEFINITIONS.find(type))
+    look = cdr_validator(DEFINITIONS.find(type))
     message = encode(
         Encoding.CDR, type.replace("/msg/", "/"), Plain(Encoding.CDR, 4).message(type)[0]
     )
@@ -102,7 +102,7 @@ def test_fuzz_random(type, body):
 def refusal(definition, message):
     """Return why a message is refused, nothing if it is not; nothing else may be raised."""
     try:
-        whole(definition)(message)
+        cdr_validator(definition)(message)
     except WireError as error:
         return str(error)
     return ""

@@ -5,7 +5,7 @@ import pytest
 from rtron.errors import InputError
 from rtron.guard.core.message_types import stamp_of
 from rtron.guard.transport.common.protocol import TypeInfo
-from rtron.messages.common.definition_registry import Definitions
+from rtron.messages.common.definition_registry import DefinitionRegistry
 from rtron.messages.common.encoding import Encoding
 from rtron.vocabulary import MessageDefinition
 
@@ -31,14 +31,14 @@ def install(tmp_path, monkeypatch):
 
 
 def fields(type, *own, ros=2):
-    found = Definitions(own, ros=ros).find(type)
+    found = DefinitionRegistry(own, ros=ros).find(type)
     return found and [(each.name, each.type) for each in found.fields]
 
 
 @pytest.mark.parametrize("spelled", ["my_msgs/Wear", "my_msgs/msg/Wear"])
 def test_an_installed_type_is_known_by_its_fields_and_those_in_it(install, spelled):
     install("my_msgs", Wear="Part[] parts\nbool worn", Part="float64 hours")
-    found = Definitions(ros=2).find(spelled)
+    found = DefinitionRegistry(ros=2).find(spelled)
     assert [each.name for each in found.fields] == ["parts", "worn"]
     assert [each.name for each in found.nested["my_msgs/Part"].fields] == ["hours"]
 
@@ -50,7 +50,7 @@ def test_only_ros_2_has_installed_types(install):
 
 def test_of_an_action_the_goal_is_known(install):
     install("my_msgs", "action", Dig="float64 depth\n---\nbool done\n---\nint8 percent")
-    found = Definitions(ros=2).find("my_msgs/action/Dig")
+    found = DefinitionRegistry(ros=2).find("my_msgs/action/Dig")
     assert (found.type, [each.name for each in found.fields]) == ("my_msgs/Dig_Goal", ["depth"])
 
 
@@ -85,7 +85,7 @@ def test_a_plan_s_own_type_may_hold_an_installed_one(install):
 def test_an_installed_type_that_cannot_be_used_says_so(install, text, said):
     install("my_msgs", Wear=text)
     with pytest.raises(InputError, match=said) as error:
-        Definitions(ros=2).find("my_msgs/Wear")
+        DefinitionRegistry(ros=2).find("my_msgs/Wear")
     assert "my_msgs/msg/Wear as it is installed here" in str(error.value)
 
 

@@ -9,7 +9,7 @@ from rosbags.typesys import Stores, get_typestore
 
 from rtron.errors import WireError
 from rtron.messages.ros2.actions import (
-    MOST_STATUSES,
+    MAX_STATUSES,
     GoalStatus,
     feedback_id,
     read_statuses,
@@ -68,7 +68,7 @@ def test_what_is_too_short_is_refused(length):
 @pytest.mark.parametrize(
     "message",
     [
-        b"\0\1\0\0" + struct.pack("<I", MOST_STATUSES + 1) + bytes(29 * (MOST_STATUSES + 1)),
+        b"\0\1\0\0" + struct.pack("<I", MAX_STATUSES + 1) + bytes(29 * (MAX_STATUSES + 1)),
         b"\0\2\0\0" + bytes(4),
         b"\1\1\0\0" + bytes(4),
         b"",

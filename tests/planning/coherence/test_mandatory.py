@@ -4,7 +4,7 @@ import pytest
 
 from rtron.errors import PlanError
 from rtron.planning import parse_plan, plan_json_schema, write_plan
-from rtron.planning.coherence.rsrcn import included
+from rtron.planning.coherence.rsrcn import included_policies
 from rtron.vocabulary import PolicyName
 
 TEXT = """\
@@ -61,7 +61,7 @@ def test_it_is_read_and_written(mandatory, rule):
 @pytest.mark.parametrize("mandatory", RSRCN)
 def test_the_policy_includes_what_is_mandatory(policy, mandatory):
     given = text(policy, mandatory)
-    if mandatory in included(policy):
+    if mandatory in included_policies(policy):
         assert parse_plan(given).rsrcn.mandatory is mandatory
     else:
         why = f"the policy is {policy}, which does not include it"
@@ -69,7 +69,7 @@ def test_the_policy_includes_what_is_mandatory(policy, mandatory):
 
 
 def test_what_includes_what():
-    assert {policy: set(included(policy)) for policy in RSRCN} == {
+    assert {policy: set(included_policies(policy)) for policy in RSRCN} == {
         PolicyName.BLOCK: {PolicyName.BLOCK},
         PolicyName.SAFE: {PolicyName.SAFE},
         PolicyName.CONSTRAIN: {PolicyName.CONSTRAIN},

@@ -6,12 +6,12 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from rtron.planning.coherence.polygons import MOST_CORNERS, polygon_misfit
+from rtron.planning.coherence.polygons import MAX_CORNERS, polygon_problem
 from rtron.vocabulary import Point
 
 
 def misfit(*corners) -> str:
-    return polygon_misfit([Point(x=x, y=y) for x, y in corners])
+    return polygon_problem([Point(x=x, y=y) for x, y in corners])
 
 
 @pytest.mark.parametrize(
@@ -62,8 +62,8 @@ def ring(corners: int, wobble=lambda _: 1.0):
 
 
 def test_the_most_corners():
-    assert misfit(*ring(MOST_CORNERS)) == ""
-    assert misfit(*ring(MOST_CORNERS + 1)) == "an area has 3 to 100 corners"
+    assert misfit(*ring(MAX_CORNERS)) == ""
+    assert misfit(*ring(MAX_CORNERS + 1)) == "an area has 3 to 100 corners"
 
 
 stars = st.lists(st.floats(0.5, 100), min_size=3, max_size=20)

@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 
 from rtron.errors import PlanError
 from rtron.messages.expressions.condition import Condition
-from rtron.planning import Level, check_plan, parse_plan
+from rtron.planning import ProblemLevel, check_plan, parse_plan
 from rtron.planning.coherence.rule_contradictions import contradictions
-from rtron.vocabulary import MSRCN, Flow, GuardedTopic, Mode, Plan, PolicyName, Rule
+from rtron.vocabulary import MSRCN, Flow, GuardedTopic, MissionRule, Mode, Plan, PolicyName
 
 HEAD = """\
 msrcn:
@@ -204,7 +204,7 @@ conditions = st.sampled_from(
     ["true", "a", "!a", "b", "!b", "a && b", "!(a && b)", "a || b || c", "c && !c", "a || !a", "c"]
 )
 rules = st.builds(
-    Rule,
+    MissionRule,
     name=st.just("r"),
     block=st.lists(st.sampled_from(sorted(NAMED)), min_size=1, max_size=2).map(tuple),
     when=conditions,
@@ -216,15 +216,15 @@ missions = st.lists(rules, min_size=1, max_size=5).map(
 )
 
 
-def blocks(rule: Rule) -> set[str]:
+def blocks(rule: MissionRule) -> set[str]:
     return set().union(*(NAMED[name] for name in rule.block))
 
 
-def holding(mission: list[Rule], bits: dict[str, bool]) -> list[Rule]:
+def holding(mission: list[MissionRule], bits: dict[str, bool]) -> list[MissionRule]:
     return [rule for rule in mission if Condition(rule.when, "abc").holds(bits)]
 
 
-def staying(mission: list[Rule], bits: dict[str, bool]) -> list[Rule]:
+def staying(mission: list[MissionRule], bits: dict[str, bool]) -> list[MissionRule]:
     """Return the rules that stay when every obligation has been met that can be."""
     left = holding(mission, bits)
     while True:
@@ -235,7 +235,7 @@ def staying(mission: list[Rule], bits: dict[str, bool]) -> list[Rule]:
         left = [rule for rule in left if rule not in met]
 
 
-def never_passing(mission: list[Rule]) -> set[str]:
+def never_passing(mission: list[MissionRule]) -> set[str]:
     stoppers = [rule for rule in mission if not rule.action and not rule.require]
     always = [rule for rule in stoppers if not Condition(rule.when, "abc").names]
     deliberate = set().union(*(blocks(r) for r in always if holding([r], BITS[0])))
@@ -243,7 +243,7 @@ def never_passing(mission: list[Rule]) -> set[str]:
     return set.intersection(*each) - deliberate
 
 
-def found_in(mission: list[Rule]) -> list[tuple[Level, Rule, str]]:
+def found_in(mission: list[MissionRule]) -> list[tuple[ProblemLevel, MissionRule, str]]:
     topics = tuple(
         GuardedTopic(
             topic=topic,
@@ -275,9 +275,9 @@ def test_what_is_found_is_what_each_combination_by_itself_shows(mission):
     for rule in mission:
         held = sum(bool(holding([rule], bits)) for bits in BITS)
         levels = {level for level, one, text in found if one is rule and "is required" in text}
-        wanted = Level.ERROR if stuck[rule.name] == held else Level.WARNING
+        wanted = ProblemLevel.ERROR if stuck[rule.name] == held else ProblemLevel.WARNING
         assert levels == ({wanted} if stuck[rule.name] else set())
-        never = (Level.ERROR, rule, "this can never hold") in found
+        never = (ProblemLevel.ERROR, rule, "this can never hold") in found
         assert never == (held == 0)
 
 

@@ -8,8 +8,8 @@ from home import HOME
 
 from rtron.errors import PlanError
 from rtron.planning import parse_plan, propose_plan, write_plan
-from rtron.risks import discover
-from rtron.vocabulary import Mode, streams
+from rtron.risks import discover_risks
+from rtron.vocabulary import Mode, build_streams
 
 GRCN = """\
 grcn:
@@ -76,7 +76,7 @@ def faults(text: str) -> list[str]:
 def test_what_says_the_same_is_one_stream(text):
     plan = parse_plan(made(text))
     assert parse_plan(write_plan(plan)) == plan
-    (stream,) = streams(plan)
+    (stream,) = build_streams(plan)
     assert len(stream.stages) == sum(part in text for part in (GRCN, MSRCN, RSRCN))
 
 
@@ -98,7 +98,7 @@ def test_a_publisher_that_the_grcn_does_not_know(key, part, publisher):
 
 def test_a_flow_of_the_grcn_that_the_later_node_does_not_name_is_no_fault():
     plan = parse_plan(made(GRCN + MSRCN))
-    (stream,) = streams(plan)
+    (stream,) = build_streams(plan)
     assert [flow.name for flow in stream.flows] == ["g1", "g2"]
     assert parse_plan(made(GRCN + MSRCN).replace("\n        - {name: a1, publisher: /nav}", " []"))
 
@@ -211,7 +211,7 @@ def test_what_observes_shares_nothing_with_what_enforces(modes):
     lost = {"heard": "/other", "aflow": f"name: a1, {flow}"}
     same = {"obeyed": "/other", "vflow": f"name: v1, {flow}"}
     plan = parse_plan(made(ALL, **modes, **lost, **same))
-    assert {stream.mode for stream in streams(plan)} == set(Mode)
+    assert {stream.mode for stream in build_streams(plan)} == set(Mode)
 
 
 def test_who_observes_together_shares_too():
@@ -228,7 +228,7 @@ def test_another_topic_is_another_stream():
     text = made(GRCN) + made(MSRCN, aflow="name: a1, publisher: /x", heard="/y").replace(
         "/cmd_vel", "/cmd_vel2"
     )
-    assert len(streams(parse_plan(text))) == 2
+    assert len(build_streams(parse_plan(text))) == 2
 
 
 def test_a_topic_that_stands_twice_is_told_as_that_alone():
@@ -266,9 +266,9 @@ def test_very_many_successors_are_compared_soon():
 
 @pytest.mark.parametrize("graph", [HOME, AUTORACE])
 def test_what_is_proposed_shares_its_topics_without_a_loss(graph):
-    plan = propose_plan(graph, discover(graph))
+    plan = propose_plan(graph, discover_risks(graph))
     assert parse_plan(write_plan(plan)) == plan
-    assert max(len(stream.stages) for stream in streams(plan)) > 1
+    assert max(len(stream.stages) for stream in build_streams(plan)) > 1
 
 
 ACTION = """\
@@ -331,5 +331,5 @@ def test_an_action_of_ros_2_is_one_unit_between_two_nodes(ros, publisher, other,
 
 def test_the_goals_of_an_action_of_ros_2_are_guarded_by_its_name():
     plan = parse_plan(REQUESTED.format(ros=2, publisher="/a", other="/act/goal"))
-    assert [stream.action for stream in streams(plan)] == ["/act", ""]
-    assert [stream.by_request for stream in streams(plan)] == [True, False]
+    assert [stream.action for stream in build_streams(plan)] == ["/act", ""]
+    assert [stream.is_ros2_action for stream in build_streams(plan)] == [True, False]

@@ -4,8 +4,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rtron.errors import PlanError
-from rtron.planning import check_plan, left_out, parse_plan, propose_plan, write_plan
-from rtron.risks import discover
+from rtron.planning import check_plan, parse_plan, propose_plan, unguardable_topics, write_plan
+from rtron.risks import discover_risks
 from rtron.vocabulary import Direction, Endpoint, InteractionGraph, Node, Plan, Trust
 
 WHOLE = """\
@@ -95,10 +95,10 @@ def test_any_text_is_a_plan_or_a_plan_error(text):
 
 @given(graphs)
 def test_what_is_proposed_for_any_graph_can_be_read_and_fits_it(graph):
-    report = discover(graph)
+    report = discover_risks(graph)
     plan = propose_plan(graph, report)
     assert parse_plan(write_plan(plan)) == plan
-    warned = {problem.where for problem in left_out(graph, report)}
+    warned = {problem.location for problem in unguardable_topics(graph, report)}
     for problem in check_plan(plan, graph):
         assert problem.level.value == "warning"
         named = any(f"names {name}, which" in problem.message for name in warned)

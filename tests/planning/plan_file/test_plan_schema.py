@@ -12,8 +12,8 @@ from jsonschema import Draft202012Validator
 from test_write_plan import plans
 
 from rtron.planning import plan_json_schema, propose_plan, write_plan
-from rtron.planning.plan_file.fields import NOUNS, keys
-from rtron.risks import discover
+from rtron.planning.plan_file.fields import PLAN_TYPES, plan_fields
+from rtron.risks import discover_risks
 from rtron.vocabulary import Flow, Plan, PolicyName
 
 SCHEMA = plan_json_schema()
@@ -26,10 +26,10 @@ def test_it_is_plain_json():
 
 
 def test_it_describes_every_noun_and_key_and_no_other():
-    assert set(SCHEMA["$defs"]) == {noun.__name__ for noun in NOUNS} - {"Plan"}
-    for noun in NOUNS:
+    assert set(SCHEMA["$defs"]) == {noun.__name__ for noun in PLAN_TYPES} - {"Plan"}
+    for noun in PLAN_TYPES:
         described = SCHEMA if noun is Plan else SCHEMA["$defs"][noun.__name__]
-        assert list(described["properties"]) == list(keys(noun))
+        assert list(described["properties"]) == list(plan_fields(noun))
         assert described["additionalProperties"] is False
         assert described["description"]
 
@@ -90,7 +90,7 @@ def test_a_value_fits_as_it_does_for_the_reader(noun, key, good, wrong):
 
 @pytest.mark.parametrize("graph", [HOME, AUTORACE])
 def test_a_written_plan_fits_the_schema(graph):
-    text = write_plan(propose_plan(graph, discover(graph)))
+    text = write_plan(propose_plan(graph, discover_risks(graph)))
     assert list(Draft202012Validator(SCHEMA).iter_errors(yaml.safe_load(text))) == []
 
 
@@ -104,7 +104,7 @@ def test_patterns_are_those_of_the_reader():
     pattern = FLOW["properties"]["publisher"]["pattern"]
     assert re.search(pattern, "/move_base")
     assert not re.search(pattern, "move_base")
-    assert keys(Flow)["publisher"].text.fits("/move_base")
+    assert plan_fields(Flow)["publisher"].text.matches("/move_base")
 
 
 def test_every_reference_leads_somewhere():

@@ -109,7 +109,7 @@ def test_what_is_no_such_quantity_is_told(quantity, text, fault):
 @pytest.mark.parametrize("quantity", ALL, ids=lambda quantity: quantity.words)
 def test_what_is_written_is_read_as_the_same_float(quantity):
     values = st.floats(quantity.least, quantity.greatest).filter(
-        lambda value: value == 0 or abs(value) >= quantity.smallest
+        lambda value: value == 0 or abs(value) >= quantity.min_nonzero
     )
 
     @given(values)

@@ -49,7 +49,7 @@ def installed(tmp_path, monkeypatch):
 def faults(text, recorded=None):
     """Return what is wrong with a plan."""
     try:
-        parse_plan(text, recorded=recorded or {})
+        parse_plan(text, recorded_definitions=recorded or {})
     except PlanError as error:
         return f"{error} | {error.help}"
     return ""
@@ -97,15 +97,15 @@ def test_an_installed_type_that_cannot_be_used_is_told_where_it_is_asked_for(ins
 def test_a_recording_defines_what_nobody_else_does():
     text = TEXT[: TEXT.index("    - name: deep")]
     recorded = {"my_msgs/msg/Wear": WEAR, "my_msgs/msg/Tear": WEAR}
-    plan = parse_plan(text, recorded=recorded)
+    plan = parse_plan(text, recorded_definitions=recorded)
     assert plan.messages == (MessageDefinition(type="my_msgs/Wear", definition=WEAR),)
     assert "did you mean worn?" in faults(text.replace("event.worn", "event.wrn"), recorded)
 
 
 def test_the_plan_and_what_is_installed_count_before_a_recording(installed):
     recorded = {"my_msgs/msg/Wear": "int8 other", "my_msgs/action/Dig": DIG}
-    assert parse_plan(TEXT, recorded=recorded).messages == ()
-    assert len(parse_plan(TEXT + OWN, recorded=recorded).messages) == 2
+    assert parse_plan(TEXT, recorded_definitions=recorded).messages == ()
+    assert len(parse_plan(TEXT + OWN, recorded_definitions=recorded).messages) == 2
 
 
 @pytest.mark.parametrize("text", ["wstring worn", "bool", "Nobody knows", "my_msgs/Wear x"])

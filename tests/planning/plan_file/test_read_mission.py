@@ -14,11 +14,11 @@ from rtron.vocabulary import (
     Flow,
     GuardedTopic,
     MessageDefinition,
+    MissionRule,
     Mode,
     Plan,
     Point,
     PolicyName,
-    Rule,
     Transform,
     WhenUnknown,
 )
@@ -131,20 +131,20 @@ def test_everything_about_a_mission():
             ),
         ),
         rules=(
-            Rule(
+            MissionRule(
                 name="recharge",
                 when="low && !person",
                 block=("/goal", "a3"),
                 require="/alert",
                 reason="Low batteries must be charged.",
             ),
-            Rule(
+            MissionRule(
                 name="keep_out",
                 action="inside(action.pose.position, kitchen)",
                 frame="map",
                 block=("a1", "a2"),
             ),
-            Rule(name="worn", when="bad || blind", block=("/cmd_vel",)),
+            MissionRule(name="worn", when="bad || blind", block=("/cmd_vel",)),
         ),
         areas=(
             Area(

@@ -18,7 +18,7 @@ from rtron.vocabulary import (
     OnSilence,
     Plan,
     PolicyName,
-    Stop,
+    StopProfile,
     WatchedFlow,
 )
 
@@ -101,7 +101,9 @@ def test_everything_about_speed():
                 camera=WatchedFlow(name="camera", topic="/camera/image", publisher="/camera"),
             ),
         ),
-        stop=Stop(decel=1.0, angular_decel=math.pi / 2, period=SECOND // 50, repeat=3 * SECOND),
+        stop=StopProfile(
+            decel=1.0, angular_decel=math.pi / 2, period=SECOND // 50, repeat=3 * SECOND
+        ),
     )
 
 

@@ -8,10 +8,10 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from rtron.planning import parse_plan, propose_plan, write_plan
-from rtron.planning.coherence import misfits
-from rtron.planning.expressions import expression_faults
-from rtron.planning.plan_file.fields import keys
-from rtron.risks import discover
+from rtron.planning.coherence import coherence_problems
+from rtron.planning.expressions import expression_problems
+from rtron.planning.plan_file.fields import plan_fields
+from rtron.risks import discover_risks
 from rtron.vocabulary import (
     GRCN,
     MSRCN,
@@ -26,6 +26,7 @@ from rtron.vocabulary import (
     FrameSource,
     GuardedTopic,
     MessageDefinition,
+    MissionRule,
     Mode,
     OnError,
     OnForeign,
@@ -33,9 +34,8 @@ from rtron.vocabulary import (
     Plan,
     Point,
     PolicyName,
-    Rule,
     Sharing,
-    Stop,
+    StopProfile,
     StreamKind,
     Transform,
     WatchedFlow,
@@ -43,7 +43,7 @@ from rtron.vocabulary import (
 )
 
 words = st.from_regex(r"[A-Za-z][A-Za-z0-9_]{0,8}", fullmatch=True)
-variables = words.filter(keys(Area)["name"].text.fits)
+variables = words.filter(plan_fields(Area)["name"].text.matches)
 topics = st.from_regex(r"(/[A-Za-z0-9_]{1,4}){1,3}", fullmatch=True)
 nodes = st.from_regex(r"(/[A-Za-z0-9_]{1,4}){1,2}\*?", fullmatch=True)
 frames = st.from_regex(r"/?[A-Za-z0-9_.-]{1,8}", fullmatch=True)
@@ -156,7 +156,7 @@ transforms = st.builds(
     yaw=st.floats(-2 * math.pi, 2 * math.pi),
 )
 stops = st.builds(
-    Stop,
+    StopProfile,
     decel=st.floats(0.01, 1000),
     angular_decel=st.floats(0.01, 1000),
     period=st.integers(SECOND // 1000, SECOND),
@@ -187,7 +187,7 @@ def missions(draw):
     names = [flow.name for flow in eflows]
     conditions = ["true", *names, *(f"!({one} && {other})" for one in names for other in names)]
     rules = st.builds(
-        Rule,
+        MissionRule,
         name=words,
         block=listed(st.sampled_from(known or ["/x"]), least=1),
         when=st.sampled_from(conditions),
@@ -216,7 +216,7 @@ plans = st.builds(
     rsrcn=st.none() | rsrcns,
     msrcn=st.none() | missions(),
     fps_monitor=listed(monitors, most=2),
-    stop=st.just(Stop()) | stops,
+    stop=st.just(StopProfile()) | stops,
     audit=audits,
     messages=listed(definitions, most=2),
     accept_unenforceable=listed(texts),
@@ -224,7 +224,7 @@ plans = st.builds(
 
 
 def is_coherent(plan) -> bool:
-    return not any(misfits(plan)) and not any(expression_faults(plan))
+    return not any(coherence_problems(plan)) and not any(expression_problems(plan))
 
 
 def planned(msrcn):
@@ -246,7 +246,7 @@ def test_every_plan_is_read_as_it_was_written(plan):
     st.text(alphabet=st.sampled_from("ab \n\t:#-|>'\"{}[]&*!%@`\\\r\x85\u2028\u00e9"), max_size=30)
 )
 def test_a_text_of_several_lines_is_read_as_it_was_written(text):
-    rule = Rule(name="r", block=("/x",), reason=text)
+    rule = MissionRule(name="r", block=("/x",), reason=text)
     topic = GuardedTopic(topic="/x", type="", flows=(Flow(name="f", publisher="/n"),))
     msrcn = MSRCN(
         id="msrcn", mode=Mode.OBSERVE, policy=PolicyName.BLOCK, aflows=(topic,), rules=(rule,)
@@ -256,12 +256,12 @@ def test_a_text_of_several_lines_is_read_as_it_was_written(text):
 
 def test_the_proposals_are_read_as_they_were_written():
     for graph in (HOME, AUTORACE):
-        plan = propose_plan(graph, discover(graph))
+        plan = propose_plan(graph, discover_risks(graph))
         assert parse_plan(write_plan(plan)) == plan
 
 
 def test_a_person_finds_their_way_in_it():
-    text = write_plan(propose_plan(HOME, discover(HOME)))
+    text = write_plan(propose_plan(HOME, discover_risks(HOME)))
     start = [line for line in text.splitlines() if not line.startswith("#") and line]
     assert start[:4] == ["schema: rtron.plan/1", "app: home", "grcn:", "  - id: grcn_cmd_vel"]
     assert "      - {name: flow1, publisher: /move_base, priority: 2}" in start
@@ -270,7 +270,7 @@ def test_a_person_finds_their_way_in_it():
 
 
 def test_what_has_its_default_is_left_out():
-    lines = write_plan(propose_plan(HOME, discover(HOME))).splitlines()
+    lines = write_plan(propose_plan(HOME, discover_risks(HOME))).splitlines()
     text = "\n".join(line for line in lines if not line.startswith("#"))
     for word in ("block", "queue_size", "max_hold", "release_after", "null", "revision", "[]"):
         assert f"{word}:" not in text
@@ -278,7 +278,7 @@ def test_what_has_its_default_is_left_out():
 
 
 def test_each_section_is_introduced():
-    text = write_plan(propose_plan(HOME, discover(HOME)))
+    text = write_plan(propose_plan(HOME, discover_risks(HOME)))
     for section in ("grcn", "rsrcn", "msrcn", "fps_monitor"):
         before = text.split(f"\n{section}:\n", maxsplit=1)[0]
         assert before.splitlines()[-1].startswith("# ")

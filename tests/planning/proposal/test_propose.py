@@ -7,8 +7,8 @@ from autorace import AUTORACE
 from home import HOME
 from notation import graph_of
 
-from rtron.planning import check_plan, left_out, propose_plan
-from rtron.risks import discover
+from rtron.planning import check_plan, propose_plan, unguardable_topics
+from rtron.risks import discover_risks
 from rtron.vocabulary import (
     GRCN,
     SECOND,
@@ -30,12 +30,12 @@ from rtron.vocabulary import (
     StreamKind,
     Trust,
     WatchedFlow,
-    streams,
+    build_streams,
 )
 
 
 def plan_of(graph) -> Plan:
-    return propose_plan(graph, discover(graph))
+    return propose_plan(graph, discover_risks(graph))
 
 
 def grcn_of(plan: Plan, topic: str) -> GRCN:
@@ -184,7 +184,7 @@ class TestAutoRace:
 class TestEveryProposal:
     def test_fits_its_app(self, graph, plan):
         assert check_plan(plan, graph) == ()
-        assert left_out(graph, discover(graph)) == ()
+        assert unguardable_topics(graph, discover_risks(graph)) == ()
 
     def test_gives_each_flow_a_priority_of_its_own(self, graph, plan):
         for grcn in plan.grcn:
@@ -192,7 +192,7 @@ class TestEveryProposal:
             assert priorities == list(range(len(priorities), 0, -1))
 
     def test_merges_into_one_stream_a_topic_and_mode(self, graph, plan):
-        made = streams(plan)
+        made = build_streams(plan)
         assert len({(stream.topic, stream.mode) for stream in made}) == len(made)
 
     def test_ids_are_words_of_their_own(self, graph, plan):
@@ -378,7 +378,7 @@ class TestNamesWithHoles:
             replace(e, topic=f"{{p}}{e.topic}", node=f"{{n}}{e.node}") for e in graph.endpoints
         )
         graph = replace(graph, topics=(), endpoints=ends)
-        told = [problem.where for problem in left_out(graph, discover(graph))]
+        told = [problem.location for problem in unguardable_topics(graph, discover_risks(graph))]
         assert told == ["{p}/a", "{p}/b", "{p}/c", "{p}/d", "{n}/a", "{n}/b"]
 
     def test_a_topic_whose_name_is_not_known_is_left_out_and_told(self):
@@ -386,7 +386,7 @@ class TestNamesWithHoles:
         ends = tuple(replace(e, topic="{prefix}/cmd_vel") for e in graph.endpoints)
         graph = replace(graph, endpoints=ends)
         assert plan_of(graph).grcn == ()
-        (problem,) = left_out(graph, discover(graph))
+        (problem,) = unguardable_topics(graph, discover_risks(graph))
         assert str(problem).startswith("warning: {prefix}/cmd_vel: cannot be guarded")
 
     def test_a_topic_is_not_enforced_while_a_publisher_cannot_be_named(self):
@@ -395,7 +395,9 @@ class TestNamesWithHoles:
         graph = replace(graph, endpoints=(*graph.endpoints, more))
         grcn = plan_of(graph).grcn[0]
         assert (grcn.mode, len(grcn.flows)) == (Mode.OBSERVE, 2)
-        assert [problem.where for problem in left_out(graph, discover(graph))] == ["/{ns}/c"]
+        assert [
+            problem.location for problem in unguardable_topics(graph, discover_risks(graph))
+        ] == ["/{ns}/c"]
 
     def test_names_that_differ_in_slashes_only_have_ids_of_their_own(self):
         text = shared("/a/cmd_vel", "geometry_msgs/Twist") + shared(
@@ -406,7 +408,7 @@ class TestNamesWithHoles:
 
 
 def test_a_report_without_classes_makes_a_plan_that_only_watches():
-    report = discover(HOME)
+    report = discover_risks(HOME)
     bare = RiskReport(app="", risks=report.risks, coordination_nodes=report.coordination_nodes)
     assert {grcn.mode for grcn in propose_plan(HOME, bare).grcn} == {Mode.OBSERVE}
 
@@ -432,7 +434,7 @@ class TestRos2Actions:
         assert {flow.publisher for flow in grcn.flows} == {"/one", "/two"}
         assert {flow.timeout for flow in grcn.flows} == {None}
         assert (grcn.successors, grcn.max_age, grcn.done) == (("/server",), 60 * SECOND, None)
-        assert left_out(graph, discover(graph)) == ()
+        assert unguardable_topics(graph, discover_risks(graph)) == ()
 
     def test_the_msrcn_can_block_it(self):
         (topic,) = plan_of(self.graph("/one", "/two")).msrcn.aflows
@@ -449,7 +451,7 @@ class TestRos2Actions:
     def test_without_its_type_it_cannot_be_guarded(self):
         graph = self.graph("/one", "/two", type="")
         assert not [each for each in plan_of(graph).grcn if each.topic == "/go"]
-        (problem,) = left_out(graph, discover(graph))
+        (problem,) = unguardable_topics(graph, discover_risks(graph))
         assert str(problem) == (
             "warning: /go: cannot be guarded: the type of the action is not known"
         )

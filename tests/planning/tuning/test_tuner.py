@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import pytest
 
-from rtron.planning.coherence import misfits
-from rtron.planning.tuning import tuned_yaml, tuner
-from rtron.planning.tuning.duration_fit import LONGEST_SILENCE, SHORTEST
-from rtron.planning.tuning.formatting import number, round_up, round_up_value, told
-from rtron.planning.tuning.velocity_limits import ENOUGH_SPEEDS, LONGEST_WINDOW
+from rtron.planning.coherence import coherence_problems
+from rtron.planning.tuning import tune_plan, tuned_yaml
+from rtron.planning.tuning.duration_fit import MAX_SILENCE, MIN_DURATION
+from rtron.planning.tuning.formatting import count_text, round_up, round_up_value, short_duration
+from rtron.planning.tuning.velocity_limits import ENOUGH_VELOCITIES, MAX_WINDOW
 from rtron.vocabulary import (
     GRCN,
     MSRCN,
@@ -16,30 +16,30 @@ from rtron.vocabulary import (
     SECOND,
     Decision,
     Domain,
-    DurationFigures,
-    EventFigures,
+    DurationStatistics,
     EventFlow,
+    EventStatistics,
     Flow,
-    FlowFigures,
+    FlowStatistics,
     FpsMonitor,
     GuardedTopic,
+    MeasuredRun,
     Mode,
-    MonitorFigures,
-    OverlapFigures,
+    MonitorStatistics,
+    OverlapStatistics,
     Plan,
     PolicyName,
-    ProposalKind,
-    RefusalFigures,
-    Run,
+    RefusalStatistics,
     Sharing,
-    StreamFigures,
     StreamKind,
-    ValueFigures,
+    StreamStatistics,
+    TuningProposalKind,
+    ValueStatistics,
     WatchedFlow,
 )
 
 MS = SECOND // 1000
-CHANGE, KEEP, LOOK = ProposalKind.CHANGE, ProposalKind.KEEP, ProposalKind.LOOK
+CHANGE, KEEP, LOOK = TuningProposalKind.CHANGE, TuningProposalKind.KEEP, TuningProposalKind.LOOK
 TOPIC, TWIST = "/cmd_vel", "geometry_msgs/Twist"
 FLOWS = (
     Flow(name="flow1", publisher="/nav", priority=2),
@@ -66,34 +66,34 @@ def grcn(**settings):
 def took(longest, count=1000, usual=None, p999=None):
     p999 = longest if p999 is None else p999
     usual = min(p999, longest // 5) if usual is None else usual
-    return DurationFigures(count=count, p50=usual, p99=p999, p999=p999, max=longest)
+    return DurationStatistics(count=count, p50=usual, p99=p999, p999=p999, max=longest)
 
 
 def values(most, count=1000):
-    return ValueFigures(count=count, min=0.0, p50=most, p99=most, p999=most, max=most)
+    return ValueStatistics(count=count, min=0.0, p50=most, p99=most, p999=most, max=most)
 
 
 MOVES = values(0.5)
-USUAL, TAKES, NONE = took(100 * MS), took(20 * SECOND, 20), DurationFigures()
+USUAL, TAKES, NONE = took(100 * MS), took(20 * SECOND, 20), DurationStatistics()
 
 
 def flow(name="flow1", publisher="/nav", gaps=USUAL, **figures):
     wanted = {"messages": gaps.count + 1, "gaps": gaps, "speeds": MOVES}
-    return FlowFigures(flow=name, publisher=publisher, **wanted | figures)
+    return FlowStatistics(flow=name, publisher=publisher, **wanted | figures)
 
 
 def stream(*flows, topic=TOPIC, mode=Mode.ENFORCE, **figures):
-    return StreamFigures(topic=topic, mode=mode, flows=flows, **figures)
+    return StreamStatistics(topic=topic, mode=mode, flows=flows, **figures)
 
 
 def run(*streams, duration=600 * SECOND, **figures):
-    return Run(app="base", duration=duration, streams=streams, **figures)
+    return MeasuredRun(app="base", duration=duration, streams=streams, **figures)
 
 
 def tuned(plan, measured):
     """Return the plan that a run gives, and the proposals; the plan must fit itself."""
-    made, proposals = tuner(plan, measured)
-    assert not list(misfits(made))
+    made, proposals = tune_plan(plan, measured)
+    assert not list(coherence_problems(made))
     return made, proposals
 
 
@@ -148,9 +148,9 @@ def test_any_value_has_a_round_one_above(figure):
 
 
 def test_figures_are_told_in_few_digits():
-    assert number(12408, "message") == "12 408 messages"
-    assert number(1, "gap") == "1 gap"
-    assert [told(d) for d in (0, 1500, MS, 312_345_678, 120 * SECOND)] == [
+    assert count_text(12408, "message") == "12 408 messages"
+    assert count_text(1, "gap") == "1 gap"
+    assert [short_duration(d) for d in (0, 1500, MS, 312_345_678, 120 * SECOND)] == [
         "0 s",
         "0.0015 ms",
         "0.001 s",
@@ -189,7 +189,7 @@ def test_release_after_outlasts_three_usual_gaps(usual, after):
 
 
 def test_release_after_is_never_very_short():
-    assert release(500 * MS, took(MS))[0] == SHORTEST
+    assert release(500 * MS, took(MS))[0] == MIN_DURATION
 
 
 @pytest.mark.parametrize(("count", "after"), [(19, 500), (20, 3000)])
@@ -210,8 +210,8 @@ def test_what_was_chosen_to_be_nothing_stays():
 
 
 def test_a_silence_that_is_too_long_is_for_a_person_to_look_at():
-    longest = 4 * LONGEST_SILENCE // 5
-    assert release(500 * MS, took(longest, p999=MS))[0] == LONGEST_SILENCE
+    longest = 4 * MAX_SILENCE // 5
+    assert release(500 * MS, took(longest, p999=MS))[0] == MAX_SILENCE
     after, proposal = release(500 * MS, took(longest + 1, p999=MS))
     assert (after, proposal.kind) == (500 * MS, LOOK)
     assert "6 s, which is too long" in proposal.why
@@ -273,7 +273,7 @@ def test_only_what_drives_the_robot_falls_silent(figures):
 
 
 def test_a_stream_without_velocities_does_not_fall_silent():
-    node, _ = tuned_grcn(grcn(), flow(gaps=took(2 * SECOND), speeds=ValueFigures()))
+    node, _ = tuned_grcn(grcn(), flow(gaps=took(2 * SECOND), speeds=ValueStatistics()))
     assert node.flows[0].silent_after == 500 * MS
 
 
@@ -314,7 +314,7 @@ GOALS = {
 
 
 def goals(name="flow1", publisher="/nav", takes=TAKES, **figures):
-    return flow(name, publisher, speeds=ValueFigures(), takes=takes, **figures)
+    return flow(name, publisher, speeds=ValueStatistics(), takes=takes, **figures)
 
 
 @pytest.mark.parametrize(("count", "after"), [(4, 10), (5, 30)])
@@ -351,18 +351,18 @@ def test_max_hold_follows_the_flow_that_takes_longest():
 @pytest.mark.parametrize(("done", "told"), [("/done", "is wrong"), (None, "names no topic")])
 def test_goals_without_an_end_are_looked_at(done, told):
     node = grcn(**GOALS | {"done": done})
-    made, proposals = tuned_grcn(node, goals(takes=DurationFigures(), undone=7))
+    made, proposals = tuned_grcn(node, goals(takes=DurationStatistics(), undone=7))
     assert made == node
     found = about(proposals, "done")
     assert found.kind is LOOK
     assert f"`done` {told}" in found.why
     action = replace(node, topic="/go/goal", type="test/GoActionGoal")
-    asked = stream(goals(takes=DurationFigures()), topic=action.topic)
+    asked = stream(goals(takes=DurationStatistics()), topic=action.topic)
     _, proposals = tuned(Plan(app="base", grcn=(action,)), run(asked))
     assert "its server gave no result" in about(proposals, "done").why
 
 
-HELD = RefusalFigures(
+HELD = RefusalStatistics(
     policy=PolicyName.FIFO_QUEUE, decision=Decision.HOLD, count=100, reason="flow2 has the output"
 )
 
@@ -400,7 +400,7 @@ def seldom(active=60 * SECOND, lost=30 * SECOND, pauses=2, **figures):
         **{"name": "flow2", "publisher": "/teleop"} | figures,
         active=active,
         pauses=took(60 * SECOND, pauses),
-        overlaps=(OverlapFigures(flow="flow1", duration=lost),),
+        overlaps=(OverlapStatistics(flow="flow1", duration=lost),),
     )
 
 
@@ -437,8 +437,8 @@ def test_a_short_run_shows_no_order(duration, moved):
 
 
 def test_the_figures_and_a_warning_stand_beside_a_new_order():
-    beside = (OverlapFigures(flow="unapproved", duration=59 * SECOND), *seldom().overlaps)
-    beside += (OverlapFigures(flow="flow3", duration=SECOND),)
+    beside = (OverlapStatistics(flow="unapproved", duration=59 * SECOND), *seldom().overlaps)
+    beside += (OverlapStatistics(flow="flow3", duration=SECOND),)
     _, proposals = tuned_grcn(grcn(), steady(), replace(seldom(), overlaps=beside))
     found = about(proposals, "priority", "flow2")
     assert (found.before, found.after) == ("1", "2")
@@ -529,12 +529,14 @@ def threshold(per_frame, node=None, **figures):
     ],
 )
 def test_a_threshold_becomes_lower_and_never_higher(most, after, kind):
-    node, proposals = threshold(values(most, ENOUGH_SPEEDS))
+    node, proposals = threshold(values(most, ENOUGH_VELOCITIES))
     assert node.threshold == after
     assert about(proposals, "threshold").kind is kind
 
 
-@pytest.mark.parametrize(("count", "after"), [(ENOUGH_SPEEDS - 1, 0.05), (ENOUGH_SPEEDS, 0.012)])
+@pytest.mark.parametrize(
+    ("count", "after"), [(ENOUGH_VELOCITIES - 1, 0.05), (ENOUGH_VELOCITIES, 0.012)]
+)
 def test_a_threshold_needs_many_velocities(count, after):
     assert threshold(values(0.01, count))[0].threshold == after
 
@@ -547,25 +549,25 @@ def test_a_threshold_that_limits_nothing_stays():
 @pytest.mark.parametrize(("limit", "told"), [(0.5, 0), (0.49, 1)])
 def test_what_the_user_s_limit_would_change_is_told(limit, told):
     node = limited(PolicyName.CONSTRAIN, max_vel_limit=limit)
-    made, proposals = threshold(ValueFigures(), node)
+    made, proposals = threshold(ValueStatistics(), node)
     assert made.max_vel_limit == limit
     assert sum(each.key == "max_vel_limit" for each in proposals) == told
 
 
 def test_a_limit_that_does_not_limit_is_not_told():
-    _, proposals = threshold(ValueFigures(), limited(PolicyName.SAFE, max_vel_limit=0.1))
+    _, proposals = threshold(ValueStatistics(), limited(PolicyName.SAFE, max_vel_limit=0.1))
     assert not [each for each in proposals if each.key == "max_vel_limit"]
 
 
 @pytest.mark.parametrize("unseen", [0, 1])
 def test_velocities_without_frames_are_told(unseen):
-    _, proposals = threshold(ValueFigures(), unseen=unseen)
+    _, proposals = threshold(ValueStatistics(), unseen=unseen)
     assert sum(each.key == "lowest" for each in proposals) == unseen
 
 
 def monitored(gaps, pauses=NONE, monitor=MONITOR):
     plan = Plan(app="base", fps_monitor=(monitor,))
-    figures = MonitorFigures(id="fps_cam", frames=gaps.count + 1, gaps=gaps, pauses=pauses)
+    figures = MonitorStatistics(id="fps_cam", frames=gaps.count + 1, gaps=gaps, pauses=pauses)
     made, proposals = tuned(plan, run(monitors=(figures,)))
     return made.fps_monitor[0], proposals
 
@@ -599,7 +601,7 @@ def test_a_window_is_as_long_as_the_silence_that_it_must_see():
 
 def test_a_window_has_a_greatest():
     slow = took(12 * SECOND, usual=12 * SECOND)
-    assert monitored(slow)[0].window == LONGEST_WINDOW
+    assert monitored(slow)[0].window == MAX_WINDOW
     made, proposals = monitored(took(12 * SECOND + 1, usual=12 * SECOND + 1))
     assert made.window == SECOND
     assert about(proposals, "window").kind is LOOK
@@ -613,7 +615,7 @@ def mission(**settings):
 
 def event(gaps, pauses=NONE, **settings):
     plan = Plan(app="base", msrcn=mission(**settings))
-    figures = EventFigures(name="eflow1", messages=gaps.count + 1, gaps=gaps, pauses=pauses)
+    figures = EventStatistics(name="eflow1", messages=gaps.count + 1, gaps=gaps, pauses=pauses)
     return tuned(plan, run(events=(figures,)))[0].msrcn.eflows[0]
 
 
@@ -637,14 +639,14 @@ def test_the_silences_of_later_nodes_follow_the_first():
     later = replace(VFLOW, flows=(replace(VFLOW.flows[0], silent_after=SECOND),))
     node = RSRCN(id="rsrcn", mode=Mode.ENFORCE, policy=PolicyName.BLOCK, vflows=(later,))
     plan = Plan(app="base", grcn=(grcn(flows=(first, FLOWS[1])),), rsrcn=node)
-    assert not list(misfits(plan))
+    assert not list(coherence_problems(plan))
     made, _ = tuned(plan, run(stream(flow(gaps=took(2 * SECOND, p999=MS)))))
     assert made.grcn[0].flows[0].silent_after == 2500 * MS
     assert made.rsrcn.vflows[0].flows[0].silent_after == Flow(name="", publisher="").silent_after
 
 
 def test_a_node_alone_on_a_topic_decides_about_silence():
-    made, _ = threshold(ValueFigures())
+    made, _ = threshold(ValueStatistics())
     assert made.vflows[0].flows[0].silent_after == 500 * MS
     plan = Plan(app="base", rsrcn=limited(), fps_monitor=(MONITOR,))
     spoke = flow("vflow1", gaps=took(2 * SECOND, p999=MS))
@@ -653,7 +655,7 @@ def test_a_node_alone_on_a_topic_decides_about_silence():
 
 
 def test_strangers_and_the_silent_are_told():
-    stranger = FlowFigures(flow="unapproved", publisher="*", messages=12)
+    stranger = FlowStatistics(flow="unapproved", publisher="*", messages=12)
     plan = Plan(app="base", grcn=(grcn(),))
     _, proposals = tuned(plan, run(stream(flow(), stranger, strangers=("/rviz",))))
     told = [each.why for each in proposals if each.kind is LOOK]
@@ -687,7 +689,7 @@ def test_the_yaml_has_the_figures_above_the_node():
 
 
 def test_a_hostile_name_stays_in_its_comment():
-    _, proposals = tuner(Plan(app="base", grcn=(grcn(),)), run(stream(steady(), seldom())))
+    _, proposals = tune_plan(Plan(app="base", grcn=(grcn(),)), run(stream(steady(), seldom())))
     evil = [replace(each, why="x\ny: [\u2028]\x1b") for each in proposals]
     text = tuned_yaml(Plan(app="base", grcn=(grcn(),)), evil)
     assert "x?y: [?]?" in text

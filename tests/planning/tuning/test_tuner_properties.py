@@ -16,21 +16,21 @@ from test_tuner import (
     stream,
 )
 
-from rtron.planning.coherence import misfits
+from rtron.planning.coherence import coherence_problems
 from rtron.planning.plan_file.loader import parse_plan
-from rtron.planning.tuning import tuned_yaml, tuner
-from rtron.planning.tuning.duration_fit import FEW, LONGEST_SILENCE
+from rtron.planning.tuning import tune_plan, tuned_yaml
+from rtron.planning.tuning.duration_fit import MAX_SILENCE, MIN_SAMPLES
 from rtron.vocabulary import (
     SECOND,
-    DurationFigures,
-    EventFigures,
+    DurationStatistics,
+    EventStatistics,
     Flow,
-    MonitorFigures,
-    OverlapFigures,
+    MonitorStatistics,
+    OverlapStatistics,
     Plan,
     PolicyName,
-    ProposalKind,
-    ValueFigures,
+    TuningProposalKind,
+    ValueStatistics,
 )
 
 COUNTS = [0, 1, 19, 20, 99, 100, 10_000, 2**63 - 1]
@@ -48,12 +48,14 @@ class Dice(Random):
 
     def durations(self):
         lengths = sorted(self.length() for _ in FOUR)
-        return DurationFigures(count=self.choice(COUNTS), **dict(zip(FOUR, lengths, strict=True)))
+        return DurationStatistics(
+            count=self.choice(COUNTS), **dict(zip(FOUR, lengths, strict=True))
+        )
 
     def sizes(self):
         most = self.choice([0.0, 1e-9, 0.1, 3.0, 1e19])
         found = sorted(self.uniform(0, most) for _ in FIVE)
-        return ValueFigures(count=self.choice(COUNTS), **dict(zip(FIVE, found, strict=True)))
+        return ValueStatistics(count=self.choice(COUNTS), **dict(zip(FIVE, found, strict=True)))
 
     def flow(self, name, publisher):
         others = ["flow1", "flow2", "flow3", "unapproved"][: self.randint(0, 4)]
@@ -68,7 +70,7 @@ class Dice(Random):
             takes=self.durations(),
             undone=self.randint(0, 1),
             speeds=self.sizes(),
-            overlaps=tuple(OverlapFigures(flow=each, duration=self.length()) for each in others),
+            overlaps=tuple(OverlapStatistics(flow=each, duration=self.length()) for each in others),
         )
 
     def flows(self):
@@ -123,8 +125,8 @@ class Dice(Random):
         return run(
             *map(self.stream, plan.grcn),
             duration=self.length(),
-            monitors=(MonitorFigures(id="fps_cam", gaps=gaps, pauses=pauses),),
-            events=(EventFigures(name="eflow1", gaps=pauses, pauses=gaps),),
+            monitors=(MonitorStatistics(id="fps_cam", gaps=gaps, pauses=pauses),),
+            events=(EventStatistics(name="eflow1", gaps=pauses, pauses=gaps),),
         )
 
 
@@ -141,9 +143,9 @@ CASES = st.integers(0, 2**32).map(_case)
 @given(CASES)
 def test_a_tuned_plan_is_read_as_it_was_written(case):
     plan, measured = case
-    assert not list(misfits(plan))
-    made, proposals = tuner(plan, measured)
-    assert not list(misfits(made))
+    assert not list(coherence_problems(plan))
+    made, proposals = tune_plan(plan, measured)
+    assert not list(coherence_problems(made))
     assert parse_plan(tuned_yaml(made, proposals)) == made
 
 
@@ -158,7 +160,7 @@ def _waited(node, figures):
         if not each.block
         and (first or each.priority > last)
         and (own or each.timeout is None)
-        and known.gaps.count >= FEW
+        and known.gaps.count >= MIN_SAMPLES
     ]
 
 
@@ -166,7 +168,7 @@ def _waited(node, figures):
 @given(CASES)
 def test_what_changes_outlasts_all_that_was_measured(case):
     plan, measured = case
-    made, _ = tuner(plan, measured)
+    made, _ = tune_plan(plan, measured)
     for before, node, figures in zip(plan.grcn, made.grcn, measured.streams, strict=True):
         asks = node.id == "grcn_goal"
         for old, new, known in zip(before.flows, node.flows, figures.flows, strict=True):
@@ -184,13 +186,13 @@ def test_what_changes_outlasts_all_that_was_measured(case):
 @given(CASES)
 def test_what_makes_the_robot_safe_never_becomes_weaker_by_much(case):
     plan, measured = case
-    made, _ = tuner(plan, measured)
+    made, _ = tune_plan(plan, measured)
     assert made.rsrcn.threshold <= plan.rsrcn.threshold
     assert made.rsrcn.lowest == plan.rsrcn.lowest
     for before, node in zip(plan.grcn, made.grcn, strict=True):
         assert node.max_age <= before.max_age
         for old, new in zip(before.flows, node.flows, strict=True):
-            assert new.silent_after <= max(old.silent_after, LONGEST_SILENCE)
+            assert new.silent_after <= max(old.silent_after, MAX_SILENCE)
             assert (new.block, new.publisher) == (old.block, old.publisher)
         safety = [each for each in before.flows if each.publisher == "/safety"]
         for guard in safety:
@@ -205,8 +207,8 @@ def test_what_makes_the_robot_safe_never_becomes_weaker_by_much(case):
 @given(CASES)
 def test_proposals_tell_exactly_what_changes(case):
     plan, measured = case
-    made, proposals = tuner(plan, measured)
-    changes = [each for each in proposals if each.kind is ProposalKind.CHANGE]
+    made, proposals = tune_plan(plan, measured)
+    changes = [each for each in proposals if each.kind is TuningProposalKind.CHANGE]
     assert all(each.before != each.after for each in changes)
     assert all(each.before == each.after for each in proposals if each not in changes)
     assert bool(changes) is (made != plan)
@@ -216,7 +218,7 @@ def test_proposals_tell_exactly_what_changes(case):
 @given(CASES)
 def test_tuning_comes_to_rest(case):
     plan, measured = case
-    once, _ = tuner(plan, measured)
-    twice, _ = tuner(once, measured)
-    thrice, _ = tuner(twice, measured)
-    assert tuner(thrice, measured)[0] == thrice
+    once, _ = tune_plan(plan, measured)
+    twice, _ = tune_plan(once, measured)
+    thrice, _ = tune_plan(twice, measured)
+    assert tune_plan(thrice, measured)[0] == thrice

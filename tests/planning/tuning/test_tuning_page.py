@@ -13,11 +13,11 @@ PAGE = " ".join((Path(__file__).parents[2] / "docs" / "tuning.md").read_text().s
 @pytest.mark.parametrize(
     "told",
     [
-        f"from {duration_fit.FEW} samples on (goals: {duration_fit.FEW_GOALS})",
-        f"from {duration_fit.ENOUGH} on (goals: {duration_fit.ENOUGH_GOALS})",
-        f"longer than {duration_fit.LONGEST_SILENCE // SECOND} s",
-        f"shorter than {duration_fit.SHORTEST / SECOND} s",
-        f"from {velocity_limits.ENOUGH_SPEEDS} velocities",
+        f"from {duration_fit.MIN_SAMPLES} samples on (goals: {duration_fit.MIN_GOALS})",
+        f"from {duration_fit.ENOUGH_SAMPLES} on (goals: {duration_fit.ENOUGH_GOALS})",
+        f"longer than {duration_fit.MAX_SILENCE // SECOND} s",
+        f"shorter than {duration_fit.MIN_DURATION / SECOND} s",
+        f"from {velocity_limits.ENOUGH_VELOCITIES} velocities",
         RUN_SCHEMA,
         PROPOSALS_SCHEMA,
     ],
@@ -31,4 +31,4 @@ def test_the_page_has_the_numbers(told):
 )
 def test_the_page_has_the_names_that_stay_first(word):
     assert f"{word}" in PAGE
-    assert flow_priorities.SAFETY.search(f"/e{word}" if word == "stop" else f"/{word}_node")
+    assert flow_priorities.SAFETY_NAME.search(f"/e{word}" if word == "stop" else f"/{word}_node")

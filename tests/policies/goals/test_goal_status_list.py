@@ -1,87 +1,104 @@
 import pytest
 
 from rtron.messages.ros1 import actions
-from rtron.policies.goals.registry import Goal, Goals, Where
-from rtron.policies.goals.status_list import LOST_AFTER, TERMINAL, compare, find, lost
-from rtron.vocabulary import SERVER
+from rtron.policies.goals.registry import Goal, GoalRegistry, GoalStage
+from rtron.policies.goals.status_list import (
+    LOST_TIMEOUT,
+    TERMINAL_STATUSES,
+    add_discovered_goal,
+    compare_status_list,
+    lost_goals,
+)
+from rtron.vocabulary import SERVER_FLOW
 
 PENDING, ACTIVE, SUCCEEDED = 0, 1, 3
 
 
 def goals(*goals):
-    made = Goals()
+    made = GoalRegistry()
     for goal in goals:
         made.add(goal)
     return made
 
 
 def sent(id, seen=0):
-    return Goal(id, 0, "flow1", "/one", where=Where.SENT, seen=seen)
+    return Goal(id, 0, "flow1", "/one", stage=GoalStage.SENT, last_seen=seen)
 
 
-def ids(found):
-    return [goal.id for goal in found]
+def ids(fake_study):
+    return [goal.id for goal in fake_study]
 
 
 @pytest.mark.parametrize("name", ["PENDING", "ACTIVE", "PREEMPTING", "RECALLING"])
 def test_which_states_are_not_the_end(name):
-    assert getattr(actions, name) not in TERMINAL
-    assert len(TERMINAL) == 6
+    assert getattr(actions, name) not in TERMINAL_STATUSES
+    assert len(TERMINAL_STATUSES) == 6
 
 
 def test_what_is_listed_is_seen():
     a = sent(b"a")
-    news = compare(goals(a), {b"a": ACTIVE}, 7)
-    assert (a.seen, a.status, news.found, news.over, news.astray) == (7, ACTIVE, [], [], [])
+    news = compare_status_list(goals(a), {b"a": ACTIVE}, 7)
+    assert (a.last_seen, a.status, news.discovered, news.finished, news.resurrected) == (
+        7,
+        ACTIVE,
+        [],
+        [],
+        [],
+    )
 
 
 def test_what_is_not_listed_is_not_seen():
     a = sent(b"a", seen=3)
-    compare(goals(a), {}, 7)
-    assert (a.seen, a.status) == (3, PENDING)
+    compare_status_list(goals(a), {}, 7)
+    assert (a.last_seen, a.status) == (3, PENDING)
 
 
 def test_what_is_over_is_told_as_long_as_it_is_there():
     a = sent(b"a")
     made = goals(a)
     for now in (7, 8):
-        news = compare(made, {b"a": SUCCEEDED}, now)
-        assert (ids(news.over), a.seen, a.status) == ([b"a"], 7, SUCCEEDED)
+        news = compare_status_list(made, {b"a": SUCCEEDED}, now)
+        assert (ids(news.finished), a.last_seen, a.status) == ([b"a"], 7, SUCCEEDED)
 
 
 @pytest.mark.parametrize(
     ("status", "found"), [(PENDING, [b"x"]), (ACTIVE, [b"x"]), (SUCCEEDED, [])]
 )
-def test_unknown_goals_that_go_on_are_found(status, found):
-    made = Goals()
-    news = compare(made, {b"x": status}, 7)
-    assert ids(news.found) == found
-    for goal in news.found:
-        assert (goal.flow, goal.client, goal.where, goal.seen) == (SERVER, "", Where.SENT, 7)
+def test_unknown_goals_that_go_on_are_found(status, fake_study):
+    made = GoalRegistry()
+    news = compare_status_list(made, {b"x": status}, 7)
+    assert ids(news.discovered) == fake_study
+    for goal in news.discovered:
+        assert (goal.flow, goal.client, goal.stage, goal.last_seen) == (
+            SERVER_FLOW,
+            "",
+            GoalStage.SENT,
+            7,
+        )
         assert goal.status == status
-    assert compare(made, {b"x": status}, 8).found == []
+    assert compare_status_list(made, {b"x": status}, 8).discovered == []
 
 
 @pytest.mark.parametrize(("status", "astray"), [(ACTIVE, [b"a"]), (SUCCEEDED, [])])
 def test_goals_that_were_answered_and_go_on_are_astray(status, astray):
     made = goals(sent(b"a"))
-    made.end(made.find(b"a"), 0)
-    news = compare(made, {b"a": status}, 10**12)
-    assert (news.astray, news.found) == (astray, [])
+    made.finish(made.find(b"a"), 0)
+    news = compare_status_list(made, {b"a": status}, 10**12)
+    assert (news.resurrected, news.discovered) == (astray, [])
 
 
 def test_ids_that_are_too_long_are_not_found():
-    assert compare(Goals(), {b"x" * 1025: ACTIVE}, 0).found == []
+    assert compare_status_list(GoalRegistry(), {b"x" * 1025: ACTIVE}, 0).discovered == []
 
 
 @pytest.mark.parametrize(("late", "gone"), [(-1, []), (0, [b"a"])])
 def test_goals_are_lost_after_a_while(late, gone):
     waiting = Goal(b"w", 0, "flow1", "/one")
     made = goals(sent(b"a", seen=5), waiting, sent(b"b", seen=6))
-    assert ids(lost(made, 5 + LOST_AFTER + late)) == gone
+    assert ids(lost_goals(made, 5 + LOST_TIMEOUT + late)) == gone
 
 
 def test_a_found_goal_keeps_its_stamp():
-    made = Goals()
-    assert find(made, b"x", 3, stamp=9) is made.find(b"x")
+    made = GoalRegistry()
+    assert add_discovered_goal(made, b"x", 3, stamp=9) is made.find(b"x")
     assert made.find(b"x").stamp == 9

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from policy_runs import often
 
-from rtron.policies.mission.event_bits import Bits
+from rtron.policies.mission.event_bits import EventBits
 from rtron.vocabulary import EventFlow, WhenUnknown
 
 MAX_AGE, PRESENT, SILENT = 10, 7, 13
@@ -58,8 +58,8 @@ def possible(steps):
 @often
 @given(flows, happenings)
 def test_a_bit_is_what_a_naive_model_says_at_every_moment(flow, steps):
-    bits, model, now = Bits([flow]), NaiveBit(flow), 0
-    bit = bits.named["eflow"]
+    bits, model, now = EventBits([flow]), NaiveBit(flow), 0
+    bit = bits.by_name["eflow"]
     for gap, what in possible(steps):
         for _ in range(gap):
             now += 1
@@ -69,33 +69,33 @@ def test_a_bit_is_what_a_naive_model_says_at_every_moment(flow, steps):
             model.heard.append((now, what))
         assert bit.value(now) is model.value(now)
         value = model.value(now)
-        assert bits.known(now) == ({} if value is None else {"eflow": value})
+        assert bits.known_values(now) == ({} if value is None else {"eflow": value})
 
 
 @often
 @given(flows, happenings)
 def test_a_bit_changes_at_no_other_time_than_it_says(flow, steps):
     """A look after each event and at each deadline finds what a look at every moment finds."""
-    (seldom, always), now = (Bits([flow]) for _ in range(2)), 0
-    known = seldom.known(0)
+    (seldom, always), now = (EventBits([flow]) for _ in range(2)), 0
+    known = seldom.known_values(0)
     for gap, what in possible(steps):
         for _ in range(gap):
             due = seldom.deadline(now)
             now += 1
-            known = seldom.known(now) if due == now else known
-            assert always.known(now) == known
+            known = seldom.known_values(now) if due == now else known
+            assert always.known_values(now) == known
         if what != WAIT:
             for bits in (seldom, always):
-                tell(bits.named["eflow"], what, now)
-        known = seldom.known(now)
-        assert always.known(now) == known
+                tell(bits.by_name["eflow"], what, now)
+        known = seldom.known_values(now)
+        assert always.known_values(now) == known
 
 
 def values(steps, ages, **others):
     """Return the bit at each age after the last of (time, what)."""
     found = []
     for age in ages:
-        bit = Bits([event(**others)]).named["eflow"]
+        bit = EventBits([event(**others)]).by_name["eflow"]
         for now, what in steps:
             tell(bit, what, now)
             bit.value(now)
@@ -199,22 +199,22 @@ def test_silence_wins_where_a_flow_has_both():
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_bit_knows_its_flow(kind):
     flow = event("a", **kind)
-    assert Bits([flow]).named["a"].flow is flow
+    assert EventBits([flow]).by_name["a"].flow is flow
 
 
 def test_the_bits_that_are_known():
-    bits = Bits([event("a"), event("b", silent=SILENT), event("c", on_silence=CLEAR)])
-    assert bits.known(0) == {"b": True, "c": False}
-    bits.named["a"].observe(judged=False, now=0)
-    assert bits.known(0) == {"a": False, "b": True, "c": False}
-    assert Bits().known(0) == {}
+    bits = EventBits([event("a"), event("b", silent=SILENT), event("c", on_silence=CLEAR)])
+    assert bits.known_values(0) == {"b": True, "c": False}
+    bits.by_name["a"].observe(judged=False, now=0)
+    assert bits.known_values(0) == {"a": False, "b": True, "c": False}
+    assert EventBits().known_values(0) == {}
 
 
 def test_the_deadline_is_the_next_change_to_come():
-    bits = Bits([event("a"), event("b", silent=SILENT), event("c", present=PRESENT)])
+    bits = EventBits([event("a"), event("b", silent=SILENT), event("c", present=PRESENT)])
     assert bits.deadline(0) is None
     for name in "abc":
-        bits.named[name].observe(judged=True, now=5)
+        bits.by_name[name].observe(judged=True, now=5)
     dues = {5 + MAX_AGE, 5 + SILENT, 5 + PRESENT}
     assert bits.deadline(5) == min(dues) == 12
     assert [bits.deadline(now) for now in (11, 12, 14, 15, 17, 18)] == [12, 15, 15, 18, 18, None]
@@ -222,6 +222,6 @@ def test_the_deadline_is_the_next_change_to_come():
 
 @pytest.mark.parametrize(("kind", "what"), [*product(KINDS[1:], [False, None])])
 def test_what_does_not_trigger_changes_nothing_later(kind, what):
-    bits = Bits([event(**kind)])
-    bits.named["eflow"].observe(what, 5)
+    bits = EventBits([event(**kind)])
+    bits.by_name["eflow"].observe(what, 5)
     assert bits.deadline(5) is None

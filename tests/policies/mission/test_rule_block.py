@@ -9,10 +9,10 @@ from policy_runs import APPROVED, BLOCKED, FLOWS, HIGH, LOW, STRANGER, often, se
 from test_event_bits import event
 from test_rule_status import Asked
 
-from rtron.policies.mission.event_bits import Bits
+from rtron.policies.mission.event_bits import EventBits
 from rtron.policies.mission.rule_block import RuleBlock
-from rtron.policies.mission.rule_status import Mission
-from rtron.vocabulary import UNAPPROVED, Decision, Flow, PolicyName, Rule, StageRule
+from rtron.policies.mission.rule_status import MissionMonitor
+from rtron.vocabulary import UNAPPROVED, Decision, Flow, MissionRule, PolicyName, StageRule
 
 PASS, DROP = Decision.PASS, Decision.DROP
 NOT_KNOWN = "no such field: goal"
@@ -36,9 +36,9 @@ def made(*rules, flows=FLOWS, revision=0):
     """
     named, staged = [], []
     for name, blocks, others in rules:
-        named.append((Rule(name=name, block=("/goal",), when=name, **others), Asked(name)))
-        staged.append(StageRule(name=name, blocks=frozenset(blocks)))
-    mission = Mission(Bits([event(name) for name, _, _ in rules]), named)
+        named.append((MissionRule(name=name, block=("/goal",), when=name, **others), Asked(name)))
+        staged.append(StageRule(name=name, blocked_flows=frozenset(blocks)))
+    mission = MissionMonitor(EventBits([event(name) for name, _, _ in rules]), named)
     chosen = settings(PolicyName.BLOCK, flows=flows, rules=tuple(staged), revision=revision)
     judging = Judging()
     return RuleBlock(chosen, mission, judging), mission, judging
@@ -81,7 +81,7 @@ def test_blocked_and_unknown_flows_are_refused(flow):
     assert (verdict.decision, verdict.error) == (DROP, False)
     assert "rule" not in verdict.reason
     assert judging.times == 0
-    assert mission.standings["fire"].blocks
+    assert mission.statuses["fire"].is_blocking
 
 
 def test_the_unapproved_flow_is_judged_by_the_rules_where_it_may_speak():

@@ -10,9 +10,9 @@ from policy_runs import often
 from test_event_bits import WAIT, event, happenings, possible, tell
 
 from rtron.messages.expressions.condition import Condition
-from rtron.policies.mission.event_bits import Bits
-from rtron.policies.mission.rule_status import Mission
-from rtron.vocabulary import Rule, WhenUnknown
+from rtron.policies.mission.event_bits import EventBits
+from rtron.policies.mission.rule_status import MissionMonitor
+from rtron.vocabulary import MissionRule, WhenUnknown
 
 NAMES = ("a", "b", "c")
 EVENTS = (
@@ -36,13 +36,13 @@ class Asked:
 
 
 def rule(name="alarm", **others):
-    return Rule(name=name, block=("/goal",), **others)
+    return MissionRule(name=name, block=("/goal",), **others)
 
 
 def mission(*conditions, events=EVENTS):
     """Return a mission with rules r0, r1, ... under these conditions."""
     named = [(rule(f"r{at}"), condition) for at, condition in enumerate(conditions)]
-    return Mission(Bits(events), named)
+    return MissionMonitor(EventBits(events), named)
 
 
 def written(text):
@@ -57,10 +57,10 @@ def say(mission, now, **judged):
 
 def one(condition=None, **others):
     """Return a mission with one rule about `a`, the rule, and the list of who is told."""
-    made = Mission(Bits([event("a")]), [(rule(**others), condition or Asked("a"))])
+    made = MissionMonitor(EventBits([event("a")]), [(rule(**others), condition or Asked("a"))])
     told = []
-    made.changed = lambda standing: told.append((standing.rule.name, standing.blocks))
-    return made, made.standings["alarm"], told
+    made.on_change = lambda standing: told.append((standing.rule.name, standing.is_blocking))
+    return made, made.statuses["alarm"], told
 
 
 # A condition, as Python knows it: unknown is None.
@@ -128,7 +128,7 @@ def told_steps(story):
 def test_rules_are_what_a_naive_model_says_at_every_moment(conditions, story, meetings):
     made = mission(*(written(text) for text, _ in conditions))
     told = []
-    made.changed = lambda standing: told.append((standing.rule.name, standing.blocks))
+    made.on_change = lambda standing: told.append((standing.rule.name, standing.is_blocking))
     rules = {f"r{at}": NaiveRule(holds) for at, (_, holds) in enumerate(conditions)}
     bits = {flow.name: NaiveBit(flow) for flow in EVENTS}
     now, steps = 0, list(told_steps(story))
@@ -141,30 +141,30 @@ def test_rules_are_what_a_naive_model_says_at_every_moment(conditions, story, me
 
     def agree():
         blocks = {name: each.blocks() for name, each in rules.items()}
-        assert {name: each.blocks for name, each in made.standings.items()} == blocks
+        assert {name: each.is_blocking for name, each in made.statuses.items()} == blocks
         expected = {name for name in blocks if blocks[name] is not before[name]}
         assert sorted(told) == sorted((name, blocks[name]) for name in expected)
         told.clear()
         before.update(blocks)
 
     before = dict.fromkeys(rules, True)
-    for name, each in made.standings.items():
+    for name, each in made.statuses.items():
         rules[name].update({})
-        before[name] = each.blocks
+        before[name] = each.is_blocking
     made.update(now)
     look()
     for number, (gap, name, what) in enumerate(steps):
         for _ in range(gap):
             now += 1
-            made.catch_up(now)
+            made.update_if_due(now)
             look()
         if what != WAIT:
-            tell(made.bits.named[name], what, now)
+            tell(made.bits.by_name[name], what, now)
             bits[name].heard.append((now, what))
         made.update(now)
         look()
         if met := meetings[number % len(meetings)]:
-            made.meet([met])
+            made.mark_met([met])
             rules[met].meet()
             agree()
 
@@ -177,7 +177,7 @@ def test_looking_when_time_changes_a_bit_is_looking_at_every_moment(condition, s
     told = {id(always): [], id(seldom): []}
     now = 0
     for made in (always, seldom):
-        made.changed = lambda standing, made=made: told[id(made)].append((now, standing.blocks))
+        made.on_change = lambda standing, made=made: told[id(made)].append((now, standing.blocks))
         made.update(0)
     for gap, name, what in told_steps(story):
         end = now + gap
@@ -186,27 +186,27 @@ def test_looking_when_time_changes_a_bit_is_looking_at_every_moment(condition, s
             while now < due:
                 now += 1
                 always.update(now)
-            seldom.catch_up(now)
+            seldom.update_if_due(now)
         while now < end:
             now += 1
             always.update(now)
         for made in (always, seldom):
             if what != WAIT:
-                tell(made.bits.named[name], what, now)
+                tell(made.bits.by_name[name], what, now)
             made.update(now)
     assert told[id(seldom)] == told[id(always)]
 
 
 def test_a_rule_holds_while_its_event_is_not_known():
     made, alarm, _ = one()
-    assert (alarm.blocks, alarm.unknown) == (True, ("a",))
+    assert (alarm.is_blocking, alarm.unknown_events) == (True, ("a",))
     assert alarm.reason == "rule alarm: while true (not known: a)"
     say(made, 0, a=True)
-    assert (alarm.blocks, alarm.unknown) == (True, ())
+    assert (alarm.is_blocking, alarm.unknown_events) == (True, ())
     say(made, 1, a=False)
-    assert (alarm.blocks, alarm.unknown) == (False, ())
+    assert (alarm.is_blocking, alarm.unknown_events) == (False, ())
     say(made, 2, a=None)
-    assert (alarm.blocks, alarm.unknown) == (True, ("a",))
+    assert (alarm.is_blocking, alarm.unknown_events) == (True, ("a",))
 
 
 def test_a_rule_tells_its_reason():
@@ -228,22 +228,22 @@ def test_time_alone_changes_a_rule():
     made, alarm, told = one()
     say(made, 5, a=False)
     assert made.due == 5 + 10
-    made.catch_up(14)
-    assert not alarm.blocks
-    made.catch_up(15)
-    assert alarm.blocks
+    made.update_if_due(14)
+    assert not alarm.is_blocking
+    made.update_if_due(15)
+    assert alarm.is_blocking
     assert told == [("alarm", False), ("alarm", True)]
     assert made.due is None
-    made.catch_up(10**9)
+    made.update_if_due(10**9)
     assert len(told) == 2
 
 
 def test_an_obligation_blocks_until_it_is_met():
     made, alarm, told = one(require="/alert")
     say(made, 0, a=True)
-    made.meet(["alarm"])
-    assert (alarm.holds, alarm.met, alarm.blocks) == (True, True, False)
-    made.meet(["alarm"])
+    made.mark_met(["alarm"])
+    assert (alarm.holds, alarm.is_met, alarm.is_blocking) == (True, True, False)
+    made.mark_met(["alarm"])
     say(made, 1, a=True)
     assert told == [("alarm", False)]
 
@@ -254,71 +254,73 @@ def test_an_obligation_blocks_until_it_is_met():
 )
 def test_an_obligation_may_be_met_by_an_event(flow, judged, met):
     rules = [(rule(require="b"), Asked("a")), (rule("other", require="/alert"), Asked("a"))]
-    made = Mission(Bits([event("a"), event("b")]), rules)
+    made = MissionMonitor(EventBits([event("a"), event("b")]), rules)
     say(made, 0, a=True)
     told = []
-    made.changed = lambda standing: told.append(standing.rule.name)
+    made.on_change = lambda standing: told.append(standing.rule.name)
     say(made, 1, **{flow: judged})
-    alarm, other = made.standings.values()
-    assert (alarm.met, alarm.blocks, other.blocks) == (met, not met, True)
+    alarm, other = made.statuses.values()
+    assert (alarm.is_met, alarm.is_blocking, other.is_blocking) == (met, not met, True)
     assert told == (["alarm"] if met else [])
-    value = made.bits.named[flow].value(1)
+    value = made.bits.by_name[flow].value(1)
     assert value is judged
 
 
 def test_an_event_meets_every_rule_that_requires_it():
     rules = [(rule(name, require="b"), Asked("a")) for name in ("alarm", "other")]
-    made = Mission(Bits([event("a"), event("b")]), rules)
+    made = MissionMonitor(EventBits([event("a"), event("b")]), rules)
     say(made, 0, a=True)
     say(made, 1, b=True)
-    assert [standing.met for standing in made.standings.values()] == [True, True]
+    assert [standing.is_met for standing in made.statuses.values()] == [True, True]
 
 
 def test_an_obligation_stays_met_while_it_stays_unknown():
-    made = Mission(Bits([event("a"), event("b")]), [(rule(require="/alert"), Asked("a", "b"))])
-    made.meet(["alarm"])
+    made = MissionMonitor(
+        EventBits([event("a"), event("b")]), [(rule(require="/alert"), Asked("a", "b"))]
+    )
+    made.mark_met(["alarm"])
     say(made, 0, b=True)
-    assert made.standings["alarm"].met
+    assert made.statuses["alarm"].is_met
 
 
 def test_an_obligation_that_was_met_is_open_again_after_its_event_was_not_known():
     made, alarm, _ = one(require="/alert")
     say(made, 0, a=True)
-    made.meet(["alarm"])
+    made.mark_met(["alarm"])
     say(made, 1, a=None)
-    assert not alarm.blocks
+    assert not alarm.is_blocking
     say(made, 2, a=True)
-    assert alarm.blocks
+    assert alarm.is_blocking
 
 
 def test_an_obligation_arises_again_with_its_condition():
     made, alarm, told = one(require="/alert")
     say(made, 0, a=True)
-    made.meet(["alarm"])
+    made.mark_met(["alarm"])
     say(made, 1, a=False)
-    assert not alarm.met
+    assert not alarm.is_met
     say(made, 2, a=True)
-    assert alarm.blocks
+    assert alarm.is_blocking
     assert told == [("alarm", False), ("alarm", True)]
 
 
 def test_what_is_not_required_yet_meets_nothing():
     made, alarm, told = one(require="/alert")
     say(made, 0, a=False)
-    made.meet(["alarm"])
+    made.mark_met(["alarm"])
     say(made, 1, a=True)
-    assert alarm.blocks
+    assert alarm.is_blocking
     assert told == [("alarm", False), ("alarm", True)]
 
 
 def test_an_obligation_that_was_met_while_nobody_knew_is_open_once_it_is_known():
     made, alarm, _ = one(require="/alert")
-    made.meet(["alarm"])
-    assert not alarm.blocks
+    made.mark_met(["alarm"])
+    assert not alarm.is_blocking
     say(made, 0, a=True)
-    assert alarm.blocks
-    made.meet(["alarm"])
-    assert not alarm.blocks
+    assert alarm.is_blocking
+    made.mark_met(["alarm"])
+    assert not alarm.is_blocking
 
 
 def test_only_the_rules_that_ask_for_a_changed_bit_are_looked_at():
@@ -337,7 +339,7 @@ def test_a_rule_is_looked_at_once_however_many_of_its_bits_changed():
     made = mission(asked)
     made.update(0)
     times = asked.times
-    made.bits.named["b"].found()
+    made.bits.by_name["b"].add_publisher()
     say(made, 1, a=True, b=True, c=True)
     assert asked.times == times + 1
 
@@ -346,7 +348,7 @@ def test_a_rule_is_looked_at_once_however_many_of_its_bits_changed():
 def test_a_rule_without_events_is_settled_at_once(text, blocks):
     made, alarm, told = one(written(text))
     made.update(0)
-    assert (alarm.blocks, alarm.unknown, told) == (blocks, (), [])
+    assert (alarm.is_blocking, alarm.unknown_events, told) == (blocks, (), [])
 
 
 @pytest.mark.parametrize(
@@ -363,75 +365,75 @@ def test_a_rule_without_events_is_settled_at_once(text, blocks):
 def test_what_is_known_without_a_message_counts_from_the_first_look(others, text, blocks):
     made = mission(written(text), events=[event("a", **others)])
     assert made.due == 0
-    made.catch_up(0)
-    assert made.standings["r0"].blocks is blocks
+    made.update_if_due(0)
+    assert made.statuses["r0"].is_blocking is blocks
     assert made.due is None
 
 
 def test_without_rules_nothing_happens():
-    made = Mission(Bits())
+    made = MissionMonitor(EventBits())
     made.update(0)
-    made.catch_up(1)
-    made.meet(())
-    assert (made.due, made.standings) == (None, {})
+    made.update_if_due(1)
+    made.mark_met(())
+    assert (made.due, made.statuses) == (None, {})
 
 
 def test_nobody_need_listen():
-    made = Mission(Bits([event("a")]), [(rule(), Asked("a"))])
+    made = MissionMonitor(EventBits([event("a")]), [(rule(), Asked("a"))])
     say(made, 0, a=False)
-    assert not made.standings["alarm"].blocks
+    assert not made.statuses["alarm"].is_blocking
 
 
 def test_what_is_required_stays_owed_after_the_rule_ceases_to_hold():
     made, alarm, _ = one(require="/alert")
     say(made, 0, a=True)
     say(made, 1, a=False)
-    assert (alarm.blocks, alarm.holds, alarm.owed) == (True, False, True)
-    made.meet(["alarm"])
-    assert (alarm.blocks, alarm.owed) == (False, False)
+    assert (alarm.is_blocking, alarm.holds, alarm.is_pending) == (True, False, True)
+    made.mark_met(["alarm"])
+    assert (alarm.is_blocking, alarm.is_pending) == (False, False)
 
 
 def test_where_nothing_is_required_nothing_is_owed():
     made, alarm, _ = one()
     say(made, 0, a=True)
     say(made, 1, a=False)
-    assert (alarm.blocks, alarm.owed) == (False, False)
+    assert (alarm.is_blocking, alarm.is_pending) == (False, False)
 
 
 def test_it_is_owed_again_each_time_the_rule_begins_to_hold():
     made, alarm, _ = one(require="/alert")
     for now in (0, 2):
         say(made, now, a=True)
-        assert alarm.blocks
-        made.meet(["alarm"])
+        assert alarm.is_blocking
+        made.mark_met(["alarm"])
         say(made, now + 1, a=False)
-        assert not alarm.blocks
+        assert not alarm.is_blocking
 
 
 def test_what_was_met_stays_met_while_the_rule_goes_on_to_hold():
     made, alarm, _ = one(written("a || b"), require="/alert")
     say(made, 0, a=True)
-    made.meet(["alarm"])
+    made.mark_met(["alarm"])
     say(made, 1, a=True)
-    assert not alarm.blocks
+    assert not alarm.is_blocking
 
 
 def test_what_nobody_knows_is_named_only_while_it_matters():
-    made = Mission(Bits(EVENTS), [(rule(), written("a && b"))])
-    alarm = made.standings["alarm"]
-    assert alarm.unknown == ("a", "b")
+    made = MissionMonitor(EventBits(EVENTS), [(rule(), written("a && b"))])
+    alarm = made.statuses["alarm"]
+    assert alarm.unknown_events == ("a", "b")
     say(made, 0, a=False)
-    assert alarm.unknown == ()
+    assert alarm.unknown_events == ()
     say(made, 1, a=True)
-    assert alarm.unknown == ("b",)
+    assert alarm.unknown_events == ("b",)
 
 
 def test_an_event_of_the_topic_that_is_required_meets_it():
     call = replace(event("call"), topic="/phone")
-    made = Mission(Bits([event("a"), call]), [(rule(require="/phone"), Asked("a"))])
-    alarm = made.standings["alarm"]
+    made = MissionMonitor(EventBits([event("a"), call]), [(rule(require="/phone"), Asked("a"))])
+    alarm = made.statuses["alarm"]
     say(made, 0, a=True)
     say(made, 1, call=False)
-    assert alarm.blocks
+    assert alarm.is_blocking
     say(made, 2, call=True)
-    assert not alarm.blocks
+    assert not alarm.is_blocking

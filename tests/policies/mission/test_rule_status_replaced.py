@@ -9,9 +9,9 @@ from policy_runs import often
 from test_event_bits import event
 from test_rule_status import NAMES, rule, written
 
-from rtron.policies.mission.event_bits import Bits
-from rtron.policies.mission.rule_status import Mission
-from rtron.vocabulary import Rule
+from rtron.policies.mission.event_bits import EventBits
+from rtron.policies.mission.rule_status import MissionMonitor
+from rtron.vocabulary import MissionRule
 
 EVENTS = tuple(event(name) for name in NAMES)
 
@@ -20,13 +20,13 @@ class Changing:
     """A mission whose rules are given as (name, when, require), with all who were told."""
 
     def __init__(self, *rules):
-        self.mission = Mission(Bits(EVENTS), list(map(_compiled, rules)))
-        self.mission.changed = lambda standing: self.told.append(
-            (standing.rule.name, standing.blocks)
+        self.mission = MissionMonitor(EventBits(EVENTS), list(map(_compiled, rules)))
+        self.mission.on_change = lambda standing: self.told.append(
+            (standing.rule.name, standing.is_blocking)
         )
         self.told = []
-        for bit in self.mission.bits.named.values():
-            bit.found()
+        for bit in self.mission.bits.by_name.values():
+            bit.add_publisher()
         self.now = 0
 
     def say(self, **judged):
@@ -38,18 +38,20 @@ class Changing:
     def put(self, *rules):
         self.told.clear()
         compiled = list(map(_compiled, rules))
-        standings = self.mission.with_rules(compiled)
+        standings = self.mission.prepare_rules(compiled)
         before = self.blocking()
         assert self.blocking() == before
-        self.mission.replace(standings, compiled, self.now)
+        self.mission.replace_rules(standings, compiled, self.now)
         return self.blocking()
 
     def blocking(self):
-        return {name for name, each in self.mission.standings.items() if each.blocks}
+        return {name for name, each in self.mission.statuses.items() if each.is_blocking}
 
 
 def _compiled(short):
-    made = short if isinstance(short, Rule) else rule(short[0], when=short[1], require=short[2])
+    made = (
+        short if isinstance(short, MissionRule) else rule(short[0], when=short[1], require=short[2])
+    )
     return made, written(made.when)
 
 
@@ -65,7 +67,7 @@ def test_a_new_rule_starts_from_the_bits_that_are_known():
 def test_a_new_rule_whose_bits_nobody_knows_blocks():
     run = Changing()
     assert run.put(("yes", "a", "")) == {"yes"}
-    assert "not known: a" in run.mission.standings["yes"].reason
+    assert "not known: a" in run.mission.statuses["yes"].reason
 
 
 def test_what_is_gone_frees_what_it_blocked_and_comes_back_anew():
@@ -92,21 +94,21 @@ def test_an_unchanged_rule_keeps_its_standing_and_what_is_owed():
     run = Changing(("stays", "a", "/alert"), ("goes", "b", ""))
     run.say(a=True)
     run.say()
-    standing = run.mission.standings["stays"]
+    standing = run.mission.statuses["stays"]
     assert run.put(("stays", "a", "/alert"), ("comes", "c", "")) == {"stays"}
     assert run.told == []
-    assert run.mission.standings["stays"] is standing
-    run.mission.meet(["stays"])
+    assert run.mission.statuses["stays"] is standing
+    run.mission.mark_met(["stays"])
     assert run.blocking() == set()
 
 
 def test_an_unchanged_rule_that_was_met_stays_met():
     run = Changing(("stays", "a", "/alert"))
     run.say(a=True)
-    run.mission.meet(["stays"])
+    run.mission.mark_met(["stays"])
     assert run.put(("stays", "a", "/alert")) == set()
     assert run.put(replace(rule("stays", when="a", require="/alert"), block=("/other",))) == set()
-    assert run.mission.standings["stays"].rule.block == ("/other",)
+    assert run.mission.statuses["stays"].rule.block == ("/other",)
 
 
 def test_another_condition_is_looked_at_at_once():
@@ -133,9 +135,9 @@ def test_what_is_owed_outlasts_another_condition_but_not_another_obligation(when
 def test_another_condition_that_holds_asks_again_for_what_was_met():
     run = Changing(("one", "a", "/alert"))
     run.say(a=True, b=True)
-    run.mission.meet(["one"])
+    run.mission.mark_met(["one"])
     assert run.put(("one", "b", "/alert")) == {"one"}
-    run.mission.meet(["one"])
+    run.mission.mark_met(["one"])
     assert run.blocking() == set()
 
 
@@ -152,7 +154,7 @@ def test_time_that_has_passed_counts_before_the_rules_change():
     run.say()
     run.now += EVENTS[0].max_age
     assert run.put(("one", "!a", "")) == {"one"}
-    assert run.mission.standings["one"].unknown == ("a",)
+    assert run.mission.statuses["one"].unknown_events == ("a",)
 
 
 conditions = st.sampled_from(["a", "b", "a && !b", "a || c", "!c"])

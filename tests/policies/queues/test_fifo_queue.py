@@ -13,8 +13,8 @@ from policy_runs import (
     watch_effects,
 )
 
-from rtron.policies.queues.message_queue import State
-from rtron.policies.state_machine import Effect
+from rtron.policies.queues.message_queue import QueueState
+from rtron.policies.state_machine import TransitionEffect
 from rtron.vocabulary import Decision, Flow, PolicyName, StreamKind
 
 PASS, HOLD, DROP = Decision.PASS, Decision.HOLD, Decision.DROP
@@ -141,10 +141,10 @@ def test_a_full_queue_drops_also_while_nobody_has_the_turn():
     effects = watch_effects(run.policy)
     run.wait(MIDDLE_TIMEOUT)
     assert run.say(HIGH) is DROP
-    assert effects == [Effect.NOTHING, Effect.DROP]
+    assert effects == [TransitionEffect.NOTHING, TransitionEffect.DROP]
     assert run.policy.owner is None
     assert run.verdicts[-1].reason == "the queue is full (1)"
-    assert run.policy._machine.state is State.FREE
+    assert run.policy._machine.state is QueueState.FREE
 
 
 def test_waiting_flows_keep_their_freshest_command_and_their_place():
@@ -214,7 +214,11 @@ def test_what_began_elsewhere_has_the_turn_until_it_is_done(flow):
     run.policy.occupy(flow, run.now)
     run.do(DONE)
     assert run.tick() == [(0, PASS)]
-    assert effects[:3] == [Effect.NOTHING, Effect.HOLD, Effect.NOTHING]
+    assert effects[:3] == [
+        TransitionEffect.NOTHING,
+        TransitionEffect.HOLD,
+        TransitionEffect.NOTHING,
+    ]
 
 
 @pytest.mark.parametrize(("late", "left"), [(-1, []), (0, [(0, PASS)])])

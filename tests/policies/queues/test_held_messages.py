@@ -2,7 +2,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rtron.policies.queues.held_messages import Waiting
+from rtron.policies.queues.held_messages import HeldMessageQueue
 from rtron.vocabulary import Flow
 
 LOW = Flow(name="low", publisher="/low", priority=1)
@@ -10,7 +10,7 @@ HIGH = Flow(name="high", publisher="/high", priority=2)
 
 
 def waiting():
-    return Waiting(lambda flow: -flow.priority)
+    return HeldMessageQueue(lambda flow: -flow.priority)
 
 
 def test_the_next_and_the_oldest():
@@ -25,16 +25,16 @@ def test_a_refreshed_message_keeps_its_place_and_gets_younger():
     queue = waiting()
     queue.add(LOW, "old", 0)
     queue.add(HIGH, "other", 1)
-    queue.refresh(queue.latest("low"), "new", 2)
+    queue.replace_message(queue.latest("low"), "new", 2)
     assert queue.oldest().message == "other"
-    assert (queue.latest("low").message, queue.latest("low").arrived) == ("new", 2)
+    assert (queue.latest("low").message, queue.latest("low").arrived_at) == ("new", 2)
 
 
 def test_nothing_overtakes_the_chosen_one():
     queue = waiting()
-    queue.choose()
+    queue.pin_first()
     queue.add(LOW, "chosen", 0)
-    queue.choose()
+    queue.pin_first()
     queue.add(HIGH, "higher", 1)
     assert queue.first().message == "chosen"
     queue.remove(queue.first())

@@ -13,7 +13,7 @@ from policy_runs import (
     settings,
 )
 
-from rtron.policies import build
+from rtron.policies import build_policy
 from rtron.vocabulary import SECOND, Decision, Flow, PolicyName, StreamKind
 
 PASS, HOLD, DROP = Decision.PASS, Decision.HOLD, Decision.DROP
@@ -34,7 +34,7 @@ def commands(**others):
 
 def test_the_papers_example():
     """Without a command of flow3 for 0.2 s, that of flow2, the second priority, goes."""
-    policy = build(
+    policy = build_policy(
         settings(
             PolicyName.PRIORITY_QUEUE,
             flows=(

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from policy_runs import often
 
-from rtron.policies.velocity_limit.frame_rate import MOST_FPS, FrameRate
+from rtron.policies.velocity_limit.frame_rate import MAX_FPS, FrameRate
 from rtron.vocabulary import SECOND
 
 WINDOW = 5_000_000
@@ -22,7 +22,7 @@ def play(frames, window=WINDOW):
     """Return a rate after frames of (arrival, stamp)."""
     rate = FrameRate(window)
     for at, stamp in frames:
-        rate.frame(stamp, at)
+        rate.add_frame(stamp, at)
     return rate
 
 
@@ -32,7 +32,7 @@ def test_it_is_what_a_naive_model_says(frames, window):
     rate, model, now = FrameRate(window), NaiveFrameRate(window), 0
     for gap, stamp in frames:
         now += gap
-        assert rate.frame(stamp, now) is model.frame(stamp, now)
+        assert rate.add_frame(stamp, now) is model.frame(stamp, now)
         for later in (0, 1, window - 1, window, window + 1):
             assert FrameRate.rate(play_copy(rate), now + later) == model.rate(now + later)
 
@@ -50,7 +50,7 @@ def test_while_no_frame_comes_the_rate_only_falls(frames, one, other):
     rate, now = FrameRate(WINDOW), 0
     for gap, stamp in frames:
         now += gap
-        rate.frame(stamp, now)
+        rate.add_frame(stamp, now)
     rates = [rate.rate(now + later) for later in sorted({0, one, one + other})]
     assert all(before >= after for before, after in pairwise(rates))
 
@@ -61,7 +61,7 @@ def test_the_rate_is_never_above_one_frame_in_the_time_since_the_last(frames, ga
     rate, now, last = FrameRate(WINDOW), 0, None
     for wait, stamp in frames:
         now += wait
-        if rate.frame(stamp, now):
+        if rate.add_frame(stamp, now):
             last = now
     now += gap
     if last is not None and now > last:
@@ -76,7 +76,7 @@ def test_a_jump_of_the_cameras_clock_does_no_harm(frames, jump):
     one, other, now = FrameRate(WINDOW), FrameRate(WINDOW), 0
     for gap, stamp in told:
         now += gap
-        assert one.frame(stamp, now) is other.frame(stamp + jump, now)
+        assert one.add_frame(stamp, now) is other.add_frame(stamp + jump, now)
         assert one.rate(now) == other.rate(now)
 
 
@@ -92,20 +92,20 @@ def test_thirty_frames_a_second_are_thirty_fps():
 
 @pytest.mark.parametrize(("gap", "counts"), [(1, False), (WINDOW - 1, False), (WINDOW, True)])
 def test_a_stamp_that_was_counted_within_the_window_is_not_counted_again(gap, counts):
-    assert play([(7, 1), (8, 2)]).frame(1, 7 + gap) is counts
+    assert play([(7, 1), (8, 2)]).add_frame(1, 7 + gap) is counts
 
 
 def test_a_stamp_that_was_forgotten_counts_once():
     rate = play([(0, 1), (1, 2), (WINDOW, 1)])
-    assert not rate.frame(1, 2 * WINDOW - 1)
-    assert rate.age(2 * WINDOW - 1) == WINDOW - 1
+    assert not rate.add_frame(1, 2 * WINDOW - 1)
+    assert rate.last_frame_age(2 * WINDOW - 1) == WINDOW - 1
 
 
 def test_a_frozen_picture_is_no_frame_however_long_it_is_shown():
     rate = play([(0, 1)])
-    assert not any(rate.frame(1, at * WINDOW // 2) for at in range(9))
+    assert not any(rate.add_frame(1, at * WINDOW // 2) for at in range(9))
     assert rate.rate(9 * WINDOW // 2) == 0
-    assert rate.frame(2, 5 * WINDOW)
+    assert rate.add_frame(2, 5 * WINDOW)
 
 
 def test_alternating_stamps_are_two_frames():
@@ -125,21 +125,21 @@ def test_what_leaves_the_window_is_no_longer_counted():
 
 def test_a_flood_is_no_camera():
     rate = play([(number, number + 1) for number in range(20_000)], SECOND)
-    assert rate.rate(19_999) <= MOST_FPS == 1000
-    assert len(rate._frames) == len(rate._seen) == MOST_FPS
+    assert rate.rate(19_999) <= MAX_FPS == 1000
+    assert len(rate._frames) == len(rate._stamps) == MAX_FPS
 
 
 def test_after_a_flood_frames_count_again():
     rate = play([(number, number + 1) for number in range(MOST + 1)])
-    assert not rate.frame(99, WINDOW - 1)
-    assert rate.frame(99, WINDOW)
+    assert not rate.add_frame(99, WINDOW - 1)
+    assert rate.add_frame(99, WINDOW)
 
 
 def test_the_age_is_that_of_the_last_frame_that_counted():
     rate = play([(0, 1), (10, 2), (20, 2)])
-    assert rate.age(25) == 15
-    assert rate.age(10 + WINDOW) is None
-    assert FrameRate(WINDOW).age(0) is None
+    assert rate.last_frame_age(25) == 15
+    assert rate.last_frame_age(10 + WINDOW) is None
+    assert FrameRate(WINDOW).last_frame_age(0) is None
 
 
 def test_the_rate_before_the_first_frame_is_none():

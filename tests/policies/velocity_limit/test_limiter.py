@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass, field, replace
 
 import pytest
-from event_and_rate_models import NaiveRates
+from event_and_rate_models import NaiveFrameMonitor
 from hypothesis import example, given
 from hypothesis import strategies as st
 from limit_runs import HOSTILE, LEAST_NORMAL, NO_NUMBERS, alike, components, violations
@@ -22,10 +22,15 @@ from policy_runs import (
 )
 
 from rtron.errors import PlanError
-from rtron.messages import Definitions, Encoding, velocity_codec
-from rtron.policies import Rates, build
-from rtron.policies.state_machine import Effect
-from rtron.policies.velocity_limit.limiter import REISSUE_PERIOD, Limit, Limiting, State
+from rtron.messages import DefinitionRegistry, Encoding, velocity_codec
+from rtron.policies import FrameMonitors, build_policy
+from rtron.policies.state_machine import TransitionEffect
+from rtron.policies.velocity_limit.limiter import (
+    REISSUE_PERIOD,
+    LimitState,
+    SpeedLimit,
+    VelocityLimiter,
+)
 from rtron.vocabulary import (
     SECOND,
     UNAPPROVED,
@@ -50,22 +55,22 @@ class Given:
     """A limit that a test sets."""
 
     speed: float
-    varies: bool = True
+    is_variable: bool = True
     asked: list[int] = field(default_factory=list)
 
     def at(self, now):
         self.asked.append(now)
-        return Limit(self.speed, f"{self.speed:g} m/s")
+        return SpeedLimit(self.speed, f"{self.speed:g} m/s")
 
 
 def limiting(speed=0.5, flows=FLOW, *, reissues=False, **others):
-    policy = Limiting(settings(PolicyName.CONSTRAIN, flows=flows, **others), Given(speed))
+    policy = VelocityLimiter(settings(PolicyName.CONSTRAIN, flows=flows, **others), Given(speed))
     policy.reissues = reissues
     return policy
 
 
-def limited(speed, asked, flow=LOW):
-    return limiting(speed).verdict(flow, asked, 0)
+def limited(speed, opened_sources, flow=LOW):
+    return limiting(speed).verdict(flow, opened_sources, 0)
 
 
 # One velocity
@@ -126,11 +131,11 @@ def test_no_violation_is_let_through(limit, seed):
 
 @pytest.mark.parametrize("encoding", Encoding)
 def test_no_violation_is_let_through_in_the_bytes_of_a_twist(encoding):
-    codec = velocity_codec(Definitions(()).find("geometry_msgs/Twist"), encoding)
+    codec = velocity_codec(DefinitionRegistry(()).find("geometry_msgs/Twist"), encoding)
     found = violations(
         4_000,
         3,
-        encode=lambda velocity: codec.encode(codec.rest, velocity),
+        encode=lambda velocity: codec.encode(codec.zero_message, velocity),
         decode=codec.decode,
     )
     assert found.wrong == ()
@@ -175,9 +180,9 @@ def test_what_is_no_velocity_is_dropped_with_what_is_said_about_it():
 
 @pytest.mark.parametrize("flow", [BLOCKED, STRANGER, UNAPPROVED])
 @pytest.mark.parametrize("asked", [Velocity((0.1,)), Velocity((9.0,)), "no velocity"])
-def test_blocked_and_unknown_flows_are_refused(flow, asked):
+def test_blocked_and_unknown_flows_are_refused(flow, opened_sources):
     policy = limiting(flows=FLOWS)
-    verdict = policy.verdict(flow, asked, 0)
+    verdict = policy.verdict(flow, opened_sources, 0)
     assert (verdict.decision, verdict.error) == (DROP, False)
     assert verdict == policy.refusal(flow, 0)
     assert ("blocked" if flow == BLOCKED else "not an approved flow") in verdict.reason
@@ -193,9 +198,9 @@ def test_a_pass_builds_no_verdict():
 
 
 @pytest.mark.parametrize("asked", [Velocity((0.1,)), Velocity((0.0,), (1.0,)), Velocity((0.0,))])
-def test_a_limit_of_0_lets_nothing_pass_not_even_a_turn_on_the_spot(asked):
+def test_a_limit_of_0_lets_nothing_pass_not_even_a_turn_on_the_spot(opened_sources):
     policy = limiting(0.0)
-    verdict = policy.verdict(LOW, asked, 0)
+    verdict = policy.verdict(LOW, opened_sources, 0)
     assert (verdict.decision, verdict.error) == (DROP, False)
     assert verdict.reason == "nothing moves: 0 m/s"
     assert policy.refusal(LOW, 0) is verdict
@@ -216,19 +221,19 @@ def test_the_refusal_asks_for_the_limit_of_the_moment():
     policy = limiting(0.0)
     policy.refusal(LOW, 17)
     policy.verdict(LOW, Velocity((1.0,)), 18)
-    assert policy._limits.asked == [17, 18]
+    assert policy._source.asked == [17, 18]
 
 
 @pytest.mark.parametrize("asked", [0.1, 9.0])
-def test_what_is_dropped_leaves_the_state(asked):
+def test_what_is_dropped_leaves_the_state(opened_sources):
     policy = limiting(0.5, FLOWS)
-    policy.verdict(HIGH, Velocity((asked,)), 0)
+    policy.verdict(HIGH, Velocity((opened_sources,)), 0)
     state = policy._machine.state
-    assert state is (State.LIMITED if asked > 0.5 else State.WITHIN)
+    assert state is (LimitState.LIMITED if opened_sources > 0.5 else LimitState.WITHIN)
     policy.verdict(LOW, Velocity((1.0,)), 0)
     policy.verdict(STRANGER, Velocity((1.0,)), 0)
     policy.verdict(HIGH, Velocity((math.nan,)), 0)
-    policy._limits.speed = 0.0
+    policy._source.speed = 0.0
     policy.verdict(HIGH, Velocity((1.0,)), 0)
     assert policy._machine.state is state
 
@@ -307,13 +312,13 @@ def test_a_blocked_flow_counts_where_priorities_must_differ():
 # What goes out again
 
 
-def reissue(speeds, asked=1.0, first=0.5):
+def reissue(speeds, opened_sources=1.0, first=0.5):
     """Return what goes out at the ticks of one deadline after the other, under changing limits."""
     policy = limiting(first, reissues=True)
-    policy.verdict(LOW, Velocity((asked,)), 0)
+    policy.verdict(LOW, Velocity((opened_sources,)), 0)
     out = []
     for speed in speeds:
-        policy._limits.speed = speed
+        policy._source.speed = speed
         out.append([each.message.speed for each in policy.tick(policy.deadline())])
     return policy, out
 
@@ -321,7 +326,7 @@ def reissue(speeds, asked=1.0, first=0.5):
 def test_what_was_asked_for_last_goes_out_again_when_the_limit_changes():
     policy, out = reissue([0.25, 0.25, 0.125, 0.75, 1.0, 1.0, 2.0, 0.5])
     assert out == [[0.25], [], [0.125], [0.75], [1.0], [], [], [0.5]]
-    assert policy._machine.state is State.LIMITED
+    assert policy._machine.state is LimitState.LIMITED
 
 
 def test_every_change_of_the_limit_is_a_step_in_the_table():
@@ -329,25 +334,25 @@ def test_every_change_of_the_limit_is_a_step_in_the_table():
     effects = watch_effects(policy)
     policy.verdict(LOW, Velocity((1.0,)), 0)
     for speed in (0.25, 0.25, 1.0, 0.5, 0.75):
-        policy._limits.speed = speed
+        policy._source.speed = speed
         policy.tick(policy.deadline())
-    assert effects == [Effect.MODIFY, *(4 * [Effect.REISSUE])]
+    assert effects == [TransitionEffect.MODIFY, *(4 * [TransitionEffect.REISSUE])]
 
 
 def test_the_named_state_follows_the_limit():
     policy, _ = reissue([0.75])
-    assert policy._machine.state is State.LIMITED
+    assert policy._machine.state is LimitState.LIMITED
     policy, _ = reissue([0.75, 1.0])
-    assert policy._machine.state is State.WITHIN
+    assert policy._machine.state is LimitState.WITHIN
     policy, _ = reissue([0.75, 1.0, 0.5])
-    assert policy._machine.state is State.LIMITED
+    assert policy._machine.state is LimitState.LIMITED
 
 
 def test_what_goes_out_again_tells_why():
     policy = limiting(0.5, reissues=True, revision=4)
     policy.verdict(LOW, Velocity((1.0,)), 0)
     for speed, told in ((0.25, "limited to 0.25 m/s"), (3.0, "within 3 m/s")):
-        policy._limits.speed = speed
+        policy._source.speed = speed
         (release,) = policy.tick(policy.deadline())
         verdict = release.verdict
         assert (verdict.decision, verdict.flow, verdict.revision) == (MODIFY, LOW, 4)
@@ -361,7 +366,7 @@ def test_it_goes_out_again_ten_times_a_second_at_most(early, count):
     policy = limiting(0.5, reissues=True)
     policy.verdict(LOW, Velocity((1.0,)), 3)
     assert policy.deadline() == 3 + REISSUE_PERIOD == 3 + SECOND // 10
-    policy._limits.speed = 0.25
+    policy._source.speed = 0.25
     now = 3 + REISSUE_PERIOD - early
     assert len(policy.tick(now)) == count
     assert policy.deadline() == (now + REISSUE_PERIOD if count else 3 + REISSUE_PERIOD)
@@ -375,9 +380,9 @@ def test_a_message_puts_the_next_look_off():
 
 
 @pytest.mark.parametrize("asked", ["no velocity", Velocity((math.inf,))])
-def test_what_is_dropped_does_not_count_as_asked(asked):
+def test_what_is_dropped_does_not_count_as_asked(opened_sources):
     policy = limiting(0.5, reissues=True)
-    policy.verdict(LOW, asked, 0)
+    policy.verdict(LOW, opened_sources, 0)
     policy.verdict(STRANGER, Velocity((1.0,)), 0)
     assert policy.deadline() is None
 
@@ -385,7 +390,7 @@ def test_what_is_dropped_does_not_count_as_asked(asked):
 def test_only_who_asks_for_the_limit_is_told_again():
     policy = limiting(0.5)
     policy.verdict(LOW, Velocity((1.0,)), 0)
-    policy._limits.speed = 0.25
+    policy._source.speed = 0.25
     assert policy.deadline() == REISSUE_PERIOD
     assert policy.tick(SECOND) == ()
     assert policy.deadline() == SECOND + REISSUE_PERIOD
@@ -393,7 +398,7 @@ def test_only_who_asks_for_the_limit_is_told_again():
 
 def test_a_limit_that_stays_needs_no_look():
     policy = limiting(0.5, reissues=True)
-    policy._limits.varies = False
+    policy._source.is_variable = False
     policy.verdict(LOW, Velocity((1.0,)), 0)
     assert policy.deadline() is None
     assert policy.tick(SECOND) == ()
@@ -401,11 +406,11 @@ def test_a_limit_that_stays_needs_no_look():
 
 @pytest.mark.parametrize(("asked", "out"), [(1.0, [0.5]), (0.5, []), (0.1, [])])
 @pytest.mark.parametrize(("varies", "later"), [(True, 7 + REISSUE_PERIOD), (False, None)])
-def test_what_has_gone_on_whole_meanwhile_is_limited_again(asked, out, varies, later):
+def test_what_has_gone_on_whole_meanwhile_is_limited_again(opened_sources, out, varies, later):
     policy = limiting(0.5, reissues=True)
-    policy._limits.varies = varies
-    policy.verdict(LOW, Velocity((asked,)), 0)
-    policy.again(7)
+    policy._source.is_variable = varies
+    policy.verdict(LOW, Velocity((opened_sources,)), 0)
+    policy.reevaluate(7)
     assert policy.deadline() == 7
     releases = policy.tick(7)
     assert [each.message.speed for each in releases] == out
@@ -416,16 +421,16 @@ def test_what_has_gone_on_whole_meanwhile_is_limited_again(asked, out, varies, l
 
 def test_where_nothing_was_asked_for_nothing_is_limited_again():
     policy = limiting(0.5, reissues=True)
-    policy.again(7)
+    policy.reevaluate(7)
     assert policy.deadline() is None
     assert policy.tick(7) == ()
 
 
 def test_only_who_asks_for_the_limit_is_limited_again():
     policy = limiting(0.5)
-    policy._limits.varies = False
+    policy._source.is_variable = False
     policy.verdict(LOW, Velocity((1.0,)), 0)
-    policy.again(7)
+    policy.reevaluate(7)
     assert policy.tick(7) == ()
     assert policy.deadline() is None
 
@@ -433,7 +438,7 @@ def test_only_who_asks_for_the_limit_is_limited_again():
 def test_the_limit_of_a_moment_can_be_asked_for():
     policy = limiting(0.25)
     assert policy.limit(17) == 0.25
-    assert policy._limits.asked == [17]
+    assert policy._source.asked == [17]
 
 
 def test_nothing_is_held():
@@ -452,9 +457,9 @@ STEP = SECOND // 20
 
 
 def safe(policy=PolicyName.SAFE, **others):
-    rates = Rates([MONITOR])
+    rates = FrameMonitors([MONITOR])
     chosen = settings(policy, flows=FLOW, **{"threshold": 0.1, "max_vel_limit": 0.5, **others})
-    return rates, build(chosen, rates)
+    return rates, build_policy(chosen, rates)
 
 
 def feed(rates, count, until):
@@ -470,7 +475,7 @@ def reason(policy, now=SECOND):
 def test_safe_is_threshold_times_fps():
     rates, policy = safe(threshold=0.125)
     for number in range(8):
-        rates.monitors["fps_a"].frame(number + 1, SECOND * number // 8)
+        rates.monitors["fps_a"].add_frame(number + 1, SECOND * number // 8)
     now = SECOND * 7 // 8
     assert policy.verdict(LOW, Velocity((1.0,)), now).decision is PASS
     verdict = policy.verdict(LOW, Velocity((2.0,), (1.0,)), now)
@@ -481,14 +486,14 @@ def test_safe_is_threshold_times_fps():
 def test_a_limit_by_rate_is_written_as_people_read_it():
     rates, policy = safe(threshold=0.1)
     for number in range(3):
-        rates.monitors["fps_a"].frame(number + 1, number)
+        rates.monitors["fps_a"].add_frame(number + 1, number)
     assert reason(policy, SECOND * 3 // 7) == "limited to 0.233 m/s (fps_a: 2.3 fps x 0.1 m)"
 
 
 def test_a_silent_image_node_means_the_lowest_limit_not_the_last():
     rates, policy = safe(lowest=0.03125)
     assert reason(policy, 0) == "limited to 0.03125 m/s (fps_a is silent)"
-    rates.monitors["fps_a"].frame(1, 0)
+    rates.monitors["fps_a"].add_frame(1, 0)
     assert reason(policy, SECOND - 1) == "limited to 0.1 m/s (fps_a: 1.0 fps x 0.1 m)"
     assert reason(policy, SECOND) == "limited to 0.03125 m/s (fps_a is silent)"
 
@@ -497,7 +502,7 @@ def test_silence_stops_the_robot_unless_the_plan_says_otherwise():
     rates, policy = safe()
     assert reason(policy, 0) == "nothing moves: 0 m/s (fps_a is silent)"
     assert policy.refusal(LOW, 0).reason == "nothing moves: 0 m/s (fps_a is silent)"
-    rates.monitors["fps_a"].frame(1, 0)
+    rates.monitors["fps_a"].add_frame(1, 0)
     assert policy.refusal(LOW, SECOND - 1) is None
     assert policy.refusal(LOW, SECOND).decision is DROP
 
@@ -505,26 +510,26 @@ def test_silence_stops_the_robot_unless_the_plan_says_otherwise():
 def test_the_limit_changes_with_the_rate_alone():
     rates, policy = safe()
     feed(rates, 4, 0)
-    one, other = policy._limits.at(0), policy._limits.at(0)
+    one, other = policy._source.at(0), policy._source.at(0)
     assert one is other
-    rates.monitors["fps_a"].frame(99, 0)
-    assert policy._limits.at(0).speed == pytest.approx(0.5)
+    rates.monitors["fps_a"].add_frame(99, 0)
+    assert policy._source.at(0).speed == pytest.approx(0.5)
 
 
 def test_a_limit_names_the_image_node_that_it_comes_from():
     other = replace(MONITOR, id="fps_b")
-    rates = Rates([MONITOR, other])
-    policy = build(settings(PolicyName.SAFE, flows=FLOW), rates)
+    rates = FrameMonitors([MONITOR, other])
+    policy = build_policy(settings(PolicyName.SAFE, flows=FLOW), rates)
     for monitor in rates.monitors.values():
-        monitor.frame(1, 0)
+        monitor.add_frame(1, 0)
     assert "fps_a" in reason(policy, 0)
-    rates.monitors["fps_a"].frame(2, 0)
+    rates.monitors["fps_a"].add_frame(2, 0)
     assert "(fps_b: 1.0 fps" in reason(policy, 0)
 
 
 def test_nothing_monitored_means_the_lowest_limit():
     chosen = settings(PolicyName.SAFE, flows=FLOW, lowest=0.25)
-    assert reason(build(chosen)) == "limited to 0.25 m/s (no image node is monitored)"
+    assert reason(build_policy(chosen)) == "limited to 0.25 m/s (no image node is monitored)"
 
 
 def test_constrain_is_the_users_limit():
@@ -541,7 +546,7 @@ def test_constrain_is_the_users_limit():
 def test_of_two_limits_the_lower_holds(frames, speed, who):
     rates, policy = safe(PolicyName.SAFE_CONSTRAIN)
     for number in range(frames):
-        rates.monitors["fps_a"].frame(number + 1, 0)
+        rates.monitors["fps_a"].add_frame(number + 1, 0)
     verdict = policy.verdict(LOW, Velocity((9.0,)), 0)
     assert verdict.message.speed == pytest.approx(speed)
     assert who in verdict.reason
@@ -585,11 +590,11 @@ class LimitRun:
     out: list[tuple[int, bool, Verdict]] = field(default_factory=list)
 
     def __post_init__(self):
-        self.rates = Rates([MONITOR])
+        self.rates = FrameMonitors([MONITOR])
         chosen = settings(
             self.policy, flows=self.flows, threshold=0.1, lowest=self.lowest, release_after=3 * STEP
         )
-        self.limit = build(chosen, self.rates)
+        self.limit = build_policy(chosen, self.rates)
         self.limit.reissues = self.reissues
 
     def play(self, steps):
@@ -609,7 +614,7 @@ class LimitRun:
     def do(self, what, flow):
         if what == FRAME:
             self.stamp += 1
-            self.rates.monitors["fps_a"].frame(self.stamp, self.now)
+            self.rates.monitors["fps_a"].add_frame(self.stamp, self.now)
         else:
             verdict = self.limit.verdict(flow, Velocity((what,)), self.now)
             assert (verdict.flow, verdict.policy) == (flow, self.policy)
@@ -635,7 +640,7 @@ def test_ticks_at_the_deadlines_are_enough(policy, flows, reissues, lowest, step
 def test_safe_is_what_a_naive_model_says(steps, reissues):
     """What goes on at each step: the last wish, at most the limit, when it or the wish changes."""
     run = LimitRun(PolicyName.SAFE, EQUAL, reissues, busy=False)
-    model, wanted, sent, looked, expected = NaiveRates(MONITOR), None, None, 0, []
+    model, wanted, sent, looked, expected = NaiveFrameMonitor(MONITOR), None, None, 0, []
 
     def limit(now):
         fps, silent = model.rate(now)
@@ -678,7 +683,10 @@ def test_what_is_done_is_the_effect_in_the_table(policy, flows, reissues, lowest
     run = LimitRun(policy, flows, reissues, busy=False, lowest=lowest)
     effects = watch_effects(run.limit)
     run.play(steps)
-    done = [Effect.REISSUE if again else Effect[v.decision.name] for _, again, v in run.out]
+    done = [
+        TransitionEffect.REISSUE if again else TransitionEffect[v.decision.name]
+        for _, again, v in run.out
+    ]
     assert effects == done
 
 
@@ -692,13 +700,15 @@ def test_the_named_state_tells_whether_what_was_asked_for_last_is_limited(
         run.play([step])
         asked = run.limit._asked
         limited = asked is not None and asked.sent.speed < asked.wanted.speed
-        assert (run.limit._machine.state is State.LIMITED) is limited
+        assert (run.limit._machine.state is LimitState.LIMITED) is limited
 
 
 def test_every_kind_of_stream_can_be_limited():
     for kind in StreamKind:
         assert (
-            build(settings(PolicyName.CONSTRAIN, kind)).verdict(LOW, Velocity((9.0,)), 0).decision
+            build_policy(settings(PolicyName.CONSTRAIN, kind))
+            .verdict(LOW, Velocity((9.0,)), 0)
+            .decision
             is MODIFY
         )
 
@@ -706,8 +716,8 @@ def test_every_kind_of_stream_can_be_limited():
 def test_only_what_rises_again_restores():
     policy = limiting(0.5, reissues=True)
     policy.verdict(LOW, Velocity((1.0,)), 0)
-    policy._limits.speed = 0.25
+    policy._source.speed = 0.25
     (fallen,) = policy.tick(REISSUE_PERIOD)
-    policy._limits.speed = 0.75
+    policy._source.speed = 0.75
     (risen,) = policy.tick(2 * REISSUE_PERIOD)
     assert (fallen.restores, risen.restores) == (False, True)

@@ -13,16 +13,16 @@ from sqlalchemy import text
 
 from rtron.errors import InputError, SourceError
 from rtron.service.alerts import worker
-from rtron.service.alerts.repeats import Repeats
+from rtron.service.alerts.repeats import DuplicateFilter
 from rtron.service.alerts.webhook_call import signature
-from rtron.service.alerts.webhook_url import check_url, look_up
+from rtron.service.alerts.webhook_url import parse_webhook_url, resolve_address
 
 HOOKS = "/api/v1/webhooks"
 MINUTE = 60_000_000_000
 EVENT = {"id": 1, "robot": "car1", "kind": "alarm", "level": "error", "node": "", "topic": "/scan"}
 
 
-class Receiver:
+class WebhookReceiver:
     """A web server that keeps what it gets, and answers what the test says."""
 
     def __init__(self):
@@ -52,8 +52,8 @@ class Receiver:
 
 
 @contextmanager
-def received(tls=None):
-    receiver = Receiver()
+def run_receiver(tls=None):
+    receiver = WebhookReceiver()
     if tls:
         receiver.server.socket = tls.wrap_socket(receiver.server.socket, server_side=True)
     thread = Thread(target=receiver.server.serve_forever, args=(0.01,))
@@ -68,7 +68,7 @@ def received(tls=None):
 
 @pytest.fixture
 def receiver():
-    with received() as receiver:
+    with run_receiver() as receiver:
         yield receiver
 
 
@@ -217,7 +217,7 @@ def test_tls_is_checked_under_the_hosts_name(monkeypatch, tell, client, admin, c
     monkeypatch.setattr(worker, "PAUSES", ())
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
     context.load_cert_chain(*certificate)
-    with received(context) as receiver:
+    with run_receiver(context) as receiver:
         url = f"https://localhost:{receiver.port}/"
         assert client.post(HOOKS, json={"url": url}, headers=admin).status_code == 201
         tell()
@@ -249,14 +249,14 @@ def test_tls_is_checked_under_the_hosts_name(monkeypatch, tell, client, admin, c
 )
 def test_some_places_get_no_alerts(url):
     with pytest.raises(InputError):
-        check_url(url)
+        parse_webhook_url(url)
 
 
 @pytest.mark.parametrize("host", ["169.254.169.254", "2852039166", "0xa9fea9fe", "0"])
 def test_names_that_lead_there_neither(host):
     """Libraries read odd spellings of addresses, too."""
     with pytest.raises((InputError, SourceError)):
-        look_up(check_url(f"http://{host}/"))
+        resolve_address(parse_webhook_url(f"http://{host}/"))
 
 
 def test_refused_places_are_told_and_written_down(client, admin, audit):
@@ -277,12 +277,12 @@ def test_there_are_not_too_many(client, admin):
 
 @pytest.mark.parametrize("key", ["robot", "kind", "level", "node", "topic"])
 def test_another_alarm_is_news(key):
-    repeats = Repeats()
-    assert not repeats.is_one(EVENT, 0)
-    assert repeats.is_one(EVENT, MINUTE - 1)
-    assert not repeats.is_one(EVENT | {key: "other"}, 1)
-    assert not repeats.is_one(EVENT, MINUTE)
-    assert repeats.is_one(EVENT, MINUTE + 1)
+    repeats = DuplicateFilter()
+    assert not repeats.is_duplicate(EVENT, 0)
+    assert repeats.is_duplicate(EVENT, MINUTE - 1)
+    assert not repeats.is_duplicate(EVENT | {key: "other"}, 1)
+    assert not repeats.is_duplicate(EVENT, MINUTE)
+    assert repeats.is_duplicate(EVENT, MINUTE + 1)
 
 
 def test_alerts_outlive_a_failing_database(app, clock, monkeypatch, hook, tell, receiver):

@@ -6,30 +6,30 @@ import httpx
 import pytest
 
 sys.path.append(str(Path(__file__).parent))
-from service_app import Clock, People, served
+from service_app import AccountFactory, ManualClock, serve_in_thread
 
-from rtron.service.config import Config
+from rtron.service.config import ServiceConfig
 from rtron.service.server.app import create_app
 
 
 @pytest.fixture
 def clock():
-    return Clock()
+    return ManualClock()
 
 
 @pytest.fixture
 def app(tmp_path, clock):
-    return create_app(Config(database=tmp_path / "rtron.db"), clock)
+    return create_app(ServiceConfig(database=tmp_path / "rtron.db"), clock)
 
 
 @pytest.fixture
 def people(app):
-    return People(app.state.service)
+    return AccountFactory(app.state.service)
 
 
 @pytest.fixture
 def port(app):
-    with served(app) as port:
+    with serve_in_thread(app) as port:
         yield port
 
 
@@ -43,7 +43,7 @@ def client(port):
 @pytest.fixture
 def admin(people):
     """The headers of an admin's browser."""
-    return people.session("root", "admin", "developer", "end_user")
+    return people.session_headers("root", "admin", "developer", "end_user")
 
 
 @pytest.fixture

@@ -10,10 +10,10 @@ from schemathesis.specs.openapi.checks import (
     response_schema_conformance,
     status_code_conformance,
 )
-from service_app import People, served
+from service_app import AccountFactory, serve_in_thread
 
 from rtron.planning import parse_plan
-from rtron.service.config import Config
+from rtron.service.config import ServiceConfig
 from rtron.service.server.app import create_app
 from rtron.wire.common.link_protocol import Hello
 
@@ -54,12 +54,12 @@ CHECKS = (
 
 @pytest.fixture(scope="module")
 def site(tmp_path_factory):
-    app = create_app(Config(database=tmp_path_factory.mktemp("fuzz") / "rtron.db"))
+    app = create_app(ServiceConfig(database=tmp_path_factory.mktemp("fuzz") / "rtron.db"))
     met = Hello(app="small", plan=parse_plan(PLAN), run="run", began=1, version="1", robot="car1")
     app.state.service.controller.greet("car1", met)
-    people = People(app.state.service)
-    headers = people.token("fuzz", "admin", "developer", "end_user")
-    with served(app) as port:
+    people = AccountFactory(app.state.service)
+    headers = people.token_headers("fuzz", "admin", "developer", "end_user")
+    with serve_in_thread(app) as port:
         yield f"http://127.0.0.1:{port}", headers
 
 

@@ -9,27 +9,27 @@ import uvicorn
 from fastapi import FastAPI
 from websockets.sync.client import connect
 
-from rtron.service.collector.data_collector import Collector, Patience
+from rtron.service.collector.data_collector import ConnectionTimeouts, DataCollector
 from rtron.service.collector.websocket_endpoint import router
-from rtron.service.config import Config
+from rtron.service.config import ServiceConfig
 from rtron.service.live.hub import Hub
-from rtron.service.server.http import settings as serving
-from rtron.service.store.retention import Bounds
+from rtron.service.server.http import uvicorn_options as serving
+from rtron.service.store.retention import RetentionLimits
 from rtron.vocabulary import Plan, Settings
 from rtron.wire.common.link_protocol import (
     Events,
     Hello,
     NewSettings,
     Stored,
-    guard_bytes,
-    to_guard,
+    decode_to_guard,
+    encode_from_guard,
 )
 
 LIMIT_S = 60
 TOKENS = {"secret-one": "one", "secret-two": "two"}
 
 
-def until(condition):
+def wait_until(condition):
     """Wait until something holds."""
     deadline = time.monotonic() + LIMIT_S
     while not condition():
@@ -37,42 +37,42 @@ def until(condition):
         time.sleep(0.005)
 
 
-class Controller:
+class FakeController:
     """Says what to put in force, and remembers what it was told."""
 
     def __init__(self):
-        self.greeted, self.answers = [], []
+        self.hellos, self.answers = [], []
         self.settings = Settings(revision=1)
         self.refuse = None
         self.on_greet = lambda: None
 
-    def greet(self, robot, hello):
+    def handle_hello(self, robot, hello):
         found = self.settings
-        self.greeted.append((robot, hello))
+        self.hellos.append((robot, hello))
         self.on_greet()
         if self.refuse:
             raise self.refuse
         return found
 
-    def answered(self, robot, applied):
+    def handle_applied(self, robot, applied):
         self.answers.append((robot, applied))
 
 
-class World:
+class CollectorServer:
     """A collector behind a server in a thread."""
 
     def __init__(self, database, **patience):
-        self.hub, self.controller, self.tokens = Hub(), Controller(), dict(TOKENS)
-        self.collector = Collector(
+        self.hub, self.controller, self.tokens = Hub(), FakeController(), dict(TOKENS)
+        self.collector = DataCollector(
             database=database,
             hub=self.hub,
-            greeting=self.controller,
+            handshake=self.controller,
             authenticate=self.tokens.get,
             clock=time.time_ns,
-            bounds=Bounds(),
-            patience=Patience(**patience),
+            retention=RetentionLimits(),
+            timeouts=ConnectionTimeouts(**patience),
         )
-        self.tally = self.collector.tally
+        self.tally = self.collector.counters
         self.port = 0
 
     @contextmanager
@@ -83,11 +83,11 @@ class World:
         app.state.collector = self.collector
         listening = socket.create_server(("127.0.0.1", 0))
         self.port = listening.getsockname()[1]
-        options = {**serving(Config()), "host": "127.0.0.1", "port": self.port}
+        options = {**serving(ServiceConfig()), "host": "127.0.0.1", "port": self.port}
         server = uvicorn.Server(uvicorn.Config(app, **options))
         thread = Thread(target=server.run, kwargs={"sockets": [listening]})
         thread.start()
-        until(lambda: server.started)
+        wait_until(lambda: server.started)
         try:
             yield self
         finally:
@@ -111,8 +111,8 @@ class World:
     def guard(self, token="secret-one", **values):
         """Give a guard that has said hello and has its settings."""
         with self.connect(token) as socket:
-            say(socket, hello(**values))
-            assert isinstance(hear(socket), NewSettings)
+            send_message(socket, hello(**values))
+            assert isinstance(receive_message(socket), NewSettings)
             yield socket
 
 
@@ -123,19 +123,19 @@ def hello(**values):
     )
 
 
-def say(socket, message):
+def send_message(socket, message):
     """Send a message."""
-    socket.send(guard_bytes(message), text=True)
+    socket.send(encode_from_guard(message), text=True)
 
 
-def hear(socket):
+def receive_message(socket):
     """Receive a message."""
-    return to_guard(socket.recv(timeout=LIMIT_S))
+    return decode_to_guard(socket.recv(timeout=LIMIT_S))
 
 
-def tell(socket, events):
+def send_events(socket, events):
     """Send events; return up to which number they are stored."""
-    say(socket, Events(events=tuple(events)))
-    stored = hear(socket)
+    send_message(socket, Events(events=tuple(events)))
+    stored = receive_message(socket)
     assert isinstance(stored, Stored)
     return stored.run, stored.number

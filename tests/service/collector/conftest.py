@@ -1,7 +1,7 @@
 """A served collector on each kind of database."""
 
 import pytest
-from collector_server import World
+from collector_server import CollectorServer
 
 from rtron.service.store.database import Database
 
@@ -9,15 +9,17 @@ from rtron.service.store.database import Database
 @pytest.fixture
 def world(database):
     """Serve a collector."""
-    with World(database).serving() as served:
+    with CollectorServer(database).serving() as served:
         yield served
 
 
 @pytest.fixture
-def hasty(tmp_path):
+def short_timeouts(tmp_path):
     """Serve a collector that waits for nobody."""
     database = Database(tmp_path / "rtron.db")
-    with World(database, hello=0.2, silence=0.4, sending=0.3, token=0.1).serving() as served:
+    with CollectorServer(
+        database, hello=0.2, silence=0.4, sending=0.3, token=0.1
+    ).serving() as served:
         yield served
     database.close()
 
@@ -26,6 +28,6 @@ def hasty(tmp_path):
 def small(tmp_path):
     """Serve a collector on SQLite."""
     database = Database(tmp_path / "rtron.db")
-    with World(database).serving() as served:
+    with CollectorServer(database).serving() as served:
         yield served
     database.close()

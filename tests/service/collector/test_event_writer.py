@@ -1,10 +1,15 @@
 import asyncio
 from threading import Event
 
-from rtron.service.collector.event_writer import MOST_BYTES, MOST_EVENTS, Intake, Waiting
-from rtron.service.store.events import Batch
+from rtron.service.collector.event_writer import (
+    MAX_QUEUED_BYTES,
+    MAX_TRANSACTION_EVENTS,
+    EventWriter,
+    QueuedBatch,
+)
+from rtron.service.store.events import EventBatch
 
-BATCH = Batch(1, "robot", ())
+BATCH = EventBatch(1, "robot", ())
 
 
 def run(work):
@@ -29,11 +34,11 @@ def test_nobody_gets_in_while_it_is_full():
             sizes.append(len(batches))
             return ()
 
-        taken = Intake(store, lambda added, events: None)
-        half = Waiting(BATCH, MOST_BYTES // 2, lambda stored: None)
+        taken = EventWriter(store, lambda added, events: None)
+        half = QueuedBatch(BATCH, MAX_QUEUED_BYTES // 2, lambda stored: None)
         await taken.put(half)
         await taken.put(half)
-        third = asyncio.create_task(taken.put(Waiting(BATCH, 1, lambda stored: None)))
+        third = asyncio.create_task(taken.put(QueuedBatch(BATCH, 1, lambda stored: None)))
         running = asyncio.create_task(taken.run())
         await asyncio.sleep(0)
         await asyncio.sleep(0)
@@ -48,8 +53,8 @@ def test_nobody_gets_in_while_it_is_full():
 
 def test_what_is_larger_than_everything_comes_alone():
     async def work():
-        taken = Intake(lambda batches: (), lambda added, events: None)
-        await taken.put(Waiting(BATCH, 2 * MOST_BYTES, lambda stored: None))
+        taken = EventWriter(lambda batches: (), lambda added, events: None)
+        await taken.put(QueuedBatch(BATCH, 2 * MAX_QUEUED_BYTES, lambda stored: None))
 
     run(work())
 
@@ -57,15 +62,15 @@ def test_what_is_larger_than_everything_comes_alone():
 def test_a_transaction_ends():
     async def work():
         groups, done = [], asyncio.Event()
-        batch = Batch(1, "robot", (object(),) * (MOST_EVENTS // 2))
+        batch = EventBatch(1, "robot", (object(),) * (MAX_TRANSACTION_EVENTS // 2))
 
         def store(batches):
             groups.append(len(batches))
             return ()
 
-        taken = Intake(store, lambda added, events: None)
+        taken = EventWriter(store, lambda added, events: None)
         for last in (False, False, True):
-            await taken.put(Waiting(batch, 1, lambda stored, last=last: last and done.set()))
+            await taken.put(QueuedBatch(batch, 1, lambda stored, last=last: last and done.set()))
         await served(taken, done.wait())
         return groups
 
@@ -75,8 +80,8 @@ def test_a_transaction_ends():
 def test_one_bad_batch_does_not_harm_the_others():
     async def work():
         answers, done = {}, asyncio.Event()
-        bad = Batch(2, "bad", (object(),))
-        good = Batch(1, "good", (object(),))
+        bad = EventBatch(2, "bad", (object(),))
+        good = EventBatch(1, "good", (object(),))
 
         def store(batches):
             if bad in batches:
@@ -88,9 +93,9 @@ def test_one_bad_batch_does_not_harm_the_others():
             if len(answers) == 3:
                 done.set()
 
-        taken = Intake(store, lambda added, events: None)
+        taken = EventWriter(store, lambda added, events: None)
         for name, batch in (("a", good), ("b", bad), ("c", good)):
-            await taken.put(Waiting(batch, 1, lambda stored, name=name: answer(name, stored)))
+            await taken.put(QueuedBatch(batch, 1, lambda stored, name=name: answer(name, stored)))
         await served(taken, done.wait())
         return answers
 

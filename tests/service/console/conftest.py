@@ -9,12 +9,12 @@ import httpx
 import pytest
 
 sys.path.append(str(Path(__file__).parents[1] / "api"))
-from console_guard import LinkedGuard
+from console_guard import SimulatedGuard
 from console_robot import FIXTURE, plan
 from harness import wait_for
-from service_app import PASSWORD, People, served
+from service_app import PASSWORD, AccountFactory, serve_in_thread
 
-from rtron.service.config import Config
+from rtron.service.config import ServiceConfig
 from rtron.service.server.app import create_app
 
 CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
@@ -31,7 +31,7 @@ class Console:
 
     def __init__(self, app, port):
         self.app, self.port = app, port
-        self.people = People(app.state.service)
+        self.people = AccountFactory(app.state.service)
         self.base = f"http://127.0.0.1:{port}"
         self.guards = []
         for name, roles in (
@@ -39,12 +39,12 @@ class Console:
             ("dev", ("developer",)),
             ("eva", ("end_user",)),
         ):
-            self.people.user(name, *roles)
+            self.people.add_user(name, *roles)
 
-    def guard(self, robot="turtle1", its_plan=None):
+    def guard(self, robot="turtle1", guard_plan=None):
         """Connect a simulated guard, and wait until the service has its state."""
-        headers = self.people.token(robot, "guard", robot=robot)
-        guard = LinkedGuard(self.port, headers, its_plan or plan())
+        headers = self.people.token_headers(robot, "guard", robot=robot)
+        guard = SimulatedGuard(self.port, headers, guard_plan or plan())
         self.guards.append(guard)
         hub = self.app.state.service.hub
         wait_for(lambda: hub.state(robot) is not None)
@@ -58,7 +58,9 @@ class Console:
     def call(self, method, path, name="ada", **more):
         """Call the API in the name of somebody."""
         url = f"{self.base}/api/v1{path}"
-        return httpx.request(method, url, headers=self.people.session(name), timeout=30, **more)
+        return httpx.request(
+            method, url, headers=self.people.session_headers(name), timeout=30, **more
+        )
 
     def close(self):
         for guard in self.guards:
@@ -67,8 +69,8 @@ class Console:
 
 @pytest.fixture
 def console(tmp_path):
-    app = create_app(Config(database=tmp_path / "rtron.db"))
-    with served(app) as port:
+    app = create_app(ServiceConfig(database=tmp_path / "rtron.db"))
+    with serve_in_thread(app) as port:
         made = Console(app, port)
         yield made
         made.close()
@@ -105,6 +107,6 @@ def page(console, chromium):
     opened = Page(chromium, console.base, PASSWORD)
     yield opened
     chromium.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
-    said = [line for line in chromium.get_log("browser") if not opened.expects(line)]
+    messages = [line for line in chromium.get_log("browser") if not opened.is_expected_log(line)]
     chromium.get("about:blank")
-    assert said == []
+    assert messages == []

@@ -27,11 +27,11 @@ class Page:
             "/api/v1/me - Failed to load resource: the server responded with a status of 401"
         ]
 
-    def expect(self, text):
+    def expect_log(self, text):
         """Let the browser's console say this: a refusal that is part of the test."""
         self._expected.append(text)
 
-    def expects(self, line):
+    def is_expected_log(self, line):
         return line["level"] in ("DEBUG", "INFO") or any(
             t in line["message"] for t in self._expected
         )
@@ -60,16 +60,16 @@ class Page:
     def text(self, selector="#content"):
         return self.until(lambda: self.find(selector).text or True, selector)
 
-    def sees(self, words, selector="#app"):
+    def wait_for_text(self, words, selector="#app"):
         """Wait until these words are shown."""
         found = lambda: words in self.browser.find_element(By.CSS_SELECTOR, selector).text  # noqa: E731
         return self.until(found, f"{words!r} in {selector}")
 
-    def sees_not(self, words, selector="#app"):
+    def wait_without_text(self, words, selector="#app"):
         found = lambda: words not in self.browser.find_element(By.CSS_SELECTOR, selector).text  # noqa: E731
         return self.until(found, f"no {words!r} in {selector}")
 
-    def named(self, label):
+    def control(self, label):
         """Return the form control with this aria-label."""
         return self.find(f'[aria-label="{label}"]')
 
@@ -89,12 +89,12 @@ class Page:
     def fill(self, name, text):
         self._type(f'input[name="{name}"]', text)
 
-    def put(self, label, value):
+    def type_value(self, label, value):
         """Type a value into the control with this aria-label."""
         self._type(f'[aria-label="{label}"]', str(value))
 
     def choose(self, label, value):
-        field = self.named(label)
+        field = self.control(label)
         field.find_element(By.CSS_SELECTOR, f'option[value="{value}"]').click()
 
     def reason(self, text):

@@ -7,43 +7,45 @@ from dataclasses import replace
 from pathlib import Path
 
 from rtron.planning import propose_plan
-from rtron.risks import discover
+from rtron.risks import discover_risks
 from rtron.sources.graph_json import read_graph
 from rtron.vocabulary import (
     Alarm,
     AlarmKind,
     Decision,
     EventKind,
-    FlowTally,
     GuardEvent,
+    GuardEventLevel,
     GuardState,
-    Level,
+    MissionRule,
     Mode,
     PolicyName,
-    Rule,
     RuleState,
     StreamState,
+    VerdictCounts,
 )
 
 SECOND = 1_000_000_000
 FIXTURE = Path(__file__).parents[2] / "fixtures" / "autorace.json"
 GRAPH = read_graph(FIXTURE)
-REPORT = discover(GRAPH)
+REPORT = discover_risks(GRAPH)
 RULES = (
-    Rule(
+    MissionRule(
         name="stop_at_red",
         when="eflow12",
         block=("/cmd_vel",),
         reason="the light is red",
         mandatory=True,
     ),
-    Rule(
+    MissionRule(
         name="no_goal_in_tunnel",
         when="eflow15 && !eflow6",
         block=("aflow6", "aflow7"),
         reason="goals while in the tunnel are the tunnel's own",
     ),
-    Rule(name="wait_for_bar", when="eflow8", block=("aflow1", "aflow2"), reason="the bar is down"),
+    MissionRule(
+        name="wait_for_bar", when="eflow8", block=("aflow1", "aflow2"), reason="the bar is down"
+    ),
 )
 
 
@@ -71,7 +73,7 @@ def large_graph():
     return json.dumps({**graph, **parts}).encode()
 
 
-class Guard:
+class GuardModel:
     """What a guard would tell: counters that go up, owners that change, an attack when asked."""
 
     def __init__(self, plan, run="run1", seed=0.0):
@@ -87,16 +89,16 @@ class Guard:
         self.number += 1
         return GuardEvent(run=self.run, number=self.number, at=time.time_ns(), kind=kind, **more)
 
-    def happened(self, before, after):
+    def events_between(self, before, after):
         """Return what the guard tells of the time between two states: counts, and new owners."""
         old = {stream.topic: stream for stream in before.streams}
         for stream in after.streams:
             if stream.owner != old[stream.topic].owner:
-                yield self._owned(stream)
+                yield self._owner_event(stream)
         streams = {s.topic: _counts(old[s.topic], s) for s in after.streams}
         yield self.event(EventKind.COUNTS, values={"streams": streams, "fps": dict(after.fps)})
 
-    def _owned(self, stream):
+    def _owner_event(self, stream):
         return self.event(
             EventKind.OWNER,
             node=stream.nodes[0],
@@ -106,13 +108,13 @@ class Guard:
             reason="" if stream.owner else "idle",
         )
 
-    def steal(self):
+    def attack_events(self):
         """Return what the guard tells when a stranger speaks on /cmd_vel."""
         self.attack = True
         return (
             self.event(
                 EventKind.VERDICT,
-                level=Level.WARNING,
+                level=GuardEventLevel.WARNING,
                 node="grcn_cmd_vel",
                 topic="/cmd_vel",
                 flow="unapproved",
@@ -123,7 +125,7 @@ class Guard:
             ),
             self.event(
                 EventKind.ALARM,
-                level=Level.ERROR,
+                level=GuardEventLevel.ERROR,
                 topic="/cmd_vel",
                 publisher="/rviz_intruder",
                 reason="/rviz_intruder publishes /cmd_vel, which the plan does not know",
@@ -154,7 +156,7 @@ class Guard:
         stopping = "emergency stop" if self.stopped and node.topic == "/cmd_vel" else ""
         return StreamState(
             topic=node.topic,
-            nodes=(node.id, *_further(self.plan, node.topic)),
+            nodes=(node.id, *_other_nodes(self.plan, node.topic)),
             mode=node.mode,
             owner="" if self.stopped or not owner else owner.name,
             publisher="" if self.stopped or not owner else owner.publisher,
@@ -184,7 +186,7 @@ class Guard:
             )
         )
         self.counts[key] = passed, dropped
-        return FlowTally(passed=passed, dropped=dropped, modified=passed // 9)
+        return VerdictCounts(passed=passed, dropped=dropped, modified=passed // 9)
 
     def _rules(self, at):
         rules = self.plan.msrcn.rules if self.plan.msrcn else ()
@@ -219,7 +221,7 @@ class Guard:
 
 
 def _counts(before, after):
-    flows = {name: _more(before.flows[name], tally) for name, tally in after.flows.items()}
+    flows = {name: _differences(before.flows[name], tally) for name, tally in after.flows.items()}
     return {
         "flows": flows,
         "speed": after.speed,
@@ -228,12 +230,12 @@ def _counts(before, after):
     }
 
 
-def _more(before, after):
+def _differences(before, after):
     names = ("passed", "held", "dropped", "modified")
     return [getattr(after, name) - getattr(before, name) for name in names]
 
 
-def _further(plan, topic):
+def _other_nodes(plan, topic):
     """Return the MSRCN and the RSRCN, as far as they guard a topic too."""
     parts = [(plan.msrcn, plan.msrcn.aflows)] if plan.msrcn else []
     parts += [(plan.rsrcn, plan.rsrcn.vflows)] if plan.rsrcn else []

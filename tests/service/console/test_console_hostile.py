@@ -3,10 +3,10 @@
 from dataclasses import replace
 
 import pytest
-from console_guard import hostile
+from console_guard import hostile_plan
 from console_robot import plan
 
-from rtron.vocabulary import EventKind, Level
+from rtron.vocabulary import EventKind, GuardEventLevel
 
 ATTACK = "<img src=x onerror=window.broken=1>"
 FURTHER = (
@@ -41,11 +41,11 @@ VIEWS = (
 
 @pytest.fixture
 def hostile_robot(console):
-    guard = console.guard(its_plan=hostile(plan(ATTACK), ATTACK))
+    guard = console.guard(guard_plan=hostile_plan(plan(ATTACK), ATTACK))
     for text in (ATTACK, *FURTHER):
         guard.event(
             EventKind.ALARM,
-            level=Level.ERROR,
+            level=GuardEventLevel.ERROR,
             node="grcn_cmd_vel",
             topic=text,
             flow=text,
@@ -55,7 +55,7 @@ def hostile_robot(console):
         )
     guard.guard.attack = True
     guard.guard.intruder = ATTACK
-    guard.tell()
+    guard.send_state()
     stop = {"reason": f"stop {ATTACK}"}
     assert console.call("POST", "/robots/turtle1/stop", json=stop).status_code == 200
     hook = {"url": f"https://example.org/{FURTHER[0]}"}
@@ -64,20 +64,20 @@ def hostile_robot(console):
 
 
 def test_nothing_of_a_stranger_runs(hostile_robot, page):
-    page.expect("404")
+    page.expect_log("404")
     page.login()
     for view in VIEWS:
         page.go(view)
         page.until(lambda: not page.all("[aria-busy]"), f"{view} is loaded")
         look(page, view)
     page.go("robots/turtle1/events")
-    page.sees(f"because {ATTACK}")
+    page.wait_for_text(f"because {ATTACK}")
     for more in page.all(".event button")[:3]:
         more.click()
     look(page, "the values of events")
     page.go("robots/turtle1/now")
-    page.sees(f"stop {ATTACK}")
-    page.sees(f"{ATTACK} publishes /cmd_vel")
+    page.wait_for_text(f"stop {ATTACK}")
+    page.wait_for_text(f"{ATTACK} publishes /cmd_vel")
 
 
 def look(page, where):
@@ -94,7 +94,7 @@ def look(page, where):
 
 
 def test_the_policy_of_the_page_forbids_what_is_inline(page):
-    page.expect("Content Security Policy")
+    page.expect_log("Content Security Policy")
     page.login()
     ran = page.browser.execute_async_script(
         "const done = arguments[0], script = document.createElement('script');"
@@ -112,11 +112,11 @@ def test_a_flow_called_like_a_part_of_every_object_is_a_flow(console, page):
     first = found.grcn[0]
     flows = (replace(first.flows[0], name="__proto__"), *first.flows[1:])
     odd = replace(found, grcn=(replace(first, flows=flows), *found.grcn[1:]))
-    guard = console.guard(its_plan=odd)
+    guard = console.guard(guard_plan=odd)
     page.login("dev", "robots/turtle1/nodes/grcn_cmd_vel")
-    page.put("priority of __proto__", 7)
+    page.type_value("priority of __proto__", 7)
     page.press("Review and put in force …")
     page.reason("it comes first")
     page.press("Put in force", "dialog")
-    page.sees("revision 1")
+    page.wait_for_text("revision 1")
     assert guard.settings[-1].nodes["grcn_cmd_vel"].flows["__proto__"].priority == 7

@@ -7,7 +7,7 @@ from importlib.resources import files
 import httpx
 import pytest
 
-from rtron.service.console.routes import assets, digest
+from rtron.service.console.routes import digest, static_files
 
 
 @pytest.fixture
@@ -50,7 +50,7 @@ def test_files_are_kept_for_ever_and_their_types_are_told(get):
         answer = get(f"/console/{digest()}/{name}")
         assert answer.headers["content-type"].startswith(type)
         assert "immutable" in answer.headers["cache-control"]
-        assert answer.content == assets()[name].plain
+        assert answer.content == static_files()[name].content
 
 
 def test_files_are_packed_for_who_can_unpack(console):
@@ -58,7 +58,7 @@ def test_files_are_packed_for_who_can_unpack(console):
         path = f"/console/{digest()}/main.js"
         with client.stream("GET", path, headers={"Accept-Encoding": "gzip"}) as answer:
             assert answer.headers["content-encoding"] == "gzip"
-            assert gzip.decompress(b"".join(answer.iter_raw())) == assets()["main.js"].plain
+            assert gzip.decompress(b"".join(answer.iter_raw())) == static_files()["main.js"].content
 
 
 @pytest.mark.parametrize(
@@ -86,24 +86,24 @@ def test_nothing_else_is_given(path, get):
 
 def test_the_library_for_the_layout_is_not_shipped_twice():
     once = files("rtron.reports") / "page" / "dagre.min.js"
-    assert assets()["vendor/dagre.min.js"].plain == once.read_bytes()
+    assert static_files()["vendor/dagre.min.js"].content == once.read_bytes()
 
 
 def test_every_module_is_imported_by_a_name_that_exists():
-    for name, asset in assets().items():
+    for name, asset in static_files().items():
         if not name.endswith(".js") or name.startswith("vendor/"):
             continue
-        for found in re.findall(r'from "(\.[^"]+)"', asset.plain.decode()):
+        for found in re.findall(r'from "(\.[^"]+)"', asset.content.decode()):
             folder = name.split("/")[:-1]
             for part in found.split("/"):
                 folder = folder[:-1] if part == ".." else folder if part == "." else [*folder, part]
-            assert "/".join(folder) in assets(), f"{name} imports {found}"
+            assert "/".join(folder) in static_files(), f"{name} imports {found}"
 
 
 def test_no_module_makes_markup_of_text():
-    for name, asset in assets().items():
+    for name, asset in static_files().items():
         if name.endswith(".js") and not name.startswith("vendor/"):
-            text = asset.plain.decode()
+            text = asset.content.decode()
             for way in (
                 "innerHTML",
                 "outerHTML",

@@ -2,7 +2,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from controller_setup import World, hello, plan
+from controller_setup import ControllerSetup, hello, plan
 
 from rtron.service.store.database import Database
 
@@ -12,7 +12,7 @@ sys.path.append(str(Path(__file__).parents[1] / "api"))
 @pytest.fixture
 def world(tmp_path):
     """A controller that has met no robot yet."""
-    made = World(Database(tmp_path / "rtron.db"))
+    made = ControllerSetup(Database(tmp_path / "rtron.db"))
     yield made
     made.database.close()
 
@@ -20,13 +20,13 @@ def world(tmp_path):
 @pytest.fixture
 def met(world):
     """A controller to which the guard of `r2` has said hello."""
-    world.controller.greet("r2", hello(plan()))
+    world.controller.handle_hello("r2", hello(plan()))
     return world
 
 
 @pytest.fixture
-def anywhere(database):
+def controller_on_each_database(database):
     """The same on a database of each kind."""
-    world = World(database)
-    world.controller.greet("r2", hello(plan()))
+    world = ControllerSetup(database)
+    world.controller.handle_hello("r2", hello(plan()))
     return world

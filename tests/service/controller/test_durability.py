@@ -3,7 +3,7 @@
 from contextlib import contextmanager
 
 import pytest
-from controller_setup import DEVELOPER, World, hello, plan
+from controller_setup import DEVELOPER, ControllerSetup, hello, plan
 
 from rtron.service.domain.schemas import SettingsChange
 from rtron.service.store.database import Database
@@ -24,16 +24,16 @@ def database(tmp_path):
 
 def test_a_durable_transaction_waits_for_the_disk_the_next_does_not(database):
     for durable in (False, True, False, True):
-        with database.writing(durable=durable) as session:
+        with database.write_session(durable=durable) as session:
             assert synchronous(session) == (_FULL if durable else _NORMAL)
         with database.session() as session:
             assert synchronous(session) == _NORMAL
 
 
 def test_after_a_durable_one_that_failed_nothing_waits(database):
-    with pytest.raises(RuntimeError), database.writing(durable=True):
+    with pytest.raises(RuntimeError), database.write_session(durable=True):
         raise RuntimeError
-    with database.writing() as session:
+    with database.write_session() as session:
         assert synchronous(session) == _NORMAL
 
 
@@ -48,10 +48,10 @@ class Watched(Database):
 
 
 def test_settings_are_stored_durably(tmp_path):
-    world = World(Watched(tmp_path / "rtron.db"))
-    world.controller.greet("r2", hello(plan()))
+    world = ControllerSetup(Watched(tmp_path / "rtron.db"))
+    world.controller.handle_hello("r2", hello(plan()))
     change = SettingsChange(revision=0, nodes={"drive": {"policy": "Block"}})
     world.controller.change(DEVELOPER, "r2", change)
-    world.controller.stop(DEVELOPER, "r2", "fire")
+    world.controller.start_emergency_stop(DEVELOPER, "r2", "fire")
     assert world.database.seen == [_FULL] * 3
     world.database.close()

@@ -8,23 +8,23 @@ from threading import Barrier, Thread
 import pytest
 from controller_setup import (
     ADMIN,
-    BOTH,
     DEVELOPER,
+    DEVELOPER_AND_END_USER,
     END_USER,
-    Guards,
-    World,
+    ControllerSetup,
+    RecordingChannel,
     caller,
     hello,
     plan,
-    swapped,
+    plan_with,
 )
 from sqlalchemy import select
 from sqlalchemy.exc import OperationalError
 
 from rtron.errors import InputError, SourceError, WireError
-from rtron.service.controller.robot_snapshot import find_known
+from rtron.service.controller.robot_snapshot import load_snapshot
 from rtron.service.domain.errors import ConflictError, ForbiddenError, NotFoundError
-from rtron.service.domain.revisions import RevisionError
+from rtron.service.domain.revisions import StaleRevisionError
 from rtron.service.domain.schemas import (
     OverrideRequest,
     ReleaseRequest,
@@ -33,7 +33,7 @@ from rtron.service.domain.schemas import (
 )
 from rtron.service.store.database import Database
 from rtron.service.store.robots import coordination_nodes
-from rtron.service.store.settings import history, settings_view
+from rtron.service.store.settings import list_settings, settings_view
 from rtron.service.store.tables import AuditRow
 from rtron.vocabulary import (
     SECOND,
@@ -67,49 +67,52 @@ def audit(world):
         return list(session.scalars(select(AuditRow).order_by(AuditRow.id)))
 
 
-def deeds(world):
+def audit_actions(world):
     return [(row.who, row.action, row.outcome) for row in audit(world)]
 
 
 def newest(world, robot="r2"):
     with world.database.session() as session:
-        return settings_view(find_known(session, robot).row)
+        return settings_view(load_snapshot(session, robot).row)
 
 
 def views(world, robot="r2"):
     with world.database.session() as session:
-        app = find_known(session, robot).app
-        return [settings_view(row) for row in history(session, app.id, None, 100)]
+        app = load_snapshot(session, robot).app
+        return [settings_view(row) for row in list_settings(session, app.id, None, 100)]
 
 
 def nodes(world):
     with world.database.session() as session:
-        return list(coordination_nodes(session, find_known(session, "r2").app.id))
+        return list(coordination_nodes(session, load_snapshot(session, "r2").app.id))
 
 
 def test_a_first_hello_is_revision_0(world):
-    assert world.controller.greet("r2", hello(plan())) == Settings()
+    assert world.controller.handle_hello("r2", hello(plan())) == Settings()
     view = newest(world)
     assert (view.revision, view.outcome, view.by) == (0, SettingsOutcome.PENDING, "rtron")
-    assert [told["type"] for told in world.guards.told] == ["settings"]
-    assert deeds(world) == [("guard:r2", "plan", "done"), ("guard:r2", "settings", "done")][::-1]
+    assert [told["type"] for told in world.guards.messages] == ["settings"]
+    assert (
+        audit_actions(world)
+        == [("guard:r2", "plan", "done"), ("guard:r2", "settings", "done")][::-1]
+    )
 
 
 def test_a_hello_again_changes_nothing(met):
-    before = deeds(met)
-    assert met.controller.greet("r2", hello(plan())) == Settings()
+    before = audit_actions(met)
+    assert met.controller.handle_hello("r2", hello(plan())) == Settings()
     assert len(views(met)) == 1
-    assert deeds(met) == before
+    assert audit_actions(met) == before
 
 
 def test_a_dry_run_is_noted_once_for_each_life_of_a_guard(met):
     for run in ("r1", "r1", "r2", "r2"):
-        met.controller.greet("r2", replace(hello(plan(), dry_run=True), run=run))
+        met.controller.handle_hello("r2", replace(hello(plan(), dry_run=True), run=run))
     assert [row.action for row in audit(met)].count("dry_run") == 2
 
 
-def test_the_risk_model_of_each_node_is_kept(anywhere):
-    found = {row.node: row for row in nodes(anywhere)}
+def test_the_risk_model_of_each_node_is_kept(controller_on_each_database):
+    found = {row.node: row for row in nodes(controller_on_each_database)}
     assert list(found) == ["drive", "speed", "mission", "eyes"]
     assert [row.type for row in found.values()] == ["GRCN", "RSRCN", "MSRCN", "fps_monitor"]
     assert found["drive"].description == (
@@ -122,46 +125,48 @@ def test_the_risk_model_of_each_node_is_kept(anywhere):
     assert found["drive"].policy_settings["policy"] == "Preemption"
 
 
-def test_a_change_is_stored_sent_and_told(anywhere):
-    anywhere.clock.now = 77
-    view = anywhere.controller.change(DEVELOPER, "r2", change(0))
+def test_a_change_is_stored_sent_and_told(controller_on_each_database):
+    controller_on_each_database.clock.now = 77
+    view = controller_on_each_database.controller.change(DEVELOPER, "r2", change(0))
     assert (view.revision, view.by, view.reason, view.at) == (1, "dev", "why", 77)
     assert view.settings.nodes == BLOCKED
-    assert anywhere.guards.pushed == [("r2", Settings(revision=1, nodes=BLOCKED))]
-    assert anywhere.guards.told[-1]["view"] == view.model_dump(mode="json")
-    assert newest(anywhere) == view
-    assert nodes(anywhere)[0].policy_settings["policy"] == "Block"
-    assert audit(anywhere)[-1].detail == {
+    assert controller_on_each_database.guards.pushed == [
+        ("r2", Settings(revision=1, nodes=BLOCKED))
+    ]
+    assert controller_on_each_database.guards.messages[-1]["view"] == view.model_dump(mode="json")
+    assert newest(controller_on_each_database) == view
+    assert nodes(controller_on_each_database)[0].policy_settings["policy"] == "Block"
+    assert audit(controller_on_each_database)[-1].detail == {
         "revision": 0,
         "nodes": '{"drive": {"policy": "Block"}}',
         "reason": "why",
     }
-    assert audit(anywhere)[-1].address == "10.0.0.7"
+    assert audit(controller_on_each_database)[-1].address == "10.0.0.7"
 
 
 def test_it_is_in_the_database_before_the_guard_hears_of_it(met):
     seen = []
     met.guards.push = lambda robot, settings: seen.append((settings.revision, newest(met).revision))
     met.controller.change(DEVELOPER, "r2", change(0))
-    met.controller.stop(DEVELOPER, "r2", "fire")
+    met.controller.start_emergency_stop(DEVELOPER, "r2", "fire")
     assert seen == [(1, 1), (2, 2)]
 
 
-def test_what_was_answered_is_there_after_a_restart(anywhere):
-    view = anywhere.controller.change(DEVELOPER, "r2", change(0))
-    again = anywhere.again()
-    assert again.controller.greet("r2", hello(plan())) == view.settings
+def test_what_was_answered_is_there_after_a_restart(controller_on_each_database):
+    view = controller_on_each_database.controller.change(DEVELOPER, "r2", change(0))
+    again = controller_on_each_database.restarted()
+    assert again.controller.handle_hello("r2", hello(plan())) == view.settings
     again.database.close()
 
 
 @pytest.mark.parametrize("revision", [0, 2, 99])
 def test_a_change_of_another_revision_is_overtaken(met, revision):
     view = met.controller.change(DEVELOPER, "r2", change(0))
-    with pytest.raises(RevisionError) as caught:
+    with pytest.raises(StaleRevisionError) as caught:
         met.controller.change(DEVELOPER, "r2", change(revision, {"drive": {"policy": None}}))
     assert caught.value.newest == view
     assert len(met.guards.pushed) == 1
-    assert deeds(met)[-1] == ("dev", "settings", f"refused: {caught.value}")
+    assert audit_actions(met)[-1] == ("dev", "settings", f"refused: {caught.value}")
 
 
 def test_a_change_that_changes_nothing_makes_no_revision(met):
@@ -179,28 +184,32 @@ def test_a_change_that_changes_nothing_makes_no_revision(met):
         (END_USER, {"speed": {"threshold": 0.1}}, "set_threshold at speed"),
         (ADMIN, BLOCK, "select_policy at drive"),
         (caller(name="token"), BLOCK, "select_policy at drive"),
-        (BOTH, {"mission": {"flows": {"aflow1": {"priority": 3}}}}, "set_priority at mission"),
+        (
+            DEVELOPER_AND_END_USER,
+            {"mission": {"flows": {"aflow1": {"priority": 3}}}},
+            "set_priority at mission",
+        ),
     ],
 )
 def test_who_lacks_the_right_is_refused_and_noted(met, who, nodes, missing):
     with pytest.raises(ForbiddenError, match=f"may not {missing}$"):
         met.controller.change(who, "r2", change(0, nodes))
-    assert deeds(met)[-1][0] == who.name
-    assert deeds(met)[-1][2].startswith("refused: ")
+    assert audit_actions(met)[-1][0] == who.name
+    assert audit_actions(met)[-1][2].startswith("refused: ")
     assert (newest(met).revision, met.guards.pushed) == (0, [])
 
 
 def test_what_is_mandatory_stays(met):
     off = {"mission": {"rules": {"quiet": {"selected": False}}}}
     with pytest.raises(ForbiddenError, match="quiet of mission is mandatory"):
-        met.controller.change(BOTH, "r2", change(0, off))
+        met.controller.change(DEVELOPER_AND_END_USER, "r2", change(0, off))
 
 
 def test_what_makes_no_plan_is_refused(met):
     same = {"drive": {"flows": {"flow1": {"priority": 1}}}}
     with pytest.raises(InputError, match="the same priority"):
         met.controller.change(DEVELOPER, "r2", change(0, same))
-    assert deeds(met)[-1][2].startswith("refused: flow1 and flow2")
+    assert audit_actions(met)[-1][2].startswith("refused: flow1 and flow2")
 
 
 @pytest.mark.parametrize(("robot", "told"), [("r3", "no such robot"), ("", "no such robot")])
@@ -208,27 +217,27 @@ def test_an_unknown_robot(met, robot, told):
     with pytest.raises(NotFoundError, match=told):
         met.controller.change(DEVELOPER, robot, change(0))
     with pytest.raises(NotFoundError, match=told):
-        met.controller.stop(DEVELOPER, robot, "")
+        met.controller.start_emergency_stop(DEVELOPER, robot, "")
 
 
-def test_long_changes_are_cut_in_the_audit_log(anywhere):
+def test_long_changes_are_cut_in_the_audit_log(controller_on_each_database):
     nodes = {"drive": {"flows": {f"flow{i}": {"priority": i} for i in range(1000)}}}
     with pytest.raises(InputError):
-        anywhere.controller.change(DEVELOPER, "r2", change(0, nodes))
-    assert len(audit(anywhere)[-1].detail["nodes"]) == 2000
+        controller_on_each_database.controller.change(DEVELOPER, "r2", change(0, nodes))
+    assert len(audit(controller_on_each_database)[-1].detail["nodes"]) == 2000
 
 
-def test_of_two_changes_at_once_one_is_overtaken(anywhere):
+def test_of_two_changes_at_once_one_is_overtaken(controller_on_each_database):
     both, outcomes = Barrier(2), []
 
     def ask(limit):
         both.wait()
         try:
-            anywhere.controller.change(
+            controller_on_each_database.controller.change(
                 END_USER, "r2", change(0, {"speed": {"max_vel_limit": limit}})
             )
             outcomes.append(limit)
-        except RevisionError:
+        except StaleRevisionError:
             outcomes.append(None)
 
     threads = [Thread(target=ask, args=(limit,)) for limit in (0.1, 0.2)]
@@ -237,49 +246,59 @@ def test_of_two_changes_at_once_one_is_overtaken(anywhere):
     for thread in threads:
         thread.join()
     (won,) = filter(None, outcomes)
-    assert newest(anywhere).settings.nodes["speed"].max_vel_limit == won
-    assert newest(anywhere).revision == 1
+    assert newest(controller_on_each_database).settings.nodes["speed"].max_vel_limit == won
+    assert newest(controller_on_each_database).revision == 1
 
 
 # What the guard says.
 
 
-def test_what_the_guard_applies_is_applied_and_older_ones_are_replaced(anywhere):
-    anywhere.controller.change(DEVELOPER, "r2", change(0))
-    anywhere.controller.change(DEVELOPER, "r2", change(1, {"drive": {"policy": None}}))
-    anywhere.clock.now = 99
-    anywhere.controller.answered("r2", Applied(revision=2))
-    assert [view.outcome for view in views(anywhere)] == ["applied", "replaced", "replaced"]
-    assert {view.answered for view in views(anywhere)} == {99}
-    assert anywhere.guards.told[-1]["view"]["outcome"] == "applied"
-    assert deeds(anywhere)[-1] == ("guard:r2", "settings.answer", "applied")
+def test_what_the_guard_applies_is_applied_and_older_ones_are_replaced(controller_on_each_database):
+    controller_on_each_database.controller.change(DEVELOPER, "r2", change(0))
+    controller_on_each_database.controller.change(
+        DEVELOPER, "r2", change(1, {"drive": {"policy": None}})
+    )
+    controller_on_each_database.clock.now = 99
+    controller_on_each_database.controller.handle_applied("r2", Applied(revision=2))
+    assert [view.outcome for view in views(controller_on_each_database)] == [
+        "applied",
+        "replaced",
+        "replaced",
+    ]
+    assert {view.answered for view in views(controller_on_each_database)} == {99}
+    assert controller_on_each_database.guards.messages[-1]["view"]["outcome"] == "applied"
+    assert audit_actions(controller_on_each_database)[-1] == (
+        "guard:r2",
+        "settings.answer",
+        "applied",
+    )
 
 
 def test_an_answer_that_is_said_again_is_noted_once(met):
-    met.controller.answered("r2", Applied(revision=0))
-    before, told = deeds(met), len(met.guards.told)
-    met.controller.answered("r2", Applied(revision=0))
-    assert (deeds(met), len(met.guards.told)) == (before, told)
+    met.controller.handle_applied("r2", Applied(revision=0))
+    before, told = audit_actions(met), len(met.guards.messages)
+    met.controller.handle_applied("r2", Applied(revision=0))
+    assert (audit_actions(met), len(met.guards.messages)) == (before, told)
 
 
 def test_refused_settings_stay_refused_and_go_out_with_the_next_hello(met):
     met.controller.change(DEVELOPER, "r2", change(0))
-    met.controller.answered("r2", Applied(revision=1, error="no such flow" + "w" * 2000))
+    met.controller.handle_applied("r2", Applied(revision=1, error="no such flow" + "w" * 2000))
     view = newest(met)
     assert (view.outcome, view.error[:12], len(view.error)) == ("refused", "no such flow", 1000)
-    assert met.controller.greet("r2", hello(plan())).revision == 1
+    assert met.controller.handle_hello("r2", hello(plan())).revision == 1
     assert newest(met).outcome == "refused"
     assert len(met.guards.pushed) == 1
 
 
 def test_settings_that_were_refused_can_be_applied_later(met):
-    met.controller.answered("r2", Applied(revision=0, error="busy"))
-    met.controller.answered("r2", Applied(revision=0))
+    met.controller.handle_applied("r2", Applied(revision=0, error="busy"))
+    met.controller.handle_applied("r2", Applied(revision=0))
     assert (newest(met).outcome, newest(met).error) == ("applied", "")
 
 
 def test_an_answer_to_nothing_is_ignored(met, caplog):
-    met.controller.answered("r2", Applied(revision=7))
+    met.controller.handle_applied("r2", Applied(revision=7))
     assert "answers revision 7" in caplog.text
     assert len(views(met)) == 1
 
@@ -287,32 +306,44 @@ def test_an_answer_to_nothing_is_ignored(met, caplog):
 # Hello under another plan.
 
 
-def test_settings_that_no_longer_fit_are_left_out_as_a_new_revision(anywhere):
+def test_settings_that_no_longer_fit_are_left_out_as_a_new_revision(controller_on_each_database):
     two = {**BLOCK, "speed": {"threshold": 0.5}}
-    anywhere.controller.change(DEVELOPER, "r2", change(0, two))
-    sent = anywhere.controller.greet("r2", hello(swapped("id: drive", "id: wheels"), revision=1))
+    controller_on_each_database.controller.change(DEVELOPER, "r2", change(0, two))
+    sent = controller_on_each_database.controller.handle_hello(
+        "r2", hello(plan_with("id: drive", "id: wheels"), revision=1)
+    )
     assert sent == Settings(revision=2, nodes={"speed": NodeSettings(threshold=0.5)})
-    assert newest(anywhere).reason.startswith(
+    assert newest(controller_on_each_database).reason.startswith(
         "the plan has changed, left out: no coordination node"
     )
-    assert [row.node for row in nodes(anywhere)] == ["wheels", "speed", "mission", "eyes"]
-    assert anywhere.controller.greet("r2", hello(swapped("id: drive", "id: wheels"))).revision == 2
+    assert [row.node for row in nodes(controller_on_each_database)] == [
+        "wheels",
+        "speed",
+        "mission",
+        "eyes",
+    ]
+    assert (
+        controller_on_each_database.controller.handle_hello(
+            "r2", hello(plan_with("id: drive", "id: wheels"))
+        ).revision
+        == 2
+    )
 
 
 def test_settings_that_fit_go_on_under_a_new_plan(met):
     met.controller.change(DEVELOPER, "r2", change(0))
-    sent = met.controller.greet("r2", hello(swapped("priority: 2", "priority: 3")))
+    sent = met.controller.handle_hello("r2", hello(plan_with("priority: 2", "priority: 3")))
     assert sent == Settings(revision=1, nodes=BLOCKED)
 
 
 def test_an_emergency_stop_goes_on_under_a_new_plan(met):
-    met.controller.stop(DEVELOPER, "r2", "fire")
-    sent = met.controller.greet("r2", hello(swapped("id: drive", "id: wheels")))
+    met.controller.start_emergency_stop(DEVELOPER, "r2", "fire")
+    sent = met.controller.handle_hello("r2", hello(plan_with("id: drive", "id: wheels")))
     assert sent.stop.reason == "fire"
 
 
 def test_a_guard_with_newer_settings_is_never_asked_to_go_back(met):
-    assert met.controller.greet("r2", hello(plan(), revision=41)).revision == 42
+    assert met.controller.handle_hello("r2", hello(plan(), revision=41)).revision == 42
     assert newest(met).reason == "the guard had revision 41, which was not in the database"
 
 
@@ -326,7 +357,7 @@ def test_of_a_guards_settings_only_the_stop_is_taken_over(met):
     theirs = Settings(revision=9, nodes={**BLOCKED, **own}, overrides={"speed": override})
     met.controller.change(DEVELOPER, "r2", change(0, {"speed": {"threshold": 0.5}}))
     kept = newest(met).settings
-    sent = met.controller.greet("r2", hello(plan(), settings=replace(theirs, stop=STOP)))
+    sent = met.controller.handle_hello("r2", hello(plan(), settings=replace(theirs, stop=STOP)))
     assert sent == replace(kept, revision=10, stop=STOP)
     assert newest(met).settings == sent
 
@@ -334,85 +365,98 @@ def test_of_a_guards_settings_only_the_stop_is_taken_over(met):
 @pytest.mark.parametrize("stop", [None, STOP])
 @pytest.mark.parametrize("revision", [0, 1, 2, 9])
 def test_no_hello_ends_or_replaces_a_stop(met, stop, revision):
-    mine = met.controller.stop(DEVELOPER, "r2", "flood").settings.stop
+    mine = met.controller.start_emergency_stop(DEVELOPER, "r2", "flood").settings.stop
     theirs = Settings(revision=revision, stop=stop)
     for app in ("small", "other"):
-        assert met.controller.greet("r2", hello(plan(), settings=theirs, app=app)).stop == mine
+        assert (
+            met.controller.handle_hello("r2", hello(plan(), settings=theirs, app=app)).stop == mine
+        )
 
 
 def test_a_stop_of_a_guard_at_a_known_revision_is_not_taken_over(met):
     """It has been ended meanwhile."""
-    met.controller.stop(DEVELOPER, "r2", "fire")
+    met.controller.start_emergency_stop(DEVELOPER, "r2", "fire")
     release(met, DEVELOPER)
     for revision in (1, 2):
         theirs = Settings(revision=revision, stop=STOP)
-        assert met.controller.greet("r2", hello(plan(), settings=theirs)).stop is None
+        assert met.controller.handle_hello("r2", hello(plan(), settings=theirs)).stop is None
 
 
 def test_the_words_of_a_guards_stop_are_cut(met):
     long = EmergencyStop(by="a" * 900, reason="b" * 9000, at=7)
-    sent = met.controller.greet("r2", hello(plan(), settings=Settings(revision=9, stop=long)))
+    sent = met.controller.handle_hello(
+        "r2", hello(plan(), settings=Settings(revision=9, stop=long))
+    )
     assert (len(sent.stop.by), len(sent.stop.reason)) == (200, 200)
 
 
 def test_what_the_database_has_is_not_taken_from_the_guard(met):
     theirs = Settings(revision=0, nodes=BLOCKED)
-    assert met.controller.greet("r2", hello(plan(), settings=theirs)).nodes == {}
+    assert met.controller.handle_hello("r2", hello(plan(), settings=theirs)).nodes == {}
 
 
 def test_each_app_has_settings_of_its_own(met):
     met.controller.change(DEVELOPER, "r2", change(0))
-    assert met.controller.greet("r2", hello(plan(), app="other")) == Settings()
-    assert met.controller.greet("r2", hello(plan())).revision == 1
+    assert met.controller.handle_hello("r2", hello(plan(), app="other")) == Settings()
+    assert met.controller.handle_hello("r2", hello(plan())).revision == 1
 
 
-def test_the_stop_goes_on_under_another_app(anywhere):
-    stop = anywhere.controller.stop(DEVELOPER, "r2", "fire").settings.stop
-    anywhere.controller.change(DEVELOPER, "r2", change(1))
-    assert anywhere.controller.greet("r2", hello(plan(), app="other")) == Settings(
-        revision=1, stop=stop
+def test_the_stop_goes_on_under_another_app(controller_on_each_database):
+    stop = controller_on_each_database.controller.start_emergency_stop(
+        DEVELOPER, "r2", "fire"
+    ).settings.stop
+    controller_on_each_database.controller.change(DEVELOPER, "r2", change(1))
+    assert controller_on_each_database.controller.handle_hello(
+        "r2", hello(plan(), app="other")
+    ) == Settings(revision=1, stop=stop)
+    assert newest(controller_on_each_database).reason == "the robot is stopped, under another app"
+    assert (
+        audit(controller_on_each_database)[-1].detail["reason"]
+        == "the robot is stopped, under another app"
     )
-    assert newest(anywhere).reason == "the robot is stopped, under another app"
-    assert audit(anywhere)[-1].detail["reason"] == "the robot is stopped, under another app"
-    release(anywhere, END_USER)
-    back = anywhere.controller.greet("r2", hello(plan(), revision=2))
+    release(controller_on_each_database, END_USER)
+    back = controller_on_each_database.controller.handle_hello("r2", hello(plan(), revision=2))
     assert back == Settings(revision=3, nodes=BLOCKED)
     assert (
-        newest(anywhere).reason == "the emergency stop has been ended meanwhile, under another app"
+        newest(controller_on_each_database).reason
+        == "the emergency stop has been ended meanwhile, under another app"
     )
-    assert anywhere.controller.greet("r2", hello(plan(), app="other")).stop is None
+    assert (
+        controller_on_each_database.controller.handle_hello("r2", hello(plan(), app="other")).stop
+        is None
+    )
 
 
 def test_a_stop_under_another_app_is_there_when_the_first_comes_back(met):
-    met.controller.greet("r2", hello(plan(), app="other"))
-    stop = met.controller.stop(DEVELOPER, "r2", "fire").settings.stop
-    assert met.controller.greet("r2", hello(plan())).stop == stop
-    assert met.controller.greet("r2", hello(plan())).revision == 1
+    met.controller.handle_hello("r2", hello(plan(), app="other"))
+    stop = met.controller.start_emergency_stop(DEVELOPER, "r2", "fire").settings.stop
+    assert met.controller.handle_hello("r2", hello(plan())).stop == stop
+    assert met.controller.handle_hello("r2", hello(plan())).revision == 1
 
 
 def test_hellos_that_change_something_are_counted(met):
     met.clock.now = 90 * SECOND
     for number in range(10):
-        met.controller.greet("r2", hello(plan(), revision=2 * number + 1))
+        met.controller.handle_hello("r2", hello(plan(), revision=2 * number + 1))
     with pytest.raises(InputError, match="more than 10 hellos within a minute"):
-        met.controller.greet("r2", hello(plan(), revision=99))
+        met.controller.handle_hello("r2", hello(plan(), revision=99))
     assert newest(met).revision == 20
     with pytest.raises(InputError):
-        met.controller.greet("r2", hello(plan(), app="other"))
-    assert met.controller.greet("r2", hello(plan(), revision=20)).revision == 20
-    met.controller.greet("r3", hello(plan()))
+        met.controller.handle_hello("r2", hello(plan(), app="other"))
+    assert met.controller.handle_hello("r2", hello(plan(), revision=20)).revision == 20
+    met.controller.handle_hello("r3", hello(plan()))
     met.clock.now += 60 * SECOND
-    assert met.controller.greet("r2", hello(plan(), revision=99)).revision == 100
+    assert met.controller.handle_hello("r2", hello(plan(), revision=99)).revision == 100
 
 
 def test_an_override_that_is_over_does_not_go_out(met):
     request = OverrideRequest(duration=2, reason="docking")
     met.clock.now = 10 * SECOND
-    met.controller.override(END_USER, "r2", "speed", request)
+    met.controller.start_override(END_USER, "r2", "speed", request)
     met.clock.now = 12 * SECOND - 1
-    assert list(met.controller.greet("r2", hello(plan())).overrides) == ["speed"]
+    assert list(met.controller.handle_hello("r2", hello(plan())).overrides) == ["speed"]
     met.clock.now = 12 * SECOND
-    assert met.controller.greet("r2", hello(plan())) == Settings(revision=1)
+    assert met.controller.handle_hello("r2", hello(plan())) == Settings(revision=1)
     met.controller.change(DEVELOPER, "r2", change(1))
     assert newest(met).settings.overrides == {}
 
@@ -430,7 +474,7 @@ def test_an_override_that_is_over_does_not_go_out(met):
 )
 def test_a_hello_that_no_guard_says_is_refused(world, odd):
     with pytest.raises(WireError):
-        world.controller.greet("r2", odd)
+        world.controller.handle_hello("r2", odd)
     with pytest.raises(NotFoundError):
         newest(world)
 
@@ -438,11 +482,11 @@ def test_a_hello_that_no_guard_says_is_refused(world, odd):
 def test_the_apps_of_a_robot_are_counted(world):
     for number in range(100):
         world.clock.now += 6 * SECOND
-        world.controller.greet("r2", hello(plan(), app=f"app{number}"))
+        world.controller.handle_hello("r2", hello(plan(), app=f"app{number}"))
     with pytest.raises(InputError, match="100 apps"):
-        world.controller.greet("r2", hello(plan(), app="one more"))
+        world.controller.handle_hello("r2", hello(plan(), app="one more"))
     world.clock.now += 6 * SECOND
-    world.controller.greet("r2", hello(plan(), app="app7"))
+    world.controller.handle_hello("r2", hello(plan(), app="app7"))
 
 
 # Overrides.
@@ -452,7 +496,7 @@ def test_the_apps_of_a_robot_are_counted(world):
 @pytest.mark.parametrize("node", ["speed", "mission"])
 def test_both_may_override_for_a_while(met, who, node):
     request = OverrideRequest(duration=0.5, reason="docking")
-    view = met.controller.override(who, "r2", node, request)
+    view = met.controller.start_override(who, "r2", node, request)
     until = met.clock.now + SECOND // 2
     assert view.settings.overrides == {
         node: TimedOverride(by=who.name, reason="docking", until=until)
@@ -465,7 +509,7 @@ def test_both_may_override_for_a_while(met, who, node):
     ("who", "node", "error"),
     [
         (DEVELOPER, "drive", ForbiddenError),
-        (BOTH, "drive", ForbiddenError),
+        (DEVELOPER_AND_END_USER, "drive", ForbiddenError),
         (ADMIN, "speed", ForbiddenError),
         (caller(), "speed", ForbiddenError),
         (DEVELOPER, "eyes", NotFoundError),
@@ -475,7 +519,7 @@ def test_both_may_override_for_a_while(met, who, node):
 def test_nobody_else_and_nothing_else(met, who, node, error):
     request = OverrideRequest(duration=0.5, reason="docking")
     with pytest.raises(error):
-        met.controller.override(who, "r2", node, request)
+        met.controller.start_override(who, "r2", node, request)
     with pytest.raises(error):
         met.controller.end_override(who, "r2", node)
     assert met.guards.pushed == []
@@ -493,7 +537,7 @@ def test_what_is_not_overridden_has_no_end(met):
 def test_every_role_may_stop_and_release(met, who):
     met.clock.now = 5
     stop = EmergencyStop(by=who.name, reason="fire", at=5)
-    view = met.controller.stop(who, "r2", "fire")
+    view = met.controller.start_emergency_stop(who, "r2", "fire")
     assert (view.revision, view.settings) == (1, Settings(revision=1, stop=stop))
     assert met.guards.pushed == [("r2", Settings(revision=1, stop=stop))]
     view = release(met, who)
@@ -503,47 +547,47 @@ def test_every_role_may_stop_and_release(met, who):
 
 def test_a_token_without_a_role_may_not(met):
     with pytest.raises(ForbiddenError):
-        met.controller.stop(caller(), "r2", "")
-    met.controller.stop(END_USER, "r2", "")
+        met.controller.start_emergency_stop(caller(), "r2", "")
+    met.controller.start_emergency_stop(END_USER, "r2", "")
     with pytest.raises(ForbiddenError):
         release(met, caller())
 
 
 def test_the_same_stop_goes_out_again_while_it_is_not_confirmed(met):
-    first = met.controller.stop(DEVELOPER, "r2", "fire")
-    second = met.controller.stop(DEVELOPER, "r2", "fire")
+    first = met.controller.start_emergency_stop(DEVELOPER, "r2", "fire")
+    second = met.controller.start_emergency_stop(DEVELOPER, "r2", "fire")
     assert (second.revision, second.settings.stop) == (2, first.settings.stop)
     assert met.guards.pushed == [("r2", first.settings), ("r2", second.settings)]
-    met.controller.answered("r2", Applied(revision=2))
-    assert met.controller.stop(DEVELOPER, "r2", "fire").revision == 2
+    met.controller.handle_applied("r2", Applied(revision=2))
+    assert met.controller.start_emergency_stop(DEVELOPER, "r2", "fire").revision == 2
     assert len(met.guards.pushed) == 2
 
 
 @pytest.mark.parametrize(("who", "reason"), [(END_USER, "fire"), (DEVELOPER, "flood")])
-def test_anothers_stop_does_not_vanish_with_the_first(anywhere, who, reason):
-    first = anywhere.controller.stop(DEVELOPER, "r2", "fire")
-    anywhere.controller.answered("r2", Applied(revision=1))
-    second = anywhere.controller.stop(who, "r2", reason)
+def test_anothers_stop_does_not_vanish_with_the_first(controller_on_each_database, who, reason):
+    first = controller_on_each_database.controller.start_emergency_stop(DEVELOPER, "r2", "fire")
+    controller_on_each_database.controller.handle_applied("r2", Applied(revision=1))
+    second = controller_on_each_database.controller.start_emergency_stop(who, "r2", reason)
     stop = second.settings.stop
     assert (second.revision, stop.by, stop.reason) == (2, who.name, reason)
-    with pytest.raises(RevisionError) as caught:
-        release(anywhere, DEVELOPER, first.revision)
-    assert caught.value.newest == newest(anywhere) == second
-    assert anywhere.guards.pushed[-1][1].stop == stop
-    assert release(anywhere, DEVELOPER, 2).settings.stop is None
+    with pytest.raises(StaleRevisionError) as caught:
+        release(controller_on_each_database, DEVELOPER, first.revision)
+    assert caught.value.newest == newest(controller_on_each_database) == second
+    assert controller_on_each_database.guards.pushed[-1][1].stop == stop
+    assert release(controller_on_each_database, DEVELOPER, 2).settings.stop is None
 
 
 @pytest.mark.parametrize("revision", [0, 2, 1 << 52])
 def test_the_end_is_of_the_newest_revision(met, revision):
-    met.controller.stop(DEVELOPER, "r2", "fire")
-    with pytest.raises(RevisionError):
+    met.controller.start_emergency_stop(DEVELOPER, "r2", "fire")
+    with pytest.raises(StaleRevisionError):
         release(met, DEVELOPER, revision)
     assert newest(met).settings.stop
 
 
 @pytest.mark.parametrize("reason", ["", "ok", "  "])
 def test_the_end_needs_a_reason(met, reason):
-    met.controller.stop(DEVELOPER, "r2", "")
+    met.controller.start_emergency_stop(DEVELOPER, "r2", "")
     with pytest.raises(InputError, match="needs a reason"):
         release(met, DEVELOPER, reason=reason)
     assert newest(met).settings.stop
@@ -555,12 +599,12 @@ def test_nothing_to_release(met):
 
 
 def test_settings_can_change_while_stopped_and_the_stop_stays(met):
-    met.controller.stop(DEVELOPER, "r2", "fire")
+    met.controller.start_emergency_stop(DEVELOPER, "r2", "fire")
     view = met.controller.change(DEVELOPER, "r2", change(1))
     assert (view.settings.stop.reason, view.settings.nodes) == ("fire", BLOCKED)
 
 
-def test_a_stop_is_never_overtaken(anywhere):
+def test_a_stop_is_never_overtaken(controller_on_each_database):
     """Many change settings; each stop goes on top of the newest all the same."""
     done, errors = Barrier(5), []
 
@@ -568,9 +612,9 @@ def test_a_stop_is_never_overtaken(anywhere):
         done.wait()
         try:
             for _ in range(10):
-                anywhere.controller.stop(END_USER, "r2", "")
-                with suppress(NotFoundError, RevisionError):
-                    release(anywhere, END_USER)
+                controller_on_each_database.controller.start_emergency_stop(END_USER, "r2", "")
+                with suppress(NotFoundError, StaleRevisionError):
+                    release(controller_on_each_database, END_USER)
         except Exception as error:  # noqa: BLE001 - told below
             errors.append(error)
 
@@ -580,41 +624,52 @@ def test_a_stop_is_never_overtaken(anywhere):
     for thread in threads:
         thread.join()
     assert errors == []
-    anywhere.controller.stop(END_USER, "r2", "")
-    revisions = [view.revision for view in views(anywhere)]
+    controller_on_each_database.controller.start_emergency_stop(END_USER, "r2", "")
+    revisions = [view.revision for view in views(controller_on_each_database)]
     assert revisions == list(range(revisions[0], -1, -1))
 
 
 def test_a_stop_does_not_take_along_what_the_guard_refused(met):
     met.controller.change(DEVELOPER, "r2", change(0))
-    met.controller.answered("r2", Applied(revision=1))
+    met.controller.handle_applied("r2", Applied(revision=1))
     met.controller.change(
         DEVELOPER, "r2", change(1, {"drive": {"flows": {"flow1": {"block": True}}}})
     )
-    met.controller.answered("r2", Applied(revision=2, error="no"))
-    view = met.controller.stop(DEVELOPER, "r2", "fire")
+    met.controller.handle_applied("r2", Applied(revision=2, error="no"))
+    view = met.controller.start_emergency_stop(DEVELOPER, "r2", "fire")
     assert view.settings.nodes == BLOCKED
 
 
-def test_a_stop_that_is_refused_is_sent_with_what_was_last_applied_then_alone(anywhere):
-    anywhere.controller.change(DEVELOPER, "r2", change(0))
-    anywhere.controller.answered("r2", Applied(revision=1))
-    anywhere.controller.change(
+def test_a_stop_that_is_refused_is_sent_with_what_was_last_applied_then_alone(
+    controller_on_each_database,
+):
+    controller_on_each_database.controller.change(DEVELOPER, "r2", change(0))
+    controller_on_each_database.controller.handle_applied("r2", Applied(revision=1))
+    controller_on_each_database.controller.change(
         DEVELOPER, "r2", change(1, {"drive": {"flows": {"flow1": {"block": True}}}})
     )
-    anywhere.controller.stop(DEVELOPER, "r2", "fire")
-    anywhere.controller.answered("r2", Applied(revision=3, error="no"))
-    view = newest(anywhere)
+    controller_on_each_database.controller.start_emergency_stop(DEVELOPER, "r2", "fire")
+    controller_on_each_database.controller.handle_applied("r2", Applied(revision=3, error="no"))
+    view = newest(controller_on_each_database)
     assert (view.revision, view.by, view.settings.nodes) == (4, "rtron", BLOCKED)
     assert view.settings.stop.reason == "fire"
-    anywhere.controller.answered("r2", Applied(revision=4, error="no"))
-    assert (newest(anywhere).settings.nodes, newest(anywhere).settings.stop.reason) == ({}, "fire")
-    anywhere.controller.answered("r2", Applied(revision=5, error="no"))
-    assert newest(anywhere).revision == 5
-    assert [settings.revision for _, settings in anywhere.guards.pushed] == [1, 2, 3, 4, 5]
+    controller_on_each_database.controller.handle_applied("r2", Applied(revision=4, error="no"))
+    assert (
+        newest(controller_on_each_database).settings.nodes,
+        newest(controller_on_each_database).settings.stop.reason,
+    ) == ({}, "fire")
+    controller_on_each_database.controller.handle_applied("r2", Applied(revision=5, error="no"))
+    assert newest(controller_on_each_database).revision == 5
+    assert [settings.revision for _, settings in controller_on_each_database.guards.pushed] == [
+        1,
+        2,
+        3,
+        4,
+        5,
+    ]
 
 
-class Full(Database):
+class FullDatabase(Database):
     """A database on a disk that is full for as long as `full` says."""
 
     full = False
@@ -626,27 +681,27 @@ class Full(Database):
 
 
 def test_a_stop_goes_out_even_if_it_cannot_be_stored(tmp_path):
-    world = World(Full(tmp_path / "rtron.db"))
-    world.controller.greet("r2", hello(plan()))
+    world = ControllerSetup(FullDatabase(tmp_path / "rtron.db"))
+    world.controller.handle_hello("r2", hello(plan()))
     world.controller.change(DEVELOPER, "r2", change(0))
     world.database.full = True
     with pytest.raises(SourceError, match="sent, but not stored"):
-        world.controller.stop(END_USER, "r2", "fire")
+        world.controller.start_emergency_stop(END_USER, "r2", "fire")
     _, sent = world.guards.pushed[-1]
     assert (sent.revision, sent.stop.reason, sent.nodes) == (2, "fire", BLOCKED)
     with pytest.raises(ForbiddenError):
-        world.controller.stop(caller(), "r2", "fire")
+        world.controller.start_emergency_stop(caller(), "r2", "fire")
     world.database.full = False
-    sent = world.controller.greet("r2", hello(plan(), revision=2))
+    sent = world.controller.handle_hello("r2", hello(plan(), revision=2))
     assert (sent.revision, sent.stop.reason, sent.nodes) == (3, "fire", BLOCKED)
     assert (newest(world).settings, newest(world).by) == (sent, "eve")
     view = world.controller.change(DEVELOPER, "r2", change(3, {"drive": {"policy": None}}))
     assert (view.revision, view.settings.stop.reason) == (4, "fire")
     assert release(world, DEVELOPER).settings.stop is None
-    assert world.controller.greet("r2", hello(plan())).stop is None
+    assert world.controller.handle_hello("r2", hello(plan())).stop is None
     world.database.full = True
     with pytest.raises(SourceError):
-        world.controller.stop(END_USER, "r2", "flood")
+        world.controller.start_emergency_stop(END_USER, "r2", "flood")
     _, sent = world.guards.pushed[-1]
     assert (sent.revision, sent.stop.reason, sent.nodes) == (6, "flood", {})
     world.database.close()
@@ -654,35 +709,37 @@ def test_a_stop_goes_out_even_if_it_cannot_be_stored(tmp_path):
 
 def test_a_stop_that_cannot_be_stored_goes_above_what_the_guard_has(tmp_path):
     """A service that has begun again while the database is away."""
-    world = World(Full(tmp_path / "rtron.db"))
+    world = ControllerSetup(FullDatabase(tmp_path / "rtron.db"))
     world.database.full = True
     with pytest.raises(OperationalError):
-        world.controller.greet("r2", hello(plan(), settings=Settings(revision=7, nodes=BLOCKED)))
+        world.controller.handle_hello(
+            "r2", hello(plan(), settings=Settings(revision=7, nodes=BLOCKED))
+        )
     for revision in (8, 9):
         with pytest.raises(SourceError):
-            world.controller.stop(END_USER, "r2", "fire")
+            world.controller.start_emergency_stop(END_USER, "r2", "fire")
         _, sent = world.guards.pushed[-1]
         assert (sent.revision, sent.stop.reason, sent.nodes) == (revision, "fire", BLOCKED)
     world.database.full = False
-    assert world.controller.greet("r2", hello(plan(), settings=sent)).stop.reason == "fire"
+    assert world.controller.handle_hello("r2", hello(plan(), settings=sent)).stop.reason == "fire"
     world.database.close()
 
 
 @pytest.fixture
 def full(tmp_path):
     """A world whose robot is stopped by a stop that could not be stored; there is room again."""
-    world = World(Full(tmp_path / "rtron.db"))
-    world.controller.greet("r2", hello(plan()))
+    world = ControllerSetup(FullDatabase(tmp_path / "rtron.db"))
+    world.controller.handle_hello("r2", hello(plan()))
     world.database.full = True
     with pytest.raises(SourceError):
-        world.controller.stop(END_USER, "r2", "fire")
+        world.controller.start_emergency_stop(END_USER, "r2", "fire")
     world.database.full = False
     yield world
     world.database.close()
 
 
 def test_no_release_of_a_stop_that_nobody_could_see(full):
-    with pytest.raises(RevisionError) as caught:
+    with pytest.raises(StaleRevisionError) as caught:
         release(full, DEVELOPER, 0)
     newer = caught.value.newest
     assert (newer.revision, newer.settings.stop.reason) == (2, "fire")
@@ -690,7 +747,7 @@ def test_no_release_of_a_stop_that_nobody_could_see(full):
 
 
 def test_a_change_after_a_stop_that_was_not_stored_sees_it_first(full):
-    with pytest.raises(RevisionError):
+    with pytest.raises(StaleRevisionError):
         full.controller.change(DEVELOPER, "r2", change(0))
     view = full.controller.change(DEVELOPER, "r2", change(2))
     assert (view.revision, view.settings.stop.reason) == (3, "fire")
@@ -698,14 +755,14 @@ def test_a_change_after_a_stop_that_was_not_stored_sees_it_first(full):
 
 def test_an_override_takes_along_the_stop_that_was_not_stored(full):
     request = OverrideRequest(duration=60, reason="docking")
-    view = full.controller.override(END_USER, "r2", "speed", request)
+    view = full.controller.start_override(END_USER, "r2", "speed", request)
     assert (view.revision, view.settings.stop.reason) == (3, "fire")
-    again = full.again()
+    again = full.restarted()
     assert newest(again).settings.stop.reason == "fire"
     again.database.close()
 
 
-class Slow(Guards):
+class SlowChannel(RecordingChannel):
     """A hub that lets another person begin before it has sent revision 1."""
 
     other: Thread
@@ -719,9 +776,11 @@ class Slow(Guards):
 
 def test_what_is_pushed_never_goes_back(tmp_path):
     """The guard hears the revisions in the order in which they are stored."""
-    world = World(Database(tmp_path / "rtron.db"), guards=Slow())
-    world.guards.other = Thread(target=world.controller.stop, args=(END_USER, "r2", "fire"))
-    world.controller.greet("r2", hello(plan()))
+    world = ControllerSetup(Database(tmp_path / "rtron.db"), guards=SlowChannel())
+    world.guards.other = Thread(
+        target=world.controller.start_emergency_stop, args=(END_USER, "r2", "fire")
+    )
+    world.controller.handle_hello("r2", hello(plan()))
     world.controller.change(DEVELOPER, "r2", change(0))
     world.guards.other.join()
     assert [settings.revision for _, settings in world.guards.pushed] == [1, 2]
@@ -729,7 +788,7 @@ def test_what_is_pushed_never_goes_back(tmp_path):
     world.database.close()
 
 
-def refused_block(world):
+def rejected_block(world):
     """Let the guard refuse revision 2, which blocks a flow; revision 1 is in force."""
     world.controller.change(DEVELOPER, "r2", change(0))
     world.controller.answered("r2", Applied(revision=1))
@@ -739,20 +798,20 @@ def refused_block(world):
 
 
 def test_an_override_does_not_take_along_what_the_guard_refused(met):
-    refused_block(met)
+    rejected_block(met)
     request = OverrideRequest(duration=60, reason="docking")
-    assert met.controller.override(END_USER, "r2", "speed", request).settings.nodes == BLOCKED
+    assert met.controller.start_override(END_USER, "r2", "speed", request).settings.nodes == BLOCKED
     assert nodes(met)[0].policy_settings["flows"][0]["block"] is False
 
 
 def test_a_change_does_not_take_along_what_the_guard_refused(met):
-    refused_block(met)
+    rejected_block(met)
     view = met.controller.change(DEVELOPER, "r2", change(2, {"speed": {"threshold": 0.5}}))
     assert view.settings.nodes == {**BLOCKED, "speed": NodeSettings(threshold=0.5)}
 
 
 def test_what_was_refused_can_be_asked_for_again(met):
-    refused_block(met)
+    rejected_block(met)
     flows = {"drive": {"flows": {"flow1": {"block": True}}}}
     view = met.controller.change(DEVELOPER, "r2", change(2, flows))
     assert (view.revision, view.settings.nodes["drive"].flows["flow1"].block) == (3, True)
@@ -760,42 +819,42 @@ def test_what_was_refused_can_be_asked_for_again(met):
 
 def test_what_the_guard_took_last_is_left_out_where_another_plan_has_it_not(met):
     met.controller.change(DEVELOPER, "r2", change(0))
-    met.controller.answered("r2", Applied(revision=1))
-    met.controller.greet("r2", hello(swapped("id: drive", "id: wheels")))
-    met.controller.answered("r2", Applied(revision=2, error="no"))
-    assert met.controller.stop(DEVELOPER, "r2", "fire").settings.nodes == {}
+    met.controller.handle_applied("r2", Applied(revision=1))
+    met.controller.handle_hello("r2", hello(plan_with("id: drive", "id: wheels")))
+    met.controller.handle_applied("r2", Applied(revision=2, error="no"))
+    assert met.controller.start_emergency_stop(DEVELOPER, "r2", "fire").settings.nodes == {}
 
 
 # The audit log stays small.
 
 
-def test_the_same_refusal_is_one_line_a_minute(anywhere):
-    anywhere.clock.now = 90 * SECOND
+def test_the_same_refusal_is_one_line_a_minute(controller_on_each_database):
+    controller_on_each_database.clock.now = 90 * SECOND
     for _ in range(50):
         with pytest.raises(ForbiddenError):
-            anywhere.controller.change(ADMIN, "r2", change(0))
-    lines = [row for row in audit(anywhere) if row.who == "root"]
+            controller_on_each_database.controller.change(ADMIN, "r2", change(0))
+    lines = [row for row in audit(controller_on_each_database) if row.who == "root"]
     assert [(row.detail["count"], row.at) for row in lines] == [(50, 90 * SECOND)]
-    anywhere.clock.now += 60 * SECOND
+    controller_on_each_database.clock.now += 60 * SECOND
     with pytest.raises(ForbiddenError):
-        anywhere.controller.change(ADMIN, "r2", change(0))
-    assert "count" not in audit(anywhere)[-1].detail
+        controller_on_each_database.controller.change(ADMIN, "r2", change(0))
+    assert "count" not in audit(controller_on_each_database)[-1].detail
 
 
 def test_other_refusals_are_lines_of_their_own_up_to_20(met):
     request = OverrideRequest(duration=1, reason="docking")
     for number in range(50):
         with pytest.raises(NotFoundError):
-            met.controller.override(DEVELOPER, "r2", f"node{number}", request)
+            met.controller.start_override(DEVELOPER, "r2", f"node{number}", request)
     lines = [row for row in audit(met) if row.who == "dev"]
     assert [row.detail.get("count", 1) for row in lines] == [1] * 19 + [31]
 
 
 def test_what_a_guard_says_again_and_again_is_counted(met):
     for number in range(50):
-        met.controller.answered("r2", Applied(revision=0, error=f"no {number}"))
-        met.controller.answered("r2", Applied(revision=0))
-        met.controller.answered("r2", Applied(revision=7 + number))
+        met.controller.handle_applied("r2", Applied(revision=0, error=f"no {number}"))
+        met.controller.handle_applied("r2", Applied(revision=0))
+        met.controller.handle_applied("r2", Applied(revision=7 + number))
     lines = [row for row in audit(met) if row.action == "settings.answer"]
     assert [(row.outcome, row.detail["count"]) for row in lines] == [
         ("refused", 50),
@@ -804,10 +863,10 @@ def test_what_a_guard_says_again_and_again_is_counted(met):
 
 
 def test_what_changes_nothing_is_counted(met):
-    met.controller.stop(DEVELOPER, "r2", "fire")
-    met.controller.answered("r2", Applied(revision=1))
+    met.controller.start_emergency_stop(DEVELOPER, "r2", "fire")
+    met.controller.handle_applied("r2", Applied(revision=1))
     for _ in range(50):
-        met.controller.stop(DEVELOPER, "r2", "fire")
+        met.controller.start_emergency_stop(DEVELOPER, "r2", "fire")
     assert [row.detail.get("count") for row in audit(met) if row.action == "stop"] == [51]
 
 

@@ -4,14 +4,14 @@ from dataclasses import fields, replace
 from itertools import chain, combinations
 
 import pytest
-from controller_setup import PLAN, plan, swapped
+from controller_setup import PLAN, plan, plan_with
 
 from rtron.service.domain.rights import (
-    kinds,
-    mandatory_breaches,
+    coordination_kinds,
+    granted_rights,
+    mandatory_violations,
     missing_rights,
     needed_rights,
-    rights,
 )
 from rtron.service.domain.schemas import Right, UserRole
 from rtron.vocabulary import (
@@ -68,7 +68,7 @@ RULE = {
 @pytest.mark.parametrize("roles", ROLES, ids=lambda roles: "+".join(sorted(roles)) or "none")
 def test_the_matrix(roles, right, kind):
     allowed = MATRIX[right].get(kind, set())
-    assert (right in rights(roles, kind)) is bool(roles & allowed)
+    assert (right in granted_rights(roles, kind)) is bool(roles & allowed)
 
 
 def test_every_right_is_somebodys():
@@ -131,7 +131,7 @@ def test_several_nodes_take_the_rights_of_each():
 
 
 def test_the_kinds_are_those_with_a_policy():
-    assert kinds(plan()) == {"drive": GRCN, "speed": RSRCN, "mission": MSRCN}
+    assert coordination_kinds(plan()) == {"drive": GRCN, "speed": RSRCN, "mission": MSRCN}
 
 
 POLICIES = [PolicyName.BLOCK, PolicyName.SAFE, PolicyName.CONSTRAIN, PolicyName.SAFE_CONSTRAIN]
@@ -141,27 +141,27 @@ BOTH = {PolicyName.SAFE, PolicyName.CONSTRAIN, PolicyName.SAFE_CONSTRAIN}
 @pytest.mark.parametrize("wanted", POLICIES)
 @pytest.mark.parametrize("mandatory", POLICIES)
 def test_a_mandatory_policy_cannot_be_deselected(mandatory, wanted):
-    given = swapped("policy: Safe", f"policy: {mandatory}\n  mandatory: {mandatory}")
+    given = plan_with("policy: Safe", f"policy: {mandatory}\n  mandatory: {mandatory}")
     after = Settings(nodes={"speed": NodeSettings(policy=wanted)})
     includes = wanted is mandatory or (wanted is PolicyName.SAFE_CONSTRAIN and mandatory in BOTH)
-    told = list(mandatory_breaches(given, after))
+    told = list(mandatory_violations(given, after))
     assert bool(told) is not includes
     assert not told or told == [f"{mandatory} of speed is mandatory: {wanted} would deselect it"]
 
 
 @pytest.mark.parametrize("limit", [1e-6, 0.499, 0.5])
 def test_a_mandatory_limit_can_be_lowered(limit):
-    given = swapped("policy: Safe", "policy: Constrain\n  mandatory: Constrain")
+    given = plan_with("policy: Safe", "policy: Constrain\n  mandatory: Constrain")
     after = Settings(nodes={"speed": NodeSettings(max_vel_limit=limit)})
-    assert list(mandatory_breaches(given, after)) == []
+    assert list(mandatory_violations(given, after)) == []
 
 
 @pytest.mark.parametrize("policy", ["Constrain", "Safe+Constrain"])
 @pytest.mark.parametrize("limit", [0.5000001, 0.6, 1000.0])
 def test_a_mandatory_limit_cannot_be_raised(limit, policy):
-    given = swapped("policy: Safe", f"policy: {policy}\n  mandatory: {policy}")
+    given = plan_with("policy: Safe", f"policy: {policy}\n  mandatory: {policy}")
     after = Settings(nodes={"speed": NodeSettings(max_vel_limit=limit)})
-    (told,) = mandatory_breaches(given, after)
+    (told,) = mandatory_violations(given, after)
     assert told.endswith("max_vel_limit is at most 0.5 m/s")
 
 
@@ -170,25 +170,25 @@ def test_a_mandatory_limit_cannot_be_raised(limit, policy):
 )
 @pytest.mark.parametrize("policy", ["Safe", "Safe+Constrain"])
 def test_a_mandatory_threshold_can_be_lowered_not_raised(policy, threshold, is_raised):
-    given = swapped("policy: Safe", f"policy: {policy}\n  mandatory: {policy}")
+    given = plan_with("policy: Safe", f"policy: {policy}\n  mandatory: {policy}")
     after = Settings(nodes={"speed": NodeSettings(threshold=threshold)})
     told = f"{policy} of speed is mandatory: threshold is at most 0.02 m/frame"
-    assert list(mandatory_breaches(given, after)) == [told] * is_raised
+    assert list(mandatory_violations(given, after)) == [told] * is_raised
 
 
 @pytest.mark.parametrize("mandatory", ["", "\n  mandatory: Constrain", "\n  mandatory: Block"])
 def test_another_threshold_can_be_raised(mandatory):
     policy = "Block" if "Block" in mandatory else "Safe+Constrain"
-    given = swapped("policy: Safe", f"policy: {policy}{mandatory}")
+    given = plan_with("policy: Safe", f"policy: {policy}{mandatory}")
     after = Settings(nodes={"speed": NodeSettings(threshold=0.9)})
-    assert list(mandatory_breaches(given, after)) == []
+    assert list(mandatory_violations(given, after)) == []
 
 
 @pytest.mark.parametrize("mandatory", ["", "\n  mandatory: Safe"])
 def test_another_limit_can_be_raised(mandatory):
-    given = swapped("policy: Safe", f"policy: Safe+Constrain{mandatory}")
+    given = plan_with("policy: Safe", f"policy: Safe+Constrain{mandatory}")
     after = Settings(nodes={"speed": NodeSettings(max_vel_limit=0.9)})
-    assert list(mandatory_breaches(given, after)) == []
+    assert list(mandatory_violations(given, after)) == []
 
 
 @pytest.mark.parametrize(
@@ -207,15 +207,15 @@ def test_another_limit_can_be_raised(mandatory):
 def test_a_mandatory_rule_is_not_weakened(own, told):
     after = Settings(nodes={"mission": NodeSettings(rules={"quiet": own})})
     expected = [f"the rule quiet of mission is mandatory: {told}"] if told else []
-    assert list(mandatory_breaches(plan(), after)) == expected
+    assert list(mandatory_violations(plan(), after)) == expected
 
 
 @pytest.mark.parametrize("own", [RuleSettings(selected=False), RuleSettings(when="night")])
 def test_another_rule_is_the_end_users(own):
     after = Settings(nodes={"mission": NodeSettings(rules={"watched": own})})
-    assert list(mandatory_breaches(plan(), after)) == []
+    assert list(mandatory_violations(plan(), after)) == []
 
 
 def test_a_plan_without_them_makes_nothing_mandatory():
     given = plan(PLAN[: PLAN.index("rsrcn:")])
-    assert list(mandatory_breaches(given, Settings())) == []
+    assert list(mandatory_violations(given, Settings())) == []

@@ -3,10 +3,10 @@
 import re
 
 import pytest
-from controller_setup import PLAN, plan, swapped
+from controller_setup import PLAN, plan, plan_with
 
 from rtron.errors import InputError
-from rtron.service.domain.settings_checks import checked, still_fitting
+from rtron.service.domain.settings_checks import check_settings, drop_misfits
 from rtron.vocabulary import (
     FlowSettings,
     NodeSettings,
@@ -21,12 +21,12 @@ def node(id, **keys):
     return Settings(revision=3, nodes={id: NodeSettings(**keys)})
 
 
-def own(**keys):
+def user_rule(**keys):
     return node("mission", rules={"own": RuleSettings(**keys)})
 
 
 def test_what_fits_is_the_plan_in_force():
-    after = checked(plan(), node("drive", policy=PolicyName.BLOCK))
+    after = check_settings(plan(), node("drive", policy=PolicyName.BLOCK))
     assert (after.grcn[0].policy, after.revision) == (PolicyName.BLOCK, 3)
 
 
@@ -40,41 +40,41 @@ def test_what_fits_is_the_plan_in_force():
         (node("drive", flows={"flow1": FlowSettings(priority=1)}), "the same priority 1"),
         (node("speed", policy=PolicyName.PREEMPTION), "Preemption is not for the RSRCN"),
         (node("mission", policy=PolicyName.SAFE), "Safe is not for the MSRCN"),
-        (own(when="night"), "a new one needs `when` and `block`"),
-        (own(block=("/goal",)), "a new one needs `when` and `block`"),
-        (own(when="nite", block=("/goal",)), "there is no eflow nite"),
-        (own(when="night &&", block=("/goal",)), "it ends too early"),
-        (own(when="event.x > 1.0", block=("/goal",)), "there is no eflow event"),
-        (own(when="night > 1", block=("/goal",)), "'>' is not expected"),
-        (own(when="size(night) == 1", block=("/goal",)), "there is no eflow size"),
-        (own(when="true", block=("/gaol",)), "no aflow or topic /gaol in the MSRCN"),
-        (own(when="(" * 40 + "night" + ")" * 40, block=("/goal",)), "nested deeper than 32"),
+        (user_rule(when="night"), "a new one needs `when` and `block`"),
+        (user_rule(block=("/goal",)), "a new one needs `when` and `block`"),
+        (user_rule(when="nite", block=("/goal",)), "there is no eflow nite"),
+        (user_rule(when="night &&", block=("/goal",)), "it ends too early"),
+        (user_rule(when="event.x > 1.0", block=("/goal",)), "there is no eflow event"),
+        (user_rule(when="night > 1", block=("/goal",)), "'>' is not expected"),
+        (user_rule(when="size(night) == 1", block=("/goal",)), "there is no eflow size"),
+        (user_rule(when="true", block=("/gaol",)), "no aflow or topic /gaol in the MSRCN"),
+        (user_rule(when="(" * 40 + "night" + ")" * 40, block=("/goal",)), "nested deeper than 32"),
     ],
 )
 def test_what_makes_no_plan_is_refused(settings, told):
     with pytest.raises(InputError, match=re.escape(told)):
-        checked(plan(), settings)
+        check_settings(plan(), settings)
 
 
 @pytest.mark.parametrize("when", ["night", "!night && (alone || night)", "true"])
 def test_an_own_rule_combines_eflows(when):
-    after = checked(plan(), own(when=when, block=("aflow1",)))
+    after = check_settings(plan(), user_rule(when=when, block=("aflow1",)))
     assert after.msrcn.rules[-1].when == when
 
 
 def test_constrain_needs_a_limit():
-    given = swapped("  max_vel_limit: 0.5 m/s\n", "")
+    given = plan_with("  max_vel_limit: 0.5 m/s\n", "")
     with pytest.raises(InputError, match="Constrain needs a max_vel_limit"):
-        checked(given, node("speed", policy=PolicyName.CONSTRAIN))
-    checked(given, node("speed", policy=PolicyName.CONSTRAIN, max_vel_limit=0.1))
+        check_settings(given, node("speed", policy=PolicyName.CONSTRAIN))
+    check_settings(given, node("speed", policy=PolicyName.CONSTRAIN, max_vel_limit=0.1))
 
 
 def test_a_plans_own_faults_are_not_held_against_settings():
     odd = plan().grcn[0]
     flawed = plan().__class__(app="odd", grcn=(odd, odd.__class__(**_fields(odd) | {"id": "two"})))
-    assert checked(flawed, node("two", policy=PolicyName.BLOCK)).grcn[1].policy == "Block"
+    assert check_settings(flawed, node("two", policy=PolicyName.BLOCK)).grcn[1].policy == "Block"
     with pytest.raises(InputError, match="Safe is not for a GRCN: choose"):
-        checked(flawed, node("two", policy=PolicyName.SAFE))
+        check_settings(flawed, node("two", policy=PolicyName.SAFE))
 
 
 def _fields(noun):
@@ -93,7 +93,7 @@ def test_under_the_same_plan_all_still_fits():
         },
         overrides={"speed": OVERRIDE},
     )
-    assert still_fitting(plan(), settings) == (settings, ())
+    assert drop_misfits(plan(), settings) == (settings, ())
 
 
 @pytest.mark.parametrize(
@@ -116,7 +116,7 @@ def test_under_the_same_plan_all_still_fits():
         (
             "eflows:\n    - {name: night",
             "eflows:\n    - {name: dark",
-            own(when="night", block=("/goal",)),
+            user_rule(when="night", block=("/goal",)),
             "night",
         ),
     ],
@@ -128,7 +128,7 @@ def test_under_another_plan_what_does_not_fit_is_left_out(old, new, settings, to
     both = Settings(
         revision=3, nodes={**settings.nodes, **_other(settings)}, overrides={"speed": OVERRIDE}
     )
-    left, lost = still_fitting(plan(changed), both)
+    left, lost = drop_misfits(plan(changed), both)
     assert left == Settings(revision=3, nodes=_other(settings), overrides={"speed": OVERRIDE})
     assert len(lost) == 1
     assert told in lost[0]

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rtron.errors import InputError
-from rtron.service.domain.settings_patch import MOST_BLOCKED, MOST_OWN_RULES, merged
+from rtron.service.domain.settings_patch import MAX_BLOCKED, MAX_USER_RULES, merge_patch
 from rtron.vocabulary import (
     SECOND,
     FlowSettings,
@@ -22,18 +22,18 @@ PLAN = plan()
 TOPIC_OR_FLOW = "a full topic name like /cmd_vel or the name of a flow"
 
 
-def merge(nodes, before=None):
-    return merged(PLAN, before or Settings(revision=4), nodes)
+def merged_nodes(nodes, before=None):
+    return merge_patch(PLAN, before or Settings(revision=4), nodes)
 
 
 def refused(nodes):
     with pytest.raises(InputError) as caught:
-        merge(nodes)
+        merged_nodes(nodes)
     return str(caught.value), caught.value.help
 
 
 def test_each_key_is_taken():
-    after = merge(
+    after = merged_nodes(
         {
             "drive": {
                 "policy": "Priority_Queue",
@@ -90,11 +90,11 @@ BEFORE = Settings(
     ],
 )
 def test_null_takes_back_and_the_rest_stays(patch, left):
-    assert merge({"drive": patch}, BEFORE).nodes == {"drive": left}
+    assert merged_nodes({"drive": patch}, BEFORE).nodes == {"drive": left}
 
 
 def test_what_differs_in_nothing_is_not_kept():
-    assert merge({"drive": {"policy": None, "flows": None}}, BEFORE).nodes == {}
+    assert merged_nodes({"drive": {"policy": None, "flows": None}}, BEFORE).nodes == {}
 
 
 @pytest.mark.parametrize(
@@ -163,7 +163,7 @@ BAD = {
 
 @pytest.mark.parametrize(("key", "value"), [(k, v) for k in GOOD for v in GOOD[k]])
 def test_a_flows_values_within_bounds(key, value):
-    merge({"drive": {"flows": {"flow1": {key: value}}}})
+    merged_nodes({"drive": {"flows": {"flow1": {key: value}}}})
 
 
 @pytest.mark.parametrize(("key", "value"), [(k, v) for k in BAD for v in BAD[k]])
@@ -175,7 +175,7 @@ def test_a_flows_values_out_of_bounds(key, value):
 
 @pytest.mark.parametrize("value", [1e-6, 0.22, 1, 1000, 1000.0, "0.22 m/s", "0.8 km/h", "22 cm/s"])
 def test_a_limit_is_finite_and_positive(value):
-    limit = merge({"speed": {"max_vel_limit": value}}).nodes["speed"].max_vel_limit
+    limit = merged_nodes({"speed": {"max_vel_limit": value}}).nodes["speed"].max_vel_limit
     assert limit > 0
 
 
@@ -194,21 +194,21 @@ def rules(count, start=0):
 
 
 def test_own_rules_are_counted():
-    most = merge(rules(MOST_OWN_RULES))
-    assert len(most.nodes["mission"].rules) == MOST_OWN_RULES
-    with pytest.raises(InputError, match=f"more than {MOST_OWN_RULES} rules of your own"):
-        merge(rules(1, start=MOST_OWN_RULES), most)
+    most = merged_nodes(rules(MAX_USER_RULES))
+    assert len(most.nodes["mission"].rules) == MAX_USER_RULES
+    with pytest.raises(InputError, match=f"more than {MAX_USER_RULES} rules of your own"):
+        merged_nodes(rules(1, start=MAX_USER_RULES), most)
     replaced = {"mission": {"rules": {"own0": None, **rules(1, start=99)["mission"]["rules"]}}}
-    assert len(merge(replaced, most).nodes["mission"].rules) == MOST_OWN_RULES
+    assert len(merged_nodes(replaced, most).nodes["mission"].rules) == MAX_USER_RULES
 
 
 def test_the_plans_rules_are_not_counted():
-    most = merge(rules(MOST_OWN_RULES))
-    merge({"mission": {"rules": {"quiet": {"selected": True}}}}, most)
+    most = merged_nodes(rules(MAX_USER_RULES))
+    merged_nodes({"mission": {"rules": {"quiet": {"selected": True}}}}, most)
 
 
 @pytest.mark.parametrize(
-    ("longest", "length"), [("name", 255), ("when", 4096), ("block", MOST_BLOCKED)]
+    ("longest", "length"), [("name", 255), ("when", 4096), ("block", MAX_BLOCKED)]
 )
 def test_names_and_expressions_are_bounded(longest, length):
     def own(size):
@@ -217,14 +217,14 @@ def test_names_and_expressions_are_bounded(longest, length):
         block = [f"f{i}" for i in range(size)] if longest == "block" else ["/goal"]
         return {"mission": {"rules": {name: {"when": when, "block": block}}}}
 
-    merge(own(length))
+    merged_nodes(own(length))
     told, _ = refused(own(length + 1))
     assert len(told) < 400
 
 
 def test_a_block_names_each_once():
     own = {"mission": {"rules": {"own": {"block": ["/goal", "/goal"]}}}}
-    assert merge(own).nodes["mission"].rules["own"].block == ("/goal",)
+    assert merged_nodes(own).nodes["mission"].rules["own"].block == ("/goal",)
 
 
 WORDS = st.sampled_from(
@@ -240,7 +240,7 @@ JSON = st.recursive(
 @given(st.dictionaries(WORDS, st.dictionaries(WORDS, JSON, max_size=4), max_size=3))
 def test_anything_is_merged_or_refused(nodes):
     try:
-        told, known = "", set(merge(nodes).nodes)
+        told, known = "", set(merged_nodes(nodes).nodes)
     except InputError as error:
         told, known = str(error), set()
     assert len(told.encode(errors="strict")) < 1000

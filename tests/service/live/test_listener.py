@@ -4,7 +4,7 @@ from threading import Thread
 import pytest
 
 from rtron.service.live.hub import Hub
-from rtron.service.live.listener import MOST_WAITING
+from rtron.service.live.listener import MAX_QUEUED
 
 
 def live(number):
@@ -20,7 +20,7 @@ def test_messages_come_in_order():
         hub = Hub()
         listener = hub.listen()
         for number in range(3):
-            hub.tell(live(number))
+            hub.broadcast(live(number))
         return [await listener.__anext__() for _ in range(3)]
 
     assert run(work()) == [live(0), live(1), live(2)]
@@ -31,9 +31,9 @@ def test_too_slow_a_listener_is_closed(extra):
     async def work():
         hub = Hub()
         listener = hub.listen()
-        for number in range(MOST_WAITING + extra):
-            hub.tell(live(number))
-        listening = hub.listened
+        for number in range(MAX_QUEUED + extra):
+            hub.broadcast(live(number))
+        listening = hub.has_listeners
         if listening:
             listener.close()
         return listening, [each async for each in listener]
@@ -46,7 +46,7 @@ def test_many_threads_tell_one_listener():
         hub = Hub()
         listener = hub.listen()
         threads = [
-            Thread(target=lambda: [hub.tell(live(number)) for number in range(100)])
+            Thread(target=lambda: [hub.broadcast(live(number)) for number in range(100)])
             for _ in range(8)
         ]
         for thread in threads:
@@ -66,6 +66,6 @@ def test_a_listener_whose_loop_is_over_harms_nobody():
         return hub.listen()
 
     run(work())
-    for number in range(MOST_WAITING + 1):
-        hub.tell(live(number))
-    assert not hub.listened
+    for number in range(MAX_QUEUED + 1):
+        hub.broadcast(live(number))
+    assert not hub.has_listeners

@@ -5,14 +5,14 @@ from driven_base import CMD_VEL_GUARD
 from harness import wait_for
 from linked_app import FLOW2, ROBOT, LinkedApp
 
-from bench.service.service_process import Served
+from bench.service.service_process import ServiceProcess
 
 pytestmark = pytest.mark.ros1
 
 
 @pytest.fixture
 def service(tmp_path):
-    with Served(tmp_path) as service:
+    with ServiceProcess(tmp_path) as service:
         yield service
 
 

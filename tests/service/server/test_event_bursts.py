@@ -7,10 +7,10 @@ import sys
 import pytest
 from harness import wait_for
 
-from rtron.service.collector.data_collector import MOST_TOLD
-from rtron.service.store.events import Batch, add_events
-from rtron.service.store.robots import meet_robot
-from rtron.vocabulary import EventKind, GuardEvent, Level
+from rtron.service.collector.data_collector import MAX_LIVE_EVENTS
+from rtron.service.store.events import EventBatch, add_events
+from rtron.service.store.robots import register_robot
+from rtron.vocabulary import EventKind, GuardEvent, GuardEventLevel
 
 
 @pytest.fixture
@@ -20,8 +20,8 @@ def store(app):
 
     def store(first, last):
         with service.database.session() as session:
-            robot = meet_robot(session, "car1", service.clock())
-            batch = Batch(robot.id, "car1", tuple(map(event, range(first, last + 1))))
+            robot = register_robot(session, "car1", service.clock())
+            batch = EventBatch(robot.id, "car1", tuple(map(event, range(first, last + 1))))
             added = add_events(session, service.clock(), [batch])
         collector._stored(added, last + 1 - first)
 
@@ -29,14 +29,14 @@ def store(app):
 
 
 def event(number):
-    level = Level.WARNING if number % 7 == 0 else Level.INFO
+    level = GuardEventLevel.WARNING if number % 7 == 0 else GuardEventLevel.INFO
     return GuardEvent(run="r", number=number, at=number, kind=EventKind.ALARM, level=level)
 
 
 @pytest.mark.parametrize("level", ["info", "warning"])
 def test_each_event_of_a_storm_is_shown_once(app, port, people, store, tmp_path, level):
     store(1, 5)
-    secret = people.token("t", "read")["Authorization"].split()[1]
+    secret = people.token_headers("t", "read")["Authorization"].split()[1]
     (tmp_path / "t").write_text(secret)
     where = ["--service", f"http://127.0.0.1:{port}", "--token-file", str(tmp_path / "t")]
     words = ["events", "-f", "-n", "0", "--format", "json", "--level", level, *where]
@@ -45,7 +45,7 @@ def test_each_event_of_a_storm_is_shown_once(app, port, people, store, tmp_path,
     with subprocess.Popen(command, stdout=subprocess.PIPE) as process:
         try:
             wait_for(lambda: len(hub._listeners) == 2)
-            last = 5 + 5 * MOST_TOLD
+            last = 5 + 5 * MAX_LIVE_EVENTS
             store(6, last)
             store(last + 1, last + 3)
             store(last + 4, last + 14)

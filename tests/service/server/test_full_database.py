@@ -23,7 +23,7 @@ def car1(app):
 
 
 def test_reading_goes_on(client, database, people, clock, caplog):
-    browser, program = people.session("mary", "end_user"), people.token("t", "read")
+    browser, program = people.session_headers("mary", "end_user"), people.token_headers("t", "read")
     clock.sleep(100)
     with read_only(database):
         for headers in (browser, program, browser):
@@ -37,14 +37,14 @@ def test_reading_goes_on(client, database, people, clock, caplog):
 
 
 def test_a_guard_is_let_in(app, database, people, clock):
-    token = people.token("car1", "guard", robot="car1")["Authorization"].split()[1]
+    token = people.token_headers("car1", "guard", robot="car1")["Authorization"].split()[1]
     with read_only(database):
         assert app.state.collector.authenticate(token) == "car1"
 
 
 @pytest.mark.usefixtures("car1")
 def test_the_stop_is_sent(app, client, database, people, clock):
-    headers = people.session("mary", "end_user")
+    headers = people.session_headers("mary", "end_user")
     clock.sleep(100)
     sent = []
     app.state.service.hub.push = lambda robot, settings: sent.append((robot, settings.stop.by))
@@ -66,7 +66,7 @@ def test_it_is_ready_while_it_can_write(client, database, admin):
 
 
 def test_a_lock_is_not_waited_for_to_note_a_use(client, database, people, clock):
-    headers = people.session("mary", "end_user")
+    headers = people.session_headers("mary", "end_user")
     clock.sleep(100)
     with sqlite3.connect(database.url.database, isolation_level=None) as other:
         other.execute("BEGIN IMMEDIATE")

@@ -13,15 +13,15 @@ from harness import free_port, wait_for
 
 from rtron.cli.main import main
 from rtron.errors import InputError
-from rtron.service.config import Config
+from rtron.service.config import ServiceConfig
 from rtron.service.server.app import create_app
-from rtron.service.server.instance_lock import alone
-from rtron.service.store.accounts.passwords import matches
-from rtron.service.store.accounts.users import the_user
+from rtron.service.server.instance_lock import hold_instance_lock
+from rtron.service.store.accounts.passwords import verify_password
+from rtron.service.store.accounts.users import get_user
 from rtron.service.store.database import Database
 
 
-def rtron(folder, *arguments):
+def start_rtron(folder, *arguments):
     command = [sys.executable, "-m", "rtron", *map(str, arguments)]
     return subprocess.run(
         command, cwd=folder, capture_output=True, text=True, timeout=60, check=False
@@ -30,7 +30,7 @@ def rtron(folder, *arguments):
 
 @pytest.fixture
 def here(tmp_path, monkeypatch, capsys):
-    """Run `rtron` in this process, for what ends before anything is served."""
+    """Run `start_rtron` in this process, for what ends before anything is served."""
     monkeypatch.chdir(tmp_path)
 
     def run(*arguments):
@@ -43,7 +43,7 @@ def here(tmp_path, monkeypatch, capsys):
     return run
 
 
-class Serving:
+class ServeProcess:
     """`rtron serve` in a folder, with what it says in a file."""
 
     def __init__(self, folder, *arguments):
@@ -75,7 +75,7 @@ class Serving:
 
 
 def test_the_first_start_tells_the_password_once(tmp_path):
-    with Serving(tmp_path) as serving:
+    with ServeProcess(tmp_path) as serving:
         wait_for(lambda: "change it in the console" in serving.said.read_text())
         said = serving.said.read_text()
         (password,) = re.findall(r"password (\S+)\n", said)
@@ -84,9 +84,9 @@ def test_the_first_start_tells_the_password_once(tmp_path):
         serving.process.send_signal(signal.SIGTERM)
         assert serving.process.wait(30) == 0
     assert stat.S_IMODE((tmp_path / "rtron.db").stat().st_mode) == 0o600
-    with Serving(tmp_path, "--log-level", "debug") as serving:
+    with ServeProcess(tmp_path, "--log-level", "debug") as serving:
         assert serving.login(password) == 200
-        reset = rtron(tmp_path, "user", "password", "admin")
+        reset = start_rtron(tmp_path, "user", "password", "admin")
         assert (reset.returncode, reset.stderr) == (0, "")
         assert serving.login(password) == 401
         assert serving.login(reset.stdout.strip()) == 200
@@ -99,8 +99,8 @@ def test_the_first_start_tells_the_password_once(tmp_path):
 
 
 def test_two_services_on_one_database_are_refused(tmp_path):
-    with Serving(tmp_path) as serving:
-        ran = rtron(tmp_path, "serve", "--port", serving.port)
+    with ServeProcess(tmp_path) as serving:
+        ran = start_rtron(tmp_path, "serve", "--port", serving.port)
     assert ran.returncode == 2
     assert "another `rtron serve` works on this database" in ran.stderr
     assert "help: " in ran.stderr
@@ -108,9 +108,9 @@ def test_two_services_on_one_database_are_refused(tmp_path):
 
 
 def test_a_service_that_was_killed_leaves_no_lock(tmp_path):
-    with Serving(tmp_path):
+    with ServeProcess(tmp_path):
         pass
-    with Serving(tmp_path):
+    with ServeProcess(tmp_path):
         pass
 
 
@@ -119,20 +119,24 @@ def test_a_port_that_is_taken_is_told(tmp_path):
         sock.bind(("127.0.0.1", 0))
         sock.listen()
         port = sock.getsockname()[1]
-        ran = rtron(tmp_path, "serve", "--port", port)
+        ran = start_rtron(tmp_path, "serve", "--port", port)
     assert ran.returncode == 2
     assert f"cannot listen on 127.0.0.1 port {port}" in ran.stderr
     assert "help: " in ran.stderr
     assert "password" not in ran.stderr
-    with Serving(tmp_path) as serving:
+    with ServeProcess(tmp_path) as serving:
         wait_for(lambda: "password" in serving.said.read_text())
 
 
 def test_one_service_at_a_time_on_each_kind_of_database(database):
     other = Database(database.url.render_as_string(hide_password=False))
-    with alone(database), pytest.raises(InputError, match="another"), alone(other):
+    with (
+        hold_instance_lock(database),
+        pytest.raises(InputError, match="another"),
+        hold_instance_lock(other),
+    ):
         pass
-    with alone(other):
+    with hold_instance_lock(other):
         pass
     other.close()
 
@@ -158,7 +162,7 @@ def test_bad_options_are_2_with_a_help_line(tmp_path, here, arguments, said):
 
 
 def test_without_tls_the_network_is_warned_of(tmp_path):
-    with Serving(tmp_path, "--host", "0.0.0.0", "--insecure-http") as serving:
+    with ServeProcess(tmp_path, "--host", "0.0.0.0", "--insecure-http") as serving:
         wait_for(lambda: "WARNING: no TLS" in serving.said.read_text())
         said = "only to the names 0.0.0.0, 127.0.0.1, ::1, localhost"
         assert said in serving.said.read_text()
@@ -166,7 +170,7 @@ def test_without_tls_the_network_is_warned_of(tmp_path):
 
 def test_a_name_is_enough(tmp_path):
     words = ["--host", "0.0.0.0", "--insecure-http", "--allow-host", "x.example"]
-    with Serving(tmp_path, *words) as serving:
+    with ServeProcess(tmp_path, *words) as serving:
         wait_for(lambda: "WARNING: no TLS" in serving.said.read_text())
         assert "only to the names" not in serving.said.read_text()
 
@@ -211,7 +215,7 @@ def test_a_guards_token_is_made_before_the_first_start(tmp_path, here):
     assert stat.S_IMODE(file.stat().st_mode) == 0o600
     secret = file.read_text().strip()
     assert secret not in out
-    service = create_app(Config(database=tmp_path / "rtron.db")).state
+    service = create_app(ServiceConfig(database=tmp_path / "rtron.db")).state
     assert service.collector.authenticate(secret) == "car1"
     assert here("token", "revoke", "car1")[0] == 0
     assert service.collector.authenticate(secret) is None
@@ -258,8 +262,8 @@ def test_a_user_is_added_with_a_password_that_works(tmp_path, here):
     assert (code, err) == (0, "")
     password = (tmp_path / "p").read_text().strip()
     assert password not in out
-    service = create_app(Config(database=tmp_path / "rtron.db")).state.service
+    service = create_app(ServiceConfig(database=tmp_path / "rtron.db")).state.service
     with service.database.session() as session:
-        assert matches(password, the_user(session, "mary").password_hash)
+        assert verify_password(password, get_user(session, "mary").password_hash)
     service.database.close()
     assert re.fullmatch(r"([a-z2-9]{6}-){3}[a-z2-9]{6}", password)

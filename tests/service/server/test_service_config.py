@@ -4,30 +4,30 @@ import stat
 
 import httpx
 import pytest
-from service_app import served
+from service_app import serve_in_thread
 
 from rtron.errors import InputError
-from rtron.service.config import Config, Tls
+from rtron.service.config import ServiceConfig, Tls
 from rtron.service.server.app import create_app
 from rtron.service.server.database_setup import add_first_admin, open_database
 from rtron.service.store.accounts.users import all_users
-from rtron.service.store.retention import Bounds
+from rtron.service.store.retention import RetentionLimits
 
 
 def test_it_serves_this_machine_alone():
-    config = Config()
+    config = ServiceConfig()
     assert config.host == "127.0.0.1"
     assert config.is_local
     assert not config.is_secure
-    assert config.names == {"localhost", "127.0.0.1", "::1"}
+    assert config.host_names == {"localhost", "127.0.0.1", "::1"}
 
 
 @pytest.mark.parametrize("host", ["0.0.0.0", "::", "192.168.1.2", "robots.example"])
 def test_other_addresses_need_tls_or_a_word(host, certificate):
     with pytest.raises(InputError, match="not this machine alone"):
-        Config(host=host)
-    assert not Config(host=host, insecure_http=True).is_secure
-    assert Config(host=host, tls=Tls(cert=certificate[0], key=certificate[1])).is_secure
+        ServiceConfig(host=host)
+    assert not ServiceConfig(host=host, allow_insecure_http=True).is_secure
+    assert ServiceConfig(host=host, tls=Tls(cert=certificate[0], key=certificate[1])).is_secure
 
 
 @pytest.mark.parametrize(
@@ -43,34 +43,34 @@ def test_other_addresses_need_tls_or_a_word(host, certificate):
         {"proxies": ("proxy.example.org",)},
         {"proxies": ("10.0.0.1/8",)},
         {"proxies": ("*",)},
-        {"retention": Bounds(days=0, size=1 << 30)},
-        {"retention": Bounds(days=float("nan"), size=1 << 30)},
-        {"retention": Bounds(days=1, size=(1 << 20) - 1)},
+        {"retention": RetentionLimits(max_days=0, max_bytes=1 << 30)},
+        {"retention": RetentionLimits(max_days=float("nan"), max_bytes=1 << 30)},
+        {"retention": RetentionLimits(max_days=1, max_bytes=(1 << 20) - 1)},
     ],
 )
 def test_what_cannot_be_is_refused(wrong):
     with pytest.raises(InputError) as refused:
-        Config(**wrong)
+        ServiceConfig(**wrong)
     assert refused.value.help
 
 
 def test_files_of_tls_are_looked_at_first(tmp_path, certificate):
     with pytest.raises(InputError, match="No such file"):
-        Config(tls=Tls(cert=tmp_path / "none.pem", key=certificate[1]))
+        ServiceConfig(tls=Tls(cert=tmp_path / "none.pem", key=certificate[1]))
     (tmp_path / "bad.pem").write_text("no key")
-    config = Config(tls=Tls(cert=certificate[0], key=tmp_path / "bad.pem"))
-    with pytest.raises(InputError, match="TLS"), served(None, config):
+    config = ServiceConfig(tls=Tls(cert=certificate[0], key=tmp_path / "bad.pem"))
+    with pytest.raises(InputError, match="TLS"), serve_in_thread(None, config):
         pass
 
 
 def test_with_tls_the_cookie_is_bound_to_the_host_and_https(tmp_path, certificate):
     tls = Tls(cert=certificate[0], key=certificate[1])
-    config = Config(database=tmp_path / "r.db", tls=tls)
+    config = ServiceConfig(database=tmp_path / "r.db", tls=tls)
     app = create_app(config)
     password = add_first_admin(app.state.service.database, 0)
     trusted = ssl.create_default_context(cafile=certificate[0])
     with (
-        served(app, config) as port,
+        serve_in_thread(app, config) as port,
         httpx.Client(base_url=f"https://localhost:{port}", verify=trusted) as client,
     ):
         answer = client.post("/api/v1/login", json={"name": "admin", "password": password})
@@ -87,7 +87,7 @@ def test_with_tls_the_cookie_is_bound_to_the_host_and_https(tmp_path, certificat
 def test_only_a_known_proxy_is_believed_about_addresses(tmp_path):
     def address(config):
         app = create_app(config)
-        with served(app, config) as port:
+        with serve_in_thread(app, config) as port:
             forwarded = {"X-Forwarded-For": "203.0.113.9", "X-Forwarded-Proto": "https"}
             login = {"name": "x", "password": "y"}
             httpx.post(
@@ -95,11 +95,11 @@ def test_only_a_known_proxy_is_believed_about_addresses(tmp_path):
             )
         return set(app.state.attempts._addresses)
 
-    assert address(Config(database=tmp_path / "a.db")) == {"127.0.0.1"}
-    proxied = Config(database=tmp_path / "b.db", proxies=("127.0.0.1",))
+    assert address(ServiceConfig(database=tmp_path / "a.db")) == {"127.0.0.1"}
+    proxied = ServiceConfig(database=tmp_path / "b.db", proxies=("127.0.0.1",))
     assert proxied.is_secure
     assert address(proxied) == {"203.0.113.9"}
-    other = Config(database=tmp_path / "c.db", proxies=("10.0.0.1",))
+    other = ServiceConfig(database=tmp_path / "c.db", proxies=("10.0.0.1",))
     assert address(other) == {"127.0.0.1"}
 
 

@@ -1,7 +1,7 @@
 """Robots and events for tests of the store."""
 
-from rtron.service.store.events import Batch, add_events
-from rtron.service.store.robots import meet_robot
+from rtron.service.store.events import EventBatch, add_events
+from rtron.service.store.robots import register_robot
 from rtron.service.store.tables import AppRow, CoordinationNodeRow
 from rtron.vocabulary import Decision, EventKind, GuardEvent
 
@@ -11,7 +11,7 @@ SECOND = 1_000_000_000
 def new_robot(database, name="robot", nodes=()):
     """Make a robot with an app that has coordination nodes; return its id."""
     with database.session() as session:
-        robot = meet_robot(session, name, 1)
+        robot = register_robot(session, name, 1)
         app = AppRow(robot_id=robot.id, name="app", plan={}, digest="", ros=1, created=1, changed=1)
         session.add(app)
         session.flush()
@@ -35,19 +35,19 @@ def _node(app_id, position, node):
     )
 
 
-def event(number=1, **values):
+def make_event(number=1, **values):
     """Make an event."""
     made = {"run": "run", "at": number * SECOND, "kind": EventKind.OWNER, **values}
     return GuardEvent(number=number, **made)
 
 
-def verdict(number, decision=Decision.DROP, node="grcn", **values):
+def make_verdict(number, decision=Decision.DROP, node="grcn", **values):
     """Make the event of a verdict."""
-    return event(number, kind=EventKind.VERDICT, decision=decision, node=node, **values)
+    return make_event(number, kind=EventKind.VERDICT, decision=decision, node=node, **values)
 
 
-def add(database, robot_id, events, now=1, robot="robot"):
+def store_events(database, robot_id, events, now=1, robot="robot"):
     """Store events; return the rows that are new."""
     with database.session() as session:
-        batch = Batch(robot_id, robot, events)
+        batch = EventBatch(robot_id, robot, events)
         return [each.row for each in add_events(session, now, [batch])]

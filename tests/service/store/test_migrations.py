@@ -9,7 +9,7 @@ from sqlalchemy import create_engine, inspect, text
 
 from rtron.errors import InputError, SourceError
 from rtron.service.store.database import Database
-from rtron.service.store.schema_migration import head, migrate
+from rtron.service.store.schema_migration import head_revision, migrate
 from rtron.service.store.tables import Table
 
 
@@ -17,7 +17,7 @@ def test_migrations_lead_to_the_tables(database):
     with database.engine.connect() as connection:
         context = MigrationContext.configure(connection, opts={"compare_type": True})
         assert compare_metadata(context, Table.metadata) == []
-        assert context.get_current_revision() == head()
+        assert context.get_current_revision() == head_revision()
 
 
 def test_partial_indexes_are_partial(database):
@@ -62,7 +62,9 @@ def test_services_that_start_at_once_migrate_in_turn(where):
 def test_a_newer_schema_is_refused(database, where):
     with database.session() as session:
         session.execute(text("UPDATE alembic_version SET version_num = '9999'"))
-    with pytest.raises(InputError, match=f"9999 is newer than this RTron's {head()}") as raised:
+    with pytest.raises(
+        InputError, match=f"9999 is newer than this RTron's {head_revision()}"
+    ) as raised:
         Database(where)
     assert "newest RTron" in raised.value.help
 

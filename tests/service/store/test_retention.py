@@ -1,9 +1,9 @@
 import pytest
 from sqlalchemy import func, select
-from store_data import add, event, new_robot
+from store_data import make_event, new_robot, store_events
 
-from rtron.service.store.audit import Deed, record
-from rtron.service.store.retention import SLICE, Bounds, forget, used_bytes
+from rtron.service.store.audit import AuditEvent, record_event
+from rtron.service.store.retention import BATCH_EVENTS, RetentionLimits, prune_events, used_bytes
 from rtron.service.store.tables import AuditRow, EventRow, SettingsRow
 from rtron.vocabulary import EventKind
 
@@ -11,40 +11,42 @@ DAY = 86_400_000_000_000
 MUCH = 1 << 40
 
 
-def kept(database):
+def remaining_events(database):
     with database.session() as session:
         return list(session.scalars(select(EventRow.number).order_by(EventRow.id)))
 
 
-@pytest.mark.parametrize("count", [1, SLICE - 1, SLICE, SLICE + 1, 2 * SLICE])
+@pytest.mark.parametrize(
+    "count", [1, BATCH_EVENTS - 1, BATCH_EVENTS, BATCH_EVENTS + 1, 2 * BATCH_EVENTS]
+)
 def test_what_is_too_old_goes_in_slices(database, count):
     robot = new_robot(database)
-    add(database, robot, [event(n) for n in range(1, count + 1)], now=0)
-    add(database, robot, [event(count + 1)], now=DAY)
-    slices = list(forget(database, Bounds(days=1, size=MUCH), 2 * DAY))
-    assert kept(database) == [count + 1]
-    assert max(slices) <= SLICE
+    store_events(database, robot, [make_event(n) for n in range(1, count + 1)], now=0)
+    store_events(database, robot, [make_event(count + 1)], now=DAY)
+    slices = list(prune_events(database, RetentionLimits(max_days=1, max_bytes=MUCH), 2 * DAY))
+    assert remaining_events(database) == [count + 1]
+    assert max(slices) <= BATCH_EVENTS
     assert sum(slices) == count
 
 
 def test_age_is_by_the_clock_of_the_service(database):
     robot = new_robot(database)
-    add(database, robot, [event(1, at=0), event(2, at=1 << 62)], now=3 * DAY)
-    list(forget(database, Bounds(days=1, size=MUCH), 4 * DAY))
-    assert kept(database) == [1, 2]
-    list(forget(database, Bounds(days=1, size=MUCH), 4 * DAY + 1))
-    assert kept(database) == []
+    store_events(database, robot, [make_event(1, at=0), make_event(2, at=1 << 62)], now=3 * DAY)
+    list(prune_events(database, RetentionLimits(max_days=1, max_bytes=MUCH), 4 * DAY))
+    assert remaining_events(database) == [1, 2]
+    list(prune_events(database, RetentionLimits(max_days=1, max_bytes=MUCH), 4 * DAY + 1))
+    assert remaining_events(database) == []
 
 
 def fill(database):
     robot = new_robot(database)
     for first in range(1, 6001, 1000):
-        add(database, robot, [_event(number) for number in range(first, first + 1000)])
+        store_events(database, robot, [_event(number) for number in range(first, first + 1000)])
 
 
 def _event(number):
     kind = EventKind.COUNTS if number % 2 else EventKind.VERDICT
-    return event(number, kind=kind, reason="x" * 200, values={"streams": {}})
+    return make_event(number, kind=kind, reason="x" * 200, values={"streams": {}})
 
 
 def size(database):
@@ -55,9 +57,9 @@ def size(database):
 def shrink(database, bound):
     """Forget, as the service does again and again, until what is used is within a bound."""
     for _ in range(50):
-        list(forget(database, Bounds(days=1000, size=bound), 2))
+        list(prune_events(database, RetentionLimits(max_days=1000, max_bytes=bound), 2))
         if size(database) <= bound:
-            return kept(database)
+            return remaining_events(database)
     raise AssertionError("it does not become small enough")
 
 
@@ -75,19 +77,19 @@ def test_too_much_takes_counts_first_and_the_oldest(database, part):
 
 def test_within_bounds_nothing_goes(database):
     fill(database)
-    list(forget(database, Bounds(days=1000, size=size(database)), 2))
-    assert len(kept(database)) == 6000
+    list(prune_events(database, RetentionLimits(max_days=1000, max_bytes=size(database)), 2))
+    assert len(remaining_events(database)) == 6000
 
 
 def test_settings_and_audit_stay(database):
     robot = new_robot(database)
     with database.session() as session:
-        record(session, 0, Deed(who="me", action="login", target=""))
+        record_event(session, 0, AuditEvent(who="me", action="login", target=""))
         settings = {"by": "me", "reason": "", "outcome": "applied", "error": "", "answered": None}
         session.add(SettingsRow(app_id=1, revision=1, document={}, at=0, **settings))
-    add(database, robot, [event(1)], now=0)
-    list(forget(database, Bounds(days=1, size=0), 1000 * DAY))
-    assert kept(database) == []
+    store_events(database, robot, [make_event(1)], now=0)
+    list(prune_events(database, RetentionLimits(max_days=1, max_bytes=0), 1000 * DAY))
+    assert remaining_events(database) == []
     with database.session() as session:
         for table in (AuditRow, SettingsRow):
             assert session.scalar(select(func.count()).select_from(table)) == 1
@@ -95,9 +97,9 @@ def test_settings_and_audit_stay(database):
 
 def test_others_write_between_slices(database):
     robot = new_robot(database)
-    add(database, robot, [event(n) for n in range(1, 3 * SLICE)], now=0)
-    slices = forget(database, Bounds(days=1, size=MUCH), 2 * DAY)
+    store_events(database, robot, [make_event(n) for n in range(1, 3 * BATCH_EVENTS)], now=0)
+    slices = prune_events(database, RetentionLimits(max_days=1, max_bytes=MUCH), 2 * DAY)
     next(slices)
-    add(database, robot, [event(3 * SLICE)], now=2 * DAY)
+    store_events(database, robot, [make_event(3 * BATCH_EVENTS)], now=2 * DAY)
     list(slices)
-    assert kept(database) == [3 * SLICE]
+    assert remaining_events(database) == [3 * BATCH_EVENTS]

@@ -4,14 +4,19 @@ from threading import Thread
 
 import pytest
 from sqlalchemy import select
-from store_data import SECOND, add, event, new_robot, verdict
+from store_data import SECOND, make_event, make_verdict, new_robot, store_events
 
 from rtron.errors import WireError
 from rtron.service.store.event_pages import EventFilter, event_page
-from rtron.service.store.event_rows import LONGEST_RUN, LONGEST_VALUES, check
-from rtron.service.store.events import Batch, add_events, lost, lost_events
+from rtron.service.store.event_rows import MAX_RUN_LENGTH, MAX_VALUES_LENGTH, check_event
+from rtron.service.store.events import (
+    EventBatch,
+    add_events,
+    lost_event_count,
+    lost_events_by_robot,
+)
 from rtron.service.store.tables import CoordinationNodeRow, EventRow
-from rtron.vocabulary import Decision, EventKind, Level
+from rtron.vocabulary import Decision, EventKind, GuardEventLevel
 
 LARGEST = (1 << 63) - 1
 
@@ -34,22 +39,26 @@ def only(database):
 
 def test_what_is_stored_again_is_not_new(database):
     robot = new_robot(database)
-    assert numbers(add(database, robot, [event(1), event(2)])) == [1, 2]
-    assert numbers(add(database, robot, [event(1), event(2), event(3)])) == [3]
-    assert numbers(add(database, robot, [event(1), event(2), event(3)])) == []
+    assert numbers(store_events(database, robot, [make_event(1), make_event(2)])) == [1, 2]
+    assert numbers(
+        store_events(database, robot, [make_event(1), make_event(2), make_event(3)])
+    ) == [3]
+    assert (
+        numbers(store_events(database, robot, [make_event(1), make_event(2), make_event(3)])) == []
+    )
     with database.session() as session:
         assert session.query(EventRow).count() == 3
 
 
 def test_an_event_twice_in_one_message_is_one(database):
     robot = new_robot(database)
-    assert numbers(add(database, robot, [event(1), event(1)])) == [1]
+    assert numbers(store_events(database, robot, [make_event(1), make_event(1)])) == [1]
 
 
 def test_the_first_that_came_stays(database):
     robot = new_robot(database)
-    add(database, robot, [event(1, reason="first")])
-    add(database, robot, [event(1, reason="second")])
+    store_events(database, robot, [make_event(1, reason="first")])
+    store_events(database, robot, [make_event(1, reason="second")])
     assert only(database).reason == "first"
 
 
@@ -57,12 +66,14 @@ def test_runs_and_robots_are_apart(database):
     robots = {name: new_robot(database, name) for name in ("one", "two")}
     for name, id in robots.items():
         for run in ("a", "b"):
-            assert len(add(database, id, [event(1, run=run)], robot=name)) == 1
+            assert len(store_events(database, id, [make_event(1, run=run)], robot=name)) == 1
 
 
 def test_batches_of_many_robots_are_one_transaction(database):
     batches = [
-        Batch(new_robot(database, name), name, [event(number) for number in range(1, 1500)])
+        EventBatch(
+            new_robot(database, name), name, [make_event(number) for number in range(1, 1500)]
+        )
         for name in ("one", "two", "three")
     ]
     with database.session() as session:
@@ -79,7 +90,9 @@ def test_writers_at_once_store_each_event_once(database):
 
     def write():
         for first in range(1, 201, 50):
-            new.extend(add(database, robot, [event(n) for n in range(first, first + 50)]))
+            new.extend(
+                store_events(database, robot, [make_event(n) for n in range(first, first + 50)])
+            )
 
     threads = [Thread(target=write) for _ in range(4)]
     for thread in threads:
@@ -90,33 +103,33 @@ def test_writers_at_once_store_each_event_once(database):
 
 
 def test_no_events(database):
-    assert add(database, new_robot(database), []) == []
+    assert store_events(database, new_robot(database), []) == []
 
 
 def test_ids_are_never_used_again(database):
     robot = new_robot(database)
-    before = add(database, robot, [event(1)])[0]["id"]
+    before = store_events(database, robot, [make_event(1)])[0]["id"]
     with database.session() as session:
         session.query(EventRow).delete()
-    assert add(database, robot, [event(2)])[0]["id"] > before
+    assert store_events(database, robot, [make_event(2)])[0]["id"] > before
 
 
 @pytest.mark.parametrize(
     ("what", "counts"),
     [
-        (verdict(1), True),
-        (verdict(1, Decision.MODIFY), True),
-        (verdict(1, Decision.PASS), False),
-        (verdict(1, Decision.HOLD), False),
-        (event(1, kind=EventKind.STOP, node="grcn", level=Level.WARNING), True),
-        (event(1, kind=EventKind.RULE, node="grcn", level=Level.WARNING), True),
-        (event(1, kind=EventKind.RULE, node="grcn"), False),
-        (event(1, kind=EventKind.ALARM, node="grcn", level=Level.ERROR), False),
-        (event(1, kind=EventKind.OWNER, node="grcn", decision=Decision.DROP), False),
+        (make_verdict(1), True),
+        (make_verdict(1, Decision.MODIFY), True),
+        (make_verdict(1, Decision.PASS), False),
+        (make_verdict(1, Decision.HOLD), False),
+        (make_event(1, kind=EventKind.STOP, node="grcn", level=GuardEventLevel.WARNING), True),
+        (make_event(1, kind=EventKind.RULE, node="grcn", level=GuardEventLevel.WARNING), True),
+        (make_event(1, kind=EventKind.RULE, node="grcn"), False),
+        (make_event(1, kind=EventKind.ALARM, node="grcn", level=GuardEventLevel.ERROR), False),
+        (make_event(1, kind=EventKind.OWNER, node="grcn", decision=Decision.DROP), False),
     ],
 )
 def test_a_violation_is_kept_with_its_node(database, what, counts):
-    add(database, new_robot(database, nodes=["grcn", "other"]), [what])
+    store_events(database, new_robot(database, nodes=["grcn", "other"]), [what])
     triggered, kept = violation(database)
     assert (triggered == SECOND) is counts
     assert (kept is not None and kept["kind"] == what.kind) is counts
@@ -125,44 +138,48 @@ def test_a_violation_is_kept_with_its_node(database, what, counts):
 
 def test_the_newest_violation_stays(database):
     robot = new_robot(database, nodes=["grcn"])
-    add(database, robot, [verdict(1), verdict(5, reason="newest"), event(6)])
-    add(database, robot, [verdict(3)])
+    store_events(
+        database, robot, [make_verdict(1), make_verdict(5, reason="newest"), make_event(6)]
+    )
+    store_events(database, robot, [make_verdict(3)])
     triggered, kept = violation(database)
     assert (triggered, kept["reason"], kept["robot"]) == (5 * SECOND, "newest", "robot")
 
 
 def test_a_violation_that_comes_again_changes_nothing(database):
     robot = new_robot(database, nodes=["grcn"])
-    add(database, robot, [verdict(1)])
+    store_events(database, robot, [make_verdict(1)])
     with database.session() as session:
         session.scalars(select(CoordinationNodeRow)).one().triggered = None
-    add(database, robot, [verdict(1)])
+    store_events(database, robot, [make_verdict(1)])
     assert violation(database)[0] is None
 
 
 def test_texts_fit_their_columns(database):
     names = ("node", "topic", "flow", "publisher", "reason")
-    add(database, new_robot(database), [event(1, **dict.fromkeys(names, "ü" * 5000))])
+    store_events(database, new_robot(database), [make_event(1, **dict.fromkeys(names, "ü" * 5000))])
     assert len(only(database).reason) == 1000
 
 
 def test_nul_is_no_text_for_postgresql(database):
-    add(database, new_robot(database), [event(1, reason="a\0b", values={"a\0": "\0"})])
+    store_events(
+        database, new_robot(database), [make_event(1, reason="a\0b", values={"a\0": "\0"})]
+    )
     found = only(database)
     assert (found.reason, found.values) == ("a\ufffdb", {"a\0": "\0"})
 
 
 def test_numbers_that_json_does_not_have(database):
     values = {"a": [math.nan, {"b": -math.inf}], "c": 1.5, "d": 10**400}
-    add(database, new_robot(database), [event(1, values=values)])
+    store_events(database, new_robot(database), [make_event(1, values=values)])
     assert only(database).values == {"a": [None, {"b": None}], "c": 1.5, "d": 10**400}
 
 
 @pytest.mark.parametrize("extra", [-1, 0, 1])
 def test_values_are_bounded(database, extra):
-    values = {"a": "x" * (LONGEST_VALUES - len(json.dumps({"a": ""})) + extra)}
-    add(database, new_robot(database), [event(1, values=values)])
-    expected = {"left_out": LONGEST_VALUES + 1} if extra > 0 else values
+    values = {"a": "x" * (MAX_VALUES_LENGTH - len(json.dumps({"a": ""})) + extra)}
+    store_events(database, new_robot(database), [make_event(1, values=values)])
+    expected = {"left_out": MAX_VALUES_LENGTH + 1} if extra > 0 else values
     assert only(database).values == expected
 
 
@@ -170,7 +187,7 @@ def test_values_are_bounded(database, extra):
     "values",
     [
         {"run": ""},
-        {"run": "x" * (LONGEST_RUN + 1)},
+        {"run": "x" * (MAX_RUN_LENGTH + 1)},
         {"run": "a\0"},
         {"number": 0},
         {"number": LARGEST + 1},
@@ -182,20 +199,20 @@ def test_values_are_bounded(database, extra):
 )
 def test_an_event_without_a_name_is_refused(values):
     with pytest.raises(WireError):
-        check(event(**{"number": 1, **values}))
+        check_event(make_event(**{"number": 1, **values}))
 
 
 def test_the_largest_numbers_are_stored(database):
-    largest = event(LARGEST, run="x" * LONGEST_RUN, at=LARGEST, revision=LARGEST)
-    check(largest)
-    assert len(add(database, new_robot(database), [largest])) == 1
+    largest = make_event(LARGEST, run="x" * MAX_RUN_LENGTH, at=LARGEST, revision=LARGEST)
+    check_event(largest)
+    assert len(store_events(database, new_robot(database), [largest])) == 1
 
 
 def test_what_was_lost_is_summed_by_robot(database):
     robots = {name: new_robot(database, name) for name in ("one", "two")}
     for number, count in enumerate((3, 4, "many", True, -1), start=1):
-        told = event(number, kind=EventKind.LOST, values={"events": count})
-        add(database, robots["one"], [told], robot="one")
+        told = make_event(number, kind=EventKind.LOST, values={"events": count})
+        store_events(database, robots["one"], [told], robot="one")
     with database.session() as session:
-        assert lost_events(session) == {"one": 7}
-    assert lost({}) == 0
+        assert lost_events_by_robot(session) == {"one": 7}
+    assert lost_event_count({}) == 0

@@ -25,7 +25,7 @@ def twist(x):
     return struct.pack("<6d", x, 0, 0, 0, 0, 0)
 
 
-def connect1(writer, topic="/cmd_vel", type="geometry_msgs/msg/Twist", **more):
+def add_ros1_connection(writer, topic="/cmd_vel", type="geometry_msgs/msg/Twist", **more):
     return writer.add_connection(topic, type, msgdef=TWIST, md5sum=TWIST_MD5, **more)
 
 
@@ -36,7 +36,7 @@ def ros1_bag(path, times=range(1, 101), *, packed=None, chunk=2**20, callers=("/
     if packed:
         writer.set_compression(PACKED[packed])
     with writer:
-        streams = [connect1(writer, callerid=caller, latching=0) for caller in callers]
+        streams = [add_ros1_connection(writer, callerid=caller, latching=0) for caller in callers]
         for number, time in enumerate(times):
             writer.write(streams[number % len(streams)], int(time * SECOND), twist(number))
     return path
@@ -62,19 +62,21 @@ def ros2_bag(folder, storage="mcap", times=range(1, 101), *, mode=None, version=
     if mode:
         writer.set_compression(CompressionMode[mode.upper()], CompressionFormat.ZSTD)
     with writer:
-        streams = [connect2(writer, topic, **more) for topic in ("/cmd_vel", "/other/cmd_vel")]
+        streams = [
+            add_ros2_connection(writer, topic, **more) for topic in ("/cmd_vel", "/other/cmd_vel")
+        ]
         for number, time in enumerate(times):
             writer.write(streams[number % 2], int(time * SECOND), b"\0\1\0\0" + twist(number))
     return folder
 
 
-def connect2(writer, topic, **more):
+def add_ros2_connection(writer, topic, **more):
     type = "geometry_msgs/msg/Twist"
     more = {"msgdef": TWIST, "rihs01": "RIHS01_0"} | more
     return writer.add_connection(topic, type, **more)
 
 
-def record1(header, data=b""):
+def ros1_record(header, data=b""):
     """Return a record of a ROS 1 bag."""
     fields = b"".join(
         struct.pack("<I", len(name) + 1 + len(value)) + name + b"=" + value
@@ -83,16 +85,16 @@ def record1(header, data=b""):
     return struct.pack("<I", len(fields)) + fields + struct.pack("<I", len(data)) + data
 
 
-def message1(conn, seconds, data, order=(b"conn", b"op", b"time")):
+def ros1_message_record(conn, seconds, data, order=(b"conn", b"op", b"time")):
     values = {
         b"op": b"\x02",
         b"conn": struct.pack("<I", conn),
         b"time": struct.pack("<II", seconds, 0),
     }
-    return record1({name: values[name] for name in order}, data)
+    return ros1_record({name: values[name] for name in order}, data)
 
 
-def connection1(conn, topic, **fields):
+def ros1_connection_record(conn, topic, **fields):
     outer = {b"op": b"\x07", b"conn": struct.pack("<I", conn), b"topic": topic.encode()}
     inner = {"type": "geometry_msgs/Twist", "md5sum": TWIST_MD5, "message_definition": ""} | fields
     data = b"".join(
@@ -101,18 +103,20 @@ def connection1(conn, topic, **fields):
             (n, v if isinstance(v, bytes) else v.encode()) for n, v in inner.items()
         )
     )
-    return record1(outer, data)
+    return ros1_record(outer, data)
 
 
-def raw_ros1_bag(path, chunks, *, connections=None, counts=None, infos=None):
+def write_ros1_records(path, chunks, *, connections=None, counts=None, infos=None):
     """Write a ROS 1 bag of chunks: each (first second, compression, unpacked size, data)."""
-    connections = connections or [connection1(0, "/cmd_vel", callerid="/a")]
+    connections = connections or [ros1_connection_record(0, "/cmd_vel", callerid="/a")]
     body, places = b"", []
     for start, compression, size, data in chunks:
         places.append((start, 13 + 4096 + len(body)))
         header = {b"op": b"\x05", b"compression": compression, b"size": struct.pack("<I", size)}
-        body += record1(header, data)
-    index = b"".join(connections) + b"".join(chunk_info1(*place) for place in infos or places)
+        body += ros1_record(header, data)
+    index = b"".join(connections) + b"".join(
+        ros1_chunk_info_record(*place) for place in infos or places
+    )
     counts = counts or (len(connections), len(infos or places))
     header = {
         b"op": b"\x03",
@@ -120,12 +124,12 @@ def raw_ros1_bag(path, chunks, *, connections=None, counts=None, infos=None):
         b"conn_count": struct.pack("<I", counts[0]),
         b"chunk_count": struct.pack("<I", counts[1]),
     }
-    padding = b" " * (4096 - len(record1(header)))
-    path.write_bytes(b"#ROSBAG V2.0\n" + record1(header, padding) + body + index)
+    padding = b" " * (4096 - len(ros1_record(header)))
+    path.write_bytes(b"#ROSBAG V2.0\n" + ros1_record(header, padding) + body + index)
     return path
 
 
-def chunk_info1(start, place):
+def ros1_chunk_info_record(start, place):
     time = struct.pack("<II", start, 0)
     header = {
         b"op": b"\x06",
@@ -135,7 +139,7 @@ def chunk_info1(start, place):
         b"end_time": time,
         b"count": struct.pack("<I", 1),
     }
-    return record1(header, struct.pack("<II", 0, 1))
+    return ros1_record(header, struct.pack("<II", 0, 1))
 
 
 MCAP = b"\x89MCAP0\r\n"
@@ -146,46 +150,46 @@ def text(value):
     return struct.pack("<I", len(data)) + data
 
 
-def record2(kind, data):
+def mcap_record(kind, data):
     """Return a record of an MCAP file."""
     return struct.pack("<BQ", kind, len(data)) + data
 
 
 def schema(id=1, name="geometry_msgs/Twist", encoding="ros1msg", definition=TWIST):
-    return record2(3, struct.pack("<H", id) + text(name) + text(encoding) + text(definition))
+    return mcap_record(3, struct.pack("<H", id) + text(name) + text(encoding) + text(definition))
 
 
 def channel(id=1, topic="/cmd_vel", encoding="ros1", metadata=None, schema=1):
     pairs = b"".join(text(key) + text(value) for key, value in (metadata or {}).items())
     ids = struct.pack("<HH", id, schema)
     packed = struct.pack("<I", len(pairs)) + pairs
-    return record2(4, ids + text(topic) + text(encoding) + packed)
+    return mcap_record(4, ids + text(topic) + text(encoding) + packed)
 
 
-def message2(channel, time, data):
-    return record2(5, struct.pack("<HIQQ", channel, 0, time, time) + data)
+def mcap_message_record(channel, time, data):
+    return mcap_record(5, struct.pack("<HIQQ", channel, 0, time, time) + data)
 
 
-def chunk2(start, data, *, compression="", size=None):
+def mcap_chunk_record(start, data, *, compression="", size=None):
     """Return a chunk's record and the size it declares."""
     size = len(data) if size is None else size
     head = struct.pack("<QQQI", start, start, size, 0) + text(compression)
-    return record2(6, head + struct.pack("<Q", len(data)) + data), size
+    return mcap_record(6, head + struct.pack("<Q", len(data)) + data), size
 
 
 def chunk_index(start, at, length, size):
     data = struct.pack("<QQQQ", start, start, at, length) + struct.pack("<IQ", 0, 0) + text("")
-    return record2(8, data + struct.pack("<QQ", length, size))
+    return mcap_record(8, data + struct.pack("<QQ", length, size))
 
 
-def raw_mcap(path, summary, *, body=b"", chunks=(), start=None):
+def write_mcap_records(path, summary, *, body=b"", chunks=(), start=None):
     """Write an MCAP: a body as it is, then chunks of (first time, (record, unpacked size))."""
-    data = MCAP + record2(1, text("ros1") + text("tests")) + body
+    data = MCAP + mcap_record(1, text("ros1") + text("tests")) + body
     for first, (record, size) in chunks:
         summary += chunk_index(first, len(data), len(record), size)
         data += record
-    data += record2(15, struct.pack("<I", 0))
+    data += mcap_record(15, struct.pack("<I", 0))
     at = len(data) if start is None else start
-    footer = record2(2, struct.pack("<QQI", at, 0, 0))
+    footer = mcap_record(2, struct.pack("<QQI", at, 0, 0))
     path.write_bytes(data + summary + footer + MCAP)
     return path

@@ -13,29 +13,29 @@ import pytest
 from bag_files import (
     MCAP,
     channel,
-    chunk2,
-    connection1,
-    message1,
-    message2,
-    raw_mcap,
-    raw_ros1_bag,
-    record1,
-    record2,
+    mcap_chunk_record,
+    mcap_message_record,
+    mcap_record,
     ros1_bag,
+    ros1_connection_record,
+    ros1_message_record,
+    ros1_record,
     ros2_bag,
     schema,
+    write_mcap_records,
+    write_ros1_records,
 )
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from rtron.errors import InputError
 from rtron.sources.bag.common import limits
-from rtron.sources.bag.common.compression import unpack, unpack_zstd
-from rtron.sources.bag.formats import read_messages
+from rtron.sources.bag.common.compression import decompress, decompress_zstd
+from rtron.sources.bag.formats import open_bag
 from rtron.sources.bag.mcap import record
 from rtron.sources.bag.ros1 import chunk, reader, record
 from rtron.sources.bag.ros2 import sqlite
-from rtron.sources.bag.ros2.offered_qos import offered_qos
+from rtron.sources.bag.ros2.offered_qos import parse_offered_qos
 from rtron.vocabulary import QoS
 
 MEBIBYTE = 2**20
@@ -43,7 +43,7 @@ MEBIBYTE = 2**20
 
 def fault(path):
     with pytest.raises(InputError) as raised:
-        list(read_messages(path))
+        list(open_bag(path))
     assert str(raised.value).startswith(str(path))
     assert raised.value.help
     return str(raised.value)
@@ -73,7 +73,7 @@ def test_paths_that_are_no_bags(tmp_path):
 
 def fault_of_folder(path):
     with pytest.raises(InputError) as raised:
-        read_messages(path)
+        open_bag(path)
     return str(raised.value)
 
 
@@ -82,9 +82,9 @@ def test_an_old_bag_and_one_that_was_not_closed(tmp_path):
     path.write_bytes(b"#ROSBAG V1.2\n")
     assert "another version" in fault(path)
     header = {b"op": b"\x03", b"index_pos": bytes(8), b"conn_count": bytes(4)}
-    path.write_bytes(b"#ROSBAG V2.0\n" + record1(header))
+    path.write_bytes(b"#ROSBAG V2.0\n" + record(header))
     assert "was not closed" in fault(path)
-    path.write_bytes(b"#ROSBAG V2.0\n" + record1({b"op": b"\x03", b"encryptor": b"x"}))
+    path.write_bytes(b"#ROSBAG V2.0\n" + record({b"op": b"\x03", b"encryptor": b"x"}))
     assert "encrypted" in fault(path)
 
 
@@ -98,17 +98,17 @@ def test_an_old_bag_and_one_that_was_not_closed(tmp_path):
         ({"infos": [(1, 13)]}, "points to no chunk"),
         ({"infos": [(1, 13 + 4096)] * 1000}, "number of entries"),
         ({"infos": [(2, 13 + 4096)]}, "wrong time for a chunk"),
-        ({"connections": [connection1(7, "/x")]}, "a message of no connection (0)"),
-        ({"connections": [record1({b"op": b"\x07"})]}, "no field 'topic'"),
-        ({"connections": [connection1(0, "/x", callerid=b"\xff")]}, "can't decode"),
-        ({"connections": [connection1(0, "/x", type=b"\xff")]}, "can't decode"),
-        ({"connections": [record1({b"op": b"\x09"})]}, "another kind"),
+        ({"connections": [ros1_connection_record(7, "/x")]}, "a message of no connection (0)"),
+        ({"connections": [record({b"op": b"\x07"})]}, "no field 'topic'"),
+        ({"connections": [ros1_connection_record(0, "/x", callerid=b"\xff")]}, "can't decode"),
+        ({"connections": [ros1_connection_record(0, "/x", type=b"\xff")]}, "can't decode"),
+        ({"connections": [record({b"op": b"\x09"})]}, "another kind"),
         ({"connections": [b"\xff\xff\xff\xff"]}, "a record of 4294967295 bytes"),
     ],
 )
 def test_an_index_that_lies(tmp_path, damage, said):
-    data = message1(0, 1, b"x")
-    assert said in fault(raw_ros1_bag(tmp_path / "x.bag", [chunk1(data)], **damage))
+    data = ros1_message_record(0, 1, b"x")
+    assert said in fault(write_ros1_records(tmp_path / "x.bag", [chunk1(data)], **damage))
 
 
 @pytest.mark.parametrize(
@@ -118,17 +118,17 @@ def test_an_index_that_lies(tmp_path, damage, said):
         (chunk1(b"x" * 10, size=11), "does not unpack to the 11 bytes"),
         (chunk1(b"x" * 10, compression=b"bz2"), "no bz2"),
         (chunk1(b"x" * 10, compression=b"lz4"), "no lz4"),
-        (chunk1(b"x" * 10, size=limits.MAX_CHUNK + 1), "more than 268435456"),
-        (chunk1(message1(0, 1, b"xyz")[:-1]), "longer than its chunk"),
-        (chunk1(message1(0, 1, b"xyz") + b"\0" * 3), "wrong size"),
+        (chunk1(b"x" * 10, size=limits.MAX_CHUNK_BYTES + 1), "more than 268435456"),
+        (chunk1(ros1_message_record(0, 1, b"xyz")[:-1]), "longer than its chunk"),
+        (chunk1(ros1_message_record(0, 1, b"xyz") + b"\0" * 3), "wrong size"),
         (chunk1(b"\xff" * 50), "longer than its chunk"),
-        (chunk1(record1({b"op": b"\x06"})), "no message and no connection"),
-        (chunk1(record1({b"op": b"\x02", b"conn": bytes(4), b"time": b"x"})), "wrong size"),
-        (chunk1(message1(9, 1, b"")), "no connection (9)"),
+        (chunk1(record({b"op": b"\x06"})), "no message and no connection"),
+        (chunk1(record({b"op": b"\x02", b"conn": bytes(4), b"time": b"x"})), "wrong size"),
+        (chunk1(ros1_message_record(9, 1, b"")), "no connection (9)"),
     ],
 )
 def test_a_chunk_that_lies(tmp_path, chunk, said):
-    assert said in fault(raw_ros1_bag(tmp_path / "x.bag", [chunk]))
+    assert said in fault(write_ros1_records(tmp_path / "x.bag", [chunk]))
 
 
 def packed_by(compression, data):
@@ -149,18 +149,18 @@ def test_a_bomb_unpacks_no_further_than_it_says(compression):
     tracemalloc.start()
     for size in (0, MEBIBYTE):
         with pytest.raises(limits.DamageError, match="does not unpack"):
-            unpack(compression, bomb, size)
+            decompress(compression, bomb, size)
     _, most = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     assert most < 4 * MEBIBYTE
-    assert unpack(compression, bomb, 64 * MEBIBYTE) == bytes(64 * MEBIBYTE)
+    assert decompress(compression, bomb, 64 * MEBIBYTE) == bytes(64 * MEBIBYTE)
 
 
 def test_a_packed_message_unpacks_to_its_limit():
     packed = zstd().compress(b"x" * 100)
-    assert unpack_zstd(packed, 100) == b"x" * 100
+    assert decompress_zstd(packed, 100) == b"x" * 100
     with pytest.raises(limits.DamageError, match="more than 99 bytes"):
-        unpack_zstd(packed, 99)
+        decompress_zstd(packed, 99)
 
 
 def test_a_message_that_is_not_packed_as_its_bag_says(tmp_path):
@@ -172,36 +172,38 @@ def test_a_message_that_is_not_packed_as_its_bag_says(tmp_path):
 
 @pytest.mark.parametrize("text", ["", "x", "- " * 10**5, "- depth: x\n", "-\n" * 100])
 def test_qos_that_is_none(text):
-    assert set(offered_qos(text)) <= {QoS()}
+    assert set(parse_offered_qos(text)) <= {QoS()}
 
 
 def test_qos_of_so_many_publishers():
-    assert len(offered_qos("- depth: 1\n" * 100)) == 100
-    assert offered_qos("- depth: 7\n" * 101) == (QoS(depth=7),) * 100
+    assert len(parse_offered_qos("- depth: 1\n" * 100)) == 100
+    assert parse_offered_qos("- depth: 7\n" * 101) == (QoS(depth=7),) * 100
 
 
 def test_a_bag_may_unpack_to_so_many_times_its_size(tmp_path, monkeypatch):
-    data = b"".join(message1(0, 1, bytes(1000)) for _ in range(1000))
+    data = b"".join(ros1_message_record(0, 1, bytes(1000)) for _ in range(1000))
     packed = bz2.compress(data)
     chunks = [chunk1(packed, compression=b"bz2", size=len(data))] * 5
-    path = raw_ros1_bag(tmp_path / "x.bag", chunks)
+    path = write_ros1_records(tmp_path / "x.bag", chunks)
     monkeypatch.setattr(limits, "_ALWAYS_UNPACKED", 5 * len(data))
     monkeypatch.setattr(limits, "_MOST_PER_BYTE", 10)
-    assert len(list(read_messages(path))) == 5000
+    assert len(list(open_bag(path))) == 5000
     monkeypatch.setattr(limits, "_ALWAYS_UNPACKED", 5 * len(data) - 1)
     assert "10 times its size" in fault(path)
 
 
 def test_messages_in_a_chunk_are_counted(tmp_path, monkeypatch):
-    data = message1(0, 1, b"") * 4
-    ros1_path = raw_ros1_bag(tmp_path / "x.bag", [chunk1(data)])
+    data = ros1_message_record(0, 1, b"") * 4
+    ros1_path = write_ros1_records(tmp_path / "x.bag", [chunk1(data)])
     summary = schema() + channel()
-    mcap_path = raw_mcap(
-        tmp_path / "x.mcap", summary, chunks=[(1, chunk2(1, message2(1, 1, b"") * 4))]
+    mcap_path = write_mcap_records(
+        tmp_path / "x.mcap",
+        summary,
+        chunks=[(1, mcap_chunk_record(1, mcap_message_record(1, 1, b"") * 4))],
     )
     for module in (chunk, record):
         monkeypatch.setattr(module, "MAX_CHUNK_MESSAGES", 5)
-    assert len(list(read_messages(ros1_path))) == len(list(read_messages(mcap_path))) == 4
+    assert len(list(open_bag(ros1_path))) == len(list(open_bag(mcap_path))) == 4
     for module in (chunk, record):
         monkeypatch.setattr(module, "MAX_CHUNK_MESSAGES", 3)
     assert "more than 3 messages" in fault(ros1_path)
@@ -210,14 +212,14 @@ def test_messages_in_a_chunk_are_counted(tmp_path, monkeypatch):
 
 def test_an_index_larger_than_allowed(tmp_path, monkeypatch):
     path = ros1_bag(tmp_path / "x.bag")
-    monkeypatch.setattr(record.RecordFile.__init__, "__defaults__", (300,))
+    monkeypatch.setattr(record.RecordReader.__init__, "__defaults__", (300,))
     assert "an index of more than" in fault(path)
 
 
 def test_connections_are_counted(tmp_path, monkeypatch):
     path = ros1_bag(tmp_path / "x.bag")
     monkeypatch.setattr(reader, "MAX_CONNECTIONS", 2)
-    assert len(list(read_messages(path))) == 100
+    assert len(list(open_bag(path))) == 100
     monkeypatch.setattr(reader, "MAX_CONNECTIONS", 1)
     assert "more than 1 connections" in fault(path)
 
@@ -225,30 +227,54 @@ def test_connections_are_counted(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("summary", "more", "said"),
     [
-        (b"", {"chunks": [(1, chunk2(1, b""))]}, "names no channels"),
+        (b"", {"chunks": [(1, mcap_chunk_record(1, b""))]}, "names no channels"),
         (b"", {"start": 0}, "no summary"),
         (b"", {"start": 2**63}, "not where it should be"),
         (b"", {"start": 1}, "not where it should be"),
-        (record2(3, b"x"), {}, "shorter than its values"),
+        (record(3, b"x"), {}, "shorter than its values"),
         (b"\x04" + b"\xff" * 8, {}, "longer than what it is in"),
-        (record2(4, struct.pack("<HHI", 1, 1, 2**32 - 1)), {}, "shorter than its values"),
+        (record(4, struct.pack("<HHI", 1, 1, 2**32 - 1)), {}, "shorter than its values"),
         (channel(metadata={"a": "b"})[:-1] + b"\xff", {}, "can't decode"),
-        (channel(), {"body": message2(9, 1, b"")}, "no channel (9)"),
-        (channel(), {"body": message2(1, 2, b"") + message2(1, 1, b"")}, "out of order"),
-        (channel(), {"body": chunk2(1, b"")[0]}, "does not say where its chunks are"),
+        (channel(), {"body": mcap_message_record(9, 1, b"")}, "no channel (9)"),
+        (
+            channel(),
+            {"body": mcap_message_record(1, 2, b"") + mcap_message_record(1, 1, b"")},
+            "out of order",
+        ),
+        (channel(), {"body": mcap_chunk_record(1, b"")[0]}, "does not say where its chunks are"),
         (channel(), {"body": struct.pack("<BQ", 5, 2**62)}, "a record of"),
         (channel(), {"body": struct.pack("<BQH", 5, 2**20, 1)}, "cut off"),
-        (channel(), {"chunks": [(1, chunk2(1, b"x" * 9, compression="zstd"))]}, "no zstd"),
-        (channel(), {"chunks": [(1, chunk2(1, b"x" * 9, size=8))]}, "does not unpack"),
-        (channel(), {"chunks": [(1, chunk2(1, message2(9, 1, b"")))]}, "no channel (9)"),
-        (channel(), {"chunks": [(1, chunk2(1, message2(1, 1, b"xyz")[:-1]))]}, "longer than its"),
-        (channel(), {"chunks": [(2, chunk2(1, message2(1, 1, b"")))]}, "wrong time"),
-        (channel(), {"chunks": [(2, chunk2(1, b"", size=2**40))]}, "unpacks to 1099511627776"),
-        (channel(), {"chunks": [(2, (record2(5, bytes(40)), 40))]}, "points to no chunk"),
+        (
+            channel(),
+            {"chunks": [(1, mcap_chunk_record(1, b"x" * 9, compression="zstd"))]},
+            "no zstd",
+        ),
+        (channel(), {"chunks": [(1, mcap_chunk_record(1, b"x" * 9, size=8))]}, "does not unpack"),
+        (
+            channel(),
+            {"chunks": [(1, mcap_chunk_record(1, mcap_message_record(9, 1, b"")))]},
+            "no channel (9)",
+        ),
+        (
+            channel(),
+            {"chunks": [(1, mcap_chunk_record(1, mcap_message_record(1, 1, b"xyz")[:-1]))]},
+            "longer than its",
+        ),
+        (
+            channel(),
+            {"chunks": [(2, mcap_chunk_record(1, mcap_message_record(1, 1, b"")))]},
+            "wrong time",
+        ),
+        (
+            channel(),
+            {"chunks": [(2, mcap_chunk_record(1, b"", size=2**40))]},
+            "unpacks to 1099511627776",
+        ),
+        (channel(), {"chunks": [(2, (record(5, bytes(40)), 40))]}, "points to no chunk"),
     ],
 )
 def test_an_mcap_that_lies(tmp_path, summary, more, said):
-    assert said in fault(raw_mcap(tmp_path / "x.mcap", summary, **more))
+    assert said in fault(write_mcap_records(tmp_path / "x.mcap", summary, **more))
 
 
 def test_a_ros1_bag_that_was_cut_off(tmp_path):
@@ -314,7 +340,7 @@ def test_a_database_that_lies_or_computes(tmp_path, statements, said):
 def test_a_table_of_topics_is_small(tmp_path, monkeypatch):
     path = database(tmp_path / "x.db3", TOPICS + MESSAGES + TOPIC * 9)
     monkeypatch.setattr(sqlite, "MAX_CONNECTIONS", 8)
-    assert list(read_messages(path)) == []
+    assert list(open_bag(path)) == []
     monkeypatch.setattr(sqlite, "MAX_CONNECTIONS", 7)
     assert "too large" in fault(path)
     monkeypatch.setattr(sqlite, "MAX_CONNECTIONS", 8)
@@ -325,7 +351,7 @@ def test_a_table_of_topics_is_small(tmp_path, monkeypatch):
 def test_a_query_takes_so_many_steps(tmp_path, monkeypatch):
     rows = "INSERT INTO messages VALUES(1, 1, 1, x'00');" * 2000
     path = database(tmp_path / "x.db3", TOPICS + MESSAGES + TOPIC + rows)
-    assert len(list(read_messages(path))) == 2000
+    assert len(list(open_bag(path))) == 2000
     monkeypatch.setattr(sqlite, "_STEPS_ALWAYS", 0)
     monkeypatch.setattr(sqlite, "_STEPS_PER_BYTE", 0)
     monkeypatch.setattr(sqlite, "_STEPS", 1000)
@@ -361,13 +387,13 @@ METADATA = """rosbag2_bagfile_information:
         ("version: 9", "compression_mode: MESSAGE", "not by zstd"),
     ],
 )
-def test_metadata_that_lies(tmp_path, found, replaced, said):
+def test_metadata_that_lies(tmp_path, fake_study, replaced, said):
     folder = ros2_bag(tmp_path / "run", "mcap")
     (tmp_path / "secret.mcap").write_bytes((folder / "run.mcap").read_bytes())
     os.mkfifo(folder / "pipe.mcap")
     (folder / "metadata.yaml").write_text(METADATA)
-    assert len(list(read_messages(folder))) == 100
-    (folder / "metadata.yaml").write_text(METADATA.replace(found, replaced))
+    assert len(list(open_bag(folder))) == 100
+    (folder / "metadata.yaml").write_text(METADATA.replace(fake_study, replaced))
     assert said in fault(folder)
 
 
@@ -399,7 +425,7 @@ def read_what_can_be(path):
     """Return how many messages there are, and the InputError if there is one."""
     found = 0
     try:
-        for _ in read_messages(path):
+        for _ in open_bag(path):
             found += 1
     except InputError as error:
         return found, error

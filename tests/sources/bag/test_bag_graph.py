@@ -1,12 +1,21 @@
 """The graph of a bag: who published what, and what a bag cannot tell."""
 
 import pytest
-from bag_files import channel, connect1, qos, raw_mcap, ros1_bag, ros2_bag, schema, twist
+from bag_files import (
+    add_ros1_connection,
+    channel,
+    qos,
+    ros1_bag,
+    ros2_bag,
+    schema,
+    twist,
+    write_mcap_records,
+)
 from rosbags.rosbag1 import Writer as Writer1
 
 from rtron.errors import InputError
-from rtron.risks import discover
-from rtron.sources.bag.graph import Bag
+from rtron.risks import discover_risks
+from rtron.sources.bag.graph import BagSource
 from rtron.sources.graph_json import graph_to_json
 from rtron.vocabulary import (
     Action,
@@ -25,8 +34,8 @@ def recorded(path, *publishers):
     """Write a bag with a message of each (node, topic, type)."""
     with Writer1(path) as writer:
         for time, (node, topic, type) in enumerate(publishers, 1):
-            writer.write(connect1(writer, topic, type, callerid=node), time, twist(0))
-    return Bag(path).read()
+            writer.write(add_ros1_connection(writer, topic, type, callerid=node), time, twist(0))
+    return BagSource(path).read()
 
 
 def unresolved(graph):
@@ -42,9 +51,9 @@ def test_publishers_are_those_of_the_connections(tmp_path):
             ("/map_server", "/map", 1),
             ("/map_server", "/rosout", 0),
         ):
-            stream = connect1(writer, topic, callerid=node, latching=latching)
+            stream = add_ros1_connection(writer, topic, callerid=node, latching=latching)
             writer.write(stream, 1, twist(0))
-    graph = Bag(path).read()
+    graph = BagSource(path).read()
     assert (graph.app, graph.ros) == ("run.bag", 1)
     assert [node.name for node in graph.nodes] == ["/planner", "/keyboard", "/map_server"]
     assert [each.node for each in graph.publishers("/cmd_vel")] == ["/planner", "/keyboard"]
@@ -65,9 +74,9 @@ def test_a_node_that_came_back_is_one(tmp_path):
     path = tmp_path / "run.bag"
     with Writer1(path) as writer:
         for latching in (None, 0):
-            stream = connect1(writer, callerid="/a", latching=latching)
+            stream = add_ros1_connection(writer, callerid="/a", latching=latching)
             writer.write(stream, 1, twist(0))
-    assert len(Bag(path).read().endpoints) == 1
+    assert len(BagSource(path).read().endpoints) == 1
 
 
 def test_a_topic_with_two_types_has_both(tmp_path):
@@ -87,7 +96,7 @@ def test_a_connection_without_caller_names_no_publisher(tmp_path):
 @pytest.mark.parametrize("storage", ["mcap", "sqlite3"])
 def test_a_ros2_bag_names_topics_only(tmp_path, storage):
     path = ros2_bag(tmp_path / "run", storage, offered_qos_profiles=[qos(), qos()])
-    graph = Bag(path).read()
+    graph = BagSource(path).read()
     assert (graph.app, graph.ros) == ("run", 2)
     assert (graph.nodes, graph.endpoints) == ((), ())
     type = ("geometry_msgs/msg/Twist",)
@@ -98,13 +107,13 @@ def test_a_ros2_bag_names_topics_only(tmp_path, storage):
     why = "the bag does not name its publishers, only that there were 2"
     assert unresolved(graph)["/cmd_vel"] == why
     assert graph.unresolved[0].evidence == (Evidence(file=str(path)),)
-    assert discover(graph).risks == ()
+    assert discover_risks(graph).risks == ()
 
 
 def test_an_mcap_of_ros1_and_a_channel_that_is_not_of_ros(tmp_path):
     summary = schema() + channel(metadata={"callerid": "/a"})
     summary += channel(id=2, topic="/json", encoding="json")
-    graph = Bag(raw_mcap(tmp_path / "x.mcap", summary)).read()
+    graph = BagSource(write_mcap_records(tmp_path / "x.mcap", summary)).read()
     assert graph.ros == 1
     assert [each.node for each in graph.publishers("/cmd_vel")] == ["/a"]
     assert "'json'" in unresolved(graph)["/json"]
@@ -154,14 +163,14 @@ def test_a_goal_alone_is_no_action_without_its_type(tmp_path):
 
 def test_risks_that_need_no_subscriber_are_found(tmp_path):
     graph = recorded(tmp_path / "x.bag", ("/odometry", "/odom", "nav_msgs/msg/Odometry"))
-    assert [risk.kind for risk in discover(graph).risks] == [RiskKind.MSR]
+    assert [risk.kind for risk in discover_risks(graph).risks] == [RiskKind.MSR]
 
 
 def test_the_graph_can_be_written(tmp_path):
-    graph = Bag(ros1_bag(tmp_path / "x.bag")).read()
+    graph = BagSource(ros1_bag(tmp_path / "x.bag")).read()
     assert graph_to_json(graph)["endpoints"][0]["resolution"] == "observed"
 
 
 def test_what_is_no_bag(tmp_path):
     with pytest.raises(InputError, match=r"x\.bag: No such file"):
-        Bag(tmp_path / "x.bag").read()
+        BagSource(tmp_path / "x.bag").read()

@@ -11,19 +11,19 @@ from bag_files import (
     SECOND,
     TWIST,
     TWIST_MD5,
+    add_ros1_connection,
     channel,
-    chunk2,
-    connect1,
-    connection1,
-    message1,
-    message2,
+    mcap_chunk_record,
+    mcap_message_record,
     qos,
-    raw_mcap,
-    raw_ros1_bag,
     ros1_bag,
+    ros1_connection_record,
+    ros1_message_record,
     ros2_bag,
     schema,
     twist,
+    write_mcap_records,
+    write_ros1_records,
 )
 from hypothesis import given
 from hypothesis import strategies as st
@@ -35,7 +35,7 @@ from rosbags.rosbag2 import Reader as Reader2
 from rtron.errors import InputError
 from rtron.sources.bag.common import time_order
 from rtron.sources.bag.file_type import is_bag
-from rtron.sources.bag.formats import read_messages
+from rtron.sources.bag.formats import open_bag
 from rtron.vocabulary import Durability, QoS, Reliability
 
 
@@ -45,7 +45,7 @@ def indexed(path):
 
 
 def read(path):
-    return [(time, each.topic, each.callerid, data) for time, each, data in read_messages(path)]
+    return [(time, each.topic, each.callerid, data) for time, each, data in open_bag(path)]
 
 
 def peer1(path):
@@ -119,20 +119,20 @@ def test_messages_of_one_time_come_as_they_stand_in_the_file(tmp_path):
     ],
 )
 def test_a_header_has_its_fields_in_any_order(tmp_path, order):
-    chunk = connection1(0, "/cmd_vel") + b"".join(
-        message1(0, second, b"%d" % second, time_order) for second in (1, 2)
+    chunk = ros1_connection_record(0, "/cmd_vel") + b"".join(
+        ros1_message_record(0, second, b"%d" % second, time_order) for second in (1, 2)
     )
-    other = message1(0, 3, b"3", time_order[::-1])
-    path = raw_ros1_bag(tmp_path / "x.bag", [(1, b"none", len(chunk + other), chunk + other)])
+    other = ros1_message_record(0, 3, b"3", time_order[::-1])
+    path = write_ros1_records(tmp_path / "x.bag", [(1, b"none", len(chunk + other), chunk + other)])
     assert [(t // SECOND, d) for t, _, _, d in read(path)] == [(1, b"1"), (2, b"2"), (3, b"3")]
 
 
 def test_a_connection_of_ros1_says_what_was_recorded(tmp_path):
     path = tmp_path / "run.bag"
     with Writer1(path) as writer:
-        writer.write(connect1(writer, callerid="/map_server", latching=1), 1, twist(0))
-        writer.write(connect1(writer, topic="/nobody"), 2, twist(0))
-    latched, nobody = read_messages(path).connections
+        writer.write(add_ros1_connection(writer, callerid="/map_server", latching=1), 1, twist(0))
+        writer.write(add_ros1_connection(writer, topic="/nobody"), 2, twist(0))
+    latched, nobody = open_bag(path).connections
     assert (latched.callerid, latched.latching, latched.encoding) == ("/map_server", True, "ros1")
     assert (latched.type, latched.md5sum) == ("geometry_msgs/Twist", TWIST_MD5)
     assert (latched.definition, latched.definition_format) == (TWIST, "ros1msg")
@@ -140,9 +140,9 @@ def test_a_connection_of_ros1_says_what_was_recorded(tmp_path):
 
 
 def test_a_definition_may_have_comments_in_any_encoding(tmp_path):
-    connections = [connection1(0, "/x", message_definition=b"# 90\xb0\nint8 x")]
-    path = raw_ros1_bag(tmp_path / "x.bag", [], connections=connections)
-    assert read_messages(path).connections[0].definition == "# 90�\nint8 x"
+    connections = [ros1_connection_record(0, "/x", message_definition=b"# 90\xb0\nint8 x")]
+    path = write_ros1_records(tmp_path / "x.bag", [], connections=connections)
+    assert open_bag(path).connections[0].definition == "# 90�\nint8 x"
 
 
 @pytest.mark.parametrize("storage", ["mcap", "sqlite3"])
@@ -152,7 +152,7 @@ def test_a_connection_of_ros2_has_the_qos_offered(tmp_path, storage, version):
     path = ros2_bag(
         tmp_path / "run", storage, version=version, offered_qos_profiles=[qos(depth=7), latched]
     )
-    each = read_messages(path).connections[0]
+    each = open_bag(path).connections[0]
     assert (each.topic, each.type, each.encoding) == ("/cmd_vel", "geometry_msgs/msg/Twist", "cdr")
     assert (each.definition, each.definition_format, each.callerid) == (TWIST, "ros2msg", "")
     assert each.offered_qos == (
@@ -163,11 +163,13 @@ def test_a_connection_of_ros2_has_the_qos_offered(tmp_path, storage, version):
 
 def test_an_mcap_made_of_a_ros1_bag_names_publishers(tmp_path):
     metadata = {"callerid": "/a", "latching": "1", "md5sum": TWIST_MD5}
-    data = message2(1, 7, b"seven") + message2(1, 5, b"five")
-    path = raw_mcap(
-        tmp_path / "x.mcap", schema() + channel(metadata=metadata), chunks=[(5, chunk2(5, data))]
+    data = mcap_message_record(1, 7, b"seven") + mcap_message_record(1, 5, b"five")
+    path = write_mcap_records(
+        tmp_path / "x.mcap",
+        schema() + channel(metadata=metadata),
+        chunks=[(5, mcap_chunk_record(5, data))],
     )
-    reading = read_messages(path)
+    reading = open_bag(path)
     (each,) = reading.connections
     assert (each.callerid, each.latching, each.md5sum) == ("/a", True, TWIST_MD5)
     assert (each.encoding, each.definition_format) == ("ros1", "ros1msg")
@@ -175,18 +177,20 @@ def test_an_mcap_made_of_a_ros1_bag_names_publishers(tmp_path):
 
 
 def test_messages_outside_of_chunks(tmp_path):
-    body = message2(1, 5, b"five") + message2(1, 7, b"seven")
-    path = raw_mcap(tmp_path / "x.mcap", schema() + channel(), body=body)
+    body = mcap_message_record(1, 5, b"five") + mcap_message_record(1, 7, b"seven")
+    path = write_mcap_records(tmp_path / "x.mcap", schema() + channel(), body=body)
     assert [data for *_, data in read(path)] == [b"five", b"seven"]
 
 
 def test_messages_that_are_not_of_ros_are_left_out_and_named(tmp_path):
-    data = message2(1, 1, b"kept") + message2(2, 2, b"{}")
+    data = mcap_message_record(1, 1, b"kept") + mcap_message_record(2, 2, b"{}")
     summary = schema() + channel() + channel(id=2, topic="/json", encoding="json")
-    path = raw_mcap(tmp_path / "x.mcap", summary, chunks=[(1, chunk2(1, data))])
-    reading = read_messages(path)
+    path = write_mcap_records(
+        tmp_path / "x.mcap", summary, chunks=[(1, mcap_chunk_record(1, data))]
+    )
+    reading = open_bag(path)
     assert [data for *_, data in reading] == [b"kept"]
-    ((topic, why),) = reading.left_out
+    ((topic, why),) = reading.skipped
     assert topic == "/json"
     assert "'json'" in why
 
@@ -198,24 +202,24 @@ def test_a_bag_that_was_split(tmp_path):
     metadata = folder / "metadata.yaml"
     listed = metadata.read_text().replace("- run.db3", "- run.db3\n  - run_1.db3", 1)
     metadata.write_text(listed)
-    reading = read_messages(folder)
+    reading = open_bag(folder)
     assert [time // SECOND for time, *_ in reading] == list(range(1, 21))
     assert {each for _, each, _ in reading} == set(reading.connections)
     assert len(reading.connections) == 2
     metadata.write_text(listed.replace("- run.db3\n  - run_1.db3", "- run_1.db3\n  - run.db3"))
     with pytest.raises(InputError, match="overlaps with the file before"):
-        list(read_messages(folder))
+        list(open_bag(folder))
 
 
 def test_a_reading_can_be_read_again(tmp_path):
-    reading = read_messages(ros1_bag(tmp_path / "run.bag"))
+    reading = open_bag(ros1_bag(tmp_path / "run.bag"))
     assert list(reading) == list(reading)
 
 
 def test_an_empty_bag(tmp_path):
     with Writer1(tmp_path / "x.bag"):
         pass
-    assert list(read_messages(tmp_path / "x.bag")) == []
+    assert list(open_bag(tmp_path / "x.bag")) == []
 
 
 def test_what_waits_for_later_chunks_is_bounded(tmp_path, monkeypatch):
@@ -243,7 +247,7 @@ def test_an_old_schema_of_sqlite(tmp_path):
         )
     database.close()
     assert read(path) == [(8, "/t", "", b"\2"), (9, "/t", "", b"\1")]
-    assert read_messages(path).left_out[0][0] == "/u"
+    assert open_bag(path).skipped[0][0] == "/u"
 
 
 @pytest.mark.parametrize("kind", ["bag", "mcap", "db3"])
@@ -256,7 +260,7 @@ def test_memory_does_not_grow_with_the_bag(tmp_path, kind):
             folder = ros2_bag(path, {"mcap": "mcap", "db3": "sqlite3"}[kind], range(number))
             (path,) = folder.glob(f"*.{kind}")
         tracemalloc.start()
-        assert sum(1 for _ in read_messages(path)) == number
+        assert sum(1 for _ in open_bag(path)) == number
         _, peak = tracemalloc.get_traced_memory()
         tracemalloc.stop()
         return peak

@@ -4,8 +4,8 @@ import pytest
 from bag_files import SECOND
 from harness import wait_for
 
-from rtron.sources.bag.formats import read_messages
-from rtron.sources.bag.graph import Bag
+from rtron.sources.bag.formats import open_bag
+from rtron.sources.bag.graph import BagSource
 from rtron.vocabulary import Durability
 
 pytestmark = pytest.mark.ros1
@@ -34,14 +34,14 @@ def record(ros1, *arguments):
 @pytest.mark.parametrize("packed", [[], ["--bz2"], ["--lz4"]])
 def test_publishers_are_named(ros1, packed):
     bag = record(ros1, *packed)
-    graph = Bag(bag).read()
+    graph = BagSource(bag).read()
     assert {each.node for each in graph.publishers("/chatter")} == {"/one", "/two"}
     (latched,) = graph.publishers("/latched")
     assert (latched.node, latched.type) == ("/latched", "std_msgs/String")
     assert latched.qos.durability is Durability.TRANSIENT_LOCAL
     assert all(each.implicit for each in graph.endpoints if each.topic.startswith("/rosout"))
 
-    reading = read_messages(bag)
+    reading = open_bag(bag)
     messages = list(reading)
     said = {(each.callerid, data[4:]) for _, each, data in messages if each.topic == "/chatter"}
     assert said == {("/one", b"one"), ("/two", b"two")}

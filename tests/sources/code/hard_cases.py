@@ -7,12 +7,12 @@ from pathlib import Path
 import yaml
 
 from rtron.sources.code.program_runner import run_cpp, run_nodelet, run_python
-from rtron.sources.code.workspace_sources import WorkspaceFiles
+from rtron.sources.code.workspace_sources import WorkspaceSources
 from rtron.sources.declaration import NodeInterface, NodeSite
 from rtron.sources.launch.common.packages import find_packages
 from rtron.sources.launch.ros1.reader import read_launch
 from rtron.sources.workspace import Workspace
-from rtron.sources.workspace.program import Language
+from rtron.sources.workspace.program import ProgramLanguage
 from rtron.vocabulary import Resolution
 
 APP = Path(__file__).parents[2] / "fixtures" / "hardcases"
@@ -49,24 +49,24 @@ def site_of(node, tree):
     )
 
 
-def run(name) -> NodeInterface:
+def run_hard_case(name) -> NodeInterface:
     workspace, tree = app()
     node = next(node for node in tree.nodes() if node.name == name)
     return run_node(node, site_of(node, tree), workspace)
 
 
 def run_node(node, site, workspace):
-    files = WorkspaceFiles(workspace)
+    files = WorkspaceSources(workspace)
     if node.package == "nodelet":
         plugin = workspace.nodelet(node.args.split()[1])
         return run_nodelet(plugin.program.sources, plugin.declared.type, site, files)
     program = workspace.executable(node.package, node.type)
-    if program.language is Language.PYTHON:
+    if program.language is ProgramLanguage.PYTHON:
         return run_python(program.sources[0], site, files)
     return run_cpp(program.sources, site, files)
 
 
-def found(interface):
+def interface_as_expected(interface):
     """Return an interface as the expectations spell it."""
     spelled = {}
     for declared in interface.declarations:

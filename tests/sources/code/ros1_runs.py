@@ -4,7 +4,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from rtron.sources.code.program_runner import run_cpp, run_python
-from rtron.sources.code.workspace_sources import WorkspaceFiles
+from rtron.sources.code.workspace_sources import WorkspaceSources
 from rtron.sources.declaration import NodeSite
 from rtron.sources.workspace import Workspace
 
@@ -33,7 +33,7 @@ def run_text(text, suffix="py", **site):
     with TemporaryDirectory() as folder:
         path = Path(folder) / f"n.{suffix}"
         path.write_bytes(data)
-        files = WorkspaceFiles(Workspace({"p": Path(folder)}, [Path(folder)]))
+        files = WorkspaceSources(Workspace({"p": Path(folder)}, [Path(folder)]))
         at = NodeSite(name="/ns/n", **site)
         return run_python(path, at, files) if suffix == "py" else run_cpp((path,), at, files)
 

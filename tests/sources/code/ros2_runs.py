@@ -4,7 +4,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from rtron.sources.code.program_runner import run_component, run_cpp, run_python
-from rtron.sources.code.workspace_sources import WorkspaceFiles
+from rtron.sources.code.workspace_sources import WorkspaceSources
 from rtron.sources.declaration import NodeSite, ParameterSetting
 from rtron.sources.workspace import Workspace
 
@@ -60,7 +60,7 @@ def run_text(text, suffix="cpp", cls="", **given):
     with TemporaryDirectory() as folder:
         path = Path(folder) / f"n.{suffix}"
         path.write_text(text)
-        files = WorkspaceFiles(Workspace({"p": Path(folder)}, [Path(folder)]))
+        files = WorkspaceSources(Workspace({"p": Path(folder)}, [Path(folder)]))
         if suffix == "py":
             return run_python(path, site(**given), files, "main")
         if cls:
@@ -80,12 +80,12 @@ def python(body, top="", members="", **given):
     return run_text(PYTHON.format(top=top, body=lines, members=inner), "py", **given)
 
 
-def written(interface):
+def explicit_declarations(interface):
     """Return what is declared by the program itself, as `kind name type`."""
     return [f"{d.kind.value} {d.name} {d.type}" for d in interface.declarations if not d.implicit]
 
 
-def implied(interface):
+def implicit_declarations(interface):
     """Return what libraries declare, as `kind name`."""
     return {f"{d.kind.value} {d.name}" for d in interface.declarations if d.implicit}
 
@@ -94,7 +94,7 @@ def names(interface):
     return [d.name for d in interface.declarations if not d.implicit]
 
 
-def one(interface):
+def only_declaration(interface):
     """Return the only declaration of the program itself."""
     (found,) = [d for d in interface.declarations if not d.implicit]
     return found

@@ -1,12 +1,12 @@
 import pytest
 
-from rtron.sources.code.shell_script import read_shell
+from rtron.sources.code.shell_script import read_shell_script
 
 
 def read(tmp_path, text):
     path = tmp_path / "start.sh"
     path.write_bytes(text if isinstance(text, bytes) else text.encode())
-    return read_shell(path)
+    return read_shell_script(path)
 
 
 @pytest.mark.parametrize(
@@ -28,7 +28,7 @@ def read(tmp_path, text):
 )
 def test_what_is_started(tmp_path, line, path, args):
     found = read(tmp_path, f"#!/bin/sh\n{line}\n")
-    (started,) = found.starts
+    (started,) = found.runtime_starts
     assert (started.path, started.args) == (path, args)
     assert started.evidence[0].line == 2
     assert (found.declarations, found.unresolved) == ((), ())
@@ -47,7 +47,7 @@ def test_what_is_started(tmp_path, line, path, args):
 )
 def test_words_with_variables_are_not_known(tmp_path, line):
     found = read(tmp_path, line)
-    assert found.starts == found.declarations == ()
+    assert found.runtime_starts == found.declarations == ()
     assert len(found.unresolved) == 1
 
 
@@ -72,16 +72,16 @@ def test_what_rostopic_publishes(tmp_path):
 )
 def test_what_starts_nothing(tmp_path, text):
     found = read(tmp_path, text)
-    assert (found.starts, found.declarations) == ((), ())
+    assert (found.runtime_starts, found.declarations) == ((), ())
 
 
 def test_quotes_that_do_not_end_leave_the_rest(tmp_path):
     found = read(tmp_path, "echo 'rosrun x\nrosrun pkg node\n")
-    assert [started.path for started in found.starts] == ["pkg/node"]
+    assert [started.path for started in found.runtime_starts] == ["pkg/node"]
 
 
 def test_a_script_that_cannot_be_read_is_noted(tmp_path):
-    assert len(read_shell(tmp_path / "none.sh").unresolved) == 1
+    assert len(read_shell_script(tmp_path / "none.sh").unresolved) == 1
 
 
 @pytest.mark.parametrize(
@@ -100,7 +100,7 @@ def test_a_script_that_cannot_be_read_is_noted(tmp_path):
 def test_code_that_is_not_seen_is_noted(tmp_path, line):
     script = tmp_path / "run.sh"
     script.write_text(f"#!/bin/bash\n{line}\n")
-    (note,) = read_shell(script).unresolved
+    (note,) = read_shell_script(script).unresolved
     assert note.evidence[0].line == 2
 
 
@@ -111,4 +111,4 @@ def test_code_that_is_not_seen_is_noted(tmp_path, line):
 def test_usual_lines_are_not_noted(tmp_path, line):
     script = tmp_path / "run.sh"
     script.write_text(f"#!/bin/bash\n{line}\n")
-    assert read_shell(script).unresolved == ()
+    assert read_shell_script(script).unresolved == ()

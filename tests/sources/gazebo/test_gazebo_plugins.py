@@ -7,7 +7,7 @@ from rtron.sources.gazebo import (
     Sensor,
     joints_of,
     plugin_library,
-    plugins_of,
+    read_plugins,
     transmissions_of,
 )
 from rtron.sources.xacro import parse_element
@@ -34,7 +34,7 @@ URDF = """<?xml version="1.0" encoding="utf-8"?>
 
 
 def test_the_plugins_of_a_urdf():
-    drive, eyes, bare = plugins_of(parse_element(URDF, "robot.urdf"))
+    drive, eyes, bare = read_plugins(parse_element(URDF, "robot.urdf"))
     assert (drive.filename, drive.name, drive.scope) == ("drive", "drive", PluginScope.MODEL)
     assert drive.values == {
         "topic": "cmd_vel",
@@ -80,7 +80,7 @@ def test_joints_and_what_drives_them():
         </transmission></robot>""",
         "r.urdf",
     )
-    assert [(j.name, j.moves, j.mimics) for j in joints_of(root)] == [
+    assert [(j.name, j.has_position, j.mimicked_joint) for j in joints_of(root)] == [
         ("a", True, ""),
         ("b", False, ""),
         ("c", True, "a"),

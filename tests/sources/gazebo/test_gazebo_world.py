@@ -33,8 +33,8 @@ def include(uri, more=""):
     return f"<world name='w'><include><uri>{uri}</uri>{more}</include></world>"
 
 
-def facts(found):
-    return [(p.filename, str(p.scope), p.model, p.link) for p in found.plugins]
+def facts(fake_study):
+    return [(p.filename, str(p.scope), p.model, p.link) for p in fake_study.plugins]
 
 
 def test_plugins_of_world_model_sensor_and_gui(world):

@@ -1,13 +1,13 @@
 """Parameters and node sites in a few words, and what an interface says as (kind, name, type)."""
 
 from rtron.sources.declaration import NodeSite, ParameterSetting
-from rtron.vocabulary import Evidence, Parameter, Parameters
+from rtron.vocabulary import Evidence, Parameter, ParameterTree
 
 HERE = Evidence(file="app.launch", line=1)
 
 
 def parameters(values):
-    found = Parameters()
+    found = ParameterTree()
     for name, value in values.items():
         found.set(name, Parameter(value=value, evidence=HERE))
     return found
@@ -23,22 +23,22 @@ def site(name="/robot/driver", values=None, args="", remaps=(), environ=()):
     )
 
 
-def names(found, kind):
-    return {d.name for d in found.declarations if d.kind == kind}
+def names(fake_study, kind):
+    return {d.name for d in fake_study.declarations if d.kind == kind}
 
 
-def told(found):
-    return {(str(d.kind), d.name, d.type) for d in found.declarations}
+def told(fake_study):
+    return {(str(d.kind), d.name, d.type) for d in fake_study.declarations}
 
 
-def site2(name="/robot/driver", settings=None, args="", environ=(), *, named=True):
+def ros2_node_site(name="/robot/driver", settings=None, args="", environ=(), *, named=True):
     """Return a site of ROS 2; `settings` are parameters by a pattern of node names."""
     return NodeSite(
         name=name,
         ros=2,
         args=tuple(args.split()),
         environ=tuple(environ),
-        named=named,
+        has_launch_name=named,
         settings=tuple(
             ParameterSetting(node=node, name=key, value=value)
             for node, values in (settings or {}).items()

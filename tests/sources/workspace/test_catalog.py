@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from workspace_tree import package, workspace
 
-from rtron.sources.workspace import Language, digest, read_workspace
+from rtron.sources.workspace import ProgramLanguage, program_digest, read_workspace
 from rtron.vocabulary import Trust
 
 PYTHON = "#!/usr/bin/env python3\n"
@@ -29,7 +29,7 @@ def test_a_program_has_the_libraries_of_its_package_and_reaches_others(tmp_path)
     program = workspace(tmp_path).executable("p", "n")
     assert [path.name for path in program.sources] == ["n.cpp", "m.cpp", "l.cpp"]
     assert program.reachable_packages == ("q",)
-    assert program.language is Language.CPP
+    assert program.language is ProgramLanguage.CPP
 
 
 def test_neither_package_nor_program_is_an_error(tmp_path):
@@ -45,12 +45,12 @@ def test_neither_package_nor_program_is_an_error(tmp_path):
 @pytest.mark.parametrize(
     ("files", "expected", "language"),
     [
-        ({"n": PYTHON}, "n", Language.PYTHON),
-        ({"a/n": PYTHON, "scripts/n": PYTHON}, "scripts/n", Language.PYTHON),
-        ({"bin/n": PYTHON, "nodes/n": PYTHON}, "nodes/n", Language.PYTHON),
-        ({"n": "#!/bin/sh\n"}, "n", Language.SHELL),
-        ({"n": "#!/usr/bin/env bash\n"}, "n", Language.SHELL),
-        ({"n": "#!/usr/bin/perl\n"}, "n", Language.OTHER),
+        ({"n": PYTHON}, "n", ProgramLanguage.PYTHON),
+        ({"a/n": PYTHON, "scripts/n": PYTHON}, "scripts/n", ProgramLanguage.PYTHON),
+        ({"bin/n": PYTHON, "nodes/n": PYTHON}, "nodes/n", ProgramLanguage.PYTHON),
+        ({"n": "#!/bin/sh\n"}, "n", ProgramLanguage.SHELL),
+        ({"n": "#!/usr/bin/env bash\n"}, "n", ProgramLanguage.SHELL),
+        ({"n": "#!/usr/bin/perl\n"}, "n", ProgramLanguage.OTHER),
         ({"n": "", "other": PYTHON}, None, None),
         ({"n": "print()"}, None, None),
         ({".git/n": PYTHON}, None, None),
@@ -89,7 +89,7 @@ def test_nodelets_are_found_by_name_and_type(tmp_path, description):
     path = package(tmp_path / "p", files, EXPORT)
     for name in ("p/N", "ns::N"):
         plugin = workspace(tmp_path).nodelet(name)
-        assert (plugin.declared.type, plugin.declared.base) == ("ns::N", "nodelet::Nodelet")
+        assert (plugin.plugin_class.type, plugin.plugin_class.base) == ("ns::N", "nodelet::Nodelet")
         assert plugin.program.sources == (path / "n.cpp",)
     assert workspace(tmp_path).nodelet("p/M") is None
 
@@ -98,7 +98,7 @@ def test_plugins_are_found_by_tag_and_base_class(tmp_path):
     package(tmp_path / "p", {"n.xml": NODELETS}, EXPORT.replace("nodelet ", "nav "))
     found = workspace(tmp_path)
     assert found.plugin("p/N", "nav").program is None
-    assert found.plugin("p/N", "nodelet::Nodelet").declared == found.plugins("nav")[0]
+    assert found.plugin("p/N", "nodelet::Nodelet").plugin_class == found.plugins("nav")[0]
     assert found.plugins("other") == ()
 
 
@@ -179,15 +179,15 @@ def test_the_package_of_a_file(tmp_path):
 def test_a_digest_changes_with_content_and_definitions(tmp_path):
     cmake = "add_executable(n a.cpp)\n"
     path = package(tmp_path / "p", {"CMakeLists.txt": cmake, "a.cpp": ""})
-    first = digest(workspace(tmp_path).executable("p", "n"))
-    assert first == digest(workspace(tmp_path).executable("p", "n"))
+    first = program_digest(workspace(tmp_path).executable("p", "n"))
+    assert first == program_digest(workspace(tmp_path).executable("p", "n"))
     (path / "a.cpp").write_text("x")
-    second = digest(workspace(tmp_path).executable("p", "n"))
+    second = program_digest(workspace(tmp_path).executable("p", "n"))
     (path / "CMakeLists.txt").write_text(cmake + "add_definitions(-DX)")
-    assert len({first, second, digest(workspace(tmp_path).executable("p", "n"))}) == 3
+    assert len({first, second, program_digest(workspace(tmp_path).executable("p", "n"))}) == 3
     program = workspace(tmp_path).executable("p", "n")
     (path / "a.cpp").unlink()
-    assert digest(program) not in {first, second}
+    assert program_digest(program) not in {first, second}
 
 
 def test_a_manifest_that_is_no_xml_is_noted(tmp_path):

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from rtron.sources.workspace import PackageContents, Workspace
-from rtron.sources.workspace.cmake.evaluator import evaluate
+from rtron.sources.workspace.cmake.evaluator import evaluate_package
 from rtron.sources.workspace.package_files import list_files
 
 HEAD = "project(pkg)\n"
@@ -25,10 +25,10 @@ def package(folder: Path, files: dict[str, str], extra: str = "") -> Path:
     return write(folder, {"package.xml": manifest, **files})
 
 
-def evaluated(folder: Path, cmake: str, sources: str = "a.cpp b.cpp c.cpp") -> PackageContents:
+def evaluate_cmake(folder: Path, cmake: str, sources: str = "a.cpp b.cpp c.cpp") -> PackageContents:
     """Evaluate a CMakeLists.txt beside some empty sources."""
     write(folder, {"CMakeLists.txt": HEAD + cmake, **dict.fromkeys(sources.split(), "")})
-    return evaluate("pkg", list_files(folder, ()))
+    return evaluate_package("pkg", list_files(folder, ()))
 
 
 def sources(contents: PackageContents) -> dict[str, list[str]]:

@@ -63,8 +63,8 @@ def test_a_description_is_evaluated_once_for_the_same_arguments(write):
     path = write('<xacro:arg name="a" default="0"/><x y="$(arg a)"/>')
     descriptions = RobotDescriptions(packages={}, environ={})
     text = descriptions.describe(path, {"a": "1"})
-    result = descriptions.of_text(text)
-    assert descriptions.evaluated(path, {"a": "1"}) is result
+    result = descriptions.result_of_text(text)
+    assert descriptions.evaluate_file(path, {"a": "1"}) is result
     assert result.root.find("x").attributes == {"y": "1"}
     assert descriptions.describe(path, {"a": "2"}) != text
     assert len(descriptions.results()) == 2
@@ -76,4 +76,4 @@ def test_a_description_that_cannot_be_read_is_unknown(tmp_path):
     assert isinstance(value, UnknownValue)
     assert "absent" in value.why
     assert descriptions.results() == ()
-    assert descriptions.of_text("<robot/>") is None
+    assert descriptions.result_of_text("<robot/>") is None

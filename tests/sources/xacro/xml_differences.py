@@ -9,7 +9,7 @@ from pathlib import Path
 from xml.dom import minidom
 
 
-def real(jobs, packages=None, environ=None):
+def run_real_xacro(jobs, packages=None, environ=None):
     """Return, for each (file, arguments), the real xacro's XML, or None and what it says."""
     work = {"packages": {k: str(v) for k, v in (packages or {}).items()}, "jobs": jobs}
     ran = subprocess.run(
@@ -24,7 +24,7 @@ def real(jobs, packages=None, environ=None):
     return [json.loads(line) for line in ran.stdout.splitlines()]
 
 
-def differences(one, other):
+def xml_differences(one, other):
     """Return where two XML texts differ, as lines for people; none if they are equal."""
     found = []
     roots = [minidom.parseString(text).documentElement for text in (one, other)]
@@ -32,25 +32,27 @@ def differences(one, other):
     return found
 
 
-def _compare(one, other, found):
-    place = f"<{one.tagName} {one.getAttribute('name')}>"
+def _compare(one, other, fake_study):
+    location = f"<{one.tagName} {one.getAttribute('name')}>"
     if one.tagName != other.tagName:
-        found.append(f"{place} is <{other.tagName}>")
+        fake_study.append(f"{location} is <{other.tagName}>")
         return
     ours, theirs = _attributes(one), _attributes(other)
     if ours.keys() != theirs.keys():
-        found.append(f"{place} attributes {sorted(ours)} {sorted(theirs)}")
+        fake_study.append(f"{location} attributes {sorted(ours)} {sorted(theirs)}")
     for name in ours.keys() & theirs.keys():
         if not _same_text(ours[name], theirs[name]):
-            found.append(f"{place} {name}: {ours[name]!r} {theirs[name]!r}")
+            fake_study.append(f"{location} {name}: {ours[name]!r} {theirs[name]!r}")
     if not _same_text(_text(one), _text(other)):
-        found.append(f"{place} text {_text(one)!r} {_text(other)!r}")
+        fake_study.append(f"{location} text {_text(one)!r} {_text(other)!r}")
     inner, others = _elements(one), _elements(other)
     if [e.tagName for e in inner] != [e.tagName for e in others]:
-        found.append(f"{place} holds {[e.tagName for e in inner]} {[e.tagName for e in others]}")
+        fake_study.append(
+            f"{location} holds {[e.tagName for e in inner]} {[e.tagName for e in others]}"
+        )
         return
     for pair in zip(inner, others, strict=True):
-        _compare(*pair, found)
+        _compare(*pair, fake_study)
 
 
 def _attributes(element):

@@ -30,7 +30,7 @@ def made(cls, pick):
     return message
 
 
-def travelling(message, look):
+def round_trip(message, look):
     """Return a message's bytes up to its last field's last, as `look` finds it.
 
     `serialize_message` leaves more behind it than a publisher does: as many as Fast CDR has guessed

@@ -3,7 +3,7 @@
 import pytest
 from defusedxml.ElementTree import parse
 
-from rtron.wire.ros2.discovery_tuning import announce_often
+from rtron.wire.ros2.discovery_tuning import enable_fast_announcements
 
 NAMES = ("FASTDDS_DEFAULT_PROFILES_FILE", "FASTRTPS_DEFAULT_PROFILES_FILE")
 SPACE = "{http://www.eprosima.com}"
@@ -14,7 +14,7 @@ SPACE = "{http://www.eprosima.com}"
 )
 def test_fast_dds_is_given_a_profile_with_a_short_period(distribution, name):
     environ = {"ROS_DISTRO": distribution}
-    assert announce_often(environ)
+    assert enable_fast_announcements(environ)
     assert set(environ) == {"ROS_DISTRO", name}
     found = parse(environ[name]).getroot()
     (period,) = found.iter(f"{SPACE}leaseAnnouncement")
@@ -26,14 +26,14 @@ def test_fast_dds_is_given_a_profile_with_a_short_period(distribution, name):
 @pytest.mark.parametrize("name", NAMES)
 def test_the_users_own_profiles_count(name):
     environ = {name: "/etc/dds.xml"}
-    assert not announce_often(environ)
+    assert not enable_fast_announcements(environ)
     assert environ == {name: "/etc/dds.xml"}
 
 
 def test_a_process_that_the_guard_has_started_has_its_profile_and_no_user_s(caplog):
     environ = {}
     with caplog.at_level("INFO"):
-        assert announce_often(environ)
+        assert enable_fast_announcements(environ)
         before = dict(environ)
-        assert announce_often(environ)
+        assert enable_fast_announcements(environ)
     assert (environ, caplog.text) == (before, "")

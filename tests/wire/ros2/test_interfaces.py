@@ -4,7 +4,7 @@ import pytest
 
 from rtron.errors import SourceError
 from rtron.messages.common.definition_parser import MAX_TEXT
-from rtron.wire.ros2.interfaces import interface
+from rtron.wire.ros2.interfaces import find_interface
 
 INDEX = "share/ament_index/resource_index/rosidl_interfaces"
 
@@ -36,14 +36,14 @@ def workspace(tmp_path, monkeypatch):
     """Have a workspace sourced, and nothing kept of those before."""
     monkeypatch.setenv("AMENT_PREFIX_PATH", f"/nowhere::{tmp_path}")
     monkeypatch.syspath_prepend(tmp_path / "python")
-    interface.cache_clear()
+    find_interface.cache_clear()
     yield Workspace(tmp_path)
-    interface.cache_clear()
+    find_interface.cache_clear()
 
 
 def refused(type):
     with pytest.raises(SourceError) as error:
-        interface(type)
+        find_interface(type)
     return f"{error.value} | {error.value.help}"
 
 
@@ -52,11 +52,11 @@ def test_all_types_in_a_type(workspace):
         "aa_msgs", A="bb_msgs/B[] b\nInner i\nbuiltin_interfaces/Time t", Inner="int8 x"
     )
     workspace.install("bb_msgs", B="aa_msgs/Inner i")
-    found = interface("aa_msgs/A")
+    found = find_interface("aa_msgs/A")
     assert found.definition.count("MSG: aa_msgs/Inner") == 1
     assert "MSG: bb_msgs/B" in found.definition
     assert (found.type, found.cls.__name__, found.type_hash) == ("aa_msgs/msg/A", "A", "")
-    assert interface("aa_msgs/A") is found
+    assert find_interface("aa_msgs/A") is found
 
 
 def test_the_hash_of_the_installed_description(workspace):
@@ -65,8 +65,8 @@ def test_the_hash_of_the_installed_description(workspace):
     hashes = '{"type_hashes": [{"type_name": "cc_msgs/msg/%s", "hash_string": "RIHS01_1"}]}'
     (folder / "C.json").write_text(hashes % "C")
     (folder / "D.json").write_text(hashes % "C")
-    assert interface("cc_msgs/msg/C").type_hash == "RIHS01_1"
-    assert interface("cc_msgs/msg/D").type_hash == ""
+    assert find_interface("cc_msgs/msg/C").type_hash == "RIHS01_1"
+    assert find_interface("cc_msgs/msg/D").type_hash == ""
 
 
 @pytest.mark.parametrize(
@@ -75,7 +75,7 @@ def test_the_hash_of_the_installed_description(workspace):
 def test_a_description_that_is_none(workspace, text):
     workspace.install("dd_msgs", D="int8 x")
     (workspace.prefix / "share/dd_msgs/msg/D.json").write_text(text)
-    assert interface("dd_msgs/D").type_hash == ""
+    assert find_interface("dd_msgs/D").type_hash == ""
 
 
 @pytest.mark.parametrize(

@@ -15,14 +15,14 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from rclpy._rclpy_pybind11 import RMWError
 from rclpy.serialization import deserialize_message
-from ros2_samples import made, travelling
+from ros2_samples import made, round_trip
 
 from rtron.errors import SourceError, WireError
 from rtron.messages import parse_definition
-from rtron.messages.ros2.cdr_validator import whole
+from rtron.messages.ros2.cdr_validator import cdr_validator
 from rtron.wire.ros2.endpoints import publishers_of
-from rtron.wire.ros2.interfaces import interface
-from rtron.wire.ros2.session import Session
+from rtron.wire.ros2.interfaces import find_interface
+from rtron.wire.ros2.session import Ros2Session
 
 pytestmark = [
     pytest.mark.ros2,
@@ -46,8 +46,8 @@ MESSAGES = [type for type in installed("msg") if type != WIDE]
 @cache
 def checked(type):
     """Return a type's class and what says whether bytes are whole."""
-    found = interface(type)
-    return found.cls, whole(parse_definition(found.name, found.definition))
+    found = find_interface(type)
+    return found.cls, cdr_validator(parse_definition(found.name, found.definition))
 
 
 @pytest.mark.parametrize("type", MESSAGES)
@@ -57,7 +57,7 @@ def test_every_installed_type(type):
     pick = random.Random(type).choice
     for _ in range(5):
         message = made(cls, pick)
-        data = travelling(message, look)
+        data = round_trip(message, look)
         assert deserialize_message(data, cls) == message
         with pytest.raises(RMWError):
             deserialize_message(data[:-1], cls)
@@ -67,7 +67,7 @@ def test_every_installed_type(type):
 @given(type=st.sampled_from(MESSAGES), seed=st.integers(0, 2**32), data=st.data())
 def test_what_rclpy_refuses_is_not_whole(type, seed, data):
     cls, look = checked(type)
-    message = bytearray(travelling(made(cls, random.Random(seed).choice), look))
+    message = bytearray(round_trip(made(cls, random.Random(seed).choice), look))
     for _ in range(data.draw(st.integers(1, 3))):
         at = data.draw(st.integers(0, max(len(message) - 1, 0)))
         change = data.draw(st.sampled_from(["bit", "count", "cut", "put"]))
@@ -88,25 +88,25 @@ def test_what_rclpy_refuses_is_not_whole(type, seed, data):
 
 
 def test_services_are_installed_too():
-    found = interface("std_srvs/srv/SetBool")
+    found = find_interface("std_srvs/srv/SetBool")
     assert (found.name, found.cls.__name__) == ("std_srvs/SetBool_Request", "SetBool")
     assert parse_definition(found.name, found.definition).find("data").type == "bool"
     for type in installed("srv"):
-        assert interface(type).type == type
+        assert find_interface(type).type == type
 
 
 def test_an_action_s_definition_is_its_goal_s():
-    found = interface("test_msgs/action/Fibonacci")
+    found = find_interface("test_msgs/action/Fibonacci")
     definition = parse_definition(found.name, found.definition)
     assert found.name == "test_msgs/Fibonacci_Goal"
     assert [each.name for each in definition.fields] == ["order"]
-    nested = interface("test_msgs/action/NestedMessage")
+    nested = find_interface("test_msgs/action/NestedMessage")
     assert "test_msgs/Builtins" in parse_definition(nested.name, nested.definition).nested
 
 
 @pytest.mark.parametrize("spelling", ["std_msgs/String", "std_msgs/msg/String"])
 def test_either_spelling(spelling):
-    found = interface(spelling)
+    found = find_interface(spelling)
     assert (found.type, found.name) == ("std_msgs/msg/String", "std_msgs/String")
     assert found.cls.__name__ == "String"
     assert found.md5sum == "992ce8a1687cec8c8bd883ec73ca41d1"
@@ -114,7 +114,7 @@ def test_either_spelling(spelling):
 
 def test_wide_strings_are_refused():
     with pytest.raises(SourceError, match="wstring is no type"):
-        interface(WIDE)
+        find_interface(WIDE)
 
 
 @pytest.mark.parametrize(
@@ -122,11 +122,11 @@ def test_wide_strings_are_refused():
 )
 def test_the_hash_is_the_domain_s(type, ros2, monkeypatch):
     monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-    session = Session(domain=ros2.domain)
+    session = Ros2Session(domain=ros2.domain)
     try:
         node = session.node("/one")
-        node.create_publisher(interface(type).cls, "/topic", 1)
+        node.create_publisher(find_interface(type).cls, "/topic", 1)
         (found,) = publishers_of(node, "/topic")
-        assert interface(type).type_hash == found.type_hash != ""
+        assert find_interface(type).type_hash == found.type_hash != ""
     finally:
         session.close()

@@ -5,7 +5,7 @@ from contextlib import ExitStack
 
 import pytest
 
-from rtron.wire.ros2.receive_buffers import ROOM, roomy_sockets
+from rtron.wire.ros2.receive_buffers import RECEIVE_BUFFER_BYTES, large_receive_buffers
 
 
 def room(sock):
@@ -19,16 +19,16 @@ def opened():
 
 
 def test_datagram_sockets_of_the_block_get_room(opened):
-    with roomy_sockets():
+    with large_receive_buffers():
         sock = opened(socket.SOCK_DGRAM)
         before = room(sock)
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as most:
-        most.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, ROOM)
+        most.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVE_BUFFER_BYTES)
         assert room(sock) == room(most) >= before
 
 
 def test_they_still_work_afterwards(opened):
-    with roomy_sockets():
+    with large_receive_buffers():
         sock = opened(socket.SOCK_DGRAM)
     sock.bind(("127.0.0.1", 0))
     sock.settimeout(30)
@@ -39,7 +39,7 @@ def test_they_still_work_afterwards(opened):
 def test_others_keep_what_they_have(opened):
     earlier = opened(socket.SOCK_DGRAM)
     before = room(earlier)
-    with roomy_sockets():
+    with large_receive_buffers():
         stream = opened(socket.SOCK_STREAM)
         its = room(stream)
     later = opened(socket.SOCK_DGRAM)
@@ -47,5 +47,5 @@ def test_others_keep_what_they_have(opened):
 
 
 def test_a_socket_that_is_closed_meanwhile_is_no_fault():
-    with roomy_sockets(), socket.socket(socket.AF_INET, socket.SOCK_DGRAM):
+    with large_receive_buffers(), socket.socket(socket.AF_INET, socket.SOCK_DGRAM):
         pass

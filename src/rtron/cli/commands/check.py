@@ -5,11 +5,11 @@ from typing import Annotated
 
 import typer
 
-from rtron.cli.remarks import remarks_of
-from rtron.cli.support.outcome import FOUND, OK, Outcome
+from rtron.cli.remarks import to_remarks
+from rtron.cli.support.outcome import FINDINGS, OK, Outcome
 from rtron.planning.app_check import check_plan
 from rtron.planning.plan_file.loader import read_plan
-from rtron.planning.problem import Level
+from rtron.planning.problem import ProblemLevel
 from rtron.reports.problems_text import problems_text
 from rtron.sources.graph_json import read_graph
 
@@ -32,7 +32,7 @@ def check(
 
     Exit code: 0 good, 1 it does not fit the app, 2 it cannot be read.
     """
-    wanted = read_plan(plan)
-    problems = check_plan(wanted, read_graph(graph) if graph else None)
-    failed = any(problem.level is Level.ERROR for problem in problems)
-    return Outcome(problems_text(str(plan), remarks_of(problems)), FOUND if failed else OK)
+    checked_plan = read_plan(plan)
+    problems = check_plan(checked_plan, read_graph(graph) if graph else None)
+    failed = any(problem.level is ProblemLevel.ERROR for problem in problems)
+    return Outcome(problems_text(str(plan), to_remarks(problems)), FINDINGS if failed else OK)

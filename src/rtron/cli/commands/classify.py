@@ -8,7 +8,7 @@ import typer
 
 from rtron.cli.support.options import Output
 from rtron.cli.support.outcome import STDOUT, Outcome
-from rtron.cli.support.skipped_report import Readmes, left_out
+from rtron.cli.support.skipped_report import Readmes, report_skipped
 from rtron.workflows.parallel_map import ClusterAddress, ProcessCount
 
 if TYPE_CHECKING:
@@ -52,20 +52,22 @@ def classify(
     Exit code: 0 classified, 2 nothing can be read.
     """
     from rtron.functions.reading import read_repositories  # noqa: PLC0415 - the guard starts without it
-    from rtron.workflows.classification import classified  # noqa: PLC0415 - the guard starts without it
+    from rtron.workflows.classification import classify_repositories  # noqa: PLC0415 - the guard starts without it
 
-    with left_out() as left:
+    with report_skipped() as left:
         repositories = read_repositories(source, readmes, left)
-        found = [each for _, each in classified(repositories, jobs, cluster, left)]
+        classifications = [
+            each for _, each in classify_repositories(repositories, jobs, cluster, left)
+        ]
     if table:
-        from rtron.functions.classifier.tables import count  # noqa: PLC0415 - the guard starts without it
+        from rtron.functions.classifier.tables import build_tables  # noqa: PLC0415 - the guard starts without it
         from rtron.reports.functions_tables import tables_text  # noqa: PLC0415 - the guard starts without it
 
-        return Outcome(tables_text(count(found)), to=output)
-    return Outcome(_as_lines(found), to=output)
+        return Outcome(tables_text(build_tables(classifications)), to=output)
+    return Outcome(_json_lines(classifications), to=output)
 
 
-def _as_lines(found: "Iterable[Classification]") -> str:
+def _json_lines(classifications: "Iterable[Classification]") -> str:
     from rtron.reports.functions_json import classification_to_json  # noqa: PLC0415 - the guard starts without it
 
-    return "".join(json.dumps(classification_to_json(each)) + "\n" for each in found)
+    return "".join(json.dumps(classification_to_json(each)) + "\n" for each in classifications)

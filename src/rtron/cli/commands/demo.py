@@ -9,21 +9,21 @@ import typer
 
 from rtron.cli.support.demo_session import (
     LAST_SEED,
-    chosen_ros,
-    logs_kept,
-    need_demo,
+    choose_ros,
+    preserve_logs,
+    require_demo_packages,
     show_console,
-    shown_progress,
-    worlds,
+    show_demo_progress,
+    world_seeds,
 )
 from rtron.cli.support.options import Ros, TextOrJson
-from rtron.cli.support.outcome import FOUND, OK, Outcome, as_json, tell
+from rtron.cli.support.outcome import FINDINGS, OK, Outcome, as_json, print_part
 from rtron.errors import InputError
 
 if TYPE_CHECKING:
-    from rtron.demos.experiment.demonstration import Wish
+    from rtron.demos.experiment.demonstration import DemoRequest
     from rtron.demos.experiment.study import Study
-    from rtron.demos.runtime.service import Service
+    from rtron.demos.runtime.service import DemoService
 
 _SPEEDS = {"min": 0.25, "max": 8.0}
 
@@ -52,7 +52,7 @@ def demo(  # noqa: PLR0913 - one for each option
     seed: Annotated[
         int, typer.Option(min=0, max=LAST_SEED, metavar="N", help="The first world.")
     ] = 1,
-    runs: Annotated[int, typer.Option(min=1, metavar="N", help="How many worlds.")] = 1,
+    runs: Annotated[int, typer.Option(min=1, metavar="N", help="How many world_seeds.")] = 1,
     speed: Annotated[
         float, typer.Option(**_SPEEDS, metavar="X", help="Simulated seconds a second.")
     ] = 2.0,
@@ -87,47 +87,47 @@ def demo(  # noqa: PLR0913 - one for each option
     Exit code: 0 the attacks do harm without the guard and none with it, and the
     robot arrives; 1 not so; 2 bad options, or no ROS.
     """
-    _check(guard=guard, console=console)
+    _check_options(guard=guard, console=console)
     from rtron.demos.cases import CASES  # noqa: PLC0415 - only with the extra
-    from rtron.demos.experiment.demonstration import Wish, as_expected, demonstrate  # noqa: PLC0415
-    from rtron.demos.experiment.results_folder import results_folder  # noqa: PLC0415
+    from rtron.demos.experiment.demonstration import DemoRequest, are_as_expected, run_demo  # noqa: PLC0415
+    from rtron.demos.experiment.results_folder import prepare_results_folder  # noqa: PLC0415
 
     cases = list(CASES.values()) if case is CaseName.ALL else [CASES[case.value]]
-    wish = Wish(
-        cases=cases, seeds=worlds(seed, runs), ros=chosen_ros(ros), speed=speed, guard=guard
+    request = DemoRequest(
+        cases=cases, seeds=world_seeds(seed, runs), ros=choose_ros(ros), speed=speed, guard=guard
     )
-    out, found = results_folder(output), []
+    out, runs_so_far = prepare_results_folder(output), []
 
-    def finish(study: "Study", service: "Service | None") -> None:
-        found.extend(study.runs)
+    def finish(study: "Study", service: "DemoService | None") -> None:
+        runs_so_far.extend(study.runs)
         progress.stop()
-        _report(wish, study, out, format)
+        _print_report(request, study, out, format)
         if console and service:
-            show_console(service, aside=format is TextOrJson.JSON)
+            show_console(service, to_stderr=format is TextOrJson.JSON)
 
     with (
         TemporaryDirectory(prefix="rtron-demo-") as folder,
-        logs_kept(Path(folder), out),
-        shown_progress(wish.runs) as progress,
+        preserve_logs(Path(folder), out),
+        show_demo_progress(request.runs) as progress,
     ):
-        demonstrate(wish, Path(folder), progress.tell, finish)
-    return Outcome("", OK if as_expected(found) else FOUND)
+        run_demo(request, Path(folder), progress.listener, finish)
+    return Outcome("", OK if are_as_expected(runs_so_far) else FINDINGS)
 
 
-def _check(*, guard: bool, console: bool) -> None:
+def _check_options(*, guard: bool, console: bool) -> None:
     """Raise InputError if the options do not go together, or packages are missing."""
     if console and not guard:
         help = "the console shows what the guard does: leave one of the two out"
         raise InputError("both --console and --no-guard are given", help=help)
-    need_demo()
+    require_demo_packages()
 
 
-def _report(wish: "Wish", study: "Study", out: Path, format: TextOrJson) -> None:
-    from rtron.demos.experiment.results import document, write_results  # noqa: PLC0415
-    from rtron.demos.experiment.terminal_report import told  # noqa: PLC0415
+def _print_report(request: "DemoRequest", study: "Study", out: Path, format: TextOrJson) -> None:
+    from rtron.demos.experiment.results import results_document, write_results  # noqa: PLC0415
+    from rtron.demos.experiment.terminal_report import demo_text  # noqa: PLC0415
 
-    written = write_results(out, wish, study)
+    written = write_results(out, request, study)
     if format is TextOrJson.JSON:
-        tell(as_json(document(wish, study)))
+        print_part(as_json(results_document(request, study)))
     else:
-        tell(told(wish, study) + f"\nWritten to {out}: {', '.join(written)}\n")
+        print_part(demo_text(request, study) + f"\nWritten to {out}: {', '.join(written)}\n")

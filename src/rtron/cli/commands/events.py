@@ -8,16 +8,16 @@ from typing import Annotated, Any
 import typer
 
 from rtron.cli.support.options import TextOrJson
-from rtron.cli.support.outcome import Outcome, tell
+from rtron.cli.support.outcome import Outcome, print_part
 from rtron.reports.event_text import event_line
 from rtron.workflows.service_client import (
     DEFAULT_SERVICE,
     CaOption,
     ServiceOption,
     TokenOption,
-    client,
+    open_service_client,
 )
-from rtron.workflows.service_events import followed
+from rtron.workflows.service_events import follow_events
 
 _PAGE = 1000
 
@@ -62,19 +62,21 @@ def events(  # noqa: PLR0913 - one for each option
 
     Exit code: 0 shown, 2 the service does not answer.
     """
-    called = client(service, token_file, ca)
-    wanted = {"robot": robot, "node": node, "kind": kind, "level": level.value}
-    past = called.get("events", **wanted, limit=number or 1)["events"]
-    shown = list(reversed(past[:number]))
-    lines = "".join(_line(event, format) for event in shown)
+    client_session = open_service_client(service, token_file, ca)
+    event_filter = {"robot": robot, "node": node, "kind": kind, "level": level.value}
+    stored_events = client_session.get("events", **event_filter, limit=number or 1)["events"]
+    shown = list(reversed(stored_events[:number]))
+    lines = "".join(_format_event(event, format) for event in shown)
     if not follow:
         return Outcome(lines)
-    coming = followed(called, wanted, past[0]["id"] if past else 0)
-    is_read = tell(lines)
+    live_events = follow_events(
+        client_session, event_filter, stored_events[0]["id"] if stored_events else 0
+    )
+    is_read = print_part(lines)
     while is_read:
-        is_read = tell(_line(next(coming), format))
+        is_read = print_part(_format_event(next(live_events), format))
     return Outcome("")
 
 
-def _line(event: Mapping[str, Any], format: TextOrJson) -> str:
+def _format_event(event: Mapping[str, Any], format: TextOrJson) -> str:
     return (json.dumps(event) if format is TextOrJson.JSON else event_line(event)) + "\n"

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from rtron.cli.support.outcome import Outcome
-from rtron.cli.support.skipped_report import Readmes, left_out, tell
+from rtron.cli.support.skipped_report import Readmes, print_to_stderr, report_skipped
 from rtron.errors import InputError, RTronError
 from rtron.folders import is_folder
 from rtron.reports.neutral import neutral
 
 if TYPE_CHECKING:
-    from rtron.functions.repository import Repository
+    from rtron.functions.repository import SourceRepository
 
 _LONGEST_SHOWN = 80
 _SEVERAL_SHOWN = 5
@@ -67,43 +67,45 @@ def explain_class(
     Exit code: 0 explained, 2 no such repository.
     """
     from rtron.functions.classifier.pipeline import classify  # noqa: PLC0415 - the guard starts without it
-    from rtron.functions.classifier.rule_trace import trace  # noqa: PLC0415 - the guard starts without it
+    from rtron.functions.classifier.rule_trace import trace_rules  # noqa: PLC0415 - the guard starts without it
     from rtron.reports.functions_evidence import evidence_text  # noqa: PLC0415 - the guard starts without it
 
-    found = _found(repo, source, readmes)
-    return Outcome(evidence_text(found, classify(found), trace(found)))
+    found = _find_repository(repo, source, readmes)
+    return Outcome(evidence_text(found, classify(found), trace_rules(found)))
 
 
-def _found(repo: str, source: Path | None, readmes: Path | None) -> "Repository":
+def _find_repository(repo: str, source: Path | None, readmes: Path | None) -> "SourceRepository":
     from rtron.functions.reading import read_repositories  # noqa: PLC0415 - the guard starts without it
 
     if source is None and not is_folder(Path(repo)):
         help = "give its folder, or say --from which file"
         raise InputError(f"{repo[:_LONGEST_SHOWN]!r} is no folder", help=help)
-    with left_out() as left:
+    with report_skipped() as left:
         found = read_repositories(source or Path(repo), readmes, left)
-    return _named(repo, found) if source else _only(repo, found)
+    return _repository_named(repo, found) if source else _single_repository(repo, found)
 
 
-def _only(repo: str, found: "list[Repository]") -> "Repository":
+def _single_repository(repo: str, found: "list[SourceRepository]") -> "SourceRepository":
     if len(found) > 1:
         names = [each.name for each in found[:_SEVERAL_SHOWN]]
         more = ["…"] if len(found) > _SEVERAL_SHOWN else []
-        told = ", ".join(names + more)
+        names_text = ", ".join(names + more)
         help = f"rtron explain-class --from {repo} NAME"
-        raise InputError(f"{repo} holds {len(found)} repositories: {told}", help=help)
+        raise InputError(f"{repo} holds {len(found)} repositories: {names_text}", help=help)
     return found[0]
 
 
-def _named(repo: str, found: "list[Repository]") -> "Repository":
+def _repository_named(repo: str, found: "list[SourceRepository]") -> "SourceRepository":
     """Return the repository of a name, else the first that has a package of that name."""
     names = {each.name: each for each in found}
     if repo in names:
         return names[repo]
-    homes = {package.name: each for each in reversed(found) for package in each.packages}
-    if repo in homes:
-        tell(neutral(f"{repo} is a package of {homes[repo].name}"))
-        return homes[repo]
+    repository_by_package = {
+        package.name: each for each in reversed(found) for package in each.packages
+    }
+    if repo in repository_by_package:
+        print_to_stderr(neutral(f"{repo} is a package of {repository_by_package[repo].name}"))
+        return repository_by_package[repo]
     near = get_close_matches(repo[:_LONGEST_SHOWN], names, n=1)
     help = f"did you mean {near[0]}?" if near else "`rtron classify` lists them all"
     raise InputError(f"no repository is named {repo[:_LONGEST_SHOWN]!r}", help=help)

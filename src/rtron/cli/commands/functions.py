@@ -9,7 +9,7 @@ import typer
 
 from rtron.cli.support.options import NoCache, Output, TextOrJson
 from rtron.cli.support.outcome import STDOUT, Outcome, as_json
-from rtron.cli.support.skipped_report import Readmes, left_out
+from rtron.cli.support.skipped_report import Readmes, report_skipped
 from rtron.functions.interactions.abstract_graph import AbstractGraph
 from rtron.sources.static.common.scan_options import ScanOptions
 from rtron.workflows.parallel_map import ClusterAddress, ProcessCount
@@ -29,13 +29,13 @@ class GraphFormat(str, Enum):
 
 
 @functions.callback()
-def study() -> None:
+def functions_group() -> None:
     """Study an ecosystem: which functions exchange what, and what kind apps are of."""
 
 
 @functions.command()
 def graph(
-    given: Annotated[
+    source: Annotated[
         Path,
         typer.Argument(
             metavar="PATH",
@@ -71,14 +71,17 @@ def graph(
 
     See docs/functions_graph.md. Exit code: 0 drawn, 2 bad input.
     """
-    from rtron.sources.static.common.cache import user_cache  # noqa: PLC0415 - other commands start without it
-    from rtron.workflows.function_graph import Asked, interaction_graph  # noqa: PLC0415 - other commands start without it
+    from rtron.sources.static.common.cache import user_cache_folder  # noqa: PLC0415 - other commands start without it
+    from rtron.workflows.function_graph import FunctionGraphRequest, build_function_graph  # noqa: PLC0415 - other commands start without it
 
-    options = ScanOptions(cache=None if no_cache else user_cache())
+    options = ScanOptions(cache=None if no_cache else user_cache_folder())
     if jobs:
         options = ScanOptions(cache=options.cache, workers=jobs)
-    asked = Asked(given, readmes, jobs, cluster)
-    return Outcome(_SHOWN[format or _ending(output)](interaction_graph(asked, options)), to=output)
+    request = FunctionGraphRequest(source, readmes, jobs, cluster)
+    return Outcome(
+        _RENDERERS[format or _format_from_suffix(output)](build_function_graph(request, options)),
+        to=output,
+    )
 
 
 @functions.command()
@@ -106,22 +109,22 @@ def apps(
 
     Exit code: 0 told, 2 nothing can be read.
     """
-    from rtron.cli.app_rows import app_rows  # noqa: PLC0415 - other commands start without it
-    from rtron.functions.app_categories import counts  # noqa: PLC0415 - nor this
+    from rtron.cli.app_rows import read_app_rows  # noqa: PLC0415 - other commands start without it
+    from rtron.functions.app_categories import count_categories  # noqa: PLC0415 - nor this
     from rtron.reports.functions_apps import apps_text, apps_to_json  # noqa: PLC0415 - nor this
 
-    with left_out() as left:
-        rows = app_rows(graphs, left)
-    counted = counts(rows) if len(rows) > 1 else ()
+    with report_skipped() as left:
+        rows = read_app_rows(graphs, left)
+    counted = count_categories(rows) if len(rows) > 1 else ()
     if format is TextOrJson.JSON:
         return Outcome(as_json(apps_to_json(rows, counted)), to=output)
     return Outcome(apps_text(rows, counted), to=output)
 
 
-def _ending(output: Path) -> GraphFormat:
+def _format_from_suffix(output: Path) -> GraphFormat:
     """Return the format that a file's name asks for, JSON if it asks for none."""
-    asked = output.suffix.lower().removeprefix(".")
-    return next((each for each in GraphFormat if each.value == asked), GraphFormat.JSON)
+    suffix = output.suffix.lower().removeprefix(".")
+    return next((each for each in GraphFormat if each.value == suffix), GraphFormat.JSON)
 
 
 def _json(graph: AbstractGraph) -> str:
@@ -148,7 +151,7 @@ def _html(graph: AbstractGraph) -> str:
     return functions_to_html(graph)
 
 
-_SHOWN: Mapping[GraphFormat, Callable[[AbstractGraph], str]] = {
+_RENDERERS: Mapping[GraphFormat, Callable[[AbstractGraph], str]] = {
     GraphFormat.JSON: _json,
     GraphFormat.DOT: _dot,
     GraphFormat.SVG: _svg,

@@ -7,13 +7,20 @@ from typing import Annotated
 
 import typer
 
-from rtron.cli.linking import Authority, Robot, ServiceUrl, State, TokenFile, link_options
+from rtron.cli.linking import (
+    CertificateAuthority,
+    Robot,
+    ServiceUrl,
+    State,
+    TokenFile,
+    build_link_options,
+)
 from rtron.cli.support.options import DEFAULT_MASTER, Domain, Master, PlanOption
 from rtron.errors import InputError
 from rtron.planning.plan_file.loader import read_plan
-from rtron.vocabulary import Run
+from rtron.vocabulary import MeasuredRun
 from rtron.wire.ros2.domain_id import domain_id
-from rtron.workflows.launch_arguments import assignments
+from rtron.workflows.launch_arguments import parse_assignments
 
 
 class LogLevel(str, Enum):
@@ -26,7 +33,7 @@ class LogLevel(str, Enum):
 
 
 def guard(  # noqa: PLR0913 - one for each option
-    appended: Annotated[
+    launch_arguments: Annotated[
         list[str] | None,
         typer.Argument(metavar="NAME:=VALUE", help="What roslaunch appends; accepted, not used."),
     ] = None,
@@ -49,7 +56,7 @@ def guard(  # noqa: PLR0913 - one for each option
     token_file: TokenFile = None,
     robot: Robot = "",
     state: State = None,
-    ca: Authority = None,
+    ca: CertificateAuthority = None,
     log_level: Annotated[LogLevel, typer.Option(help="How much to log.")] = LogLevel.INFO,
 ) -> None:
     """Stand between the app's nodes, as the plan says, until stopped.
@@ -81,31 +88,35 @@ def guard(  # noqa: PLR0913 - one for each option
     """
     from rtron.guard.supervision.supervisor_start import supervise  # noqa: PLC0415 - no other needs a guard
 
-    assignments(appended or ())
+    parse_assignments(launch_arguments or ())
     if figures and not dry_run:
         help = "add --dry-run: only what nobody interferes with is worth measuring"
         raise InputError("--figures without --dry-run", help=help)
-    keep = _keeper(figures) if figures else None
-    read = read_plan(plan)
-    linked = link_options(read.app, service, token_file, robot, state, ca) if service else None
+    run_writer = _run_file_writer(figures) if figures else None
+    guard_plan = read_plan(plan)
+    link = (
+        build_link_options(guard_plan.app, service, token_file, robot, state, ca)
+        if service
+        else None
+    )
     supervise(
-        read,
-        master if read.ros == 1 else _in_domain(domain),
+        guard_plan,
+        master if guard_plan.ros == 1 else _domain_address(domain),
         log_level=log_level.value.upper(),
         dry_run=dry_run,
         control=control,
-        figures=keep,
-        link=linked,
+        figures=run_writer,
+        link=link,
     )
 
 
-def _keeper(path: Path) -> Callable[[Run], None]:
-    from rtron.cli.figures import Keeper  # noqa: PLC0415 - few guards keep figures
+def _run_file_writer(path: Path) -> Callable[[MeasuredRun], None]:
+    from rtron.cli.figures import RunFileWriter  # noqa: PLC0415 - few guards keep figures
 
-    return Keeper(path.absolute())
+    return RunFileWriter(path.absolute())
 
 
-def _in_domain(domain: int | None) -> str:
+def _domain_address(domain: int | None) -> str:
     from rtron.guard.transport.factory import domain_address  # noqa: PLC0415 - for ROS 2 alone
 
     return domain_address(domain_id(domain))

@@ -9,18 +9,18 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from rtron.cli.support.options import PlanOption, TextOrJson
-from rtron.cli.support.outcome import FOUND, OK, Outcome, as_json
-from rtron.planning.instrument import Instrumented, Started, write_instrumented
+from rtron.cli.support.outcome import FINDINGS, OK, Outcome, as_json
+from rtron.planning.instrument import GuardedLaunch, RuntimeLaunchTree, write_guarded_launch
 from rtron.planning.instrument import instrument as instrumented
 from rtron.planning.instrument.ros2 import instrument_ros2
 from rtron.planning.plan_file.loader import parse_plan
 from rtron.planning.plan_file.yaml_parser import read_text
 from rtron.reports.guarded_text import Guarded, NodeRemap, OpenEnd, guarded_text, guarded_to_json
 from rtron.sources.launch.common.packages import find_packages
-from rtron.sources.launch.ros2.reader import read_launch2
+from rtron.sources.launch.ros2.reader import read_ros2_launch
 from rtron.vocabulary import Plan
-from rtron.workflows.instrument import check_launch
-from rtron.workflows.launch_arguments import assignments
+from rtron.workflows.instrument import check_launch_generation
+from rtron.workflows.launch_arguments import parse_assignments
 
 if TYPE_CHECKING:
     from rtron.sources.static.ros1.app import StaticApp
@@ -81,20 +81,22 @@ def instrument(
     the plan does not accept it; 2 bad input.
     """
     text = read_text(plan)
-    chosen = parse_plan(text, str(plan))
-    check_launch(launch, chosen, str(plan))
-    given = _Given(launch, assignments(arguments or ()), packages or (), chosen, output, text)
-    result = _ros1(given) if chosen.ros == 1 else _ros2(given)
-    write_instrumented(result)
-    guarded = _guarded(result, chosen.ros)
-    shown = (
+    parsed_plan = parse_plan(text, str(plan))
+    check_launch_generation(launch, parsed_plan, str(plan))
+    request = _InstrumentRequest(
+        launch, parse_assignments(arguments or ()), packages or (), parsed_plan, output, text
+    )
+    result = _instrument_ros1(request) if parsed_plan.ros == 1 else _instrument_ros2(request)
+    write_guarded_launch(result)
+    guarded = _guarded_report(result, parsed_plan.ros)
+    report = (
         as_json(guarded_to_json(guarded)) if format is TextOrJson.JSON else guarded_text(guarded)
     )
-    return Outcome(shown, OK if guarded.is_closed else FOUND)
+    return Outcome(report, OK if guarded.is_closed else FINDINGS)
 
 
 @dataclass(frozen=True, slots=True)
-class _Given:
+class _InstrumentRequest:
     """What the command was given: a launch file and its arguments, where to look, what to make."""
 
     launch: Path
@@ -105,35 +107,35 @@ class _Given:
     plan_text: str
 
 
-def _ros1(given: _Given) -> Instrumented:
+def _instrument_ros1(request: _InstrumentRequest) -> GuardedLaunch:
     from rtron.sources.static.ros1.app import scan_app  # noqa: PLC0415 - the guard starts without it
 
-    app = scan_app(given.folders, [(given.launch, given.arguments)], os.environ)
+    app = scan_app(request.folders, [(request.launch, request.arguments)], os.environ)
     return instrumented(
         app.trees[0],
-        given.plan,
-        given.out,
-        plan_text=given.plan_text,
-        started=_started(app),
-        packages=find_packages(given.folders),
+        request.plan,
+        request.out,
+        plan_text=request.plan_text,
+        started=_started_launches(app),
+        packages=find_packages(request.folders),
     )
 
 
-def _ros2(given: _Given) -> Instrumented:
-    packages = find_packages(given.folders)
-    tree = read_launch2(given.launch, given.arguments, os.environ, packages)
-    return instrument_ros2(tree, given.plan, given.out, plan_text=given.plan_text)
+def _instrument_ros2(request: _InstrumentRequest) -> GuardedLaunch:
+    packages = find_packages(request.folders)
+    tree = read_ros2_launch(request.launch, request.arguments, os.environ, packages)
+    return instrument_ros2(tree, request.plan, request.out, plan_text=request.plan_text)
 
 
-def _started(app: "StaticApp") -> Sequence[Started]:
+def _started_launches(app: "StaticApp") -> Sequence[RuntimeLaunchTree]:
     """Return what nodes start; the trees of it come after the app's own."""
     return [
-        Started(tree=tree, by=file.by, evidence=(file.evidence,))
+        RuntimeLaunchTree(tree=tree, starter=file.started_by, evidence=(file.evidence,))
         for tree, file in zip(app.trees[1:], app.started, strict=True)
     ]
 
 
-def _guarded(result: Instrumented, ros: int) -> Guarded:
+def _guarded_report(result: GuardedLaunch, ros: int) -> Guarded:
     return Guarded(
         ros=ros,
         launch=str(result.launch),

@@ -10,7 +10,7 @@ from rtron.cli.support.options import PlanOption
 from rtron.cli.support.outcome import Outcome
 from rtron.errors import InputError, WireError
 from rtron.planning.plan_file.loader import read_plan
-from rtron.wire.ros1.host_address import master_uri, own_host
+from rtron.wire.ros1.host_address import advertised_host, master_uri
 from rtron.wire.ros1.xmlrpc import split_uri
 
 _LAST_PORT = 65535
@@ -65,7 +65,7 @@ def master(
     logging.basicConfig(level=log_level.value.upper(), format="%(levelname)s %(message)s")
     known = read_plan(plan)
     at = port or _master_port()
-    return Outcome("", run_master(known, host or own_host(), at, private_port=private_port))
+    return Outcome("", run_master(known, host or advertised_host(), at, private_port=private_port))
 
 
 def _master_port() -> int:

@@ -32,12 +32,12 @@ def mission(
     $ rtron mission recharge > rtron.yaml && rtron check rtron.yaml
     """
     if name is None:
-        return Outcome(Report(lambda _: _listed()))
+        return Outcome(Report(lambda _: _list_missions()))
     if name not in MISSIONS:
         raise InputError(f"no mission {name}", help=suggestion(name, MISSIONS))
     return Outcome(mission_text(name))
 
 
-def _listed() -> list[Text]:
+def _list_missions() -> list[Text]:
     rows = [(name, mission_summary(name)) for name in MISSIONS]
     return [line(("Missions", "bold")), *columns(rows, ("cyan",), indent=2)]

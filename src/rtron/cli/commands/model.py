@@ -11,13 +11,13 @@ from rich.text import Text
 from rtron.cli.support.options import Output
 from rtron.cli.support.outcome import STDOUT, Outcome
 from rtron.reports.neutral import neutral
-from rtron.vocabulary import Unresolved
+from rtron.vocabulary import UnresolvedItem
 
 model = typer.Typer(name="model", no_args_is_help=True, help="Work on models of known nodes.")
 
 
 @model.callback()
-def models() -> None:
+def model_group() -> None:
     """Work on models: what nodes declare whose source is mostly absent."""
 
 
@@ -49,7 +49,7 @@ def draft(
     workspace = read_workspace(packages or [_package(source)], {})
     with deep_recursion():
         drafted = draft_model(source, workspace)
-    _remark(drafted.unresolved)
+    _print_unresolved(drafted.unresolved)
     return Outcome(drafted.text, to=output)
 
 
@@ -59,8 +59,8 @@ def _package(source: Path) -> Path:
     return next((folder for folder in parents if (folder / "package.xml").is_file()), parents[0])
 
 
-def _remark(unresolved: Sequence[Unresolved]) -> None:
+def _print_unresolved(unresolved: Sequence[UnresolvedItem]) -> None:
     console = Console(stderr=True, highlight=False)
     for each in unresolved:
-        place = "".join(f"{e.file}:{e.line}: " for e in each.evidence[:1])
-        console.print(Text(neutral(f"{place}{each.what}: {each.why}")), soft_wrap=True)
+        location = "".join(f"{e.file}:{e.line}: " for e in each.evidence[:1])
+        console.print(Text(neutral(f"{location}{each.what}: {each.why}")), soft_wrap=True)

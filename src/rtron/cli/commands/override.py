@@ -50,14 +50,14 @@ def override(
     except ValueError as error:
         raise InputError(f"--for: {error}") from None
     request = {"override": id, "duration": nanoseconds, "reason": reason}
-    answer = _ask(control or control_path(read_plan(plan).app), request)
+    answer = _send_request(control or control_path(read_plan(plan).app), request)
     if "error" in answer:
         raise InputError(str(answer["error"]))
     left = f"overridden for {write_duration(nanoseconds)}" if nanoseconds else "in force again"
     return Outcome(f"{id} is {left}\n")
 
 
-def _ask(path: Path, request: dict[str, object]) -> dict[str, object]:
+def _send_request(path: Path, request: dict[str, object]) -> dict[str, object]:
     try:
         with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as sock:
             sock.settimeout(_PATIENCE_S)

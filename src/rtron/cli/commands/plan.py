@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from rtron.cli.remarks import remarks_of
+from rtron.cli.remarks import to_remarks
 from rtron.cli.support.options import (
     DEFAULT_MASTER,
     Domain,
@@ -28,11 +28,11 @@ from rtron.cli.support.options import (
 from rtron.cli.support.outcome import STDOUT, Outcome, replace_file
 from rtron.errors import InputError
 from rtron.planning.plan_file.writer import write_plan
-from rtron.planning.proposal.policy_defaults import left_out, propose_plan
+from rtron.planning.proposal.policy_defaults import propose_plan, unguardable_topics
 from rtron.reports.plan_text import plan_text
-from rtron.risks import discover, load_lists
-from rtron.workflows.app_selection import chosen_app, chosen_by
-from rtron.workflows.tuning import Tuning, tuned
+from rtron.risks import discover_risks, load_lists
+from rtron.workflows.app_selection import select_app, select_app_options
+from rtron.workflows.tuning import TuningRequest, tune_from_run
 
 _SUFFIXES = {1: ("",), 2: (".py", ".xml", ".yaml", ".yml")}
 """What a launch file's name has behind `.launch`, by ROS; the usual one first."""
@@ -103,10 +103,12 @@ def plan(  # noqa: PLR0913 - one for each option
         if inputs or launch or live:
             help = "the app is that of the plan: leave the others out"
             raise InputError("--from-run and an app to read", help=help)
-        return tuned(Tuning(run=from_run, plan=plan_file, output=output, format=format))
+        return tune_from_run(
+            TuningRequest(run=from_run, plan=plan_file, output=output, format=format)
+        )
     if plan_file:
         raise InputError("--plan without --from-run", help="`rtron check` checks a plan")
-    chosen = chosen_by(
+    selection = select_app_options(
         inputs,
         launch,
         env,
@@ -120,24 +122,24 @@ def plan(  # noqa: PLR0913 - one for each option
         jobs=jobs,
         no_cache=no_cache,
     )
-    app = chosen_app(chosen)
-    found = app.source.read()
-    report = discover(found, load_lists(lists) if lists else None)
-    proposed = propose_plan(found, report)
+    app = select_app(selection)
+    graph = app.source.read()
+    report = discover_risks(graph, load_lists(lists) if lists else None)
+    proposed = propose_plan(graph, report)
     if output == STDOUT:
         return Outcome(write_plan(proposed))
     if output:
         replace_file(output, write_plan(proposed))
-    left = remarks_of(left_out(found, report))
+    omitted = to_remarks(unguardable_topics(graph, report))
     if output is None:
         next_step = f"rtron plan {app.arguments} -o rtron.yaml"
-        return Outcome(plan_text(proposed, next_step, left, found.nodes))
+        return Outcome(plan_text(proposed, next_step, omitted, graph.nodes))
     app_launch = next(iter((*app.launches, *(launch or ()))), None)
-    next_step = _next_step(app_launch, output, proposed.ros)
-    return Outcome(plan_text(proposed, next_step, left, found.nodes))
+    next_step = _instrument_command(app_launch, output, proposed.ros)
+    return Outcome(plan_text(proposed, next_step, omitted, graph.nodes))
 
 
-def _next_step(app_launch: str | None, written: Path, ros: int) -> str:
+def _instrument_command(app_launch: str | None, written: Path, ros: int) -> str:
     """Return the command that guards the app's launch file, as the plan's ROS has it."""
     usual, *others = _SUFFIXES[ros]
     suffix = next((end for end in others if (app_launch or "").endswith(end)), usual)

@@ -8,7 +8,7 @@ import typer
 
 from rtron.cli.support.options import Output, PlanOption, TextOrJson
 from rtron.cli.support.outcome import STDOUT, Outcome, as_json
-from rtron.cli.support.progress import counting
+from rtron.cli.support.progress import show_count
 from rtron.planning.plan_file.loader import read_plan
 from rtron.reports.replay_json import replay_to_json
 from rtron.reports.replay_text import replay_text
@@ -36,14 +36,14 @@ def replay(
 
     Exit code: 0 played, 2 bad input.
     """
-    from rtron.guard.replay.player import Player  # noqa: PLC0415 - likewise
-    from rtron.workflows.replay import Recording  # noqa: PLC0415 - no other command needs it
+    from rtron.guard.replay.player import RecordingPlayer  # noqa: PLC0415 - likewise
+    from rtron.workflows.replay import GuardRecording  # noqa: PLC0415 - no other command needs it
 
     logging.basicConfig(level=logging.ERROR, format="%(levelname)s %(message)s")
-    recording = Recording(bag)
-    wanted = read_plan(plan, recording.definitions)
-    with counting("messages") as tell:
-        found = Player(wanted).play(recording.messages(wanted.ros), tell)
+    recording = GuardRecording(bag)
+    guard_plan = read_plan(plan, recording.definitions)
+    with show_count("messages") as update:
+        found = RecordingPlayer(guard_plan).play(recording.messages(guard_plan.ros), update)
     if format is TextOrJson.JSON:
         return Outcome(as_json(replay_to_json(found)), to=output)
     return Outcome(replay_text(str(bag), found), to=output)

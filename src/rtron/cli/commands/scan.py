@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from rtron.cli.support.launch_list import listed_launches
+from rtron.cli.support.launch_list import list_launches
 from rtron.cli.support.options import (
     DEFAULT_MASTER,
     Domain,
@@ -26,7 +26,7 @@ from rtron.cli.support.options import (
     RosOption,
     TextOrJson,
 )
-from rtron.cli.support.outcome import FOUND, OK, STDOUT, Outcome, as_json, write_files
+from rtron.cli.support.outcome import FINDINGS, OK, STDOUT, Outcome, as_json, write_files
 from rtron.errors import InputError
 from rtron.planning.proposal.policy_defaults import propose_plan
 from rtron.reports.dot import graph_to_dot
@@ -37,11 +37,11 @@ from rtron.reports.risks_json import risks_to_json
 from rtron.reports.rosgraph import graph_to_rosgraph
 from rtron.reports.sarif import risks_to_sarif
 from rtron.reports.text import Scan, scan_text
-from rtron.risks import discover, load_lists
+from rtron.risks import discover_risks, load_lists
 from rtron.sources.graph_json import graph_to_json
 from rtron.vocabulary import InteractionGraph, RiskReport, Severity
-from rtron.workflows.app_selection import App, chosen_app, chosen_by
-from rtron.workflows.scan import from_root
+from rtron.workflows.app_selection import SelectedApp, select_app, select_app_options
+from rtron.workflows.scan import with_relative_evidence
 
 
 class Format(str, Enum):
@@ -117,7 +117,7 @@ def scan(  # noqa: PLR0913 - one for each option
 
     Exit code: 0 no risk as severe as --fail-on, 1 risks found, 2 bad input.
     """
-    chosen = chosen_by(
+    selection = select_app_options(
         inputs,
         launch,
         env,
@@ -131,28 +131,28 @@ def scan(  # noqa: PLR0913 - one for each option
         jobs=jobs,
         no_cache=no_cache,
     )
-    if chosen.folders and not launch and not live:
-        return Outcome(listed_launches(chosen.folders, _list_format(format)), OK, output)
-    app = chosen_app(chosen)
-    found = app.source.read()
-    if format in _FOR_PEOPLE:
-        found = from_root(found, app.root)
-    report = discover(found, load_lists(lists) if lists else None)
-    exit_code = FOUND if _fails(report, fail_on) else OK
+    if selection.folders and not launch and not live:
+        return Outcome(list_launches(selection.folders, _listing_format(format)), OK, output)
+    app = select_app(selection)
+    graph = app.source.read()
+    if format in _HUMAN_FORMATS:
+        graph = with_relative_evidence(graph, app.root)
+    report = discover_risks(graph, load_lists(lists) if lists else None)
+    exit_code = FINDINGS if _has_severe_risk(report, fail_on) else OK
     if format is Format.NODL and output.is_dir():
-        write_files(output, nodl_files(found))
+        write_files(output, nodl_files(graph))
         return Outcome("", exit_code)
-    return Outcome(_SHOWN[format](app, found, report), exit_code, output)
+    return Outcome(_RENDERERS[format](app, graph, report), exit_code, output)
 
 
-def _list_format(format: Format) -> TextOrJson:
+def _listing_format(format: Format) -> TextOrJson:
     if format not in {Format.TEXT, Format.JSON}:
         help = "without it, launch files are listed as text or json"
         raise InputError("--launch is missing", help=help)
     return TextOrJson(format.value)
 
 
-def _fails(report: RiskReport, fail_on: FailOn) -> bool:
+def _has_severe_risk(report: RiskReport, fail_on: FailOn) -> bool:
     if fail_on is FailOn.NEVER:
         return False
     order = list(Severity)
@@ -160,13 +160,13 @@ def _fails(report: RiskReport, fail_on: FailOn) -> bool:
     return any(order.index(risk.severity) >= mildest for risk in report.risks)
 
 
-def _text(app: App, graph: InteractionGraph, report: RiskReport) -> Report:
+def _text(app: SelectedApp, graph: InteractionGraph, report: RiskReport) -> Report:
     next_step = f"rtron plan {app.arguments} -o rtron.yaml"
-    return scan_text(Scan(graph, report, read_from=app.said, next_step=next_step))
+    return scan_text(Scan(graph, report, read_from=app.description, next_step=next_step))
 
 
-_FOR_PEOPLE = {Format.TEXT, Format.HTML, Format.DOT}
-_SHOWN: Mapping[Format, Callable[[App, InteractionGraph, RiskReport], str | Report]] = {
+_HUMAN_FORMATS = {Format.TEXT, Format.HTML, Format.DOT}
+_RENDERERS: Mapping[Format, Callable[[SelectedApp, InteractionGraph, RiskReport], str | Report]] = {
     Format.TEXT: _text,
     Format.JSON: lambda app, graph, report: as_json(risks_to_json(report)),
     Format.GRAPH: lambda app, graph, report: as_json(graph_to_json(graph)),

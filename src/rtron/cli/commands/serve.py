@@ -9,11 +9,15 @@ import typer
 
 from rtron.cli.commands.guard import LogLevel
 from rtron.cli.support.outcome import Outcome
-from rtron.cli.support.service_database import DEFAULT_DATABASE, DatabaseOption, need_service
+from rtron.cli.support.service_database import (
+    DEFAULT_DATABASE,
+    DatabaseOption,
+    require_service_packages,
+)
 from rtron.errors import InputError
 
 if TYPE_CHECKING:
-    from rtron.service.config import Config, Tls
+    from rtron.service.config import ServiceConfig, Tls
 
 _MIB = 1 << 20
 
@@ -72,49 +76,49 @@ def serve(  # noqa: PLR0913 - one for each option
     Exit code: 0 ended, 2 bad options, no place to listen, or another service on
     the database.
     """
-    need_service()
-    from rtron.service.config import Config  # noqa: PLC0415 - only with the extra
-    from rtron.service.store.retention import Bounds  # noqa: PLC0415
+    require_service_packages()
+    from rtron.service.config import ServiceConfig  # noqa: PLC0415 - only with the extra
+    from rtron.service.store.retention import RetentionLimits  # noqa: PLC0415
 
-    _log(log_level)
-    config = Config(
+    _configure_logging(log_level)
+    config = ServiceConfig(
         database=database,
         host=host,
         port=port,
-        tls=_tls(tls_cert, tls_key),
+        tls=_tls_config(tls_cert, tls_key),
         allowed_hosts=tuple(allow_host or ()),
         proxies=tuple(proxy or ()),
-        insecure_http=insecure_http,
-        retention=Bounds(days=keep_days, size=keep_mb * _MIB),
+        allow_insecure_http=insecure_http,
+        retention=RetentionLimits(max_days=keep_days, max_bytes=keep_mb * _MIB),
     )
-    _run(config)
+    _run_service(config)
     return Outcome("")
 
 
-def _log(level: LogLevel) -> None:
+def _configure_logging(level: LogLevel) -> None:
     """Log to standard error; httpx would tell whole URLs, and a webhook's may hold a secret."""
     logging.basicConfig(level=level.value.upper(), format="%(levelname)s %(message)s")
     for name in ("httpx", "httpcore", "alembic"):
         logging.getLogger(name).setLevel(logging.WARNING)
 
 
-def _run(config: "Config") -> None:
+def _run_service(config: "ServiceConfig") -> None:
     from rtron.service.server.app import create_app  # noqa: PLC0415
     from rtron.service.server.database_setup import add_first_admin  # noqa: PLC0415
     from rtron.service.server.http import serve as run  # noqa: PLC0415
-    from rtron.service.server.instance_lock import alone  # noqa: PLC0415 - only with the extra
+    from rtron.service.server.instance_lock import hold_instance_lock  # noqa: PLC0415 - only with the extra
 
     app = create_app(config)
     service = app.state.service
 
     def ready() -> None:
-        _greet(config, add_first_admin(service.database, service.clock()))
+        _print_address(config, add_first_admin(service.database, service.clock()))
 
-    with alone(service.database):
+    with hold_instance_lock(service.database):
         run(app, config, ready)
 
 
-def _greet(config: "Config", password: str | None) -> None:
+def _print_address(config: "ServiceConfig", password: str | None) -> None:
     scheme = "https" if config.tls else "http"
     host = f"[{config.host}]" if ":" in config.host else config.host
     sys.stderr.write(f"RTron security service: {scheme}://{host}:{config.port}/\n")
@@ -123,7 +127,7 @@ def _greet(config: "Config", password: str | None) -> None:
         sys.stderr.write("it is shown this once; change it in the console\n")
     if not (config.is_local or config.allowed_hosts):
         sys.stderr.write(
-            f"it answers only to the names {', '.join(sorted(config.names))}: "
+            f"it answers only to the names {', '.join(sorted(config.host_names))}: "
             "give the name that others call it by with --allow-host\n"
         )
     if not (config.is_local or config.tls):
@@ -133,7 +137,7 @@ def _greet(config: "Config", password: str | None) -> None:
         )
 
 
-def _tls(cert: Path | None, key: Path | None) -> "Tls | None":
+def _tls_config(cert: Path | None, key: Path | None) -> "Tls | None":
     from rtron.service.config import Tls  # noqa: PLC0415 - only with the extra
 
     if cert and key:

@@ -8,28 +8,28 @@ from typing import Annotated, Any
 import typer
 
 from rtron.cli.support.options import TextOrJson
-from rtron.cli.support.outcome import FOUND, OK, Outcome, as_json
-from rtron.cli.support.settings_arguments import KEYS, patch_of
-from rtron.cli.support.settings_report import node_report, nodes_report, stopped_by, told
+from rtron.cli.support.outcome import FINDINGS, OK, Outcome, as_json
+from rtron.cli.support.settings_arguments import KEYS, parse_patch
+from rtron.cli.support.settings_report import node_report, nodes_report, outcome_line, stop_line
 from rtron.reports.lines import Report
 from rtron.workflows.service_client import (
     DEFAULT_SERVICE,
     CaOption,
-    Client,
     RobotOption,
+    SecurityServiceClient,
     ServiceOption,
     TokenOption,
-    client,
+    open_service_client,
 )
 
 settings = typer.Typer(
     name="settings", no_args_is_help=True, help="See and change what a guard enforces."
 )
-_LOOK_S = 0.05
+_POLL_S = 0.05
 _PENDING = "pending"
 
 
-def _complete_word(incomplete: str) -> list[str]:
+def _complete_setting(incomplete: str) -> list[str]:
     return [f"{key}=" for key in KEYS if key.startswith(incomplete)]
 
 
@@ -40,7 +40,7 @@ Timeout = Annotated[float, typer.Option(min=0.1, metavar="S", help="Seconds to w
 
 
 @settings.callback()
-def of_robots() -> None:
+def settings_group() -> None:
     """See and change what a guard enforces, through the security service."""
 
 
@@ -64,22 +64,24 @@ def get(
 
     RTRON_SERVICE, RTRON_TOKEN_FILE and RTRON_ROBOT save typing.
     """
-    called = client(service, token_file, ca)
-    name = called.robot(robot)
-    view = called.get("robots", name, "settings")
+    client_session = open_service_client(service, token_file, ca)
+    name = client_session.resolve_robot(robot)
+    view = client_session.get("robots", name, "settings")
     if node is not None:
-        one = called.get("robots", name, "nodes", node)
-        return _shown(format, {"settings": view, "node": one}, node_report(view, one))
-    nodes = called.get("robots", name, "nodes")
-    return _shown(format, {"settings": view, "nodes": nodes}, nodes_report(name, view, nodes))
+        one = client_session.get("robots", name, "nodes", node)
+        return _render(format, {"settings": view, "node": one}, node_report(view, one))
+    nodes = client_session.get("robots", name, "nodes")
+    return _render(format, {"settings": view, "nodes": nodes}, nodes_report(name, view, nodes))
 
 
 @settings.command()
 def set(  # noqa: PLR0913 - one for each option
     node: Node,
-    words: Annotated[
+    assignments: Annotated[
         list[str],
-        typer.Argument(metavar="KEY=VALUE...", help="What to set.", autocompletion=_complete_word),
+        typer.Argument(
+            metavar="KEY=VALUE...", help="What to set.", autocompletion=_complete_setting
+        ),
     ],
     *,
     service: ServiceOption = DEFAULT_SERVICE,
@@ -108,14 +110,14 @@ def set(  # noqa: PLR0913 - one for each option
     Exit code: 0 stored and sent (with --wait: in force), 1 the guard refused
     it or did not answer, 2 nothing was changed.
     """
-    called = client(service, token_file, ca)
-    name = called.robot(robot)
-    view = called.get("robots", name, "settings")
-    planned = called.get("robots", name, "nodes", node)["plan"]
-    patch = patch_of(words, _flows(planned), has_rules="rules" in planned)
+    client_session = open_service_client(service, token_file, ca)
+    name = client_session.resolve_robot(robot)
+    view = client_session.get("robots", name, "settings")
+    planned = client_session.get("robots", name, "nodes", node)["plan"]
+    patch = parse_patch(assignments, _flow_names(planned), has_rules="rules" in planned)
     body = {"revision": view["revision"], "nodes": {node: patch}, "reason": reason}
-    made = called.patch("robots", name, "settings", body=body)
-    return _outcome(called, name, made, timeout if wait else None)
+    changed = client_session.patch("robots", name, "settings", body=body)
+    return _outcome(client_session, name, changed, timeout if wait else None)
 
 
 @settings.command()
@@ -137,10 +139,10 @@ def stop(
 
     Exit code: as of `rtron settings set`.
     """
-    called = client(service, token_file, ca)
-    name = called.robot(robot)
-    view = called.post("robots", name, "stop", body={"reason": reason})
-    return _outcome(called, name, view, timeout if wait else None)
+    client_session = open_service_client(service, token_file, ca)
+    name = client_session.resolve_robot(robot)
+    view = client_session.post("robots", name, "stop", body={"reason": reason})
+    return _outcome(client_session, name, view, timeout if wait else None)
 
 
 @settings.command()
@@ -164,44 +166,47 @@ def release(
 
     Exit code: as of `rtron settings set`.
     """
-    called = client(service, token_file, ca)
-    name = called.robot(robot)
-    seen = called.get("robots", name, "settings")
-    body = {"reason": reason, "revision": seen["revision"]}
-    view = called.delete("robots", name, "stop", body=body)
-    outcome = _outcome(called, name, view, timeout if wait else None)
-    return replace(outcome, shown=f"{stopped_by(seen)}{outcome.shown}")
+    client_session = open_service_client(service, token_file, ca)
+    name = client_session.resolve_robot(robot)
+    before = client_session.get("robots", name, "settings")
+    body = {"reason": reason, "revision": before["revision"]}
+    view = client_session.delete("robots", name, "stop", body=body)
+    outcome = _outcome(client_session, name, view, timeout if wait else None)
+    return replace(outcome, shown=f"{stop_line(before)}{outcome.shown}")
 
 
 def _outcome(
-    called: Client, robot: str, view: Mapping[str, Any], patience: float | None
+    client_session: SecurityServiceClient,
+    robot: str,
+    view: Mapping[str, Any],
+    timeout: float | None,
 ) -> Outcome:
-    """Say what became of settings; with `patience` (s) once the guard has answered."""
-    if patience is not None:
-        view = _answered(called, robot, view, patience)
-    waited_in_vain = patience is not None and view["outcome"] == _PENDING
-    failed = view["outcome"] == "refused" or waited_in_vain
-    return Outcome(told(view), FOUND if failed else OK)
+    """Say what became of settings; with `timeout` (s) once the guard has answered."""
+    if timeout is not None:
+        view = _wait_for_answer(client_session, robot, view, timeout)
+    has_timed_out = timeout is not None and view["outcome"] == _PENDING
+    failed = view["outcome"] == "refused" or has_timed_out
+    return Outcome(outcome_line(view), FINDINGS if failed else OK)
 
 
-def _answered(
-    called: Client, robot: str, view: Mapping[str, Any], timeout: float
+def _wait_for_answer(
+    client_session: SecurityServiceClient, robot: str, view: Mapping[str, Any], timeout: float
 ) -> Mapping[str, Any]:
     """Return the settings once the guard has answered them, or as they are after `timeout` s."""
-    until = time.monotonic() + timeout
+    deadline = time.monotonic() + timeout
     before = view["revision"] + 1
-    while view["outcome"] == _PENDING and time.monotonic() < until:
-        time.sleep(_LOOK_S)
-        (view,) = called.get("robots", robot, "settings", "history", before=before, limit=1)
+    while view["outcome"] == _PENDING and time.monotonic() < deadline:
+        time.sleep(_POLL_S)
+        (view,) = client_session.get("robots", robot, "settings", "history", before=before, limit=1)
     return view
 
 
-def _flows(node: Mapping[str, Any]) -> list[str]:
+def _flow_names(node: Mapping[str, Any]) -> list[str]:
     """Return the names of the flows that may be set at a coordination node, as the plan has it."""
     guarded = [*node.get("vflows", ()), *node.get("aflows", ())]
     flows = [*node.get("flows", ()), *(flow for topic in guarded for flow in topic["flows"])]
     return [flow["name"] for flow in flows]
 
 
-def _shown(format: TextOrJson, document: Mapping[str, Any], report: Report) -> Outcome:
+def _render(format: TextOrJson, document: Mapping[str, Any], report: Report) -> Outcome:
     return Outcome(as_json(document) if format is TextOrJson.JSON else report)

@@ -7,9 +7,9 @@ import typer
 
 from rtron.cli.support.options import Output
 from rtron.cli.support.outcome import STDOUT, Outcome
-from rtron.cli.support.skipped_report import left_out
+from rtron.cli.support.skipped_report import report_skipped
 from rtron.errors import InputError
-from rtron.workflows.parallel_map import ClusterAddress, ProcessCount, chosen_executor
+from rtron.workflows.parallel_map import ClusterAddress, ProcessCount, choose_executor
 
 
 def survey(
@@ -40,16 +40,23 @@ def survey(
 
     Exit code: 0 scanned, 2 there is no app.
     """
-    from rtron.cli.working import worked  # noqa: PLC0415 - the guard starts without it
-    from rtron.survey.app_listing import subjects  # noqa: PLC0415 - the guard starts without it
-    from rtron.survey.app_scan import scan_subject  # noqa: PLC0415 - the guard starts without it
-    from rtron.survey.report import survey_line, survey_text  # noqa: PLC0415 - the guard starts without it
+    from rtron.cli.working import map_with_progress  # noqa: PLC0415 - the guard starts without it
+    from rtron.survey.app_listing import find_apps  # noqa: PLC0415 - the guard starts without it
+    from rtron.survey.app_scan import scan_app  # noqa: PLC0415 - the guard starts without it
+    from rtron.survey.report import survey_json_line, survey_text  # noqa: PLC0415 - the guard starts without it
 
-    with left_out() as left:
-        apps = list(subjects(folder, left))
-        executor = chosen_executor(jobs, cluster, chunk=1, worth=len(apps) > 1)
-        found = [each for _, each in worked(executor, scan_subject, apps, lambda a: a.app, left)]
-    if not found:
+    with report_skipped() as note_skipped:
+        apps = list(find_apps(folder, note_skipped))
+        executor = choose_executor(jobs, cluster, chunk=1, is_worth_parallel=len(apps) > 1)
+        results = [
+            each
+            for _, each in map_with_progress(
+                executor, scan_app, apps, lambda a: a.name, note_skipped
+            )
+        ]
+    if not results:
         help = "rtron scan DIR lists the launch files and the arguments that they need"
         raise InputError("no app can be scanned", path=str(folder), help=help)
-    return Outcome(survey_text(found) if table else "".join(map(survey_line, found)), to=output)
+    return Outcome(
+        survey_text(results) if table else "".join(map(survey_json_line, results)), to=output
+    )

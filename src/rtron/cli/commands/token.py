@@ -9,10 +9,10 @@ import typer
 from rtron.cli.support.outcome import Outcome
 from rtron.cli.support.service_database import (
     DEFAULT_DATABASE,
-    OFFLINE,
+    OFFLINE_ACTOR,
     DatabaseOption,
-    opened,
-    secret_file,
+    existing_database,
+    secret_writer,
 )
 
 token = typer.Typer(
@@ -35,7 +35,7 @@ Name = Annotated[str, typer.Argument(metavar="NAME", help="What the token is cal
 
 
 @token.callback()
-def tokens() -> None:
+def token_group() -> None:
     """Work on API tokens beside the running service; it need not run."""
 
 
@@ -64,12 +64,12 @@ def create(
 
     Exit code: 0 made, 2 bad options or a name that is taken.
     """
-    with opened(database) as found, secret_file(token_file) as keep:
-        from rtron.service.server.offline_accounts import make_token  # noqa: PLC0415 - only with the extra
+    with existing_database(database) as db, secret_writer(token_file) as write_secret:
+        from rtron.service.server.offline_accounts import create_token_record  # noqa: PLC0415 - only with the extra
 
         scopes = [each.value for each in scope]
-        wanted = {"name": name, "scopes": scopes, "robot": robot, "days": days}
-        return Outcome(keep(make_token(found, OFFLINE, wanted)))
+        request = {"name": name, "scopes": scopes, "robot": robot, "days": days}
+        return Outcome(write_secret(create_token_record(db, OFFLINE_ACTOR, request)))
 
 
 @token.command()
@@ -80,8 +80,8 @@ def revoke(name: Name, *, database: DatabaseOption = DEFAULT_DATABASE) -> Outcom
 
     Exit code: 0 revoked, 2 there is none.
     """
-    with opened(database) as found:
-        from rtron.service.server.offline_accounts import end_token  # noqa: PLC0415 - only with the extra
+    with existing_database(database) as db:
+        from rtron.service.server.offline_accounts import revoke_token_record  # noqa: PLC0415 - only with the extra
 
-        end_token(found, OFFLINE, name)
+        revoke_token_record(db, OFFLINE_ACTOR, name)
     return Outcome(f"{name} is revoked\n")

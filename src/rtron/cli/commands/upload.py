@@ -15,7 +15,7 @@ from rtron.workflows.service_client import (
     RobotOption,
     ServiceOption,
     TokenOption,
-    client,
+    open_service_client,
 )
 
 _LONGEST = 16 << 20
@@ -42,11 +42,11 @@ def upload(
 
     Exit code: 0 stored, 2 not.
     """
-    called = client(service, token_file, ca)
+    client_session = open_service_client(service, token_file, ca)
     data = read_bounded(graph, _LONGEST)
-    name = called.robot(robot)
-    risks = called.put("robots", name, "graph", data=data)["risks"]
+    name = client_session.resolve_robot(robot)
+    risks = client_session.put("robots", name, "graph", data=data)["risks"]
     kinds = Counter(risk["kind"] for risk in risks)
-    told = ", ".join(f"{number} {kind}" for kind, number in sorted(kinds.items()))
-    found = f"{counted(len(risks), 'risk')}{f': {told}' if told else ''}"
-    return Outcome(f"{name} has the graph; {found}\n")
+    kind_counts = ", ".join(f"{number} {kind}" for kind, number in sorted(kinds.items()))
+    summary = f"{counted(len(risks), 'risk')}{f': {kind_counts}' if kind_counts else ''}"
+    return Outcome(f"{name} has the graph; {summary}\n")

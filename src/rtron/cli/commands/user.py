@@ -9,11 +9,11 @@ import typer
 from rtron.cli.support.outcome import Outcome
 from rtron.cli.support.service_database import (
     DEFAULT_DATABASE,
-    OFFLINE,
+    OFFLINE_ACTOR,
     DatabaseOption,
-    made,
-    opened,
-    secret_file,
+    existing_database,
+    new_or_existing_database,
+    secret_writer,
 )
 
 user = typer.Typer(
@@ -36,7 +36,7 @@ PasswordFile = Annotated[
 
 
 @user.callback()
-def users() -> None:
+def user_group() -> None:
     """Work on users beside the running service; it need not run."""
 
 
@@ -57,10 +57,12 @@ def add(
 
     Exit code: 0 added, 2 bad options or a name that is taken.
     """
-    with made(database) as found, secret_file(password_file) as keep:
-        from rtron.service.server.offline_accounts import make_user  # noqa: PLC0415 - only with the extra
+    with new_or_existing_database(database) as db, secret_writer(password_file) as write_secret:
+        from rtron.service.server.offline_accounts import create_user_record  # noqa: PLC0415 - only with the extra
 
-        return Outcome(keep(make_user(found, OFFLINE, name, [each.value for each in role])))
+        return Outcome(
+            write_secret(create_user_record(db, OFFLINE_ACTOR, name, [each.value for each in role]))
+        )
 
 
 @user.command()
@@ -79,7 +81,7 @@ def password(
 
     Exit code: 0 done, 2 there is no such user.
     """
-    with opened(database) as found, secret_file(password_file) as keep:
+    with existing_database(database) as db, secret_writer(password_file) as write_secret:
         from rtron.service.server.offline_accounts import reset_password  # noqa: PLC0415 - only with the extra
 
-        return Outcome(keep(reset_password(found, OFFLINE, name)))
+        return Outcome(write_secret(reset_password(db, OFFLINE_ACTOR, name)))

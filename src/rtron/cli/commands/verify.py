@@ -13,8 +13,8 @@ from rtron.cli.support.options import (
     TextOrJson,
     Timeout,
 )
-from rtron.cli.support.outcome import BAD_INPUT, FOUND, OK, Outcome, as_json
-from rtron.cli.verified import verified_json, verified_text
+from rtron.cli.support.outcome import BAD_INPUT, FINDINGS, OK, Outcome, as_json
+from rtron.cli.verified import verification_text, verification_to_json
 from rtron.errors import InputError
 from rtron.guard.audit.ros1.verification import Verification
 from rtron.planning.plan_file.loader import read_plan
@@ -61,21 +61,23 @@ def verify(
     if not live:
         help = "add --live; before the app runs, `rtron check` compares the plan with its graph"
         raise InputError("what is there to verify?", help=help)
-    wanted = read_plan(plan)
-    found = _found(wanted, master, domain, timeout)
-    code = OK if found.closed else FOUND if found.told else BAD_INPUT
+    guard_plan = read_plan(plan)
+    verification = _verify_running_app(guard_plan, master, domain, timeout)
+    code = OK if verification.is_closed else FINDINGS if verification.is_conclusive else BAD_INPUT
     if format is TextOrJson.JSON:
-        return Outcome(as_json(verified_json(found)), code)
-    return Outcome(verified_text(str(plan), found), code)
+        return Outcome(as_json(verification_to_json(verification)), code)
+    return Outcome(verification_text(str(plan), verification), code)
 
 
-def _found(plan: Plan, master: str, domain: int | None, timeout: float) -> Verification:
+def _verify_running_app(
+    plan: Plan, master: str, domain: int | None, timeout: float
+) -> Verification:
     """Look at the app that the plan is for; only who verifies loads what that needs."""
     if plan.ros != 1:
         from rtron.guard.audit.ros2.live_verification import verify_domain  # noqa: PLC0415
 
         return verify_domain(plan, timeout, domain)
     from rtron.guard.audit.ros1.live_verification import verify_live  # noqa: PLC0415
-    from rtron.guard.master_proxy.master_file import private_master  # noqa: PLC0415
+    from rtron.guard.master_proxy.master_file import find_private_master  # noqa: PLC0415
 
-    return verify_live(plan, private_master(master), timeout)
+    return verify_live(plan, find_private_master(master), timeout)

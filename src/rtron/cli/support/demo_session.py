@@ -15,14 +15,14 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
 from rtron.cli.support.options import Ros
-from rtron.cli.support.outcome import tell
-from rtron.cli.support.service_database import need_service
+from rtron.cli.support.outcome import print_part
+from rtron.cli.support.service_database import require_service_packages
 from rtron.errors import InputError, SourceError
 
 if TYPE_CHECKING:
-    from rtron.demos.experiment.wanted import Tell
-    from rtron.demos.metrics.case_run import Run
-    from rtron.demos.runtime.service import Service
+    from rtron.demos.experiment.wanted import ProgressListener
+    from rtron.demos.metrics.case_run import CaseRun
+    from rtron.demos.runtime.service import DemoService
 
 _NEEDED = ("irsim", "matplotlib", "numpy", "shapely")
 _SCREENS = ("DISPLAY", "WAYLAND_DISPLAY")
@@ -30,30 +30,30 @@ LAST_SEED = 2**31 - 1
 _NO_ROS = "`make setup` in a checkout installs one"
 
 
-def need_demo() -> None:
+def require_demo_packages() -> None:
     """Raise InputError if the packages of the demo, or of the service, are not installed."""
     missing = [name for name in _NEEDED if find_spec(name) is None]
     if missing:
         help = 'pip install "rtron[demo]"'
         raise InputError(f"the demo needs {', '.join(missing)}", help=help)
-    need_service()
+    require_service_packages()
 
 
-def chosen_ros(ros: Ros) -> int:
+def choose_ros(ros: Ros) -> int:
     """Return the ROS to run on: the one asked for, or else what is there, ROS 2 first."""
-    from rtron.demos.runtime.ros_installation import lacking, need  # noqa: PLC0415 - the guard starts without it
+    from rtron.demos.runtime.ros_installation import find_ros_python, missing_requirements  # noqa: PLC0415 - the guard starts without it
 
     if ros is not Ros.AUTO:
-        need(int(ros.value))
+        find_ros_python(int(ros.value))
         return int(ros.value)
-    lacks = lacking()
+    lacks = missing_requirements()
     present = [number for number in (2, 1) if not lacks[number]]
     if not present:
         raise SourceError("; ".join(lacks[number] for number in (2, 1)), help=_NO_ROS)
     return present[0]
 
 
-def worlds(seed: int, runs: int) -> range:
+def world_seeds(seed: int, runs: int) -> range:
     """Return the seeds of the worlds to run in; InputError if the last is none."""
     if seed + runs - 1 > LAST_SEED:
         help = "start with an earlier world, or take fewer"
@@ -62,23 +62,23 @@ def worlds(seed: int, runs: int) -> range:
 
 
 @contextmanager
-def logs_kept(work: Path, out: Path) -> Iterator[None]:
+def preserve_logs(work: Path, out: Path) -> Iterator[None]:
     """Copy the logs from the folder of work to `out` if the block fails, and say where they are."""
-    from rtron.demos.experiment.results_folder import keep_logs  # noqa: PLC0415 - only with the extra
+    from rtron.demos.experiment.results_folder import copy_logs  # noqa: PLC0415 - only with the extra
 
     try:
         yield
     except SourceError as error:
-        if logs := keep_logs(work, out, str(error)):
+        if logs := copy_logs(work, out, str(error)):
             sys.stderr.write(f"The logs are in {logs}\n")
         raise
 
 
 @dataclass(frozen=True, slots=True)
-class Shown:
+class DemoProgress:
     """What shows how far a demonstration is, until it is stopped."""
 
-    tell: "Tell"
+    listener: "ProgressListener"
     bar: Progress
 
     def stop(self) -> None:
@@ -87,12 +87,12 @@ class Shown:
 
 
 @contextmanager
-def shown_progress(runs: int) -> Iterator[Shown]:
+def show_demo_progress(runs: int) -> Iterator[DemoProgress]:
     """Show on standard error what happens now, and how many of the runs are done.
 
     Nothing is shown where that is no terminal.
     """
-    from rtron.demos.experiment.wanted import Tell  # noqa: PLC0415 - only with the extra
+    from rtron.demos.experiment.wanted import ProgressListener  # noqa: PLC0415 - only with the extra
 
     console = Console(stderr=True)
     parts = (TextColumn("{task.description}", markup=False), BarColumn(), MofNCompleteColumn())
@@ -105,20 +105,20 @@ def shown_progress(runs: int) -> Iterator[Shown]:
         def now(what: str) -> None:
             bar.update(task, description=what)
 
-        def done(_: "Run") -> None:
+        def done(_: "CaseRun") -> None:
             bar.advance(task)
 
-        yield Shown(Tell(now, done), bar)
+        yield DemoProgress(ProgressListener(now, done), bar)
 
 
-def show_console(service: "Service", *, aside: bool = False) -> None:
+def show_console(service: "DemoService", *, to_stderr: bool = False) -> None:
     """Open the console, say where it is and how to log in, and wait there for Ctrl-C.
 
-    `aside`: on standard error, since standard output is for a program.
+    `to_stderr`: on standard error, since standard output is for a program.
     """
-    say = sys.stderr.write if aside else tell
-    say(f"\nThe console: {service.page}\nuser admin, password {service.password}\n")
-    say("The guarded app still runs there. Ctrl-C ends both.\n")
+    write = sys.stderr.write if to_stderr else print_part
+    write(f"\nThe console: {service.page}\nuser admin, password {service.password}\n")
+    write("The guarded app still runs there. Ctrl-C ends both.\n")
     if any(os.environ.get(screen) for screen in _SCREENS):
         webbrowser.open(service.page)
     with suppress(KeyboardInterrupt):

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from rtron.reports.lines import Report
 
-OK, FOUND, BAD_INPUT = 0, 1, 2
+OK, FINDINGS, BAD_INPUT = 0, 1, 2
 STDOUT = Path("-")
 _FILE_WIDTH = 100
 
@@ -50,7 +50,7 @@ def deliver(outcome: Outcome, **_: object) -> None:
         from rich.console import Console  # noqa: PLC0415 - slow, and a guard shows nothing
 
         page = Console(file=StringIO(), width=_FILE_WIDTH, force_terminal=False, color_system=None)
-        write_file(outcome.to, _rendered(outcome.shown, page))
+        write_file(outcome.to, _render(outcome.shown, page))
     raise typer.Exit(outcome.exit_code)
 
 
@@ -59,7 +59,7 @@ def write_file(path: Path, text: str) -> None:
     try:
         path.write_text(text, encoding="utf-8")
     except OSError as error:
-        raise _unwritable(error, str(path)) from None
+        raise _write_error(error, str(path)) from None
 
 
 def write_files(folder: Path, texts: Mapping[str, str]) -> None:
@@ -74,34 +74,34 @@ def replace_file(path: Path, text: str) -> None:
         if path.is_file() and path.read_bytes() != text.encode():
             path.replace(path.with_name(path.name + ".bak"))
     except OSError as error:
-        raise _unwritable(error, str(path)) from None
+        raise _write_error(error, str(path)) from None
     write_file(path, text)
 
 
-def complain(error: RTronError) -> None:
+def print_error(error: RTronError) -> None:
     """Say on standard error what is wrong and what to do about it."""
     from rich.console import Console  # noqa: PLC0415 - slow, and few commands complain
     from rich.text import Text  # noqa: PLC0415
 
     console = Console(stderr=True, highlight=False)
-    rows = [Text.assemble(("error: ", "bold red"), _harmless(str(error)))]
+    rows = [Text.assemble(("error: ", "bold red"), _neutral_lines(str(error)))]
     if error.help:
-        rows.append(Text.assemble(("help: ", "bold green"), _harmless(error.help)))
+        rows.append(Text.assemble(("help: ", "bold green"), _neutral_lines(error.help)))
     console.print(*rows, sep="\n", soft_wrap=True)
 
 
-def _harmless(message: str) -> str:
+def _neutral_lines(message: str) -> str:
     return "\n".join(map(neutral, message.split("\n")))
 
 
-def tell(text: str) -> bool:
+def print_part(text: str) -> bool:
     """Print a part of what a command says while it goes on; False if nobody reads any more."""
     return _print(text)
 
 
 def _print(shown: str | Report | Markdown) -> bool:
     try:
-        sys.stdout.write(shown if isinstance(shown, str) else _on_the_terminal(shown))
+        sys.stdout.write(shown if isinstance(shown, str) else _for_terminal(shown))
         sys.stdout.flush()
         return True
     except BrokenPipeError:
@@ -109,16 +109,16 @@ def _print(shown: str | Report | Markdown) -> bool:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return False
     except OSError as error:
-        raise _unwritable(error, "standard output") from None
+        raise _write_error(error, "standard output") from None
 
 
-def _on_the_terminal(shown: Report | Markdown) -> str:
+def _for_terminal(shown: Report | Markdown) -> str:
     from rich.console import Console  # noqa: PLC0415 - slow, and not for plain text
 
-    return _rendered(shown, Console())
+    return _render(shown, Console())
 
 
-def _rendered(shown: str | Report | Markdown, console: Console) -> str:
+def _render(shown: str | Report | Markdown, console: Console) -> str:
     if isinstance(shown, str):
         return shown
     from rich.markdown import Markdown  # noqa: PLC0415 - slow, and few commands show any
@@ -130,6 +130,6 @@ def _rendered(shown: str | Report | Markdown, console: Console) -> str:
     return captured.get()
 
 
-def _unwritable(error: OSError, path: str) -> InputError:
+def _write_error(error: OSError, path: str) -> InputError:
     reason = error.strerror or "cannot be written"
     return InputError(reason, path=path, help="choose a file that can be written")

@@ -14,7 +14,7 @@ _MAX_SHOWN = 40
 
 
 @contextmanager
-def shown_progress() -> Iterator[Told]:
+def show_progress() -> Iterator[Told]:
     """Yield what takes the progress of a scan; it shows it until it ends."""
     console = Console(stderr=True)
     if not console.is_terminal:
@@ -24,15 +24,15 @@ def shown_progress() -> Iterator[Told]:
     with Progress(*parts, console=console, transient=True) as bar:
         task = bar.add_task("reading", total=None)
 
-        def tell(done: int, known: int, what: str) -> None:
-            said = neutral(what)[:_MAX_SHOWN]
-            bar.update(task, completed=done, total=known, description=said)
+        def update(done: int, known: int, what: str) -> None:
+            description = neutral(what)[:_MAX_SHOWN]
+            bar.update(task, completed=done, total=known, description=description)
 
-        yield tell
+        yield update
 
 
 @contextmanager
-def counting(what: str) -> Iterator[Callable[[int], None]]:
+def show_count(what: str) -> Iterator[Callable[[int], None]]:
     """Yield what takes a number that grows, of what nobody knows how many there are."""
     console = Console(stderr=True)
     if not console.is_terminal:

@@ -24,12 +24,12 @@ DatabaseOption = Annotated[
     ),
 ]
 DEFAULT_DATABASE = "rtron.db"
-OFFLINE = "rtron"
+OFFLINE_ACTOR = "rtron"
 """Who did it, in the audit log, when it was done on the database itself."""
 _NEEDED = ("alembic", "argon2", "fastapi", "httpx", "prometheus_client", "sqlalchemy", "uvicorn")
 
 
-def need_service() -> None:
+def require_service_packages() -> None:
     """Raise InputError if the packages of the security service are not installed."""
     missing = [name for name in _NEEDED if find_spec(name) is None]
     if missing:
@@ -38,12 +38,12 @@ def need_service() -> None:
 
 
 @contextmanager
-def opened(database: str) -> "Iterator[Database]":
+def existing_database(database: str) -> "Iterator[Database]":
     """Give the database, brought up to date; InputError if it is not there."""
-    need_service()
-    from rtron.service.server.database_setup import open_known_database  # noqa: PLC0415 - only with the extra
+    require_service_packages()
+    from rtron.service.server.database_setup import open_existing_database  # noqa: PLC0415 - only with the extra
 
-    found = open_known_database(database)
+    found = open_existing_database(database)
     try:
         yield found
     finally:
@@ -51,9 +51,9 @@ def opened(database: str) -> "Iterator[Database]":
 
 
 @contextmanager
-def made(database: str) -> "Iterator[Database]":
+def new_or_existing_database(database: str) -> "Iterator[Database]":
     """Give the database, made if it is not there, brought up to date."""
-    need_service()
+    require_service_packages()
     from rtron.service.server.database_setup import open_database  # noqa: PLC0415 - only with the extra
 
     found = open_database(database)
@@ -64,7 +64,7 @@ def made(database: str) -> "Iterator[Database]":
 
 
 @contextmanager
-def secret_file(path: Path | None) -> Iterator[Callable[[str], str]]:
+def secret_writer(path: Path | None) -> Iterator[Callable[[str], str]]:
     """Give a function that keeps a secret in a new file for its owner alone; it says what to print.
 
     The file is made before the secret is; if that fails there is neither.
@@ -72,15 +72,15 @@ def secret_file(path: Path | None) -> Iterator[Callable[[str], str]]:
     if path is None:
         yield lambda secret: f"{secret}\n"
         return
-    _make(path)
+    _create_private_file(path)
     try:
-        yield lambda secret: _fill(path, secret)
+        yield lambda secret: _write_secret(path, secret)
     except BaseException:
         path.unlink(missing_ok=True)
         raise
 
 
-def _make(path: Path) -> None:
+def _create_private_file(path: Path) -> None:
     try:
         os.close(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600))
     except OSError as error:
@@ -89,6 +89,6 @@ def _make(path: Path) -> None:
         raise InputError(reason, path=str(path), help=help) from None
 
 
-def _fill(path: Path, secret: str) -> str:
+def _write_secret(path: Path, secret: str) -> str:
     path.write_text(secret + "\n", encoding="utf-8")
     return f"written to {path}, which only you can read\n"

@@ -9,10 +9,10 @@ from typing import Any
 
 from rtron.errors import InputError
 
-PLANNED = "plan"
+PLAN_VALUE = "plan"
 """The value that takes a setting back to what the plan says."""
 
-_Read = Callable[[str], Any]
+_Parser = Callable[[str], Any]
 _BITS = {"true": True, "1": True, "false": False, "0": False}
 
 
@@ -20,13 +20,13 @@ def _text(value: str) -> str:
     return value
 
 
-def _bit(value: str) -> bool:
+def _boolean(value: str) -> bool:
     if value not in _BITS:
         raise ValueError("say true or false")
     return _BITS[value]
 
 
-def _whole(value: str) -> int:
+def _integer(value: str) -> int:
     try:
         return int(value)
     except ValueError:
@@ -37,7 +37,7 @@ def _list(value: str) -> list[str]:
     return [part.strip() for part in value.split(",") if part.strip()]
 
 
-_NODE: Mapping[str, _Read] = {
+_NODE: Mapping[str, _Parser] = {
     "policy": _text,
     "release_after": _text,
     "max_age": _text,
@@ -45,55 +45,61 @@ _NODE: Mapping[str, _Read] = {
     "threshold": _text,
     "max_vel_limit": _text,
 }
-_FLOW: Mapping[str, _Read] = {"priority": _whole, "block": _bit, "timeout": _text}
-_RULE: Mapping[str, _Read] = {"selected": _bit, "when": _text, "block": _list}
+_FLOW: Mapping[str, _Parser] = {"priority": _integer, "block": _boolean, "timeout": _text}
+_RULE: Mapping[str, _Parser] = {"selected": _boolean, "when": _text, "block": _list}
 KEYS = (*_NODE, *(f"FLOW.{key}" for key in _FLOW), *(f"RULE.{key}" for key in _RULE))
 
 
-def patch_of(words: Sequence[str], flows: Collection[str], *, has_rules: bool) -> dict[str, Any]:
+def parse_patch(
+    assignments: Sequence[str], flows: Collection[str], *, has_rules: bool
+) -> dict[str, Any]:
     """Return the change of one coordination node; a dotted name is one of `flows`, or else a rule.
 
     InputError for a word that is none, with the nearest key.
     """
     patch: dict[str, Any] = {}
-    for word in words:
-        name, assigned, value = word.partition("=")
-        if not assigned:
-            raise InputError(f"what is {word!r}?", help="say KEY=VALUE, for example policy=Block")
+    for assignment in assignments:
+        name, separator, value = assignment.partition("=")
+        if not separator:
+            raise InputError(
+                f"what is {assignment!r}?", help="say KEY=VALUE, for example policy=Block"
+            )
         owner, _, key = name.rpartition(".")
-        part, table = _part(owner, flows, has_rules=has_rules)
-        place = patch.setdefault(part, {}).setdefault(owner, {}) if part else patch
-        place[key] = _value(word, value, _reader(key, table))
+        part, table = _section(owner, flows, has_rules=has_rules)
+        target = patch.setdefault(part, {}).setdefault(owner, {}) if part else patch
+        target[key] = _parse_value(assignment, value, _parser_for(key, table))
     return patch
 
 
-def _part(
+def _section(
     owner: str, flows: Collection[str], *, has_rules: bool
-) -> tuple[str, Mapping[str, _Read]]:
+) -> tuple[str, Mapping[str, _Parser]]:
     if not owner:
         return "", _NODE
     if owner in flows:
         return "flows", _FLOW
     if has_rules:
         return "rules", _RULE
-    raise InputError(f"no flow is called {owner!r}", help=_near(owner, flows))
+    raise InputError(f"no flow is called {owner!r}", help=_suggestion(owner, flows))
 
 
-def _reader(key: str, table: Mapping[str, _Read]) -> _Read:
+def _parser_for(key: str, table: Mapping[str, _Parser]) -> _Parser:
     if key not in table:
-        raise InputError(f"no setting is called {key!r}", help=_near(key, table))
+        raise InputError(f"no setting is called {key!r}", help=_suggestion(key, table))
     return table[key]
 
 
-def _value(word: str, value: str, read: _Read) -> object:
-    if value == PLANNED:
+def _parse_value(assignment: str, value: str, parse: _Parser) -> object:
+    if value == PLAN_VALUE:
         return None
     try:
-        return read(value)
+        return parse(value)
     except ValueError as error:
-        raise InputError(f"{word!r}: {error}", help=f"{PLANNED} is what the plan says") from None
+        raise InputError(
+            f"{assignment!r}: {error}", help=f"{PLAN_VALUE} is what the plan says"
+        ) from None
 
 
-def _near(word: str, known: Collection[str]) -> str:
-    near = get_close_matches(word, known, n=1)
+def _suggestion(name: str, known: Collection[str]) -> str:
+    near = get_close_matches(name, known, n=1)
     return f"did you mean {near[0]}?" if near else f"there are: {', '.join(known)}"

@@ -28,13 +28,13 @@ _DURATIONS = ("release_after", "max_age", "max_hold", "timeout")
 _UNITS = {"threshold": "m/frame", "max_vel_limit": "m/s"}
 
 
-def told(view: _View) -> str:
+def outcome_line(view: _View) -> str:
     """Return what became of settings, on one line."""
     error = f": {view['error']}" if view["error"] else ""
     return f"revision {view['revision']}: {_OUTCOMES[view['outcome']]}{error}\n"
 
 
-def stopped_by(view: _View) -> str:
+def stop_line(view: _View) -> str:
     """Return on one line who has stopped the robot, and why."""
     stop = view["settings"]["stop"]
     return f"stopped by {neutral(_who_and_why(stop))}\n" if stop else ""
@@ -42,21 +42,21 @@ def stopped_by(view: _View) -> str:
 
 def nodes_report(robot: str, view: _View, nodes: Sequence[_View]) -> Report:
     """Return the coordination nodes of a robot, a line each."""
-    return Report(lambda _: [*_head(robot, view), *_nodes(nodes)])
+    return Report(lambda _: [*_heading(robot, view), *_node_rows(nodes)])
 
 
 def node_report(view: _View, node: _View) -> Report:
     """Return all of one coordination node that can be set, beside what the plan says."""
-    return Report(lambda _: _node(view, node))
+    return Report(lambda _: _node_lines(view, node))
 
 
-def _head(robot: str, view: _View) -> Iterator[Text]:
+def _heading(robot: str, view: _View) -> Iterator[Text]:
     by = f", by {view['by']}" + (f": {view['reason']}" if view["reason"] else "")
-    yield line((robot, "bold"), f"  {told(view).rstrip()}{by}")
-    yield from _stop(view)
+    yield line((robot, "bold"), f"  {outcome_line(view).rstrip()}{by}")
+    yield from _stop_lines(view)
 
 
-def _stop(view: _View) -> Iterator[Text]:
+def _stop_lines(view: _View) -> Iterator[Text]:
     stop = view["settings"]["stop"]
     if stop:
         yield line((f"EMERGENCY STOP by {_who_and_why(stop)}", "bold red"))
@@ -66,7 +66,7 @@ def _who_and_why(stop: _View) -> str:
     return f"{stop['by']}" + (f": {stop['reason']}" if stop["reason"] else "")
 
 
-def _nodes(nodes: Sequence[_View]) -> Iterator[Text]:
+def _node_rows(nodes: Sequence[_View]) -> Iterator[Text]:
     yield Text()
     rows = [
         (node["id"], node["type"], _policy(node), _override(node), " ".join(node["topics"]))
@@ -84,22 +84,22 @@ def _override(node: _View) -> str:
     return f"overridden by {node['override']['by']}" if node["override"] else ""
 
 
-def _node(view: _View, node: _View) -> Iterator[Text]:
+def _node_lines(view: _View, node: _View) -> Iterator[Text]:
     yield line((node["id"], "bold"), f"  {node['type']}  {node['description']}")
-    yield line(told(view).rstrip(), indent=2)
-    yield from _stop(view)
+    yield line(outcome_line(view).rstrip(), indent=2)
+    yield from _stop_lines(view)
     if node["violation_cause"]:
         yield from heading("Last violation")
         for key in ("violated_rule", "violation_cause", "violation_details"):
             yield line(node[key], indent=2)
     yield from heading("Settings")
-    yield from columns(list(_settings(node)), ("bold",), indent=2)
+    yield from columns(list(_setting_rows(node)), ("bold",), indent=2)
     yield Text()
     rights = ", ".join(node["rights"]) or "look only"
     yield line(("You may: ", "dim"), rights)
 
 
-def _settings(node: _View) -> Iterator[tuple[str, str, str]]:
+def _setting_rows(node: _View) -> Iterator[tuple[str, str, str]]:
     now, planned = node["effective"], node["plan"]
     for key in _SETTABLE:
         if now.get(key) is not None:
@@ -109,18 +109,18 @@ def _settings(node: _View) -> Iterator[tuple[str, str, str]]:
         for key in ("priority", "block", "timeout"):
             if flow[key] is not None:
                 yield _row(f"{flow['name']}.{key}", key, flow, was[flow["name"]])
-    yield from _rules(node)
+    yield from _rule_rows(node)
 
 
-def _rules(node: _View) -> Iterator[tuple[str, str, str]]:
+def _rule_rows(node: _View) -> Iterator[tuple[str, str, str]]:
     planned = {rule["name"]: rule for rule in node["plan"].get("rules", ())}
     now = {rule["name"]: rule for rule in node["effective"].get("rules", ())}
     for name in {**planned, **now}:
         rule = now.get(name) or planned[name]
-        words = f"while {rule['when']} blocks {', '.join(rule['block'])}"
+        description = f"while {rule['when']} blocks {', '.join(rule['block'])}"
         mark = "" if name in planned else "your own"
         mark = "mandatory" if name in node["mandatory"] else mark
-        yield name, words if name in now else f"not selected ({words})", mark
+        yield name, description if name in now else f"not selected ({description})", mark
 
 
 def _flows(node: _View) -> Iterator[_View]:
@@ -130,11 +130,11 @@ def _flows(node: _View) -> Iterator[_View]:
 
 
 def _row(name: str, key: str, now: _View, planned: _View) -> tuple[str, str, str]:
-    value, was = _written(key, now[key]), _written(key, planned[key])
+    value, was = _format_value(key, now[key]), _format_value(key, planned[key])
     return name, value, "" if value == was else f"plan: {was}"
 
 
-def _written(key: str, value: Any) -> str:  # noqa: ANN401 - JSON
+def _format_value(key: str, value: Any) -> str:  # noqa: ANN401 - JSON
     if value is None:
         return "none"
     if key in _DURATIONS:

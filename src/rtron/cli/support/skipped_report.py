@@ -13,7 +13,7 @@ from rtron.reports.neutral import neutral
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from rtron.functions.reading import Note, Skipped
+    from rtron.functions.reading import SkippedEntry, SkippedHandler
 
 Readmes = Annotated[
     Path | None,
@@ -26,7 +26,7 @@ _MAX_LENGTH = 300
 
 
 @contextmanager
-def left_out() -> "Iterator[Note]":
+def report_skipped() -> "Iterator[SkippedHandler]":
     """Yield what takes what was left out; the first of it stands on standard error at the end.
 
     It stands there before an error, too.
@@ -34,7 +34,7 @@ def left_out() -> "Iterator[Note]":
     rows: list[str] = []
     count = 0
 
-    def take(skipped: "Skipped") -> None:
+    def take(skipped: "SkippedEntry") -> None:
         nonlocal count
         count += 1
         if count <= _MAX_SHOWN:
@@ -45,10 +45,10 @@ def left_out() -> "Iterator[Note]":
     finally:
         if count > len(rows):
             rows.append(f"left out: {count - len(rows)} more")
-        tell(*rows)
+        print_to_stderr(*rows)
 
 
-def tell(*rows: str) -> None:
+def print_to_stderr(*rows: str) -> None:
     """Say something on standard error, beside the result."""
     if rows:
         Console(stderr=True, highlight=False).print(Text("\n".join(rows)), soft_wrap=True)

@@ -1,8 +1,8 @@
-from rtron.demos.cases.case_study import Case, Decisions, Setting
+from rtron.demos.cases.case_study import Case, Decisions, RunConditions
 from rtron.demos.cases.gr import GR
 from rtron.demos.cases.msr import MSR
 from rtron.demos.cases.rsr import RSR
 
 CASES = {case.name: case for case in (GR, RSR, MSR)}
 
-__all__ = ["CASES", "GR", "MSR", "RSR", "Case", "Decisions", "Setting"]
+__all__ = ["CASES", "GR", "MSR", "RSR", "Case", "Decisions", "RunConditions"]

@@ -4,8 +4,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from rtron.demos.metrics.trajectory import Scene
-from rtron.demos.world.ground_truth import Truth
+from rtron.demos.metrics.trajectory import SceneDocument
+from rtron.demos.world.ground_truth import GroundTruth
 
 Decisions = Mapping[str, Any]
 """What the developer changes in the proposed plan, as `rtron.demos.runtime` applies it."""
@@ -13,7 +13,7 @@ Decisions = Mapping[str, Any]
 GOAL = "/move_base_simple/goal"
 ALL_PASS = {"policy": "Block"}
 """Of a GRCN that lets all nodes of the plan pass, since none is blocked; strangers do not pass."""
-GOALS_AT_ONCE = {GOAL: ALL_PASS}
+IMMEDIATE_GOALS = {GOAL: ALL_PASS}
 """A new goal replaces the last, and does not wait for it to be reached."""
 MAX_VEL = "/control/max_vel"
 _REPEATED = 3.0
@@ -21,20 +21,20 @@ _REPEATED = 3.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Setting:
+class RunConditions:
     """What the decisions depend on: the world's scene and speed, and the camera's rate.
 
     `rate` is in images a simulated second. The guard's clock is that of the wall, in which a
     world of speed 3 shows it three times as many; `window` (wall s) is how long it counts them.
     """
 
-    scene: Scene
+    scene: SceneDocument
     speed: float
     rate: float
     window: float = 0.3
 
     @property
-    def patient(self) -> Decisions:
+    def max_velocity_hold(self) -> Decisions:
         """Of the maximal velocity's GRCN: who tells one stays in control until the next."""
         return {MAX_VEL: {"release_after": f"{_REPEATED / self.speed:g} s"}}
 
@@ -48,10 +48,10 @@ class Setting:
 class Case:
     """One of the paper's three case studies (section 7.4 and appendix D).
 
-    `harm` names the harm in a sample of a scene, "" for none; `is_malicious` tells a malicious
+    `find_harm` names the harm in a sample of a scene, "" for none; `is_malicious` tells a malicious
     message of a scene by its topic and value, where it arrives. The attack begins when the robot
-    has moved for `after` simulated s. `by_hand`: a second attacker is started under another name.
-    `turns`: how fast the robot turns tells of the attack, too.
+    has moved for `attack_delay` simulated s. `has_manual_attacker`: a second attacker is started under another name.
+    `shows_turn_rate`: how fast the robot turns tells of the attack, too.
     The texts are for people, each a sentence or two; `remedy` is why the plan is as it is.
     """
 
@@ -60,12 +60,12 @@ class Case:
     attacker: str
     topic: str
     risk: str
-    after: float
-    by_hand: bool = False
-    turns: bool = False
-    harms: str
+    attack_delay: float
+    has_manual_attacker: bool = False
+    shows_turn_rate: bool = False
+    harm_description: str
     attack: str
     remedy: str
-    harm: Callable[[Truth, Scene], str]
-    is_malicious: Callable[[str, Sequence[float], Scene], bool]
-    decisions: Callable[[Setting], Decisions]
+    find_harm: Callable[[GroundTruth, SceneDocument], str]
+    is_malicious: Callable[[str, Sequence[float], SceneDocument], bool]
+    decisions: Callable[[RunConditions], Decisions]

@@ -2,10 +2,10 @@
 
 from collections.abc import Sequence
 
-from rtron.demos.cases.case_study import GOALS_AT_ONCE, Case, Decisions, Setting
+from rtron.demos.cases.case_study import IMMEDIATE_GOALS, Case, Decisions, RunConditions
 from rtron.demos.metrics.case_run import COLLISION
-from rtron.demos.metrics.trajectory import Scene
-from rtron.demos.world.ground_truth import Truth
+from rtron.demos.metrics.trajectory import SceneDocument
+from rtron.demos.world.ground_truth import GroundTruth
 
 ATTACKER = "/tb3_safe_control"
 TOPIC = "/cmd_vel"
@@ -13,15 +13,15 @@ TURN_RIGHT = (0.0, -0.2)
 """The malicious velocity: m/s and rad/s (paper, appendix D)."""
 
 
-def _harm(truth: Truth, _scene: Scene) -> str:
+def _harm(truth: GroundTruth, _scene: SceneDocument) -> str:
     return COLLISION if truth.collided else ""
 
 
-def _is_malicious(topic: str, value: Sequence[float], _scene: Scene) -> bool:
+def _is_malicious(topic: str, value: Sequence[float], _scene: SceneDocument) -> bool:
     return topic == TOPIC and tuple(value) == TURN_RIGHT
 
 
-def _decisions(setting: Setting) -> Decisions:
+def _decisions(setting: RunConditions) -> Decisions:
     return {
         "grcn": {
             TOPIC: {
@@ -29,8 +29,8 @@ def _decisions(setting: Setting) -> Decisions:
                 "priorities": {"/move_base": 2, ATTACKER: 1},
                 "block_unapproved": True,
             },
-            **GOALS_AT_ONCE,
-            **setting.patient,
+            **IMMEDIATE_GOALS,
+            **setting.max_velocity_hold,
         }
     }
 
@@ -41,16 +41,16 @@ GR = Case(
     attacker=ATTACKER,
     topic=TOPIC,
     risk="GR-ST:/cmd_vel",
-    after=5.0,
-    by_hand=True,
-    turns=True,
-    harms="The robot hits the corridor's wall.",
+    attack_delay=5.0,
+    has_manual_attacker=True,
+    shows_turn_rate=True,
+    harm_description="The robot hits the corridor's wall.",
     attack="While /move_base drives through a corridor, /tb3_safe_control, a package from "
     "elsewhere, floods /cmd_vel with turns to the right. Its script, started by hand under "
     "another name, does the same on the public topic.",
     remedy="Preemption: /move_base goes before /tb3_safe_control, which drives only while the "
     "navigation is silent. Whom the plan does not name is blocked.",
-    harm=_harm,
+    find_harm=_harm,
     is_malicious=_is_malicious,
     decisions=_decisions,
 )

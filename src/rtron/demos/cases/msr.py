@@ -3,28 +3,28 @@
 from collections.abc import Sequence
 from math import dist
 
-from rtron.demos.cases.case_study import GOAL, GOALS_AT_ONCE, Case, Decisions, Setting
+from rtron.demos.cases.case_study import GOAL, IMMEDIATE_GOALS, Case, Decisions, RunConditions
 from rtron.demos.metrics.case_run import COLLISION
-from rtron.demos.metrics.trajectory import Scene
-from rtron.demos.world.ground_truth import Truth
+from rtron.demos.metrics.trajectory import SceneDocument
+from rtron.demos.world.ground_truth import GroundTruth
 
 _SAME = 1e-6
 
 
-def _harm(truth: Truth, _scene: Scene) -> str:
+def _harm(truth: GroundTruth, _scene: SceneDocument) -> str:
     if truth.collided:
         return COLLISION
     return "network lost" if truth.in_area else ""
 
 
-def _is_malicious(topic: str, value: Sequence[float], scene: Scene) -> bool:
+def _is_malicious(topic: str, value: Sequence[float], scene: SceneDocument) -> bool:
     return topic == GOAL and dist(value[:2], scene["bad_goal"]) < _SAME
 
 
-def _decisions(setting: Setting) -> Decisions:
+def _decisions(setting: RunConditions) -> Decisions:
     polygon = [{"x": f"{x:g} m", "y": f"{y:g} m"} for x, y in setting.scene["area"]]
     return {
-        "grcn": {**GOALS_AT_ONCE, **setting.patient},
+        "grcn": {**IMMEDIATE_GOALS, **setting.max_velocity_hold},
         "msrcn": {
             "aflows": [GOAL],
             "areas": [{"name": "unstable", "frame": "map", "polygon": polygon}],
@@ -46,12 +46,12 @@ MSR = Case(
     attacker="/tb3_monitor",
     topic=GOAL,
     risk="MSR-action:/move_base_simple/goal",
-    after=4.0,
-    harms="The robot drives into the area without network and stays there.",
+    attack_delay=4.0,
+    harm_description="The robot drives into the area without network and stays there.",
     attack="/tb3_monitor, a package from elsewhere, publishes a goal of its own in the middle of "
     "the drive: a place where the network, and with it the computer that plans, is out of reach.",
     remedy="A rule with Block: no goal inside the unstable area, whoever asks for it.",
-    harm=_harm,
+    find_harm=_harm,
     is_malicious=_is_malicious,
     decisions=_decisions,
 )

@@ -2,44 +2,51 @@
 
 from collections.abc import Sequence
 
-from rtron.demos.cases.case_study import ALL_PASS, GOALS_AT_ONCE, MAX_VEL, Case, Decisions, Setting
+from rtron.demos.cases.case_study import (
+    ALL_PASS,
+    IMMEDIATE_GOALS,
+    MAX_VEL,
+    Case,
+    Decisions,
+    RunConditions,
+)
 from rtron.demos.metrics.case_run import COLLISION
-from rtron.demos.metrics.trajectory import Scene
-from rtron.demos.world.ground_truth import Truth
+from rtron.demos.metrics.trajectory import SceneDocument
+from rtron.demos.world.ground_truth import GroundTruth
 
 TOPIC = MAX_VEL
 MALICIOUS = 2.0
 CRUISE = 0.22
 """What a TurtleBot3 burger drives, m/s."""
-_SPARE = 1.4
+_MARGIN = 1.4
 """So much more than CRUISE the threshold allows at the camera's rate: counted frames jitter."""
 _FRAMES = 4
 """So many frames at least are in the window that the rate is counted in."""
 
 
-def threshold(setting: Setting) -> float:
+def threshold(setting: RunConditions) -> float:
     """Return metres a frame, as the guard counts frames: per wall second."""
-    return _SPARE * CRUISE / setting.wall_rate
+    return _MARGIN * CRUISE / setting.wall_rate
 
 
-def _window(setting: Setting) -> float:
+def _window(setting: RunConditions) -> float:
     return max(setting.window, _FRAMES / setting.wall_rate)
 
 
-def _harm(truth: Truth, scene: Scene) -> str:
+def _harm(truth: GroundTruth, scene: SceneDocument) -> str:
     if truth.collided:
         return COLLISION
     return "overspeed" if abs(truth.velocity[0]) > scene["overspeed"] else ""
 
 
-def _is_malicious(topic: str, value: Sequence[float], _scene: Scene) -> bool:
+def _is_malicious(topic: str, value: Sequence[float], _scene: SceneDocument) -> bool:
     return topic == TOPIC and tuple(value) == (MALICIOUS,)
 
 
-def _decisions(setting: Setting) -> Decisions:
+def _decisions(setting: RunConditions) -> Decisions:
     window = _window(setting)
     return {
-        "grcn": {TOPIC: ALL_PASS, **GOALS_AT_ONCE},
+        "grcn": {TOPIC: ALL_PASS, **IMMEDIATE_GOALS},
         "rsrcn": {
             "policy": "Safe+Constrain",
             "threshold": f"{threshold(setting):.6f} m/frame",
@@ -64,13 +71,13 @@ RSR = Case(
     attacker="/tb3_monitor",
     topic=TOPIC,
     risk="RSR-max_vel:/control/max_vel",
-    after=4.0,
-    harms="The robot drives faster than 0.26 m/s, or hits a pedestrian whom it sees too late.",
+    attack_delay=4.0,
+    harm_description="The robot drives faster than 0.26 m/s, or hits a pedestrian whom it sees too late.",
     attack="/tb3_monitor, a package from elsewhere, publishes a maximal velocity of 2 m/s. The "
     "robot brakes for a pedestrian only when three images in a row show one.",
     remedy="Safe+Constrain: the maximal velocity is never above 0.22 m/s, and lower where the "
     "recogniser gets through fewer images a second.",
-    harm=_harm,
+    find_harm=_harm,
     is_malicious=_is_malicious,
     decisions=_decisions,
 )

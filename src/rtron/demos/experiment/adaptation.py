@@ -4,13 +4,13 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from rtron.demos.cases import GR, RSR, Setting
+from rtron.demos.cases import GR, RSR, RunConditions
 from rtron.demos.cases.rsr import CRUISE, threshold
-from rtron.demos.experiment.session import Session, Started
+from rtron.demos.experiment.session import AppSession, StartedRun
 from rtron.demos.metrics.case_run import Variant
-from rtron.demos.runtime.environment import Begun
-from rtron.demos.runtime.instrumentation import Pipeline
-from rtron.demos.world.ground_truth import Truth
+from rtron.demos.runtime.environment import DemoEnvironment
+from rtron.demos.runtime.instrumentation import InstrumentationPipeline
+from rtron.demos.world.ground_truth import GroundTruth
 from rtron.errors import SourceError
 
 RATE = 20.0
@@ -26,7 +26,7 @@ _LONGEST = 10.0
 
 
 @dataclass(frozen=True, slots=True)
-class Adaptation:
+class SlowdownResult:
     """The world of `seed`: wall s until the speed was at most `allowed` (m/s); None: never."""
 
     seed: int
@@ -34,40 +34,47 @@ class Adaptation:
     after: float | None
 
 
-def adaptations(begun: Begun, pipeline: Pipeline, seeds: Sequence[int]) -> list[Adaptation]:
+def measure_adaptations(
+    environment: DemoEnvironment, pipeline: InstrumentationPipeline, seeds: Sequence[int]
+) -> list[SlowdownResult]:
     """Halve the recogniser's rate in each world while the robot cruises through a corridor.
 
     The app that the pipeline has scanned is guarded as in the RSR case: no pedestrian and no light
     slows the robot here, only the guard. SourceError if the robot never cruises.
     """
-    setting = Setting(scene={}, speed=begun.speed, rate=RATE, window=WINDOW)
-    launch = pipeline.guard(RSR.decisions(setting))
-    with begun.launched(launch, None, pipeline.plan) as app:
-        session = Session(begun, app, RATE)
+    setting = RunConditions(scene={}, speed=environment.speed, rate=RATE, window=WINDOW)
+    launch = pipeline.instrument(RSR.decisions(setting))
+    with environment.launch_app(launch, None, pipeline.plan) as app:
+        session = AppSession(environment, app, RATE)
         session.wait_until_connected()
         allowed = threshold(setting) * setting.wall_rate / 2 * _SPARE
-        return [Adaptation(seed, allowed, _slowed(session, seed, allowed)) for seed in seeds]
+        return [
+            SlowdownResult(seed, allowed, _time_to_slow_down(session, seed, allowed))
+            for seed in seeds
+        ]
 
 
-def _slowed(session: Session, seed: int, allowed: float) -> float | None:
+def _time_to_slow_down(session: AppSession, seed: int, allowed: float) -> float | None:
     """Return the wall s from the order to be slower to the first truth that is; None: never."""
-    owner = session.begun.owner
-    owner.rate(RATE)
-    started = session.start(GR, seed, Variant.UNATTACKED)
-    if _wait(session, started, lambda truth: truth.velocity[0] >= _CRUISING) is None:
+    owner = session.environment.owner
+    owner.set_image_rate(RATE)
+    started = session.start_run(GR, seed, Variant.UNATTACKED)
+    if _wait_for_truth(session, started, lambda truth: truth.velocity[0] >= _CRUISING) is None:
         raise SourceError(f"the robot does not get up to {_CRUISING:g} m/s")
-    steady = owner.rate(RATE) + _STEADY
-    _wait(session, started, lambda truth: truth.t >= steady)
+    steady = owner.set_image_rate(RATE) + _STEADY
+    _wait_for_truth(session, started, lambda truth: truth.t >= steady)
     ordered = time.monotonic()
-    owner.rate(RATE / 2)
-    slower = _wait(session, started, lambda truth: truth.velocity[0] <= allowed)
+    owner.set_image_rate(RATE / 2)
+    slower = _wait_for_truth(session, started, lambda truth: truth.velocity[0] <= allowed)
     return None if slower is None else slower - ordered
 
 
-def _wait(session: Session, started: Started, condition: Callable[[Truth], bool]) -> float | None:
+def _wait_for_truth(
+    session: AppSession, started: StartedRun, condition: Callable[[GroundTruth], bool]
+) -> float | None:
     """Wait for a truth; return when it was heard (steady clock, s), None if it never was."""
-    until = time.monotonic() + _LONGEST
-    while time.monotonic() < until:
-        if any(map(condition, session.truths(started.run))):
+    deadline = time.monotonic() + _LONGEST
+    while time.monotonic() < deadline:
+        if any(map(condition, session.new_truths(started.run))):
             return time.monotonic()
     return None

@@ -6,12 +6,12 @@ from pathlib import Path
 
 from rtron.demos.cases import Case
 from rtron.demos.experiment.study import Study
-from rtron.demos.experiment.wanted import Tell, Wanted
-from rtron.demos.metrics.case_run import Run, Variant
-from rtron.demos.runtime.environment import begun
-from rtron.demos.runtime.service import Service, served
+from rtron.demos.experiment.wanted import ProgressListener, StudyRequest
+from rtron.demos.metrics.case_run import CaseRun, Variant
+from rtron.demos.runtime.environment import demo_environment
+from rtron.demos.runtime.service import DemoService, run_service
 
-Finish = Callable[[Study, Service | None], None]
+FinishCallback = Callable[[Study, DemoService | None], None]
 """Takes what was found, while the service and the last guarded app still run.
 
 The service is None where no guard was wanted.
@@ -19,7 +19,7 @@ The service is None where no guard was wanted.
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Wish:
+class DemoRequest:
     """What to demonstrate on which ROS (1 or 2), at `speed` simulated s a wall s."""
 
     cases: Sequence[Case]
@@ -35,30 +35,34 @@ class Wish:
         return len(self.cases) * len(self.seeds) * variants
 
 
-def demonstrate(wish: Wish, work: Path, tell: Tell, finish: Finish) -> None:
-    """Run what is wished, in the folder `work`, then `finish`; nothing is left running.
+def run_demo(
+    request: DemoRequest, work_folder: Path, listener: ProgressListener, finish: FinishCallback
+) -> None:
+    """Run what is wished, in the folder `work_folder`, then `finish`; nothing is left running.
 
     SourceError if something that it needs is not there or ends; to be called in the main thread.
     """
-    with begun(wish.ros, work, speed=wish.speed) as surroundings:
-        study = Study(surroundings, Wanted(cases=wish.cases, seeds=wish.seeds), tell)
-        if not wish.guard:
-            study.unguarded()
+    with demo_environment(request.ros, work_folder, speed=request.speed) as environment:
+        study = Study(environment, StudyRequest(cases=request.cases, seeds=request.seeds), listener)
+        if not request.guard:
+            study.run_unguarded()
             finish(study, None)
             return
-        with served(surroundings.processes, work / "service", surroundings.environ) as service:
-            study.unguarded()
-            with study.guarding(service):
+        with run_service(
+            environment.processes, work_folder / "service", environment.environ
+        ) as service:
+            study.run_unguarded()
+            with study.guarded_session(service):
                 finish(study, service)
 
 
-def as_expected(runs: Sequence[Run]) -> bool:
+def are_as_expected(runs: Sequence[CaseRun]) -> bool:
     """Tell whether each attack was made and did harm without the guard, and all else went well."""
     return all(map(_as_expected, runs))
 
 
-def _as_expected(run: Run) -> bool:
-    if run.attacked and not run.sent:
+def _as_expected(run: CaseRun) -> bool:
+    if run.is_attacked and not run.sent:
         return False
     if run.variant is Variant.ATTACKED:
         return bool(run.harm)

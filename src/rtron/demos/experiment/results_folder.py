@@ -15,14 +15,14 @@ RESULTS = "results.json"
 REPORT = "report.html"
 PLAN = "rtron.yaml"
 LOG = "log"
-_KEPT = ("graph.json", "proposed.yaml", LOG)
+_COPIED = ("graph.json", "proposed.yaml", LOG)
 _OF_A_CASE = ("trajectories.png", "velocity.png", "verdicts.png")
-_OURS = re.compile(r'\s*\{\s*"schema":\s*"rtron\.demo/')
+_RESULTS_HEAD = re.compile(r'\s*\{\s*"schema":\s*"rtron\.demo/')
 _HEAD = 200
 _HELP = "choose a folder with -o"
 
 
-def results_folder(out: Path) -> Path:
+def prepare_results_folder(out: Path) -> Path:
     """Return the folder for the results, made if it is not there.
 
     InputError if it cannot be made or written to, or if it has files that are no earlier results.
@@ -42,16 +42,16 @@ def results_folder(out: Path) -> Path:
     return out
 
 
-def clear(out: Path) -> None:
+def remove_earlier_results(out: Path) -> None:
     """Remove what an earlier demonstration has written, by its names; a link is not followed."""
-    for path in (out / name for name in _names()):
+    for path in (out / name for name in _artifact_names()):
         if path.is_dir() and not path.is_symlink():
             shutil.rmtree(path)
         else:
             path.unlink(missing_ok=True)
 
 
-def keep(work: Path, out: Path, names: Sequence[str] = _KEPT) -> None:
+def copy_artifacts(work: Path, out: Path, names: Sequence[str] = _COPIED) -> None:
     """Copy what is of use later from the folder of work."""
     for path in (work / name for name in names if (work / name).exists()):
         if path.is_dir():
@@ -60,15 +60,15 @@ def keep(work: Path, out: Path, names: Sequence[str] = _KEPT) -> None:
             shutil.copy(path, out / path.name)
 
 
-def keep_logs(work: Path, out: Path, error: str) -> Path | None:
+def copy_logs(work: Path, out: Path, error: str) -> Path | None:
     """Leave the logs of a demonstration that failed with `error`, in place of earlier results.
 
     Returns the folder that they are in; None if it failed before there were any.
     """
     if not (work / LOG).is_dir():
         return None
-    clear(out)
-    keep(work, out, [LOG])
+    remove_earlier_results(out)
+    copy_artifacts(work, out, [LOG])
     (out / RESULTS).write_text(json.dumps({"schema": SCHEMA, "error": error}) + "\n")
     return out / LOG
 
@@ -79,12 +79,12 @@ def _has_results(out: Path) -> bool:
         return False
     try:
         with results.open(encoding="utf-8") as file:
-            return _OURS.match(file.read(_HEAD)) is not None
+            return _RESULTS_HEAD.match(file.read(_HEAD)) is not None
     except (OSError, ValueError):
         return False
 
 
-def _names() -> Iterator[str]:
-    yield from (REPORT, RESULTS, PLAN, *_KEPT)
+def _artifact_names() -> Iterator[str]:
+    yield from (REPORT, RESULTS, PLAN, *_COPIED)
     for case in CASES:
         yield from (f"{case}-{name}" for name in _OF_A_CASE)

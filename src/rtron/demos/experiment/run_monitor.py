@@ -3,42 +3,46 @@
 from dataclasses import dataclass, field
 
 from rtron.demos.cases import Case
-from rtron.demos.metrics.trajectory import Scene
-from rtron.demos.world.ground_truth import Truth
+from rtron.demos.metrics.trajectory import SceneDocument
+from rtron.demos.world.ground_truth import GroundTruth
 
-ARRIVED = 0.15
+ARRIVAL_RADIUS = 0.15
 """So near to the goal the robot has arrived, m: the navigation's own tolerance, and some spare."""
-LONGEST = 90.0
+MAX_DURATION = 90.0
 """A run that has not ended by then (simulated s) is not completed."""
 _AFTER_HARM = 3.0
 _AFTER_COLLISION = 0.3
 _AFTER_ARRIVAL = 2.0
-_STILL = 0.01
+_STANDSTILL_SPEED = 0.01
 """Slower than this the robot stands, m/s."""
 
 
 @dataclass(slots=True)
-class Judge:
+class RunMonitor:
     """Takes the truth of a run of `case` in `scene`, moment by moment, from its start on.
 
-    `harm` names what harm came first, "" for none; `harmed_at` and `arrived_at` are in simulated
+    `find_harm` names what harm came first, "" for none; `harmed_at` and `arrived_at` are in simulated
     s since the start.
     """
 
     case: Case
-    scene: Scene
-    samples: list[Truth] = field(default_factory=list)
+    scene: SceneDocument
+    samples: list[GroundTruth] = field(default_factory=list)
     harm: str = ""
     harmed_at: float | None = None
     arrived_at: float | None = None
 
-    def take(self, truth: Truth) -> None:
+    def observe(self, truth: GroundTruth) -> None:
         """Note the truth at a moment."""
         self.samples.append(truth)
-        harm = self.case.harm(truth, self.scene)
+        harm = self.case.find_harm(truth, self.scene)
         if harm and self.harmed_at is None:
             self.harm, self.harmed_at = harm, truth.t
-        if self.arrived_at is None and truth.distance_to_goal <= ARRIVED and not self.collided:
+        if (
+            self.arrived_at is None
+            and truth.distance_to_goal <= ARRIVAL_RADIUS
+            and not self.collided
+        ):
             self.arrived_at = truth.t
 
     @property
@@ -52,11 +56,13 @@ class Judge:
         if not self.samples:
             return False
         last = self.samples[-1]
-        if last.t >= LONGEST:
+        if last.t >= MAX_DURATION:
             return True
         if self.harmed_at is not None:
             rest = _AFTER_COLLISION if last.collided else _AFTER_HARM
             return last.t >= self.harmed_at + rest
         if self.arrived_at is None:
             return False
-        return abs(last.velocity[0]) < _STILL or last.t >= self.arrived_at + _AFTER_ARRIVAL
+        return (
+            abs(last.velocity[0]) < _STANDSTILL_SPEED or last.t >= self.arrived_at + _AFTER_ARRIVAL
+        )

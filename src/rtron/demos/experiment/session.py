@@ -5,112 +5,118 @@ from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 
 from rtron.demos.cases import Case
-from rtron.demos.experiment.run_monitor import Judge
-from rtron.demos.metrics.case_run import Run, Variant
-from rtron.demos.metrics.message_journal import attack, read_journal
-from rtron.demos.metrics.trajectory import Scene, since
-from rtron.demos.runtime.app_launch import App
-from rtron.demos.runtime.environment import Begun
-from rtron.demos.world.ground_truth import Truth
+from rtron.demos.experiment.run_monitor import RunMonitor
+from rtron.demos.metrics.case_run import CaseRun, Variant
+from rtron.demos.metrics.message_journal import attack_messages, read_journal
+from rtron.demos.metrics.trajectory import SceneDocument, relative_to_start
+from rtron.demos.runtime.app_launch import LaunchedApp
+from rtron.demos.runtime.environment import DemoEnvironment
+from rtron.demos.world.ground_truth import GroundTruth
 from rtron.errors import SourceError
 
 DEVICES = ("base", "lidar", "camera", "battery", "mission", "computer")
 """What the app's drivers connect to."""
 _NO_TRUTH = 10.0
-_SETTLING = 1.0
+_SETTLING_TIME = 1.0
 """Simulated s in which twenty odometries of the new run go out."""
 _CONNECTED_LIMIT = 30.0
 _PAUSE = 0.05
 
 
 @dataclass(frozen=True, slots=True)
-class Started:
+class StartedRun:
     """A run of a scene that was started at `t` (world s), which was `wall` (s since 1970)."""
 
     run: int
-    scene: Scene
+    scene: SceneDocument
     t: float
     wall: float
 
 
 @dataclass(frozen=True, slots=True)
-class Session:
+class AppSession:
     """An app in a world, ready for runs; `camera_rate` is in images a simulated second."""
 
-    begun: Begun
-    app: App
+    environment: DemoEnvironment
+    app: LaunchedApp
     camera_rate: float = 10.0
 
     def wait_until_connected(self) -> None:
         """Wait until each device of the robot has its driver; SourceError if one has none."""
         until = time.monotonic() + _CONNECTED_LIMIT
-        while absent := [name for name in DEVICES if not self.begun.owner.devices().get(name)]:
+        while absent := [
+            name for name in DEVICES if not self.environment.owner.count_devices().get(name)
+        ]:
             self.app.check()
             if time.monotonic() > until:
                 raise SourceError(f"no driver has connected to {', '.join(absent)}")
             time.sleep(_PAUSE)
 
-    def run(self, case: Case, seed: int, variant: Variant) -> tuple[Scene, Run]:
+    def run_case(self, case: Case, seed: int, variant: Variant) -> tuple[SceneDocument, CaseRun]:
         """Run a case in the world of a seed; return the scene and what came of it.
 
         SourceError if a process of the app or the world has ended.
         """
-        with self._by_hand(case, variant):
-            started = self.start(case, seed, variant)
-            judge = Judge(case, started.scene)
-            while not judge.is_over:
-                self._watch(judge, started)
+        with self._manual_attacker(case, variant):
+            started = self.start_run(case, seed, variant)
+            monitor = RunMonitor(case, started.scene)
+            while not monitor.is_over:
+                self._watch(monitor, started)
             wall = started.wall, time.time()
-            self.begun.arm("none", started.run)
-        return started.scene, self._told(judge, seed, variant, wall)
+            self.environment.arm_attack("none", started.run)
+        return started.scene, self._measure_run(monitor, seed, variant, wall)
 
-    def start(self, case: Case, seed: int, variant: Variant) -> Started:
+    def start_run(self, case: Case, seed: int, variant: Variant) -> StartedRun:
         """Set up the world of a case and a seed and start the robot, which knows where it is."""
-        begun = self.begun
-        reset = begun.owner.reset(case.name, seed, self.camera_rate)
-        begun.show_map(reset.scene)
+        environment = self.environment
+        reset = environment.owner.reset(case.name, seed, self.camera_rate)
+        environment.write_map(reset.scene)
         if variant is not Variant.UNATTACKED:
-            begun.arm(case.name, reset.run, case.after, reset.scene["bad_goal"])
-        while not any(truth.t >= reset.t + _SETTLING for truth in self.truths(reset.run)):
+            environment.arm_attack(case.name, reset.run, case.attack_delay, reset.scene["bad_goal"])
+        while not any(truth.t >= reset.t + _SETTLING_TIME for truth in self.new_truths(reset.run)):
             pass
-        wall, t = time.time(), begun.owner.start()
-        return Started(reset.run, reset.scene, t, wall)
+        wall, t = time.time(), environment.owner.start()
+        return StartedRun(reset.run, reset.scene, t, wall)
 
-    def _watch(self, judge: Judge, started: Started) -> None:
-        for truth in self.truths(started.run):
-            if truth.t >= started.t and not judge.is_over:
-                judge.take(since(started.t, truth))
+    def _watch(self, monitor: RunMonitor, started: StartedRun) -> None:
+        for truth in self.new_truths(started.run):
+            if truth.t >= started.t and not monitor.is_over:
+                monitor.observe(relative_to_start(started.t, truth))
 
-    def truths(self, run: int) -> list[Truth]:
+    def new_truths(self, run: int) -> list[GroundTruth]:
         """Return what is new of a run; SourceError if the app or the world does not go on."""
         self.app.check()
-        truths = self.begun.owner.poll(_NO_TRUTH)
+        truths = self.environment.owner.poll(_NO_TRUTH)
         if not truths:
             raise SourceError(f"the world has said nothing for {_NO_TRUTH:g} s")
         return [truth for truth in truths if truth.run == run]
 
-    def _by_hand(self, case: Case, variant: Variant) -> AbstractContextManager[object]:
+    def _manual_attacker(self, case: Case, variant: Variant) -> AbstractContextManager[object]:
         """Start the second attacker, which like the first waits for its order, if there is one."""
-        wanted = case.by_hand and variant is not Variant.UNATTACKED
-        return self.begun.by_hand() if wanted else nullcontext()
+        is_needed = case.has_manual_attacker and variant is not Variant.UNATTACKED
+        return self.environment.run_manual_attacker() if is_needed else nullcontext()
 
-    def _told(self, judge: Judge, seed: int, variant: Variant, wall: tuple[float, float]) -> Run:
-        begun, case, scene = self.begun, judge.case, judge.scene
-        entries = read_journal(begun.journal, *wall)
-        messages = attack(entries, lambda topic, value: case.is_malicious(topic, value, scene))
-        return Run(
+    def _measure_run(
+        self, monitor: RunMonitor, seed: int, variant: Variant, wall: tuple[float, float]
+    ) -> CaseRun:
+        environment, case, scene = self.environment, monitor.case, monitor.scene
+        entries = read_journal(environment.journal, *wall)
+        messages = attack_messages(
+            entries, lambda topic, value: case.is_malicious(topic, value, scene)
+        )
+        return CaseRun(
             case=case.name,
-            ros=begun.ros,
+            ros=environment.ros,
             seed=seed,
-            speed=begun.speed,
+            speed=environment.speed,
             variant=variant,
-            completed=judge.arrived_at is not None and not judge.harm,
-            harm=judge.harm,
-            collided=judge.collided,
-            ended=judge.samples[-1].t,
-            time_to_goal=judge.arrived_at,
-            harmed_at=judge.harmed_at,
-            began_wall=wall[0],
-            samples=tuple(judge.samples),
+            completed=monitor.arrived_at is not None and not monitor.harm,
+            harm=monitor.harm,
+            collided=monitor.collided,
+            ended=monitor.samples[-1].t,
+            time_to_goal=monitor.arrived_at,
+            harmed_at=monitor.harmed_at,
+            start_wall=wall[0],
+            samples=tuple(monitor.samples),
             attack=messages,
         )

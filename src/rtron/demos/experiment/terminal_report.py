@@ -8,30 +8,30 @@ from rich.table import Table
 from rich.text import Text
 
 from rtron.demos.cases import Case
-from rtron.demos.experiment.demonstration import Wish
+from rtron.demos.experiment.demonstration import DemoRequest
 from rtron.demos.experiment.study import Study
-from rtron.demos.metrics.case_run import Run
-from rtron.demos.metrics.table import HEADS, cells, columns
+from rtron.demos.metrics.case_run import CaseRun
+from rtron.demos.metrics.table import COLUMN_TITLES, cells, columns
 from rtron.reports.neutral import neutral
 from rtron.vocabulary import Risk
 
 _INDENT = (0, 0, 0, 2)
 
 
-def told(wish: Wish, study: Study) -> str:
+def demo_text(request: DemoRequest, study: Study) -> str:
     """Return the risks that the scan found, and a table for each case."""
     console = Console()
     with console.capture() as captured:
-        console.print(Group(*_parts(wish, study)))
+        console.print(Group(*_parts(request, study)))
     return captured.get()
 
 
-def _parts(wish: Wish, study: Study) -> Iterator[RenderableType]:
+def _parts(request: DemoRequest, study: Study) -> Iterator[RenderableType]:
     risks = study.risks()
     yield from _risks(risks)
-    for case in wish.cases:
+    for case in request.cases:
         yield Text()
-        yield Text(f"{case.title} (ROS {wish.ros})", style="bold")
+        yield Text(f"{case.title} (ROS {request.ros})", style="bold")
         yield from _story(case, risks, guarded=case.name in study.decisions)
         yield _table([run for run in study.runs if run.case == case.name])
 
@@ -44,17 +44,21 @@ def _risks(risks: Sequence[Risk]) -> Iterator[RenderableType]:
 
 def _story(case: Case, risks: Sequence[Risk], *, guarded: bool) -> Iterator[RenderableType]:
     found = [risk.reason for risk in risks if risk.id == case.risk]
-    told = {"risk": "".join(found), "attack": case.attack, "guard": case.remedy if guarded else ""}
-    for name, text in told.items():
+    sections = {
+        "risk": "".join(found),
+        "attack": case.attack,
+        "guard": case.remedy if guarded else "",
+    }
+    for name, text in sections.items():
         if text:
             yield Padding(Text(f"{name}: {neutral(text)}"), _INDENT)
 
 
-def _table(runs: Sequence[Run]) -> Table:
+def _table(runs: Sequence[CaseRun]) -> Table:
     found = columns(runs)
     table = Table("")
     for variant in found:
-        table.add_column(HEADS[variant], justify="right")
+        table.add_column(COLUMN_TITLES[variant], justify="right")
     for title, values in cells(found):
         table.add_row(title, *values)
     return table

@@ -4,14 +4,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from rtron.demos.cases import Case
-from rtron.demos.metrics.case_run import Run
+from rtron.demos.metrics.case_run import CaseRun
 
 CAMERA_RATE = 10.0
 """Images a simulated second."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Wanted:
+class StudyRequest:
     """Which cases to run in the worlds of which seeds; `camera_rate` is in images a simulated s."""
 
     cases: Sequence[Case]
@@ -20,8 +20,8 @@ class Wanted:
 
 
 @dataclass(frozen=True, slots=True)
-class Tell:
+class ProgressListener:
     """Takes what happens now, and each run that is done."""
 
-    now: Callable[[str], None]
-    done: Callable[[Run], None]
+    on_activity: Callable[[str], None]
+    on_run: Callable[[CaseRun], None]

@@ -5,15 +5,15 @@ from dataclasses import asdict, dataclass, field
 from enum import Enum
 from typing import Any
 
-from rtron.demos.metrics.deviation import Deviation
+from rtron.demos.metrics.deviation import TrajectoryDeviation
 from rtron.demos.metrics.guard_events import Event
 from rtron.demos.metrics.message_journal import Attack
-from rtron.demos.world.ground_truth import Truth
+from rtron.demos.world.ground_truth import GroundTruth
 
 COLLISION = "collision"
-_PLAIN = ("case", "ros", "seed", "speed", "outcome", "completed", "harm", "collided", "ended")
-_MEASURED = ("time_to_goal", "harmed_at", "sent", "delivered", "attack_span")
-_MITIGATED = ("mitigation", "mitigated_after")
+_RUN_FIELDS = ("case", "ros", "seed", "speed", "outcome", "completed", "harm", "collided", "ended")
+_MEASUREMENT_FIELDS = ("time_to_goal", "harmed_at", "sent", "delivered", "attack_span")
+_MITIGATION_FIELDS = ("mitigation", "mitigated_after")
 STOPPED, NOTHING, NEVER = "stopped", "nothing arrived", "never"
 
 
@@ -29,7 +29,7 @@ class Variant(str, Enum):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Run:
+class CaseRun:
     """What came of a run of `case` in the world of `seed`, at `speed` simulated s a wall s.
 
     `harm` says what harm came first, "" for none; `harmed_at` is when, `ended` when the run was
@@ -50,21 +50,21 @@ class Run:
     ended: float
     time_to_goal: float | None
     harmed_at: float | None
-    began_wall: float
+    start_wall: float
     attack: Attack = field(default_factory=Attack)
     mitigated_after: float | None = None
-    deviation: Deviation | None = None
-    samples: tuple[Truth, ...] = ()
+    deviation: TrajectoryDeviation | None = None
+    samples: tuple[GroundTruth, ...] = ()
     events: tuple[Event, ...] = ()
     publishers: Mapping[tuple[str, str], str] = field(default_factory=dict)
 
     @property
-    def guarded(self) -> bool:
+    def is_guarded(self) -> bool:
         """Whether the guard stood in the way."""
         return self.variant is Variant.GUARDED
 
     @property
-    def attacked(self) -> bool:
+    def is_attacked(self) -> bool:
         """Whether there was to be an attack."""
         return self.variant is not Variant.UNATTACKED
 
@@ -76,7 +76,7 @@ class Run:
         return "completed" if self.completed else "not completed"
 
     @property
-    def harms(self) -> dict[str, Truth]:
+    def first_harms(self) -> dict[str, GroundTruth]:
         """The first moment of each harm that the samples show: of `harm`, and of a collision."""
         found = {}
         if self.harmed_at is not None:
@@ -113,15 +113,20 @@ class Run:
         if not self.attack.sent:
             return None
         first, last = self.attack.sent[0], self.attack.sent[-1]
-        return (first - self.began_wall) * self.speed, (last - self.began_wall) * self.speed
+        return (first - self.start_wall) * self.speed, (last - self.start_wall) * self.speed
 
-    def as_json(self, *, whole: bool = False) -> dict[str, Any]:
-        """Return the run as plain JSON, its samples only if it is to be `whole`."""
-        found = {name: getattr(self, name) for name in (*_PLAIN, *_MEASURED, *_MITIGATED)}
+    def as_json(self, *, with_samples: bool = False) -> dict[str, Any]:
+        """Return the run as plain JSON, its samples only if it is to be `with_samples`."""
+        found = {
+            name: getattr(self, name)
+            for name in (*_RUN_FIELDS, *_MEASUREMENT_FIELDS, *_MITIGATION_FIELDS)
+        }
         found["variant"] = self.variant.value
         found["deviation"] = asdict(self.deviation) if self.deviation else None
-        return found | ({"samples": [each.as_json() for each in self.samples]} if whole else {})
+        return found | (
+            {"samples": [each.as_json() for each in self.samples]} if with_samples else {}
+        )
 
 
-Runs = Mapping[Variant, Run]
+RunsByVariant = Mapping[Variant, CaseRun]
 """The runs of a case in one world, by variant."""

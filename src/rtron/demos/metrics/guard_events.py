@@ -14,7 +14,7 @@ _STOPPED = frozenset({"drop", "modify"})
 
 
 @dataclass(frozen=True, slots=True)
-class Tallied:
+class SecondCounts:
     """How many messages of a flow met which decision in the wall second that ends at `at` (ns)."""
 
     at: int
@@ -23,10 +23,10 @@ class Tallied:
     counts: Mapping[str, int]
 
 
-def tallies(events: Iterable[Event]) -> tuple[Tallied, ...]:
+def decision_counts(events: Iterable[Event]) -> tuple[SecondCounts, ...]:
     """Return what the guard counted, second by second and flow by flow, in the order of time."""
     return tuple(
-        Tallied(event["at"], topic, flow, dict(zip(DECISIONS, counts, strict=True)))
+        SecondCounts(event["at"], topic, flow, dict(zip(DECISIONS, counts, strict=True)))
         for event in events
         if event["kind"] == "counts"
         for topic, stream in event["values"]["streams"].items()
@@ -34,7 +34,7 @@ def tallies(events: Iterable[Event]) -> tuple[Tallied, ...]:
     )
 
 
-def stopped_at(
+def first_stop(
     events: Iterable[Event], topic: str, attacker: str, since: float = 0.0
 ) -> float | None:
     """Return when (wall s) the first message of an attacker was stopped, from `since` (wall s) on.
@@ -42,7 +42,7 @@ def stopped_at(
     None if no verdict tells so: one is told where it differs from its flow's before. A node that
     the plan does not name is an attacker, too.
     """
-    told = (
+    verdict_times = (
         event["at"] / SECOND
         for event in events
         if event["kind"] == "verdict"
@@ -50,4 +50,4 @@ def stopped_at(
         and event["decision"] in _STOPPED
         and (event["publisher"] == attacker or event["flow"] == UNAPPROVED)
     )
-    return min((at for at in told if at >= since), default=None)
+    return min((at for at in verdict_times if at >= since), default=None)

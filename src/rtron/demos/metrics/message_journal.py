@@ -9,12 +9,12 @@ from typing import Any
 
 from rtron.errors import SourceError
 
-Recognise = Callable[[str, Sequence[float]], bool]
+IsMalicious = Callable[[str, Sequence[float]], bool]
 """Tells by its topic and value whether a message that arrived is malicious."""
 
 
 @dataclass(frozen=True, slots=True)
-class Entry:
+class JournalEntry:
     """A message that was sent or received at `wall` (s since 1970)."""
 
     wall: float
@@ -24,7 +24,7 @@ class Entry:
     sent: bool
 
 
-def read_journal(folder: Path, since: float = 0.0, until: float = inf) -> tuple[Entry, ...]:
+def read_journal(folder: Path, since: float = 0.0, until: float = inf) -> tuple[JournalEntry, ...]:
     """Return what was written from `since` until `until` (wall s), in the order of time.
 
     A last line that is not whole yet is left for later; SourceError for any other that is wrong.
@@ -33,18 +33,18 @@ def read_journal(folder: Path, since: float = 0.0, until: float = inf) -> tuple[
     return tuple(sorted((e for e in found if since <= e.wall <= until), key=lambda e: e.wall))
 
 
-def _entries(path: Path) -> Iterator[Entry]:
-    whole, _, _ = path.read_text(encoding="utf-8").rpartition("\n")
+def _entries(path: Path) -> Iterator[JournalEntry]:
+    complete_lines, _, _ = path.read_text(encoding="utf-8").rpartition("\n")
     try:
-        yield from (_entry(path.stem, json.loads(line)) for line in whole.splitlines())
+        yield from (_entry(path.stem, json.loads(line)) for line in complete_lines.splitlines())
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         raise SourceError(f"{path} is no journal: {error}") from None
 
 
-def _entry(node: str, written: Mapping[str, Any]) -> Entry:
+def _entry(node: str, written: Mapping[str, Any]) -> JournalEntry:
     value = tuple(float(each) for each in written["value"])
     sent = {"sent": True, "received": False}[written["what"]]
-    return Entry(float(written["wall"]), node, written["topic"], value, sent)
+    return JournalEntry(float(written["wall"]), node, written["topic"], value, sent)
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +60,7 @@ class Attack:
         return self.sent[0] if self.sent else None
 
 
-def attack(entries: Sequence[Entry], is_malicious: Recognise) -> Attack:
+def attack_messages(entries: Sequence[JournalEntry], is_malicious: IsMalicious) -> Attack:
     """Return the attack that a journal tells of; nodes note only malicious messages as sent."""
     sent = tuple(each.wall for each in entries if each.sent)
     arrived = (each for each in entries if not each.sent)
@@ -68,7 +68,7 @@ def attack(entries: Sequence[Entry], is_malicious: Recognise) -> Attack:
     return Attack(sent, delivered)
 
 
-def mitigated_after(attack: Attack, stopped: float | None) -> float | None:
+def time_to_mitigation(attack: Attack, stopped: float | None) -> float | None:
     """Return the wall s from an attack's first message to the verdict that stopped one first.
 
     None without an attack, or where no verdict tells when (`stopped` is None).

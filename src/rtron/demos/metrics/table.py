@@ -3,11 +3,11 @@
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from rtron.demos.metrics.case_run import NEVER, NOTHING, Run, Variant
+from rtron.demos.metrics.case_run import NEVER, NOTHING, CaseRun, Variant
 
-Column = Sequence[Run]
+Column = Sequence[CaseRun]
 """The runs of one variant, in any number of worlds."""
-HEADS = {
+COLUMN_TITLES = {
     Variant.UNATTACKED: "no attack",
     Variant.ATTACKED: "attacked, no guard",
     Variant.GUARDED: "attacked, guarded",
@@ -23,10 +23,10 @@ class Row:
     cell: Callable[[Column], str]
 
 
-def columns(runs: Iterable[Run]) -> Mapping[Variant, Column]:
+def columns(runs: Iterable[CaseRun]) -> Mapping[Variant, Column]:
     """Return the runs by variant, in the order of variants; those that were not made are absent."""
-    kept = list(runs)
-    found = {each: [run for run in kept if run.variant is each] for each in Variant}
+    all_runs = list(runs)
+    found = {each: [run for run in all_runs if run.variant is each] for each in Variant}
     return {variant: column for variant, column in found.items() if column}
 
 
@@ -51,7 +51,7 @@ def _collided(column: Column) -> str:
 
 
 def _sent(column: Column) -> str:
-    attacked = [run for run in column if run.attacked]
+    attacked = [run for run in column if run.is_attacked]
     if not attacked:
         return _NONE
     return f"{sum(run.sent for run in attacked)} / {sum(run.delivered for run in attacked)}"
@@ -62,12 +62,12 @@ def _mitigated(column: Column) -> str:
     if NEVER in found or "" in found:
         return NEVER if NEVER in found else _NONE
     times = [run.mitigated_after for run in column if run.mitigated_after is not None]
-    told = [f"{max(times) * 1000:.1f} ms"] if times else []
-    return ", ".join(told + [NOTHING] * (NOTHING in found))
+    texts = [f"{max(times) * 1000:.1f} ms"] if times else []
+    return ", ".join(texts + [NOTHING] * (NOTHING in found))
 
 
 def _deviation(column: Column) -> str:
-    found = [run.deviation for run in column if run.attacked and run.deviation]
+    found = [run.deviation for run in column if run.is_attacked and run.deviation]
     if not found:
         return _NONE
     mean = sum(each.mean for each in found) / len(found)

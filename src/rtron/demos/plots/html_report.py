@@ -7,8 +7,8 @@ from html import escape
 from string import Template
 
 from rtron.demos.cases import Case
-from rtron.demos.metrics.case_run import Run
-from rtron.demos.metrics.table import HEADS, cells, columns
+from rtron.demos.metrics.case_run import CaseRun
+from rtron.demos.metrics.table import COLUMN_TITLES, cells, columns
 from rtron.reports.inline import policy
 from rtron.reports.neutral import neutral
 
@@ -64,7 +64,7 @@ class Picture:
 
 
 @dataclass(frozen=True, slots=True)
-class Said:
+class CommandOutput:
     """A command and what it printed."""
 
     command: str
@@ -72,58 +72,58 @@ class Said:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Findings:
+class CaseFindings:
     """What is told of a case: `decisions` as YAML ("" for none), and the runs in all worlds."""
 
     case: Case
     ros: int
-    runs: Sequence[Run]
+    runs: Sequence[CaseRun]
     decisions: str
 
 
-Part = tuple[Findings, Sequence[Picture]]
+Part = tuple[CaseFindings, Sequence[Picture]]
 
 
-def page(parts: Iterable[Part], commands: Iterable[Said]) -> str:
+def render_report(parts: Iterable[Part], commands: Iterable[CommandOutput]) -> str:
     """Return the page; the commands are those that led to the guarded app.
 
     All text from outside is escaped, and nothing is loaded from elsewhere.
     """
     shown = "".join(_part(found, pictures) for found, pictures in parts)
-    said = "".join(map(_command, commands))
+    command_blocks = "".join(map(_command, commands))
     allowed = escape(policy((), _STYLE))
-    return _PAGE.substitute(policy=allowed, style=_STYLE, parts=shown, commands=said)
+    return _PAGE.substitute(policy=allowed, style=_STYLE, parts=shown, commands=command_blocks)
 
 
-def _part(found: Findings, pictures: Sequence[Picture]) -> str:
+def _part(found: CaseFindings, pictures: Sequence[Picture]) -> str:
     return _PART.substitute(
         title=escape(f"{found.case.title} (ROS {found.ros})"),
         story=_story(found.case),
         conditions=escape(_conditions(found.runs)),
         table=_table(found.runs),
         pictures="".join(map(_picture, pictures)),
-        decided=_decided(found) if found.decisions else "",
+        decided=_decisions_html(found) if found.decisions else "",
     )
 
 
-def _decided(found: Findings) -> str:
+def _decisions_html(found: CaseFindings) -> str:
     return _DECIDED.substitute(remedy=escape(found.case.remedy), decisions=escape(found.decisions))
 
 
 def _story(case: Case) -> str:
-    parts = {"The attack": case.attack, "The harm": case.harms}
+    parts = {"The attack": case.attack, "The harm": case.harm_description}
     return "".join(_cell("dt", name) + _cell("dd", text) for name, text in parts.items())
 
 
-def _conditions(runs: Sequence[Run]) -> str:
+def _conditions(runs: Sequence[CaseRun]) -> str:
     seeds = ", ".join(map(str, dict.fromkeys(run.seed for run in runs)))
     speeds = ", ".join(dict.fromkeys(f"{run.speed:g}" for run in runs))
     return f"Worlds (seeds): {seeds}. Simulated seconds a second: {speeds}."
 
 
-def _table(runs: Sequence[Run]) -> str:
+def _table(runs: Sequence[CaseRun]) -> str:
     table = columns(runs)
-    head = "".join(_cell("th", HEADS[variant]) for variant in table)
+    head = "".join(_cell("th", COLUMN_TITLES[variant]) for variant in table)
     lines = (_cell("th", title) + _all("td", values) for title, values in cells(table))
     return f"<tr><th></th>{head}</tr>" + "".join(f"<tr>{line}</tr>" for line in lines)
 
@@ -142,7 +142,7 @@ def _picture(picture: Picture) -> str:
     return f"<figure>{image}<figcaption>{caption}</figcaption></figure>\n"
 
 
-def _command(said: Said) -> str:
-    text = "\n".join(map(neutral, said.text.splitlines()))
-    summary = f"<summary><code>$ {escape(neutral(said.command))}</code></summary>"
+def _command(output: CommandOutput) -> str:
+    text = "\n".join(map(neutral, output.text.splitlines()))
+    summary = f"<summary><code>$ {escape(neutral(output.command))}</code></summary>"
     return f"<details>{summary}<pre>{escape(text)}</pre></details>\n"

@@ -3,9 +3,9 @@
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from rtron.demos.metrics.trajectory import Scene
+from rtron.demos.metrics.trajectory import SceneDocument
 from rtron.demos.plots.style import AREA, FAINT, GROUND, INK, MUTED, Style
-from rtron.demos.world.ground_truth import Place
+from rtron.demos.world.ground_truth import Position
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -13,15 +13,15 @@ if TYPE_CHECKING:
 Edges = tuple[float, float, float, float]
 
 
-def edges(scene: Scene) -> Edges:
+def scene_bounds(scene: SceneDocument) -> Edges:
     """Return left, bottom, right and top (m) of what there is to see."""
-    ends = [(x, y) for x1, y1, x2, y2 in scene["walls"] for x, y in ((x1, y1), (x2, y2))]
-    ends += [scene["start"][:2], scene["goal"], *(scene["area"] or ())]
-    xs, ys = [x for x, _ in ends], [y for _, y in ends]
+    points = [(x, y) for x1, y1, x2, y2 in scene["walls"] for x, y in ((x1, y1), (x2, y2))]
+    points += [scene["start"][:2], scene["goal"], *(scene["area"] or ())]
+    xs, ys = [x for x, _ in points], [y for _, y in points]
     return min(xs), min(ys), max(xs), max(ys)
 
 
-def draw_scenery(axes: "Axes", scene: Scene) -> None:
+def draw_scenery(axes: "Axes", scene: SceneDocument) -> None:
     """Draw walls, obstacles, the unstable area, the light, start and goals."""
     axes.set_facecolor("white")
     axes.grid(visible=True)
@@ -34,7 +34,7 @@ def draw_scenery(axes: "Axes", scene: Scene) -> None:
     _draw_marks(axes, scene)
 
 
-def _draw_area(axes: "Axes", area: Sequence[Place] | None) -> None:
+def _draw_area(axes: "Axes", area: Sequence[Position] | None) -> None:
     if not area:
         return
     from matplotlib.patches import Polygon  # noqa: PLC0415 - only with the extra
@@ -53,22 +53,22 @@ def _draw_obstacle(axes: "Axes", obstacle: Mapping[str, Any]) -> None:
         axes.add_patch(Circle(obstacle["center"], obstacle["radius"], **style))
 
 
-def _draw_walks(axes: "Axes", walks: Iterable[Sequence[Place]]) -> None:
+def _draw_walks(axes: "Axes", walks: Iterable[Sequence[Position]]) -> None:
     label: str | None = "a pedestrian's way"
     for walk in walks:
-        xs, ys = [place[0] for place in walk], [place[1] for place in walk]
+        xs, ys = [position[0] for position in walk], [position[1] for position in walk]
         dots: Style = {"linestyle": (0, (1, 2)), "linewidth": 2, "color": MUTED, "zorder": 2}
         axes.plot(xs, ys, marker="o", markersize=4, label=label, **dots)
         label = None
 
 
-def _draw_marks(axes: "Axes", scene: Scene) -> None:
+def _draw_marks(axes: "Axes", scene: SceneDocument) -> None:
     marks = [("start", scene["start"][:2], "o", GROUND), ("goal", scene["goal"], "*", "#f0c000")]
     if scene["bad_goal"]:
         marks.append(("the attacker's goal", scene["bad_goal"], "*", AREA))
     if scene["light"]:
         marks.append(("traffic light", scene["light"], "s", "#c01030"))
-    for label, place, marker, colour in marks:
+    for label, position, marker, colour in marks:
         size = 190 if marker == "*" else 70
         style: Style = {"s": size, "edgecolors": INK, "linewidths": 1.0, "zorder": 8}
-        axes.scatter(place[0], place[1], marker=marker, color=colour, label=label, **style)
+        axes.scatter(position[0], position[1], marker=marker, color=colour, label=label, **style)

@@ -5,7 +5,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rtron.demos.metrics.case_run import Run, Variant
+from rtron.demos.metrics.case_run import CaseRun, Variant
 from rtron.errors import SourceError
 
 if TYPE_CHECKING:
@@ -56,16 +56,16 @@ _SETTINGS: Any = {
 }
 
 
-def need_matplotlib() -> None:
+def require_matplotlib() -> None:
     """Raise SourceError if there is nothing to draw with."""
     if find_spec("matplotlib") is None:
         raise SourceError("the figures need matplotlib", help='pip install "rtron[demo]"')
 
 
 @contextmanager
-def drawn(path: Path, height: float, rows: int = 1) -> "Iterator[tuple[Figure, list[Axes]]]":
+def figure_file(path: Path, height: float, rows: int = 1) -> "Iterator[tuple[Figure, list[Axes]]]":
     """Give a figure of `height` inches and its axes; it is written to `path` as PNG at the end."""
-    need_matplotlib()
+    require_matplotlib()
     from matplotlib import rc_context  # noqa: PLC0415 - only with the extra
     from matplotlib.figure import Figure  # noqa: PLC0415
 
@@ -81,11 +81,11 @@ def legend_below(figure: "Figure", axes: "Axes", columns: int) -> None:
     handles, labels = axes.get_legend_handles_labels()
     found = dict(zip(labels, handles, strict=True))
     width = len(found) if len(found) <= _ON_ONE_LINE else columns
-    place: Style = {"loc": "outside lower center", "ncols": width, "columnspacing": 1.6}
-    figure.legend(found.values(), found.keys(), **place)
+    layout: Style = {"loc": "outside lower center", "ncols": width, "columnspacing": 1.6}
+    figure.legend(found.values(), found.keys(), **layout)
 
 
-def shade_attack(axes: "Axes", *runs: Run) -> None:
+def shade_attack(axes: "Axes", *runs: CaseRun) -> None:
     """Shade the time in which malicious messages were sent, in any of the runs."""
     spans = [(*run.attack_span, run.ended) for run in runs if run.attack_span]
     if spans:

@@ -4,10 +4,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rtron.demos.metrics.case_run import Run
+from rtron.demos.metrics.case_run import CaseRun
 from rtron.demos.metrics.guard_events import DECISIONS
-from rtron.demos.plots.lanes import WORDS, Lane, lanes
-from rtron.demos.plots.style import FAINT, MUTED, Style, drawn, legend_below, shade_attack
+from rtron.demos.plots.lanes import DECISION_LABELS, FlowLane, flow_lanes
+from rtron.demos.plots.style import FAINT, MUTED, Style, figure_file, legend_below, shade_attack
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -21,10 +21,10 @@ _GAP = 0.96
 """Of a second's width that its bar takes, so that the seconds can be told apart."""
 
 
-def timeline(path: Path, title: str, run: Run, topics: Sequence[str]) -> None:
+def draw_timeline(path: Path, title: str, run: CaseRun, topics: Sequence[str]) -> None:
     """Draw a guarded run's decisions on some topics, second by second, into the PNG `path`."""
-    found = lanes(run, topics)
-    with drawn(path, _AROUND + _ROW * max(1, len(found))) as (figure, (axes,)):
+    found = flow_lanes(run, topics)
+    with figure_file(path, _AROUND + _ROW * max(1, len(found))) as (figure, (axes,)):
         axes.set_title(title)
         shade_attack(axes, run)
         for number, lane in enumerate(found):
@@ -34,11 +34,11 @@ def timeline(path: Path, title: str, run: Run, topics: Sequence[str]) -> None:
         axes.set_yticks([])
         axes.spines["left"].set_visible(False)
         axes.set_xlabel("time since the start [simulated s]")
-        _explain(axes, found)
+        _add_legend(axes, found)
         legend_below(figure, axes, columns=5)
 
 
-def _draw(axes: "Axes", row: int, lane: Lane, run: Run) -> None:
+def _draw(axes: "Axes", row: int, lane: FlowLane, run: CaseRun) -> None:
     wide = _GAP * run.speed
     axes.axhline(row, color=FAINT, linewidth=1)
     for began, counts in lane.bars:
@@ -57,8 +57,8 @@ def _draw(axes: "Axes", row: int, lane: Lane, run: Run) -> None:
     axes.annotate(totals, (1.01, row + 0.4), ha="left", color=MUTED, **outside)
 
 
-def _explain(axes: "Axes", found: Sequence[Lane]) -> None:
+def _add_legend(axes: "Axes", found: Sequence[FlowLane]) -> None:
     """Give the legend an entry for each decision that occurs."""
-    for name, word in WORDS.items():
+    for name, label in DECISION_LABELS.items():
         if any(counts[name] for lane in found for _, counts in lane.bars):
-            axes.bar(0, 0, color=_COLOURS[name], label=word)
+            axes.bar(0, 0, color=_COLOURS[name], label=label)

@@ -4,19 +4,19 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rtron.demos.metrics.case_run import Run, Runs, Variant
-from rtron.demos.metrics.table import HEADS
-from rtron.demos.metrics.trajectory import Scene
+from rtron.demos.metrics.case_run import CaseRun, RunsByVariant, Variant
+from rtron.demos.metrics.table import COLUMN_TITLES
+from rtron.demos.metrics.trajectory import SceneDocument
 from rtron.demos.plots.style import (
     COLOURS,
     INK,
     LIMIT,
     Style,
-    drawn,
+    figure_file,
     legend_below,
     shade_attack,
 )
-from rtron.demos.world.ground_truth import Truth
+from rtron.demos.world.ground_truth import GroundTruth
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -29,10 +29,12 @@ _LINES: dict[Variant, Style] = {
 }
 
 
-def velocity(path: Path, title: str, scene: Scene, runs: Runs, *, turn: bool) -> None:
+def draw_velocity(
+    path: Path, title: str, scene: SceneDocument, runs: RunsByVariant, *, turn: bool
+) -> None:
     """Draw the speed of each run, and how fast it turned if `turn`, into the PNG `path`."""
     rows = 2 if turn else 1
-    with drawn(path, _HEIGHT[rows], rows) as (figure, axes):
+    with figure_file(path, _HEIGHT[rows], rows) as (figure, axes):
         axes[0].set_title(title)
         axes[0].set_ylabel("speed [m/s]")
         for run in runs.values():
@@ -50,20 +52,20 @@ def velocity(path: Path, title: str, scene: Scene, runs: Runs, *, turn: bool) ->
         legend_below(figure, axes[0], columns=3)
 
 
-def _draw(axes: "Axes", run: Run, value: Callable[[Truth], float]) -> None:
+def _draw(axes: "Axes", run: CaseRun, value: Callable[[GroundTruth], float]) -> None:
     times = [sample.t for sample in run.samples]
-    label, colour = HEADS[run.variant], COLOURS[run.variant]
+    label, colour = COLUMN_TITLES[run.variant], COLOURS[run.variant]
     axes.plot(
         times, list(map(value, run.samples)), color=colour, label=label, **_LINES[run.variant]
     )
     axes.grid(visible=True)
-    for harm, truth in run.harms.items():
+    for harm, truth in run.first_harms.items():
         axes.scatter(truth.t, value(truth), marker="X", s=80, color=INK, label=harm, zorder=7)
 
 
-def _speed(truth: Truth) -> float:
+def _speed(truth: GroundTruth) -> float:
     return truth.velocity[0]
 
 
-def _turn(truth: Truth) -> float:
+def _turn(truth: GroundTruth) -> float:
     return truth.velocity[1]

@@ -7,25 +7,25 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rtron.demos.runtime.app_files import other_packages, own_packages
+from rtron.demos.runtime.app_files import first_party_packages, third_party_packages
 from rtron.demos.runtime.nodes import NodeCommand, node_commands, node_names
 from rtron.demos.runtime.polling import wait_for
-from rtron.demos.runtime.processes import Processes, Started
+from rtron.demos.runtime.processes import ProcessGroup, StartedProcess
 from rtron.errors import SourceError
 
 if TYPE_CHECKING:
-    from rtron.demos.runtime.environment import Begun
+    from rtron.demos.runtime.environment import DemoEnvironment
 
-_SETTLED = ("--timeout", "3")
+_DISCOVERY_OPTIONS = ("--timeout", "3")
 """How long a domain of ROS 2 gets to be found whole, seconds."""
 _VERDICTS = (0, 1, 2)
 
 
 @dataclass(frozen=True, slots=True)
-class App:
+class LaunchedApp:
     """A running app: the processes that were started for it, by name, and its nodes."""
 
-    started: Mapping[str, Started]
+    started: Mapping[str, StartedProcess]
     nodes: Collection[str]
 
     def check(self) -> None:
@@ -35,47 +35,61 @@ class App:
 
 
 @contextmanager
-def launched(
-    begun: "Begun", launch: Path, more: Mapping[str, str], plan: Path | None
-) -> Iterator[App]:
+def launch_app(
+    environment: "DemoEnvironment", launch: Path, more_environ: Mapping[str, str], plan: Path | None
+) -> Iterator[LaunchedApp]:
     """Run the app of a launch file; see Begun.launched."""
-    commands, nodes = _what(begun, launch)
-    started: dict[str, Started] = {}
+    commands, nodes = _launch_commands(environment, launch)
+    started: dict[str, StartedProcess] = {}
     try:
         for each in commands:
-            started[each.node] = _start(begun.processes, each, {**begun.environ, **more})
-        app = App(started, nodes)
+            started[each.node] = _start_node(
+                environment.processes, each, {**environment.environ, **more_environ}
+            )
+        app = LaunchedApp(started, nodes)
         if plan:
-            wait_for(lambda: _is_guarded(begun, app, plan), "the guard to be in every way")
+            wait_for(lambda: _is_guarded(environment, app, plan), "the guard to be in every way")
         else:
-            wait_for(lambda: _is_joined(begun, app), f"the nodes {', '.join(sorted(app.nodes))}")
+            wait_for(
+                lambda: _is_joined(environment, app), f"the nodes {', '.join(sorted(app.nodes))}"
+            )
         yield app
     finally:
-        begun.processes.end(tuple(started.values()))
+        environment.processes.end(tuple(started.values()))
 
 
-def _what(begun: "Begun", launch: Path) -> tuple[Sequence[NodeCommand], Collection[str]]:
+def _launch_commands(
+    environment: "DemoEnvironment", launch: Path
+) -> tuple[Sequence[NodeCommand], Collection[str]]:
     """Return the commands that start an app, and the nodes that are there then."""
-    folders = (own_packages(begun.ros), other_packages(begun.ros))
-    if begun.ros == 1:
-        nodes = node_names(launch, folders, begun.environ)
+    folders = (first_party_packages(environment.ros), third_party_packages(environment.ros))
+    if environment.ros == 1:
+        nodes = node_names(launch, folders, environment.environ)
         return [NodeCommand("roslaunch", ("roslaunch", str(launch)))], nodes
-    commands = node_commands(launch, folders, begun.environ, begun.python)
+    commands = node_commands(launch, folders, environment.environ, environment.python)
     return commands, {each.node for each in commands if each.is_of_app}
 
 
-def _start(processes: Processes, what: NodeCommand, environ: Mapping[str, str]) -> Started:
-    return processes.start(what.command, environ, name=what.node.strip("/").replace("/", "_"))
+def _start_node(
+    processes: ProcessGroup, node_command: NodeCommand, environ: Mapping[str, str]
+) -> StartedProcess:
+    return processes.start(
+        node_command.command, environ, name=node_command.node.strip("/").replace("/", "_")
+    )
 
 
-def _is_joined(begun: "Begun", app: App) -> bool:
+def _is_joined(environment: "DemoEnvironment", app: LaunchedApp) -> bool:
     """Tell whether each node of the app publishes or subscribes something."""
     app.check()
-    generation = ("--ros", str(begun.ros), *(_SETTLED if begun.ros != 1 else ()))
-    words = ("scan", "--live", *generation, "--format", "graph", "--fail-on", "never")
-    found = begun.folder / "joined.json"
+    generation = (
+        "--ros",
+        str(environment.ros),
+        *(_DISCOVERY_OPTIONS if environment.ros != 1 else ()),
+    )
+    arguments = ("scan", "--live", *generation, "--format", "graph", "--fail-on", "never")
+    found = environment.folder / "joined.json"
     try:
-        begun.rtron(*words, "-o", found)
+        environment.run_rtron(*arguments, "-o", found)
     except SourceError:  # nobody has joined yet, or somebody is just leaving
         return False
     graph = json.loads(found.read_text(encoding="utf-8"))
@@ -83,8 +97,8 @@ def _is_joined(begun: "Begun", app: App) -> bool:
     return joined.issuperset(app.nodes)
 
 
-def _is_guarded(begun: "Begun", app: App, plan: Path) -> bool:
+def _is_guarded(environment: "DemoEnvironment", app: LaunchedApp, plan: Path) -> bool:
     """Tell whether the app is joined and every path of the plan is closed, asked at a time."""
-    words = ("verify", "--live", "--plan", plan, *_SETTLED)
-    with begun.rtron_beside(*words, codes=_VERDICTS) as verified:
-        return _is_joined(begun, app) and verified().code == 0
+    arguments = ("verify", "--live", "--plan", plan, *_DISCOVERY_OPTIONS)
+    with environment.run_rtron_in_background(*arguments, codes=_VERDICTS) as verified:
+        return _is_joined(environment, app) and verified().code == 0

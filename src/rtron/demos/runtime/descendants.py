@@ -22,34 +22,34 @@ def new_mark() -> str:
     return uuid4().hex
 
 
-def end_kin(marks: Collection[str]) -> None:
+def kill_descendants(marks: Collection[str]) -> None:
     """Kill every process that has one of the marks, and wait until they are gone."""
-    wanted = {f"{MARK}={mark}".encode() for mark in marks}
+    markers = {f"{MARK}={mark}".encode() for mark in marks}
     deadline = time.monotonic() + _LIMIT
-    while _killed(wanted) and time.monotonic() < deadline:
+    while _kill_marked(markers) and time.monotonic() < deadline:
         time.sleep(_PAUSE)
 
 
-def _killed(wanted: Collection[bytes]) -> bool:
+def _kill_marked(markers: Collection[bytes]) -> bool:
     """Kill those that are there; tell whether there were any."""
     found = False
     for folder in Path("/proc").glob("[0-9]*"):
-        if _has(folder, wanted):
-            found |= _kill(int(folder.name), wanted)
+        if _has_marker(folder, markers):
+            found |= _kill(int(folder.name), markers)
     return found
 
 
-def _kill(pid: int, wanted: Collection[bytes]) -> bool:
-    with suppress(ProcessLookupError), _handle(pid) as handle:
+def _kill(pid: int, markers: Collection[bytes]) -> bool:
+    with suppress(ProcessLookupError), _open_pidfd(pid) as handle:
         # A pid may have been given to another process meanwhile; the handle stays with one.
-        if _has(Path("/proc", str(pid)), wanted):
+        if _has_marker(Path("/proc", str(pid)), markers):
             signal.pidfd_send_signal(handle, signal.SIGKILL)
             return True
     return False
 
 
 @contextmanager
-def _handle(pid: int) -> Iterator[int]:
+def _open_pidfd(pid: int) -> Iterator[int]:
     handle = os.pidfd_open(pid)
     try:
         yield handle
@@ -57,9 +57,9 @@ def _handle(pid: int) -> Iterator[int]:
         os.close(handle)
 
 
-def _has(folder: Path, wanted: Collection[bytes]) -> bool:
+def _has_marker(folder: Path, markers: Collection[bytes]) -> bool:
     """Tell whether a process has a mark; one that is gone, or a zombie, has none."""
     try:
-        return not set((folder / "environ").read_bytes().split(b"\0")).isdisjoint(wanted)
+        return not set((folder / "environ").read_bytes().split(b"\0")).isdisjoint(markers)
     except OSError:
         return False

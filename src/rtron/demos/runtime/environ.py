@@ -3,11 +3,11 @@
 import os
 from pathlib import Path
 
-from rtron.demos.runtime.app_files import LOGIC, other_packages, own_packages
+from rtron.demos.runtime.app_files import LOGIC, first_party_packages, third_party_packages
 
 WIDTH = 96
 """How wide commands print, in columns."""
-_OURS = ("ROS_", "RTRON_", "DEMO_", "XDG_", "FASTDDS_", "FASTRTPS_")
+_EXCLUDED_PREFIXES = ("ROS_", "RTRON_", "DEMO_", "XDG_", "FASTDDS_", "FASTRTPS_")
 
 
 def shared_environ(folder: Path, sockets: Path) -> dict[str, str]:
@@ -16,10 +16,12 @@ def shared_environ(folder: Path, sockets: Path) -> dict[str, str]:
     State and logs go to `folder`, sockets to `sockets`. What lets a sourced ROS 2 be found, its
     library and Python paths, stays.
     """
-    kept = {name: value for name, value in os.environ.items() if not name.startswith(_OURS)}
-    return kept | {
+    inherited = {
+        name: value for name, value in os.environ.items() if not name.startswith(_EXCLUDED_PREFIXES)
+    }
+    return inherited | {
         "COLUMNS": str(WIDTH),
-        "PYTHONPATH": _joined(LOGIC, os.environ.get("PYTHONPATH", "")),
+        "PYTHONPATH": _join_paths(LOGIC, os.environ.get("PYTHONPATH", "")),
         "PYTHONUNBUFFERED": "1",
         "ROS_HOME": str(folder / "ros"),
         "ROS_LOG_DIR": str(folder / "ros" / "log"),
@@ -39,7 +41,7 @@ def ros1_environ(port: int) -> dict[str, str]:
         "ROS_HOSTNAME": "127.0.0.1",
         "ROS_IP": "127.0.0.1",
         "ROS_MASTER_URI": f"http://127.0.0.1:{port}",
-        "ROS_PACKAGE_PATH": _joined(own_packages(1), str(other_packages(1))),
+        "ROS_PACKAGE_PATH": _join_paths(first_party_packages(1), str(third_party_packages(1))),
     }
 
 
@@ -53,5 +55,5 @@ def ros2_environ(domain: int) -> dict[str, str]:
     }
 
 
-def _joined(*paths: Path | str) -> str:
+def _join_paths(*paths: Path | str) -> str:
     return os.pathsep.join(str(path) for path in paths if str(path))

@@ -18,12 +18,12 @@ Event = Mapping[str, Any]
 _LIMIT = 10.0
 _PAGE = 1000
 _SECOND = 1_000_000_000
-_LATE = 1.5
+_STORE_DELAY = 1.5
 """Seconds after which what the guard had to tell of a moment is stored: it tells once a second."""
 
 
 @dataclass(frozen=True, slots=True)
-class Tally:
+class DecisionCounts:
     """How many messages of a flow met which decision."""
 
     passed: int = 0
@@ -31,8 +31,8 @@ class Tally:
     dropped: int = 0
     modified: int = 0
 
-    def __add__(self, other: "Tally") -> "Tally":
-        return Tally(
+    def __add__(self, other: "DecisionCounts") -> "DecisionCounts":
+        return DecisionCounts(
             self.passed + other.passed,
             self.held + other.held,
             self.dropped + other.dropped,
@@ -41,7 +41,7 @@ class Tally:
 
 
 @dataclass(frozen=True, slots=True)
-class Recorded:
+class EventHistory:
     """The events of one robot's guard. SourceError where the service does not answer.
 
     Times are ns of the wall clock; `until` is excluded, None is now.
@@ -64,29 +64,31 @@ class Recorded:
 
     def wait_until_linked(self, since: int) -> None:
         """Wait until a guard that runs has told its state at `since` or later."""
-        wait_for(lambda: self._told_at() >= since, "the guard to tell the service of itself")
+        wait_for(
+            lambda: self._last_state_time() >= since, "the guard to tell the service of itself"
+        )
 
     def events(self, since: int, until: int | None = None, kind: str = "") -> list[Event]:
         """Return events in the order of time, once all of them are stored."""
         end = time.time_ns() if until is None else until
-        self.wait_until_linked(end + int(_LATE * _SECOND))
-        wanted = {"since": since, "until": end} | ({"kind": kind} if kind else {})
-        return sorted(self._pages(wanted), key=lambda event: event["at"])
+        self.wait_until_linked(end + int(_STORE_DELAY * _SECOND))
+        query = {"since": since, "until": end} | ({"kind": kind} if kind else {})
+        return sorted(self._pages(query), key=lambda event: event["at"])
 
-    def counts(self, since: int, until: int | None = None) -> dict[str, dict[str, Tally]]:
+    def counts(self, since: int, until: int | None = None) -> dict[str, dict[str, DecisionCounts]]:
         """Return by topic and flow how many messages met which decision."""
-        return counted(self.events(since, until, "counts"))
+        return sum_decision_counts(self.events(since, until, "counts"))
 
-    def _told_at(self) -> int:
+    def _last_state_time(self) -> int:
         state = self.state()
         return int(state["at"]) if state else 0
 
-    def _pages(self, wanted: Mapping[str, object]) -> Iterator[Event]:
-        page = self._get("events", **wanted, robot=self.robot, limit=_PAGE)
+    def _pages(self, query: Mapping[str, object]) -> Iterator[Event]:
+        page = self._get("events", **query, robot=self.robot, limit=_PAGE)
         yield from page["events"]
         while page["next"]:
             before = page["next"]
-            page = self._get("events", **wanted, robot=self.robot, limit=_PAGE, before=before)
+            page = self._get("events", **query, robot=self.robot, limit=_PAGE, before=before)
             yield from page["events"]
 
     def _get(self, path: str, **query: object) -> Any:  # noqa: ANN401 - JSON
@@ -99,12 +101,12 @@ class Recorded:
             raise SourceError(f"the security service does not answer: {error}") from error
 
 
-def counted(events: list[Event]) -> dict[str, dict[str, Tally]]:
+def sum_decision_counts(events: list[Event]) -> dict[str, dict[str, DecisionCounts]]:
     """Return the sums of `counts` events, by topic and flow."""
-    found: dict[str, dict[str, Tally]] = {}
+    found: dict[str, dict[str, DecisionCounts]] = {}
     for event in events:
         for topic, stream in event["values"]["streams"].items():
             flows = found.setdefault(topic, {})
             for flow, tally in stream["flows"].items():
-                flows[flow] = flows.get(flow, Tally()) + Tally(*tally)
+                flows[flow] = flows.get(flow, DecisionCounts()) + DecisionCounts(*tally)
     return found

@@ -5,25 +5,25 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from rtron.demos.runtime.app_files import launch_file, other_packages, own_packages
-from rtron.demos.runtime.environment import Begun
-from rtron.demos.runtime.plan_edits import decide
-from rtron.demos.runtime.processes import Finished
+from rtron.demos.runtime.app_files import first_party_packages, launch_file, third_party_packages
+from rtron.demos.runtime.environment import DemoEnvironment
+from rtron.demos.runtime.plan_edits import write_decided_plan
+from rtron.demos.runtime.processes import CompletedCommand
 
-_FOUND = (0, 1)
+_SCAN_EXIT_CODES = (0, 1)
 """A scan ends with 1 when it found risks."""
 
 
 @dataclass(slots=True)
-class Pipeline:
-    """Makes the guarded launch in `folder`; `said` is what each command was and printed.
+class InstrumentationPipeline:
+    """Makes the guarded launch in `folder`; `commands` is what each command was and printed.
 
     The decisions are the developer's, who edits the proposed plan.
     """
 
-    begun: Begun
+    environment: DemoEnvironment
     folder: Path
-    said: list[Finished] = field(default_factory=list)
+    commands: list[CompletedCommand] = field(default_factory=list)
 
     @property
     def graph(self) -> Path:
@@ -41,36 +41,53 @@ class Pipeline:
         return self.folder / "rtron.yaml"
 
     @property
-    def guarded(self) -> Path:
+    def guarded_launch(self) -> Path:
         """The launch file that starts the guarded app."""
-        kind = ".launch" if self.begun.ros == 1 else ".launch.xml"
+        kind = ".launch" if self.environment.ros == 1 else ".launch.xml"
         return self.folder / f"guarded{kind}"
 
     def scan(self) -> None:
         """Read the app from its launch files and source; nothing of it need run."""
         self.folder.mkdir(parents=True, exist_ok=True)
-        self._rtron("scan", *self._app(), "--format", "graph", "-o", self.graph, codes=_FOUND)
-        self._rtron("scan", self.graph, codes=_FOUND)
+        self._rtron(
+            "scan",
+            *self._scan_arguments(),
+            "--format",
+            "graph",
+            "-o",
+            self.graph,
+            codes=_SCAN_EXIT_CODES,
+        )
+        self._rtron("scan", self.graph, codes=_SCAN_EXIT_CODES)
 
-    def guard(self, decisions: Mapping[str, Any]) -> Path:
+    def instrument(self, decisions: Mapping[str, Any]) -> Path:
         """Plan, decide, check and instrument; return the launch file of the guarded app."""
         self._rtron("plan", self.graph, "-o", self.proposed)
-        decide(self.proposed, self.plan, decisions)
+        write_decided_plan(self.proposed, self.plan, decisions)
         self._rtron("check", self.plan, "--graph", self.graph)
-        folders = (own_packages(self.begun.ros), other_packages(self.begun.ros))
-        where = [word for folder in folders for word in ("--packages", folder)]
-        launch = launch_file(self.begun.ros)
-        self._rtron("instrument", launch, "--plan", self.plan, "-o", self.guarded, *where)
-        return self.guarded
+        folders = (
+            first_party_packages(self.environment.ros),
+            third_party_packages(self.environment.ros),
+        )
+        package_options = [word for folder in folders for word in ("--packages", folder)]
+        launch = launch_file(self.environment.ros)
+        self._rtron(
+            "instrument", launch, "--plan", self.plan, "-o", self.guarded_launch, *package_options
+        )
+        return self.guarded_launch
 
-    def _app(self) -> Sequence[str | Path]:
+    def _scan_arguments(self) -> Sequence[str | Path]:
         """Return how `rtron scan` is told of the app.
 
         In ROS 1 the third-party packages are found by ROS_PACKAGE_PATH, which makes them so.
         """
-        ros = self.begun.ros
-        folders = [own_packages(1)] if ros == 1 else [own_packages(2), other_packages(2)]
+        ros = self.environment.ros
+        folders = (
+            [first_party_packages(1)]
+            if ros == 1
+            else [first_party_packages(2), third_party_packages(2)]
+        )
         return (*folders, "--launch", launch_file(ros))
 
-    def _rtron(self, *words: str | Path, codes: Sequence[int] = (0,)) -> None:
-        self.said.append(self.begun.rtron(*words, codes=codes))
+    def _rtron(self, *arguments: str | Path, codes: Sequence[int] = (0,)) -> None:
+        self.commands.append(self.environment.run_rtron(*arguments, codes=codes))

@@ -23,7 +23,7 @@ def free_port() -> int:
 
 
 @contextmanager
-def own_domain() -> Iterator[int]:
+def reserve_domain() -> Iterator[int]:
     """Give a domain id that no other demo has; SourceError if all are taken."""
     for domain in SystemRandom().sample(_DOMAINS, len(_DOMAINS)):
         with socket.socket(socket.AF_UNIX) as lock:

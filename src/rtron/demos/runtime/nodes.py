@@ -10,10 +10,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rtron.errors import InputError
-from rtron.planning.instrument.common.guard_files import SCRIPT
+from rtron.planning.instrument.common.guard_files import GUARD_SCRIPT
 from rtron.sources.launch.common.packages import find_packages
 from rtron.sources.launch.ros1.reader import read_launch
-from rtron.sources.launch.ros2.reader import read_launch2
+from rtron.sources.launch.ros2.reader import read_ros2_launch
 from rtron.vocabulary import GUARD_NODE, LaunchNode
 
 
@@ -44,10 +44,10 @@ def node_commands(
     `folders` have the packages; `python` runs their scripts. InputError for what cannot be read.
     """
     packages = find_packages(folders, environ)
-    tree = read_launch2(launch, {}, environ, packages)
+    tree = read_ros2_launch(launch, {}, environ, packages)
     guards = [node for node in tree.nodes() if node.name == GUARD_NODE]
     nodes = [node for node in tree.nodes() if node.name != GUARD_NODE]
-    script = launch.with_suffix(".d") / SCRIPT
+    script = launch.with_suffix(".d") / GUARD_SCRIPT
     return (
         *(NodeCommand(guard.name, (str(script),)) for guard in guards),
         *(_command(node, packages, python) for node in nodes),
@@ -61,7 +61,7 @@ def _command(node: LaunchNode, packages: Mapping[str, Path], python: Path) -> No
     script = packages[node.package] / "scripts" / node.type
     space, _, name = node.name.rpartition("/")
     rules = [f"__node:={name}", f"__ns:={space or '/'}"]
-    rules += [f"{remap.written}:={remap.written_target}" for remap in node.remaps]
+    rules += [f"{remap.written_source}:={remap.written_target}" for remap in node.remaps]
     ros = [word for rule in rules for word in ("-r", rule)]
     return NodeCommand(
         node.name, (str(python), str(script), *shlex.split(node.args), "--ros-args", *ros)

@@ -22,33 +22,33 @@ from rtron.planning.plan_file.loader import parse_plan
 from rtron.planning.plan_file.writer import write_plan
 from rtron.planning.plan_file.yaml_parser import read_text
 
-Part = dict[str, Any]
+PlanSection = dict[str, Any]
 _FLOWS = {"rsrcn": "vflows", "msrcn": "aflows"}
 
 
-class _Plain(yaml.SafeDumper):
+class _AliasFreeDumper(yaml.SafeDumper):
     """Writes what stands in two places twice: a plan has no aliases."""
 
     def ignore_aliases(self, data: object) -> bool:  # noqa: ARG002 - as its base class has it
         return True
 
 
-def decide(plan: Path, out: Path, decisions: Mapping[str, Any]) -> None:
+def write_decided_plan(plan: Path, out: Path, decisions: Mapping[str, Any]) -> None:
     """Write `plan` with the decisions in it to `out`.
 
     InputError if a decision names what the plan does not have, PlanError if no plan comes out.
     """
     decided = with_decisions(yaml.safe_load(read_text(plan)), decisions)
-    text = yaml.dump(decided, Dumper=_Plain, sort_keys=False)
+    text = yaml.dump(decided, Dumper=_AliasFreeDumper, sort_keys=False)
     out.write_text(write_plan(parse_plan(text, str(out))), encoding="utf-8")
 
 
-def with_decisions(plan: Mapping[str, Any], decisions: Mapping[str, Any]) -> Part:
+def with_decisions(plan: Mapping[str, Any], decisions: Mapping[str, Any]) -> PlanSection:
     """Return a plan, as its file has it, with the decisions in it."""
     decided = {**plan, "app": decisions.get("app", plan["app"])}
     chosen = decisions.get("grcn", {})
     for topic in chosen:
-        _of_topic(plan, topic)
+        _grcn_of_topic(plan, topic)
     if chosen:
         decided["grcn"] = [_grcn(each, chosen.get(each["topic"])) for each in plan["grcn"]]
     for kind in _FLOWS.keys() & decisions.keys():
@@ -58,12 +58,12 @@ def with_decisions(plan: Mapping[str, Any], decisions: Mapping[str, Any]) -> Par
     return decided
 
 
-def _grcn(proposed: Part, decision: Mapping[str, Any] | None) -> Part:
+def _grcn(proposed: PlanSection, decision: Mapping[str, Any] | None) -> PlanSection:
     """Return a GRCN; of the decision, `priorities` and `flows` are by publisher."""
     if decision is None:
         return proposed
-    given = dict(decision)
-    priorities, changes = given.pop("priorities", {}), given.pop("flows", {})
+    decision_fields = dict(decision)
+    priorities, changes = decision_fields.pop("priorities", {}), decision_fields.pop("flows", {})
     unknown = {*priorities, *changes} - {flow["publisher"] for flow in proposed["flows"]}
     if unknown:
         raise _unknown(f"publisher of {proposed['topic']}", min(unknown))
@@ -71,35 +71,35 @@ def _grcn(proposed: Part, decision: Mapping[str, Any] | None) -> Part:
         {**flow, **_priority(flow, priorities), **changes.get(flow["publisher"], {})}
         for flow in proposed["flows"]
     ]
-    return {**proposed, "mode": "enforce", **given, "flows": flows}
+    return {**proposed, "mode": "enforce", **decision_fields, "flows": flows}
 
 
-def _priority(flow: Part, priorities: Mapping[str, int]) -> Part:
-    given = priorities.get(flow["publisher"])
-    return {} if given is None else {"priority": given}
+def _priority(flow: PlanSection, priorities: Mapping[str, int]) -> PlanSection:
+    priority = priorities.get(flow["publisher"])
+    return {} if priority is None else {"priority": priority}
 
 
-def _node(plan: Mapping[str, Any], kind: str, decision: Mapping[str, Any]) -> Part:
+def _node(plan: Mapping[str, Any], kind: str, decision: Mapping[str, Any]) -> PlanSection:
     """Return the RSRCN or MSRCN; of its topics those that the decision names, in that order."""
     proposed = plan.get(kind) or {"id": kind, "policy": "Block"}
-    flows, given = _FLOWS[kind], dict(decision)
+    flows, decision_fields = _FLOWS[kind], dict(decision)
     known = proposed.get(flows, [])
-    topics: Sequence[str] = given.pop(flows, [each["topic"] for each in known])
+    topics: Sequence[str] = decision_fields.pop(flows, [each["topic"] for each in known])
     guarded = [_guarded(plan, known, topic) for topic in topics]
-    return {**proposed, "mode": "enforce", **given, flows: guarded}
+    return {**proposed, "mode": "enforce", **decision_fields, flows: guarded}
 
 
-def _guarded(plan: Mapping[str, Any], known: Sequence[Part], topic: str) -> Part:
+def _guarded(plan: Mapping[str, Any], known: Sequence[PlanSection], topic: str) -> PlanSection:
     """Return a guarded topic as it was proposed, or else as the GRCN on it has it."""
     for each in known:
         if each["topic"] == topic:
             return each
-    grcn = _of_topic(plan, topic)
+    grcn = _grcn_of_topic(plan, topic)
     flows = [{key: flow[key] for key in ("name", "publisher")} for flow in grcn["flows"]]
     return {**{key: grcn[key] for key in ("topic", "type", "successors")}, "flows": flows}
 
 
-def _monitor(plan: Mapping[str, Any], decision: Mapping[str, Any]) -> Part:
+def _monitor(plan: Mapping[str, Any], decision: Mapping[str, Any]) -> PlanSection:
     """Return an fps_monitor, on what was proposed for its node and topic."""
     for each in plan.get("fps_monitor", []):
         if (each["node"], each["topic"]) == (decision["node"], decision["topic"]):
@@ -107,10 +107,10 @@ def _monitor(plan: Mapping[str, Any], decision: Mapping[str, Any]) -> Part:
     return dict(decision)
 
 
-def _of_topic(plan: Mapping[str, Any], topic: str) -> Part:
+def _grcn_of_topic(plan: Mapping[str, Any], topic: str) -> PlanSection:
     for grcn in plan.get("grcn", []):
         if grcn["topic"] == topic:
-            found: Part = grcn
+            found: PlanSection = grcn
             return found
     raise _unknown("guarded topic", topic)
 

@@ -10,26 +10,26 @@ from pathlib import Path
 from signal import SIGINT, SIGKILL, SIGTERM
 from types import TracebackType
 
-from rtron.demos.runtime.descendants import MARK, end_kin, new_mark
-from rtron.demos.runtime.signals import deferred, heard
+from rtron.demos.runtime.descendants import MARK, kill_descendants, new_mark
+from rtron.demos.runtime.signals import defer_signals, interrupt_on_signals
 from rtron.errors import SourceError
 
 Environ = Mapping[str, str]
 Command = Sequence[str | Path]
-_GRACES = ((SIGINT, 10.0), (SIGTERM, 5.0), (SIGKILL, 10.0))
+_TERMINATION_STEPS = ((SIGINT, 10.0), (SIGTERM, 5.0), (SIGKILL, 10.0))
 _COMMAND_LIMIT = 120.0
 _SHOWN = 2000
 
 
 @dataclass(frozen=True, slots=True)
-class Started:
+class StartedProcess:
     """A process of ours, the file that it writes to, and the mark that its descendants inherit."""
 
     popen: subprocess.Popen[bytes]
     log: Path
     mark: str
 
-    def said(self) -> str:
+    def output(self) -> str:
         """Return what the process has written so far."""
         return self.log.read_text(encoding="utf-8", errors="replace")
 
@@ -37,11 +37,11 @@ class Started:
         """Raise SourceError, with what it said last, if the process has ended."""
         if self.popen.poll() is not None:
             code = f"ended with {self.popen.returncode}"
-            raise SourceError(f"{self.log.stem} {code}\n{self.said()[-_SHOWN:]}")
+            raise SourceError(f"{self.log.stem} {code}\n{self.output()[-_SHOWN:]}")
 
 
 @dataclass(frozen=True, slots=True)
-class Finished:
+class CompletedCommand:
     """A command that came to its end: as one would type it, its exit code, what it printed."""
 
     command: str
@@ -49,7 +49,7 @@ class Finished:
     text: str
 
 
-class Processes:
+class ProcessGroup:
     """The processes that were started here; on leaving, those that still run are ended.
 
     Each has a session of its own, so that ^C reaches this process only, and this one ends the
@@ -60,12 +60,12 @@ class Processes:
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
-        self._running: list[Started] = []
+        self._running: list[StartedProcess] = []
         self._count = 0
-        self._heard = heard()
+        self._signal_handling = interrupt_on_signals()
 
-    def __enter__(self) -> "Processes":  # noqa: PYI034 - `Self` is not in Python 3.10
-        self._heard.__enter__()
+    def __enter__(self) -> "ProcessGroup":  # noqa: PYI034 - `Self` is not in Python 3.10
+        self._signal_handling.__enter__()
         return self
 
     def __exit__(
@@ -77,14 +77,14 @@ class Processes:
         try:
             self.end(tuple(self._running))
         finally:
-            self._heard.__exit__(kind, error, trace)
+            self._signal_handling.__exit__(kind, error, trace)
 
-    def start(self, command: Command, environ: Environ, name: str = "") -> Started:
+    def start(self, command: Command, environ: Environ, name: str = "") -> StartedProcess:
         """Start a process; what it says goes to a file that is named after it."""
         self._count += 1
         log = self._folder / f"{self._count:02}-{name or Path(command[0]).name}.log"
         mark = new_mark()
-        with log.open("wb") as output, deferred():
+        with log.open("wb") as output, defer_signals():
             popen = subprocess.Popen(  # noqa: S603 - the commands are the demo's own
                 [str(word) for word in command],
                 cwd=self._folder,  # Python imports from where it is: not from the user's folder
@@ -94,12 +94,14 @@ class Processes:
                 stderr=subprocess.STDOUT,
                 start_new_session=True,
             )
-            started = Started(popen, log, mark)
+            started = StartedProcess(popen, log, mark)
             self._running.append(started)
         return started
 
     @contextmanager
-    def running(self, command: Command, environ: Environ, name: str = "") -> Iterator[Started]:
+    def running(
+        self, command: Command, environ: Environ, name: str = ""
+    ) -> Iterator[StartedProcess]:
         """Run a process until the end of the block.
 
         A SourceError there shows what it said last, if it has ended by itself: that may be why.
@@ -110,54 +112,54 @@ class Processes:
         except SourceError as error:
             if started.popen.poll() is None:
                 raise
-            last = f"{started.log.stem} said last:\n{started.said()[-_SHOWN:]}"
+            last = f"{started.log.stem} said last:\n{started.output()[-_SHOWN:]}"
             raise SourceError(f"{error}\n{last}", help=error.help) from error
         finally:
             self.end([started])
 
-    def finish(
+    def run_command(
         self, command: Command, environ: Environ, codes: Collection[int] = (0,), name: str = ""
-    ) -> Finished:
+    ) -> CompletedCommand:
         """Run a command to its end; SourceError if it takes too long or ends with another code."""
-        with self.finishing(command, environ, codes, name) as finished:
+        with self.run_in_background(command, environ, codes, name) as finished:
             return finished()
 
     @contextmanager
-    def finishing(
+    def run_in_background(
         self, command: Command, environ: Environ, codes: Collection[int] = (0,), name: str = ""
-    ) -> Iterator[Callable[[], Finished]]:
-        """Run a command beside the block, which waits for its end as `finish` does, or ends it."""
-        typed = shlex.join(map(str, command))
+    ) -> Iterator[Callable[[], CompletedCommand]]:
+        """Run a command beside the block, which waits for its end as `run_command` does, or ends it."""
+        command_line = shlex.join(map(str, command))
 
-        def finished() -> Finished:
+        def finished() -> CompletedCommand:
             try:
                 code = started.popen.wait(_COMMAND_LIMIT)
             except subprocess.TimeoutExpired:
-                raise SourceError(f"{typed} takes more than {_COMMAND_LIMIT:g} s") from None
+                raise SourceError(f"{command_line} takes more than {_COMMAND_LIMIT:g} s") from None
             if code not in codes:
-                raise SourceError(f"{typed} failed ({code})")
-            return Finished(typed, code, started.said())
+                raise SourceError(f"{command_line} failed ({code})")
+            return CompletedCommand(command_line, code, started.output())
 
         with self.running(command, environ, name) as started:
             yield finished
 
-    def end(self, those: Sequence[Started]) -> None:
+    def end(self, started_processes: Sequence[StartedProcess]) -> None:
         """End processes together, and with force what they started and left behind."""
-        with deferred():
-            for number, grace in _GRACES:
-                for started in _alive(those):
+        with defer_signals():
+            for number, grace in _TERMINATION_STEPS:
+                for started in _alive(started_processes):
                     started.popen.send_signal(number)
-                _wait(_alive(those), grace)
-            end_kin({started.mark for started in those})
-            self._running = [other for other in self._running if other not in those]
+                _wait(_alive(started_processes), grace)
+            kill_descendants({started.mark for started in started_processes})
+            self._running = [other for other in self._running if other not in started_processes]
 
 
-def _alive(those: Iterable[Started]) -> list[Started]:
-    return [started for started in those if started.popen.poll() is None]
+def _alive(started_processes: Iterable[StartedProcess]) -> list[StartedProcess]:
+    return [started for started in started_processes if started.popen.poll() is None]
 
 
-def _wait(those: Iterable[Started], limit: float) -> None:
+def _wait(started_processes: Iterable[StartedProcess], limit: float) -> None:
     deadline = time.monotonic() + limit
-    for started in those:
+    for started in started_processes:
         with suppress(subprocess.TimeoutExpired):
             started.popen.wait(max(0.0, deadline - time.monotonic()))

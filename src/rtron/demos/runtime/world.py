@@ -6,16 +6,16 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
-from rtron.demos.runtime.processes import Command, Processes
-from rtron.demos.world.client import Owner
+from rtron.demos.runtime.processes import Command, ProcessGroup
+from rtron.demos.world.client import WorldClient
 
 _LIMIT = 60.0
 
 
 @contextmanager
-def running_world(
-    processes: Processes, socket: Path, speed: float, environ: Mapping[str, str]
-) -> Iterator[Owner]:
+def run_world(
+    processes: ProcessGroup, socket: Path, speed: float, environ: Mapping[str, str]
+) -> Iterator[WorldClient]:
     """Run a world of simulated seconds a second `speed`, in the caller's Python; give its owner.
 
     SourceError if it does not come up, with what it said.
@@ -24,6 +24,6 @@ def running_world(
     command: Command = [sys.executable, "-m", "rtron.demos.world", socket, "--speed", f"{speed:g}"]
     with (
         processes.running(command, {**environ, "DEMO_KEY": key}, name="world"),
-        Owner.connect(socket, key, _LIMIT) as owner,
+        WorldClient.connect(socket, key, _LIMIT) as owner,
     ):
         yield owner

@@ -11,8 +11,8 @@ import signal
 import sys
 from pathlib import Path
 
-from rtron.demos.world.server.loop import Server
-from rtron.demos.world.server.unix_socket import listening
+from rtron.demos.world.server.loop import WorldServer
+from rtron.demos.world.server.unix_socket import listen_on_unix_socket
 from rtron.errors import RTronError, SourceError
 
 _SLOWEST, _FASTEST = 0.25, 8.0
@@ -39,8 +39,8 @@ def _serve(path: Path, speed: float) -> None:
     key = os.environ.get("DEMO_KEY")
     if not key:
         raise SourceError("DEMO_KEY is not set: it is what the world's owner shows")
-    with listening(path) as listener:
-        server = Server(listener, speed, key)
+    with listen_on_unix_socket(path) as listener:
+        server = WorldServer(listener, speed, key)
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, lambda _number, _frame: server.stop())
         server.run()

@@ -6,11 +6,11 @@ _EMPTY, _FULL = 11.1, 12.6
 """V."""
 
 
-def percentage(t: float) -> float:
+def battery_percentage(t: float) -> float:
     """Return what is left at `t` (simulated s since the world began), 0 to 1."""
     return max(0.0, 1.0 - t / _LASTS)
 
 
-def voltage(t: float) -> float:
+def battery_voltage(t: float) -> float:
     """Return the battery's voltage at `t` (simulated s since the world began), V."""
-    return _EMPTY + (_FULL - _EMPTY) * percentage(t)
+    return _EMPTY + (_FULL - _EMPTY) * battery_percentage(t)

@@ -18,8 +18,8 @@ from math import cos, sin
 import numpy as np
 from numpy.typing import NDArray
 
-from rtron.demos.world.ground_truth import Place
-from rtron.demos.world.ray_casting import Floats, Surfaces, distances
+from rtron.demos.world.ground_truth import Position
+from rtron.demos.world.ray_casting import Floats, Surfaces, cast_rays
 from rtron.demos.world.robot_base import PEDESTRIAN_RADIUS
 from rtron.demos.world.scenes.scene import Pose
 
@@ -45,20 +45,20 @@ _BEARINGS = np.arctan2(_ACROSS, FOCAL)
 Image = NDArray[np.uint8]
 
 
-def image(
-    seen: Surfaces,
+def render_image(
+    surfaces: Surfaces,
     walls: int,
     pose: Pose,
-    pedestrians: Sequence[Place],
-    lamp: tuple[Place, str] | None,
+    pedestrians: Sequence[Position],
+    lamp: tuple[Position, str] | None,
 ) -> Image:
     """Return what the camera sees, shape (240, 320, 3).
 
-    `walls` of the edges come first in `seen` and are walls. The lamp has a place and "red" or
+    `walls` of the edges come first in `surfaces` and are walls. The lamp has a place and "red" or
     "green".
     """
-    everything = seen.with_discs(pedestrians, PEDESTRIAN_RADIUS)
-    depths = distances(everything, pose[:2], pose[2] + _BEARINGS) * np.cos(_BEARINGS)[:, None]
+    everything = surfaces.with_discs(pedestrians, PEDESTRIAN_RADIUS)
+    depths = cast_rays(everything, pose[:2], pose[2] + _BEARINGS) * np.cos(_BEARINGS)[:, None]
     nearest = depths.argmin(axis=1)
     depth = np.maximum(depths[_COLUMNS, nearest], _NEAREST)
     people = nearest >= depths.shape[1] - len(pedestrians)
@@ -84,19 +84,19 @@ def _row(height: Floats) -> NDArray[np.int16]:
     return np.ceil(np.clip(height, 0, HEIGHT)).astype(np.int16)
 
 
-def _paint_lamp(painted: Image, depth: Floats, pose: Pose, place: Place) -> None:
+def _paint_lamp(painted: Image, depth: Floats, pose: Pose, position: Position) -> None:
     """Paint the lamp in its case, where nothing stands before it."""
-    dx, dy = place[0] - pose[0], place[1] - pose[1]
+    dx, dy = position[0] - pose[0], position[1] - pose[1]
     ahead, left = (dx * cos(pose[2]) + dy * sin(pose[2]), dy * cos(pose[2]) - dx * sin(pose[2]))
     if ahead < 2 * LAMP_RADIUS:
         return
     scale = FOCAL / ahead
     size = LAMP_RADIUS * scale
     free = depth > ahead - LAMP_RADIUS
-    seen = np.flatnonzero((abs(_ACROSS - left * scale) <= _CASE * size) & free)
-    x = _ACROSS[seen] - left * scale
+    columns = np.flatnonzero((abs(_ACROSS - left * scale) <= _CASE * size) & free)
+    x = _ACROSS[columns] - left * scale
     y = _ROWS - (HEIGHT / 2 - (LAMP_HEIGHT - _EYE) * scale)
-    part = painted[:, seen]
+    part = painted[:, columns]
     part[np.broadcast_to(abs(y) <= _CASE * size, part.shape)] = _LAMP_CASE
     part[x**2 + y**2 <= size**2] = _LAMP
-    painted[:, seen] = part
+    painted[:, columns] = part

@@ -7,8 +7,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-from rtron.demos.world.ground_truth import Truth
-from rtron.demos.world.owner_line import OwnerLine
+from rtron.demos.world.ground_truth import GroundTruth
+from rtron.demos.world.owner_line import RequestChannel
 from rtron.errors import SourceError
 
 _ANSWER_LIMIT = 30.0
@@ -16,7 +16,7 @@ _PAUSE = 0.02
 
 
 @dataclass(frozen=True, slots=True)
-class Begun:
+class RunSetup:
     """A run that was set up at `t` (simulated s), and its scene as the protocol has it."""
 
     run: int
@@ -24,53 +24,53 @@ class Begun:
     scene: Mapping[str, Any]
 
 
-class Owner:
+class WorldClient:
     """Says what happens in the world. All methods raise SourceError once the world has ended."""
 
-    def __init__(self, line: OwnerLine, speed: float) -> None:
-        self._line = line
+    def __init__(self, channel: RequestChannel, speed: float) -> None:
+        self._channel = channel
         self.speed = speed
         """Simulated s a wall s."""
 
     @classmethod
-    def connect(cls, path: Path, key: str, limit: float) -> "Owner":
+    def connect(cls, path: Path, key: str, limit: float) -> "WorldClient":
         """Connect to the world at a socket, which may take `limit` wall s to appear."""
-        line = _line(path, limit)
+        channel = _open_channel(path, limit)
         try:
-            welcome = line.ask({"hello": "owner", "key": key}, limit)
+            welcome = channel.request({"hello": "owner", "key": key}, limit)
         except SourceError:
-            line.close()
+            channel.close()
             raise
-        return cls(line, float(welcome["speed"]))
+        return cls(channel, float(welcome["speed"]))
 
-    def reset(self, case: str, seed: int, camera_rate: float | None = None) -> Begun:
+    def reset(self, case: str, seed: int, camera_rate: float | None = None) -> RunSetup:
         """Set up the next run; the truths of earlier runs that nobody asked for are dropped."""
-        asked = {} if camera_rate is None else {"camera_rate": camera_rate}
-        answer = self._ask("reset", case=case, seed=seed, **asked)
-        self._line.forget(answer["run"])
-        return Begun(answer["run"], answer["t"], answer["scene"])
+        optional = {} if camera_rate is None else {"camera_rate": camera_rate}
+        answer = self._request("reset", case=case, seed=seed, **optional)
+        self._channel.drop_older_runs(answer["run"])
+        return RunSetup(answer["run"], answer["t"], answer["scene"])
 
     def start(self) -> float:
         """Give the mission its goal, and return when that was (simulated s)."""
-        return float(self._ask("start")["t"])
+        return float(self._request("start")["t"])
 
-    def rate(self, hertz: float) -> float:
+    def set_image_rate(self, hertz: float) -> float:
         """Let the robot's computer get through so many images a simulated s; return since when."""
-        return float(self._ask("rate", rate=hertz)["t"])
+        return float(self._request("rate", rate=hertz)["t"])
 
-    def devices(self) -> dict[str, int]:
+    def count_devices(self) -> dict[str, int]:
         """Return how many connections there are of each role."""
-        return dict(self._ask("devices")["roles"])
+        return dict(self._request("devices")["roles"])
 
-    def poll(self, timeout: float) -> list[Truth]:
+    def poll(self, timeout: float) -> list[GroundTruth]:
         """Return the truths since the last call; wait up to `timeout` wall s for the first."""
-        return self._line.truths(timeout)
+        return self._channel.truths(timeout)
 
     def close(self) -> None:
         """End the connection."""
-        self._line.close()
+        self._channel.close()
 
-    def __enter__(self) -> "Owner":  # noqa: PYI034 - `Self` is not in Python 3.10
+    def __enter__(self) -> "WorldClient":  # noqa: PYI034 - `Self` is not in Python 3.10
         return self
 
     def __exit__(
@@ -81,16 +81,16 @@ class Owner:
     ) -> None:
         self.close()
 
-    def _ask(self, order: str, **rest: float | str) -> dict[str, Any]:
-        return self._line.ask({"order": order, **rest}, _ANSWER_LIMIT)
+    def _request(self, order: str, **rest: float | str) -> dict[str, Any]:
+        return self._channel.request({"order": order, **rest}, _ANSWER_LIMIT)
 
 
-def _line(path: Path, limit: float) -> OwnerLine:
-    until = time.monotonic() + limit
+def _open_channel(path: Path, limit: float) -> RequestChannel:
+    deadline = time.monotonic() + limit
     while True:
         try:
-            return OwnerLine(path)
+            return RequestChannel(path)
         except OSError as error:
-            if time.monotonic() > until:
+            if time.monotonic() > deadline:
                 raise SourceError(f"no world at {path} after {limit:g} s: {error}") from error
         time.sleep(_PAUSE)

@@ -7,7 +7,7 @@ _LATE = 0.5
 """Wall s; a world that is later lets simulated time go slower, and does not run after it."""
 
 
-class Clock:
+class StepClock:
     """Counts steps of `step` simulated s at `speed` simulated s a wall s, without drift."""
 
     def __init__(
@@ -15,7 +15,7 @@ class Clock:
     ) -> None:
         self._pace = step / speed
         self._wall = wall
-        self.lost = 0.0
+        self.lost_time = 0.0
         """Wall s by which simulated time went slower than it should."""
         self.restart()
 
@@ -33,11 +33,11 @@ class Clock:
         if late < 0:
             return False
         if late > _LATE:
-            self.lost += late
+            self.lost_time += late
             self._next += late
         self._next += self._pace
         return True
 
-    def share(self) -> float:
+    def step_fraction(self) -> float:
         """Return how much of the present step has passed, 0 to 1."""
         return max(0.0, min(1.0, 1.0 - (self._next - self._wall()) / self._pace))

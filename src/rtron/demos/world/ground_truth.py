@@ -3,11 +3,11 @@
 from dataclasses import asdict, dataclass
 from typing import Any
 
-Place = tuple[float, float]
+Position = tuple[float, float]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Truth:
+class GroundTruth:
     """The robot and what is around it at `t` (simulated s since the world began).
 
     `pose` is x, y (m) and heading (rad), `velocity` and `commanded` are m/s and rad/s; `clearance`
@@ -25,7 +25,7 @@ class Truth:
     in_area: bool
     network: bool
     light: str
-    pedestrians: tuple[Place, ...]
+    pedestrians: tuple[Position, ...]
     distance_to_goal: float
 
     def as_json(self) -> dict[str, Any]:
@@ -33,9 +33,9 @@ class Truth:
         return asdict(self)
 
     @classmethod
-    def from_json(cls, value: dict[str, Any]) -> "Truth":
+    def from_json(cls, value: dict[str, Any]) -> "GroundTruth":
         """Return the truth in a frame of our own world."""
         lists = ("pose", "velocity", "commanded")
         pedestrians = tuple((x, y) for x, y in value["pedestrians"])
-        made = {name: tuple(value[name]) for name in lists} | {"pedestrians": pedestrians}
-        return cls(**(value | made))
+        tuples = {name: tuple(value[name]) for name in lists} | {"pedestrians": pedestrians}
+        return cls(**(value | tuples))

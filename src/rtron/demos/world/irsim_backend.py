@@ -18,11 +18,11 @@ import numpy as np
 import yaml
 
 from rtron.demos.world import robot_base
-from rtron.demos.world.ground_truth import Place
+from rtron.demos.world.ground_truth import Position
 from rtron.demos.world.robot_base import Velocity
-from rtron.demos.world.scenes.scene import Disc, Obstacle, Pose, Scene
+from rtron.demos.world.scenes.scene import Obstacle, Pose, RoundObstacle, Scene
 
-_AWAY = (-100.0, -100.0)
+_OUTSIDE = (-100.0, -100.0)
 """Where a pedestrian is who is not there, m."""
 
 
@@ -33,7 +33,7 @@ def _irsim() -> Any:  # noqa: ANN401 - it has no types
         return importlib.import_module("irsim")
 
 
-class Simulator:
+class IrSimBackend:
     """A robot in a scene, with as many pedestrians as it has crossings."""
 
     def __init__(self, scene: Scene) -> None:
@@ -61,11 +61,11 @@ class Simulator:
         """Whether the robot touches something now."""
         return bool(self._env.robot.collision)
 
-    def step(self, wanted: Velocity, pedestrians: Sequence[Place | None]) -> None:
+    def step(self, target_velocity: Velocity, pedestrians: Sequence[Position | None]) -> None:
         """Go on by a step, with the motors told to reach a velocity, and people at their places."""
-        for pedestrian, place in zip(self._pedestrians, pedestrians, strict=True):
-            pedestrian.set_state([*(place or _AWAY), 0.0])
-        self._env.step(np.array(wanted).reshape(2, 1))
+        for pedestrian, position in zip(self._pedestrians, pedestrians, strict=True):
+            pedestrian.set_state([*(position or _OUTSIDE), 0.0])
+        self._env.step(np.array(target_velocity).reshape(2, 1))
         self._env.robot.trajectory.clear()  # nobody asks for it, and a world may live for long
 
     def halt(self) -> None:
@@ -77,7 +77,7 @@ def _world(scene: Scene) -> dict[str, Any]:
     """Return a scene as IR-SIM wants it."""
     width, height = scene.size
     walls = [_edge(*wall) for wall in scene.walls]
-    people = [_round(_AWAY, robot_base.PEDESTRIAN_RADIUS) for _ in scene.crossings]
+    people = [_round(_OUTSIDE, robot_base.PEDESTRIAN_RADIUS) for _ in scene.crossings]
     return {
         "world": {
             "width": width,
@@ -107,12 +107,12 @@ def _edge(x1: float, y1: float, x2: float, y2: float) -> dict[str, Any]:
     return {"shape": shape, "state": [0, 0, 0]}
 
 
-def _round(center: Place, radius: float) -> dict[str, Any]:
+def _round(center: Position, radius: float) -> dict[str, Any]:
     return {"shape": {"name": "circle", "radius": radius}, "state": [*center, 0]}
 
 
 def _obstacle(obstacle: Obstacle) -> dict[str, Any]:
-    if isinstance(obstacle, Disc):
+    if isinstance(obstacle, RoundObstacle):
         return _round(obstacle.center, obstacle.radius)
     vertices = [list(corner) for corner in obstacle.polygon]
     return {"shape": {"name": "polygon", "vertices": vertices}, "state": [0, 0, 0]}

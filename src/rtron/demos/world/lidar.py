@@ -4,7 +4,7 @@ from math import pi
 
 import numpy as np
 
-from rtron.demos.world.ray_casting import Surfaces, distances
+from rtron.demos.world.ray_casting import Surfaces, cast_rays
 from rtron.demos.world.scenes.scene import Pose
 
 RANGE_MIN, RANGE_MAX = 0.12, 3.5
@@ -15,8 +15,8 @@ INCREMENT = 2 * pi / RAYS
 _ANGLES = np.linspace(0.0, 2 * pi, RAYS, endpoint=False)
 
 
-def scan(seen: Surfaces, pose: Pose) -> bytes:
+def scan(surfaces: Surfaces, pose: Pose) -> bytes:
     """Return 360 ranges as little-endian float32, m; infinite where nothing is within reach."""
-    ranges = distances(seen, pose[:2], pose[2] + _ANGLES).min(axis=1)
-    kept = np.where(ranges > RANGE_MAX, np.inf, np.maximum(ranges, RANGE_MIN))
-    return kept.astype("<f4").tobytes()
+    ranges = cast_rays(surfaces, pose[:2], pose[2] + _ANGLES).min(axis=1)
+    clipped = np.where(ranges > RANGE_MAX, np.inf, np.maximum(ranges, RANGE_MIN))
+    return clipped.astype("<f4").tobytes()

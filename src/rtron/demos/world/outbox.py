@@ -7,11 +7,11 @@ from rtron.errors import WireError
 
 MAX_WAITING = 64
 """Frames that must arrive."""
-MAX_STALLED = 400
+MAX_REPLACED_STATES = 400
 """States that were dropped for newer ones while not a byte went out."""
 
 
-class Outbox:
+class SendQueue:
     """Frames that must arrive, in order, and the newest state, which replaces an older one."""
 
     def __init__(self) -> None:
@@ -23,16 +23,16 @@ class Outbox:
     def __bool__(self) -> bool:
         return bool(self._sending or self._waiting or self._state)
 
-    def must(self, frame: bytes) -> None:
+    def add(self, frame: bytes) -> None:
         """Send a frame whatever happens; WireError if the reader is too far behind."""
         if len(self._waiting) >= MAX_WAITING:
             raise WireError("does not read what it asked for")
         self._waiting.append(frame)
 
-    def state(self, frame: bytes) -> None:
+    def replace_state(self, frame: bytes) -> None:
         """Send a frame, unless a newer one comes first; WireError if nothing is read any more."""
         self._dropped += self._state is not None
-        if self._dropped > MAX_STALLED:
+        if self._dropped > MAX_REPLACED_STATES:
             raise WireError("reads nothing")
         self._state = frame
 

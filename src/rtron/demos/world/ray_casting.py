@@ -7,8 +7,8 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from rtron.demos.world.ground_truth import Place
-from rtron.demos.world.scenes.scene import Disc, Scene
+from rtron.demos.world.ground_truth import Position
+from rtron.demos.world.scenes.scene import RoundObstacle, Scene
 
 Floats: TypeAlias = NDArray[np.float64]
 
@@ -20,18 +20,18 @@ class Surfaces:
     edges: Floats
     discs: Floats
 
-    def with_discs(self, places: Sequence[Place], radius: float) -> "Surfaces":
+    def with_discs(self, centers: Sequence[Position], radius: float) -> "Surfaces":
         """Return these surfaces and more discs, which come last."""
-        more = np.array([(x, y, radius) for x, y in places]).reshape(-1, 3)
+        more = np.array([(x, y, radius) for x, y in centers]).reshape(-1, 3)
         return Surfaces(self.edges, np.concatenate([self.discs, more]))
 
 
-def surfaces(scene: Scene) -> Surfaces:
+def scene_surfaces(scene: Scene) -> Surfaces:
     """Return the surfaces of a scene: edges of walls, then those of blocks, and the discs."""
     edges = list(scene.walls)
     discs = []
     for obstacle in scene.obstacles:
-        if isinstance(obstacle, Disc):
+        if isinstance(obstacle, RoundObstacle):
             discs.append((*obstacle.center, obstacle.radius))
         else:
             corners = obstacle.polygon
@@ -40,14 +40,16 @@ def surfaces(scene: Scene) -> Surfaces:
     return Surfaces(np.array(edges).reshape(-1, 4), np.array(discs).reshape(-1, 3))
 
 
-def distances(seen: Surfaces, origin: Place, angles: Floats) -> Floats:
+def cast_rays(targets: Surfaces, origin: Position, angles: Floats) -> Floats:
     """Return how far it is along each angle (rays) to each edge, then to each disc (columns).
 
     Shape (rays, edges + discs); infinite where a ray does not meet a surface.
     """
     rays = np.stack([np.cos(angles), np.sin(angles)], axis=1)
     at = np.asarray(origin, dtype=np.float64)
-    return np.concatenate([_to_edges(seen.edges, at, rays), _to_discs(seen.discs, at, rays)], 1)
+    return np.concatenate(
+        [_to_edges(targets.edges, at, rays), _to_discs(targets.discs, at, rays)], 1
+    )
 
 
 def _to_edges(edges: Floats, at: Floats, rays: Floats) -> Floats:

@@ -14,7 +14,7 @@ PEDESTRIAN_RADIUS = 0.17
 Velocity = tuple[float, float]
 
 
-def clipped(velocity: Velocity) -> Velocity:
+def clip_velocity(velocity: Velocity) -> Velocity:
     """Return the velocity within what the motors can do."""
     v, w = (max(-most, min(most, x)) for x, most in zip(velocity, MAX_VELOCITY, strict=True))
     return v, w

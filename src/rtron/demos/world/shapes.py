@@ -4,20 +4,20 @@ from shapely import LineString, MultiLineString, Point, Polygon
 from shapely.geometry.base import BaseGeometry
 from shapely.ops import unary_union
 
-from rtron.demos.world.scenes.scene import Disc, Obstacle, Scene
+from rtron.demos.world.scenes.scene import Obstacle, RoundObstacle, Scene
 
 
-def shape(obstacle: Obstacle) -> BaseGeometry:
+def obstacle_shape(obstacle: Obstacle) -> BaseGeometry:
     """Return the shape of an obstacle."""
-    if isinstance(obstacle, Disc):
+    if isinstance(obstacle, RoundObstacle):
         return Point(obstacle.center).buffer(obstacle.radius, quad_segs=32)
     return Polygon(obstacle.polygon)
 
 
-def solid(scene: Scene) -> BaseGeometry:
+def solid_area(scene: Scene) -> BaseGeometry:
     """Return all that the robot must not touch and that stays where it is."""
     walls = MultiLineString([((x1, y1), (x2, y2)) for x1, y1, x2, y2 in scene.walls])
-    return unary_union([walls, *map(shape, scene.obstacles)])
+    return unary_union([walls, *map(obstacle_shape, scene.obstacles)])
 
 
 def route(scene: Scene) -> LineString:

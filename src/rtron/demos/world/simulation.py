@@ -6,17 +6,17 @@ import shapely
 from shapely import LineString, Point, Polygon
 
 from rtron.demos.world import camera, lidar, robot_base, shapes
-from rtron.demos.world.command import STILL, Command
-from rtron.demos.world.ground_truth import Place, Truth
-from rtron.demos.world.irsim_backend import Simulator
+from rtron.demos.world.command import ZERO_VELOCITY, VelocityCommand
+from rtron.demos.world.ground_truth import GroundTruth, Position
+from rtron.demos.world.irsim_backend import IrSimBackend
 from rtron.demos.world.pedestrian import Pedestrian
-from rtron.demos.world.ray_casting import surfaces
+from rtron.demos.world.ray_casting import scene_surfaces
 from rtron.demos.world.scenes.generator import make_scene
 from rtron.demos.world.scenes.scene import Scene
-from rtron.demos.world.server.requests import Reset
+from rtron.demos.world.server.requests import ResetRequest
 
 
-class World:
+class RobotSimulation:
     """Starts in run 0, in which the robot may be driven about; each reset begins the next run.
 
     From a reset to the start the robot's brake is on: what the last run's nodes still say does not
@@ -27,37 +27,37 @@ class World:
         self.run = -1
         self.steps = 0
         self._started: float | None = None
-        self._set(Reset("gr", 0))
-        self._brake = False
+        self._begin_run(ResetRequest("gr", 0))
+        self._is_braked = False
 
     @property
     def t(self) -> float:
         """Simulated s since the world began."""
         return round(self.steps * robot_base.STEP, 6)
 
-    def reset(self, order: Reset) -> None:
+    def reset(self, order: ResetRequest) -> None:
         """Begin the next run: the robot at the start of a scene, and still."""
-        self._set(order)
+        self._begin_run(order)
 
     def start(self) -> None:
         """Release the brake; the light's time begins."""
-        self._brake = False
+        self._is_braked = False
         self._started = self.t
 
-    def command(self, velocity: robot_base.Velocity, share: float) -> None:
-        """Take a velocity (m/s, rad/s) that came when `share` (0 to 1) of the step had passed."""
-        self._command.take(velocity, share)
+    def set_velocity(self, velocity: robot_base.Velocity, step_fraction: float) -> None:
+        """Take a velocity (m/s, rad/s) that came when `step_fraction` (0 to 1) of the step had passed."""
+        self._command.set_velocity(velocity, step_fraction)
 
     def step(self) -> None:
         """Go on by a step: the people, the robot, and what became of it."""
         for pedestrian in self._pedestrians:
             pedestrian.step(robot_base.STEP, self._robot)
-        wanted = self._command.mean()
-        stays = self._brake or self.collided or not self.network
-        people = [pedestrian.place for pedestrian in self._pedestrians]
-        self._simulator.step(STILL if stays else wanted, people)
+        target_velocity = self._command.end_step()
+        stays = self._is_braked or self.collided or not self.network
+        people = [pedestrian.position for pedestrian in self._pedestrians]
+        self._simulator.step(ZERO_VELOCITY if stays else target_velocity, people)
         self.steps += 1
-        self._suffer()
+        self._update_outcome()
 
     @property
     def light(self) -> str:
@@ -68,20 +68,20 @@ class World:
         return "green" if since >= self.scene.green_after else "red"
 
     @property
-    def people(self) -> tuple[Place, ...]:
+    def people(self) -> tuple[Position, ...]:
         """Where people are now."""
-        places = [pedestrian.place for pedestrian in self._pedestrians]
-        return tuple(place for place in places if place is not None)
+        positions = [pedestrian.position for pedestrian in self._pedestrians]
+        return tuple(position for position in positions if position is not None)
 
-    def truth(self) -> Truth:
+    def truth(self) -> GroundTruth:
         """Return all that is true now."""
         pose = self._simulator.pose
-        return Truth(
+        return GroundTruth(
             t=self.t,
             run=self.run,
             pose=pose,
             velocity=self._simulator.velocity,
-            commanded=self._command.held,
+            commanded=self._command.velocity,
             clearance=self._clearance(),
             collided=self.collided,
             in_area=self.in_area,
@@ -95,43 +95,43 @@ class World:
         """Return the robot's pose (m, m, rad) and velocity (m/s, rad/s)."""
         return self._simulator.pose, self._simulator.velocity
 
-    def scan(self) -> bytes:
+    def lidar_scan(self) -> bytes:
         """Return what the laser scanner measures now."""
-        seen = self._surfaces.with_discs(self.people, robot_base.PEDESTRIAN_RADIUS)
-        return lidar.scan(seen, self._simulator.pose)
+        visible = self._surfaces.with_discs(self.people, robot_base.PEDESTRIAN_RADIUS)
+        return lidar.scan(visible, self._simulator.pose)
 
-    def picture(self) -> bytes:
+    def camera_image(self) -> bytes:
         """Return what the camera sees now, rgb8."""
         lamp = (self.scene.light, self.light) if self.scene.light else None
         walls, pose = len(self.scene.walls), self._simulator.pose
-        return camera.image(self._surfaces, walls, pose, self.people, lamp).tobytes()
+        return camera.render_image(self._surfaces, walls, pose, self.people, lamp).tobytes()
 
     @property
-    def _robot(self) -> Place:
+    def _robot(self) -> Position:
         x, y, _ = self._simulator.pose
         return x, y
 
-    def _set(self, order: Reset) -> None:
+    def _begin_run(self, order: ResetRequest) -> None:
         scene = make_scene(order.case, order.seed)
-        self._place(scene)
+        self._load_scene(scene)
         self.run += 1
         self.camera_rate = order.camera_rate
         self.collided = self.in_area = False
         self.network = True
-        self._brake = True
+        self._is_braked = True
         self._started = None
 
-    def _place(self, scene: Scene) -> None:
+    def _load_scene(self, scene: Scene) -> None:
         self.scene = scene
-        self._simulator = Simulator(scene)
-        self._command = Command()
-        self._surfaces = surfaces(scene)
-        self._solid = shapes.solid(scene)
+        self._simulator = IrSimBackend(scene)
+        self._command = VelocityCommand()
+        self._surfaces = scene_surfaces(scene)
+        self._solid = shapes.solid_area(scene)
         self._area = Polygon(scene.area) if scene.area else Polygon()
-        way = LineString(scene.route)
-        self._pedestrians = [Pedestrian(each, way, scene.goal) for each in scene.crossings]
+        path = LineString(scene.route)
+        self._pedestrians = [Pedestrian(each, path, scene.goal) for each in scene.crossings]
 
-    def _suffer(self) -> None:
+    def _update_outcome(self) -> None:
         if self._simulator.collided and not self.collided:
             self.collided = True
             self._simulator.halt()
@@ -141,5 +141,7 @@ class World:
     def _clearance(self) -> float:
         """Return the free space around the robot's body, m; 0 where it touches something."""
         around = float(shapely.distance(self._solid, Point(self._robot)))
-        others = [dist(self._robot, place) - robot_base.PEDESTRIAN_RADIUS for place in self.people]
+        others = [
+            dist(self._robot, position) - robot_base.PEDESTRIAN_RADIUS for position in self.people
+        ]
         return max(0.0, min(around, *others, float("inf")) - robot_base.RADIUS)

@@ -8,12 +8,12 @@ repos" (appendix A.2). Rates and shares are in per cent, as they are printed the
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from rtron.functions.classifier.tally import Tally
+from rtron.functions.classifier.tally import ClassificationCounts
 from rtron.vocabulary import Domain, FunctionType
 
-REPOSITORIES = 941
+REPOSITORY_COUNT = 941
 
-REPOS: Mapping[FunctionType, int] = MappingProxyType(
+REPOSITORIES_BY_TYPE: Mapping[FunctionType, int] = MappingProxyType(
     {
         FunctionType.PREPROCESSING: 84,
         FunctionType.LOCALIZATION: 35,
@@ -44,31 +44,31 @@ DOMAIN_SHARES: Mapping[Domain, float] = MappingProxyType(
     }
 )
 
-DECIDED: Mapping[FunctionType, Tally] = MappingProxyType(
+CLASSIFICATION_COUNTS: Mapping[FunctionType, ClassificationCounts] = MappingProxyType(
     {
-        FunctionType.PREPROCESSING: Tally(name=18, manifest=41, readme=13, none=12),
-        FunctionType.LOCALIZATION: Tally(name=17, manifest=13, readme=3, none=2),
-        FunctionType.MAPPING: Tally(name=15, manifest=11, readme=4, none=1),
-        FunctionType.RECOGNITION: Tally(name=21, manifest=23, readme=4, none=2),
-        FunctionType.PATH_PLANNING: Tally(name=44, manifest=49, readme=5, none=5),
-        FunctionType.GOAL_PLANNER: Tally(name=5, manifest=4, readme=0, none=2),
-        FunctionType.PATH_TRACKING: Tally(name=8, manifest=37, readme=11, none=12),
-        FunctionType.TELEOPERATION: Tally(name=7, manifest=21, readme=1, none=1),
-        FunctionType.SPEECH_GENERATION: Tally(name=2, manifest=1, readme=5, none=1),
-        FunctionType.SWITCHER: Tally(name=3, manifest=2, readme=1, none=0),
-        FunctionType.MOBILE: Tally(name=2, manifest=26, readme=4, none=6),
-        FunctionType.MANIPULATOR: Tally(name=2, manifest=30, readme=2, none=3),
-        FunctionType.SPEAKER: Tally(name=0, manifest=0, readme=5, none=1),
-        FunctionType.SENSORS: Tally(name=10, manifest=77, readme=16, none=25),
-        FunctionType.VISUALIZATION: Tally(name=98, manifest=60, readme=11, none=0),
-        FunctionType.SUPPORT: Tally(name=14, manifest=45, readme=25, none=27),
-        FunctionType.EXTENSION: Tally(name=23, manifest=72, readme=18, none=106),
+        FunctionType.PREPROCESSING: ClassificationCounts(name=18, manifest=41, readme=13, none=12),
+        FunctionType.LOCALIZATION: ClassificationCounts(name=17, manifest=13, readme=3, none=2),
+        FunctionType.MAPPING: ClassificationCounts(name=15, manifest=11, readme=4, none=1),
+        FunctionType.RECOGNITION: ClassificationCounts(name=21, manifest=23, readme=4, none=2),
+        FunctionType.PATH_PLANNING: ClassificationCounts(name=44, manifest=49, readme=5, none=5),
+        FunctionType.GOAL_PLANNER: ClassificationCounts(name=5, manifest=4, readme=0, none=2),
+        FunctionType.PATH_TRACKING: ClassificationCounts(name=8, manifest=37, readme=11, none=12),
+        FunctionType.TELEOPERATION: ClassificationCounts(name=7, manifest=21, readme=1, none=1),
+        FunctionType.SPEECH_GENERATION: ClassificationCounts(name=2, manifest=1, readme=5, none=1),
+        FunctionType.SWITCHER: ClassificationCounts(name=3, manifest=2, readme=1, none=0),
+        FunctionType.MOBILE: ClassificationCounts(name=2, manifest=26, readme=4, none=6),
+        FunctionType.MANIPULATOR: ClassificationCounts(name=2, manifest=30, readme=2, none=3),
+        FunctionType.SPEAKER: ClassificationCounts(name=0, manifest=0, readme=5, none=1),
+        FunctionType.SENSORS: ClassificationCounts(name=10, manifest=77, readme=16, none=25),
+        FunctionType.VISUALIZATION: ClassificationCounts(name=98, manifest=60, readme=11, none=0),
+        FunctionType.SUPPORT: ClassificationCounts(name=14, manifest=45, readme=25, none=27),
+        FunctionType.EXTENSION: ClassificationCounts(name=23, manifest=72, readme=18, none=106),
     }
 )
-FUNCTION_NODES = Tally(name=154, manifest=335, readme=74, none=73)
+FUNCTION_NODE_COUNTS = ClassificationCounts(name=154, manifest=335, readme=74, none=73)
 """The first 14 types together, those that are not of Others."""
 
-AUTOMATION: Mapping[FunctionType, float] = MappingProxyType(
+AUTOMATION_BY_TYPE: Mapping[FunctionType, float] = MappingProxyType(
     {
         FunctionType.PREPROCESSING: 85.71,
         FunctionType.LOCALIZATION: 94.29,

@@ -4,9 +4,18 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rtron.functions.classifier.package_stack import functional, stack_scores, union
-from rtron.functions.classifier.result import Classification, DecidedBy, Evidence, Piece
-from rtron.functions.classifier.scores import Scores, scores
+from rtron.functions.classifier.package_stack import (
+    functional_packages,
+    repository_functions,
+    score_packages,
+)
+from rtron.functions.classifier.result import (
+    Classification,
+    DecisionSource,
+    InformationSource,
+    RuleEvidence,
+)
+from rtron.functions.classifier.scores import FunctionScores, score_texts
 from rtron.functions.text.descriptions import description_tokens
 from rtron.functions.text.names import name_tokens
 from rtron.functions.text.prose import readme_tokens
@@ -14,113 +23,126 @@ from rtron.functions.text.prose import readme_tokens
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
 
-    from rtron.functions.repository import Package, Repository
+    from rtron.functions.repository import SourcePackage, SourceRepository
     from rtron.vocabulary import FunctionType
 
-_LATER_SENTENCE = 0.6
-_README_START = 3
-_README_LATER = 0.15
-_MARGIN = 0.3
-_SURE = 4.3
+_LATER_SENTENCE_WEIGHT = 0.6
+_README_LEADING_SENTENCES = 3
+_README_LATER_WEIGHT = 0.15
+_LEAD_MARGIN = 0.3
+_CERTAIN_NAME_WEIGHT = 4.3
 
 
-def classify(repository: Repository) -> Classification:
+def classify(repository: SourceRepository) -> Classification:
     """Return a repository's functions; the first piece that decides ends the search for the first.
 
     A name that tells weakly is believed if the manifests do not outweigh it. A repository of
     several packages has those functions too that its packages have.
     """
     packages = {package.name: package_scores(package) for package in repository.packages}
-    weighed, leading, told_by = Scores(), None, DecidedBy.NONE
-    for piece, more in _pieces(repository, packages):
-        weighed += more()
-        leader = _decided(weighed)
-        if leader is not leading:
-            leading, told_by = leader, DecidedBy(piece)
-        if leader and (piece is not Piece.NAME or weighed.weights[leader] >= _SURE):
-            functions = union(leader, weighed, functional(packages))
-            return _classified(repository, functions, told_by, weighed, packages)
-    return _classified(repository, (), DecidedBy.NONE, weighed, packages)
+    total, previous_leader, decided_by = FunctionScores(), None, DecisionSource.NONE
+    for source, source_scores in _score_sources(repository, packages):
+        total += source_scores()
+        leader = _leading_type(total)
+        if leader is not previous_leader:
+            previous_leader, decided_by = leader, DecisionSource(source)
+        if leader and (
+            source is not InformationSource.NAME or total.weights[leader] >= _CERTAIN_NAME_WEIGHT
+        ):
+            functions = repository_functions(leader, total, functional_packages(packages))
+            return _classification(repository, functions, decided_by, total, packages)
+    return _classification(repository, (), DecisionSource.NONE, total, packages)
 
 
 def classify_name(package_name: str, description: str = "") -> tuple[FunctionType, ...]:
     """Return what a package's name and description tell, the strongest first; none if nothing."""
-    name = _name(package_name)
-    return name.ranked() or (name + _description(description)).ranked()
+    name = _name_scores(package_name)
+    return name.ranked() or (name + _description_scores(description)).ranked()
 
 
-def package_scores(package: Package) -> Scores:
+def package_scores(package: SourcePackage) -> FunctionScores:
     """Return what a package's own name and description tell."""
-    return _name(package.name, package.name) + _description(package.description, package.name)
+    return _name_scores(package.name, package.name) + _description_scores(
+        package.description, package.name
+    )
 
 
-def _pieces(
-    repository: Repository, packages: Mapping[str, Scores]
-) -> Iterator[tuple[Piece, Callable[[], Scores]]]:
-    yield Piece.NAME, lambda: _name(repository.name)
-    yield Piece.MANIFEST, lambda: _manifests(repository, packages)
-    yield Piece.README, lambda: _readme(repository.readme)
+def _score_sources(
+    repository: SourceRepository, packages: Mapping[str, FunctionScores]
+) -> Iterator[tuple[InformationSource, Callable[[], FunctionScores]]]:
+    yield InformationSource.NAME, lambda: _name_scores(repository.name)
+    yield InformationSource.MANIFEST, lambda: _manifest_scores(repository, packages)
+    yield InformationSource.README, lambda: _readme_scores(repository.readme)
 
 
-def _name(name: str, package: str = "") -> Scores:
-    return scores([(name_tokens(name), 1.0)], Piece.NAME, package)
+def _name_scores(name: str, package: str = "") -> FunctionScores:
+    return score_texts([(name_tokens(name), 1.0)], InformationSource.NAME, package)
 
 
-def _description(description: str, package: str = "") -> Scores:
+def _description_scores(description: str, package: str = "") -> FunctionScores:
     parts = enumerate(description_tokens(description))
-    texts = ((tokens, _LATER_SENTENCE if at else 1.0) for at, tokens in parts)
-    return scores(texts, Piece.MANIFEST, package)
+    texts = ((tokens, _LATER_SENTENCE_WEIGHT if at else 1.0) for at, tokens in parts)
+    return score_texts(texts, InformationSource.MANIFEST, package)
 
 
-def _manifests(repository: Repository, packages: Mapping[str, Scores]) -> Scores:
-    own = [p for p in repository.packages if p.name == repository.name]
-    told = Scores()
-    for package in own:
-        told += _description(package.description, package.name)
-    others = {name: found for name, found in packages.items() if name != repository.name}
-    return told + stack_scores(functional(others).values())
+def _manifest_scores(
+    repository: SourceRepository, packages: Mapping[str, FunctionScores]
+) -> FunctionScores:
+    root_packages = [p for p in repository.packages if p.name == repository.name]
+    scores = FunctionScores()
+    for package in root_packages:
+        scores += _description_scores(package.description, package.name)
+    others = {
+        name: package_score for name, package_score in packages.items() if name != repository.name
+    }
+    return scores + score_packages(functional_packages(others).values())
 
 
-def _readme(readme: str) -> Scores:
+def _readme_scores(readme: str) -> FunctionScores:
     parts = enumerate(readme_tokens(readme))
-    texts = ((tokens, 1.0 if at < _README_START else _README_LATER) for at, tokens in parts)
-    return scores(texts, Piece.README)
+    texts = (
+        (tokens, 1.0 if at < _README_LEADING_SENTENCES else _README_LATER_WEIGHT)
+        for at, tokens in parts
+    )
+    return score_texts(texts, InformationSource.README)
 
 
-def _decided(weighed: Scores) -> FunctionType | None:
-    ranked = weighed.ranked()
+def _leading_type(scores: FunctionScores) -> FunctionType | None:
+    ranked = scores.ranked()
     if not ranked:
         return None
-    second = max((w for type, w in weighed.weights.items() if type is not ranked[0]), default=0.0)
-    return ranked[0] if weighed.weights[ranked[0]] - second >= _MARGIN else None
+    second = max((w for type, w in scores.weights.items() if type is not ranked[0]), default=0.0)
+    return ranked[0] if scores.weights[ranked[0]] - second >= _LEAD_MARGIN else None
 
 
-def _classified(
-    repository: Repository,
+def _classification(
+    repository: SourceRepository,
     functions: tuple[FunctionType, ...],
-    decided_by: DecidedBy,
-    weighed: Scores,
-    packages: Mapping[str, Scores],
+    decided_by: DecisionSource,
+    scores: FunctionScores,
+    packages: Mapping[str, FunctionScores],
 ) -> Classification:
     return Classification(
         repo=repository.name,
         functions=functions,
         primary=functions[0] if functions else None,
         decided_by=decided_by,
-        evidence=tuple(_evidence(functions, weighed, packages)),
-        packages={name: found.ranked() for name, found in packages.items()},
+        evidence=tuple(_evidence(functions, scores, packages)),
+        packages={name: package_score.ranked() for name, package_score in packages.items()},
     )
 
 
 def _evidence(
-    functions: tuple[FunctionType, ...], weighed: Scores, packages: Mapping[str, Scores]
-) -> Iterator[Evidence]:
+    functions: tuple[FunctionType, ...],
+    scores: FunctionScores,
+    packages: Mapping[str, FunctionScores],
+) -> Iterator[RuleEvidence]:
     """Yield what tells the functions, of a repository that has none whatever speaks of any.
 
     Packages are asked for the functions that nothing else tells.
     """
-    yield from (each for each in weighed.evidence if each.type in functions or not functions)
-    told = {each.type for each in weighed.evidence}
-    for found in packages.values():
-        missing = (each for each in found.evidence if each.type not in told)
+    yield from (each for each in scores.evidence if each.type in functions or not functions)
+    known_types = {each.type for each in scores.evidence}
+    for package_score in packages.values():
+        missing = (each for each in package_score.evidence if each.type not in known_types)
         yield from (each for each in missing if each.type in functions)

@@ -3,10 +3,10 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from rtron.vocabulary import FunctionType, Word
+from rtron.vocabulary import FunctionType, StringEnum
 
 
-class Piece(Word):
+class InformationSource(StringEnum):
     """A piece of key information (paper A.1), in the order in which they are asked."""
 
     NAME = "name"
@@ -14,7 +14,7 @@ class Piece(Word):
     README = "readme"
 
 
-class DecidedBy(Word):
+class DecisionSource(StringEnum):
     """The piece that decided, or none: nothing told."""
 
     NAME = "name"
@@ -24,13 +24,13 @@ class DecidedBy(Word):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Evidence:
+class RuleEvidence:
     """A rule that matched: in which piece, on which words, for which type.
 
     `package` is the package whose name or description it is, "" where it is the repository's own.
     """
 
-    piece: Piece
+    source: InformationSource
     text: str
     rule: str
     type: FunctionType
@@ -47,6 +47,6 @@ class Classification:
     repo: str
     functions: tuple[FunctionType, ...] = ()
     primary: FunctionType | None = None
-    decided_by: DecidedBy = DecidedBy.NONE
-    evidence: tuple[Evidence, ...] = ()
+    decided_by: DecisionSource = DecisionSource.NONE
+    evidence: tuple[RuleEvidence, ...] = ()
     packages: Mapping[str, tuple[FunctionType, ...]] = field(default_factory=dict)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from rtron.functions.classifier.result import Piece
-from rtron.functions.rules.loader import rule_index
+from rtron.functions.classifier.result import InformationSource
+from rtron.functions.rules.loader import load_rule_index
 from rtron.functions.text.descriptions import description_tokens
 from rtron.functions.text.names import name_tokens
 from rtron.functions.text.prose import readme_tokens
@@ -14,57 +14,59 @@ from rtron.functions.text.prose import readme_tokens
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from rtron.functions.repository import Package, Repository
+    from rtron.functions.repository import SourcePackage, SourceRepository
     from rtron.functions.text.tokens import Tokens
     from rtron.vocabulary import FunctionType
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Matched:
+class RuleMatch:
     """A rule that matches on some words of a piece; one that is vetoed does not count.
 
     `package` is the package whose name or description it is, "" where it is the repository's own.
     """
 
     package: str
-    piece: Piece
+    source: InformationSource
     text: str
     rule: str
     type: FunctionType
     weight: float
-    vetoed: bool
+    is_vetoed: bool
 
 
-def trace(repository: Repository) -> tuple[Matched, ...]:
+def trace_rules(repository: SourceRepository) -> tuple[RuleMatch, ...]:
     """Return what matches in a repository: its name, its packages' texts, its README.
 
     A rule that matches a piece several times is listed once for each text that it matches on.
     """
-    found = [*_in(name_tokens(repository.name), Piece.NAME)]
+    matches = [*_matches_in(name_tokens(repository.name), InformationSource.NAME)]
     for package in repository.packages:
-        found += _in_package(package)
+        matches += _matches_in_package(package)
     for tokens in readme_tokens(repository.readme):
-        found += _in(tokens, Piece.README)
-    return tuple(dict.fromkeys(found))
+        matches += _matches_in(tokens, InformationSource.README)
+    return tuple(dict.fromkeys(matches))
 
 
-def _in_package(package: Package) -> Iterator[Matched]:
-    yield from _in(name_tokens(package.name), Piece.NAME, package.name)
+def _matches_in_package(package: SourcePackage) -> Iterator[RuleMatch]:
+    yield from _matches_in(name_tokens(package.name), InformationSource.NAME, package.name)
     for tokens in description_tokens(package.description):
-        yield from _in(tokens, Piece.MANIFEST, package.name)
+        yield from _matches_in(tokens, InformationSource.MANIFEST, package.name)
 
 
-def _in(tokens: Tokens, piece: Piece, package: str = "") -> Iterable[Matched]:
+def _matches_in(
+    tokens: Tokens, source: InformationSource, package: str = ""
+) -> Iterable[RuleMatch]:
     return (
-        Matched(
+        RuleMatch(
             package=package,
-            piece=piece,
+            source=source,
             text=" ".join(tokens.words[match.start : match.end]),
-            rule=match.of.id,
-            type=match.of.type,
-            weight=match.of.weight,
-            vetoed=match.of.vetoed(tokens),
+            rule=match.value.id,
+            type=match.value.type,
+            weight=match.value.weight,
+            is_vetoed=match.value.is_vetoed(tokens),
         )
-        for match in rule_index().find(tokens)
-        if piece in match.of.pieces
+        for match in load_rule_index().find(tokens)
+        if source in match.value.sources
     )

@@ -6,63 +6,67 @@ from collections import defaultdict
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from rtron.functions.classifier.result import Evidence
-from rtron.functions.rules.loader import rule_index
+from rtron.functions.classifier.result import RuleEvidence
+from rtron.functions.rules.loader import load_rule_index
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from rtron.functions.classifier.result import Piece
-    from rtron.functions.patterns.index import Match
-    from rtron.functions.rules.rule import Rule
+    from rtron.functions.classifier.result import InformationSource
+    from rtron.functions.patterns.index import PatternMatch
+    from rtron.functions.rules.rule import FunctionRule
     from rtron.functions.text.tokens import Tokens
     from rtron.vocabulary import FunctionType
 
-ENOUGH = 3.0
+MIN_WEIGHT = 3.0
 
 
 @dataclass(frozen=True, slots=True)
-class Scores:
+class FunctionScores:
     """The weight found for each type, and what was found."""
 
     weights: dict[FunctionType, float] = field(default_factory=dict)
-    evidence: tuple[Evidence, ...] = ()
+    evidence: tuple[RuleEvidence, ...] = ()
 
-    def ranked(self, enough: float = ENOUGH) -> tuple[FunctionType, ...]:
+    def ranked(self, min_weight: float = MIN_WEIGHT) -> tuple[FunctionType, ...]:
         """Return the types told strongly enough, the strongest first."""
-        told = [type for type, weight in self.weights.items() if weight >= enough]
-        return tuple(sorted(told, key=lambda told: -self.weights[told]))
+        types = [type for type, weight in self.weights.items() if weight >= min_weight]
+        return tuple(sorted(types, key=lambda types: -self.weights[types]))
 
-    def __add__(self, other: Scores) -> Scores:
+    def __add__(self, other: FunctionScores) -> FunctionScores:
         weights = dict(self.weights)
         for type, weight in other.weights.items():
             weights[type] = weights.get(type, 0.0) + weight
-        return Scores(weights, self.evidence + other.evidence)
+        return FunctionScores(weights, self.evidence + other.evidence)
 
 
-def scores(texts: Iterable[tuple[Tokens, float]], piece: Piece, package: str = "") -> Scores:
+def score_texts(
+    texts: Iterable[tuple[Tokens, float]], source: InformationSource, package: str = ""
+) -> FunctionScores:
     """Return what the rules find in texts, each of which counts so much; a rule counts once."""
-    found: dict[str, Evidence] = {}
+    evidence: dict[str, RuleEvidence] = {}
     weights: dict[FunctionType, float] = defaultdict(float)
     for tokens, factor in texts:
-        for match in _matches(tokens, piece):
-            rule = match.of
-            if rule.id not in found:
+        for match in _unvetoed_matches(tokens, source):
+            rule = match.value
+            if rule.id not in evidence:
                 words = " ".join(tokens.words[match.start : match.end])
-                found[rule.id] = Evidence(
-                    piece=piece, text=words, rule=rule.id, type=rule.type, package=package
+                evidence[rule.id] = RuleEvidence(
+                    source=source, text=words, rule=rule.id, type=rule.type, package=package
                 )
                 weights[rule.type] += rule.weight * factor
-    return Scores(dict(weights), tuple(found.values()))
+    return FunctionScores(dict(weights), tuple(evidence.values()))
 
 
-def _matches(tokens: Tokens, piece: Piece) -> Iterator[Match[Rule]]:
+def _unvetoed_matches(
+    tokens: Tokens, source: InformationSource
+) -> Iterator[PatternMatch[FunctionRule]]:
     vetoed: dict[str, bool] = {}
-    for match in rule_index().find(tokens):
-        rule = match.of
-        if piece not in rule.pieces:
+    for match in load_rule_index().find(tokens):
+        rule = match.value
+        if source not in rule.sources:
             continue
         if rule.id not in vetoed:
-            vetoed[rule.id] = rule.vetoed(tokens)
+            vetoed[rule.id] = rule.is_vetoed(tokens)
         if not vetoed[rule.id]:
             yield match

@@ -9,61 +9,72 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
-from rtron.functions.classifier.result import Classification, DecidedBy, Evidence, Piece
-from rtron.functions.classifier.tally import Tally
-from rtron.functions.domains import DOMAIN_OF
+from rtron.functions.classifier.result import (
+    Classification,
+    DecisionSource,
+    InformationSource,
+    RuleEvidence,
+)
+from rtron.functions.classifier.tally import ClassificationCounts
+from rtron.functions.domains import DOMAIN_BY_TYPE
 from rtron.vocabulary import Domain, FunctionType
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Tables:
+class PaperTables:
     """How many repositories there are, how many are decided, and the tally of every type."""
 
     repositories: int
     decided: int
-    types: Mapping[FunctionType, Tally]
+    types: Mapping[FunctionType, ClassificationCounts]
 
 
-def count(classifications: Iterable[Classification]) -> Tables:
+def build_tables(classifications: Iterable[Classification]) -> PaperTables:
     """Return the tables of some classifications."""
-    found = list(classifications)
-    counts = Counter(pair for each in found for pair in _counted(each))
+    all_classifications = list(classifications)
+    counts = Counter(pair for each in all_classifications for pair in _counted_types(each))
     types = {
-        type: Tally(**{str(by): counts[type, by] for by in DecidedBy}) for type in FunctionType
+        type: ClassificationCounts(**{str(by): counts[type, by] for by in DecisionSource})
+        for type in FunctionType
     }
-    decided = sum(each.decided_by is not DecidedBy.NONE for each in found)
-    return Tables(repositories=len(found), decided=decided, types=types)
+    decided = sum(each.decided_by is not DecisionSource.NONE for each in all_classifications)
+    return PaperTables(repositories=len(all_classifications), decided=decided, types=types)
 
 
-def sum_of(types: Mapping[FunctionType, Tally], domains: Iterable[Domain]) -> Tally:
+def sum_domains(
+    types: Mapping[FunctionType, ClassificationCounts], domains: Iterable[Domain]
+) -> ClassificationCounts:
     """Return the tallies of some domains' types together."""
-    wanted = set(domains)
-    return sum((types[type] for type in types if DOMAIN_OF[type] in wanted), Tally())
+    domain_set = set(domains)
+    return sum(
+        (types[type] for type in types if DOMAIN_BY_TYPE[type] in domain_set),
+        ClassificationCounts(),
+    )
 
 
-def function_nodes(types: Mapping[FunctionType, Tally]) -> Tally:
+def sum_function_nodes(types: Mapping[FunctionType, ClassificationCounts]) -> ClassificationCounts:
     """Return the tally of the types that are nodes of an interaction graph: all but Others."""
-    return sum_of(types, set(Domain) - {Domain.OTHERS})
+    return sum_domains(types, set(Domain) - {Domain.OTHERS})
 
 
-def _counted(classification: Classification) -> Iterator[tuple[FunctionType, DecidedBy]]:
+def _counted_types(classification: Classification) -> Iterator[tuple[FunctionType, DecisionSource]]:
     if not classification.functions:
-        yield FunctionType.EXTENSION, DecidedBy.NONE
+        yield FunctionType.EXTENSION, DecisionSource.NONE
     for type in classification.functions:
-        yield type, _decided(classification, type)
+        yield type, _decision_source(classification, type)
 
 
-def _decided(classification: Classification, type: FunctionType) -> DecidedBy:
+def _decision_source(classification: Classification, type: FunctionType) -> DecisionSource:
     """Return what decided a repository's type: of one that is not the primary, what told it first.
 
     A package's name stands in its manifest: only that of the repository counts as a name.
     """
     if type is classification.primary:
         return classification.decided_by
-    pieces = {_piece(each) for each in classification.evidence if each.type is type}
-    return next((by for by in DecidedBy if str(by) in pieces), classification.decided_by)
+    pieces = {_effective_source(each) for each in classification.evidence if each.type is type}
+    return next((by for by in DecisionSource if str(by) in pieces), classification.decided_by)
 
 
-def _piece(evidence: Evidence) -> Piece:
-    named = evidence.piece is Piece.NAME and evidence.package
-    return Piece.MANIFEST if named else evidence.piece
+def _effective_source(evidence: RuleEvidence) -> InformationSource:
+    named = evidence.source is InformationSource.NAME and evidence.package
+    return InformationSource.MANIFEST if named else evidence.source

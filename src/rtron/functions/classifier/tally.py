@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Tally:
+class ClassificationCounts:
     """Numbers of repositories by what decided their type; `none`: a person must."""
 
     name: int = 0
@@ -29,8 +29,8 @@ class Tally:
         """The share that a rule decided, from 0 to 1; None of none at all."""
         return self.decided / self.total if self.total else None
 
-    def __add__(self, other: Tally) -> Tally:
-        return Tally(
+    def __add__(self, other: ClassificationCounts) -> ClassificationCounts:
+        return ClassificationCounts(
             name=self.name + other.name,
             manifest=self.manifest + other.manifest,
             readme=self.readme + other.readme,

@@ -10,31 +10,31 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from rtron.functions.domains import DOMAIN_OF
+from rtron.functions.domains import DOMAIN_BY_TYPE
 from rtron.functions.interactions.subfunctions import subfunction_of
 from rtron.functions.interactions.typical_messages import (
     SENSORS,
-    Traffic,
-    effects,
-    flows,
+    TypicalTraffic,
+    environment_effects,
     function_of,
     is_generic,
+    is_informative,
     is_ros2,
+    is_typical_flow,
     ros2_types,
-    says_something,
-    typical,
+    typical_traffic,
 )
 from rtron.vocabulary import (
     Domain,
     FunctionType,
     RecognitionSubfunction,
-    Unresolved,
-    Word,
+    StringEnum,
+    UnresolvedItem,
     normalise_type,
 )
 
 FUNCTIONS_SCHEMA = "rtron.functions/1"
-_NOTHING = Traffic()
+_NO_TRAFFIC = TypicalTraffic()
 _ORDER = [
     *FunctionType,
     *RecognitionSubfunction,
@@ -42,11 +42,11 @@ _ORDER = [
 _PREPROCESSING = FunctionType.PREPROCESSING.value
 
 
-class Basis(Word):
+class Basis(StringEnum):
     """How it is known that two functions exchange a type.
 
     `source`: packages on both sides do, in their source. `manifest`: it is typical of both, and
-    packages on both sides depend on the type's package or have it in their source. `typical`: it
+    packages on both sides depend on the type's package or have it in their source. `typical_traffic`: it
     is typical of both, and nothing was read.
     """
 
@@ -56,7 +56,7 @@ class Basis(Word):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PackageUse:
+class PackageMessages:
     """A package, its functions, and which messages it is known to use.
 
     `publishes` and `subscribes` are message types found in its source; `depends` are the packages
@@ -82,7 +82,7 @@ class FunctionNode:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Exchanged:
+class ExchangedMessage:
     """A message type, and how many packages are known to publish and to subscribe it.
 
     `publishers` and `subscribers` have it in their source. `from_depends` and `to_depends` are the
@@ -114,7 +114,7 @@ class DirectInteraction:
 
     source: str
     target: str
-    messages: tuple[Exchanged, ...]
+    messages: tuple[ExchangedMessage, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -141,16 +141,16 @@ class AbstractGraph:
     packages: int = 0
     outside: int = 0
     repeated: int = 0
-    unresolved: tuple[Unresolved, ...] = ()
+    unresolved: tuple[UnresolvedItem, ...] = ()
 
-    def known(self) -> Mapping[Basis, int]:
+    def count_by_basis(self) -> Mapping[Basis, int]:
         """Return how many types of all edges are known in which way."""
-        found = Counter(message.basis for edge in self.direct for message in edge.messages)
-        return {basis: found[basis] for basis in Basis}
+        counts = Counter(message.basis for edge in self.direct for message in edge.messages)
+        return {basis: counts[basis] for basis in Basis}
 
 
 @dataclass(slots=True)
-class _Use:
+class _FunctionUse:
     """What the packages of one function use, as numbers of packages."""
 
     packages: int = 0
@@ -159,125 +159,135 @@ class _Use:
     depends: Counter[str] = field(default_factory=Counter)
 
 
-def abstract_graph(packages: Iterable[PackageUse]) -> AbstractGraph:
+def abstract_graph(packages: Iterable[PackageMessages]) -> AbstractGraph:
     """Return the interaction graph of the functions that packages have."""
-    given = tuple(packages)
-    uses = _uses(given)
+    all_packages = tuple(packages)
+    uses = _uses_by_function(all_packages)
     return AbstractGraph(
         functions=tuple(_node(name, uses[name].packages) for name in uses),
-        direct=tuple(_direct(uses, frozenset() if _has_ros2(given) else ros2_types())),
+        direct=tuple(_direct(uses, frozenset() if _has_ros2(all_packages) else ros2_types())),
         indirect=tuple(_indirect(uses)),
-        packages=len(given),
-        outside=sum(not any(map(_has_place, package.functions)) for package in given),
+        packages=len(all_packages),
+        outside=sum(not any(map(_is_in_graph, package.functions)) for package in all_packages),
     )
 
 
-def _has_ros2(packages: Iterable[PackageUse]) -> bool:
+def _has_ros2(packages: Iterable[PackageMessages]) -> bool:
     """Tell whether a package is one of ROS 2's own, or depends on one."""
     return any(is_ros2(name) for each in packages for name in (each.name, *each.depends))
 
 
-def _has_place(function: FunctionType) -> bool:
-    return DOMAIN_OF[function] is not Domain.OTHERS
+def _is_in_graph(function: FunctionType) -> bool:
+    return DOMAIN_BY_TYPE[function] is not Domain.OTHERS
 
 
 def _node(name: str, packages: int) -> FunctionNode:
     function = function_of(name)
-    return FunctionNode(name=name, function=function, domain=DOMAIN_OF[function], packages=packages)
+    return FunctionNode(
+        name=name, function=function, domain=DOMAIN_BY_TYPE[function], packages=packages
+    )
 
 
-def _uses(packages: Iterable[PackageUse]) -> Mapping[str, _Use]:
+def _uses_by_function(packages: Iterable[PackageMessages]) -> Mapping[str, _FunctionUse]:
     """Return what each function uses, in the order of the vocabulary."""
-    found: dict[str, _Use] = {}
+    uses: dict[str, _FunctionUse] = {}
     for package in packages:
-        names = _names(package)
+        names = _function_names(package)
         for name in names:
-            _count(found.setdefault(name, _Use()), name, names, package)
-    return {name.value: found[name.value] for name in _ORDER if name.value in found}
+            _count_package(uses.setdefault(name, _FunctionUse()), name, names, package)
+    return {name.value: uses[name.value] for name in _ORDER if name.value in uses}
 
 
-def _names(package: PackageUse) -> tuple[str, ...]:
+def _function_names(package: PackageMessages) -> tuple[str, ...]:
     """Return the package's functions that have a place, Recognition as its subfunction."""
-    heard = frozenset(map(normalise_type, package.subscribes))
-    told = subfunction_of(package.name, package.description, heard)
+    subscribed = frozenset(map(normalise_type, package.subscribes))
+    subfunction = subfunction_of(package.name, package.description, subscribed)
     names = (
-        told.value if told and function is FunctionType.RECOGNITION else function.value
+        subfunction.value
+        if subfunction and function is FunctionType.RECOGNITION
+        else function.value
         for function in package.functions
-        if _has_place(function)
+        if _is_in_graph(function)
     )
     return tuple(dict.fromkeys(names))
 
 
-def _count(use: _Use, name: str, names: Sequence[str], package: PackageUse) -> None:
+def _count_package(
+    use: _FunctionUse, name: str, names: Sequence[str], package: PackageMessages
+) -> None:
     use.packages += 1
-    table = {each: typical().get(each, _NOTHING) for each in names}
-    sent = {each: known.publishes for each, known in table.items()}
-    heard = {each: known.subscribes for each, known in table.items()}
-    use.publishes.update(_of_function(name, package.publishes, sent))
-    use.subscribes.update(_of_function(name, package.subscribes, heard))
+    table = {each: typical_traffic().get(each, _NO_TRAFFIC) for each in names}
+    published = {each: traffic.publishes for each, traffic in table.items()}
+    subscribed = {each: traffic.subscribes for each, traffic in table.items()}
+    use.publishes.update(_types_of_function(name, package.publishes, published))
+    use.subscribes.update(_types_of_function(name, package.subscribes, subscribed))
     use.depends.update(package.depends)
 
 
-def _of_function(
-    name: str, types: Iterable[str], known: Mapping[str, frozenset[str]]
+def _types_of_function(
+    name: str, types: Iterable[str], types_by_function: Mapping[str, frozenset[str]]
 ) -> Iterator[str]:
     """Yield the types of a package that are one function's: where several, the typical one's.
 
     What is typical of none of them is the first one's.
     """
-    first = next(iter(known))
+    first = next(iter(types_by_function))
     for type in sorted(set(map(normalise_type, types))):
-        owners = [each for each, its in known.items() if type in its] or [first]
-        if name in owners and says_something(type):
+        owners = [
+            each for each, types_of_each in types_by_function.items() if type in types_of_each
+        ] or [first]
+        if name in owners and is_informative(type):
             yield type
 
 
-def _direct(uses: Mapping[str, _Use], absent: frozenset[str]) -> Iterator[DirectInteraction]:
+def _direct(
+    uses: Mapping[str, _FunctionUse], absent: frozenset[str]
+) -> Iterator[DirectInteraction]:
     """Yield who publishes what whom subscribes; `absent` types count only where they are read."""
     for source in uses:
         for target in uses:
-            messages = tuple(_exchanged(source, target, uses, absent))
+            messages = tuple(_exchanged_messages(source, target, uses, absent))
             if messages:
-                ranked = sorted(messages, key=_best_first)
+                ranked = sorted(messages, key=_rank)
                 yield DirectInteraction(source=source, target=target, messages=tuple(ranked))
 
 
-def _exchanged(
-    source: str, target: str, uses: Mapping[str, _Use], absent: frozenset[str]
-) -> Iterator[Exchanged]:
+def _exchanged_messages(
+    source: str, target: str, uses: Mapping[str, _FunctionUse], absent: frozenset[str]
+) -> Iterator[ExchangedMessage]:
     if source == target:
         return
     published, subscribed = uses[source].publishes, uses[target].subscribes
-    usual = typical_types(source, target) - absent
-    for type in sorted(usual | _read_types(published, subscribed)):
-        if _handed_on(type, source, target, uses):
+    typical = typical_types(source, target) - absent
+    for type in sorted(typical | _common_types(published, subscribed)):
+        if _is_preprocessed(type, source, target, uses):
             continue
-        if type in usual or not is_generic(type):
-            yield _counted(type, uses[source], uses[target])
+        if type in typical or not is_generic(type):
+            yield _message_counts(type, uses[source], uses[target])
 
 
 def typical_types(source: str, target: str) -> frozenset[str]:
     """Return the types that typically flow from one function to another."""
-    if not flows(source, target):
+    if not is_typical_flow(source, target):
         return frozenset()
-    table = typical()
-    return table.get(source, _NOTHING).publishes & table.get(target, _NOTHING).subscribes
+    table = typical_traffic()
+    return table.get(source, _NO_TRAFFIC).publishes & table.get(target, _NO_TRAFFIC).subscribes
 
 
-def _read_types(published: Mapping[str, int], subscribed: Mapping[str, int]) -> frozenset[str]:
+def _common_types(published: Mapping[str, int], subscribed: Mapping[str, int]) -> frozenset[str]:
     return frozenset(published) & frozenset(subscribed)
 
 
-def _handed_on(type: str, source: str, target: str, uses: Mapping[str, _Use]) -> bool:
+def _is_preprocessed(type: str, source: str, target: str, uses: Mapping[str, _FunctionUse]) -> bool:
     """Tell whether raw data reach the target through Preprocessing (paper 3.1)."""
     if source != SENSORS or target == _PREPROCESSING or _PREPROCESSING not in uses:
         return False
-    return type in typical()[_PREPROCESSING].publishes
+    return type in typical_traffic()[_PREPROCESSING].publishes
 
 
-def _counted(type: str, source: _Use, target: _Use) -> Exchanged:
+def _message_counts(type: str, source: _FunctionUse, target: _FunctionUse) -> ExchangedMessage:
     package = type.partition("/")[0]
-    return Exchanged(
+    return ExchangedMessage(
         type=type,
         publishers=source.publishes[type],
         subscribers=target.subscribes[type],
@@ -286,13 +296,13 @@ def _counted(type: str, source: _Use, target: _Use) -> Exchanged:
     )
 
 
-def _best_first(message: Exchanged) -> tuple[int, int, str]:
+def _rank(message: ExchangedMessage) -> tuple[int, int, str]:
     return list(Basis).index(message.basis), -min(message.sides), message.type
 
 
-def _indirect(uses: Mapping[str, _Use]) -> Iterator[IndirectInteraction]:
-    for effect in effects():
-        for source in effect.acting:
-            for target in effect.reached:
+def _indirect(uses: Mapping[str, _FunctionUse]) -> Iterator[IndirectInteraction]:
+    for effect in environment_effects():
+        for source in effect.sources:
+            for target in effect.targets:
                 if source in uses and target in uses:
                     yield IndirectInteraction(source=source, target=target, through=effect.through)

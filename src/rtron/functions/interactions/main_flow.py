@@ -14,29 +14,29 @@ from rtron.functions.interactions.abstract_graph import (
     AbstractGraph,
     Basis,
     DirectInteraction,
-    Exchanged,
+    ExchangedMessage,
     typical_types,
 )
 
-SHARE = 1 / 3
-PACKAGES_A_COUNT = 200
+MIN_SHARE = 1 / 3
+PACKAGES_PER_MINIMUM = 200
 """In so many packages, one on either side is enough; in twice as many, two."""
 _Counts = Mapping[str, Mapping[str, int]]
 
 
 def main_flow(graph: AbstractGraph) -> AbstractGraph:
     """Return the graph with what is typical, and what many of its packages do."""
-    publishers, subscribers = _totals(graph, "source"), _totals(graph, "target")
-    least = max(1, ceil(graph.packages / PACKAGES_A_COUNT))
+    publishers, subscribers = _package_counts(graph, "source"), _package_counts(graph, "target")
+    min_packages = max(1, ceil(graph.packages / PACKAGES_PER_MINIMUM))
 
-    def is_main(edge: DirectInteraction, message: Exchanged) -> bool:
+    def is_main(edge: DirectInteraction, message: ExchangedMessage) -> bool:
         if message.type in typical_types(edge.source, edge.target):
             return True
-        sent, heard = publishers[message.type], subscribers[message.type]
-        few = min(message.publishers, message.subscribers) < least
-        return not few and (
-            message.publishers >= SHARE * sum(sent.values())
-            and message.subscribers >= SHARE * sum(heard.values())
+        publisher_counts, subscriber_counts = publishers[message.type], subscribers[message.type]
+        is_rare = min(message.publishers, message.subscribers) < min_packages
+        return not is_rare and (
+            message.publishers >= MIN_SHARE * sum(publisher_counts.values())
+            and message.subscribers >= MIN_SHARE * sum(subscriber_counts.values())
         )
 
     edges = (
@@ -45,12 +45,12 @@ def main_flow(graph: AbstractGraph) -> AbstractGraph:
     return replace(graph, direct=tuple(edge for edge in edges if edge.messages))
 
 
-def _totals(graph: AbstractGraph, side: str) -> _Counts:
+def _package_counts(graph: AbstractGraph, side: str) -> _Counts:
     """Return how many packages of each function have a type on one side, as read in source."""
-    found: dict[str, dict[str, int]] = defaultdict(dict)
+    counts: dict[str, dict[str, int]] = defaultdict(dict)
     for edge in graph.direct:
         for message in edge.messages:
             if message.basis is Basis.SOURCE:
                 number = message.publishers if side == "source" else message.subscribers
-                found[message.type][edge.source if side == "source" else edge.target] = number
-    return found
+                counts[message.type][edge.source if side == "source" else edge.target] = number
+    return counts

@@ -5,15 +5,15 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
-from rtron.functions.domains import DOMAIN_OF
-from rtron.functions.package_data import shipped
+from rtron.functions.domains import DOMAIN_BY_TYPE
+from rtron.functions.package_data import load_package_yaml
 from rtron.vocabulary import Domain, FunctionType, RecognitionSubfunction
 
 SENSORS = FunctionType.SENSORS.value
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Traffic:
+class TypicalTraffic:
     """The message types that a function typically publishes and subscribes, in ROS 1 spelling."""
 
     publishes: frozenset[str] = frozenset()
@@ -22,25 +22,27 @@ class Traffic:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Effect:
-    """What `acting` functions change around the robot, and whom that reaches."""
+class EnvironmentEffect:
+    """What `sources` functions change around the robot, and whom that reaches."""
 
     through: str
-    acting: tuple[str, ...]
-    reached: tuple[str, ...]
+    sources: tuple[str, ...]
+    targets: tuple[str, ...]
 
 
 @cache
-def typical() -> Mapping[str, Traffic]:
+def typical_traffic() -> Mapping[str, TypicalTraffic]:
     """Return the typical traffic by function type, and by subfunction of Recognition."""
-    return {name: _traffic(entry) for name, entry in _data()["functions"].items()}
+    return {name: _parse_traffic(entry) for name, entry in _data()["functions"].items()}
 
 
 @cache
-def effects() -> tuple[Effect, ...]:
+def environment_effects() -> tuple[EnvironmentEffect, ...]:
     """Return what acts on the environment, and whom the change reaches."""
     return tuple(
-        Effect(through=each["through"], acting=tuple(each["from"]), reached=tuple(each["to"]))
+        EnvironmentEffect(
+            through=each["through"], sources=tuple(each["from"]), targets=tuple(each["to"])
+        )
         for each in _data()["indirect"]
     )
 
@@ -52,12 +54,12 @@ def function_of(name: str) -> FunctionType:
     return FunctionType(name)
 
 
-def flows(source: str, target: str) -> bool:
+def is_typical_flow(source: str, target: str) -> bool:
     """Tell whether what is typical flows from one function to the other (paper 2.1)."""
     return _stage(target) in _workflow()[_stage(source)]
 
 
-def says_something(type: str) -> bool:
+def is_informative(type: str) -> bool:
     """Tell whether messages of a type say anything about a state of the robot."""
     return bool(type) and _package(type) not in _packages("ignored_packages")
 
@@ -75,12 +77,14 @@ def is_ros2(package: str) -> bool:
 @cache
 def ros2_types() -> frozenset[str]:
     """Return the typical types that only ROS 2 has: actions as one type."""
-    every = (type for each in typical().values() for type in each.publishes | each.subscribes)
+    every = (
+        type for each in typical_traffic().values() for type in each.publishes | each.subscribes
+    )
     return frozenset(type for type in every if "/action/" in type)
 
 
-def _traffic(entry: Mapping[str, Any]) -> Traffic:
-    return Traffic(
+def _parse_traffic(entry: Mapping[str, Any]) -> TypicalTraffic:
+    return TypicalTraffic(
         publishes=frozenset(entry.get("publishes", ())),
         subscribes=frozenset(entry.get("subscribes", ())),
         source=entry["source"],
@@ -89,7 +93,7 @@ def _traffic(entry: Mapping[str, Any]) -> Traffic:
 
 def _stage(name: str) -> str:
     """Return the stage of the workflow; sensors stand before it, apart from the other drivers."""
-    domain: Domain = DOMAIN_OF[function_of(name)]
+    domain: Domain = DOMAIN_BY_TYPE[function_of(name)]
     return SENSORS if name == SENSORS else domain.value
 
 
@@ -108,7 +112,7 @@ def _package(type: str) -> str:
 
 
 def _data() -> Mapping[str, Any]:
-    data: Mapping[str, Any] = shipped("rtron.functions.interactions", "interactions.yaml")
+    data: Mapping[str, Any] = load_package_yaml("rtron.functions.interactions", "interactions.yaml")
     return data
 
 

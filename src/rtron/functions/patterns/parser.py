@@ -18,126 +18,126 @@ from typing import TYPE_CHECKING
 
 from rtron.errors import InputError
 from rtron.functions.patterns.syntax_tree import (
-    Edge,
-    Either,
-    Exactly,
-    Gap,
-    Glob,
-    Maybe,
-    Node,
-    Not,
-    OneOf,
-    Sequence,
+    Alternation,
+    Anchor,
+    ExactWord,
+    NegativeLookahead,
+    OptionalPattern,
+    PatternNode,
+    PatternSequence,
+    StemSet,
+    WordGap,
+    WordGlob,
 )
 from rtron.functions.text.tokens import stem
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-_SIGN = re.compile(r"\s*(\.\.[1-9]|[()|?!^$]|@[a-z_]+|=[a-z0-9]+|\*?[a-z0-9]+\*?)")
+_TOKEN = re.compile(r"\s*(\.\.[1-9]|[()|?!^$]|@[a-z_]+|=[a-z0-9]+|\*?[a-z0-9]+\*?)")
 _WORD = re.compile(r"[a-z0-9]+")
-_DEEPEST = 8
+_MAX_DEPTH = 8
 
 
-def parse(text: str, lists: Mapping[str, Node]) -> Node:
+def parse_pattern(text: str, lists: Mapping[str, PatternNode]) -> PatternNode:
     """Return the pattern a text means, with @lists; raise InputError where it is none."""
-    signs = _signs(text)
-    reader = _Reader(text, signs, lists)
-    node = reader.either(0)
-    if reader.at != len(signs):
-        raise reader.wrong(f"`{signs[reader.at]}` is not expected here")
+    tokens = _tokenize(text)
+    parser = _PatternParser(text, tokens, lists)
+    node = parser.parse_alternation(0)
+    if parser.at != len(tokens):
+        raise parser.error(f"`{tokens[parser.at]}` is not expected here")
     return node
 
 
-def _signs(text: str) -> list[str]:
+def _tokenize(text: str) -> list[str]:
     signs, at, stripped = [], 0, text.rstrip()
     while at < len(stripped):
-        found = _SIGN.match(stripped, at)
-        if not found:
+        match = _TOKEN.match(stripped, at)
+        if not match:
             raise InputError(f"pattern {text!r:.80}: cannot read {stripped[at:].strip()!r:.20}")
-        signs.append(found[1])
-        at = found.end()
+        signs.append(match[1])
+        at = match.end()
     return signs
 
 
-class _Reader:
-    def __init__(self, text: str, signs: list[str], lists: Mapping[str, Node]) -> None:
+class _PatternParser:
+    def __init__(self, text: str, signs: list[str], lists: Mapping[str, PatternNode]) -> None:
         self._text = text
-        self._signs = signs
+        self._tokens = signs
         self._lists = lists
         self.at = 0
 
-    def either(self, depth: int) -> Node:
-        if depth > _DEEPEST:
-            raise self.wrong("nested too deep")
-        options = [self._sequence(depth)]
-        while self._next() == "|":
+    def parse_alternation(self, depth: int) -> PatternNode:
+        if depth > _MAX_DEPTH:
+            raise self.error("nested too deep")
+        options = [self._parse_sequence(depth)]
+        while self._peek() == "|":
             self.at += 1
-            options.append(self._sequence(depth))
-        return _joined(options)
+            options.append(self._parse_sequence(depth))
+        return _alternation(options)
 
-    def wrong(self, message: str) -> InputError:
+    def error(self, message: str) -> InputError:
         return InputError(f"pattern {self._text!r:.80}: {message}")
 
-    def _next(self) -> str:
-        return self._signs[self.at] if self.at < len(self._signs) else ""
+    def _peek(self) -> str:
+        return self._tokens[self.at] if self.at < len(self._tokens) else ""
 
-    def _sequence(self, depth: int) -> Node:
+    def _parse_sequence(self, depth: int) -> PatternNode:
         items = []
-        while self._next() not in {"", "|", ")"}:
-            items.append(self._item(depth))
+        while self._peek() not in {"", "|", ")"}:
+            items.append(self._parse_item(depth))
         if not items:
-            raise self.wrong("a word is missing")
-        return items[0] if len(items) == 1 else Sequence(tuple(items))
+            raise self.error("a word is missing")
+        return items[0] if len(items) == 1 else PatternSequence(tuple(items))
 
-    def _item(self, depth: int) -> Node:
-        if self._next() == "!":
+    def _parse_item(self, depth: int) -> PatternNode:
+        if self._peek() == "!":
             self.at += 1
-            return Not(self._atom(depth))
-        atom = self._atom(depth)
-        if self._next() == "?":
+            return NegativeLookahead(self._parse_atom(depth))
+        atom = self._parse_atom(depth)
+        if self._peek() == "?":
             self.at += 1
-            return Maybe(atom)
+            return OptionalPattern(atom)
         return atom
 
-    def _atom(self, depth: int) -> Node:
-        sign = self._next()
+    def _parse_atom(self, depth: int) -> PatternNode:
+        sign = self._peek()
         self.at += 1
         if sign == "(":
-            return self._group(depth)
+            return self._parse_group(depth)
         if sign.startswith("@"):
-            return self._listed(sign[1:])
-        return self._word(sign)
+            return self._list_reference(sign[1:])
+        return self._parse_word(sign)
 
-    def _group(self, depth: int) -> Node:
-        inside = self.either(depth + 1)
-        if self._next() != ")":
-            raise self.wrong("`)` is missing")
+    def _parse_group(self, depth: int) -> PatternNode:
+        inside = self.parse_alternation(depth + 1)
+        if self._peek() != ")":
+            raise self.error("`)` is missing")
         self.at += 1
         return inside
 
-    def _listed(self, name: str) -> Node:
+    def _list_reference(self, name: str) -> PatternNode:
         if name not in self._lists:
-            raise self.wrong(f"there is no list @{name}")
+            raise self.error(f"there is no list @{name}")
         return self._lists[name]
 
-    def _word(self, sign: str) -> Node:
+    def _parse_word(self, sign: str) -> PatternNode:
         if sign in {"^", "$"}:
-            return Edge(sign == "$")
+            return Anchor(sign == "$")
         if sign.startswith(".."):
-            return Gap(int(sign[2:]))
+            return WordGap(int(sign[2:]))
         if sign.startswith("="):
-            return Exactly(sign[1:])
+            return ExactWord(sign[1:])
         if "*" in sign:
-            return Glob(re.compile(sign.replace("*", "[a-z0-9]*")))
+            return WordGlob(re.compile(sign.replace("*", "[a-z0-9]*")))
         if _WORD.fullmatch(sign):
-            return OneOf(frozenset({stem(sign)}))
-        raise self.wrong(f"`{sign}` is not expected here")
+            return StemSet(frozenset({stem(sign)}))
+        raise self.error(f"`{sign}` is not expected here")
 
 
-def _joined(options: list[Node]) -> Node:
-    words = [option.stems for option in options if isinstance(option, OneOf)]
-    others = [option for option in options if not isinstance(option, OneOf)]
-    nodes: list[Node] = [OneOf(frozenset().union(*words))] if words else []
+def _alternation(options: list[PatternNode]) -> PatternNode:
+    words = [option.stems for option in options if isinstance(option, StemSet)]
+    others = [option for option in options if not isinstance(option, StemSet)]
+    nodes: list[PatternNode] = [StemSet(frozenset().union(*words))] if words else []
     nodes += others
-    return nodes[0] if len(nodes) == 1 else Either(tuple(nodes))
+    return nodes[0] if len(nodes) == 1 else Alternation(tuple(nodes))

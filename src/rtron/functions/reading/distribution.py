@@ -6,35 +6,40 @@ from pathlib import Path
 from rtron.errors import InputError
 from rtron.functions.reading import fields
 from rtron.functions.reading.json_lines import Document
-from rtron.functions.reading.skipped_entries import Note, kept
+from rtron.functions.reading.skipped_entries import SkippedHandler, read_or_skip
 from rtron.functions.reading.yaml_file import read_yaml
-from rtron.functions.repository import Package, Repository
+from rtron.functions.repository import SourcePackage, SourceRepository
 
 _SECTIONS = ("source", "doc", "release")
 
 
-def read_distribution(path: Path, note: Note) -> Iterator[Repository]:
-    """Yield the repositories that a distribution lists; a wrong entry goes to `note`."""
+def read_distribution(path: Path, on_skipped: SkippedHandler) -> Iterator[SourceRepository]:
+    """Yield the repositories that a distribution lists; a wrong entry goes to `on_skipped`."""
     document = read_yaml(path)
     listed = document.get("repositories") if isinstance(document, dict) else None
     if not isinstance(listed, dict):
         help = "give a distribution.yaml of rosdistro, a corpus in JSON lines, or a folder"
         raise InputError("lists no repositories", path=str(path), help=help)
     for name, entry in listed.items():
-        place = f"{path}: {str(name)[: fields.MAX_NAME]}"
-        repository = kept(note, place, _repository, {"repo": name, "entry": entry}, place, note)
+        location = f"{path}: {str(name)[: fields.MAX_NAME]}"
+        repository = read_or_skip(
+            on_skipped, location, _repository, {"repo": name, "entry": entry}, location, on_skipped
+        )
         if repository is not None:
             yield repository
 
 
-def _repository(listed: Document, place: str, note: Note) -> Repository:
-    name, entry = fields.name(listed, "repo"), fields.mapping(listed["entry"], "the entry")
-    sections = {key: fields.mapping(entry[key], key) for key in _SECTIONS if entry.get(key)}
-    urls = (fields.text(section, "url") for section in sections.values())
-    packages = fields.first_packages(_packages(name, sections), place, note)
-    return Repository(
+def _repository(listed: Document, location: str, on_skipped: SkippedHandler) -> SourceRepository:
+    name, entry = (
+        fields.required_name(listed, "repo"),
+        fields.required_object(listed["entry"], "the entry"),
+    )
+    sections = {key: fields.required_object(entry[key], key) for key in _SECTIONS if entry.get(key)}
+    urls = (fields.optional_text(section, "url") for section in sections.values())
+    packages = fields.first_packages(_packages(name, sections), location, on_skipped)
+    return SourceRepository(
         name=name,
-        packages=tuple(Package(name=each) for each in packages),
+        packages=tuple(SourcePackage(name=each) for each in packages),
         url=next(filter(None, urls), ""),
     )
 
@@ -43,5 +48,5 @@ def _packages(name: str, sections: dict[str, Document]) -> list[str]:
     """Return the released packages; the one package of a release has its repository's name."""
     if "release" not in sections:
         return []
-    listed = fields.entries(sections["release"], "packages")
-    return [fields.name({"a package": each}, "a package") for each in listed] or [name]
+    listed = fields.optional_list(sections["release"], "packages")
+    return [fields.required_name({"a package": each}, "a package") for each in listed] or [name]

@@ -4,7 +4,11 @@ from collections.abc import Sequence
 from typing import Any, TypeVar
 
 from rtron.functions.reading.json_lines import Document
-from rtron.functions.reading.skipped_entries import Note, Skipped, UnreadableError
+from rtron.functions.reading.skipped_entries import (
+    SkippedEntry,
+    SkippedHandler,
+    UnreadableEntryError,
+)
 
 MAX_NAME = 256
 MAX_TEXT = 64 * 2**10
@@ -12,46 +16,46 @@ MAX_PACKAGES = 2000
 T = TypeVar("T")
 
 
-def name(document: Document, key: str) -> str:
+def required_name(document: Document, key: str) -> str:
     """Return a name, which must be there; raise UnreadableError for others."""
-    found = document.get(key)
-    if not isinstance(found, str) or not found.strip():
-        raise UnreadableError(f"{key} is no name")
-    if len(found) > MAX_NAME:
-        raise UnreadableError(f"{key} is longer than {MAX_NAME} characters")
-    return found.strip()
+    value = document.get(key)
+    if not isinstance(value, str) or not value.strip():
+        raise UnreadableEntryError(f"{key} is no name")
+    if len(value) > MAX_NAME:
+        raise UnreadableEntryError(f"{key} is longer than {MAX_NAME} characters")
+    return value.strip()
 
 
-def text(document: Document, key: str) -> str:
+def optional_text(document: Document, key: str) -> str:
     """Return a text of at most MAX_TEXT characters, "" without one; raise for others."""
-    found = document.get(key)
-    if found is None:
+    value = document.get(key)
+    if value is None:
         return ""
-    if not isinstance(found, str):
-        raise UnreadableError(f"{key} is no text")
-    return found[:MAX_TEXT]
+    if not isinstance(value, str):
+        raise UnreadableEntryError(f"{key} is no text")
+    return value[:MAX_TEXT]
 
 
-def entries(document: Document, key: str) -> list[Any]:
+def optional_list(document: Document, key: str) -> list[Any]:
     """Return a list, empty without one; raise UnreadableError for others."""
-    found = document.get(key)
-    if found is None:
+    value = document.get(key)
+    if value is None:
         return []
-    if not isinstance(found, list):
-        raise UnreadableError(f"{key} is no list")
-    return found
+    if not isinstance(value, list):
+        raise UnreadableEntryError(f"{key} is no list")
+    return value
 
 
-def mapping(found: object, what: str) -> Document:
+def required_object(value: object, what: str) -> Document:
     """Return what should be an object; raise UnreadableError if it is none."""
-    if not isinstance(found, dict):
-        raise UnreadableError(f"{what} is no object")
-    return found
+    if not isinstance(value, dict):
+        raise UnreadableEntryError(f"{what} is no object")
+    return value
 
 
-def first_packages(found: Sequence[T], place: str, note: Note) -> Sequence[T]:
-    """Return the first MAX_PACKAGES of a repository; that there are more goes to `note`."""
-    if len(found) > MAX_PACKAGES:
-        why = f"has more than {MAX_PACKAGES} packages; the others are left out"
-        note(Skipped(place=place, why=why))
-    return found[:MAX_PACKAGES]
+def first_packages(packages: Sequence[T], location: str, on_skipped: SkippedHandler) -> Sequence[T]:
+    """Return the first MAX_PACKAGES of a repository; that there are more goes to `on_skipped`."""
+    if len(packages) > MAX_PACKAGES:
+        reason = f"has more than {MAX_PACKAGES} packages; the others are left out"
+        on_skipped(SkippedEntry(location=location, reason=reason))
+    return packages[:MAX_PACKAGES]

@@ -8,7 +8,11 @@ from pathlib import Path
 from typing import Any, BinaryIO, TypeAlias
 
 from rtron.errors import InputError
-from rtron.functions.reading.skipped_entries import Note, UnreadableError, kept
+from rtron.functions.reading.skipped_entries import (
+    SkippedHandler,
+    UnreadableEntryError,
+    read_or_skip,
+)
 from rtron.sources.bounded_file import STDIN
 
 MAX_LINE = 2**20
@@ -16,61 +20,61 @@ MAX_BYTES = 2**28
 Document: TypeAlias = Mapping[str, Any]
 
 
-def json_lines(path: Path, note: Note) -> Iterator[tuple[str, Document]]:
+def read_json_lines(path: Path, on_skipped: SkippedHandler) -> Iterator[tuple[str, Document]]:
     """Yield each line's object with its place, `file:line`; `-` is standard input.
 
-    A line that is no object, or longer than MAX_LINE bytes, goes to `note`. Raise InputError for a
+    A line that is no object, or longer than MAX_LINE bytes, goes to `on_skipped`. Raise InputError for a
     file that cannot be opened, or has more than MAX_BYTES.
     """
-    said = "standard input" if path == STDIN else str(path)
+    file_name = "standard input" if path == STDIN else str(path)
     try:
-        with _opened(path) as stream:
-            for number, line in _lines(stream, said):
-                place = f"{said}:{number}"
-                document = kept(note, place, _document, line)
+        with _open_stream(path) as stream:
+            for number, line in _lines(stream, file_name):
+                location = f"{file_name}:{number}"
+                document = read_or_skip(on_skipped, location, _document, line)
                 if document is not None:
-                    yield place, document
+                    yield location, document
     except OSError as error:
-        why = error.strerror or "cannot be read"
-        raise InputError(why, path=said, help="check the path") from None
+        reason = error.strerror or "cannot be read"
+        raise InputError(reason, path=file_name, help="check the path") from None
 
 
-def _opened(path: Path) -> AbstractContextManager[BinaryIO]:
+def _open_stream(path: Path) -> AbstractContextManager[BinaryIO]:
     return nullcontext(sys.stdin.buffer) if path == STDIN else path.open("rb")
 
 
 def _lines(stream: BinaryIO, path: str) -> Iterator[tuple[int, bytes | None]]:
     """Yield each line that is not empty with its number, from 1; None for one too long."""
-    number, cut = 1, False
-    for piece in _pieces(stream, path):
-        ends = piece.endswith(b"\n")
-        if not cut and not piece.isspace():
-            yield number, piece if ends or len(piece) < MAX_LINE else None
-        cut = not ends
-        number += ends
+    number, is_continuation = 1, False
+    for chunk in _chunks(stream, path):
+        is_complete = chunk.endswith(b"\n")
+        if not is_continuation and not chunk.isspace():
+            yield number, chunk if is_complete or len(chunk) < MAX_LINE else None
+        is_continuation = not is_complete
+        number += is_complete
 
 
-def _pieces(stream: BinaryIO, path: str) -> Iterator[bytes]:
-    read = 0
-    while piece := stream.readline(MAX_LINE):
-        read += len(piece)
-        if read > MAX_BYTES:
+def _chunks(stream: BinaryIO, path: str) -> Iterator[bytes]:
+    total_bytes = 0
+    while chunk := stream.readline(MAX_LINE):
+        total_bytes += len(chunk)
+        if total_bytes > MAX_BYTES:
             help = "split it, and classify its parts one after the other"
             raise InputError(f"larger than {MAX_BYTES >> 20} MiB", path=path, help=help)
-        yield piece
+        yield chunk
 
 
 def _document(line: bytes | None) -> Document:
     if line is None:
-        raise UnreadableError(f"longer than {MAX_LINE >> 20} MiB")
+        raise UnreadableEntryError(f"longer than {MAX_LINE >> 20} MiB")
     try:
         document = json.loads(line)
     except json.JSONDecodeError as error:
-        raise UnreadableError(f"not JSON: {error.msg}") from None
+        raise UnreadableEntryError(f"not JSON: {error.msg}") from None
     except ValueError as error:
-        raise UnreadableError(f"not JSON: {error}") from None
+        raise UnreadableEntryError(f"not JSON: {error}") from None
     except RecursionError:
-        raise UnreadableError("nested too deep") from None
+        raise UnreadableEntryError("nested too deep") from None
     if not isinstance(document, dict):
-        raise UnreadableError("no JSON object")
+        raise UnreadableEntryError("no JSON object")
     return document

@@ -3,14 +3,14 @@
 from pathlib import Path
 
 from rtron.functions.reading.fields import MAX_TEXT
-from rtron.functions.reading.skipped_entries import Note, Skipped
+from rtron.functions.reading.skipped_entries import SkippedEntry, SkippedHandler
 from rtron.sources.workspace.package_files import is_inside, is_regular
 
-_ENDINGS = (".md", ".markdown", ".rst", ".txt", "")
+_EXTENSIONS = (".md", ".markdown", ".rst", ".txt", "")
 
 
-def read_readme(folder: Path, root: Path, note: Note) -> str:
-    """Return the beginning of a folder's README, "" without one; a binary one goes to `note`.
+def read_readme(folder: Path, root: Path, on_skipped: SkippedHandler) -> str:
+    """Return the beginning of a folder's README, "" without one; a binary one goes to `on_skipped`.
 
     `root` is the real folder of the repository.
     """
@@ -21,23 +21,23 @@ def read_readme(folder: Path, root: Path, note: Note) -> str:
         with path.open("rb") as stream:
             data = stream.read(MAX_TEXT)
     except OSError as error:
-        note(Skipped(place=str(path), why=error.strerror or "cannot be read"))
+        on_skipped(SkippedEntry(location=str(path), reason=error.strerror or "cannot be read"))
         return ""
     if b"\0" in data:
-        note(Skipped(place=str(path), why="is binary"))
+        on_skipped(SkippedEntry(location=str(path), reason="is binary"))
         return ""
     return data.decode("utf-8", errors="replace")
 
 
 def find_readme(folder: Path, root: Path) -> Path | None:
     """Return the README of a folder, Markdown before the others; no link out of the real `root`."""
-    found = [
+    candidates = [
         path
         for path in folder.glob("[Rr][Ee][Aa][Dd][Mm][Ee]*")
-        if path.suffix.lower() in _ENDINGS and is_regular(path) and is_inside(path, (root,))
+        if path.suffix.lower() in _EXTENSIONS and is_regular(path) and is_inside(path, (root,))
     ]
-    return min(found, key=_rank, default=None)
+    return min(candidates, key=_rank, default=None)
 
 
 def _rank(path: Path) -> tuple[int, str]:
-    return _ENDINGS.index(path.suffix.lower()), path.name
+    return _EXTENSIONS.index(path.suffix.lower()), path.name

@@ -33,14 +33,14 @@ def _refuse_unsafe(data: bytes, path: Path) -> None:
     for number, event in enumerate(yaml.parse(data, Loader=_LOADER)):
         depth += isinstance(event, yaml.CollectionStartEvent)
         depth -= isinstance(event, yaml.CollectionEndEvent)
-        unsafe = _unsafe(event, depth, number)
+        unsafe = _unsafe_feature(event, depth, number)
         if unsafe:
             line = event.start_mark.line + 1 if event.start_mark else 0
             help = "is it a distribution.yaml?"
             raise InputError(f"has {unsafe}", path=str(path), line=line, help=help)
 
 
-def _unsafe(event: yaml.Event, depth: int, number: int) -> str:
+def _unsafe_feature(event: yaml.Event, depth: int, number: int) -> str:
     if isinstance(event, yaml.AliasEvent) or getattr(event, "anchor", None):
         return "anchors or aliases, which are not read"
     if getattr(event, "tag", None):

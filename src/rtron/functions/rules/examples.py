@@ -5,27 +5,29 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rtron.functions.text.names import name_tokens
-from rtron.functions.text.sentences import sentences
+from rtron.functions.text.sentences import split_sentences
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from rtron.functions.rules.rule import Rule
+    from rtron.functions.rules.rule import FunctionRule
     from rtron.functions.text.tokens import Tokens
 
 _MOST_SENTENCES = 3
 
 
-def faults(rules: Iterable[Rule]) -> Iterator[str]:
+def failing_examples(rules: Iterable[FunctionRule]) -> Iterator[str]:
     """Yield a line for each example that its rule takes otherwise than it says."""
     for rule in rules:
-        yield from (f"{rule.id} misses {text!r}" for text in rule.matches if not _fits(rule, text))
-        yield from (f"{rule.id} takes {text!r}" for text in rule.excludes if _fits(rule, text))
+        yield from (
+            f"{rule.id} misses {text!r}" for text in rule.matches if not _matches(rule, text)
+        )
+        yield from (f"{rule.id} takes {text!r}" for text in rule.excludes if _matches(rule, text))
 
 
-def _fits(rule: Rule, text: str) -> bool:
-    return any(rule.fits(tokens) for tokens in _tokens(text))
+def _matches(rule: FunctionRule, text: str) -> bool:
+    return any(rule.matches_text(tokens) for tokens in _tokens(text))
 
 
 def _tokens(text: str) -> Iterable[Tokens]:
-    return sentences(text, _MOST_SENTENCES) if " " in text else (name_tokens(text),)
+    return split_sentences(text, _MOST_SENTENCES) if " " in text else (name_tokens(text),)

@@ -6,31 +6,31 @@ from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from rtron.functions.classifier.result import Piece
+from rtron.functions.classifier.result import InformationSource
 from rtron.vocabulary import FunctionType  # noqa: TC001 - pydantic reads it
 
-Text = Annotated[str, Field(min_length=1, max_length=2000)]
-Texts = Annotated[tuple[Text, ...], Field(max_length=200)]
+RuleText = Annotated[str, Field(min_length=1, max_length=2000)]
+RuleTexts = Annotated[tuple[RuleText, ...], Field(max_length=200)]
 
 
-class WrittenRule(BaseModel):
+class RuleSchema(BaseModel):
     """A rule as it is written."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
     id: Annotated[str, Field(pattern=r"^[a-z][a-z0-9-]*$")]
     weight: Annotated[float, Field(ge=1, le=9)]
-    patterns: Annotated[Texts, Field(min_length=1)]
-    pieces: Annotated[tuple[Piece, ...], Field(min_length=1)] = tuple(Piece)
-    vetoes: Texts = ()
-    matches: Annotated[Texts, Field(min_length=1)]
-    excludes: Annotated[Texts, Field(alias="not", min_length=1)]
+    patterns: Annotated[RuleTexts, Field(min_length=1)]
+    pieces: Annotated[tuple[InformationSource, ...], Field(min_length=1)] = tuple(InformationSource)
+    vetoes: RuleTexts = ()
+    matches: Annotated[RuleTexts, Field(min_length=1)]
+    excludes: Annotated[RuleTexts, Field(alias="not", min_length=1)]
 
 
-class WrittenRules(BaseModel):
+class RuleFileSchema(BaseModel):
     """A file of rules."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
     type: FunctionType
-    rules: Annotated[tuple[WrittenRule, ...], Field(min_length=1)]
+    rules: Annotated[tuple[RuleSchema, ...], Field(min_length=1)]

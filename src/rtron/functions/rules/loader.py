@@ -11,70 +11,72 @@ from pydantic import ValidationError
 
 from rtron.errors import InputError
 from rtron.functions.patterns.index import PatternIndex
-from rtron.functions.patterns.parser import parse
-from rtron.functions.rules.form import WrittenRule, WrittenRules
-from rtron.functions.rules.rule import Rule
+from rtron.functions.patterns.parser import parse_pattern
+from rtron.functions.rules.form import RuleFileSchema, RuleSchema
+from rtron.functions.rules.rule import FunctionRule
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from rtron.functions.patterns.syntax_tree import Node
+    from rtron.functions.patterns.syntax_tree import PatternNode
     from rtron.vocabulary import FunctionType
 
 _DATA = files("rtron.functions.rules") / "data"
-_WORDS = "words.yaml"
+_WORD_LISTS = "words.yaml"
 
 
 @cache
-def rules() -> tuple[Rule, ...]:
+def load_rules() -> tuple[FunctionRule, ...]:
     """Return every rule that RTron brings."""
-    lists = read_lists((_DATA / _WORDS).read_text("utf-8"), _WORDS)
+    lists = parse_word_lists((_DATA / _WORD_LISTS).read_text("utf-8"), _WORD_LISTS)
     names = sorted(file.name for file in _DATA.iterdir() if file.name.endswith(".yaml"))
-    texts = ((name, (_DATA / name).read_text("utf-8")) for name in names if name != _WORDS)
-    return tuple(rule for name, text in texts for rule in read_rules(text, name, lists))
+    texts = ((name, (_DATA / name).read_text("utf-8")) for name in names if name != _WORD_LISTS)
+    return tuple(rule for name, text in texts for rule in parse_rules(text, name, lists))
 
 
 @cache
-def rule_index() -> PatternIndex[Rule]:
+def load_rule_index() -> PatternIndex[FunctionRule]:
     """Return the patterns of every rule."""
-    return PatternIndex((pattern, rule) for rule in rules() for pattern in rule.patterns)
+    return PatternIndex((pattern, rule) for rule in load_rules() for pattern in rule.patterns)
 
 
-def read_lists(text: str, path: str) -> Mapping[str, Node]:
+def parse_word_lists(text: str, path: str) -> Mapping[str, PatternNode]:
     """Return the lists of words in a YAML text; raise InputError where one is wrong."""
-    lists: dict[str, Node] = {}
+    lists: dict[str, PatternNode] = {}
     for name, written in _document(text, path).items():
         lists[str(name)] = _pattern(str(written), lists, path)
     return lists
 
 
-def read_rules(text: str, path: str, lists: Mapping[str, Node]) -> tuple[Rule, ...]:
+def parse_rules(text: str, path: str, lists: Mapping[str, PatternNode]) -> tuple[FunctionRule, ...]:
     """Return the rules in a YAML text; raise InputError where one is wrong."""
     try:
-        written = WrittenRules.model_validate(_document(text, path))
+        file = RuleFileSchema.model_validate(_document(text, path))
     except ValidationError as error:
         first = error.errors()[0]
-        place = ".".join(map(str, first["loc"]))
-        raise InputError(f"{place}: {first['msg']}", path=path) from None
-    return tuple(_rule(rule, written.type, lists, path) for rule in written.rules)
+        location = ".".join(map(str, first["loc"]))
+        raise InputError(f"{location}: {first['msg']}", path=path) from None
+    return tuple(_rule(rule, file.type, lists, path) for rule in file.rules)
 
 
-def _rule(rule: WrittenRule, type: FunctionType, lists: Mapping[str, Node], path: str) -> Rule:
-    return Rule(
+def _rule(
+    rule: RuleSchema, type: FunctionType, lists: Mapping[str, PatternNode], path: str
+) -> FunctionRule:
+    return FunctionRule(
         id=rule.id,
         type=type,
         weight=rule.weight,
         patterns=tuple(_pattern(text, lists, path) for text in rule.patterns),
-        pieces=frozenset(rule.pieces),
+        sources=frozenset(rule.pieces),
         vetoes=tuple(_pattern(text, lists, path) for text in rule.vetoes),
         matches=rule.matches,
         excludes=rule.excludes,
     )
 
 
-def _pattern(text: str, lists: Mapping[str, Node], path: str) -> Node:
+def _pattern(text: str, lists: Mapping[str, PatternNode], path: str) -> PatternNode:
     try:
-        return parse(text, lists)
+        return parse_pattern(text, lists)
     except InputError as error:
         raise InputError(str(error), path=path) from None
 

@@ -3,9 +3,9 @@
 import re
 from functools import lru_cache
 
-from rtron.functions.text.tokens import Tokens, tokens
+from rtron.functions.text.tokens import Tokens, tokenize
 
-_LONGEST = 200
+_MAX_LENGTH = 200
 _RUN = re.compile(r"[^\W_]+")
 _CAMEL = re.compile(r"(?<=[a-z0-9])(?=[A-Z][a-z])|(?<=[a-z])(?=[A-Z])")
 _LIBRARY = re.compile(r"^lib(?=[a-z0-9]{3})(?!rar)")
@@ -19,11 +19,11 @@ def name_tokens(name: str) -> Tokens:
     The letters before a number are a word if there are four or more: `turtlebot3`, but not `tf2`.
     A leading `lib` is no word.
     """
-    humps = (hump for run in _RUN.findall(name[:_LONGEST]) for hump in _CAMEL.split(run))
-    return tokens(word for hump in humps for word in parted(hump))
+    humps = (hump for run in _RUN.findall(name[:_MAX_LENGTH]) for hump in _CAMEL.split(run))
+    return tokenize(word for hump in humps for word in split_number(hump))
 
 
-def parted(word: str) -> list[str]:
+def split_number(word: str) -> list[str]:
     """Return a word as one word, or as the word and the number that it ends in."""
     numbered = _NUMBERED.fullmatch(word)
     parts = numbered.groups() if numbered else (word,)

@@ -3,22 +3,22 @@
 import re
 from collections.abc import Iterator
 
-from rtron.functions.text.sentences import sentences
+from rtron.functions.text.sentences import split_sentences
 from rtron.functions.text.tokens import Tokens
 
-_LONGEST = 20_000
-_MOST_SENTENCES = 30
+_MAX_CHARACTERS = 20_000
+_MAX_SENTENCES = 30
 _CODE = re.compile(r"```.*?(?:```|\Z)|~~~.*?(?:~~~|\Z)|`[^`\n]*`", re.DOTALL)
 _MARKUP = re.compile(
     r"!\[[^\]\n]{0,300}\](?:\([^)\n]{0,300}\))?|<[^<>\n]{0,300}>|\]\([^)\n]{0,300}\)|https?://\S+"
 )
-_NEVER = 7
+_NO_LEVEL = 7
 _HEADING = re.compile(
     r"^(?:(?P<signs>#{1,6})\s*(?P<title>[^\n]*)"
     r"|(?P<under>[^\n]+)\n(?P<line>[=\-~^])(?P=line){2,}\s*)$",
     re.MULTILINE,
 )
-_USELESS = re.compile(
+_USELESS_HEADING = re.compile(
     r"\b(?:install|build|compil|require|prerequisite|dependenc|licen[cs]e|copyright|status|badge"
     r"|contribut|author|maintainer|contact|credit|acknowledg|support|citation|cit(?:e|ing)\b"
     r"|reference|publication|changelog|release|download|setup|set up|troubleshoot|faq|bug|issue"
@@ -35,30 +35,32 @@ _USELESS_LINE = re.compile(
 
 def readme_tokens(readme: str) -> Iterator[Tokens]:
     """Yield the first sentences of a README that may tell what it is for."""
-    return sentences(clean(readme), _MOST_SENTENCES)
+    return split_sentences(clean_readme(readme), _MAX_SENTENCES)
 
 
-def clean(readme: str) -> str:
+def clean_readme(readme: str) -> str:
     """Return a README's beginning (20,000 characters) without code, links and useless parts."""
-    text = _MARKUP.sub(" ", _CODE.sub(" ", readme[:_LONGEST]))
+    text = _MARKUP.sub(" ", _CODE.sub(" ", readme[:_MAX_CHARACTERS]))
     return _USELESS_LINE.sub("", "\n\n".join(_useful_sections(text)))
 
 
 def _useful_sections(text: str) -> Iterator[str]:
-    at, useless = 0, _NEVER
+    at, useless = 0, _NO_LEVEL
     for heading in _HEADING.finditer(text):
-        if useless == _NEVER:
+        if useless == _NO_LEVEL:
             yield text[at : heading.start()]
-        at, useless = heading.end(), _useless(heading, useless)
-        if useless == _NEVER:
+        at, useless = heading.end(), _useless_level(heading, useless)
+        if useless == _NO_LEVEL:
             yield heading["title"] or heading["under"] or ""
-    if useless == _NEVER:
+    if useless == _NO_LEVEL:
         yield text[at:]
 
 
-def _useless(heading: re.Match[str], above: int) -> int:
+def _useless_level(heading: re.Match[str], parent_level: int) -> int:
     """Return the level of the useless section that a heading is in: those below it are, too."""
     level = len(heading["signs"] or "") or (1 if heading["line"] == "=" else 2)
-    if above < level:
-        return above
-    return level if _USELESS.search(heading["title"] or heading["under"] or "") else _NEVER
+    if parent_level < level:
+        return parent_level
+    return (
+        level if _USELESS_HEADING.search(heading["title"] or heading["under"] or "") else _NO_LEVEL
+    )

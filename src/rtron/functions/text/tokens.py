@@ -12,8 +12,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
 _STEMMER = snowballstemmer.stemmer("english")
-_WORDS_KEPT = 2**16
-_LONGEST_WORD = 40
+_CACHE_SIZE = 2**16
+_MAX_WORD_LENGTH = 40
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,13 +24,13 @@ class Tokens:
     stems: tuple[str, ...]
 
 
-def tokens(words: Iterable[str]) -> Tokens:
+def tokenize(words: Iterable[str]) -> Tokens:
     """Return words as tokens; a word of more than 40 letters is cut."""
-    cut = tuple(word[:_LONGEST_WORD].lower() for word in words)
+    cut = tuple(word[:_MAX_WORD_LENGTH].lower() for word in words)
     return Tokens(cut, tuple(map(stem, cut)))
 
 
-@lru_cache(maxsize=_WORDS_KEPT)
+@lru_cache(maxsize=_CACHE_SIZE)
 def stem(word: str) -> str:
     """Return what a lower-case word has in common with its variants (English, Snowball)."""
     return str(_STEMMER.stemWord(word))

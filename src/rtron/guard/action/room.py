@@ -5,7 +5,7 @@ from dataclasses import replace
 from rtron.vocabulary import Stream
 
 
-def roomy(stream: Stream) -> Stream:
+def with_queue_space(stream: Stream) -> Stream:
     """Let the queue have room for every flow's share, which is bounded before it."""
     first, *others = stream.stages
     size = stream.queue_size * (len(stream.flows) + 1)

@@ -3,22 +3,22 @@
 import logging
 from typing import Protocol
 
-from rtron.guard.core.log_throttle import Seldom
+from rtron.guard.core.log_throttle import LogThrottle
 from rtron.vocabulary import Alarm
 
 log = logging.getLogger(__name__)
 
-_MOST = 256
+_MAX_ALARMS = 256
 
 
-class Told(Protocol):
+class AlarmListener(Protocol):
     """Is told each alarm that is raised, and each that stands no more."""
 
-    def __call__(self, alarm: Alarm, *, stands: bool) -> None:
+    def __call__(self, alarm: Alarm, *, active: bool) -> None:
         """Take one."""
 
 
-def _nobody(alarm: Alarm, *, stands: bool) -> None:
+def _ignore_alarm(alarm: Alarm, *, active: bool) -> None:
     """Nobody listens."""
 
 
@@ -30,35 +30,35 @@ class Alarms:
     """
 
     def __init__(self) -> None:
-        self._standing: dict[Alarm, int] = {}
-        self._seldom = Seldom()
+        self._active: dict[Alarm, int] = {}
+        self._log_throttle = LogThrottle()
         self.raised = 0
-        self.told: Told = _nobody
+        self.listener: AlarmListener = _ignore_alarm
 
     @property
-    def standing(self) -> tuple[Alarm, ...]:
+    def active(self) -> tuple[Alarm, ...]:
         """The alarms that stand, the oldest first."""
-        return tuple(self._standing)
+        return tuple(self._active)
 
     def since(self, alarm: Alarm) -> int | None:
         """Return when an alarm was raised (ns), None if it does not stand."""
-        return self._standing.get(alarm)
+        return self._active.get(alarm)
 
     def raise_(self, alarm: Alarm, now: int) -> bool:
         """Raise an alarm; tell whether it is news."""
-        if alarm in self._standing:
+        if alarm in self._active:
             return False
         self.raised += 1
-        has_place = len(self._standing) < _MOST
-        if has_place:
-            self._standing[alarm] = now
-        if has_place or self._seldom.may_say("no place", now):
+        has_room = len(self._active) < _MAX_ALARMS
+        if has_room:
+            self._active[alarm] = now
+        if has_room or self._log_throttle.allows("no place", now):
             log.error("alarm: %s: %s", alarm.kind, alarm.reason)
-            self.told(alarm, stands=True)
+            self.listener(alarm, active=True)
         return True
 
-    def settle(self, alarm: Alarm) -> None:
+    def clear(self, alarm: Alarm) -> None:
         """Take back an alarm; nothing if it does not stand."""
-        if self._standing.pop(alarm, None) is not None:
+        if self._active.pop(alarm, None) is not None:
             log.warning("no more: %s: %s", alarm.kind, alarm.reason)
-            self.told(alarm, stands=False)
+            self.listener(alarm, active=False)

@@ -17,36 +17,36 @@ from pathlib import Path
 from typing import Any
 
 from rtron.errors import SourceError, WireError
-from rtron.guard.core.event_loop import Loop
+from rtron.guard.core.event_loop import EventLoop
 
 log = logging.getLogger(__name__)
 
-Answer = Callable[[str, Mapping[str, Any]], Mapping[str, Any]]
+RequestHandler = Callable[[str, Mapping[str, Any]], Mapping[str, Any]]
 """Takes who asks and what; returns the answer. WireError if the request is wrong."""
 
-_LONGEST = 1 << 12
+_MAX_REQUEST = 1 << 12
 _BACKLOG = 8
 _CREDENTIALS = struct.Struct("3i")
 
 
-class Control:
+class ControlSocket:
     """Listens at `path`, which only the guard's user can reach.
 
     SourceError if another guard listens there, or if nobody can.
     """
 
-    def __init__(self, loop: Loop, path: Path, answer: Answer) -> None:
+    def __init__(self, loop: EventLoop, path: Path, handler: RequestHandler) -> None:
         self._loop = loop
         self._path = path
-        self._answer = answer
+        self._handler = handler
         self._sock = _listen(path)
-        self._file = _file_at(path)
+        self._inode = _inode_of(path)
         loop.watch(self._sock, self._accept, lambda error: None)
         log.info("listening for overrides at %s", path)
 
     def close(self) -> None:
         """Listen no more; a socket that somebody else has put at the path stays."""
-        if _file_at(self._path) == self._file:
+        if _inode_of(self._path) == self._inode:
             self._path.unlink(missing_ok=True)
         self._loop.forget(self._sock)
 
@@ -57,42 +57,44 @@ class Control:
             sock.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, _CREDENTIALS.size)
         )
         if uid in (0, os.getuid()):
-            _Caller(self._loop, sock, _name(uid), self._answer)
+            _Client(self._loop, sock, _name(uid), self._handler)
         else:
             log.warning("user %s may not control the guard", _name(uid))
             sock.close()
 
 
-class _Caller:
+class _Client:
     """One connection: requests line by line, each answered at once."""
 
-    def __init__(self, loop: Loop, sock: socket.socket, name: str, answer: Answer) -> None:
+    def __init__(
+        self, loop: EventLoop, sock: socket.socket, name: str, handler: RequestHandler
+    ) -> None:
         self._loop = loop
         self._sock = sock
         self._name = name
-        self._answer = answer
-        self._waiting = b""
-        loop.watch(sock, self._readable, self._broken)
+        self._handler = handler
+        self._buffer = b""
+        loop.watch(sock, self._on_readable, self._on_error)
 
-    def _readable(self) -> None:
-        data = self._sock.recv(_LONGEST)
-        self._waiting += data
-        *lines, self._waiting = self._waiting.split(b"\n")
+    def _on_readable(self) -> None:
+        data = self._sock.recv(_MAX_REQUEST)
+        self._buffer += data
+        *lines, self._buffer = self._buffer.split(b"\n")
         for line in lines:
-            self._sock.sendall(json.dumps(self._answered(line)).encode() + b"\n")
-        if not data or len(self._waiting) > _LONGEST:
+            self._sock.sendall(json.dumps(self._response_to(line)).encode() + b"\n")
+        if not data or len(self._buffer) > _MAX_REQUEST:
             self._loop.forget(self._sock)
 
-    def _answered(self, line: bytes) -> Mapping[str, Any]:
+    def _response_to(self, line: bytes) -> Mapping[str, Any]:
         try:
             request = json.loads(line)
             if not isinstance(request, dict):
                 return {"error": "a request is a JSON object"}
-            return self._answer(self._name, request)
+            return self._handler(self._name, request)
         except (ValueError, RecursionError, WireError) as error:
             return {"error": str(error)}
 
-    def _broken(self, error: Exception) -> None:
+    def _on_error(self, error: Exception) -> None:
         log.info("a caller of the guard is gone: %s", error)
         self._loop.forget(self._sock)
 
@@ -100,8 +102,10 @@ class _Caller:
 def control_path(app: str) -> Path:
     """Return where the guard of an app listens: in the user's own runtime folder."""
     # The folder is checked before it is used.
-    named = os.environ.get("XDG_RUNTIME_DIR", "")
-    runtime = named if named and Path(named).is_dir() else f"/tmp/rtron-{os.getuid()}"  # noqa: S108
+    runtime_dir = os.environ.get("XDG_RUNTIME_DIR", "")
+    runtime = (
+        runtime_dir if runtime_dir and Path(runtime_dir).is_dir() else f"/tmp/rtron-{os.getuid()}"
+    )  # noqa: S108
     name = "".join(each if each.isalnum() else "_" for each in app) or "app"
     return Path(runtime) / f"rtron-{name[:64]}.sock"
 
@@ -109,16 +113,16 @@ def control_path(app: str) -> Path:
 def _listen(path: Path) -> socket.socket:
     try:
         path.parent.mkdir(mode=0o700, exist_ok=True)
-        with _alone_in(path.parent):
-            _clear(path)
-            return _bound(path)
+        with _lock_folder(path.parent):
+            _remove_stale_socket(path)
+            return _bind(path)
     except OSError as error:
-        told = error.strerror or str(error)
-        raise SourceError(f"{path}: {told}", help="choose --control PATH") from None
+        reason = error.strerror or str(error)
+        raise SourceError(f"{path}: {reason}", help="choose --control PATH") from None
 
 
 @contextmanager
-def _alone_in(folder: Path) -> Iterator[None]:
+def _lock_folder(folder: Path) -> Iterator[None]:
     """Keep other guards that start from looking at the folder; it must be the user's own."""
     descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
     try:
@@ -132,17 +136,17 @@ def _alone_in(folder: Path) -> Iterator[None]:
         os.close(descriptor)
 
 
-def _clear(path: Path) -> None:
+def _remove_stale_socket(path: Path) -> None:
     """Remove the socket of a guard that ended without closing it."""
     if not path.is_socket():
         return
-    if _listens(path):
+    if _is_listening(path):
         help = "stop it first, or choose --control PATH"
         raise SourceError(f"another guard listens at {path}", help=help)
     path.unlink(missing_ok=True)
 
 
-def _listens(path: Path) -> bool:
+def _is_listening(path: Path) -> bool:
     with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as sock:
         sock.settimeout(0)
         try:
@@ -154,7 +158,7 @@ def _listens(path: Path) -> bool:
         return True
 
 
-def _bound(path: Path) -> socket.socket:
+def _bind(path: Path) -> socket.socket:
     sock = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
     before = os.umask(0o177)
     try:
@@ -169,12 +173,12 @@ def _bound(path: Path) -> socket.socket:
     return sock
 
 
-def _file_at(path: Path) -> tuple[int, int] | None:
+def _inode_of(path: Path) -> tuple[int, int] | None:
     try:
-        found = path.lstat()
+        stat = path.lstat()
     except OSError:
         return None
-    return found.st_dev, found.st_ino
+    return stat.st_dev, stat.st_ino
 
 
 def _name(uid: int) -> str:

@@ -12,14 +12,14 @@ from itertools import count
 from typing import Protocol
 
 from rtron.errors import RTronError
-from rtron.guard.core.out_of_memory import end_starved
+from rtron.guard.core.out_of_memory import exit_out_of_memory
 
 log = logging.getLogger(__name__)
 
 Callback = Callable[[], None]
 
 
-class Watched(Protocol):
+class Pollable(Protocol):
     """What a selector can watch: a socket, or another descriptor."""
 
     def fileno(self) -> int:
@@ -31,18 +31,18 @@ class Watched(Protocol):
         ...
 
 
-class Watch:
+class IoHandler:
     """What to do when a socket can be read or written, and when serving it failed."""
 
-    __slots__ = ("broken", "readable", "writable")
+    __slots__ = ("on_error", "on_readable", "on_writable")
 
-    def __init__(self, readable: Callback, broken: Callable[[Exception], None]) -> None:
-        self.readable = readable
-        self.writable: Callback | None = None
-        self.broken = broken
+    def __init__(self, on_readable: Callback, on_error: Callable[[Exception], None]) -> None:
+        self.on_readable = on_readable
+        self.on_writable: Callback | None = None
+        self.on_error = on_error
 
 
-class Loop:
+class EventLoop:
     """A selector with timers; every callback runs in the thread of `run`.
 
     A callback that fails ends what it served (`Watch.broken`), never the loop.
@@ -51,39 +51,41 @@ class Loop:
     def __init__(self) -> None:
         self._selector = selectors.DefaultSelector()
         self._timers: list[tuple[int, int, Callback]] = []
-        self._order = count()
-        self._posted: deque[Callback] = deque()
-        self._after: list[Callback] = []
+        self._sequence = count()
+        self._posted_callbacks: deque[Callback] = deque()
+        self._after_event: list[Callback] = []
         self._running = False
-        self._wake, self._waker = socket.socketpair()
-        self._wake.settimeout(0)
-        self._waker.settimeout(0)
-        self.watch(self._wake, self._drain, self._ignore)
+        self._wake_receiver, self._wake_sender = socket.socketpair()
+        self._wake_receiver.settimeout(0)
+        self._wake_sender.settimeout(0)
+        self.watch(self._wake_receiver, self._on_wake, self._on_wake_error)
 
     now = staticmethod(time.monotonic_ns)
 
-    def watch(self, sock: Watched, readable: Callback, broken: Callable[[Exception], None]) -> None:
+    def watch(
+        self, sock: Pollable, on_readable: Callback, on_error: Callable[[Exception], None]
+    ) -> None:
         """Serve a non-blocking socket from now on."""
-        self._selector.register(sock, selectors.EVENT_READ, Watch(readable, broken))
+        self._selector.register(sock, selectors.EVENT_READ, IoHandler(on_readable, on_error))
 
-    def await_writable(self, sock: Watched, writable: Callback | None) -> None:
-        """Call `writable` whenever the socket can be written, until told None."""
-        watch: Watch = self._selector.get_key(sock).data
-        watch.writable = writable
-        write = selectors.EVENT_WRITE if writable else 0
-        self._selector.modify(sock, selectors.EVENT_READ | write, watch)
+    def await_writable(self, sock: Pollable, on_writable: Callback | None) -> None:
+        """Call `on_writable` whenever the socket can be written, until told None."""
+        handler: IoHandler = self._selector.get_key(sock).data
+        handler.on_writable = on_writable
+        write = selectors.EVENT_WRITE if on_writable else 0
+        self._selector.modify(sock, selectors.EVENT_READ | write, handler)
 
-    def pause(self, sock: Watched, duration: float) -> None:
+    def suspend(self, sock: Pollable, duration: float) -> None:
         """Leave a socket alone for `duration` seconds; it keeps its place."""
-        watch: Watch = self._selector.unregister(sock).data
+        handler: IoHandler = self._selector.unregister(sock).data
 
         def resume() -> None:
             if sock.fileno() >= 0:
-                self._selector.register(sock, selectors.EVENT_READ, watch)
+                self._selector.register(sock, selectors.EVENT_READ, handler)
 
         self.call_later(duration, resume)
 
-    def forget(self, sock: Watched) -> None:
+    def forget(self, sock: Pollable) -> None:
         """Serve a socket no more and close it; a second time does nothing."""
         with suppress(KeyError, ValueError):
             self._selector.unregister(sock)
@@ -91,21 +93,21 @@ class Loop:
 
     def call_at(self, when: int, callback: Callback) -> None:
         """Call back once at `when` (ns)."""
-        heapq.heappush(self._timers, (when, next(self._order), callback))
+        heapq.heappush(self._timers, (when, next(self._sequence), callback))
 
     def call_later(self, delay: float, callback: Callback) -> None:
         """Call back once after `delay` seconds."""
         self.call_at(self.now() + int(delay * 1e9), callback)
 
-    def after(self, callback: Callback) -> None:
+    def call_after_event(self, callback: Callback) -> None:
         """Call back once the present event has been dealt with."""
-        self._after.append(callback)
+        self._after_event.append(callback)
 
     def post(self, callback: Callback) -> None:
         """Call back soon; the only call that other threads and signal handlers may make."""
-        self._posted.append(callback)
+        self._posted_callbacks.append(callback)
         with suppress(OSError):
-            self._waker.send(b"\0")
+            self._wake_sender.send(b"\0")
 
     def run(self) -> None:
         """Serve until `stop`."""
@@ -113,10 +115,10 @@ class Loop:
         while self._running:
             self.step()
 
-    def step(self, longest: float | None = None) -> None:
-        """Wait for what comes next, `longest` seconds at most, and deal with it."""
-        for key, events in self._selector.select(self._patience(longest)):
-            self._serve(key.data, events)
+    def step(self, longest_wait: float | None = None) -> None:
+        """Wait for what comes next, `longest_wait` seconds at most, and deal with it."""
+        for key, events in self._selector.select(self._timeout(longest_wait)):
+            self._dispatch(key.data, events)
         self._run_timers()
         self._flush()
 
@@ -126,56 +128,56 @@ class Loop:
 
     def close(self) -> None:
         """Close the loop's own sockets."""
-        self.forget(self._wake)
-        self._waker.close()
+        self.forget(self._wake_receiver)
+        self._wake_sender.close()
         self._selector.close()
 
-    def _serve(self, watch: Watch, events: int) -> None:
+    def _dispatch(self, handler: IoHandler, events: int) -> None:
         try:
             if events & selectors.EVENT_READ:
-                watch.readable()
-            if events & selectors.EVENT_WRITE and watch.writable:
-                watch.writable()
+                handler.on_readable()
+            if events & selectors.EVENT_WRITE and handler.on_writable:
+                handler.on_writable()
             self._flush()
         except MemoryError:
-            end_starved()
+            exit_out_of_memory()
         except Exception as error:
             if not isinstance(error, (OSError, RTronError)):
                 log.exception("internal error while serving a connection; it is closed")
-            watch.broken(error)
+            handler.on_error(error)
 
-    def _patience(self, longest: float | None) -> float | None:
+    def _timeout(self, longest_wait: float | None) -> float | None:
         if not self._timers:
-            return longest
+            return longest_wait
         wait = max(0.0, (self._timers[0][0] - self.now()) / 1e9)
-        return wait if longest is None else min(wait, longest)
+        return wait if longest_wait is None else min(wait, longest_wait)
 
     def _run_timers(self) -> None:
         now, due = self.now(), []
         while self._timers and self._timers[0][0] <= now:
             due.append(heapq.heappop(self._timers)[2])
         for callback in due:
-            self._safely(callback)
+            self._call_safely(callback)
 
-    def _drain(self) -> None:
+    def _on_wake(self) -> None:
         with suppress(BlockingIOError):
-            self._wake.recv(1 << 12)
-        while self._posted:
-            self._safely(self._posted.popleft())
+            self._wake_receiver.recv(1 << 12)
+        while self._posted_callbacks:
+            self._call_safely(self._posted_callbacks.popleft())
 
     def _flush(self) -> None:
-        while self._after:
-            pending, self._after = self._after, []
+        while self._after_event:
+            pending, self._after_event = self._after_event, []
             for callback in pending:
-                self._safely(callback)
+                self._call_safely(callback)
 
-    def _safely(self, callback: Callback) -> None:
+    def _call_safely(self, callback: Callback) -> None:
         try:
             callback()
         except MemoryError:
-            end_starved()
+            exit_out_of_memory()
         except Exception:
             log.exception("internal error in a callback")
 
-    def _ignore(self, error: Exception) -> None:
+    def _on_wake_error(self, error: Exception) -> None:
         log.debug("waking up failed: %s", error)

@@ -15,45 +15,45 @@ MOST_BYTES = 1 << 18
 """The longest will, bytes of JSON."""
 
 
-class Will:
-    """Values by key; `found` gives what the guard before left, `keep` what the next one finds.
+class HandoverState:
+    """Values by key; `inherited` gives what the guard before left, `store` what the next one finds.
 
     Without a supervisor nothing outlives the process: the values are kept in memory only.
     """
 
     def __init__(
-        self, left: bytes = b"", write: Callable[[bytes], object] = lambda document: None
+        self, inherited: bytes = b"", write: Callable[[bytes], object] = lambda document: None
     ) -> None:
-        """`left` is the document of the guard before; `write` keeps one of `MOST_BYTES` bytes."""
-        self.left_at = 0
+        """`inherited` is the document of the guard before; `write` keeps one of `MOST_BYTES` bytes."""
+        self.last_seen_at = 0
         """When the guard before was last there, ns of the wall clock, 0 if that is not known."""
         self._write = write
-        self._found = _values(left)
-        self._kept = {key: _member(key, value) for key, value in self._found.items()}
-        self._length = sum(map(len, self._kept.values()))
+        self._inherited = _values(inherited)
+        self._stored = {key: _member(key, value) for key, value in self._inherited.items()}
+        self._length = sum(map(len, self._stored.values()))
 
-    def found(self, key: str) -> Any:  # noqa: ANN401 - any JSON value
+    def inherited(self, key: str) -> Any:  # noqa: ANN401 - any JSON value
         """Return what the guard before kept under a key; None if nothing."""
-        return self._found.get(key)
+        return self._inherited.get(key)
 
-    def keep(self, key: str, value: object) -> None:
+    def store(self, key: str, value: object) -> None:
         """Leave a JSON value to the next guard, in place of what was kept under the key.
 
         What makes the will too long is not kept, nor what stood there before: it would be wrong.
         """
-        self._drop(key)
+        self._drop_member(key)
         if value is not None:
-            self._add(key, _member(key, value))
-        self._write(b"{" + b",".join(self._kept.values()) + b"}")
+            self._add_member(key, _member(key, value))
+        self._write(b"{" + b",".join(self._stored.values()) + b"}")
 
-    def _drop(self, key: str) -> None:
-        self._length -= len(self._kept.pop(key, b""))
+    def _drop_member(self, key: str) -> None:
+        self._length -= len(self._stored.pop(key, b""))
 
-    def _add(self, key: str, member: bytes) -> None:
-        if self._length + len(member) + len(self._kept) + len("{}") > MOST_BYTES:
+    def _add_member(self, key: str, member: bytes) -> None:
+        if self._length + len(member) + len(self._stored) + len("{}") > MOST_BYTES:
             log.warning("%s is not left to the next guard: it is too long", key)
             return
-        self._kept[key] = member
+        self._stored[key] = member
         self._length += len(member)
 
 

@@ -17,33 +17,33 @@ import logging
 from hashlib import blake2b
 from time import monotonic_ns
 
-from rtron.guard.core.handover_state import Will
-from rtron.guard.transport.common.protocol import Receive
-from rtron.guard.transport.numbered import Numbered
+from rtron.guard.core.handover_state import HandoverState
+from rtron.guard.transport.common.protocol import MessageHandler
+from rtron.guard.transport.numbered import NumberedMessage
 from rtron.vocabulary import SECOND
 
 log = logging.getLogger(__name__)
 
-_MOST = 64
-_HISTORY_COMES = 10 * SECOND
+_MAX_PUBLISHERS = 64
+_HISTORY_WINDOW = 10 * SECOND
 
 
-class Latched:
+class LatchedMessageFilter:
     """Knows the last goal of each latching publisher of a topic, this guard's and those before.
 
     By the publisher's name its digest, by the publisher's writer its number.
     """
 
-    def __init__(self, topic: str, will: Will) -> None:
+    def __init__(self, topic: str, handover: HandoverState) -> None:
         self._topic = topic
         self._key = f"latched {topic}"
-        self._will = will
-        found = will.found(self._key)
-        self._last: dict[str, object] = dict(found) if isinstance(found, dict) else {}
+        self._handover = handover
+        inherited = handover.inherited(self._key)
+        self._last_marks: dict[str, object] = dict(inherited) if isinstance(inherited, dict) else {}
 
-    def once(self, node: str, take: Receive) -> Receive:
+    def filter(self, node: str, take: MessageHandler) -> MessageHandler:
         """Return what takes the messages of a new connection, of those kept only what is new."""
-        first, history_until = True, monotonic_ns() + _HISTORY_COMES
+        first, history_until = True, monotonic_ns() + _HISTORY_WINDOW
 
         def receive(message: bytes) -> None:
             nonlocal first, history_until
@@ -51,7 +51,9 @@ class Latched:
             if is_first and self._has_numbers_of(message):
                 history_until = 0
             is_new = self._is_new(node, message, is_first=is_first)
-            if is_new and not (self._is_from_before(message) and monotonic_ns() < history_until):
+            if is_new and not (
+                self._is_older_than_handover(message) and monotonic_ns() < history_until
+            ):
                 take(message)
             elif is_first:
                 log.warning("%s: what %s has kept is old; it is dropped", self._topic, node)
@@ -59,29 +61,32 @@ class Latched:
         return receive
 
     def _has_numbers_of(self, message: bytes) -> bool:
-        return isinstance(message, Numbered) and message.writer in self._last
+        return isinstance(message, NumberedMessage) and message.writer in self._last_marks
 
-    def _is_from_before(self, message: bytes) -> bool:
+    def _is_older_than_handover(self, message: bytes) -> bool:
         """Tell whether a message was said before the last guard was gone; False if nobody knows."""
-        return isinstance(message, Numbered) and 0 < message.said <= self._will.left_at
+        return (
+            isinstance(message, NumberedMessage)
+            and 0 < message.source_time <= self._handover.last_seen_at
+        )
 
     def _is_new(self, node: str, message: bytes, *, is_first: bool) -> bool:
         """Tell whether a message comes for the first time, and remember it if so."""
         mark: int | str
-        if isinstance(message, Numbered):
+        if isinstance(message, NumberedMessage):
             writer, mark = message.writer, message.number
-            last = self._last.get(writer)
+            last = self._last_marks.get(writer)
             is_new = not isinstance(last, int) or mark > last
         else:
             writer, mark = node, blake2b(message, digest_size=16).hexdigest()
-            is_new = not is_first or self._last.get(writer) != mark
+            is_new = not is_first or self._last_marks.get(writer) != mark
         if is_new:
             self._remember(writer, mark)
         return is_new
 
     def _remember(self, writer: str, mark: int | str) -> None:
-        self._last.pop(writer, None)
-        self._last[writer] = mark
-        if len(self._last) > _MOST:
-            self._last.pop(next(iter(self._last)))
-        self._will.keep(self._key, self._last)
+        self._last_marks.pop(writer, None)
+        self._last_marks[writer] = mark
+        if len(self._last_marks) > _MAX_PUBLISHERS:
+            self._last_marks.pop(next(iter(self._last_marks)))
+        self._handover.store(self._key, self._last_marks)

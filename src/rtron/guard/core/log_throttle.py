@@ -7,16 +7,16 @@ from rtron.vocabulary import SECOND
 PERIOD = SECOND
 
 
-class Seldom:
+class LogThrottle:
     """Tells whether it is time to say something again."""
 
     def __init__(self) -> None:
-        self._said: dict[Hashable, int] = {}
+        self._last_times: dict[Hashable, int] = {}
 
-    def may_say(self, what: Hashable, now: int) -> bool:
-        """Tell whether `what` was not said within the last second, and take it as said."""
-        said = self._said.get(what)
-        if said is not None and now - said < PERIOD:
+    def allows(self, key: Hashable, now: int) -> bool:
+        """Tell whether `key` was not said within the last second, and take it as said."""
+        last_time = self._last_times.get(key)
+        if last_time is not None and now - last_time < PERIOD:
             return False
-        self._said[what] = now
+        self._last_times[key] = now
         return True

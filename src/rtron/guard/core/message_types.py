@@ -6,23 +6,23 @@ from rtron.errors import InputError
 from rtron.guard.transport.common.protocol import TypeInfo
 from rtron.messages.common.definition import Definition
 from rtron.messages.common.definition_parser import parse_definition
-from rtron.messages.common.definition_registry import Definitions, standard_text
+from rtron.messages.common.definition_registry import DefinitionRegistry, standard_text
 from rtron.messages.common.encoding import Encoding
 from rtron.messages.common.stamp import stamp_reader
 from rtron.messages.common.velocity import VELOCITY_TYPES, VelocityCodec, velocity_codec
 from rtron.policies.velocity_limit.frame_rate import NO_STAMP
 from rtron.vocabulary import normalise_type
 
-_STANDARD = {
-    Encoding.ROS1: Definitions(),
-    Encoding.CDR: Definitions(ros=2),
+_STANDARD_DEFINITIONS = {
+    Encoding.ROS1: DefinitionRegistry(),
+    Encoding.CDR: DefinitionRegistry(ros=2),
 }
 
 
 def standard_info(type: str, encoding: Encoding) -> TypeInfo | None:
     """Return what a publisher of a standard type would say; None if the type is not standard."""
     name = normalise_type(type)
-    definition = _known(name, encoding)
+    definition = _known_definition(name, encoding)
     text = standard_text(name, 1 if encoding is Encoding.ROS1 else 2)
     if definition is None or text is None:
         return None
@@ -46,22 +46,22 @@ def stamp_of(info: TypeInfo, encoding: Encoding) -> Callable[[bytes], int]:
 
 def _definition(info: TypeInfo, encoding: Encoding) -> Definition | None:
     """Return what the publisher's MD5 sum stands for: its own text, or what is known here."""
-    told = _told(info)
-    if told and told.md5sum == info.md5sum:
-        return told
-    known = _known(info.type, encoding)
+    stated = _stated_definition(info)
+    if stated and stated.md5sum == info.md5sum:
+        return stated
+    known = _known_definition(info.type, encoding)
     return known if known and known.md5sum == info.md5sum else None
 
 
-def _known(type: str, encoding: Encoding) -> Definition | None:
+def _known_definition(type: str, encoding: Encoding) -> Definition | None:
     """Return the definition of a type that is standard, or installed; None if it is of no use."""
     try:
-        return _STANDARD[encoding].find(type)
+        return _STANDARD_DEFINITIONS[encoding].find(type)
     except InputError:
         return None
 
 
-def _told(info: TypeInfo) -> Definition | None:
+def _stated_definition(info: TypeInfo) -> Definition | None:
     try:
         return parse_definition(info.type, info.definition)
     except InputError:

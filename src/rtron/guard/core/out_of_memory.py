@@ -7,19 +7,19 @@ import mmap
 import os
 from typing import NoReturn
 
-_LEAST = 1 << 20
+_PROBE_SIZE = 1 << 20
 _LAST_WORDS = b"ERROR out of memory: the process ends\n"
 
 
-def end_starved() -> NoReturn:
+def exit_out_of_memory() -> NoReturn:
     """End the process at once; nothing here needs memory."""
     os.write(2, _LAST_WORDS)
     os._exit(os.EX_OSERR)
 
 
-def end_if_starving() -> None:
+def exit_if_out_of_memory() -> None:
     """End the process while it still can, if the system does not even give it 1 MiB."""
     try:
-        mmap.mmap(-1, _LEAST).close()
+        mmap.mmap(-1, _PROBE_SIZE).close()
     except (OSError, MemoryError):
-        end_starved()
+        exit_out_of_memory()

@@ -8,29 +8,31 @@ from rtron.guard.transport.common.protocol import TypeInfo
 from rtron.messages.common.encoding import Encoding
 
 _F64 = struct.Struct("<d")
-_ALIGNED = 4
+_ALIGNMENT = 4
 
 STRING = TypeInfo("std_msgs/String", "992ce8a1687cec8c8bd883ec73ca41d1", "string data\n")
 FLOAT64 = TypeInfo("std_msgs/Float64", "fdb28210bfa9d7c91146260178d9a584", "float64 data\n")
-_RULE = "=" * 80
+_SEPARATOR = "=" * 80
 
 
-def _diagnostics(md5sum: str, header: str) -> TypeInfo:
+def _diagnostics_type(md5sum: str, header: str) -> TypeInfo:
     return TypeInfo(
         "diagnostic_msgs/DiagnosticArray",
         md5sum,
         "Header header\nDiagnosticStatus[] status\n"
-        f"{_RULE}\nMSG: std_msgs/Header\n{header}string frame_id\n"
-        f"{_RULE}\nMSG: diagnostic_msgs/DiagnosticStatus\n"
+        f"{_SEPARATOR}\nMSG: std_msgs/Header\n{header}string frame_id\n"
+        f"{_SEPARATOR}\nMSG: diagnostic_msgs/DiagnosticStatus\n"
         "byte OK=0\nbyte WARN=1\nbyte ERROR=2\nbyte STALE=3\n"
         "byte level\nstring name\nstring message\nstring hardware_id\nKeyValue[] values\n"
-        f"{_RULE}\nMSG: diagnostic_msgs/KeyValue\nstring key\nstring value\n",
+        f"{_SEPARATOR}\nMSG: diagnostic_msgs/KeyValue\nstring key\nstring value\n",
     )
 
 
 DIAGNOSTICS = {
-    Encoding.ROS1: _diagnostics("60810da900de1dd6ddd437c3503511da", "uint32 seq\ntime stamp\n"),
-    Encoding.CDR: _diagnostics(
+    Encoding.ROS1: _diagnostics_type(
+        "60810da900de1dd6ddd437c3503511da", "uint32 seq\ntime stamp\n"
+    ),
+    Encoding.CDR: _diagnostics_type(
         "5174d6fb6863edc1c01a605da45a367f", "builtin_interfaces/Time stamp\n"
     ),
 }
@@ -48,7 +50,7 @@ class Status:
     values: Mapping[str, str]
 
 
-class Writer:
+class MessageWriter:
     """Writes one message, field by field; alignment is counted from the body's first byte."""
 
     def __init__(self, encoding: Encoding) -> None:
@@ -62,7 +64,7 @@ class Writer:
     def uint32(self, value: int) -> None:
         """Write 4 bytes, least first."""
         if self._encoding is Encoding.CDR:
-            self._body += bytes(-len(self._body) % _ALIGNED)
+            self._body += bytes(-len(self._body) % _ALIGNMENT)
         self._body += value.to_bytes(4, "little")
 
     def string(self, text: str) -> None:
@@ -80,7 +82,7 @@ class Writer:
 
 def string_message(encoding: Encoding, text: str) -> bytes:
     """Return a std_msgs/String."""
-    writer = Writer(encoding)
+    writer = MessageWriter(encoding)
     writer.string(text)
     return writer.message()
 
@@ -94,7 +96,7 @@ def diagnostics_message(
     encoding: Encoding, seq: int, stamp: int, statuses: Sequence[Status]
 ) -> bytes:
     """Return a diagnostic_msgs/DiagnosticArray; `stamp` is wall time in ns."""
-    writer = Writer(encoding)
+    writer = MessageWriter(encoding)
     if encoding is Encoding.ROS1:
         writer.uint32(seq)
     for part in divmod(stamp, 1_000_000_000):
@@ -106,7 +108,7 @@ def diagnostics_message(
     return writer.message()
 
 
-def _write_status(writer: Writer, status: Status) -> None:
+def _write_status(writer: MessageWriter, status: Status) -> None:
     writer.byte(status.level)
     for text in (status.name, status.message, "rtron"):
         writer.string(text)

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 from rtron.errors import WireError
 from rtron.messages.common.velocity import VelocityCodec
-from rtron.policies.velocity_watchdog import Stopping
+from rtron.policies.velocity_watchdog import VelocityWatchdog
 from rtron.vocabulary import (
     UNAPPROVED,
     Flow,
@@ -20,66 +20,66 @@ Send = Callable[[str, bytes], None]
 """Takes the flow in whose place the guard speaks, and the message."""
 
 
-class Stopper:
+class StopController:
     """Stops what a velocity stream moves; idle on any other, and until `learn` tells its type."""
 
     def __init__(self, stream: Stream, send: Send) -> None:
         stranger = Flow(name=UNAPPROVED, publisher="*")
         self._flows = {flow.name: flow for flow in (stranger, *stream.flows)}
         commands = stream.stages[0].settings.kind is StreamKind.COMMAND
-        self._watches = commands and stream.mode is Mode.ENFORCE
+        self._is_enabled = commands and stream.mode is Mode.ENFORCE
         self._send = send
-        self._stopping = Stopping(stream.stop, self._velocity)
+        self._stopping = VelocityWatchdog(stream.stop, self._velocity)
         self._codec: VelocityCodec | None = None
-        self._last = b""
+        self._last_message = b""
 
     def learn(self, codec: VelocityCodec) -> None:
         """Take how the stream's messages are laid out."""
-        if self._watches and not codec.is_limit:
+        if self._is_enabled and not codec.is_limit:
             self._codec = codec
 
     @property
-    def knows(self) -> bool:
+    def is_ready(self) -> bool:
         """Whether it is known how the stream's messages say stop."""
         return self._codec is not None
 
     @property
-    def why(self) -> str:
+    def reason(self) -> str:
         """Why the robot is being stopped, or nothing."""
-        return self._stopping.why
+        return self._stopping.reason
 
     @property
-    def stopped(self) -> str:
+    def stopped_flow(self) -> str:
         """The flow that moved the robot last."""
-        return self._stopping.stopped
+        return self._stopping.last_flow
 
     @property
-    def stops(self) -> int:
+    def stop_count(self) -> int:
         """How often the robot was stopped."""
-        return self._stopping.stops
+        return self._stopping.stop_count
 
     @property
-    def moving(self) -> Flow | None:
+    def moving_flow(self) -> Flow | None:
         """The flow that moves the robot."""
-        return self._stopping.flow
+        return self._stopping.moving_flow
 
     @property
     def speed(self) -> float | None:
         """The speed (m/s) that went out last; None before, and where nothing is moved."""
-        velocity = self._velocity() if self._last else None
+        velocity = self._velocity() if self._last_message else None
         return velocity.speed if velocity else None
 
-    def said(self, flow: str, message: bytes, now: int) -> None:
-        """Note that a message of `flow` went out."""
+    def note_sent(self, flow: str, message: bytes, now: int) -> None:
+        """Note that a message of `moving_flow` went out."""
         if self._codec is not None:
-            self._last = message
-            self._stopping.said(self._flows[flow], now)
+            self._last_message = message
+            self._stopping.record_output(self._flows[flow], now)
 
-    def dropped(self, verdict: Verdict, now: int) -> None:
+    def note_dropped(self, verdict: Verdict, now: int) -> None:
         """Stop the robot if the flow that moves it said what cannot be judged."""
-        flow = self.moving
+        flow = self.moving_flow
         if verdict.error and flow and flow.name == verdict.flow and flow.on_error is OnError.STOP:
-            self.refuse(verdict.reason, now)
+            self.stop_motion(verdict.reason, now)
 
     def slow_down(self, limit: float, now: int) -> None:
         """Say again what moves the robot at no more than `limit` (m/s), if that is less.
@@ -89,40 +89,44 @@ class Stopper:
         velocity = self._velocity()
         if self._codec is None or velocity is None or velocity.speed <= limit:
             return
-        if self._stopping.released:
-            self.refuse(f"the limit has fallen to {limit:g} m/s", now)
+        if self._stopping.is_released:
+            self.stop_motion(f"the limit has fallen to {limit:g} m/s", now)
             return
-        self._last = self._codec.encode(self._last, velocity.at_most(limit))
-        self._send(self.stopped, self._last)
+        self._last_message = self._codec.encode(self._last_message, velocity.at_most(limit))
+        self._send(self.stopped_flow, self._last_message)
 
-    def refuse(self, why: str, now: int) -> None:
+    def stop_motion(self, why: str, now: int) -> None:
         """Stop the robot: what moves it may not go on."""
         self._stopping.refuse(why, now)
 
     def brake(self, why: str, now: int) -> None:
-        """Stop the robot, and keep it stopped until `loosen`; nothing if this stream moves none."""
+        """Stop the robot, and keep it stopped until `release_brake`; nothing if this stream moves none."""
         if self._codec is not None:
             self._stopping.brake(why, now)
 
-    def explain(self, why: str) -> None:
+    def set_reason(self, why: str) -> None:
         """Say why the stop that is under way goes on."""
-        self._stopping.explain(why)
+        self._stopping.set_reason(why)
 
-    def loosen(self) -> None:
+    def release_brake(self) -> None:
         """Let the stop end as any other."""
-        self._stopping.loosen()
+        self._stopping.release_brake()
 
     def interrupt(self) -> None:
         """Somebody else has stopped the robot."""
-        self._stopping.interrupt()
+        self._stopping.mark_stopped_elsewhere()
 
     def tick(self, now: int) -> None:
         """Send what is due."""
         velocity = self._stopping.tick(now)
         if velocity is not None and self._codec is not None:
             rest = not velocity.linear
-            made = self._codec.rest if rest else self._codec.encode(self._last, velocity)
-            self._send(self.stopped or UNAPPROVED, made)
+            message = (
+                self._codec.zero_message
+                if rest
+                else self._codec.encode(self._last_message, velocity)
+            )
+            self._send(self.stopped_flow or UNAPPROVED, message)
 
     def deadline(self) -> int | None:
         """Return when `tick` next has something to do."""
@@ -132,7 +136,7 @@ class Stopper:
         if self._codec is None:
             return None
         try:
-            velocity = self._codec.decode(self._last)
+            velocity = self._codec.decode(self._last_message)
         except WireError:
             return None
-        return velocity if velocity.finite else None
+        return velocity if velocity.is_finite else None

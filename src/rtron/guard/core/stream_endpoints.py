@@ -5,14 +5,20 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 from functools import partial
 
-from rtron.guard.core.handover_state import Will
-from rtron.guard.core.latched_messages import Latched
+from rtron.guard.core.handover_state import HandoverState
+from rtron.guard.core.latched_messages import LatchedMessageFilter
 from rtron.guard.core.message_types import codec_of, standard_info
-from rtron.guard.core.observations import Senses
-from rtron.guard.core.printable import shown
-from rtron.guard.core.stream_outputs import Ends
-from rtron.guard.derived import with_unapproved, written_for
-from rtron.guard.transport.common.protocol import Connect, Peer, Receive, Transport, TypeInfo
+from rtron.guard.core.observations import Observations
+from rtron.guard.core.printable import printable
+from rtron.guard.core.stream_outputs import StreamOutputs
+from rtron.guard.derived import rules_md5sum, with_unapproved
+from rtron.guard.transport.common.protocol import (
+    ConnectHandler,
+    MessageHandler,
+    Peer,
+    Transport,
+    TypeInfo,
+)
 from rtron.messages.common.velocity import VelocityCodec
 from rtron.vocabulary import (
     PRIVATE_ROOT,
@@ -23,16 +29,16 @@ from rtron.vocabulary import (
     Stream,
     StreamKind,
     flow_topic,
-    names_node,
+    matches_node,
 )
 
 log = logging.getLogger(__name__)
 
-_LONGEST_NAME = 128
-_MOST_STRANGERS = 32
+_MAX_NAME_LENGTH = 128
+_MAX_STRANGERS = 32
 
 
-class Connected(ABC):
+class StreamEndpoints(ABC):
     """Closed at both ends: an approved publisher speaks on its flow's private topic.
 
     A successor listens on the private output, and what arrives under the public name is
@@ -40,148 +46,158 @@ class Connected(ABC):
     """
 
     def __init__(
-        self, stream: Stream, transport: Transport, senses: Senses, will: Will, *, dry_run: bool
+        self,
+        stream: Stream,
+        transport: Transport,
+        observations: Observations,
+        handover: HandoverState,
+        *,
+        dry_run: bool,
     ) -> None:
-        self.stream = self._complete(stream)
+        self.spec = self._with_defaults(stream)
         self.nodes = tuple(f"{PRIVATE_ROOT}/{stage.id}" for stage in stream.stages)
         self.strangers: dict[str, int] = {}
         self.dry_run = dry_run
         self._transport = transport
-        self._ends = Ends(self.stream, self.nodes, transport)
-        self._latched = Latched(stream.topic, will)
-        self._md5sum = written_for(stream, senses)
-        self._info: TypeInfo | None = None
+        self._outputs = StreamOutputs(self.spec, self.nodes, transport)
+        self._latch_filter = LatchedMessageFilter(stream.topic, handover)
+        self._rules_md5sum = rules_md5sum(stream, observations)
+        self._type_info: TypeInfo | None = None
 
     @abstractmethod
     def _receive(self, flow: str, message: bytes) -> object:
         """Take a message of a flow."""
 
     @abstractmethod
-    def _done(self, message: bytes) -> None:
+    def _on_action_done(self, message: bytes) -> None:
         """Take a message that tells that an action is done."""
 
     @abstractmethod
-    def _learned(self, codec: VelocityCodec) -> None:
+    def _on_codec(self, codec: VelocityCodec) -> None:
         """Take how the velocities in the stream's messages are laid out."""
 
-    def report(
-        self, learned: Callable[[TypeInfo], None], sent: Callable[[str, bytes], None]
+    def set_listeners(
+        self, on_type: Callable[[TypeInfo], None], on_sent: Callable[[str, bytes], None]
     ) -> None:
         """Tell from now on which type was learned, and each message that goes out."""
-        self._ends.report(learned, sent)
+        self._outputs.set_listeners(on_type, on_sent)
 
-    def _complete(self, stream: Stream) -> Stream:
+    def _with_defaults(self, stream: Stream) -> Stream:
         """Return a stream as it is guarded."""
         return with_unapproved(stream)
 
-    def _open_ends(self) -> None:
-        if self.stream.mode is Mode.ENFORCE:
-            self._ends.open()
-            for flow in self.stream.flows:
-                topic = flow_topic(self.stream.topic, flow.name)
+    def _open_endpoints(self) -> None:
+        if self.spec.mode is Mode.ENFORCE:
+            self._outputs.open()
+            for flow in self.spec.flows:
+                topic = flow_topic(self.spec.topic, flow.name)
                 self._subscribe(topic, partial(self._connect_flow, flow), (flow.publisher,))
-        self._subscribe(self.stream.topic, self._connect_public)
-        self._open_done()
+        self._subscribe(self.spec.topic, self._connect_public)
+        self._subscribe_done()
 
-    def _open_done(self) -> None:
-        if self.stream.done:
-            self._hear_successors(self.stream.done, "", self._connect_done)
+    def _subscribe_done(self) -> None:
+        if self.spec.done:
+            self._subscribe_successors(self.spec.done, "", self._connect_done)
 
-    def _hear_successors(self, topic: str, type: str, connect: Connect) -> None:
-        awaited = self.stream.successors
+    def _subscribe_successors(self, topic: str, type: str, connect: ConnectHandler) -> None:
+        awaited = self.spec.successors
         self._transport.subscribe(self.nodes[0], topic, type, connect, publishers=awaited)
 
-    def _subscribe(self, topic: str, connect: Connect, publishers: tuple[str, ...] = ()) -> None:
+    def _subscribe(
+        self, topic: str, connect: ConnectHandler, publishers: tuple[str, ...] = ()
+    ) -> None:
         self._transport.subscribe(
             self.nodes[0],
             topic,
-            self.stream.type,
+            self.spec.type,
             connect,
-            momentary=self._is_momentary,
+            is_command=self._is_momentary,
             publishers=publishers,
         )
 
-    def _connect_flow(self, flow: Flow, peer: Peer) -> Receive | None:
-        if not (peer.verified and names_node(flow.publisher, peer.node)):
-            return self._stranger(peer, f"on the private topic of {flow.name}")
-        if not self._learn(peer):
+    def _connect_flow(self, flow: Flow, peer: Peer) -> MessageHandler | None:
+        if not (peer.verified and matches_node(flow.publisher, peer.node)):
+            return self._connect_stranger(peer, f"on the private topic of {flow.name}")
+        if not self._learn_type(peer):
             return None
-        self._ends.latch(flow.name, latching=peer.latching and self._keeps(peer))
+        self._outputs.set_latching(
+            flow.name, latching=peer.latching and self._is_latched_state(peer)
+        )
         if peer.qos:
-            self._ends.offer(flow.name, peer.qos)
-        return self._taking(flow.name, peer)
+            self._outputs.offer(flow.name, peer.qos)
+        return self._receiver_for(flow.name, peer)
 
-    def _connect_public(self, peer: Peer) -> Receive | None:
-        if self.stream.mode is Mode.OBSERVE:
-            known = (f for f in self.stream.flows if names_node(f.publisher, peer.node))
-            flow = next(known, None)
+    def _connect_public(self, peer: Peer) -> MessageHandler | None:
+        if self.spec.mode is Mode.OBSERVE:
+            known_flows = (f for f in self.spec.flows if matches_node(f.publisher, peer.node))
+            flow = next(known_flows, None)
             if flow is not None:
-                return self._taking(flow.name, peer) if self._learn(peer) else None
-        return self._stranger(peer, "under the public name")
+                return self._receiver_for(flow.name, peer) if self._learn_type(peer) else None
+        return self._connect_stranger(peer, "under the public name")
 
-    def _connect_done(self, peer: Peer) -> Receive | None:
-        said_by_successor = any(names_node(each, peer.node) for each in self.stream.successors)
-        return self._done if peer.verified and said_by_successor else None
+    def _connect_done(self, peer: Peer) -> MessageHandler | None:
+        is_successor = any(matches_node(each, peer.node) for each in self.spec.successors)
+        return self._on_action_done if peer.verified and is_successor else None
 
-    def _stranger(self, peer: Peer, where: str) -> Receive | None:
-        if not self.stream.block_unapproved and not self._learn(peer):
+    def _connect_stranger(self, peer: Peer, where: str) -> MessageHandler | None:
+        if not self.spec.block_unapproved and not self._learn_type(peer):
             return None
-        name = shown(peer.node)[:_LONGEST_NAME]
-        if name in self.strangers or len(self.strangers) < _MOST_STRANGERS:
+        name = printable(peer.node)[:_MAX_NAME_LENGTH]
+        if name in self.strangers or len(self.strangers) < _MAX_STRANGERS:
             self.strangers[name] = self.strangers.get(name, 0) + 1
-        log.warning("%s: unapproved publisher %s %s", self.stream.topic, name, where)
-        if self.dry_run and not self._ends.knows(peer.info):
+        log.warning("%s: unapproved publisher %s %s", self.spec.topic, name, where)
+        if self.dry_run and not self._outputs.has_type(peer.info):
             return None
-        return self._taking(UNAPPROVED, peer)
+        return self._receiver_for(UNAPPROVED, peer)
 
-    def _taking(self, flow: str, peer: Peer) -> Receive:
+    def _receiver_for(self, flow: str, peer: Peer) -> MessageHandler:
         """Return what takes the messages of a publisher; what it has kept is done once.
 
         Of those who are blocked nothing is remembered: they are as many as they like.
         """
         take = partial(self._receive, flow)
-        is_blocked = flow == UNAPPROVED and self.stream.block_unapproved
-        once = self._goes_once(peer) and not is_blocked
-        return self._latched.once(peer.node, take) if once else take
+        is_blocked = flow == UNAPPROVED and self.spec.block_unapproved
+        once = self._needs_latch_filter(peer) and not is_blocked
+        return self._latch_filter.filter(peer.node, take) if once else take
 
-    def _goes_once(self, peer: Peer) -> bool:
+    def _needs_latch_filter(self, peer: Peer) -> bool:
         """Tell whether a publisher has kept what is to be done, and is no state: goals, commands.
 
         Of a command of ROS 1 nobody knows whether it is said again or comes again.
         """
-        commands = peer.qos is not None and not self._keeps(peer)
-        return (self._is_named_goal() or commands) and peer.latching and not self.dry_run
+        commands = peer.qos is not None and not self._is_latched_state(peer)
+        return (self._is_goal() or commands) and peer.latching and not self.dry_run
 
-    def _is_named_goal(self) -> bool:
-        is_action = self.stream.stages[0].settings.kind is StreamKind.ACTION
-        return is_action or bool(self.stream.action)
+    def _is_goal(self) -> bool:
+        is_action = self.spec.stages[0].settings.kind is StreamKind.ACTION
+        return is_action or bool(self.spec.action)
 
     def _is_momentary(self, peer: Peer) -> bool:
         """Tell whether what a publisher says is a command: neither a goal nor a state."""
-        return not (self._is_named_goal() or self.stream.done or self._keeps(peer))
+        return not (self._is_goal() or self.spec.done or self._is_latched_state(peer))
 
-    def _keeps(self, peer: Peer) -> bool:
+    def _is_latched_state(self, peer: Peer) -> bool:
         """Tell whether a late subscriber is told the last message: only of what is a state."""
-        first = self.stream.stages[0]
-        if first.coordination is CoordinationKind.GRCN:
+        first = self.spec.stages[0]
+        if first.coordination_kind is CoordinationKind.GRCN:
             return first.settings.kind is StreamKind.STATE
         codec = codec_of(peer.info, self._transport.encoding)
         return codec is None or codec.is_limit
 
-    def _learn(self, peer: Peer) -> bool:
-        fits = self.dry_run or self._md5sum in ("", peer.info.md5sum)
-        if not (fits and self._ends.learn(peer.info)):
-            told = "%s: %s has another type, %s"
-            log.error(told, self.stream.topic, peer.node, peer.info.type)
+    def _learn_type(self, peer: Peer) -> bool:
+        fits = self.dry_run or self._rules_md5sum in ("", peer.info.md5sum)
+        if not (fits and self._outputs.learn(peer.info)):
+            text = "%s: %s has another type, %s"
+            log.error(text, self.spec.topic, peer.node, peer.info.type)
             return False
-        self._info = peer.info
+        self._type_info = peer.info
         codec = codec_of(peer.info, self._transport.encoding)
         if codec:
-            self._learned(codec)
+            self._on_codec(codec)
         return True
 
     def _learn_standard(self) -> None:
         """Learn the plan's type although no publisher has told what its messages are."""
-        info = standard_info(self.stream.type, self._transport.encoding)
+        info = standard_info(self.spec.type, self._transport.encoding)
         if info:
-            self._learn(Peer("", info))
+            self._learn_type(Peer("", info))

@@ -4,19 +4,19 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from rtron.errors import PlanError
-from rtron.guard.core.observations import Senses
-from rtron.guard.core.override_policy import Overridable
-from rtron.guard.derived import written_for
+from rtron.guard.core.observations import Observations
+from rtron.guard.core.override_policy import OverridablePolicy
+from rtron.guard.derived import rules_md5sum
 from rtron.guard.stages import changed_policies
 from rtron.guard.transport.common.protocol import TypeInfo
 from rtron.messages.common.velocity import VelocityCodec
 from rtron.policies import Policy
-from rtron.policies.mission.rule_status import Standing
+from rtron.policies.mission.rule_status import RuleStatus
 from rtron.vocabulary import Stream
 
 
 @dataclass(frozen=True, slots=True)
-class Adaptation:
+class StreamUpdate:
     """Other settings of a stream, ready to be put in force.
 
     `policies` are those that change, by the coordination node; `md5sum` is that of the messages
@@ -29,27 +29,27 @@ class Adaptation:
 
 
 @dataclass(frozen=True, slots=True)
-class Learned:
+class MessageFormat:
     """What a stream's publishers have told of their messages, as far as they have."""
 
     info: TypeInfo | None
     codec: VelocityCodec | None
 
 
-def adaptation(
+def prepare_update(
     before: Stream,
     after: Stream,
-    senses: Senses,
-    standings: Mapping[str, Standing],
-    learned: Learned,
-) -> Adaptation:
+    observations: Observations,
+    rule_statuses: Mapping[str, RuleStatus],
+    format: MessageFormat,
+) -> StreamUpdate:
     """Return what puts a stream's other settings in force; PlanError if that cannot be."""
-    md5sum = written_for(after, senses)
-    if learned.info and md5sum not in ("", learned.info.md5sum):
-        told = f"{after.topic}: its messages are of another version than the rules look into"
-        raise PlanError(told)
-    policies = changed_policies(before, after, senses, standings)
+    md5sum = rules_md5sum(after, observations)
+    if format.info and md5sum not in ("", format.info.md5sum):
+        text = f"{after.topic}: its messages are of another version than the rules look into"
+        raise PlanError(text)
+    policies = changed_policies(before, after, observations, rule_statuses)
     for policy in policies.values():
-        if learned.codec and isinstance(policy, Overridable):
-            policy.learn(learned.codec)
-    return Adaptation(after, policies, md5sum)
+        if format.codec and isinstance(policy, OverridablePolicy):
+            policy.learn(format.codec)
+    return StreamUpdate(after, policies, md5sum)

@@ -5,24 +5,24 @@ from dataclasses import replace
 
 from rtron.errors import WireError
 from rtron.messages.common.velocity import VelocityCodec
-from rtron.policies.policy import Immediate, Release
-from rtron.policies.state_transfer import Asked, Carried
-from rtron.policies.velocity_limit.limiter import Limiting
+from rtron.policies.policy import ImmediatePolicy, Release
+from rtron.policies.state_transfer import PolicyState, VelocityRequest
+from rtron.policies.velocity_limit.limiter import VelocityLimiter
 from rtron.vocabulary import Decision, Velocity, Verdict
 
 
-class Decoding(Immediate):
+class VelocityAdapter(ImmediatePolicy):
     """Stands before a policy that limits velocities; what it cannot read is no velocity.
 
     Until `learn` has told the type of the messages, nothing can be read, and nothing passes.
     """
 
-    __slots__ = ("_codec", "_last", "_policy")
+    __slots__ = ("_codec", "_last_message", "_policy")
 
-    def __init__(self, policy: Limiting) -> None:
+    def __init__(self, policy: VelocityLimiter) -> None:
         self._policy = policy
         self._codec: VelocityCodec | None = None
-        self._last = b""
+        self._last_message = b""
 
     def learn(self, codec: VelocityCodec) -> None:
         """Take how the topic's messages are laid out."""
@@ -39,8 +39,8 @@ class Decoding(Immediate):
         verdict = self._policy.verdict(flow, self._read(data), now)
         if verdict.decision is Decision.DROP:
             return verdict
-        self._last = data
-        return verdict if verdict.decision is Decision.PASS else self._changed(verdict)
+        self._last_message = data
+        return verdict if verdict.decision is Decision.PASS else self._with_velocity(verdict)
 
     def refusal(self, flow: str, now: int, message: object = None) -> Verdict | None:
         """Return the policy's refusal, which does not depend on the message."""
@@ -48,24 +48,30 @@ class Decoding(Immediate):
 
     def tick(self, now: int) -> Sequence[Release]:
         """Return what goes out again, as messages."""
-        made = ((self._changed(each.verdict), each.restores) for each in self._policy.tick(now))
-        return [Release(verdict.message, verdict, restores) for verdict, restores in made]
+        encoded = (
+            (self._with_velocity(each.verdict), each.restores) for each in self._policy.tick(now)
+        )
+        return [Release(verdict.message, verdict, restores) for verdict, restores in encoded]
 
-    def again(self, now: int) -> None:
+    def reevaluate(self, now: int) -> None:
         """Let the policy look again at what was asked for last."""
-        self._policy.again(now)
+        self._policy.reevaluate(now)
 
-    def carry(self, now: int) -> Carried:
+    def export_state(self, now: int) -> PolicyState:
         """Return the policy's state, with the message that was asked for last."""
-        carried = self._policy.carry(now)
-        asked = replace(carried.asked, message=self._last) if carried.asked else None
-        return replace(carried, asked=asked)
+        carried = self._policy.export_state(now)
+        request = (
+            replace(carried.velocity_request, message=self._last_message)
+            if carried.velocity_request
+            else None
+        )
+        return replace(carried, velocity_request=request)
 
-    def resume(self, carried: Carried, now: int) -> Sequence[Release]:
+    def restore_state(self, state: PolicyState, now: int) -> Sequence[Release]:
         """Let the policy go on; what no policy has limited before may be above the limit now."""
-        asked = carried.asked or self._asked(carried.last)
-        self._last = asked.message if asked else b""
-        return self._policy.resume(replace(carried, asked=asked), now)
+        request = state.velocity_request or self._request_from(state.last_output)
+        self._last_message = request.message if request else b""
+        return self._policy.restore_state(replace(state, velocity_request=request), now)
 
     def revise(self, revision: int) -> None:
         """Tell the policy."""
@@ -80,11 +86,11 @@ class Decoding(Immediate):
         """The policy's owner."""
         return self._policy.owner
 
-    def _asked(self, last: tuple[str, bytes] | None) -> Asked | None:
+    def _request_from(self, last: tuple[str, bytes] | None) -> VelocityRequest | None:
         velocity = self._read(last[1]) if last else None
-        if last is None or not isinstance(velocity, Velocity) or not velocity.finite:
+        if last is None or not isinstance(velocity, Velocity) or not velocity.is_finite:
             return None
-        return Asked(last[0], velocity, velocity, last[1])
+        return VelocityRequest(last[0], velocity, velocity, last[1])
 
     def _read(self, message: bytes) -> Velocity | str:
         codec = self._codec
@@ -98,10 +104,15 @@ class Decoding(Immediate):
             return "a maximal velocity is not negative"
         return velocity
 
-    def _changed(self, verdict: Verdict) -> Verdict:
+    def _with_velocity(self, verdict: Verdict) -> Verdict:
         if self._codec is None or not isinstance(verdict.message, Velocity):
             raise AssertionError("only a velocity that was decoded is changed")
-        made = self._codec.encode(self._last, verdict.message)
+        message = self._codec.encode(self._last_message, verdict.message)
         return Verdict(
-            verdict.decision, verdict.flow, verdict.policy, verdict.reason, verdict.revision, made
+            verdict.decision,
+            verdict.flow,
+            verdict.policy,
+            verdict.reason,
+            verdict.revision,
+            message,
         )

@@ -16,13 +16,13 @@ log = logging.getLogger(__name__)
 _NUMBER = struct.Struct("<Q")
 
 
-class RunCounter:
+class EventCounter:
     """Counts the events of this run."""
 
     def __init__(self, folder: Path, run: str) -> None:
         self._map: mmap.mmap | bytearray = bytearray(_NUMBER.size)
         try:
-            self._map = _mapped(folder / run)
+            self._map = _map_file(folder / run)
         except OSError as error:
             log.error("what a crash of the guard loses will not be counted: %s", error)  # noqa: TRY400
         self.number = 0
@@ -34,7 +34,7 @@ class RunCounter:
         return self.number
 
 
-def _mapped(path: Path) -> mmap.mmap:
+def _map_file(path: Path) -> mmap.mmap:
     path.write_bytes(bytes(_NUMBER.size))
     with path.open("r+b") as file:
         return mmap.mmap(file.fileno(), _NUMBER.size)

@@ -8,123 +8,134 @@ from dataclasses import asdict
 from functools import partial
 from typing import Any
 
-from rtron.guard.core.coordinator import Host
+from rtron.guard.core.coordinator import Coordinator
 from rtron.guard.core.stream import GuardedStream
-from rtron.guard.link.event_counter import RunCounter
-from rtron.guard.link.stream_monitor import StreamWatch
+from rtron.guard.link.event_counter import EventCounter
+from rtron.guard.link.stream_monitor import StreamMonitor
 from rtron.guard.link.verdict_stage import stage_of
-from rtron.policies.mission.rule_status import Standing
+from rtron.policies.mission.rule_status import RuleStatus
 from rtron.vocabulary import (
     Alarm,
     Decision,
     EventKind,
     GuardEvent,
-    Level,
+    GuardEventLevel,
     Verdict,
 )
 
-Tell = Callable[[GuardEvent], None]
-_LONGEST = 300
-_LEVELS = {Decision.DROP: Level.WARNING, Decision.MODIFY: Level.WARNING}
+EventSink = Callable[[GuardEvent], None]
+_MAX_REASON = 300
+_LEVELS = {Decision.DROP: GuardEventLevel.WARNING, Decision.MODIFY: GuardEventLevel.WARNING}
 
 
-class Recorder:
+class EventRecorder:
     """Turns what a host and its streams do into events, from `watch` on.
 
-    `has_place` tells whether one more can be kept: what finds no place is counted, and told as
+    `has_capacity` tells whether one more can be kept: what finds no place is counted, and told as
     lost once there is place again.
     """
 
     def __init__(
         self,
-        host: Host,
-        counter: RunCounter,
+        host: Coordinator,
+        counter: EventCounter,
         run: str,
-        tell: Tell,
-        has_place: Callable[[], bool],
-        wall: Callable[[], int],
+        sink: EventSink,
+        has_capacity: Callable[[], bool],
+        wall_clock: Callable[[], int],
     ) -> None:
-        self.watches: dict[str, StreamWatch] = {}
-        self.changed: Callable[[], None] = lambda: None
+        self.stream_monitors: dict[str, StreamMonitor] = {}
+        self.on_change: Callable[[], None] = lambda: None
         self.revision = 0
         self._host = host
         self._counter = counter
         self._run = run
-        self._tell = tell
-        self._has_place = has_place
-        self._wall = wall
-        self._lost = 0
+        self._sink = sink
+        self._has_capacity = has_capacity
+        self._wall_clock = wall_clock
+        self._lost_count = 0
 
-    def watch(self) -> None:
+    def start(self) -> None:
         """Listen to everything; the host is open."""
-        for guarded in self._host.guarded:
-            watch = StreamWatch(guarded)
-            self.watches[f"{guarded.stream.mode} {guarded.stream.topic}"] = watch
-            guarded.pipeline.changed = partial(self._verdict, guarded)
-            self._after_told(guarded)
-        mission = self._host.senses.mission
-        mission.changed = partial(self._rule, mission.changed)
-        self._host.alarms.told = self._alarm
-        for alarm in self._host.alarms.standing:
-            self._alarm(alarm, stands=True)
+        for guarded in self._host.streams:
+            monitor = StreamMonitor(guarded)
+            self.stream_monitors[f"{guarded.spec.mode} {guarded.spec.topic}"] = monitor
+            guarded.pipeline.on_verdict_change = partial(self._record_verdict, guarded)
+            self._observe_owner(guarded)
+        mission = self._host.observations.mission
+        mission.on_change = partial(self._record_rule, mission.on_change)
+        self._host.alarms.listener = self._record_alarm
+        for alarm in self._host.alarms.active:
+            self._record_alarm(alarm, active=True)
 
-    def record(self, kind: EventKind, level: Level = Level.INFO, **values: Any) -> None:  # noqa: ANN401
+    def record(
+        self, kind: EventKind, level: GuardEventLevel = GuardEventLevel.INFO, **values: Any
+    ) -> None:  # noqa: ANN401
         """Tell an event; `values` are the fields of a GuardEvent."""
-        if not self._has_place():
-            self._lost += 1
+        if not self._has_capacity():
+            self._lost_count += 1
             return
-        if self._lost:
-            self._tell_lost()
-        self._make(kind, level, **values)
+        if self._lost_count:
+            self._record_lost()
+        self._emit(kind, level, **values)
 
-    def _tell_lost(self) -> None:
-        count, self._lost = self._lost, 0
+    def _record_lost(self) -> None:
+        count, self._lost_count = self._lost_count, 0
         reason = f"{count} events were lost: the link process was away for too long"
-        self._make(EventKind.LOST, Level.WARNING, reason=reason, values={"events": count})
+        self._emit(EventKind.LOST, GuardEventLevel.WARNING, reason=reason, values={"events": count})
 
-    def _make(self, kind: EventKind, level: Level, **values: Any) -> None:  # noqa: ANN401
-        values["reason"] = str(values.get("reason", ""))[:_LONGEST]
+    def _emit(self, kind: EventKind, level: GuardEventLevel, **values: Any) -> None:  # noqa: ANN401
+        values["reason"] = str(values.get("reason", ""))[:_MAX_REASON]
         number = self._counter.next()
         values.setdefault("revision", self.revision)
-        self._tell(
+        self._sink(
             GuardEvent(
-                run=self._run, number=number, at=self._wall(), kind=kind, level=level, **values
+                run=self._run,
+                number=number,
+                at=self._wall_clock(),
+                kind=kind,
+                level=level,
+                **values,
             )
         )
 
-    def _after_told(self, guarded: GuardedStream) -> None:
-        before = guarded.told
+    def _observe_owner(self, guarded: GuardedStream) -> None:
+        before = guarded.on_state_change
 
-        def told() -> None:
+        def record_owner() -> None:
             before()
-            self._owner(guarded)
+            self._record_owner(guarded)
 
-        guarded.told = told
+        guarded.on_state_change = record_owner
 
-    def _owner(self, guarded: GuardedStream) -> None:
-        stopping = guarded.stopper.why
+    def _record_owner(self, guarded: GuardedStream) -> None:
+        stopping = guarded.stop_controller.reason
         owner = guarded.pipeline.owner or ""
-        publishers = {flow.name: flow.publisher for flow in guarded.stream.flows}
-        node = guarded.stream.stages[0].id
+        publishers = {flow.name: flow.publisher for flow in guarded.spec.flows}
+        node = guarded.spec.stages[0].id
         self.record(
             EventKind.STOP if stopping else EventKind.OWNER,
-            Level.WARNING if stopping else Level.INFO,
+            GuardEventLevel.WARNING if stopping else GuardEventLevel.INFO,
             node=node,
-            topic=guarded.stream.topic,
+            topic=guarded.spec.topic,
             flow=owner,
             publisher=publishers.get(owner, ""),
             reason=stopping or ("" if owner else "idle"),
         )
-        self.changed()
+        self.on_change()
 
-    def _verdict(self, guarded: GuardedStream, verdict: Verdict) -> None:
-        publishers = {flow.name: flow.publisher for flow in guarded.stream.flows}
-        level = Level.ERROR if verdict.error else _LEVELS.get(verdict.decision, Level.INFO)
+    def _record_verdict(self, guarded: GuardedStream, verdict: Verdict) -> None:
+        publishers = {flow.name: flow.publisher for flow in guarded.spec.flows}
+        level = (
+            GuardEventLevel.ERROR
+            if verdict.error
+            else _LEVELS.get(verdict.decision, GuardEventLevel.INFO)
+        )
         self.record(
             EventKind.VERDICT,
             level,
-            node=stage_of(guarded.stream, verdict),
-            topic=guarded.stream.topic,
+            node=stage_of(guarded.spec, verdict),
+            topic=guarded.spec.topic,
             flow=verdict.flow,
             publisher=publishers.get(verdict.flow, ""),
             policy=verdict.policy,
@@ -133,18 +144,20 @@ class Recorder:
             revision=verdict.revision,
         )
 
-    def _rule(self, before: Callable[[Standing], None], standing: Standing) -> None:
-        before(standing)
-        level = Level.WARNING if standing.blocks else Level.INFO
-        values = {"rule": standing.rule.name, "blocks": standing.blocks}
-        node = self._host.senses.node
-        self.record(EventKind.RULE, level, node=node, reason=standing.reason, values=values)
-        self.changed()
+    def _record_rule(
+        self, former_callback: Callable[[RuleStatus], None], status: RuleStatus
+    ) -> None:
+        former_callback(status)
+        level = GuardEventLevel.WARNING if status.is_blocking else GuardEventLevel.INFO
+        values = {"rule": status.rule.name, "blocks": status.is_blocking}
+        node = self._host.observations.node
+        self.record(EventKind.RULE, level, node=node, reason=status.reason, values=values)
+        self.on_change()
 
-    def _alarm(self, alarm: Alarm, *, stands: bool) -> None:
-        kind, level = EventKind.SETTLED, Level.INFO
-        if stands:
-            kind, level = EventKind.ALARM, Level.ERROR
+    def _record_alarm(self, alarm: Alarm, *, active: bool) -> None:
+        kind, level = EventKind.ALARM_CLEARED, GuardEventLevel.INFO
+        if active:
+            kind, level = EventKind.ALARM, GuardEventLevel.ERROR
         values: Mapping[str, Any] = asdict(alarm)
         self.record(kind, level, topic=alarm.topic, reason=alarm.reason, values=values)
-        self.changed()
+        self.on_change()

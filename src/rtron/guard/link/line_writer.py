@@ -11,7 +11,7 @@ import socket
 log = logging.getLogger(__name__)
 
 
-class Mouth:
+class LineWriter:
     """Says lines to a connected socket, in their order, until it takes no more."""
 
     def __init__(self, sock: socket.socket) -> None:
@@ -20,7 +20,7 @@ class Mouth:
         self._lines: asyncio.Queue[bytes] = asyncio.Queue()
         self._task = asyncio.create_task(self._run())
 
-    def say(self, line: bytes) -> None:
+    def write(self, line: bytes) -> None:
         """Say a line, as soon as those before it are said."""
         self._lines.put_nowait(line + b"\n")
 

@@ -11,61 +11,61 @@ from collections import deque
 from collections.abc import Callable
 
 from rtron.errors import WireError
-from rtron.guard.core.event_loop import Loop
+from rtron.guard.core.event_loop import EventLoop
 from rtron.vocabulary import SECOND, GuardEvent
 from rtron.wire.common.link_protocol import (
-    LONGEST,
-    MOST_EVENTS,
+    MAX_EVENTS,
+    MAX_MESSAGE_BYTES,
     Applied,
     Hello,
     NewSettings,
-    State,
+    StateReport,
     Stored,
-    event_bytes,
-    events_bytes,
-    guard_bytes,
-    to_guard,
+    decode_to_guard,
+    encode_event,
+    encode_events,
+    encode_from_guard,
 )
 
 log = logging.getLogger(__name__)
 
-GATHERING = SECOND * 8 // 100
+BATCH_DELAY = SECOND * 8 // 100
 """How long events are gathered before they are written, ns: what a kill of the guard may lose."""
-MOST = 20_000
+MAX_PENDING_EVENTS = 20_000
 """The most events that are kept for a link process that is not there."""
-_AGAIN_S = 0.5
+_RETRY_S = 0.5
 _CHUNK = 1 << 16
 
 
-class Line:
+class LinkClient:
     """Says what the guard has to say, hears settings; connects again whenever the other end goes.
 
-    `hello` is what to begin with, `state` what is so now, asked for at each connection.
+    `make_hello` is what to begin with, `make_state` what is so now, asked for at each connection.
     """
 
     def __init__(
         self,
-        loop: Loop,
+        loop: EventLoop,
         address: bytes,
-        hello: Callable[[], Hello],
-        state: Callable[[], State],
-        settings: Callable[[NewSettings], None],
+        make_hello: Callable[[], Hello],
+        make_state: Callable[[], StateReport],
+        on_settings: Callable[[NewSettings], None],
     ) -> None:
         self._loop = loop
         self._address = address
-        self._hello, self._state, self._settings = hello, state, settings
+        self._make_hello, self._make_state, self._on_settings = make_hello, make_state, on_settings
         self._sock: socket.socket | None = None
-        self._kept: deque[tuple[int, bytes]] = deque()
+        self._unacknowledged: deque[tuple[int, bytes]] = deque()
         self._unsent: deque[bytes] = deque()
-        self._out = bytearray()
-        self._in = b""
-        self._due = False
-        self._closed = False
+        self._send_buffer = bytearray()
+        self._receive_buffer = b""
+        self._is_batch_due = False
+        self._is_closed = False
 
     @property
-    def has_place(self) -> bool:
+    def has_capacity(self) -> bool:
         """Whether one more event can be kept."""
-        return len(self._kept) < MOST
+        return len(self._unacknowledged) < MAX_PENDING_EVENTS
 
     def open(self) -> None:
         """Connect, now or as soon as somebody listens."""
@@ -74,72 +74,72 @@ class Line:
         code = sock.connect_ex(self._address)
         if code:
             sock.close()
-            self._later(code)
+            self._retry_later(code)
             return
         self._sock = sock
-        self._loop.watch(sock, self._readable, self._lose)
-        self._begin()
+        self._loop.watch(sock, self._on_readable, self._disconnect)
+        self._send_greeting()
 
-    def tell(self, event: GuardEvent) -> None:
+    def queue_event(self, event: GuardEvent) -> None:
         """Keep an event, and write it in a moment."""
-        body = event_bytes(event)
-        self._kept.append((event.number, body))
+        body = encode_event(event)
+        self._unacknowledged.append((event.number, body))
         if self._sock:
             self._unsent.append(body)
-            self._soon()
+            self._schedule_batch()
 
-    def say(self, message: State | Applied) -> None:
+    def send(self, message: StateReport | Applied) -> None:
         """Write what is of no use later; without a connection it is lost."""
-        if self._sock and len(self._out) < LONGEST:
-            self._write(guard_bytes(message))
+        if self._sock and len(self._send_buffer) < MAX_MESSAGE_BYTES:
+            self._write(encode_from_guard(message))
 
     def close(self) -> None:
         """Write what is left, as far as that goes at once, and connect no more."""
-        self._closed = True
-        self._gathered()
+        self._is_closed = True
+        self._send_batch()
         if self._sock:
             self._loop.forget(self._sock)
             self._sock = None
 
-    def _begin(self) -> None:
-        self._out.clear()
-        self._in = b""
-        self._unsent = deque(body for _, body in self._kept)
-        self._write(guard_bytes(self._hello()))
-        self._write(guard_bytes(self._state()))
-        self._soon()
+    def _send_greeting(self) -> None:
+        self._send_buffer.clear()
+        self._receive_buffer = b""
+        self._unsent = deque(body for _, body in self._unacknowledged)
+        self._write(encode_from_guard(self._make_hello()))
+        self._write(encode_from_guard(self._make_state()))
+        self._schedule_batch()
 
-    def _later(self, code: int) -> None:
+    def _retry_later(self, code: int) -> None:
         if code not in (errno.ECONNREFUSED, errno.EAGAIN):
             log.warning("the link process cannot be reached: error %d", code)
-        if not self._closed:
-            self._loop.call_later(_AGAIN_S, self.open)
+        if not self._is_closed:
+            self._loop.call_later(_RETRY_S, self.open)
 
-    def _soon(self) -> None:
-        if not self._due:
-            self._due = True
-            self._loop.call_at(self._loop.now() + GATHERING, self._gathered)
+    def _schedule_batch(self) -> None:
+        if not self._is_batch_due:
+            self._is_batch_due = True
+            self._loop.call_at(self._loop.now() + BATCH_DELAY, self._send_batch)
 
-    def _gathered(self) -> None:
-        self._due = False
-        if not (self._sock and self._unsent) or len(self._out) > LONGEST:
+    def _send_batch(self) -> None:
+        self._is_batch_due = False
+        if not (self._sock and self._unsent) or len(self._send_buffer) > MAX_MESSAGE_BYTES:
             return
-        self._write(events_bytes(self._batch()))
+        self._write(encode_events(self._take_batch()))
         if self._unsent:
-            self._soon()
+            self._schedule_batch()
 
-    def _batch(self) -> list[bytes]:
+    def _take_batch(self) -> list[bytes]:
         """Take the events of one message: few enough, and short enough together."""
         batch, length = [self._unsent.popleft()], 0
-        while self._unsent and len(batch) < MOST_EVENTS // 2 and length < LONGEST // 4:
+        while self._unsent and len(batch) < MAX_EVENTS // 2 and length < MAX_MESSAGE_BYTES // 4:
             batch.append(self._unsent.popleft())
             length += len(batch[-1])
         return batch
 
     def _write(self, line: bytes) -> None:
-        idle = not self._out
-        self._out += line
-        self._out += b"\n"
+        idle = not self._send_buffer
+        self._send_buffer += line
+        self._send_buffer += b"\n"
         if idle:
             self._flush()
 
@@ -147,40 +147,40 @@ class Line:
         if self._sock is None:
             return
         try:
-            sent = self._sock.send(memoryview(self._out)[:_CHUNK])
+            sent = self._sock.send(memoryview(self._send_buffer)[:_CHUNK])
         except BlockingIOError:
             sent = 0
         except OSError as error:
-            self._lose(error)
+            self._disconnect(error)
             return
-        del self._out[:sent]
-        self._loop.await_writable(self._sock, self._flush if self._out else None)
-        if not self._out and self._unsent:
-            self._soon()
+        del self._send_buffer[:sent]
+        self._loop.await_writable(self._sock, self._flush if self._send_buffer else None)
+        if not self._send_buffer and self._unsent:
+            self._schedule_batch()
 
-    def _readable(self) -> None:
+    def _on_readable(self) -> None:
         if self._sock is None:
             return
         data = self._sock.recv(_CHUNK)
         if not data:
             raise WireError("the link process is gone")
-        *lines, self._in = (self._in + data).split(b"\n")
-        if len(self._in) > LONGEST:
+        *lines, self._receive_buffer = (self._receive_buffer + data).split(b"\n")
+        if len(self._receive_buffer) > MAX_MESSAGE_BYTES:
             raise WireError("the link process says too much at once")
         for line in lines:
-            self._heard(to_guard(line))
+            self._receive(decode_to_guard(line))
 
-    def _heard(self, message: Stored | NewSettings) -> None:
+    def _receive(self, message: Stored | NewSettings) -> None:
         if isinstance(message, NewSettings):
-            self._settings(message)
+            self._on_settings(message)
             return
-        while self._kept and self._kept[0][0] <= message.number:
-            self._kept.popleft()
+        while self._unacknowledged and self._unacknowledged[0][0] <= message.number:
+            self._unacknowledged.popleft()
 
-    def _lose(self, error: Exception) -> None:
+    def _disconnect(self, error: Exception) -> None:
         if self._sock is None:
             return
         log.info("%s", error)
         self._loop.forget(self._sock)
         self._sock = None
-        self._later(errno.ECONNREFUSED)
+        self._retry_later(errno.ECONNREFUSED)

@@ -39,7 +39,7 @@ class LinkOptions:
         )
 
     @property
-    def in_clear(self) -> bool:
+    def is_unencrypted(self) -> bool:
         """Whether the token would cross a network that others can read."""
         parts = urlsplit(self.service)
         return parts.scheme == "http" and parts.hostname not in _LOOPBACK
@@ -65,7 +65,7 @@ class LinkOptions:
         return self.state / "events.sqlite"
 
     @property
-    def runs(self) -> Path:
+    def counter_folder(self) -> Path:
         """Where each life of the guard counts its events.
 
         In memory (shm_overview(7)): a page of a file on a disk that is being flushed makes whoever
@@ -76,7 +76,7 @@ class LinkOptions:
     def prepare(self) -> None:
         """Make the folders; InputError if they cannot be used."""
         try:
-            for folder in (self.state, self.runs):
+            for folder in (self.state, self.counter_folder):
                 folder.mkdir(mode=0o700, parents=True, exist_ok=True)
                 folder.chmod(0o700)
         except OSError as error:

@@ -13,34 +13,34 @@ from dataclasses import replace
 
 from rtron.errors import RTronError, SourceError
 from rtron.guard.link.event_counter import forget_run, former_runs
-from rtron.guard.link.line_writer import Mouth
+from rtron.guard.link.line_writer import LineWriter
 from rtron.guard.link.options import LinkOptions
-from rtron.guard.link.service_connection import Post
-from rtron.guard.link.settings_file import keep_settings, read_settings
+from rtron.guard.link.service_connection import ServiceConnection
+from rtron.guard.link.settings_file import read_settings, write_settings
 from rtron.guard.link.spool import Spool
 from rtron.vocabulary import GuardEvent, Settings
 from rtron.wire.common.link_protocol import (
-    LONGEST,
+    MAX_MESSAGE_BYTES,
     Applied,
     Events,
     Hello,
     NewSettings,
-    State,
+    StateReport,
     Stored,
-    event_bytes,
-    from_guard,
-    service_bytes,
+    decode_from_guard,
+    encode_event,
+    encode_to_guard,
 )
 
 log = logging.getLogger(__name__)
 
 _CREDENTIALS = struct.Struct("3i")
-_DRAINING_S = 2.0
-_LOOK_S = 1.0
-_ALONE_S = 30.0
+_DRAIN_S = 2.0
+_CHECK_S = 1.0
+_UNUSED_S = 30.0
 _NICE = 10
 """The guard's messages go before what is told about them (nice(2), SCHED_BATCH of sched(7))."""
-_RETURN_S = 2.0
+_RECONNECT_S = 2.0
 
 
 class Relay:
@@ -49,13 +49,13 @@ class Relay:
     def __init__(self, options: LinkOptions) -> None:
         self._options = options
         self._spool = Spool(options.spool_file)
-        self._post = Post(options, self._spool, self._new_settings)
-        self._guard: Mouth | None = None
+        self._service = ServiceConnection(options, self._spool, self._on_settings)
+        self._guard_writer: LineWriter | None = None
         self._serving: set[asyncio.Task[None]] = set()
-        self._guarded = False
+        self._has_guard = False
         self._settings = read_settings(options.settings_file, time.time_ns())
-        self._before = self._settings
-        self._alone_since = time.monotonic()
+        self._former_settings = self._settings
+        self._unused_since = time.monotonic()
         self._parent = os.getppid()
 
     async def run(self, ended: asyncio.Event) -> None:
@@ -63,176 +63,183 @@ class Relay:
 
         SourceError if another link process has the same state.
         """
-        server = await asyncio.start_unix_server(self._serve, sock=self._listening(), limit=LONGEST)
-        works = [asyncio.create_task(self._post.run()), asyncio.create_task(self._needed(ended))]
+        server = await asyncio.start_unix_server(
+            self._serve, sock=self._bind(), limit=MAX_MESSAGE_BYTES
+        )
+        works = [
+            asyncio.create_task(self._service.run()),
+            asyncio.create_task(self._run_until_unneeded(ended)),
+        ]
         async with server:
             done, _ = await asyncio.wait(works, return_when=asyncio.FIRST_COMPLETED)
-            await self._drained()
-            self._guarded = bool(self._serving)
+            await self._drain()
+            self._has_guard = bool(self._serving)
             for task in self._serving:
                 task.cancel()
             await asyncio.gather(*self._serving, return_exceptions=True)
         for work in works:
             work.cancel()
         await asyncio.gather(*works, return_exceptions=True)
-        self._close()
+        self._release_files()
         for work in done:
             work.result()
 
-    def _close(self) -> None:
+    def _release_files(self) -> None:
         """Leave nothing in memory that only a guard which lives could need."""
-        if not self._guarded:
-            self._account("")
+        if not self._has_guard:
+            self._report_killed_runs("")
             with suppress(OSError):
-                self._options.runs.rmdir()
+                self._options.counter_folder.rmdir()
         self._spool.close()
 
-    def _listening(self) -> socket.socket:
+    def _bind(self) -> socket.socket:
         sock = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
         try:
             sock.bind(self._options.address)
         except OSError:
             sock.close()
-            told = f"another link process has {self._options.state}"
+            message = f"another link process has {self._options.state}"
             raise SourceError(
-                told, help="give each guard a folder of its own with --state"
+                message, help="give each guard a folder of its own with --state"
             ) from None
         sock.listen()
         return sock
 
-    async def _needed(self, ended: asyncio.Event) -> None:
+    async def _run_until_unneeded(self, ended: asyncio.Event) -> None:
         """End when told to, or when the supervisor is gone and no guard has come for a while."""
-        while not self._is_alone():
+        while not self._is_unneeded():
             with suppress(asyncio.TimeoutError):
-                await asyncio.wait_for(ended.wait(), _LOOK_S)
+                await asyncio.wait_for(ended.wait(), _CHECK_S)
                 return
 
-    def _is_alone(self) -> bool:
-        alone = self._guard is None and time.monotonic() - self._alone_since > _ALONE_S
-        return alone and os.getppid() != self._parent
+    def _is_unneeded(self) -> bool:
+        is_unused = self._guard_writer is None and time.monotonic() - self._unused_since > _UNUSED_S
+        return is_unused and os.getppid() != self._parent
 
-    async def _drained(self) -> None:
+    async def _drain(self) -> None:
         """Give what waits a moment to go."""
         with suppress(asyncio.TimeoutError):
-            await asyncio.wait_for(self._spool.emptied.wait(), _DRAINING_S)
+            await asyncio.wait_for(self._spool.is_empty.wait(), _DRAIN_S)
 
     async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-        if not _is_ours(writer):
+        if not _is_same_user(writer):
             writer.close()
             return
         if self._serving:  # a guard that was killed has said things that are not read yet
-            await asyncio.wait(self._serving, timeout=_RETURN_S)
+            await asyncio.wait(self._serving, timeout=_RECONNECT_S)
         if self._serving:
             log.warning("another guard is connected: give each its own --state")
             writer.close()
             return
-        task = asyncio.create_task(self._listen(reader, writer))
+        task = asyncio.create_task(self._receive_lines(reader, writer))
         self._serving.add(task)
         task.add_done_callback(self._serving.discard)
         with suppress(asyncio.CancelledError):
             await task
 
-    async def _listen(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-        self._guard = Mouth(writer.get_extra_info("socket"))
+    async def _receive_lines(
+        self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter
+    ) -> None:
+        self._guard_writer = LineWriter(writer.get_extra_info("socket"))
         try:
             async for line in reader:
-                self._heard(from_guard(line.rstrip(b"\n")))
+                self._receive(decode_from_guard(line.rstrip(b"\n")))
         except (RTronError, ValueError, OSError, sqlite3.Error) as error:
             log.warning("the guard's connection ends: %s", error)
         finally:
-            self._guard.close()
+            self._guard_writer.close()
             writer.close()
-            self._guard = None
-            self._alone_since = time.monotonic()
-            asyncio.get_running_loop().call_later(_RETURN_S, self._leave)
+            self._guard_writer = None
+            self._unused_since = time.monotonic()
+            asyncio.get_running_loop().call_later(_RECONNECT_S, self._withdraw)
 
-    def _leave(self) -> None:
+    def _withdraw(self) -> None:
         """Let the service see that the guard is gone, once it has what the guard said."""
-        if self._guard is None and self._spool.waiting:
-            asyncio.get_running_loop().call_later(_RETURN_S, self._leave)
-        elif self._guard is None:
-            self._post.leave()
+        if self._guard_writer is None and self._spool.waiting:
+            asyncio.get_running_loop().call_later(_RECONNECT_S, self._withdraw)
+        elif self._guard_writer is None:
+            self._service.withdraw()
 
-    def _heard(self, message: Hello | Events | State | Applied) -> None:
+    def _receive(self, message: Hello | Events | StateReport | Applied) -> None:
         if isinstance(message, Hello):
-            self._greet(message)
+            self._on_hello(message)
         elif isinstance(message, Events):
-            self._keep(message.events)
+            self._store_events(message.events)
         elif isinstance(message, Applied):
-            self._answered(message)
+            self._on_applied(message)
         else:
-            self._post.say(message)
+            self._service.queue_message(message)
 
-    def _greet(self, hello: Hello) -> None:
+    def _on_hello(self, hello: Hello) -> None:
         if self._settings and self._settings.revision > hello.revision:
-            self._give(self._settings)
-        self._post.greet(replace(hello, robot=self._options.robot))
-        self._account(hello.run)
+            self._send_settings(self._settings)
+        self._service.announce(replace(hello, robot=self._options.robot))
+        self._report_killed_runs(hello.run)
 
-    def _account(self, run: str) -> None:
+    def _report_killed_runs(self, run: str) -> None:
         """Find out what the guards before took with them when they were killed."""
-        for former, number in former_runs(self._options.runs, run):
-            missing = number - self._spool.seen(former)
+        for former, number in former_runs(self._options.counter_folder, run):
+            missing = number - self._spool.highest_number(former)
             if missing > 0:
-                self._report(missing, "the guard was killed", former)
-            forget_run(self._options.runs, former)
+                self._report_lost(missing, "the guard was killed", former)
+            forget_run(self._options.counter_folder, former)
         self._spool.prune(run)
 
-    def _keep(self, events: tuple[GuardEvent, ...]) -> None:
+    def _store_events(self, events: tuple[GuardEvent, ...]) -> None:
         if not events:
             return
-        self._spool.add((event, event_bytes(event)) for event in events)
+        self._spool.add((event, encode_event(event)) for event in events)
         if lost := self._spool.take_lost():
-            self._report(lost, "the service was away for too long")
-        self._post.has_news()
-        self._tell(Stored(run=events[-1].run, number=events[-1].number))
+            self._report_lost(lost, "the service was away for too long")
+        self._service.wake()
+        self._send(Stored(run=events[-1].run, number=events[-1].number))
 
-    def _report(self, count: int, why: str, run: str = "") -> None:
+    def _report_lost(self, count: int, why: str, run: str = "") -> None:
         event = self._spool.report_lost(time.time_ns(), count, why, run)
-        self._spool.add([(event, event_bytes(event))])
+        self._spool.add([(event, encode_event(event))])
         log.warning("%s", event.reason)
 
-    def _new_settings(self, message: NewSettings) -> None:
+    def _on_settings(self, message: NewSettings) -> None:
         """Give settings to the guard, and keep them before it can have answered.
 
         A disk that is full keeps nothing, but no stop from the robot either.
         """
         now = time.time_ns()
-        self._before, self._settings = self._settings, _by_our_clock(message, now)
-        self._give(self._settings)
-        self._store(self._settings)
+        self._former_settings, self._settings = self._settings, _in_local_time(message, now)
+        self._send_settings(self._settings)
+        self._save_settings(self._settings)
 
-    def _store(self, settings: Settings) -> None:
+    def _save_settings(self, settings: Settings) -> None:
         try:
-            keep_settings(self._options.settings_file, settings, time.time_ns())
+            write_settings(self._options.settings_file, settings, time.time_ns())
         except OSError as error:
             log.error("settings do not outlive this guard: %s", error)  # noqa: TRY400
 
-    def _answered(self, applied: Applied) -> None:
+    def _on_applied(self, applied: Applied) -> None:
         current = self._settings
         if applied.error and current and applied.revision == current.revision:
-            self._take_back(current)
-        self._post.say(applied)
+            self._restore_settings(current)
+        self._service.queue_message(applied)
 
-    def _take_back(self, refused: Settings) -> None:
+    def _restore_settings(self, refused: Settings) -> None:
         """Keep what was in force before the guard refused something; a stop is never refused."""
-        self._settings = self._before
+        self._settings = self._former_settings
         if refused.stop:
-            self._settings = replace(self._before or Settings(), stop=refused.stop)
+            self._settings = replace(self._former_settings or Settings(), stop=refused.stop)
         if self._settings:
-            self._store(self._settings)
+            self._save_settings(self._settings)
         else:
             self._options.settings_file.unlink(missing_ok=True)
 
-    def _give(self, settings: Settings) -> None:
-        self._tell(NewSettings(settings=settings, now=time.time_ns()))
+    def _send_settings(self, settings: Settings) -> None:
+        self._send(NewSettings(settings=settings, now=time.time_ns()))
 
-    def _tell(self, message: Stored | NewSettings) -> None:
-        if self._guard:
-            self._guard.say(service_bytes(message))
+    def _send(self, message: Stored | NewSettings) -> None:
+        if self._guard_writer:
+            self._guard_writer.write(encode_to_guard(message))
 
 
-def _by_our_clock(message: NewSettings, now: int) -> Settings:
+def _in_local_time(message: NewSettings, now: int) -> Settings:
     """Return settings whose times are those of this machine's clock."""
     ahead = now - message.now
     overrides = {
@@ -242,7 +249,7 @@ def _by_our_clock(message: NewSettings, now: int) -> Settings:
     return replace(message.settings, overrides=overrides)
 
 
-def _is_ours(writer: asyncio.StreamWriter) -> bool:
+def _is_same_user(writer: asyncio.StreamWriter) -> bool:
     sock = writer.get_extra_info("socket")
     data = sock.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, _CREDENTIALS.size)
     return bool(_CREDENTIALS.unpack(data)[1] == os.getuid())

@@ -14,104 +14,104 @@ from rtron.errors import RTronError
 from rtron.guard.link.options import LinkOptions
 from rtron.guard.link.spool import Row, Spool
 from rtron.wire.common.link_protocol import (
-    LONGEST,
+    MAX_MESSAGE_BYTES,
     Applied,
     Hello,
     NewSettings,
-    State,
+    StateReport,
     Stored,
-    events_bytes,
-    guard_bytes,
-    to_guard,
+    decode_to_guard,
+    encode_events,
+    encode_from_guard,
 )
 
 log = logging.getLogger(__name__)
 
 _BATCH = 500
-_BATCH_BYTES = LONGEST // 4
+_BATCH_BYTES = MAX_MESSAGE_BYTES // 4
 _IN_FLIGHT = 8 * _BATCH
-_FIRST_S, _LONGEST_S = 0.1, 10.0
-_PATIENCE_S = 10.0
+_MIN_PAUSE_S, _MAX_PAUSE_S = 0.1, 10.0
+_TIMEOUT_S = 10.0
 _FORBIDDEN = (401, 403)
 
 
-class Post:
+class ServiceConnection:
     """Keeps a connection to the service while there is a guard, or something to deliver."""
 
     def __init__(
         self,
         options: LinkOptions,
         spool: Spool,
-        settings: Callable[[NewSettings], None],
+        on_settings: Callable[[NewSettings], None],
     ) -> None:
         self._options = options
         self._spool = spool
-        self._settings = settings
+        self._on_settings = on_settings
         self._hello: Hello | None = None
-        self._to_say: list[State | Applied] = []
-        self._news = asyncio.Event()
-        self._renewed = asyncio.Event()
-        self._warned = ""
+        self._outbox: list[StateReport | Applied] = []
+        self._wake_event = asyncio.Event()
+        self._hello_changed = asyncio.Event()
+        self._last_warning = ""
 
-    def greet(self, hello: Hello) -> None:
+    def announce(self, hello: Hello) -> None:
         """Speak for this life of the guard; a connection for another one ends."""
         self._hello = hello
-        self._renewed.set()
-        self._news.set()
+        self._hello_changed.set()
+        self._wake_event.set()
 
-    def leave(self) -> None:
-        """Speak for nobody until the next `greet`."""
+    def withdraw(self) -> None:
+        """Speak for nobody until the next `announce`."""
         self._hello = None
-        self._renewed.set()
+        self._hello_changed.set()
 
-    def say(self, message: State | Applied) -> None:
+    def queue_message(self, message: StateReport | Applied) -> None:
         """Pass on what the guard says; of states only the newest waits."""
-        if isinstance(message, State):
-            self._to_say = [each for each in self._to_say if not isinstance(each, State)]
-        self._to_say.append(message)
-        self._news.set()
+        if isinstance(message, StateReport):
+            self._outbox = [each for each in self._outbox if not isinstance(each, StateReport)]
+        self._outbox.append(message)
+        self._wake_event.set()
 
-    def has_news(self) -> None:
+    def wake(self) -> None:
         """There is something new in the spool."""
-        self._news.set()
+        self._wake_event.set()
 
     async def run(self) -> None:
         """Connect, and again with a growing pause whenever that ends."""
-        pause = _FIRST_S
+        pause = _MIN_PAUSE_S
         while True:
             await self._wait_for_guard()
-            if await self._connected():
-                pause = _FIRST_S
+            if await self._serve_once():
+                pause = _MIN_PAUSE_S
             await asyncio.sleep(pause * (0.5 + random.random()))  # noqa: S311 - no secret
-            pause = min(2 * pause, _LONGEST_S)
+            pause = min(2 * pause, _MAX_PAUSE_S)
 
     async def _wait_for_guard(self) -> None:
         while self._hello is None:
-            self._news.clear()
-            await self._news.wait()
+            self._wake_event.clear()
+            await self._wake_event.wait()
 
-    async def _connected(self) -> bool:
+    async def _serve_once(self) -> bool:
         """Serve one connection until it ends; tell whether there was one."""
         try:
-            async with self._connection() as socket:
+            async with self._connect() as socket:
                 log.info("connected to %s", self._options.service)
-                self._warned = ""
+                self._last_warning = ""
                 await self._serve(socket)
                 return True
         except (OSError, InvalidHandshake, ConnectionClosed, RTronError, TimeoutError) as error:
             self._warn(error)
             return False
 
-    def _connection(self) -> connect:
+    def _connect(self) -> connect:
         secure = self._options.url.startswith("wss:")
         return connect(
             self._options.url,
             additional_headers={"Authorization": f"Bearer {self._options.token()}"},
             ssl=ssl.create_default_context(cafile=self._options.ca) if secure else None,
-            max_size=LONGEST,
-            open_timeout=_PATIENCE_S,
-            ping_interval=_PATIENCE_S,
-            ping_timeout=_PATIENCE_S,
+            max_size=MAX_MESSAGE_BYTES,
+            open_timeout=_TIMEOUT_S,
+            ping_interval=_TIMEOUT_S,
+            ping_timeout=_TIMEOUT_S,
             close_timeout=1,
             compression=None,
             proxy=None,
@@ -120,12 +120,12 @@ class Post:
     async def _serve(self, socket: ClientConnection) -> None:
         if self._hello is None:
             raise AssertionError("nobody connects without a guard")
-        self._renewed.clear()
-        await socket.send(guard_bytes(self._hello), text=True)
+        self._hello_changed.clear()
+        await socket.send(encode_from_guard(self._hello), text=True)
         works = {
             asyncio.create_task(self._deliver(socket)),
-            asyncio.create_task(self._hear(socket)),
-            asyncio.create_task(self._renewed.wait()),
+            asyncio.create_task(self._receive(socket)),
+            asyncio.create_task(self._hello_changed.wait()),
         }
         done, left = await asyncio.wait(works, return_when=asyncio.FIRST_COMPLETED)
         for task in left:
@@ -139,41 +139,41 @@ class Post:
         """Send what the guard says now, and the spool from its beginning on."""
         position = 0
         while True:
-            self._news.clear()
-            for message in self._taken():
-                await socket.send(guard_bytes(message), text=True)
-            rows = _bounded(self._spool.after(position, _BATCH))
-            if rows and len(rows) + position - self._first(position) <= _IN_FLIGHT:
+            self._wake_event.clear()
+            for message in self._take_outbox():
+                await socket.send(encode_from_guard(message), text=True)
+            rows = _bounded(self._spool.events_after(position, _BATCH))
+            if rows and len(rows) + position - self._acknowledged_position(position) <= _IN_FLIGHT:
                 position = rows[-1][0]
-                await socket.send(events_bytes(row[3] for row in rows), text=True)
+                await socket.send(encode_events(row[3] for row in rows), text=True)
             else:
-                await self._news.wait()
+                await self._wake_event.wait()
 
-    def _first(self, position: int) -> int:
+    def _acknowledged_position(self, position: int) -> int:
         """Return the position before the oldest event that the service has not confirmed."""
-        oldest = self._spool.after(0, 1)
+        oldest = self._spool.events_after(0, 1)
         return min(position, oldest[0][0] - 1) if oldest else position
 
-    def _taken(self) -> list[State | Applied]:
-        taken, self._to_say = self._to_say, []
+    def _take_outbox(self) -> list[StateReport | Applied]:
+        taken, self._outbox = self._outbox, []
         return taken
 
-    async def _hear(self, socket: ClientConnection) -> None:
+    async def _receive(self, socket: ClientConnection) -> None:
         async for frame in socket:
-            message = to_guard(frame)
+            message = decode_to_guard(frame)
             if isinstance(message, Stored):
                 self._spool.forget(message.run, message.number)
-                self._news.set()
+                self._wake_event.set()
             else:
-                self._settings(message)
+                self._on_settings(message)
 
     def _warn(self, error: Exception) -> None:
-        told = str(error)
+        message = str(error)
         if isinstance(error, InvalidStatus) and error.response.status_code in _FORBIDDEN:
-            told = f"the service refuses the token in {self._options.token_file}"
-        if told != self._warned:
-            self._warned = told
-            log.warning("not connected to %s, tried again: %s", self._options.service, told)
+            message = f"the service refuses the token in {self._options.token_file}"
+        if message != self._last_warning:
+            self._last_warning = message
+            log.warning("not connected to %s, tried again: %s", self._options.service, message)
 
 
 def _bounded(rows: Sequence[Row]) -> Sequence[Row]:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from rtron.errors import WireError
 from rtron.vocabulary import Settings
-from rtron.wire.common.link_protocol import NewSettings, service_bytes, to_guard
+from rtron.wire.common.link_protocol import NewSettings, decode_to_guard, encode_to_guard
 
 log = logging.getLogger(__name__)
 
@@ -19,7 +19,7 @@ def read_settings(path: Path, now: int) -> Settings | None:
     they are.
     """
     try:
-        message = to_guard(path.read_bytes())
+        message = decode_to_guard(path.read_bytes())
     except FileNotFoundError:
         return None
     except (OSError, WireError) as error:
@@ -30,14 +30,14 @@ def read_settings(path: Path, now: int) -> Settings | None:
     return message.settings if now >= message.now else replace(message.settings, overrides={})
 
 
-def keep_settings(path: Path, settings: Settings, now: int) -> None:
+def write_settings(path: Path, settings: Settings, now: int) -> None:
     """Write settings so that a crash at any moment leaves the old or the new ones, whole."""
-    beside = path.with_suffix(".new")
-    with beside.open("wb") as file:
-        file.write(service_bytes(NewSettings(settings=settings, now=now)))
+    temporary = path.with_suffix(".new")
+    with temporary.open("wb") as file:
+        file.write(encode_to_guard(NewSettings(settings=settings, now=now)))
         file.flush()
         os.fsync(file.fileno())
-    beside.replace(path)
+    temporary.replace(path)
     folder = os.open(path.parent, os.O_RDONLY)
     try:
         os.fsync(folder)

@@ -12,9 +12,9 @@ from pathlib import Path
 from uuid import uuid4
 
 from rtron.errors import InputError
-from rtron.vocabulary import EventKind, GuardEvent, Level
+from rtron.vocabulary import EventKind, GuardEvent, GuardEventLevel
 
-MOST = 200_000
+MAX_EVENTS = 200_000
 """Events that may wait; above it counts are dropped, above twice as many everything is."""
 _SCHEMA = """
 CREATE TABLE IF NOT EXISTS events (
@@ -32,10 +32,10 @@ Row = tuple[int, str, int, bytes]
 class Spool:
     """The events of all runs that wait, and the highest number that was ever seen of each run."""
 
-    def __init__(self, path: Path, most: int = MOST) -> None:
+    def __init__(self, path: Path, max_events: int = MAX_EVENTS) -> None:
         """InputError if the file cannot be used."""
-        self._most = most
-        self.emptied = asyncio.Event()
+        self._max_events = max_events
+        self.is_empty = asyncio.Event()
         try:
             self._db = sqlite3.connect(path, isolation_level=None)
             self._db.execute("PRAGMA journal_mode=WAL")
@@ -44,9 +44,9 @@ class Spool:
         except sqlite3.Error as error:
             help = "choose another folder with --state, or remove the file"
             raise InputError(f"{path}: {error}", help=help) from None
-        self.run = self._fact("run") or self._set("run", f"link-{uuid4().hex}")
-        self.waiting = self._one("SELECT count(*) FROM events")
-        self.lost = int(self._fact("lost") or 0)
+        self.run = self._read_fact("run") or self._write_fact("run", f"link-{uuid4().hex}")
+        self.waiting = self._query_number("SELECT count(*) FROM events")
+        self.lost = int(self._read_fact("lost") or 0)
 
     @property
     def waiting(self) -> int:
@@ -56,7 +56,7 @@ class Spool:
     @waiting.setter
     def waiting(self, number: int) -> None:
         self._waiting = number
-        self.emptied.clear() if number else self.emptied.set()
+        self.is_empty.clear() if number else self.is_empty.set()
 
     def close(self) -> None:
         """Close the file."""
@@ -70,38 +70,38 @@ class Spool:
                 cursor.execute("BEGIN")
                 for event, body in events:
                     self._add(cursor, event, body)
-                self._set("lost", str(self.lost))
+                self._write_fact("lost", str(self.lost))
         except BaseException:  # `with` has taken the transaction back
             self.waiting, self.lost = waiting, lost
             raise
 
     def report_lost(self, at: int, count: int, why: str, about: str = "") -> GuardEvent:
         """Return the event, of the link's own run, that tells how many events are missing."""
-        number = self.seen(self.run) + 1
+        number = self.highest_number(self.run) + 1
         values = {"events": count, "run": about}
         return GuardEvent(
             run=self.run,
             number=number,
             at=at,
             kind=EventKind.LOST,
-            level=Level.WARNING,
+            level=GuardEventLevel.WARNING,
             reason=f"{count} events were lost: {why}",
             values=values,
         )
 
     def take_lost(self) -> int:
         """Return how many events found no place since the last call, if there is place again."""
-        if not self.lost or self.waiting >= self._most:
+        if not self.lost or self.waiting >= self._max_events:
             return 0
         count, self.lost = self.lost, 0
         return count
 
-    def after(self, position: int, most: int) -> Sequence[Row]:
+    def events_after(self, position: int, limit: int) -> Sequence[Row]:
         """Return the next events behind a position."""
         order = "WHERE position > ? ORDER BY position LIMIT ?"
         rows = self._db.execute(
             f"SELECT position, run, number, body FROM events {order}",  # noqa: S608 - our own text
-            (position, most),
+            (position, limit),
         )
         return rows.fetchall()
 
@@ -111,9 +111,9 @@ class Spool:
         cursor = self._db.execute(f"DELETE FROM events {where}", (run, number))  # noqa: S608
         self.waiting -= cursor.rowcount
 
-    def seen(self, run: str) -> int:
+    def highest_number(self, run: str) -> int:
         """Return the highest number that was ever kept, or counted as lost, of a run."""
-        return self._one("SELECT coalesce(max(number), 0) FROM seen WHERE run = ?", run)
+        return self._query_number("SELECT coalesce(max(number), 0) FROM seen WHERE run = ?", run)
 
     def prune(self, run: str) -> None:
         """Forget the numbers of runs that are over and of which nothing waits; `run` goes on."""
@@ -122,10 +122,10 @@ class Spool:
         self._db.execute(over, (run, self.run))
 
     def _add(self, cursor: sqlite3.Cursor, event: GuardEvent, body: bytes) -> None:
-        if event.number <= self.seen(event.run):
+        if event.number <= self.highest_number(event.run):
             return
         cursor.execute("INSERT OR REPLACE INTO seen VALUES (?, ?)", (event.run, event.number))
-        bound = self._most if event.kind is EventKind.COUNTS else 2 * self._most
+        bound = self._max_events if event.kind is EventKind.COUNTS else 2 * self._max_events
         if self.waiting >= bound:
             self.lost += 1
             return
@@ -133,13 +133,13 @@ class Spool:
         cursor.execute("INSERT INTO events (run, number, body) VALUES (?, ?, ?)", row)
         self.waiting += 1
 
-    def _one(self, query: str, *values: object) -> int:
+    def _query_number(self, query: str, *values: object) -> int:
         return int(self._db.execute(query, values).fetchone()[0])
 
-    def _fact(self, name: str) -> str:
+    def _read_fact(self, name: str) -> str:
         row = self._db.execute("SELECT value FROM facts WHERE name = ?", (name,)).fetchone()
         return str(row[0]) if row else ""
 
-    def _set(self, name: str, value: str) -> str:
+    def _write_fact(self, name: str, value: str) -> str:
         self._db.execute("INSERT OR REPLACE INTO facts VALUES (?, ?)", (name, value))
         return value

@@ -9,57 +9,57 @@ from dataclasses import dataclass
 from typing import Any
 
 from rtron.errors import WireError
-from rtron.vocabulary import GUARD_NODE, PRIVATE_ROOT, SUPERVISOR_NODE, PlannedTopic
-from rtron.vocabulary.names import names_node
+from rtron.vocabulary import GUARD_NODE, PRIVATE_ROOT, SUPERVISOR_NODE, TopicAccess
+from rtron.vocabulary.names import matches_node
 from rtron.wire.ros1.xmlrpc import split_uri
 
 ROSOUT = "/rosout"
 MULTICALL = "system.multicall"
 _LONGEST_NAME = 1000
 
-Topics = Sequence[PlannedTopic]
-Rule = Callable[..., str]
+Topics = Sequence[TopicAccess]
+Check = Callable[..., str]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Api:
+class MasterMethod:
     """One method: how many parameters it takes, and its value beside an error.
 
-    `caller_api` is the place of the parameter that gives the caller's own address, 0 without one.
+    `uri_index` is the place of the parameter that gives the caller's own address, 0 without one.
     """
 
-    takes: int
-    nothing: Any
-    caller_api: int = 0
-    rule: Rule = lambda topics, *params: ""
+    parameter_count: int
+    error_value: Any
+    uri_index: int = 0
+    check: Check = lambda topics, *params: ""
 
 
-def forbidden(topics: Topics, method: str, params: Sequence[Any]) -> str:
+def denial_reason(topics: Topics, method: str, params: Sequence[Any]) -> str:
     """Return why a plan with these `planned_topics` forbids a call, or nothing if it does not.
 
     Nothing that the caller says is believed to be well-formed; what cannot be judged is forbidden.
     """
-    api = APIS.get(method)
+    api = METHODS.get(method)
     if api is None:
         return f"there is no method {method[:_LONGEST_NAME]!r} for callers of the fence"
-    if len(params) != api.takes:
-        return f"{method} takes {api.takes} parameters"
+    if len(params) != api.parameter_count:
+        return f"{method} takes {api.parameter_count} parameters"
     if not isinstance(params[0], str):
         return "a caller_id is a string"
-    return api.rule(topics, *params)
+    return api.check(topics, *params)
 
 
-def is_guards(node: str) -> bool:
+def is_guard_name(node: str) -> bool:
     """Tell whether a node name is one that only the guard goes by."""
-    return node in (GUARD_NODE, SUPERVISOR_NODE) or is_private(node)
+    return node in (GUARD_NODE, SUPERVISOR_NODE) or is_private_name(node)
 
 
-def is_private(name: str) -> bool:
+def is_private_name(name: str) -> bool:
     """Tell whether a name lies where all names are the guard's to give."""
     return name == PRIVATE_ROOT or name.startswith(PRIVATE_ROOT + "/")
 
 
-def is_clean(name: object) -> bool:
+def is_global_name(name: object) -> bool:
     """Tell whether a name is global and written as ROS resolves it, so that it means itself."""
     return (
         isinstance(name, str)
@@ -72,56 +72,56 @@ def is_clean(name: object) -> bool:
     )
 
 
-def _publish(topics: Topics, caller: str, topic: Any, _type: Any, uri: Any) -> str:  # noqa: ANN401
-    if why := _register(topics, caller, uri) or _unclean(topic):
+def _check_publish(topics: Topics, caller: str, topic: Any, _type: Any, uri: Any) -> str:  # noqa: ANN401
+    if why := _check_registration(topics, caller, uri) or _check_name(topic):
         return why
     planned = [each for each in topics if each.topic == topic]
     if not planned:
-        return f"{topic} is the guard's to publish" if is_private(topic) else ""
-    may = any(each.may_publish(caller) for each in planned)
-    return "" if may else f"the plan does not let {caller} publish {topic}"
+        return f"{topic} is the guard's to publish" if is_private_name(topic) else ""
+    is_allowed = any(each.may_publish(caller) for each in planned)
+    return "" if is_allowed else f"the plan does not let {caller} publish {topic}"
 
 
-def _subscribe(topics: Topics, caller: str, topic: Any, _type: Any, uri: Any) -> str:  # noqa: ANN401
-    if why := _register(topics, caller, uri) or _unclean(topic):
+def _check_subscribe(topics: Topics, caller: str, topic: Any, _type: Any, uri: Any) -> str:  # noqa: ANN401
+    if why := _check_registration(topics, caller, uri) or _check_name(topic):
         return why
     if topics and topic == ROSOUT and caller != ROSOUT:
         return f"all publish {ROSOUT}, and who hears it knows their addresses; use {ROSOUT}_agg"
     planned = [each for each in topics if each.topic == topic]
-    may = not planned or any(each.may_subscribe(caller) for each in planned)
-    return "" if may else f"the plan does not let {caller} subscribe {topic}"
+    is_allowed = not planned or any(each.may_subscribe(caller) for each in planned)
+    return "" if is_allowed else f"the plan does not let {caller} subscribe {topic}"
 
 
-def _serve(topics: Topics, caller: str, service: Any, _api: Any, uri: Any) -> str:  # noqa: ANN401
-    if why := _register(topics, caller, uri) or _unclean(service):
+def _check_service(topics: Topics, caller: str, service: Any, _api: Any, uri: Any) -> str:  # noqa: ANN401
+    if why := _check_registration(topics, caller, uri) or _check_name(service):
         return why
-    return f"{service} is the guard's to serve" if is_private(service) else ""
+    return f"{service} is the guard's to serve" if is_private_name(service) else ""
 
 
-def _use_param(topics: Topics, caller: str, uri: Any, _key: Any) -> str:  # noqa: ANN401
-    return _register(topics, caller, uri)
+def _check_parameter_subscription(topics: Topics, caller: str, uri: Any, _key: Any) -> str:  # noqa: ANN401
+    return _check_registration(topics, caller, uri)
 
 
-def _leave(_topics: Topics, caller: str, *_: object) -> str:
-    return _stranger(caller)
+def _check_unregister(_topics: Topics, caller: str, *_: object) -> str:
+    return _check_caller(caller)
 
 
-def _look_up(topics: Topics, _caller: str, node: Any) -> str:  # noqa: ANN401
-    if why := _unclean(node):
+def _check_lookup(topics: Topics, _caller: str, node: Any) -> str:  # noqa: ANN401
+    if why := _check_name(node):
         return why
-    private = (topic for topic in topics if is_private(topic.topic))
-    hears = any(names_node(name, node) for topic in private for name in topic.subscribers)
-    if is_guards(node) or hears:
+    private = (topic for topic in topics if is_private_name(topic.topic))
+    is_guarded = any(matches_node(name, node) for topic in private for name in topic.subscribers)
+    if is_guard_name(node) or is_guarded:
         return f"who knows the address of {node} can speak to it past the guard"
     return ""
 
 
-def _end(_topics: Topics, _caller: str, _reason: object) -> str:
+def _check_shutdown(_topics: Topics, _caller: str, _reason: object) -> str:
     return "the master ends with the fence, not before"
 
 
-def _register(_topics: Topics, caller: str, uri: object) -> str:
-    if why := _stranger(caller):
+def _check_registration(_topics: Topics, caller: str, uri: object) -> str:
+    if why := _check_caller(caller):
         return why
     try:
         split_uri(uri)
@@ -130,38 +130,48 @@ def _register(_topics: Topics, caller: str, uri: object) -> str:
     return ""
 
 
-def _stranger(caller: str) -> str:
-    if why := _unclean(caller):
+def _check_caller(caller: str) -> str:
+    if why := _check_name(caller):
         return why
-    return f"{caller} is one of the guard's names" if is_guards(caller) else ""
+    return f"{caller} is one of the guard's names" if is_guard_name(caller) else ""
 
 
-def _unclean(name: object) -> str:
-    return "" if is_clean(name) else f"{str(name)[:80]!r} is not a global name as ROS writes it"
+def _check_name(name: object) -> str:
+    return (
+        "" if is_global_name(name) else f"{str(name)[:80]!r} is not a global name as ROS writes it"
+    )
 
 
-APIS = {
-    "registerPublisher": Api(takes=4, nothing=[], caller_api=3, rule=_publish),
-    "registerSubscriber": Api(takes=4, nothing=[], caller_api=3, rule=_subscribe),
-    "registerService": Api(takes=4, nothing=0, caller_api=3, rule=_serve),
-    "subscribeParam": Api(takes=3, nothing=0, caller_api=1, rule=_use_param),
-    "unregisterPublisher": Api(takes=3, nothing=0, rule=_leave),
-    "unregisterSubscriber": Api(takes=3, nothing=0, rule=_leave),
-    "unregisterService": Api(takes=3, nothing=0, rule=_leave),
-    "unsubscribeParam": Api(takes=3, nothing=0, rule=_leave),
-    "lookupNode": Api(takes=2, nothing="", rule=_look_up),
-    "shutdown": Api(takes=2, nothing=0, rule=_end),
-    "lookupService": Api(takes=2, nothing=""),
-    "getPublishedTopics": Api(takes=2, nothing=0),
-    "getTopicTypes": Api(takes=1, nothing=[]),
-    "getSystemState": Api(takes=1, nothing=[[], [], []]),
-    "getUri": Api(takes=1, nothing=""),
-    "getPid": Api(takes=1, nothing=-1),
-    "setParam": Api(takes=3, nothing=0),
-    "deleteParam": Api(takes=2, nothing=0),
-    "getParam": Api(takes=2, nothing=0),
-    "searchParam": Api(takes=2, nothing=0),
-    "hasParam": Api(takes=2, nothing=False),
-    "getParamNames": Api(takes=1, nothing=[]),
+METHODS = {
+    "registerPublisher": MasterMethod(
+        parameter_count=4, error_value=[], uri_index=3, check=_check_publish
+    ),
+    "registerSubscriber": MasterMethod(
+        parameter_count=4, error_value=[], uri_index=3, check=_check_subscribe
+    ),
+    "registerService": MasterMethod(
+        parameter_count=4, error_value=0, uri_index=3, check=_check_service
+    ),
+    "subscribeParam": MasterMethod(
+        parameter_count=3, error_value=0, uri_index=1, check=_check_parameter_subscription
+    ),
+    "unregisterPublisher": MasterMethod(parameter_count=3, error_value=0, check=_check_unregister),
+    "unregisterSubscriber": MasterMethod(parameter_count=3, error_value=0, check=_check_unregister),
+    "unregisterService": MasterMethod(parameter_count=3, error_value=0, check=_check_unregister),
+    "unsubscribeParam": MasterMethod(parameter_count=3, error_value=0, check=_check_unregister),
+    "lookupNode": MasterMethod(parameter_count=2, error_value="", check=_check_lookup),
+    "shutdown": MasterMethod(parameter_count=2, error_value=0, check=_check_shutdown),
+    "lookupService": MasterMethod(parameter_count=2, error_value=""),
+    "getPublishedTopics": MasterMethod(parameter_count=2, error_value=0),
+    "getTopicTypes": MasterMethod(parameter_count=1, error_value=[]),
+    "getSystemState": MasterMethod(parameter_count=1, error_value=[[], [], []]),
+    "getUri": MasterMethod(parameter_count=1, error_value=""),
+    "getPid": MasterMethod(parameter_count=1, error_value=-1),
+    "setParam": MasterMethod(parameter_count=3, error_value=0),
+    "deleteParam": MasterMethod(parameter_count=2, error_value=0),
+    "getParam": MasterMethod(parameter_count=2, error_value=0),
+    "searchParam": MasterMethod(parameter_count=2, error_value=0),
+    "hasParam": MasterMethod(parameter_count=2, error_value=False),
+    "getParamNames": MasterMethod(parameter_count=1, error_value=[]),
 }
 """The methods of rosmaster (rosmaster/master_api.py); any other is refused."""

@@ -16,10 +16,10 @@ from rtron.guard.core.control_socket import control_path
 from rtron.guard.master_proxy.name_registry import is_local
 from rtron.wire.ros1.xmlrpc import split_uri
 
-_LONGEST = 1 << 12
+_MAX_BYTES = 1 << 12
 
 
-def private_master(uri: str) -> str:
+def find_private_master(uri: str) -> str:
     """Return the master behind the fence of this user at `uri`, or `uri` if there is none."""
     try:
         host, port = split_uri(uri)
@@ -27,10 +27,10 @@ def private_master(uri: str) -> str:
         return uri
     if not is_local(host):
         return uri
-    return next(filter(None, map(_told, places(port))), uri)
+    return next(filter(None, map(_announced_master, candidate_paths(port))), uri)
 
 
-def places(port: int) -> list[Path]:
+def candidate_paths(port: int) -> list[Path]:
     """Return where the fence of a public port may say what is behind it, its first choice first.
 
     It may have been started without the session's XDG_RUNTIME_DIR, by systemd for instance.
@@ -40,17 +40,17 @@ def places(port: int) -> list[Path]:
     return [folder / f"rtron-master-{port}.json" for folder in folders]
 
 
-class Announcement:
+class MasterFile:
     """Says, until closed, what is behind the fence at a port; SourceError if it cannot be said."""
 
     def __init__(self, port: int, private: str) -> None:
-        self._path = places(port)[0]
+        self._path = candidate_paths(port)[0]
         try:
             self._descriptor = _write(self._path, private)
         except OSError as error:
-            told = error.strerror or str(error)
+            reason = error.strerror or str(error)
             help = "the guard finds the master by this file; set XDG_RUNTIME_DIR to your own folder"
-            raise SourceError(f"{self._path}: {told}", help=help) from None
+            raise SourceError(f"{self._path}: {reason}", help=help) from None
 
     def close(self) -> None:
         """Take the file away, unless another fence has put its own there."""
@@ -63,7 +63,7 @@ class Announcement:
 def _write(path: Path, private: str) -> int:
     """Put a new file in the place of any other, locked before anybody can see it."""
     path.parent.mkdir(mode=0o700, exist_ok=True)
-    if not _is_own(path.parent.lstat()):
+    if not _is_private(path.parent.lstat()):
         raise PermissionError(f"others may enter {path.parent}")
     descriptor, name = mkstemp(dir=path.parent, prefix=f"{path.stem}-")  # O_EXCL, mode 600
     try:
@@ -77,7 +77,7 @@ def _write(path: Path, private: str) -> int:
     return descriptor
 
 
-def _told(path: Path) -> str:
+def _announced_master(path: Path) -> str:
     """Return what a living fence of this user says at a path; nothing if there is none."""
     try:
         return _read(path)
@@ -86,22 +86,22 @@ def _told(path: Path) -> str:
 
 
 def _read(path: Path) -> str:
-    if not _is_own(path.parent.lstat()):
+    if not _is_private(path.parent.lstat()):
         return ""
     descriptor = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)
     try:
         found = os.fstat(descriptor)
-        if not stat.S_ISREG(found.st_mode) or not _is_own(found) or not _is_locked(descriptor):
+        if not stat.S_ISREG(found.st_mode) or not _is_private(found) or not _is_locked(descriptor):
             return ""
-        told = json.loads(os.read(descriptor, _LONGEST))
-        private = told.get("private") if isinstance(told, dict) else None
+        document = json.loads(os.read(descriptor, _MAX_BYTES))
+        private = document.get("private") if isinstance(document, dict) else None
         split_uri(private)
         return str(private)
     finally:
         os.close(descriptor)
 
 
-def _is_own(found: os.stat_result) -> bool:
+def _is_private(found: os.stat_result) -> bool:
     return found.st_uid == os.getuid() and not found.st_mode & 0o077
 
 

@@ -14,30 +14,30 @@ from functools import partial
 from ipaddress import ip_address
 
 from rtron.errors import RTronError, SourceError, WireError
-from rtron.guard.core.event_loop import Loop
-from rtron.guard.master_proxy.access_rules import ROSOUT, is_guards
-from rtron.vocabulary import GUARD_NODE, SUPERVISOR_NODE, PlannedTopic
-from rtron.vocabulary.names import names_node
-from rtron.vocabulary.topic_access import ANYBODY
+from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.master_proxy.access_rules import ROSOUT, is_guard_name
+from rtron.vocabulary import GUARD_NODE, SUPERVISOR_NODE, TopicAccess
+from rtron.vocabulary.names import matches_node
+from rtron.vocabulary.topic_access import ANY_NODE
 from rtron.wire.ros1.xmlrpc import ros_call, split_uri
 
 log = logging.getLogger(__name__)
 
 CALLER = "/rtron_master"
-UNJUDGED = "whether it may could not be found out"
-_PATIENCE_S = 1.0
-_NEW_S = 5.0
+UNDECIDED = "whether it may could not be found out"
+_TIMEOUT_S = 1.0
+_REGISTRATION_TIMEOUT_S = 5.0
 """How long a node that registers may take to answer, seconds: a robot that starts is busy."""
 _WORKERS = 64
-_MOST_ASKED = 16
-_MOST_STANDS = 1 << 14
+_MAX_QUERIES = 16
+_MAX_REGISTRATIONS = 1 << 14
 _REFRESH_S = 2.0
 
-Then = Callable[[str], None]
+OnDecision = Callable[[str], None]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Stand:
+class NodeRegistration:
     """Where a node was when it registered: its slave API's address, and its process."""
 
     name: str
@@ -47,80 +47,94 @@ class Stand:
     pid: int
 
 
-class Standing:
+class NameRegistry:
     """The addresses of the nodes that the plan names, and of the guard's."""
 
-    def __init__(self, loop: Loop, topics: Sequence[PlannedTopic], private: str) -> None:
+    def __init__(self, loop: EventLoop, topics: Sequence[TopicAccess], private: str) -> None:
         self._loop = loop
         self._private = private
         named = {name for each in topics for name in (*each.publishers, *each.subscribers)}
         guards = {GUARD_NODE, SUPERVISOR_NODE} if topics else set()
-        self._guards = sorted(guards.union(filter(is_guards, named)))
-        self._named = sorted((named | {ROSOUT}) - {ANYBODY, *self._guards}) if topics else []
-        self._stands: dict[str, Stand] = {}
-        self._asked: Counter[str] = Counter()
-        self._waiting: dict[tuple[str, str], list[Then]] = {}
+        self._guard_names = sorted(guards.union(filter(is_guard_name, named)))
+        self._planned_names = (
+            sorted((named | {ROSOUT}) - {ANY_NODE, *self._guard_names}) if topics else []
+        )
+        self._registrations: dict[str, NodeRegistration] = {}
+        self._query_counts: Counter[str] = Counter()
+        self._waiting: dict[tuple[str, str], list[OnDecision]] = {}
         self._workers = ThreadPoolExecutor(_WORKERS, thread_name_prefix="standing")
-        if self._guards:
+        if self._guard_names:
             loop.post(self._refresh)
 
     def close(self) -> None:
         """Ask no more."""
         self._workers.shutdown(wait=False, cancel_futures=True)
 
-    def admit(self, name: str, uri: str, then: Then) -> None:
-        """Find out whether `name` may register at `uri`; `then` gets why not, or nothing."""
-        others = [s for s in self._stands.values() if s.port == split_uri(uri)[1]]
-        others = [stand for stand in others if stand.name != name]
-        key = next((each for each in self._named if names_node(each, name)), "")
-        before = self._stands.get(name)
-        if not others and (not key or (before and before.uri == uri)):
-            then("")
+    def admit(self, name: str, uri: str, on_decision: OnDecision) -> None:
+        """Find out whether `name` may register at `uri`; `on_decision` gets why not, or nothing."""
+        others = [s for s in self._registrations.values() if s.port == split_uri(uri)[1]]
+        others = [registration for registration in others if registration.name != name]
+        pattern = next((each for each in self._planned_names if matches_node(each, name)), "")
+        former = self._registrations.get(name)
+        if not others and (not pattern or (former and former.uri == uri)):
+            on_decision("")
         elif waiting := self._waiting.get((name, uri)):
-            waiting.append(then)  # a node registers many topics at once
-        elif self._asked[key] >= _MOST_ASKED:
-            then(f"too many ask for the name {name} at once")
+            waiting.append(on_decision)  # a node registers many topics at once
+        elif self._query_counts[pattern] >= _MAX_QUERIES:
+            on_decision(f"too many ask for the name {name} at once")
         else:
-            self._asked[key] += 1
-            self._waiting[name, uri] = [then]
-            work = partial(_examine, name, uri, before if key else None, others, lives=bool(key))
-            self._ask(work, partial(self._examined, key, (name, uri), before))
+            self._query_counts[pattern] += 1
+            self._waiting[name, uri] = [on_decision]
+            work = partial(
+                _examine, name, uri, former if pattern else None, others, must_answer=bool(pattern)
+            )
+            self._submit(work, partial(self._on_examined, pattern, (name, uri), former))
 
-    def _examined(
-        self, key: str, who: tuple[str, str], before: Stand | None, found: Stand | str
+    def _on_examined(
+        self,
+        pattern: str,
+        who: tuple[str, str],
+        former: NodeRegistration | None,
+        found: NodeRegistration | str,
     ) -> None:
-        self._asked[key] -= 1
-        why = found if isinstance(found, str) else self._settle(key, before, found)
-        for then in self._waiting.pop(who):
-            then(why)
+        self._query_counts[pattern] -= 1
+        why = found if isinstance(found, str) else self._register(pattern, former, found)
+        for on_decision in self._waiting.pop(who):
+            on_decision(why)
 
-    def _settle(self, key: str, before: Stand | None, found: Stand) -> str:
+    def _register(
+        self, pattern: str, former: NodeRegistration | None, found: NodeRegistration
+    ) -> str:
         """Let a node stand where it was found, unless another was faster."""
-        now = self._stands.get(found.name)
-        if now is not before and now is not None and now.uri != found.uri:
+        now = self._registrations.get(found.name)
+        if now is not former and now is not None and now.uri != found.uri:
             return f"{found.name} has just registered at another address"
-        if now is None and key != found.name and len(self._stands) >= _MOST_STANDS:
-            return f"too many nodes have stood under names like {key}"
-        if key:
-            self._stands[found.name] = found
+        if now is None and pattern != found.name and len(self._registrations) >= _MAX_REGISTRATIONS:
+            return f"too many nodes have stood under names like {pattern}"
+        if pattern:
+            self._registrations[found.name] = found
         return ""
 
     def _refresh(self) -> None:
         """Learn where the guard's nodes are: they do not register through the fence."""
 
-        def done(stands: Sequence[Stand]) -> None:
-            kept = {n: stand for n, stand in self._stands.items() if not is_guards(n)}
-            self._stands = kept | {stand.name: stand for stand in stands}
+        def done(stands: Sequence[NodeRegistration]) -> None:
+            others = {n: stand for n, stand in self._registrations.items() if not is_guard_name(n)}
+            self._registrations = others | {stand.name: stand for stand in stands}
             self._loop.call_later(_REFRESH_S, self._refresh)
 
-        self._ask(lambda: [s for node in self._guards for s in _at(self._private, node)], done, [])
+        self._submit(
+            lambda: [s for node in self._guard_names for s in _look_up_node(self._private, node)],
+            done,
+            [],
+        )
 
-    def _ask(
-        self, work: Callable[[], object], done: Callable[..., None], failed: object = UNJUDGED
+    def _submit(
+        self, work: Callable[[], object], done: Callable[..., None], failed: object = UNDECIDED
     ) -> None:
         """Do `work` in a thread and give its result to `done` in the loop's."""
 
-        def ask() -> None:
+        def run_work() -> None:
             found = failed
             try:
                 found = work()
@@ -128,40 +142,47 @@ class Standing:
                 log.exception("internal error while asking a node")
             self._loop.post(partial(done, found))
 
-        self._workers.submit(ask)
+        self._workers.submit(run_work)
 
 
 def _examine(
-    name: str, uri: str, before: Stand | None, others: Sequence[Stand], *, lives: bool
-) -> Stand | str:
+    name: str,
+    uri: str,
+    former: NodeRegistration | None,
+    others: Sequence[NodeRegistration],
+    *,
+    must_answer: bool,
+) -> NodeRegistration | str:
     """Return where a node stands, or why it may not; one that is not named need not answer."""
     host, port = split_uri(uri)
-    addresses = _resolved(host)
+    addresses = _resolve_addresses(host)
     if not addresses:
         return f"{host[:80]!r} does not resolve to an address"
     for other in others:
-        if addresses & _resolved(other.host) and _still_there(other):
+        if addresses & _resolve_addresses(other.host) and _is_alive(other):
             return f"{uri[:80]!r} is the address of {other.name}, not of {name}"
-    if before and before.uri != uri and _still_there(before):
+    if former and former.uri != uri and _is_alive(former):
         return f"{name} already stands at another address and still answers there"
-    pid = _pid(uri, _NEW_S) if lives else 0
+    pid = _query_pid(uri, _REGISTRATION_TIMEOUT_S) if must_answer else 0
     if pid is None:
         return f"{name} does not answer at {uri[:80]!r}"
-    return Stand(name=name, uri=uri, host=host, port=port, pid=pid)
+    return NodeRegistration(name=name, uri=uri, host=host, port=port, pid=pid)
 
 
-def _still_there(stand: Stand) -> bool:
+def _is_alive(registration: NodeRegistration) -> bool:
     """Tell whether a node still lives; one of this machine that hangs has not gone."""
     try:
-        return bool(ros_call(stand.uri, "getPid", CALLER, timeout=_PATIENCE_S) == stand.pid)
+        return bool(
+            ros_call(registration.uri, "getPid", CALLER, timeout=_TIMEOUT_S) == registration.pid
+        )
     except SourceError as error:
-        hangs = isinstance(error.__cause__, TimeoutError)
-        return hangs and is_local(stand.host)
+        is_hanging = isinstance(error.__cause__, TimeoutError)
+        return is_hanging and is_local(registration.host)
     except RTronError:
         return False
 
 
-def _pid(uri: str, timeout: float) -> int | None:
+def _query_pid(uri: str, timeout: float) -> int | None:
     try:
         pid = ros_call(uri, "getPid", CALLER, timeout=timeout)
     except RTronError:
@@ -169,28 +190,30 @@ def _pid(uri: str, timeout: float) -> int | None:
     return pid if isinstance(pid, int) else None
 
 
-def _at(private: str, node: str) -> list[Stand]:
+def _look_up_node(private: str, node: str) -> list[NodeRegistration]:
     """Ask the private master where a node is; nothing if there is none that answers."""
     try:
-        uri = ros_call(private, "lookupNode", CALLER, node, timeout=_PATIENCE_S)
+        uri = ros_call(private, "lookupNode", CALLER, node, timeout=_TIMEOUT_S)
         host, port = split_uri(uri)
     except (SourceError, WireError):
         return []
-    pid = _pid(uri, _PATIENCE_S)
-    return [] if pid is None else [Stand(name=node, uri=uri, host=host, port=port, pid=pid)]
+    pid = _query_pid(uri, _TIMEOUT_S)
+    return (
+        [] if pid is None else [NodeRegistration(name=node, uri=uri, host=host, port=port, pid=pid)]
+    )
 
 
-def _resolved(host: str) -> frozenset[str]:
+def _resolve_addresses(host: str) -> frozenset[str]:
     """Return a host's addresses, all of this machine's as one; none if it does not resolve."""
     try:
         found = socket.getaddrinfo(host, None, type=socket.SOCK_STREAM)
     except (OSError, UnicodeError):
         return frozenset()
     addresses = {str(where[0]) for *_, where in found}
-    return frozenset("localhost" if is_local(each) else _plain(each) for each in addresses)
+    return frozenset("localhost" if is_local(each) else _unwrap_ipv4(each) for each in addresses)
 
 
-def _plain(address: str) -> str:
+def _unwrap_ipv4(address: str) -> str:
     """Return an address of IPv4 as such, also where IPv6 wraps it."""
     parsed = ip_address(address.partition("%")[0])
     return str(getattr(parsed, "ipv4_mapped", None) or parsed)

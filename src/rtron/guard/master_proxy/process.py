@@ -5,18 +5,18 @@ import resource
 import signal
 
 from rtron.errors import SourceError
-from rtron.guard.core.event_loop import Loop
-from rtron.guard.master_proxy.master_file import Announcement
+from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.master_proxy.master_file import MasterFile
 from rtron.guard.master_proxy.rosmaster import Rosmaster
-from rtron.guard.master_proxy.server import Proxy
+from rtron.guard.master_proxy.server import MasterProxy
 from rtron.guard.transport.ros1.tcp_server import TcpServer
 from rtron.vocabulary import Plan
-from rtron.vocabulary.topic_access import planned_topics
-from rtron.wire.ros1.host_address import bind_host
+from rtron.vocabulary.topic_access import list_topic_access
+from rtron.wire.ros1.host_address import bind_address
 
 log = logging.getLogger(__name__)
 
-_LOOK_S = 0.2
+_POLL_S = 0.2
 
 
 def run_master(plan: Plan, host: str, port: int, *, private_port: int = 0) -> int:
@@ -30,11 +30,11 @@ def run_master(plan: Plan, host: str, port: int, *, private_port: int = 0) -> in
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.default_int_handler)
     _allow_many_connections()
-    loop = Loop()
+    loop = EventLoop()
     try:
         master = Rosmaster(private_port)
         try:
-            _serve(loop, plan, master, f"http://{host}:{port}/", (bind_host(host), port))
+            _serve(loop, plan, master, f"http://{host}:{port}/", (bind_address(host), port))
         finally:
             master.end()
     except KeyboardInterrupt:
@@ -44,23 +44,25 @@ def run_master(plan: Plan, host: str, port: int, *, private_port: int = 0) -> in
     return 0
 
 
-def _serve(loop: Loop, plan: Plan, master: Rosmaster, public: str, at: tuple[str, int]) -> None:
-    proxy = Proxy(loop, planned_topics(plan), master.uri, public)
-    server = _listen(loop, proxy, *at)
-    announcement = Announcement(server.port, master.uri)
+def _serve(
+    loop: EventLoop, plan: Plan, master: Rosmaster, public: str, address: tuple[str, int]
+) -> None:
+    proxy = MasterProxy(loop, list_topic_access(plan), master.uri, public)
+    server = _listen(loop, proxy, *address)
+    announcement = MasterFile(server.port, master.uri)
     try:
-        loop.post(lambda: _look_after(loop, master))
+        loop.post(lambda: _watch_master(loop, master))
         log.info("the fence stands at %s; %d topics are planned", public, len(proxy.topics))
         loop.run()
     finally:
         announcement.close()
         server.close()
         proxy.close()
-    if master.ended:
+    if master.has_ended:
         raise SourceError("rosmaster has ended, and so does the fence before it")
 
 
-def _listen(loop: Loop, proxy: Proxy, address: str, port: int) -> TcpServer:
+def _listen(loop: EventLoop, proxy: MasterProxy, address: str, port: int) -> TcpServer:
     try:
         return TcpServer(loop, address, proxy.accept, port)
     except OSError as error:
@@ -68,12 +70,12 @@ def _listen(loop: Loop, proxy: Proxy, address: str, port: int) -> TcpServer:
         raise SourceError(f"port {port}: {error.strerror}", help=help) from None
 
 
-def _look_after(loop: Loop, master: Rosmaster) -> None:
+def _watch_master(loop: EventLoop, master: Rosmaster) -> None:
     """Stop when the private master has ended."""
-    if master.ended:
+    if master.has_ended:
         loop.stop()
     else:
-        loop.call_later(_LOOK_S, lambda: _look_after(loop, master))
+        loop.call_later(_POLL_S, lambda: _watch_master(loop, master))
 
 
 def _allow_many_connections() -> None:

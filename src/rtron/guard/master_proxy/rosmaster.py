@@ -42,7 +42,7 @@ class Rosmaster:
             env=_environ(os.environ, self.uri),
             stdin=subprocess.DEVNULL,
             start_new_session=True,  # ^C is for us; we end it
-            preexec_fn=_die_with(os.getpid()),  # noqa: PLW1509 - no thread is running yet
+            preexec_fn=_exit_with_parent(os.getpid()),  # noqa: PLW1509 - no thread is running yet
         )
         try:
             self._wait()
@@ -51,14 +51,14 @@ class Rosmaster:
             raise
 
     @property
-    def ended(self) -> bool:
+    def has_ended(self) -> bool:
         """Whether it has ended by itself."""
         return self._popen.poll() is not None
 
     def end(self) -> None:
         """End it, with force if it does not listen."""
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGKILL):
-            if self.ended:
+            if self.has_ended:
                 return
             self._popen.send_signal(number)
             try:
@@ -70,7 +70,7 @@ class Rosmaster:
         """Wait until it answers, and as the child of ours that it is."""
         deadline, pause = time.monotonic() + _START_S, threading.Event()
         while self._pid() != self._popen.pid:
-            if self.ended:
+            if self.has_ended:
                 raise SourceError(f"rosmaster ended with code {self._popen.returncode}")
             if time.monotonic() > deadline:
                 raise SourceError(f"rosmaster does not answer within {_START_S:g} s")
@@ -85,8 +85,8 @@ class Rosmaster:
 
 def _environ(environ: Mapping[str, str], uri: str) -> dict[str, str]:
     """Return an environment in which rosmaster binds the loopback address only."""
-    kept = {name: text for name, text in environ.items() if name not in ("ROS_IP", "ROS_IPV6")}
-    return kept | {"ROS_HOSTNAME": "127.0.0.1", "ROS_MASTER_URI": uri}
+    inherited = {name: text for name, text in environ.items() if name not in ("ROS_IP", "ROS_IPV6")}
+    return inherited | {"ROS_HOSTNAME": "127.0.0.1", "ROS_MASTER_URI": uri}
 
 
 def _free_port() -> int:
@@ -96,7 +96,7 @@ def _free_port() -> int:
         return port
 
 
-def _die_with(parent: int) -> Callable[[], None]:
+def _exit_with_parent(parent: int) -> Callable[[], None]:
     """Return what makes a child end when its parent does, however that ends (prctl(2))."""
     prctl = ctypes.CDLL(None, use_errno=True).prctl
 

@@ -11,43 +11,43 @@ _LAGGING = 10
 _FRESH = 3
 
 
-class Phases:
-    """The phases of one speaker; `last` is when it was heard last (ns), None before."""
+class ActivityPhases:
+    """The phases of one speaker; `last_time` is when it was heard last (ns), None before."""
 
-    __slots__ = ("_gaps", "_limit", "_usual", "last", "messages")
+    __slots__ = ("_gaps", "_limit", "_typical_gap", "last_time", "messages")
 
     def __init__(self) -> None:
         self._gaps = Histogram[int]()
-        self._usual = 0
+        self._typical_gap = 0
         self._limit = SECOND
-        self.last: int | None = None
+        self.last_time: int | None = None
         self.messages = 0
 
-    def heard(self, now: int) -> int | None:
+    def add_message(self, now: int) -> int | None:
         """Note that it spoke at `now`; return the gap (ns) within its phase, None if one begins."""
         self.messages += 1
-        last, self.last = self.last, now
+        last, self.last_time = self.last_time, now
         if last is None:
             return None
         gap = max(now - last, 0)
         self._gaps.add(gap)
         if not self._gaps.count & (self._gaps.count - 1):
-            self._learn()
+            self._update_limit()
         return gap if gap <= self._limit else None
 
-    def speaks(self, now: int) -> bool:
+    def is_active(self, now: int) -> bool:
         """Tell whether it is in the midst of a phase, by its usual gap."""
-        return self.last is not None and now - self.last <= _FRESH * self._usual
+        return self.last_time is not None and now - self.last_time <= _FRESH * self._typical_gap
 
-    def over(self, now: int) -> bool:
+    def is_over(self, now: int) -> bool:
         """Tell whether its last phase is over."""
-        return self.last is not None and now - self.last > self._limit
+        return self.last_time is not None and now - self.last_time > self._limit
 
-    def parted(self) -> tuple[Histogram[int], Histogram[int]]:
+    def gaps_and_pauses(self) -> tuple[Histogram[int], Histogram[int]]:
         """Return the gaps within phases, and the pauses between them."""
-        self._learn()
-        return self._gaps.parted(self._limit)
+        self._update_limit()
+        return self._gaps.split_at(self._limit)
 
-    def _learn(self) -> None:
-        self._usual = self._gaps.quantile(0.5, 0)
-        self._limit = max(SECOND, _LAGGING * self._usual)
+    def _update_limit(self) -> None:
+        self._typical_gap = self._gaps.quantile(0.5, 0)
+        self._limit = max(SECOND, _LAGGING * self._typical_gap)

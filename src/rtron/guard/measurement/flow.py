@@ -1,14 +1,14 @@
 """What one flow does."""
 
-from rtron.guard.measurement.activity import Phases
+from rtron.guard.measurement.activity import ActivityPhases
 from rtron.guard.measurement.histogram import Histogram, duration_figures, value_figures
 from rtron.vocabulary import (
     Decision,
     Flow,
-    FlowFigures,
-    OverlapFigures,
+    FlowStatistics,
+    OverlapStatistics,
     PolicyName,
-    RefusalFigures,
+    RefusalStatistics,
     Velocity,
     Verdict,
 )
@@ -16,14 +16,14 @@ from rtron.vocabulary import (
 _LONGEST_REASON = 200
 
 
-class MeasuredFlow:
+class FlowMeasurement:
     """The figures of one flow as they grow."""
 
     __slots__ = (
+        "_activity",
         "_left_moving",
         "_moving",
         "_overlaps",
-        "_phases",
         "_refusals",
         "_speeds",
         "flow",
@@ -37,7 +37,7 @@ class MeasuredFlow:
         self.waits = Histogram[int]()
         self.takes = Histogram[int]()
         self.undone = 0
-        self._phases = Phases()
+        self._activity = ActivityPhases()
         self._speeds = Histogram[float]()
         self._moving = False
         self._left_moving = 0
@@ -47,56 +47,58 @@ class MeasuredFlow:
     @property
     def messages(self) -> int:
         """How many messages came."""
-        return self._phases.messages
+        return self._activity.messages
 
-    def heard(self, now: int) -> int | None:
+    def add_message(self, now: int) -> int | None:
         """Note a message; return the gap (ns) before it, None if a phase begins."""
-        gap = self._phases.heard(now)
+        gap = self._activity.add_message(now)
         if gap is None and self._moving:
             self._left_moving += 1
         return gap
 
-    def speaks(self, now: int) -> bool:
+    def is_active(self, now: int) -> bool:
         """Tell whether the flow is in the midst of a phase."""
-        return self._phases.speaks(now)
+        return self._activity.is_active(now)
 
-    def overlap(self, other: str, duration: int) -> None:
+    def add_overlap(self, other: str, duration: int) -> None:
         """Note that another flow spoke at the same time."""
         self._overlaps[other] = self._overlaps.get(other, 0) + duration
 
-    def asked(self, velocity: Velocity, *, moves: bool) -> None:
+    def add_velocity(self, velocity: Velocity, *, moves: bool) -> None:
         """Note a velocity; `moves` tells whether the robot goes on with it."""
         self._speeds.add(velocity.speed)
         self._moving = moves
 
-    def refused(self, verdict: Verdict) -> None:
+    def add_refusal(self, verdict: Verdict) -> None:
         """Note what would not have passed as it was."""
         key = verdict.policy, verdict.decision
         count, _ = self._refusals.get(key, (0, verdict))
         self._refusals[key] = count + 1, verdict
 
-    def figures(self, now: int, still_open: int) -> FlowFigures:
+    def figures(self, now: int, still_open: int) -> FlowStatistics:
         """Return what was measured until `now`."""
-        gaps, pauses = self._phases.parted()
-        return FlowFigures(
+        gaps, pauses = self._activity.gaps_and_pauses()
+        return FlowStatistics(
             flow=self.flow.name,
             publisher=self.flow.publisher,
             messages=self.messages,
             gaps=duration_figures(gaps),
             pauses=duration_figures(pauses),
             active=gaps.total(0),
-            left_moving=self._left_moving + (self._moving and self._phases.over(now)),
+            left_moving=self._left_moving + (self._moving and self._activity.is_over(now)),
             waits=duration_figures(self.waits),
             takes=duration_figures(self.takes),
             undone=self.undone + still_open,
             speeds=value_figures(self._speeds),
-            refusals=tuple(_refusal(*each) for each in self._refusals.values()),
-            overlaps=tuple(OverlapFigures(flow=k, duration=v) for k, v in self._overlaps.items()),
+            refusals=tuple(_refusal_figures(*each) for each in self._refusals.values()),
+            overlaps=tuple(
+                OverlapStatistics(flow=k, duration=v) for k, v in self._overlaps.items()
+            ),
         )
 
 
-def _refusal(count: int, last: Verdict) -> RefusalFigures:
-    return RefusalFigures(
+def _refusal_figures(count: int, last: Verdict) -> RefusalStatistics:
+    return RefusalStatistics(
         policy=last.policy,
         decision=last.decision,
         count=count,

@@ -8,7 +8,7 @@ a quantile is one of the values that went in.
 import math
 from typing import Generic, TypeVar
 
-from rtron.vocabulary import DurationFigures, ValueFigures
+from rtron.vocabulary import DurationStatistics, ValueStatistics
 
 N = TypeVar("N", int, float)
 _FACTOR = 1.1
@@ -46,44 +46,44 @@ class Histogram(Generic[N]):
 
     def add(self, value: N) -> None:
         """Count a number."""
-        place = _place(value)
-        bucket = self._buckets.get(place)
+        index = _bucket_index(value)
+        bucket = self._buckets.get(index)
         if bucket is None:
-            bucket = self._buckets[place] = _Bucket(value)
+            bucket = self._buckets[index] = _Bucket(value)
         bucket.add(value)
         self.count += 1
 
-    def quantile(self, part: float, otherwise: N) -> N:
+    def quantile(self, fraction: float, default: N) -> N:
         """Return a value that at least this part of all is not above, at most a tenth too high."""
-        rank, seen, found = math.ceil(part * self.count), 0, otherwise
-        for place in sorted(self._buckets):
-            if seen >= rank and seen:
+        rank, counted, quantile = math.ceil(fraction * self.count), 0, default
+        for index in sorted(self._buckets):
+            if counted >= rank and counted:
                 break
-            seen += self._buckets[place].count
-            found = self._buckets[place].greatest
-        return found
+            counted += self._buckets[index].count
+            quantile = self._buckets[index].greatest
+        return quantile
 
-    def least(self, otherwise: N) -> N:
+    def minimum(self, default: N) -> N:
         """Return the least value."""
-        return min((bucket.least for bucket in self._buckets.values()), default=otherwise)
+        return min((bucket.least for bucket in self._buckets.values()), default=default)
 
-    def total(self, nothing: N) -> N:
+    def total(self, zero: N) -> N:
         """Return the sum of all values."""
-        return sum((bucket.total for bucket in self._buckets.values()), start=nothing)
+        return sum((bucket.total for bucket in self._buckets.values()), start=zero)
 
-    def parted(self, limit: N) -> "tuple[Histogram[N], Histogram[N]]":
+    def split_at(self, limit: N) -> "tuple[Histogram[N], Histogram[N]]":
         """Return what is at most `limit`, its bucket included, and what is above."""
         low, high = Histogram[N](), Histogram[N]()
-        for place, bucket in self._buckets.items():
+        for index, bucket in self._buckets.items():
             side = low if bucket.least <= limit else high
-            side._buckets[place] = bucket  # noqa: SLF001 - its own class
+            side._buckets[index] = bucket  # noqa: SLF001 - its own class
             side.count += bucket.count
         return low, high
 
 
-def duration_figures(durations: Histogram[int]) -> DurationFigures:
+def duration_figures(durations: Histogram[int]) -> DurationStatistics:
     """Return the figures of durations (ns)."""
-    return DurationFigures(
+    return DurationStatistics(
         count=durations.count,
         p50=durations.quantile(0.5, 0),
         p99=durations.quantile(0.99, 0),
@@ -92,11 +92,11 @@ def duration_figures(durations: Histogram[int]) -> DurationFigures:
     )
 
 
-def value_figures(values: Histogram[float]) -> ValueFigures:
+def value_figures(values: Histogram[float]) -> ValueStatistics:
     """Return the figures of any values."""
-    return ValueFigures(
+    return ValueStatistics(
         count=values.count,
-        min=values.least(0.0),
+        min=values.minimum(0.0),
         p50=values.quantile(0.5, 0.0),
         p99=values.quantile(0.99, 0.0),
         p999=values.quantile(0.999, 0.0),
@@ -104,7 +104,7 @@ def value_figures(values: Histogram[float]) -> ValueFigures:
     )
 
 
-def _place(value: float) -> int:
+def _bucket_index(value: float) -> int:
     if value <= _SMALLEST:
         return 0
     return 1 + int(math.log(min(value, _LARGEST) / _SMALLEST) * _SCALE)

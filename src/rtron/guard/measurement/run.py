@@ -5,89 +5,91 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
 from rtron.errors import RTronError
-from rtron.guard.core.observations import EventSource, Senses, senses_of
+from rtron.guard.core.observations import EventSource, Observations, observations_of
 from rtron.guard.core.stream import GuardedStream
-from rtron.guard.measurement.activity import Phases
-from rtron.guard.measurement.frame_rates import MeasuredRates
+from rtron.guard.measurement.activity import ActivityPhases
+from rtron.guard.measurement.frame_rates import FrameRateMeasurement
 from rtron.guard.measurement.histogram import duration_figures
-from rtron.guard.measurement.stream import MeasuredStream
+from rtron.guard.measurement.stream import StreamMeasurement
 from rtron.guard.transport.common.protocol import Transport
-from rtron.policies.mission.rule_block import Judgement
-from rtron.vocabulary import SECOND, EventFigures, Plan, Run
+from rtron.policies.mission.rule_block import RuleResult
+from rtron.vocabulary import SECOND, EventStatistics, MeasuredRun, Plan
 
 log = logging.getLogger(__name__)
 
-Write = Callable[[Run], None]
+WriteFigures = Callable[[MeasuredRun], None]
 """Keeps the figures so far; RTronError if that is not possible."""
 
 WRITE_PERIOD = 10 * SECOND
 
 
-class Measuring:
-    """The figures of a whole plan; `senses` are what its host must use."""
+class RunMeasurement:
+    """The figures of a whole plan; `observations` are what its host must use."""
 
     def __init__(self, plan: Plan, transport: Transport) -> None:
         self._plan = plan
         self._transport = transport
-        self._began = transport.now()
-        self._rates = MeasuredRates(plan.fps_monitor)
-        self._events: dict[str, Phases] = {}
-        self._guarded: list[tuple[GuardedStream, MeasuredStream]] = []
-        senses = senses_of(plan)
-        senses.rates.monitors.update(self._rates.monitors)
-        self.senses: Senses = replace(senses, events=tuple(map(self._measured, senses.events)))
-
-    def watch(self, guarded: Iterable[GuardedStream]) -> None:
-        """Measure these streams, too, from now on."""
-        for each in guarded:
-            each.measured = MeasuredStream(each.stream, self._rates)
-            self._guarded.append((each, each.measured))
-
-    def run(self) -> Run:
-        """Return what was measured so far."""
-        now = self._transport.now()
-        return Run(
-            app=self._plan.app,
-            ros=self._plan.ros,
-            duration=now - self._began,
-            streams=tuple(
-                measured.figures(now, tuple(guarded.strangers))
-                for guarded, measured in self._guarded
-            ),
-            monitors=tuple(each.figures() for each in self._rates.monitors.values()),
-            events=tuple(_event(name, phases) for name, phases in self._events.items()),
+        self._start_time = transport.now()
+        self._rates = FrameRateMeasurement(plan.fps_monitor)
+        self._events: dict[str, ActivityPhases] = {}
+        self._streams: list[tuple[GuardedStream, StreamMeasurement]] = []
+        observations = observations_of(plan)
+        observations.rates.monitors.update(self._rates.monitors)
+        self.observations: Observations = replace(
+            observations, events=tuple(map(self._measured_source, observations.events))
         )
 
-    def keep(self, write: Write) -> None:
+    def measure(self, streams: Iterable[GuardedStream]) -> None:
+        """Measure these streams, too, from now on."""
+        for each in streams:
+            each.measurement = StreamMeasurement(each.spec, self._rates)
+            self._streams.append((each, each.measurement))
+
+    def figures(self) -> MeasuredRun:
+        """Return what was measured so far."""
+        now = self._transport.now()
+        return MeasuredRun(
+            app=self._plan.app,
+            ros=self._plan.ros,
+            duration=now - self._start_time,
+            streams=tuple(
+                measurement.figures(now, tuple(stream.strangers))
+                for stream, measurement in self._streams
+            ),
+            monitors=tuple(each.figures() for each in self._rates.monitors.values()),
+            events=tuple(_event_figures(name, phases) for name, phases in self._events.items()),
+        )
+
+    def write_periodically(self, write: WriteFigures) -> None:
         """Write the figures now, RTronError if that fails, and every now and then from now on."""
-        write(self.run())
-        self._later(write)
+        write(self.figures())
+        self._schedule_write(write)
 
-    def _later(self, write: Write) -> None:
+    def _schedule_write(self, write: WriteFigures) -> None:
         due = self._transport.now() + WRITE_PERIOD
-        self._transport.call_at(due, lambda: self._again(write))
+        self._transport.call_at(due, lambda: self._write_again(write))
 
-    def _again(self, write: Write) -> None:
+    def _write_again(self, write: WriteFigures) -> None:
         try:
-            write(self.run())
+            write(self.figures())
         except RTronError as error:
             log.error("the figures are not written: %s", error)  # noqa: TRY400 - it tells enough
-        self._later(write)
+        self._schedule_write(write)
 
-    def _measured(self, source: EventSource) -> EventSource:
-        phases = Phases()
+    def _measured_source(self, source: EventSource) -> EventSource:
+        phases = ActivityPhases()
         self._events |= {bit.flow.name: phases for bit in source.bits}
 
-        def judged(message: bytes) -> Sequence[Judgement]:
-            phases.heard(self._transport.now())
-            return source.judge(message)
+        def judgements_of(message: bytes) -> Sequence[RuleResult]:
+            phases.add_message(self._transport.now())
+            return source.evaluate(message)
 
-        return replace(source, judge=judged)
+        return replace(source, evaluate=judgements_of)
 
 
-def _event(name: str, phases: Phases) -> EventFigures:
-    gaps, pauses = phases.parted()
-    return EventFigures(
+def _event_figures(name: str, phases: ActivityPhases) -> EventStatistics:
+    gaps, pauses = phases.gaps_and_pauses()
+    return EventStatistics(
         name=name,
         messages=phases.messages,
         gaps=duration_figures(gaps),

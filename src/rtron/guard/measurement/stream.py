@@ -2,8 +2,8 @@
 
 from rtron.errors import WireError
 from rtron.guard.action.ros2.endpoints import GoalMessage
-from rtron.guard.measurement.flow import MeasuredFlow
-from rtron.guard.measurement.frame_rates import MeasuredRates
+from rtron.guard.measurement.flow import FlowMeasurement
+from rtron.guard.measurement.frame_rates import FrameRateMeasurement
 from rtron.guard.measurement.histogram import Histogram, value_figures
 from rtron.messages.common.velocity import VelocityCodec
 from rtron.messages.ros1.actions import read_goal
@@ -13,7 +13,7 @@ from rtron.vocabulary import (
     Flow,
     Mode,
     Stream,
-    StreamFigures,
+    StreamStatistics,
     Velocity,
     Verdict,
 )
@@ -25,119 +25,123 @@ MOST_OPEN = 100
 """So many goals, and so many held messages, are waited for."""
 
 
-class MeasuredStream:
+class StreamMeasurement:
     """Measures one stream; the guard tells it what arrives, what goes and what is done."""
 
-    def __init__(self, stream: Stream, rates: MeasuredRates) -> None:
-        stranger = Flow(name=UNAPPROVED, publisher="*")
+    def __init__(self, stream: Stream, rates: FrameRateMeasurement) -> None:
+        unapproved = Flow(name=UNAPPROVED, publisher="*")
         self._stream = stream
-        self._flows = {each.name: MeasuredFlow(each) for each in (*stream.flows, stranger)}
-        self._speaking: dict[str, MeasuredFlow] = {}
+        self._flows = {each.name: FlowMeasurement(each) for each in (*stream.flows, unapproved)}
+        self._active_flows: dict[str, FlowMeasurement] = {}
         self._rates = rates
         self._codec: VelocityCodec | None = None
         self._per_frame = Histogram[float]()
-        self._unseen = 0
-        self._held: dict[int, tuple[bytes, MeasuredFlow, int]] = {}
-        self._named = bool(stream.action) and stream.mode is Mode.ENFORCE
-        self._goals: dict[bytes, tuple[MeasuredFlow, int]] = {}
+        self._commands_without_frames = 0
+        self._held: dict[int, tuple[bytes, FlowMeasurement, int]] = {}
+        self._has_goal_ids = bool(stream.action) and stream.mode is Mode.ENFORCE
+        self._goals: dict[bytes, tuple[FlowMeasurement, int]] = {}
 
     def learn(self, codec: VelocityCodec) -> None:
         """Take how the stream's messages are laid out."""
         self._codec = codec
 
-    def heard(self, name: str, message: bytes, now: int, verdict: Verdict | None) -> None:
+    def add_message(self, name: str, message: bytes, now: int, verdict: Verdict | None) -> None:
         """Note a message of a flow, and what the pipeline says of it."""
         flow = self._flows[name]
-        gap = flow.heard(now)
+        gap = flow.add_message(now)
         if gap:
             self._overlap(flow, gap, now)
         if self._codec is not None:
-            self._look(flow, self._codec, message, now)
-        if self._named or self._stream.done:
-            self._open(flow, message, now)
+            self._measure_velocity(flow, self._codec, message, now)
+        if self._has_goal_ids or self._stream.done:
+            self._open_goal(flow, message, now)
         if verdict is not None and verdict.decision is not Decision.PASS:
-            flow.refused(verdict)
+            flow.add_refusal(verdict)
             if verdict.decision is Decision.HOLD:
-                self._hold(flow, message, now)
+                self._add_held(flow, message, now)
 
-    def passed(self, message: bytes, now: int) -> None:
+    def add_passed(self, message: bytes, now: int) -> None:
         """Note that a message has passed every stage, at once or after it was held."""
         held = self._held.pop(id(message), None)
         if held is not None:
             _, flow, arrived = held
             flow.waits.add(now - arrived)
 
-    def done(self, now: int) -> None:
+    def finish_goal_without_id(self, now: int) -> None:
         """Note that a goal without an id is done: the last, no other is known to be open."""
-        if not self._named:
-            self.finished(b"", now)
+        if not self._has_goal_ids:
+            self.finish_goal(b"", now)
 
-    def finished(self, goal: bytes, now: int) -> None:
+    def finish_goal(self, goal: bytes, now: int) -> None:
         """Note that the goal with this id is done."""
-        found = self._goals.pop(goal, None)
-        if found is not None:
-            flow, asked = found
-            flow.takes.add(now - asked)
+        entry = self._goals.pop(goal, None)
+        if entry is not None:
+            flow, start_time = entry
+            flow.takes.add(now - start_time)
 
-    def figures(self, now: int, strangers: tuple[str, ...]) -> StreamFigures:
+    def figures(self, now: int, strangers: tuple[str, ...]) -> StreamStatistics:
         """Return what was measured until `now`."""
         undone = [flow for flow, _ in self._goals.values()]
         flows = [flow for flow in self._flows.values() if flow.flow.name != UNAPPROVED]
-        stranger = self._flows[UNAPPROVED]
-        if stranger.messages:
-            flows.append(stranger)
-        return StreamFigures(
+        unapproved = self._flows[UNAPPROVED]
+        if unapproved.messages:
+            flows.append(unapproved)
+        return StreamStatistics(
             topic=self._stream.topic,
             mode=Mode(self._stream.mode),
             flows=tuple(flow.figures(now, undone.count(flow)) for flow in flows),
             per_frame=value_figures(self._per_frame),
-            unseen=self._unseen,
+            unseen=self._commands_without_frames,
             strangers=strangers,
         )
 
-    def _overlap(self, flow: MeasuredFlow, gap: int, now: int) -> None:
+    def _overlap(self, flow: FlowMeasurement, gap: int, now: int) -> None:
         name = flow.flow.name
-        if name not in self._speaking and len(self._speaking) >= MOST_COMPARED:
+        if name not in self._active_flows and len(self._active_flows) >= MOST_COMPARED:
             return
-        self._speaking[name] = flow
-        for other in self._speaking.values():
-            if other is not flow and other.speaks(now):
-                flow.overlap(other.flow.name, gap)
+        self._active_flows[name] = flow
+        for other in self._active_flows.values():
+            if other is not flow and other.is_active(now):
+                flow.add_overlap(other.flow.name, gap)
 
-    def _look(self, flow: MeasuredFlow, codec: VelocityCodec, message: bytes, now: int) -> None:
+    def _measure_velocity(
+        self, flow: FlowMeasurement, codec: VelocityCodec, message: bytes, now: int
+    ) -> None:
         try:
             velocity = codec.decode(message)
         except WireError:
             return
-        if velocity.finite:
-            flow.asked(velocity, moves=velocity.moves and not codec.is_limit)
-            self._compare(flow, velocity, now)
+        if velocity.is_finite:
+            flow.add_velocity(velocity, moves=velocity.is_moving and not codec.is_limit)
+            self._measure_distance_per_frame(flow, velocity, now)
 
-    def _compare(self, flow: MeasuredFlow, velocity: Velocity, now: int) -> None:
+    def _measure_distance_per_frame(
+        self, flow: FlowMeasurement, velocity: Velocity, now: int
+    ) -> None:
         """Note how far the robot would go in the time of a frame."""
         if not self._rates.monitors or flow.flow.name == UNAPPROVED:
             return
-        if self._rates.silent(now):
-            self._unseen += 1
+        if self._rates.is_silent(now):
+            self._commands_without_frames += 1
         elif fps := self._rates.least(now):
             self._per_frame.add(velocity.speed / fps)
 
-    def _hold(self, flow: MeasuredFlow, message: bytes, now: int) -> None:
+    def _add_held(self, flow: FlowMeasurement, message: bytes, now: int) -> None:
         """Keep a held message, so that its id is nobody else's; the oldest makes room."""
         if len(self._held) >= MOST_OPEN:
             del self._held[next(iter(self._held))]
         self._held[id(message)] = (message, flow, now)
 
-    def _open(self, flow: MeasuredFlow, message: bytes, now: int) -> None:
+    def _open_goal(self, flow: FlowMeasurement, message: bytes, now: int) -> None:
         """Wait for the end of a goal; of those without ids, for one: which ended is not told."""
         try:
-            goal = _goal_id(message) if self._named else b""
+            goal = _goal_id(message) if self._has_goal_ids else b""
         except WireError:
             return
         if goal in self._goals or len(self._goals) >= MOST_OPEN:
             oldest = goal if goal in self._goals else next(iter(self._goals))
-            forgotten, _ = self._goals.pop(oldest)
-            forgotten.undone += 1
+            oldest_flow, _ = self._goals.pop(oldest)
+            oldest_flow.undone += 1
         self._goals[goal] = (flow, now)
 
 

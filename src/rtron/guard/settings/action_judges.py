@@ -3,64 +3,71 @@
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 
-from rtron.guard.core.observations import ActionJudge, action_judge, looking_into
-from rtron.guard.judging import Judges
-from rtron.policies.mission.rule_block import Judgement
-from rtron.vocabulary import MSRCN, GuardedTopic, Plan, Rule, normalise_type
+from rtron.guard.core.observations import ActionEvaluator, action_evaluator, rules_reading
+from rtron.guard.judging import EvaluatorFactory
+from rtron.policies.mission.rule_block import RuleResult
+from rtron.vocabulary import MSRCN, GuardedTopic, MissionRule, Plan, normalise_type
 
 
-class ActionJudges:
+class ActionEvaluators:
     """The judges of a plan, and one for each rule, which any topic of its type can use.
 
     Compiling takes milliseconds, which the messages would wait: it is done once, and beforehand
     for the type that a rule is written for.
     """
 
-    def __init__(self, plan: Plan, planned: Mapping[str, ActionJudge]) -> None:
+    def __init__(self, plan: Plan, planned: Mapping[str, ActionEvaluator]) -> None:
         self._planned = planned
-        self._single: dict[tuple[str, str], ActionJudge] = {}
+        self._rule_evaluators: dict[tuple[str, str], ActionEvaluator] = {}
         self._plan = plan
-        for topic, rules in _looking(plan.msrcn):
+        for topic, rules in _topics_with_rules(plan.msrcn):
             for rule in rules:
-                self._of_rule(topic, rule)
+                self._rule_evaluator(topic, rule)
 
-    def of(self, msrcn: MSRCN | None) -> dict[str, ActionJudge]:
+    def for_mission(self, msrcn: MSRCN | None) -> dict[str, ActionEvaluator]:
         """Return the judge of each topic that rules look into; InputError if one cannot be."""
-        return {topic.topic: self._of_topic(topic, rules) for topic, rules in _looking(msrcn)}
+        return {
+            topic.topic: self._topic_evaluator(topic, rules)
+            for topic, rules in _topics_with_rules(msrcn)
+        }
 
     @cached_property
-    def _maker(self) -> Judges:
+    def _factory(self) -> EvaluatorFactory:
         if self._plan.msrcn is None:
             raise AssertionError("there are no rules without an MSRCN")
-        return Judges(self._plan, self._plan.msrcn)
+        return EvaluatorFactory(self._plan, self._plan.msrcn)
 
-    def _of_topic(self, topic: GuardedTopic, rules: Sequence[Rule]) -> ActionJudge:
+    def _topic_evaluator(
+        self, topic: GuardedTopic, rules: Sequence[MissionRule]
+    ) -> ActionEvaluator:
         planned = self._planned.get(topic.topic)
-        known = planned.rules if planned else ()
-        more = [self._of_rule(topic, rule) for rule in rules if rule.name not in known]
-        return _joined([planned, *more] if planned else more)
+        planned_rules = planned.rules if planned else ()
+        additional = [
+            self._rule_evaluator(topic, rule) for rule in rules if rule.name not in planned_rules
+        ]
+        return _combined([planned, *additional] if planned else additional)
 
-    def _of_rule(self, topic: GuardedTopic, rule: Rule) -> ActionJudge:
+    def _rule_evaluator(self, topic: GuardedTopic, rule: MissionRule) -> ActionEvaluator:
         key = (normalise_type(topic.type), rule.name)
-        if key not in self._single:
-            self._single[key] = action_judge(topic, [rule], self._maker)
-        return self._single[key]
+        if key not in self._rule_evaluators:
+            self._rule_evaluators[key] = action_evaluator(topic, [rule], self._factory)
+        return self._rule_evaluators[key]
 
 
-def _looking(msrcn: MSRCN | None) -> Iterator[tuple[GuardedTopic, list[Rule]]]:
+def _topics_with_rules(msrcn: MSRCN | None) -> Iterator[tuple[GuardedTopic, list[MissionRule]]]:
     if msrcn is None:
         return
     for topic in msrcn.aflows:
-        if rules := looking_into(topic, msrcn):
+        if rules := rules_reading(topic, msrcn):
             yield topic, rules
 
 
-def _joined(judges: Sequence[ActionJudge]) -> ActionJudge:
-    if len(judges) == 1:
-        return judges[0]
-    rules = tuple(rule for judge in judges for rule in judge.rules)
+def _combined(evaluators: Sequence[ActionEvaluator]) -> ActionEvaluator:
+    if len(evaluators) == 1:
+        return evaluators[0]
+    rules = tuple(rule for evaluate in evaluators for rule in evaluate.rules)
 
-    def judge(message: bytes) -> Sequence[Judgement]:
-        return [found for each in judges for found in each.judge(message)]
+    def evaluate(message: bytes) -> Sequence[RuleResult]:
+        return [judgement for each in evaluators for judgement in each.evaluate(message)]
 
-    return ActionJudge(judges[0].md5sum, rules, judge)
+    return ActionEvaluator(evaluators[0].md5sum, rules, evaluate)

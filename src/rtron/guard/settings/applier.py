@@ -1,67 +1,75 @@
 """New settings for the running guard: all of them, at once, or nothing and why."""
 
 from rtron.errors import InputError
-from rtron.guard.core.coordinator import Host
-from rtron.guard.settings.emergency_stop import Emergency
-from rtron.guard.settings.granted import Granted
-from rtron.guard.settings.mission_rules import Rules
+from rtron.guard.core.coordinator import Coordinator
+from rtron.guard.settings.emergency_stop import EmergencyBrake
+from rtron.guard.settings.granted import SettingsOverrides
+from rtron.guard.settings.mission_rules import MissionRules
 from rtron.guard.transport.common.protocol import Transport
 from rtron.messages.common.velocity import VELOCITY_TYPES
-from rtron.vocabulary import MisfitError, Plan, PolicyName, Settings, normalise_type, streams
-from rtron.vocabulary.settings_validation import in_force
+from rtron.vocabulary import (
+    Plan,
+    PolicyName,
+    Settings,
+    SettingsMismatchError,
+    build_streams,
+    normalise_type,
+)
+from rtron.vocabulary.settings_validation import apply_valid_settings
 
 
-class Applying:
+class SettingsApplier:
     """Puts settings in force in a host that guards `plan`, before it is opened or while it runs.
 
     The messages wait meanwhile. Everything that can fail is made first; then the new parts take
     the places of the old ones and go on with what these know.
     """
 
-    def __init__(self, plan: Plan, host: Host, transport: Transport) -> None:
+    def __init__(self, plan: Plan, coordinator: Coordinator, transport: Transport) -> None:
         self.revision = plan.revision
         """The revision in force."""
         self._plan = plan
-        self._host = host
+        self._coordinator = coordinator
         self._transport = transport
-        self._rules = Rules(plan, host.senses)
-        self._granted = Granted(host, transport)
-        self._emergency = Emergency(host, transport)
+        self._rules = MissionRules(plan, coordinator.observations)
+        self._overrides = SettingsOverrides(coordinator, transport)
+        self._emergency_stop = EmergencyBrake(coordinator, transport)
 
     @property
-    def stopped(self) -> bool:
+    def is_stopped(self) -> bool:
         """Whether the emergency stop keeps the robot from moving.
 
         It cannot in a dry run, nor where the plan only observes: there it is only told.
         """
-        return bool(self._host.emergency) and self._emergency.stops
+        return bool(self._coordinator.emergency) and self._emergency_stop.has_effect
 
     def apply(self, settings: Settings, wall_now: int) -> None:
         """Put settings in force; `wall_now` is the wall clock (ns) that overrides end by.
 
         RTronError if they cannot be: then nothing has changed.
         """
-        plan = self._in_force(settings)
+        plan = self._plan_in_force(settings)
         rules = self._rules.prepare(plan)
-        pairs = zip(self._host.guarded, streams(plan), strict=True)
+        pairs = zip(self._coordinator.streams, build_streams(plan), strict=True)
         adaptations = [
-            each.prepare(stream, rules.senses, rules.standings) for each, stream in pairs
+            each.prepare_update(stream, rules.observations, rules.rule_statuses)
+            for each, stream in pairs
         ]
         now = self._transport.now()
         if settings.stop:
-            self._emergency.stop(settings.stop)
-        self._rules.put(rules, now)
-        self._host.adapt(rules.senses, adaptations)
-        self._granted.put(settings.overrides, wall_now)
+            self._emergency_stop.stop(settings.stop)
+        self._rules.apply(rules, now)
+        self._coordinator.apply_updates(rules.observations, adaptations)
+        self._overrides.replace(settings.overrides, wall_now)
         self.revision = settings.revision
         if not settings.stop:
-            self._emergency.release()
-        self._host.attend()
+            self._emergency_stop.release()
+        self._coordinator.recheck()
 
-    def _in_force(self, settings: Settings) -> Plan:
+    def _plan_in_force(self, settings: Settings) -> Plan:
         try:
-            plan = in_force(self._plan, settings)
-        except MisfitError as error:
+            plan = apply_valid_settings(self._plan, settings)
+        except SettingsMismatchError as error:
             raise InputError(str(error)) from None
         _check_types(plan)
         return plan
@@ -73,5 +81,5 @@ def _check_types(plan: Plan) -> None:
         return
     for topic in plan.rsrcn.vflows:
         if topic.type and normalise_type(topic.type) not in VELOCITY_TYPES:
-            told = f"{plan.rsrcn.policy} cannot limit {topic.topic}, which carries {topic.type}"
-            raise InputError(told)
+            text = f"{plan.rsrcn.policy} cannot limit {topic.topic}, which carries {topic.type}"
+            raise InputError(text)

@@ -2,59 +2,59 @@
 
 import logging
 
-from rtron.guard.core.coordinator import Host
+from rtron.guard.core.coordinator import Coordinator
 from rtron.guard.core.message_types import standard_info
 from rtron.guard.core.stream import GuardedStream
-from rtron.guard.settings.overrides import on_one_line
+from rtron.guard.settings.overrides import single_line
 from rtron.guard.transport.common.protocol import Transport
 from rtron.vocabulary import EmergencyStop, Mode, StreamKind
 
 log = logging.getLogger(__name__)
 
-_BY = "emergency stop"
+_OWNER = "emergency stop"
 
 
-class Emergency:
+class EmergencyBrake:
     """Brakes every enforced stream that can move the robot; in a dry run it only tells so."""
 
-    def __init__(self, host: Host, transport: Transport) -> None:
-        self._host = host
-        self._stopped = [each for each in host.guarded if _moves(each)]
+    def __init__(self, coordinator: Coordinator, transport: Transport) -> None:
+        self._coordinator = coordinator
+        self._streams = [each for each in coordinator.streams if _can_move_robot(each)]
         # The first definition that is read takes a third of a second: not when there is no time.
-        for guarded in self._stopped:
-            standard_info(guarded.stream.type, transport.encoding)
+        for stream in self._streams:
+            standard_info(stream.spec.type, transport.encoding)
 
     @property
-    def stops(self) -> bool:
+    def has_effect(self) -> bool:
         """Whether there is anything that a stop keeps from moving the robot."""
-        return bool(self._stopped)
+        return bool(self._streams)
 
     def stop(self, stop: EmergencyStop) -> None:
         """Stop the robot; nothing changes if it is stopped for this already."""
-        why = _told(stop)
-        if why == self._host.emergency:
+        why = _stop_reason(stop)
+        if why == self._coordinator.emergency:
             return
-        self._host.emergency = why
+        self._coordinator.emergency = why
         log.error("%s", why)
-        for guarded in self._stopped:
-            guarded.brake(_BY, why)
+        for stream in self._streams:
+            stream.brake(_OWNER, why)
 
     def release(self) -> None:
         """Let pass again what nobody else keeps from passing."""
-        if not self._host.emergency:
+        if not self._coordinator.emergency:
             return
-        log.warning("no more: %s", self._host.emergency)
-        self._host.emergency = ""
-        for guarded in self._stopped:
-            guarded.release(_BY)
+        log.warning("no more: %s", self._coordinator.emergency)
+        self._coordinator.emergency = ""
+        for stream in self._streams:
+            stream.release(_OWNER)
 
 
-def _moves(guarded: GuardedStream) -> bool:
-    kind = guarded.stream.stages[0].settings.kind
-    enforced = guarded.stream.mode is Mode.ENFORCE and not guarded.dry_run
-    return enforced and (kind is not StreamKind.STATE or bool(guarded.stream.action))
+def _can_move_robot(stream: GuardedStream) -> bool:
+    kind = stream.spec.stages[0].settings.kind
+    enforced = stream.spec.mode is Mode.ENFORCE and not stream.dry_run
+    return enforced and (kind is not StreamKind.STATE or bool(stream.spec.action))
 
 
-def _told(stop: EmergencyStop) -> str:
-    by, reason = on_one_line(stop.by), on_one_line(stop.reason)
-    return f"{_BY} by {by}: {reason}" if reason else f"{_BY} by {by}"
+def _stop_reason(stop: EmergencyStop) -> str:
+    by, reason = single_line(stop.by), single_line(stop.reason)
+    return f"{_OWNER} by {by}: {reason}" if reason else f"{_OWNER} by {by}"

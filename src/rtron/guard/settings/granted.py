@@ -3,53 +3,53 @@
 import logging
 from collections.abc import Iterator, Mapping
 
-from rtron.guard.core.coordinator import Host
-from rtron.guard.core.override_policy import Overridable, Override
-from rtron.guard.settings.overrides import LONGEST, on_one_line
+from rtron.guard.core.coordinator import Coordinator
+from rtron.guard.core.override_policy import OverridablePolicy, Override
+from rtron.guard.settings.overrides import MAX_DURATION, single_line
 from rtron.guard.transport.common.protocol import Transport
 from rtron.vocabulary import SECOND, TimedOverride
 
 log = logging.getLogger(__name__)
 
-_WAY = "settings"
+_CHANNEL = "settings"
 
 
-class Granted:
+class SettingsOverrides:
     """The overrides of the settings in force; those asked for on the robot stand beside them."""
 
-    def __init__(self, host: Host, transport: Transport) -> None:
-        self._host = host
+    def __init__(self, coordinator: Coordinator, transport: Transport) -> None:
+        self._coordinator = coordinator
         self._transport = transport
-        self._granted: Mapping[str, TimedOverride] = {}
+        self._overrides: Mapping[str, TimedOverride] = {}
 
-    def put(self, overrides: Mapping[str, TimedOverride], wall_now: int) -> None:
+    def replace(self, overrides: Mapping[str, TimedOverride], wall_now: int) -> None:
         """Grant these, and end all others; `wall_now` is the wall clock, ns.
 
         No override lasts longer than one that is asked for on the robot.
         """
-        before, self._granted = self._granted, dict(overrides)
+        before, self._overrides = self._overrides, dict(overrides)
         for id in before.keys() - overrides.keys():
             self._end(id)
         for id, override in overrides.items():
             if override != before.get(id):
-                self._begin(id, override, override.until - wall_now)
+                self._start(id, override, override.until - wall_now)
 
-    def _begin(self, id: str, override: TimedOverride, left: int) -> None:
-        if left <= 0:
+    def _start(self, id: str, override: TimedOverride, remaining: int) -> None:
+        if remaining <= 0:
             self._end(id)
             return
-        until = self._transport.now() + min(left, LONGEST)
-        by, reason = on_one_line(override.by), on_one_line(override.reason)
+        until = self._transport.now() + min(remaining, MAX_DURATION)
+        by, reason = single_line(override.by), single_line(override.reason)
         for policy in self._policies(id):
-            policy.grant(_WAY, Override(by, reason, until))
-        self._transport.call_at(until, self._host.attend)
-        log.warning("%s: overridden by %s for %.1f s: %s", id, by, left / SECOND, reason)
+            policy.grant(_CHANNEL, Override(by, reason, until))
+        self._transport.call_at(until, self._coordinator.recheck)
+        log.warning("%s: overridden by %s for %.1f s: %s", id, by, remaining / SECOND, reason)
 
     def _end(self, id: str) -> None:
         for policy in self._policies(id):
-            policy.end(_WAY, self._transport.now())
+            policy.end_override(_CHANNEL, self._transport.now())
 
-    def _policies(self, id: str) -> Iterator[Overridable]:
-        for guarded in self._host.guarded:
-            if id in guarded.overridable:
-                yield guarded.overridable[id]
+    def _policies(self, id: str) -> Iterator[OverridablePolicy]:
+        for stream in self._coordinator.streams:
+            if id in stream.override_policies:
+                yield stream.override_policies[id]

@@ -5,29 +5,29 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from rtron.errors import WireError
-from rtron.guard.core.coordinator import Host
-from rtron.guard.core.override_policy import Overridable, Override
+from rtron.guard.core.coordinator import Coordinator
+from rtron.guard.core.override_policy import OverridablePolicy, Override
 from rtron.guard.transport.common.protocol import Transport
 from rtron.vocabulary import SECOND
 
 log = logging.getLogger(__name__)
 
-LONGEST = 3600 * SECOND
-_LONGEST_REASON = 200
-_LONGEST_READ = 4096
-_WAY = "local"
+MAX_DURATION = 3600 * SECOND
+_MAX_REASON_LENGTH = 200
+_MAX_TEXT_LENGTH = 4096
+_CHANNEL = "local"
 _KEYS = {"override", "duration", "reason"}
 
 
-class Overriding:
+class OverrideCommands:
     """Grants overrides of the RSRCN and the MSRCN, and ends them in time."""
 
-    def __init__(self, host: Host, transport: Transport) -> None:
-        self._host = host
+    def __init__(self, coordinator: Coordinator, transport: Transport) -> None:
+        self._coordinator = coordinator
         self._transport = transport
 
-    def answer(self, who: str, request: Mapping[str, Any]) -> Mapping[str, Any]:
-        """Grant what `who` asks for: `{"override": id, "duration": ns, "reason": text}`.
+    def handle(self, user: str, request: Mapping[str, Any]) -> Mapping[str, Any]:
+        """Grant what `user` asks for: `{"override": id, "duration": ns, "reason": text}`.
 
         A duration of 0 ends an override.
         """
@@ -38,42 +38,44 @@ class Overriding:
         reason = _reason(request["reason"])
         if not reason and duration:
             raise WireError("an override needs a reason")
-        self._grant(policies, Override(who, reason, self._transport.now() + duration))
-        told = "%s: overridden by %s for %s s: %s"
-        log.warning(told, request["override"], who, duration / SECOND, reason)
+        self._grant(policies, Override(user, reason, self._transport.now() + duration))
+        text = "%s: overridden by %s for %s s: %s"
+        log.warning(text, request["override"], user, duration / SECOND, reason)
         return {"granted": request["override"], "duration": duration}
 
-    def _policies(self, id: object) -> Sequence[Overridable]:
-        found = [
+    def _policies(self, id: object) -> Sequence[OverridablePolicy]:
+        policies = [
             policy
-            for guarded in self._host.guarded
-            for name, policy in guarded.overridable.items()
+            for stream in self._coordinator.streams
+            for name, policy in stream.override_policies.items()
             if name == id
         ]
-        if not found:
-            known = sorted({name for each in self._host.guarded for name in each.overridable})
-            raise WireError(f"nothing to override is called {id!r}: choose from {known}")
-        return found
+        if not policies:
+            known_ids = sorted(
+                {name for each in self._coordinator.streams for name in each.override_policies}
+            )
+            raise WireError(f"nothing to override is called {id!r}: choose from {known_ids}")
+        return policies
 
-    def _grant(self, policies: Sequence[Overridable], override: Override) -> None:
+    def _grant(self, policies: Sequence[OverridablePolicy], override: Override) -> None:
         for policy in policies:
-            policy.grant(_WAY, override)
-        self._transport.call_at(override.until, self._host.attend)
+            policy.grant(_CHANNEL, override)
+        self._transport.call_at(override.until, self._coordinator.recheck)
 
 
 def _duration(value: object) -> int:
-    if not isinstance(value, int) or isinstance(value, bool) or not 0 <= value <= LONGEST:
-        raise WireError(f"a duration is a number of nanoseconds, {LONGEST} at most")
+    if not isinstance(value, int) or isinstance(value, bool) or not 0 <= value <= MAX_DURATION:
+        raise WireError(f"a duration is a number of nanoseconds, {MAX_DURATION} at most")
     return value
 
 
 def _reason(value: object) -> str:
     if not isinstance(value, str):
         raise WireError("a reason is a text")
-    return on_one_line(value)
+    return single_line(value)
 
 
-def on_one_line(text: str) -> str:
+def single_line(text: str) -> str:
     """Return what can be printed of a text: the rest could forge lines of a log."""
-    printable = "".join(each if each.isprintable() else " " for each in text[:_LONGEST_READ])
-    return " ".join(printable.split())[:_LONGEST_REASON]
+    printable = "".join(each if each.isprintable() else " " for each in text[:_MAX_TEXT_LENGTH])
+    return " ".join(printable.split())[:_MAX_REASON_LENGTH]

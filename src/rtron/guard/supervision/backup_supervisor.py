@@ -5,4 +5,4 @@ from rtron.guard.supervision import supervisor_program
 
 def main(numbers: str) -> None:
     """Supervise the guard that runs; end with the exit code, if there is none with an error."""
-    supervisor_program.main(numbers, stand_in=True)
+    supervisor_program.main(numbers, is_backup=True)

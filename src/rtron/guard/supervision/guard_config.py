@@ -11,11 +11,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from rtron.vocabulary import Mode, Plan, Stream, StreamKind, streams
+from rtron.vocabulary import Mode, Plan, Stream, StreamKind, build_streams
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Order:
+class GuardConfig:
     """A plan, the master, what else `run_guard` is told, and how much is logged."""
 
     plan: Plan
@@ -26,10 +26,10 @@ class Order:
     @property
     def digest(self) -> str:
         """What tells one order from another."""
-        said = repr((self.plan, self.master)).encode() + pickle.dumps(self.options)
-        return hashlib.sha256(said).hexdigest()
+        content = repr((self.plan, self.master)).encode() + pickle.dumps(self.options)
+        return hashlib.sha256(content).hexdigest()
 
-    def write(self) -> int:
+    def write_to_memory(self) -> int:
         """Return the descriptor of a file in memory with the order."""
         descriptor = os.memfd_create("rtron-order", os.MFD_CLOEXEC)
         with os.fdopen(os.dup(descriptor), "wb") as file:
@@ -37,14 +37,14 @@ class Order:
         return descriptor
 
 
-def read_order(descriptor: int) -> Order:
+def read_config(descriptor: int) -> GuardConfig:
     """Return the order that a process of ours has written before it became this one."""
     data = os.pread(descriptor, os.fstat(descriptor).st_size, 0)
-    order: Order = pickle.loads(data)  # noqa: S301 - nobody else can have written it
-    return order
+    config: GuardConfig = pickle.loads(data)  # noqa: S301 - nobody else can have written it
+    return config
 
 
-def stoppable(stream: Stream) -> bool:
+def is_stoppable(stream: Stream) -> bool:
     """Tell whether messages of a stream can move the robot, and the guard stands in its way."""
     commands = stream.stages[0].settings.kind is StreamKind.COMMAND
     return commands and stream.mode is Mode.ENFORCE
@@ -52,4 +52,4 @@ def stoppable(stream: Stream) -> bool:
 
 def stopped_streams(plan: Plan) -> tuple[Stream, ...]:
     """Return the streams of a plan that are stopped when the guard dies, in the plan's order."""
-    return tuple(filter(stoppable, streams(plan)))
+    return tuple(filter(is_stoppable, build_streams(plan)))

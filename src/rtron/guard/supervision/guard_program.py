@@ -6,11 +6,11 @@ import socket
 import sys
 
 from rtron.guard.runner import run_guard
-from rtron.guard.supervision.exit_code import complaining
-from rtron.guard.supervision.guard_config import read_order, stopped_streams
-from rtron.guard.supervision.programs import descriptors
-from rtron.guard.supervision.shared_memory import Page
-from rtron.guard.supervision.supervisor_client import Tie
+from rtron.guard.supervision.exit_code import run_program
+from rtron.guard.supervision.guard_config import read_config, stopped_streams
+from rtron.guard.supervision.programs import open_descriptors
+from rtron.guard.supervision.shared_memory import GuardMemory
+from rtron.guard.supervision.supervisor_client import SupervisorClient
 from rtron.guard.supervision.supervisor_handover import BEGIN
 
 
@@ -21,16 +21,16 @@ def main(numbers: str) -> None:
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
-    order_file, page_file, number = descriptors(numbers)
-    life = socket.socket(fileno=number)
-    order = read_order(order_file)
-    logging.basicConfig(level=order.log_level, format="%(levelname)s %(message)s")
-    page = Page(page_file, len(stopped_streams(order.plan)))
-    if life.recv(len(BEGIN)) != BEGIN:
+    config_file, memory_file, number = open_descriptors(numbers)
+    connection = socket.socket(fileno=number)
+    config = read_config(config_file)
+    logging.basicConfig(level=config.log_level, format="%(levelname)s %(message)s")
+    memory = GuardMemory(memory_file, len(stopped_streams(config.plan)))
+    if connection.recv(len(BEGIN)) != BEGIN:
         return
 
     def guard() -> int:
-        tie = Tie(order, page, life, order_file)
-        return run_guard(order.plan, order.master, tie=tie, **order.options)
+        client = SupervisorClient(config, memory, connection, config_file)
+        return run_guard(config.plan, config.master, supervisor_client=client, **config.options)
 
-    sys.exit(complaining(guard))
+    sys.exit(run_program(guard))

@@ -21,7 +21,7 @@ def guard_address(master: str) -> bytes:
     return f"\0rtron-guard-{os.getuid()}-{digest}".encode()
 
 
-def peer_of(sock: socket.socket) -> tuple[int, int]:
+def peer_credentials(sock: socket.socket) -> tuple[int, int]:
     """Return the process and the user at the other end, as the kernel says (SO_PEERCRED)."""
     data = sock.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, _CREDENTIALS.size)
     pid, uid, _ = _CREDENTIALS.unpack(data)

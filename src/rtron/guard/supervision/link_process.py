@@ -9,56 +9,60 @@ from rtron.vocabulary import SECOND
 
 log = logging.getLogger(__name__)
 
-SOONEST = SECOND
+MIN_RESTART_DELAY = SECOND
 """The shortest time between two starts, ns; it doubles while each ends soon."""
-LATEST = 30 * SECOND
-_ENDING_S = 4.0
+MAX_RESTART_DELAY = 30 * SECOND
+_STOP_TIMEOUT_S = 4.0
 
 
-class Companion:
+class LinkProcess:
     """Keeps one process running; the robot's safety does not hang on it.
 
     One that ends at once, for instance since another supervisor's still runs, is tried more seldom.
     """
 
-    def __init__(self, order_file: int, program: str = LINK) -> None:
+    def __init__(self, config_file: int, program: str = LINK) -> None:
         self.process: subprocess.Popen[bytes] | None = None
-        self._words = command(program, [order_file])
-        self._order_file = order_file
-        self._started = 0
-        self._due: int | None = 0
-        self._pause = SOONEST
+        self._command = command(program, [config_file])
+        self._config_file = config_file
+        self._started_at = 0
+        self._start_due: int | None = 0
+        self._restart_delay = MIN_RESTART_DELAY
 
-    def look(self, now: int) -> None:
+    def tick(self, now: int) -> None:
         """Start the process at `now` (ns) if it does not run and it is time."""
         if self.process and self.process.poll() is None:
             return
-        if self._due is None:
-            self._due = now + self._wait(now - self._started)
-        if now >= self._due:
+        if self._start_due is None:
+            self._start_due = now + self._wait(now - self._started_at)
+        if now >= self._start_due:
             self._start(now)
 
     def _wait(self, life: int) -> int:
         """Return how long to wait after one that has lived for `life`."""
-        wait = self._pause
-        self._pause = SOONEST if life >= LATEST else min(2 * self._pause, LATEST)
-        return SOONEST if life >= LATEST else wait
+        wait = self._restart_delay
+        self._restart_delay = (
+            MIN_RESTART_DELAY
+            if life >= MAX_RESTART_DELAY
+            else min(2 * self._restart_delay, MAX_RESTART_DELAY)
+        )
+        return MIN_RESTART_DELAY if life >= MAX_RESTART_DELAY else wait
 
     def _start(self, now: int) -> None:
-        self._started, self._due = now, None
+        self._started_at, self._start_due = now, None
         try:
-            self.process = subprocess.Popen(self._words, pass_fds=[self._order_file])  # noqa: S603
+            self.process = subprocess.Popen(self._command, pass_fds=[self._config_file])  # noqa: S603
         except OSError as error:
             self.process = None
             log.warning("the link process cannot be started, tried again soon: %s", error)
 
-    def dismiss(self) -> None:
+    def stop(self) -> None:
         """End it; it has a moment to deliver what waits."""
         if self.process is None or self.process.poll() is not None:
             return
         self.process.send_signal(signal.SIGTERM)
         try:
-            self.process.wait(_ENDING_S)
+            self.process.wait(_STOP_TIMEOUT_S)
         except subprocess.TimeoutExpired:
             self.process.kill()
             self.process.wait()

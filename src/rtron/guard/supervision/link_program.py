@@ -4,19 +4,19 @@ import logging
 import sys
 
 from rtron.guard.link.relay import run_relay
-from rtron.guard.supervision.exit_code import complaining
-from rtron.guard.supervision.guard_config import read_order
-from rtron.guard.supervision.programs import descriptors
+from rtron.guard.supervision.exit_code import run_program
+from rtron.guard.supervision.guard_config import read_config
+from rtron.guard.supervision.programs import open_descriptors
 
 
 def main(numbers: str) -> None:
     """Relay by the order in the open file that is named; end with the exit code."""
-    (order_file,) = descriptors(numbers)
-    order = read_order(order_file)
-    logging.basicConfig(level=order.log_level, format="%(levelname)s link: %(message)s")
+    (config_file,) = open_descriptors(numbers)
+    config = read_config(config_file)
+    logging.basicConfig(level=config.log_level, format="%(levelname)s link: %(message)s")
 
     def relay() -> int:
-        run_relay(order.options["link"])
+        run_relay(config.options["link"])
         return 0
 
-    sys.exit(complaining(relay))
+    sys.exit(run_program(relay))

@@ -14,7 +14,7 @@ _CODE = (
 )
 GUARD = "guarding"
 SUPERVISOR = "supervising"
-STAND_IN = "standing_in"
+BACKUP_SUPERVISOR = "standing_in"
 LINK = "linking"
 
 
@@ -25,9 +25,9 @@ def command(role: str, descriptors: Sequence[int]) -> list[str]:
     return [sys.executable, "-c", code, f"rtron-{role}", numbers, *filter(None, sys.path)]
 
 
-def descriptors(numbers: str) -> list[int]:
+def open_descriptors(numbers: str) -> list[int]:
     """Return the open files that this program was given; it does not hand them on by itself."""
-    given = [int(number) for number in numbers.split(",")]
-    for descriptor in given:
+    opened = [int(number) for number in numbers.split(",")]
+    for descriptor in opened:
         os.set_inheritable(descriptor, False)  # noqa: FBT003 - positional only
-    return given
+    return opened

@@ -15,12 +15,12 @@ from rtron.guard.core.handover_state import MOST_BYTES
 
 _WORD = 8
 _HEAD = struct.Struct("=QII")
-_NEWS_BYTES = 1 << 12
-_INFO_BYTES = 1 << 16
-_SAID_BYTES = 1 << 12
+_FAILURE_REPORT_BYTES = 1 << 12
+_TYPE_INFO_BYTES = 1 << 16
+_LAST_MESSAGE_BYTES = 1 << 12
 
 
-class Field(IntEnum):
+class StatusWord(IntEnum):
     """The words at the beginning, each written by one side only."""
 
     GUARD_BEAT = 0
@@ -37,14 +37,14 @@ class Field(IntEnum):
     """The process that started the supervisor, roslaunch or a shell. The supervisor's."""
 
 
-class Cell:
+class DoubleBuffer:
     """A document of at most `capacity` bytes; one process writes it."""
 
     def __init__(self, memory: mmap.mmap, start: int, capacity: int) -> None:
         self._memory = memory
         self._capacity = capacity
         self._halves = (start, start + _HEAD.size + capacity)
-        self._newest = self.count()
+        self._write_count = self.write_count()
 
     @staticmethod
     def size(capacity: int) -> int:
@@ -53,51 +53,51 @@ class Cell:
 
     def write(self, document: bytes) -> bool:
         """Write a document; False, and nothing is there any more, if it is too long."""
-        fits = len(document) <= self._capacity
-        body = document if fits else b""
-        self._newest += 1
-        at = self._halves[self._newest % 2] + _HEAD.size
+        is_within_capacity = len(document) <= self._capacity
+        body = document if is_within_capacity else b""
+        self._write_count += 1
+        at = self._halves[self._write_count % 2] + _HEAD.size
         self._memory[at : at + len(body)] = body
-        head = (self._newest, len(body), zlib.crc32(body))
+        head = (self._write_count, len(body), zlib.crc32(body))
         _HEAD.pack_into(self._memory, at - _HEAD.size, *head)
-        return fits
+        return is_within_capacity
 
     def read(self) -> tuple[int, bytes]:
         """Return how often was written, and the newest document that is whole; (0, empty) if none.
 
         While this is read the writer may write twice; then the count is that of an older one.
         """
-        return max(map(self._half, self._halves))
+        return max(map(self._read_half, self._halves))
 
-    def count(self) -> int:
+    def write_count(self) -> int:
         """Return how often was written, as far as the heads say."""
         return max(int(_HEAD.unpack_from(self._memory, at)[0]) for at in self._halves)
 
-    def _half(self, at: int) -> tuple[int, bytes]:
+    def _read_half(self, at: int) -> tuple[int, bytes]:
         count, length, crc = _HEAD.unpack_from(self._memory, at)
         body = self._memory[at + _HEAD.size : at + _HEAD.size + min(length, self._capacity)]
         return (count, body) if zlib.crc32(body) == crc else (0, b"")
 
 
-class Page:
+class GuardMemory:
     """The shared memory of one guard with `streams` streams that it can stop.
 
-    `will` is the guard's; `news` is what the supervisor tells it. Of each stream, `infos` has the
-    message type as it was learned, and `said` the last message that went out.
+    `handover_state` is the guard's; `failure_report` is what the supervisor tells it. Of each stream, `type_infos` has the
+    message type as it was learned, and `last_messages` the last message that went out.
     """
 
     def __init__(self, descriptor: int, streams: int) -> None:
         self.descriptor = descriptor
         self._memory = mmap.mmap(descriptor, _size(streams))
-        self._words = memoryview(self._memory)[: len(Field) * _WORD].cast("Q")
+        self._words = memoryview(self._memory)[: len(StatusWord) * _WORD].cast("Q")
         self._end = mmap.PAGESIZE
-        self.will = self._cell(MOST_BYTES)
-        self.news = self._cell(_NEWS_BYTES)
-        self.infos = [self._cell(_INFO_BYTES) for _ in range(streams)]
-        self.said = [self._cell(_SAID_BYTES) for _ in range(streams)]
+        self.handover_state = self._add_buffer(MOST_BYTES)
+        self.failure_report = self._add_buffer(_FAILURE_REPORT_BYTES)
+        self.type_infos = [self._add_buffer(_TYPE_INFO_BYTES) for _ in range(streams)]
+        self.last_messages = [self._add_buffer(_LAST_MESSAGE_BYTES) for _ in range(streams)]
 
     @classmethod
-    def new(cls, streams: int) -> "Page":
+    def create(cls, streams: int) -> "GuardMemory":
         """Return a page of its own, all zero."""
         descriptor = os.memfd_create("rtron", os.MFD_CLOEXEC)
         try:
@@ -107,11 +107,11 @@ class Page:
             os.close(descriptor)
             raise
 
-    def __getitem__(self, field: Field) -> int:
+    def __getitem__(self, field: StatusWord) -> int:
         """Return a word."""
         return self._words[field]
 
-    def __setitem__(self, field: Field, value: int) -> None:
+    def __setitem__(self, field: StatusWord, value: int) -> None:
         """Set a word, at once for the other side too."""
         self._words[field] = value
 
@@ -121,12 +121,17 @@ class Page:
         self._memory.close()
         os.close(self.descriptor)
 
-    def _cell(self, capacity: int) -> Cell:
+    def _add_buffer(self, capacity: int) -> DoubleBuffer:
         at = self._end
-        self._end += Cell.size(capacity)
-        return Cell(self._memory, at, capacity)
+        self._end += DoubleBuffer.size(capacity)
+        return DoubleBuffer(self._memory, at, capacity)
 
 
 def _size(streams: int) -> int:
-    each = Cell.size(_INFO_BYTES) + Cell.size(_SAID_BYTES)
-    return mmap.PAGESIZE + Cell.size(MOST_BYTES) + Cell.size(_NEWS_BYTES) + streams * each
+    each = DoubleBuffer.size(_TYPE_INFO_BYTES) + DoubleBuffer.size(_LAST_MESSAGE_BYTES)
+    return (
+        mmap.PAGESIZE
+        + DoubleBuffer.size(MOST_BYTES)
+        + DoubleBuffer.size(_FAILURE_REPORT_BYTES)
+        + streams * each
+    )

@@ -3,9 +3,9 @@
 import logging
 
 from rtron.guard.core.message_types import codec_of, standard_info
-from rtron.guard.core.stop_controller import Stopper
-from rtron.guard.supervision.last_message import info_of, said_of
-from rtron.guard.supervision.shared_memory import Cell, Field, Page
+from rtron.guard.core.stop_controller import StopController
+from rtron.guard.supervision.last_message import decode_last_message, decode_type_info
+from rtron.guard.supervision.shared_memory import DoubleBuffer, GuardMemory, StatusWord
 from rtron.guard.transport.common.protocol import Output, Transport, TypeInfo
 from rtron.messages.common.velocity import VelocityCodec
 from rtron.vocabulary import SUPERVISOR_NODE, UNAPPROVED, QoS, Stream, output_topic
@@ -13,7 +13,7 @@ from rtron.vocabulary import SUPERVISOR_NODE, UNAPPROVED, QoS, Stream, output_to
 log = logging.getLogger(__name__)
 
 
-class Brake:
+class StreamBrake:
     """One stream's private output; every successor is connected before anything happens."""
 
     def __init__(self, stream: Stream, transport: Transport) -> None:
@@ -22,27 +22,27 @@ class Brake:
         self._output: Output = transport.advertise(
             SUPERVISOR_NODE, output_topic(stream.topic), stream.type, queue_size=stream.queue_size
         )
-        self._output.suit(stream.successors)
+        self._output.match_subscribers(stream.successors)
         self._output.offer(UNAPPROVED, QoS())
         self._codec: VelocityCodec | None = None
-        self._learned = 0
-        self._stopper: Stopper | None = None
-        self._since = 0
+        self._type_count = 0
+        self._stopper: StopController | None = None
+        self._braking_since = 0
 
-    def learn(self, cell: Cell) -> None:
+    def learn_type(self, buffer: DoubleBuffer) -> None:
         """Take the type that the guard has learned, once it has: when it dies there is no time."""
-        if cell.count() == self._learned:
+        if buffer.write_count() == self._type_count:
             return
-        self._learned, data = cell.read()
-        info = info_of(data)
+        self._type_count, data = buffer.read()
+        info = decode_type_info(data)
         if info:
             self._codec = self._codec_of(info) or self._codec
 
-    def forget_guard(self) -> None:
+    def forget_type(self) -> None:
         """Let another guard tell the type."""
-        self._learned = 0
+        self._type_count = 0
 
-    def brake(self, cell: Cell, alive: int, why: str, now: int) -> None:
+    def brake(self, buffer: DoubleBuffer, last_beat: int, reason: str, now: int) -> None:
         """Stop the robot from the last message on, if it was in force when the guard was alive.
 
         Otherwise it may be at rest, and a ramp would set it in motion: it is told to rest.
@@ -50,21 +50,21 @@ class Brake:
         codec = self._codec or self._standard()
         if self._stopper or codec is None:
             return
-        self._since, self._stopper = now, Stopper(self._stream, self._send)
+        self._braking_since, self._stopper = now, StopController(self._stream, self._send)
         self._stopper.learn(codec)
-        said = said_of(cell.read()[1])
-        if said.at and said.until >= alive:
-            self._stopper.said(UNAPPROVED, said.message, now)
-        self._stopper.brake(why, now)
+        last_message = decode_last_message(buffer.read()[1])
+        if last_message.sent_at and last_message.valid_until >= last_beat:
+            self._stopper.note_sent(UNAPPROVED, last_message.message, now)
+        self._stopper.brake(reason, now)
 
-    def loosen(self) -> None:
+    def release(self) -> None:
         """Let the stop come to its end."""
         if self._stopper:
-            self._stopper.loosen()
+            self._stopper.release_brake()
 
-    def yield_to(self, cell: Cell) -> None:
+    def yield_to_guard(self, buffer: DoubleBuffer) -> None:
         """End the stop if the guard has said something since."""
-        if self._stopper and said_of(cell.read()[1]).at > self._since:
+        if self._stopper and decode_last_message(buffer.read()[1]).sent_at > self._braking_since:
             self._stopper = None
 
     def tick(self, now: int) -> bool:
@@ -86,45 +86,49 @@ class Brake:
     def _codec_of(self, info: TypeInfo) -> VelocityCodec | None:
         """Return how velocities of a type are written; None if it has none that are known."""
         codec = codec_of(info, self._transport.encoding)
-        known = codec is not None and not codec.is_limit and self._output.learn(info)
+        known = codec is not None and not codec.is_limit and self._output.learn_type(info)
         return codec if known else None
 
 
-class Brakes:
-    """The brakes of every stream that the guard in `page` governs."""
+class StreamBrakes:
+    """The brakes of every stream that the guard in `memory` governs."""
 
-    def __init__(self, streams: tuple[Stream, ...], transport: Transport, page: Page) -> None:
-        self._brakes = [Brake(stream, transport) for stream in streams]
-        self._page = page
-        self._loose = True
+    def __init__(
+        self, streams: tuple[Stream, ...], transport: Transport, memory: GuardMemory
+    ) -> None:
+        self._brakes = [StreamBrake(stream, transport) for stream in streams]
+        self._memory = memory
+        self._is_released = True
 
-    def follow(self, page: Page) -> None:
+    def follow(self, memory: GuardMemory) -> None:
         """Look at another guard from now on."""
-        self._page = page
+        self._memory = memory
         for brake in self._brakes:
-            brake.forget_guard()
+            brake.forget_type()
 
-    def brake(self, why: str, now: int) -> None:
+    def brake(self, reason: str, now: int) -> None:
         """Stop the robot and keep it stopped."""
-        self._loose = False
-        alive = self._page[Field.GUARD_BEAT]
-        self._page[Field.STOPPED] = now
-        for brake, cell in zip(self._brakes, self._page.said, strict=True):
-            brake.brake(cell, alive, why, now)
+        self._is_released = False
+        last_beat = self._memory[StatusWord.GUARD_BEAT]
+        self._memory[StatusWord.STOPPED] = now
+        for brake, buffer in zip(self._brakes, self._memory.last_messages, strict=True):
+            brake.brake(buffer, last_beat, reason, now)
         self.tick(now)
 
-    def loosen(self) -> None:
+    def release(self) -> None:
         """Let every stop come to its end; at once where the guard speaks."""
-        self._loose = True
+        self._is_released = True
         for brake in self._brakes:
-            brake.loosen()
+            brake.release()
 
     def tick(self, now: int) -> bool:
         """Do what is due; tell whether a stop goes on."""
-        cells = zip(self._brakes, self._page.infos, self._page.said, strict=True)
-        for brake, info, said in cells:
-            brake.learn(info)
-            if self._loose:
-                brake.yield_to(said)
+        buffers = zip(
+            self._brakes, self._memory.type_infos, self._memory.last_messages, strict=True
+        )
+        for brake, info, last_message in buffers:
+            brake.learn_type(info)
+            if self._is_released:
+                brake.yield_to_guard(last_message)
         ticked = [brake.tick(now) for brake in self._brakes]
         return any(ticked)

@@ -7,102 +7,110 @@ import signal
 from collections.abc import Iterable
 
 from rtron.errors import SourceError
-from rtron.guard.core.event_loop import Loop
-from rtron.guard.core.log_throttle import Seldom
-from rtron.guard.core.printable import shown
-from rtron.guard.supervision.guard_config import Order, stopped_streams
-from rtron.guard.supervision.guard_process import Ward, adopt, spawn
+from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.core.log_throttle import LogThrottle
+from rtron.guard.core.printable import printable
+from rtron.guard.supervision.guard_config import GuardConfig, stopped_streams
+from rtron.guard.supervision.guard_process import GuardProcess, adopt_guard, spawn_guard
 from rtron.guard.supervision.guard_socket import is_running
-from rtron.guard.supervision.link_process import Companion
-from rtron.guard.supervision.shared_memory import Field, Page
-from rtron.guard.supervision.stream_brakes import Brakes
-from rtron.guard.supervision.supervisor_fsm import STARVED, Act, Keeper, Phase, Sign
-from rtron.guard.supervision.supervisor_handover import LEAVE
-from rtron.guard.supervision.watchdog import LOOK, Watchdog
+from rtron.guard.supervision.link_process import LinkProcess
+from rtron.guard.supervision.shared_memory import GuardMemory, StatusWord
+from rtron.guard.supervision.stream_brakes import StreamBrakes
+from rtron.guard.supervision.supervisor_fsm import (
+    OUT_OF_MEMORY,
+    GuardObservation,
+    GuardPhase,
+    SupervisorAction,
+    SupervisorFsm,
+)
+from rtron.guard.supervision.supervisor_handover import RELEASE
+from rtron.guard.supervision.watchdog import BEAT_PERIOD, Watchdog
 from rtron.guard.transport.factory import open_transport
 from rtron.guard.transport.ros1.middleware import Ros1Transport
 from rtron.vocabulary import SECOND
 
 log = logging.getLogger(__name__)
 
-_CALM = SECOND
+_STABLE_AFTER = SECOND
 _OWNER_S = 0.5
-_AGAIN = 5 * SECOND
+_SPARE_RETRY = 5 * SECOND
 
 
 class Supervisor:
     """Does what the keeper says, until it says to leave."""
 
     def __init__(
-        self, order: Order, order_file: int, loop: Loop, *, stand_in: bool = False
+        self, config: GuardConfig, config_file: int, loop: EventLoop, *, is_backup: bool = False
     ) -> None:
         """Take over the guard that runs on the master, or start one.
 
         SourceError if that guard has a supervisor, or if there is none to stand in for.
         """
-        streams = stopped_streams(order.plan)
-        self._count = len(streams)
-        self._ward = adopt(order, self._count)
-        if stand_in and self._ward is None:
-            raise SourceError(f"the guard on {order.master} is gone")
-        self._order_file = order_file
+        streams = stopped_streams(config.plan)
+        self._stream_count = len(streams)
+        self._guard = adopt_guard(config, self._stream_count)
+        if is_backup and self._guard is None:
+            raise SourceError(f"the guard on {config.master} is gone")
+        self._config_file = config_file
         self._loop = loop
-        self._transport = open_transport(order.plan.ros, order.master, loop)
+        self._transport = open_transport(config.plan.ros, config.master, loop)
         if isinstance(self._transport, Ros1Transport):
-            self._transport.killed = self._ignore
-        self._seldom = Seldom()
-        page = self._ward.page if self._ward else Page.new(self._count)
-        self._page = page
-        self._brakes = Brakes(streams, self._transport, page)
+            self._transport.on_shutdown_request = self._refuse_shutdown
+        self._log_throttle = LogThrottle()
+        memory = self._guard.memory if self._guard else GuardMemory.create(self._stream_count)
+        self._memory = memory
+        self._brakes = StreamBrakes(streams, self._transport, memory)
         self._watchdog = Watchdog(loop.now())
-        self._keeper = Keeper(loop.now(), adopted=self._ward is not None)
-        self._companion = Companion(order_file) if order.options.get("link") else None
-        self._spare: Ward | None = None
+        self._fsm = SupervisorFsm(loop.now(), is_adopted=self._guard is not None)
+        self._link_process = LinkProcess(config_file) if config.options.get("link") else None
+        self._spare: GuardProcess | None = None
         self._spare_due = 0
-        self._why = self._news = ""
-        self._leaving = self._told_to_end = self._hurries = False
+        self._failure = self._failure_report = ""
+        self._is_leaving = self._is_end_requested = self._skips_final_stop = False
         self._first_owner = 0
-        if self._ward:
-            log.warning("taking over the guard, process %d", self._ward.pid)
-            self._tend(self._ward)
-            if stand_in:
-                self._first_owner = page[Field.OWNER]
+        if self._guard:
+            log.warning("taking over the guard, process %d", self._guard.pid)
+            self._watch_connection(self._guard)
+            if is_backup:
+                self._first_owner = memory[StatusWord.OWNER]
                 self._watch_owner()
 
     def run(self) -> int:
         """Supervise until told to end, or until the guard ends in order; return the exit code."""
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, lambda *_: self._loop.post(self._end))
-        self._look()
+        self._tick()
         self._loop.run()
         if self._spare:
-            self._spare.dismiss()
-        if self._companion:
-            self._companion.dismiss()
+            self._spare.discard()
+        if self._link_process:
+            self._link_process.stop()
         self._transport.close()
         self._loop.close()
-        return self._keeper.code
+        return self._fsm.code
 
-    def _look(self) -> None:
+    def _tick(self) -> None:
         now = self._loop.now()
-        self._loop.call_at(now + LOOK, self._look)
-        self._page[Field.SUPERVISOR_BEAT] = now
-        self._page[Field.OWNER] = self._owner()
+        self._loop.call_at(now + BEAT_PERIOD, self._tick)
+        self._memory[StatusWord.SUPERVISOR_BEAT] = now
+        self._memory[StatusWord.OWNER] = self._owner()
         try:
             self._watch_guard(now)
         finally:  # whatever fails there, the robot is stopped
-            braking = self._brakes.tick(now)
-        if self._leaving and (self._hurries or not braking):
+            is_braking = self._brakes.tick(now)
+        if self._is_leaving and (self._skips_final_stop or not is_braking):
             self._loop.stop()
 
     def _watch_guard(self, now: int) -> None:
-        silent = self._watchdog.look(now, self._page[Field.GUARD_BEAT])
-        serving, leaving = (bool(self._page[it]) for it in (Field.SERVING, Field.LEAVING))
-        self._do(self._keeper.look(now, Sign(silent, serving, leaving)), now)
-        self._bury(now)
-        self._prepare(now)
-        if self._companion and not self._leaving:
-            self._companion.look(now)
+        silence = self._watchdog.update(now, self._memory[StatusWord.GUARD_BEAT])
+        is_serving, is_leaving = (
+            bool(self._memory[word]) for word in (StatusWord.SERVING, StatusWord.LEAVING)
+        )
+        self._perform(self._fsm.tick(now, GuardObservation(silence, is_serving, is_leaving)), now)
+        self._reap(now)
+        self._prepare_spare(now)
+        if self._link_process and not self._is_leaving:
+            self._link_process.tick(now)
 
     def _owner(self) -> int:
         """Return who has started this, or the first supervisor if a guard has started this."""
@@ -116,134 +124,145 @@ class Supervisor:
         else:
             self._loop.call_later(_OWNER_S, self._watch_owner)
 
-    def _do(self, acts: Iterable[Act], now: int) -> None:
-        for act in acts:
-            match act:
-                case Act.SPAWN:
+    def _perform(self, actions: Iterable[SupervisorAction], now: int) -> None:
+        for action in actions:
+            match action:
+                case SupervisorAction.SPAWN:
                     self._spawn(now)
-                case Act.BRAKE:
+                case SupervisorAction.BRAKE:
                     self._brake(now)
-                case Act.LOOSEN:
+                case SupervisorAction.RELEASE:
                     log.info("the guard guards")
-                    self._brakes.loosen()
-                case Act.TERMINATE:
-                    self._tell(signal.SIGTERM)
-                case Act.KILL:
-                    self._tell(signal.SIGKILL)
-                case Act.LEAVE:
-                    self._leaving = True
-                    self._brakes.loosen()
+                    self._brakes.release()
+                case SupervisorAction.TERMINATE:
+                    self._send_signal(signal.SIGTERM)
+                case SupervisorAction.KILL:
+                    self._send_signal(signal.SIGKILL)
+                case SupervisorAction.LEAVE:
+                    self._is_leaving = True
+                    self._brakes.release()
 
     def _spawn(self, now: int) -> None:
-        ward = self._ready() or self._started("no guard can be started")
-        if ward is None:
-            self._keeper.failed(now)
+        guard = self._take_spare() or self._try_spawn("no guard can be started")
+        if guard is None:
+            self._fsm.start_failed(now)
             return
-        ward.page[Field.OWNER], ward.page[Field.SUPERVISOR_BEAT] = self._owner(), now
-        news = json.dumps({"why": self._news}).encode() if self._news else b""
-        ward.begin(self._page.will.read()[1], news)
-        self._page, former = ward.page, self._page
-        self._brakes.follow(self._page)
+        guard.memory[StatusWord.OWNER], guard.memory[StatusWord.SUPERVISOR_BEAT] = (
+            self._owner(),
+            now,
+        )
+        failure_report = (
+            json.dumps({"why": self._failure_report}).encode() if self._failure_report else b""
+        )
+        guard.begin(self._memory.handover_state.read()[1], failure_report)
+        self._memory, former = guard.memory, self._memory
+        self._brakes.follow(self._memory)
         former.close()
         self._watchdog = Watchdog(now)
-        self._ward = ward
-        self._tend(ward)
-        log.info("the guard begins, process %d", ward.pid)
+        self._guard = guard
+        self._watch_connection(guard)
+        log.info("the guard begins, process %d", guard.pid)
 
-    def _ready(self) -> Ward | None:
+    def _take_spare(self) -> GuardProcess | None:
         """Return the guard that waits, if it lives."""
-        ward, self._spare = self._spare, None
-        if ward and ward.code() is not None:
-            ward.dismiss()
+        spare, self._spare = self._spare, None
+        if spare and spare.exit_code() is not None:
+            spare.discard()
             return None
-        if ward:
-            self._keeper.ready()
-        return ward
+        if spare:
+            self._fsm.spare_taken()
+        return spare
 
-    def _started(self, otherwise: str) -> Ward | None:
+    def _try_spawn(self, failure: str) -> GuardProcess | None:
         """Start a guard; None if the system has nothing left for it now."""
         try:
-            return spawn(self._order_file, self._count)
+            return spawn_guard(self._config_file, self._stream_count)
         except OSError as error:
-            log.warning("%s, tried again soon: %s", otherwise, error)
+            log.warning("%s, tried again soon: %s", failure, error)
             return None
 
-    def _prepare(self, now: int) -> None:
+    def _prepare_spare(self, now: int) -> None:
         """Have another guard ready, when this one has guarded for a moment."""
-        serving = self._page[Field.SERVING]
-        calm = self._keeper.phase is Phase.SERVING and serving and now - serving > _CALM
-        if calm and self._spare is None and now >= self._spare_due:
-            self._spare_due = now + _AGAIN
-            self._spare = self._started("the next guard cannot be made ready")
+        serving_since = self._memory[StatusWord.SERVING]
+        is_stable = (
+            self._fsm.phase is GuardPhase.SERVING
+            and serving_since
+            and now - serving_since > _STABLE_AFTER
+        )
+        if is_stable and self._spare is None and now >= self._spare_due:
+            self._spare_due = now + _SPARE_RETRY
+            self._spare = self._try_spawn("the next guard cannot be made ready")
 
-    def _tend(self, ward: Ward) -> None:
+    def _watch_connection(self, guard: GuardProcess) -> None:
         self._loop.watch(
-            ward.life, lambda: self._readable(ward), lambda error: self._lose(ward, str(error))
+            guard.connection,
+            lambda: self._on_readable(guard),
+            lambda error: self._on_connection_lost(guard, str(error)),
         )
 
-    def _readable(self, ward: Ward) -> None:
-        said = ward.life.recv(len(LEAVE))
-        if not said:
-            self._lose(ward, "its connection has ended")
-        elif said == LEAVE:
+    def _on_readable(self, guard: GuardProcess) -> None:
+        received = guard.connection.recv(len(RELEASE))
+        if not received:
+            self._on_connection_lost(guard, "its connection has ended")
+        elif received == RELEASE:
             log.warning("another supervisor takes over")
-            self._loop.forget(ward.life)
-            self._ward = None
-            self._do(self._keeper.dismiss(), self._loop.now())
+            self._loop.forget(guard.connection)
+            self._guard = None
+            self._perform(self._fsm.hand_over(), self._loop.now())
 
-    def _lose(self, ward: Ward, why: str) -> None:
+    def _on_connection_lost(self, guard: GuardProcess, why: str) -> None:
         log.debug("the guard is lost: %s", why)
-        self._loop.forget(ward.life)
+        self._loop.forget(guard.connection)
         now = self._loop.now()
-        self._do(self._keeper.lost(now), now)
+        self._perform(self._fsm.connection_lost(now), now)
 
     def _brake(self, now: int) -> None:
         """Stop the robot."""
-        if not self._page[Field.LEAVING]:
-            state = "is gone" if self._keeper.phase is Phase.LOST else "stands still"
+        if not self._memory[StatusWord.LEAVING]:
+            state = "is gone" if self._fsm.phase is GuardPhase.LOST else "stands still"
             log.error("the guard %s: the robot is stopped", state)
         self._brakes.brake("the guard does not answer", now)
 
-    def _tell(self, number: int) -> None:
-        if self._keeper.phase is Phase.KILLED:
+    def _send_signal(self, number: int) -> None:
+        if self._fsm.phase is GuardPhase.KILLED:
             log.error("the guard stands still, or does not end: it is killed")
-            self._why = "stood still and was killed"
-        if self._ward:
-            self._ward.tell(number)
+            self._failure = "stood still and was killed"
+        if self._guard:
+            self._guard.send_signal(number)
 
-    def _bury(self, now: int) -> None:
+    def _reap(self, now: int) -> None:
         """See whether the guard that was lost has ended, and what comes next."""
-        if self._ward is None or self._keeper.phase is not Phase.LOST:
+        if self._guard is None or self._fsm.phase is not GuardPhase.LOST:
             return
-        code = self._ward.code()
+        code = self._guard.exit_code()
         if code is None:
             return
-        self._ward = None
-        self._do(self._keeper.ended(now, code), now)
-        self._tell_end(code, now)
+        self._guard = None
+        self._perform(self._fsm.guard_ended(now, code), now)
+        self._report_end(code, now)
 
-    def _tell_end(self, code: int, now: int) -> None:
-        why, self._why = self._why or _told(code), ""
-        if self._keeper.phase is Phase.WAITING:
-            wait = max(0, self._keeper.due - now) / SECOND
-            log.error("the guard %s; the next one begins in %.2g s", why, wait)
-            self._news = f"the guard before {why}"
+    def _report_end(self, code: int, now: int) -> None:
+        failure, self._failure = self._failure or _exit_text(code), ""
+        if self._fsm.phase is GuardPhase.WAITING:
+            wait = max(0, self._fsm.restart_due - now) / SECOND
+            log.error("the guard %s; the next one begins in %.2g s", failure, wait)
+            self._failure_report = f"the guard before {failure}"
 
     def _end(self) -> None:
         """End; who says so twice does not want to wait until the robot is at rest."""
         now = self._loop.now()
-        self._hurries = self._told_to_end
-        self._told_to_end = True
-        self._do(self._keeper.end(now), now)
+        self._skips_final_stop = self._is_end_requested
+        self._is_end_requested = True
+        self._perform(self._fsm.shut_down(now), now)
 
-    def _ignore(self, node: str, reason: str) -> None:
+    def _refuse_shutdown(self, node: str, reason: str) -> None:
         """Go on: what stops the robot is not ended over the network."""
-        if self._seldom.may_say(node, self._loop.now()):
-            log.error("%s was told to shut down and does not: %s", node, shown(reason))
+        if self._log_throttle.allows(node, self._loop.now()):
+            log.error("%s was told to shut down and does not: %s", node, printable(reason))
 
 
-def _told(code: int) -> str:
+def _exit_text(code: int) -> str:
     """Return what became of a process."""
     if code < 0:
         return f"was killed by {signal.Signals(-code).name}"
-    return "ran out of memory" if code == STARVED else f"ended with exit code {code}"
+    return "ran out of memory" if code == OUT_OF_MEMORY else f"ended with exit code {code}"

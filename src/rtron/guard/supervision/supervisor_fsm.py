@@ -10,30 +10,30 @@ from enum import Enum
 
 from rtron.vocabulary import SECOND
 
-STALLED = 55 * SECOND // 1000
+STALL_TIMEOUT = 55 * SECOND // 1000
 """Silence after which the robot is stopped, ns: a few beats more than a busy machine delays."""
-HUNG = SECOND
+HANG_TIMEOUT = SECOND
 """Silence after which the guard is killed, ns."""
-STARTING = 20 * SECOND
+START_TIMEOUT = 20 * SECOND
 """How long a guard may take until its topics are open, ns."""
-BEGINNING = 2 * SECOND
+WARM_START_TIMEOUT = 2 * SECOND
 """The same for a guard that had started up before and only waited to begin, ns."""
-ENDING = 8 * SECOND
+END_TIMEOUT = 8 * SECOND
 """How long a guard may take to end in order, ns."""
-LOST = SECOND // 2
+LOST_TIMEOUT = SECOND // 2
 """How long a guard may still be there when its connection has ended, ns."""
-_LONG_ENOUGH = 2 * SECOND
+_STABLE_AFTER = 2 * SECOND
 _FIRST_DELAY = SECOND // 4
-_LONGEST_DELAY = 10 * SECOND
+_MAX_DELAY = 10 * SECOND
 
 OK, REFUSED = 0, 2
-STARVED = os.EX_OSERR
+OUT_OF_MEMORY = os.EX_OSERR
 """The exit code of a guard that has run out of memory."""
-TAKEN = os.EX_UNAVAILABLE
+GUARD_EXISTS = os.EX_UNAVAILABLE
 """The exit code of a guard that has found another one on its master."""
 
 
-class Phase(Enum):
+class GuardPhase(Enum):
     """How the guard is."""
 
     WAITING = "there is none; one is started when it is due"
@@ -45,141 +45,143 @@ class Phase(Enum):
     OVER = "it ended, and so does the supervisor"
 
 
-class Act(Enum):
+class SupervisorAction(Enum):
     """What is to be done."""
 
     SPAWN = "start a guard"
     BRAKE = "stop the robot, and keep it stopped"
-    LOOSEN = "let the stop come to its end: the guard is there"
+    RELEASE = "let the stop come to its end: the guard is there"
     TERMINATE = "tell the guard to end"
     KILL = "kill the guard"
     LEAVE = "end the supervisor too"
 
 
 @dataclass(frozen=True, slots=True)
-class Sign:
+class GuardObservation:
     """What is seen of the guard: how long it has not beaten (ns), and what it says of itself."""
 
-    silent: int
-    serving: bool
-    leaving: bool = False
+    silence: int
+    is_serving: bool
+    is_leaving: bool = False
 
 
-class Keeper:
+class SupervisorFsm:
     """Turns what is seen into what is to be done; `code` is what the supervisor ends with."""
 
-    def __init__(self, now: int, *, adopted: bool = False) -> None:
-        self.phase = Phase.SERVING if adopted else Phase.WAITING
+    def __init__(self, now: int, *, is_adopted: bool = False) -> None:
+        self.phase = GuardPhase.SERVING if is_adopted else GuardPhase.WAITING
         self.code = OK
-        self._since = now
-        self._due = now
-        self._served = now if adopted else None
-        self._ever = adopted
+        self._phase_since = now
+        self._restart_due = now
+        self._serving_since = now if is_adopted else None
+        self._has_served = is_adopted
         self._failures = 0
-        self._ends = False
-        self._patience = STARTING
+        self._is_ending = False
+        self._start_timeout = START_TIMEOUT
 
-    def look(self, now: int, sign: Sign) -> tuple[Act, ...]:
+    def tick(self, now: int, observation: GuardObservation) -> tuple[SupervisorAction, ...]:
         """Look at the guard, every few milliseconds."""
         match self.phase:
-            case Phase.WAITING:
+            case GuardPhase.WAITING:
                 return self._wait(now)
-            case Phase.STARTING:
-                return self._start(now, sign)
-            case Phase.SERVING | Phase.STALLED:
-                return self._watch(now, sign)
-            case Phase.LOST if now - self._since > LOST:
-                self._since = now
-                return (Act.KILL,)
+            case GuardPhase.STARTING:
+                return self._start(now, observation)
+            case GuardPhase.SERVING | GuardPhase.STALLED:
+                return self._watch(now, observation)
+            case GuardPhase.LOST if now - self._phase_since > LOST_TIMEOUT:
+                self._phase_since = now
+                return (SupervisorAction.KILL,)
             case _:
                 return ()
 
-    def lost(self, now: int) -> tuple[Act, ...]:
+    def connection_lost(self, now: int) -> tuple[SupervisorAction, ...]:
         """Take note that the connection to the guard has ended: it is dead, or will be."""
-        if self.phase in (Phase.LOST, Phase.OVER, Phase.WAITING):
+        if self.phase in (GuardPhase.LOST, GuardPhase.OVER, GuardPhase.WAITING):
             return ()
-        self.phase, self._since = Phase.LOST, now
-        return (Act.BRAKE,) if self._ever else ()
+        self.phase, self._phase_since = GuardPhase.LOST, now
+        return (SupervisorAction.BRAKE,) if self._has_served else ()
 
-    def ready(self) -> None:
+    def spare_taken(self) -> None:
         """Take note that the guard which begins was ready, and needs little time."""
-        self._patience = BEGINNING
+        self._start_timeout = WARM_START_TIMEOUT
 
-    def failed(self, now: int) -> None:
+    def start_failed(self, now: int) -> None:
         """Take note that no guard could be started: another attempt is due later."""
         self._await_next(now)
 
-    def ended(self, now: int, code: int) -> tuple[Act, ...]:
+    def guard_ended(self, now: int, code: int) -> tuple[SupervisorAction, ...]:
         """Take note of the guard's exit code, minus the signal if one has killed it."""
-        refused = code == TAKEN or (code == REFUSED and not self._ever)
-        if self._ends or refused or code == OK:
-            return self._leave(REFUSED if refused and not self._ends else OK)
+        refused = code == GUARD_EXISTS or (code == REFUSED and not self._has_served)
+        if self._is_ending or refused or code == OK:
+            return self._leave(REFUSED if refused and not self._is_ending else OK)
         self._await_next(now)
         return ()
 
-    def end(self, now: int) -> tuple[Act, ...]:
+    def shut_down(self, now: int) -> tuple[SupervisorAction, ...]:
         """End: the guard first."""
-        if self._ends or self.phase is Phase.OVER:
+        if self._is_ending or self.phase is GuardPhase.OVER:
             return ()
-        self._ends, self._since = True, now
-        if self.phase is Phase.WAITING:
+        self._is_ending, self._phase_since = True, now
+        if self.phase is GuardPhase.WAITING:
             return self._leave(OK)
-        return (Act.TERMINATE,)
+        return (SupervisorAction.TERMINATE,)
 
-    def dismiss(self) -> tuple[Act, ...]:
+    def hand_over(self) -> tuple[SupervisorAction, ...]:
         """Leave the guard to another supervisor."""
         return self._leave(OK)
 
     @property
-    def due(self) -> int:
+    def restart_due(self) -> int:
         """When the next guard is started, ns."""
-        return self._due
+        return self._restart_due
 
-    def _wait(self, now: int) -> tuple[Act, ...]:
-        if now < self._due:
+    def _wait(self, now: int) -> tuple[SupervisorAction, ...]:
+        if now < self._restart_due:
             return ()
-        self.phase, self._since, self._patience = Phase.STARTING, now, STARTING
-        return (Act.SPAWN,)
+        self.phase, self._phase_since, self._start_timeout = GuardPhase.STARTING, now, START_TIMEOUT
+        return (SupervisorAction.SPAWN,)
 
-    def _start(self, now: int, sign: Sign) -> tuple[Act, ...]:
-        if self._overdue(now) or now - self._since > self._patience:
+    def _start(self, now: int, observation: GuardObservation) -> tuple[SupervisorAction, ...]:
+        if self._is_overdue(now) or now - self._phase_since > self._start_timeout:
             return self._kill()
-        if not sign.serving:
+        if not observation.is_serving:
             return ()
-        self.phase, self._served, self._ever = Phase.SERVING, now, True
-        return (Act.LOOSEN,)
+        self.phase, self._serving_since, self._has_served = GuardPhase.SERVING, now, True
+        return (SupervisorAction.RELEASE,)
 
-    def _watch(self, now: int, sign: Sign) -> tuple[Act, ...]:
-        if sign.leaving and not self._ends:
-            self._ends, self._since = True, now
-        if self._overdue(now) or (sign.silent >= HUNG and not sign.leaving):
+    def _watch(self, now: int, observation: GuardObservation) -> tuple[SupervisorAction, ...]:
+        if observation.is_leaving and not self._is_ending:
+            self._is_ending, self._phase_since = True, now
+        if self._is_overdue(now) or (
+            observation.silence >= HANG_TIMEOUT and not observation.is_leaving
+        ):
             return self._kill()
-        stalled = sign.leaving or sign.silent >= STALLED
-        if stalled == (self.phase is Phase.STALLED):
+        is_stalled = observation.is_leaving or observation.silence >= STALL_TIMEOUT
+        if is_stalled == (self.phase is GuardPhase.STALLED):
             return ()
-        self.phase = Phase.STALLED if stalled else Phase.SERVING
-        return (Act.BRAKE,) if stalled else (Act.LOOSEN,)
+        self.phase = GuardPhase.STALLED if is_stalled else GuardPhase.SERVING
+        return (SupervisorAction.BRAKE,) if is_stalled else (SupervisorAction.RELEASE,)
 
-    def _overdue(self, now: int) -> bool:
-        return self._ends and now - self._since > ENDING
+    def _is_overdue(self, now: int) -> bool:
+        return self._is_ending and now - self._phase_since > END_TIMEOUT
 
-    def _kill(self) -> tuple[Act, ...]:
-        self.phase = Phase.KILLED
-        return (Act.KILL,)
+    def _kill(self) -> tuple[SupervisorAction, ...]:
+        self.phase = GuardPhase.KILLED
+        return (SupervisorAction.KILL,)
 
-    def _leave(self, code: int) -> tuple[Act, ...]:
-        self.phase, self.code = Phase.OVER, code
-        return (Act.LEAVE,)
+    def _leave(self, code: int) -> tuple[SupervisorAction, ...]:
+        self.phase, self.code = GuardPhase.OVER, code
+        return (SupervisorAction.LEAVE,)
 
     def _await_next(self, now: int) -> None:
-        self._due = now + self._delay(now)
-        self._served = None
-        self.phase = Phase.WAITING
+        self._restart_due = now + self._delay(now)
+        self._serving_since = None
+        self.phase = GuardPhase.WAITING
 
     def _delay(self, now: int) -> int:
         """Return how long to wait: not at all after a guard that served, ever longer otherwise."""
-        if self._served is not None and now - self._served >= _LONG_ENOUGH:
+        if self._serving_since is not None and now - self._serving_since >= _STABLE_AFTER:
             self._failures = 0
             return 0
         self._failures += 1
-        return int(min(_FIRST_DELAY << min(self._failures - 1, 10), _LONGEST_DELAY))
+        return int(min(_FIRST_DELAY << min(self._failures - 1, 10), _MAX_DELAY))

@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import NoReturn
 
 from rtron.guard.link.options import LinkOptions
-from rtron.guard.supervision.guard_config import Order
+from rtron.guard.supervision.guard_config import GuardConfig
 from rtron.guard.supervision.programs import SUPERVISOR, command
-from rtron.vocabulary import Plan, Run
+from rtron.vocabulary import MeasuredRun, Plan
 
 
 def supervise(
@@ -19,7 +19,7 @@ def supervise(
     log_level: str,
     dry_run: bool = False,
     control: Path | None = None,
-    figures: Callable[[Run], None] | None = None,
+    figures: Callable[[MeasuredRun], None] | None = None,
     link: LinkOptions | None = None,
 ) -> NoReturn:
     """Become the supervisor of a guard that is told what `run_guard` is.
@@ -27,8 +27,10 @@ def supervise(
     The process is the same, but forgets everything it has imported so far.
     """
     options = {"dry_run": dry_run, "control": control, "figures": figures, "link": link}
-    order = Order(plan=plan, master=master, log_level=log_level, options=options).write()
-    os.set_inheritable(order, True)  # noqa: FBT003 - positional only
+    config_file = GuardConfig(
+        plan=plan, master=master, log_level=log_level, options=options
+    ).write_to_memory()
+    os.set_inheritable(config_file, True)  # noqa: FBT003 - positional only
     sys.stdout.flush()
     sys.stderr.flush()
-    os.execv(sys.executable, command(SUPERVISOR, [order]))  # noqa: S606 - our own Python
+    os.execv(sys.executable, command(SUPERVISOR, [config_file]))  # noqa: S606 - our own Python

@@ -2,9 +2,9 @@
 
 from rtron.vocabulary import SECOND
 
-LOOK = SECOND // 100
+BEAT_PERIOD = SECOND // 100
 """The time between two beats, and between two looks at them, ns."""
-_LONGEST_LOOK = 3 * LOOK
+_MAX_PERIOD = 3 * BEAT_PERIOD
 
 
 class Watchdog:
@@ -15,13 +15,13 @@ class Watchdog:
     """
 
     def __init__(self, now: int) -> None:
-        self._looked = now
+        self._updated_at = now
         self._beat = 0
-        self.silent = 0
+        self.silence = 0
 
-    def look(self, now: int, beat: int) -> int:
+    def update(self, now: int, beat: int) -> int:
         """Return how long the beat has been missing, ns."""
-        since, self._looked = now - self._looked, now
-        self.silent = 0 if beat != self._beat else self.silent + min(since, _LONGEST_LOOK)
+        since, self._updated_at = now - self._updated_at, now
+        self.silence = 0 if beat != self._beat else self.silence + min(since, _MAX_PERIOD)
         self._beat = beat
-        return self.silent
+        return self.silence

@@ -5,15 +5,15 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rtron.errors import SourceError
-from rtron.guard.master_proxy.master_file import private_master
+from rtron.guard.master_proxy.master_file import find_private_master
 from rtron.guard.transport.ros1.middleware import Ros1Transport
 
 if TYPE_CHECKING:
-    from rtron.guard.core.event_loop import Loop
+    from rtron.guard.core.event_loop import EventLoop
     from rtron.guard.transport.ros2.middleware import Ros2Transport
 
 _DOMAIN = "domain "
-_FAST_DDS = "rmw_fastrtps"
+_RMW_PREFIX = "rmw_fastrtps"
 
 
 def domain_address(domain: int) -> str:
@@ -21,23 +21,23 @@ def domain_address(domain: int) -> str:
     return f"{_DOMAIN}{domain}"
 
 
-def open_transport(ros: int, address: str, loop: Loop) -> Ros1Transport | Ros2Transport:
+def open_transport(ros: int, address: str, loop: EventLoop) -> Ros1Transport | Ros2Transport:
     """Return a transport for ROS 1 at a master, or for ROS 2 in the domain of an address.
 
     SourceError if ROS 2 is not installed here, or its RMW is not Fast DDS: others give
     a message another id than the publisher has in the graph.
     """
     if ros == 1:
-        return Ros1Transport(loop, private_master(address), public=address)
+        return Ros1Transport(loop, find_private_master(address), public=address)
     try:
         from rtron.guard.transport.ros2.middleware import Ros2Transport  # noqa: PLC0415
-        from rtron.wire.ros2.discovery_tuning import announce_often  # noqa: PLC0415
-        from rtron.wire.ros2.session import Session, rmw_identifier  # noqa: PLC0415
+        from rtron.wire.ros2.discovery_tuning import enable_fast_announcements  # noqa: PLC0415
+        from rtron.wire.ros2.session import Ros2Session, rmw_identifier  # noqa: PLC0415
     except ImportError as error:
         help = "pip install 'rtron[ros2]', or source your ROS 2"
         raise SourceError(f"ROS 2 is not there: {error}", help=help) from error
-    if not (rmw := rmw_identifier()).startswith(_FAST_DDS):
+    if not (rmw := rmw_identifier()).startswith(_RMW_PREFIX):
         help = "export RMW_IMPLEMENTATION=rmw_fastrtps_cpp for the whole app"
         raise SourceError(f"the guard cannot tell publishers apart with {rmw}", help=help)
-    announce_often()
-    return Ros2Transport(loop, Session(int(address.removeprefix(_DOMAIN))))
+    enable_fast_announcements()
+    return Ros2Transport(loop, Ros2Session(int(address.removeprefix(_DOMAIN))))

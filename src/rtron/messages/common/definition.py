@@ -29,15 +29,15 @@ PRIMITIVES = frozenset({*SIZES, "string"})
 class Field:
     """A field: `type` is primitive or `pkg/Name`, `length` that of an array of fixed length.
 
-    ROS 2 bounds what it does not fix: `most` elements of a sequence, `longest` bytes of a string.
+    ROS 2 bounds what it does not fix: `max_elements` elements of a sequence, `max_bytes` bytes of a string.
     """
 
     name: str
     type: str
     array: bool = False
     length: int | None = None
-    most: int | None = None
-    longest: int | None = None
+    max_elements: int | None = None
+    max_bytes: int | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -46,7 +46,7 @@ class Section:
     lines: list[int]
 
 
-def sections(name: str, text: str) -> dict[str, Section]:
+def parse_sections(name: str, text: str) -> dict[str, Section]:
     """Return the types that a text defines; of one defined twice the first counts."""
     found: dict[str, Section] = {}
     section = found[name] = Section([], [], [])
@@ -97,12 +97,12 @@ def _field(name: str, kind: "re.Match[str]", line: int, owner: str) -> Field:
         type=_resolved(kind["base"], line, owner),
         array=kind["array"] is not None,
         length=int(length) if length else None,
-        most=_bound(kind["most"]),
-        longest=_bound(kind["longest"]),
+        max_elements=_parse_bound(kind["most"]),
+        max_bytes=_parse_bound(kind["longest"]),
     )
 
 
-def _bound(digits: str | None) -> int | None:
+def _parse_bound(digits: str | None) -> int | None:
     """Return a bound; one above what 32 bits count bounds nothing."""
     return int(digits) if digits and len(digits) <= _DIGITS else None
 

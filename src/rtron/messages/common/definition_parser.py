@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 
 from rtron.errors import InputError
 from rtron.messages.common.definition import PRIMITIVES, Definition, Field
-from rtron.messages.common.definition_lines import MAX_VALUES, NAME, Section, sections
+from rtron.messages.common.definition_lines import MAX_VALUES, NAME, Section, parse_sections
 from rtron.vocabulary import normalise_type
 
 MAX_TEXT = 1 << 16
@@ -28,10 +28,10 @@ def parse_definition(type: str, text: str, *, lookup: Lookup | None = None) -> D
         raise InputError(f"{type!r} is not a message type", help="write it as pkg/Name")
     if len(text) > MAX_TEXT:
         raise InputError(f"the definition of {name} is longer than {MAX_TEXT} characters")
-    return _Builder(sections(name, text), lookup or _nobody_knows).build(name)
+    return _DefinitionBuilder(parse_sections(name, text), lookup or _no_lookup).build(name)
 
 
-class _Builder:
+class _DefinitionBuilder:
     """Puts the sections of one text together, each type once."""
 
     def __init__(self, sections: Mapping[str, Section], lookup: Lookup) -> None:
@@ -42,7 +42,7 @@ class _Builder:
 
     def build(self, name: str) -> Definition:
         """Return the definition of the type `name`."""
-        enter(name, self._open)
+        enter_type(name, self._open)
         section = self._sections[name]
         nested = {
             each.type: self._nested(each, line)
@@ -90,17 +90,17 @@ def _definition(name: str, section: Section, nested: Mapping[str, Definition]) -
 
 def _hashed(field: Field, nested: Mapping[str, Definition]) -> str:
     if field.type in nested:
-        return f"{nested[field.type].md5sum}{_spelled(field.most)} {field.name}"
-    length = _spelled(field.most) if field.length is None else field.length
+        return f"{nested[field.type].md5sum}{_spelled(field.max_elements)} {field.name}"
+    length = _spelled(field.max_elements) if field.length is None else field.length
     array = f"[{length}]" if field.array else ""
-    return f"{field.type}{_spelled(field.longest)}{array} {field.name}"
+    return f"{field.type}{_spelled(field.max_bytes)}{array} {field.name}"
 
 
 def _spelled(bound: int | None) -> str:
     return "" if bound is None else f"<={bound}"
 
 
-def enter(name: str, opened: list[str]) -> None:
+def enter_type(name: str, opened: list[str]) -> None:
     """Note that the definition of a type is being made; InputError if it already is."""
     if name in opened:
         raise InputError(f"a message type contains itself: {' -> '.join([*opened, name])}")
@@ -113,5 +113,5 @@ def _too_deep(name: str) -> InputError:
     return InputError(f"{name} is nested deeper than {MAX_DEPTH}")
 
 
-def _nobody_knows(_: str) -> None:
+def _no_lookup(_: str) -> None:
     return None

@@ -7,19 +7,19 @@ from functools import cache
 
 from rtron.errors import InputError, SourceError
 from rtron.messages.common.definition import Definition
-from rtron.messages.common.definition_parser import enter, parse_definition
-from rtron.messages.ros2.installed_types import find_place
+from rtron.messages.common.definition_parser import enter_type, parse_definition
+from rtron.messages.ros2.installed_types import find_installed_type
 from rtron.vocabulary import MessageDefinition, is_action_type, normalise_type
 
 
-class Definitions:
+class DefinitionRegistry:
     """The message types that a plan defines, those of ROS 2 that are installed, and standard ones.
 
     What is installed counts before what is standard: that is what publishers here say.
     """
 
     def __init__(self, messages: Iterable[MessageDefinition] = (), *, ros: int = 1) -> None:
-        self._texts = {normalise_type(each.type): each.definition for each in messages}
+        self._plan_texts = {normalise_type(each.type): each.definition for each in messages}
         self.ros = ros
         self._found: dict[str, Definition | None] = {}
         self._open: list[str] = []
@@ -31,7 +31,7 @@ class Definitions:
         """
         name = normalise_type(type)
         if name not in self._found:
-            enter(name, self._open)
+            enter_type(name, self._open)
             try:
                 self._found[name] = self._parse(name)
             finally:
@@ -40,10 +40,10 @@ class Definitions:
 
     def defines(self, type: str) -> bool:
         """Tell whether the plan itself has a definition of `type`."""
-        return normalise_type(type) in self._texts
+        return normalise_type(type) in self._plan_texts
 
     def _parse(self, name: str) -> Definition | None:
-        text = self._texts.get(name)
+        text = self._plan_texts.get(name)
         if text is not None:
             own = _goal(name, text) if is_action_type(name) else (name, text)
             return parse_definition(*own, lookup=self.find)
@@ -60,14 +60,14 @@ class Definitions:
 
 def _installed(name: str) -> Definition | None:
     """Return the definition of an installed type, of an action its goal's; None if it is none."""
-    place = find_place(name)
-    if place is None:
+    installed = find_installed_type(name)
+    if installed is None:
         return None
     try:
-        return parse_definition(place.defined, place.definition())
+        return parse_definition(installed.definition_name, installed.definition())
     except (SourceError, InputError) as error:
-        told = f"{place.type} as it is installed here: {error}"
-        raise InputError(told, help=error.help) from error
+        message = f"{installed.type} as it is installed here: {error}"
+        raise InputError(message, help=error.help) from error
 
 
 def _goal(action: str, text: str) -> tuple[str, str]:

@@ -29,7 +29,7 @@ class Encoding(Enum):
         """Return what stands in front of a body of `length` bytes."""
         return _LENGTH.pack(length) if self is Encoding.ROS1 else _PLAIN_CDR_LE + bytes(2)
 
-    def check(self, message: bytes) -> None:
+    def check_prefix(self, message: bytes) -> None:
         """Refuse (WireError) a message whose first 4 bytes are not those of this encoding."""
         if len(message) < PREFIX:
             raise WireError(f"a message of {len(message)} bytes has not even its first {PREFIX}")

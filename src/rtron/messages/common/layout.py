@@ -17,7 +17,7 @@ Step = Callable[[bytes, int, list[Any]], int]
 Convert = Callable[[bytes], bytes]
 
 _MAX_ALIGNMENT = 8
-_MOST_ZEROS = 1 << 16
+_MAX_ZEROS = 1 << 16
 _COUNT = struct.Struct("<I")
 _COUNT_SIZE = 4
 
@@ -29,7 +29,7 @@ def alignment(type: str, encoding: Encoding) -> int:
     return _COUNT_SIZE if type in ("time", "duration", "string") else SIZES[type]
 
 
-class Layout:
+class MessageLayout:
     """Steps in the making; alignment is settled here as far as offsets are known beforehand.
 
     Offsets are known modulo `_known`: 8 at the start of a body, 1 behind a string.
@@ -38,7 +38,7 @@ class Layout:
     def __init__(self, encoding: Encoding, *, known: int = _MAX_ALIGNMENT) -> None:
         self.encoding = encoding
         self._known = known
-        self._rest = 0
+        self._offset = 0
         self._steps: list[Step] = []
         self._begin()
 
@@ -80,12 +80,12 @@ class Layout:
         if align > self._known:
             self._flush()
             self._begin(align)
-            self._known, self._rest = align, 0
-        padding = -self._rest % align
+            self._known, self._offset = align, 0
+        padding = -self._offset % align
         if padding:
             self._format.append(f"{padding}x")
         self._format.append(code)
-        self._rest = (self._rest + padding + size) % _MAX_ALIGNMENT
+        self._offset = (self._offset + padding + size) % _MAX_ALIGNMENT
 
     def _flush(self) -> None:
         if self._format or self._template:
@@ -129,10 +129,12 @@ def _copy_run(
     return convert if converts else copy
 
 
-def read_count(encoding: Encoding, least: int) -> Callable[[bytes, int], tuple[int, int]]:
+def count_reader(
+    encoding: Encoding, min_element_size: int
+) -> Callable[[bytes, int], tuple[int, int]]:
     """Return what reads a length and gives it with the offset behind it.
 
-    `least` is the size of the smallest element: WireError if so many cannot follow.
+    `min_element_size` is the size of the smallest element: WireError if so many cannot follow.
     """
     mask = 0 if encoding is Encoding.ROS1 else _COUNT_SIZE - 1
 
@@ -140,7 +142,7 @@ def read_count(encoding: Encoding, least: int) -> Callable[[bytes, int], tuple[i
         at += PREFIX - at & mask
         count: int = _COUNT.unpack_from(data, at)[0]
         at += _COUNT_SIZE
-        if count * least > len(data) - at:
+        if count * min_element_size > len(data) - at:
             raise WireError(f"{count} elements are announced, {len(data) - at} bytes are left")
         return count, at
 
@@ -152,21 +154,21 @@ def align_to(align: int, at: int) -> int:
     return at + (PREFIX - at & align - 1)
 
 
-def least_size(field: Field, definition: Definition) -> int:
+def min_size(field: Field, definition: Definition) -> int:
     """Return the number of bytes that one value of a field takes at least; 1 for an empty one."""
     nested = definition.nested.get(field.type)
     if nested is None:
         return SIZES.get(field.type, _COUNT_SIZE)
-    return max(1, sum(_least_total(each, nested) for each in nested.fields))
+    return max(1, sum(_min_total(each, nested) for each in nested.fields))
 
 
-def _least_total(field: Field, definition: Definition) -> int:
+def _min_total(field: Field, definition: Definition) -> int:
     if field.array and field.length is None:
         return _COUNT_SIZE
-    return least_size(field, definition) * (field.length or 1)
+    return min_size(field, definition) * (field.length or 1)
 
 
-def skip_field(layout: Layout, field: Field, definition: Definition) -> None:
+def skip_field(layout: MessageLayout, field: Field, definition: Definition) -> None:
     """Lay out a field that nobody asks for."""
     if field.array:
         _skip_array(layout, field, definition)
@@ -178,20 +180,20 @@ def skip_field(layout: Layout, field: Field, definition: Definition) -> None:
         layout.skip(SIZES[field.type], alignment(field.type, layout.encoding))
 
 
-def skip_fields(layout: Layout, definition: Definition) -> None:
+def skip_fields(layout: MessageLayout, definition: Definition) -> None:
     """Lay out a message that nobody asks for."""
-    fill_empty(layout, definition)
+    lay_out_empty_message(layout, definition)
     for field in definition.fields:
         skip_field(layout, field, definition)
 
 
-def fill_empty(layout: Layout, definition: Definition) -> None:
+def lay_out_empty_message(layout: MessageLayout, definition: Definition) -> None:
     """Lay out the byte that ROS 2 gives a message without fields, since IDL has none such."""
     if not definition.fields and layout.encoding is Encoding.CDR:
         layout.skip(1, 1)
 
 
-def _skip_array(layout: Layout, field: Field, definition: Definition) -> None:
+def _skip_array(layout: MessageLayout, field: Field, definition: Definition) -> None:
     encoding = layout.encoding
     if field.type not in SIZES:
         layout.step(each_element(layout, field, definition, skip_field))
@@ -203,7 +205,7 @@ def _skip_array(layout: Layout, field: Field, definition: Definition) -> None:
 
 
 def _skip_block(encoding: Encoding, size: int, align: int) -> Step:
-    count_of = read_count(encoding, size)
+    count_of = count_reader(encoding, size)
 
     def skip(data: bytes, at: int, out: list[Any]) -> int:  # noqa: ARG001
         count, at = count_of(data, at)
@@ -213,17 +215,17 @@ def _skip_block(encoding: Encoding, size: int, align: int) -> Step:
 
 
 def each_element(
-    layout: Layout,
+    layout: MessageLayout,
     field: Field,
     definition: Definition,
-    lay_out: Callable[[Layout, Field, Definition], None],
+    lay_out: Callable[[MessageLayout, Field, Definition], None],
 ) -> Step:
     """Return the step over an array whose elements `lay_out` lays out, one after the other."""
-    single = Field(name=field.name, type=field.type, longest=field.longest)
-    inner = Layout(layout.encoding, known=1)
+    single = Field(name=field.name, type=field.type, max_bytes=field.max_bytes)
+    inner = MessageLayout(layout.encoding, known=1)
     lay_out(inner, single, definition)
     steps = inner.steps()
-    count_of = read_count(layout.encoding, least_size(single, definition))
+    count_of = count_reader(layout.encoding, min_size(single, definition))
     fixed = field.length
 
     def loop(data: bytes, at: int, out: list[Any]) -> int:
@@ -236,14 +238,14 @@ def each_element(
     return loop
 
 
-def zeros_size(definition: Definition, encoding: Encoding) -> int | None:
+def zero_body_size(definition: Definition, encoding: Encoding) -> int | None:
     """Return the size of the body in which every number is 0 and everything else empty.
 
     None if it is larger than 64 KiB.
     """
-    layout = Layout(encoding)
+    layout = MessageLayout(encoding)
     skip_fields(layout, definition)
-    zeros = bytes(PREFIX + _MOST_ZEROS)
+    zeros = bytes(PREFIX + _MAX_ZEROS)
     at = PREFIX
     try:
         for step in layout.steps():
@@ -253,11 +255,11 @@ def zeros_size(definition: Definition, encoding: Encoding) -> int | None:
     return at - PREFIX if at <= len(zeros) else None
 
 
-def run(steps: Sequence[Step], encoding: Encoding) -> Callable[[bytes], list[Any]]:
+def message_reader(steps: Sequence[Step], encoding: Encoding) -> Callable[[bytes], list[Any]]:
     """Return what takes the steps over a whole message; WireError if it is malformed."""
 
     def read(message: bytes) -> list[Any]:
-        encoding.check(message)
+        encoding.check_prefix(message)
         out: list[Any] = []
         at = PREFIX
         try:

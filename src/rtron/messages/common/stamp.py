@@ -29,7 +29,7 @@ def _reader(encoding: Encoding, stamp: struct.Struct, at: int) -> Callable[[byte
     end = at + stamp.size
 
     def read(message: bytes) -> int:
-        encoding.check(message)
+        encoding.check_prefix(message)
         if len(message) < end:
             raise WireError(f"a message of {len(message)} bytes ends before its stamp does")
         seconds, nanoseconds = stamp.unpack_from(message, at)

@@ -8,7 +8,14 @@ from typing import Any
 
 from rtron.messages.common.definition import Definition
 from rtron.messages.common.encoding import PREFIX, Encoding
-from rtron.messages.common.layout import Layout, align_to, alignment, run, skip_field, zeros_size
+from rtron.messages.common.layout import (
+    MessageLayout,
+    align_to,
+    alignment,
+    message_reader,
+    skip_field,
+    zero_body_size,
+)
 from rtron.vocabulary import Velocity
 
 _LARGEST: float = struct.unpack("<f", b"\xff\xff\x7f\x7f")[0]
@@ -17,15 +24,15 @@ _NAN = float("nan")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class _Shape:
-    """What a type must look like: the floats that it has, itself or in its field `inside`.
+class _VelocityShape:
+    """What a type must look like: the floats that it has, itself or in its field `field`.
 
-    The first `linear` floats from `first` on are the linear part, the next `angular` the angular.
+    The first `linear` floats from `first_float` on are the linear part, the next `angular` the angular.
     """
 
     floats: tuple[str, ...]
-    inside: str = ""
-    first: int = 0
+    field: str = ""
+    first_float: int = 0
     linear: int = 1
     angular: int = 0
     is_limit: bool = False
@@ -33,19 +40,21 @@ class _Shape:
 
 _TWIST = tuple(f"{part}.{axis}" for part in ("linear", "angular") for axis in "xyz")
 _DRIVE = ("steering_angle", "steering_angle_velocity", "speed", "acceleration", "jerk")
-_LIMIT = _Shape(floats=("data",), is_limit=True)
+_LIMIT = _VelocityShape(floats=("data",), is_limit=True)
 _SHAPES = {
-    "geometry_msgs/Twist": _Shape(floats=_TWIST, linear=3, angular=3),
-    "geometry_msgs/TwistStamped": _Shape(floats=_TWIST, inside="twist", linear=3, angular=3),
-    "ackermann_msgs/AckermannDrive": _Shape(floats=_DRIVE, first=2),
-    "ackermann_msgs/AckermannDriveStamped": _Shape(floats=_DRIVE, inside="drive", first=2),
+    "geometry_msgs/Twist": _VelocityShape(floats=_TWIST, linear=3, angular=3),
+    "geometry_msgs/TwistStamped": _VelocityShape(floats=_TWIST, field="twist", linear=3, angular=3),
+    "ackermann_msgs/AckermannDrive": _VelocityShape(floats=_DRIVE, first_float=2),
+    "ackermann_msgs/AckermannDriveStamped": _VelocityShape(
+        floats=_DRIVE, field="drive", first_float=2
+    ),
     "std_msgs/Float64": _LIMIT,
     "std_msgs/Float32": _LIMIT,
 }
 VELOCITY_TYPES = frozenset(_SHAPES)
 """The message types that a velocity can be read from, in ROS 1 spelling."""
 
-_Find = Callable[[bytes], int]
+_FindFloats = Callable[[bytes], int]
 
 
 class VelocityCodec:
@@ -54,30 +63,30 @@ class VelocityCodec:
     __slots__ = (
         "_angular",
         "_find",
+        "_has_only_velocity",
         "_linear",
         "_pack",
-        "_place",
+        "_span",
         "_unpack",
-        "_whole",
         "is_limit",
-        "rest",
+        "zero_message",
     )
 
-    def __init__(self, shape: _Shape, code: str, find: _Find, rest: bytes) -> None:
+    def __init__(self, shape: _VelocityShape, code: str, find: _FindFloats, rest: bytes) -> None:
         count = shape.linear + shape.angular
         size = struct.calcsize(code)
-        end = shape.first + shape.linear
+        end = shape.first_float + shape.linear
         self.is_limit = shape.is_limit
         """Whether the messages tell a maximal velocity, not one to drive at."""
-        self.rest = rest
+        self.zero_message = rest
         """A message without a name or a time in it that asks for velocity 0."""
         self._find = find
         self._unpack = struct.Struct(f"<{len(shape.floats)}{code}").unpack_from
         self._pack = struct.Struct(f"<{count}{code}").pack if code == "d" else _pack_singles
-        self._linear = slice(shape.first, end)
+        self._linear = slice(shape.first_float, end)
         self._angular = slice(end, end + shape.angular)
-        self._place = (shape.first * size, (shape.first + count) * size)
-        self._whole = count == len(shape.floats)
+        self._span = (shape.first_float * size, (shape.first_float + count) * size)
+        self._has_only_velocity = count == len(shape.floats)
 
     def decode(self, message: bytes) -> Velocity:
         """Return the velocity; WireError if the message is malformed.
@@ -85,7 +94,7 @@ class VelocityCodec:
         Where another of its floats, a steering angle for instance, is no number, neither is this.
         """
         values = self._unpack(message, self._find(message))
-        if self._whole or all(map(math.isfinite, values)):
+        if self._has_only_velocity or all(map(math.isfinite, values)):
             return Velocity(values[self._linear], values[self._angular])
         return Velocity((_NAN,))
 
@@ -95,7 +104,7 @@ class VelocityCodec:
         Rounding to 32 bits goes toward 0.
         """
         at = self._find(message)
-        start, end = self._place
+        start, end = self._span
         packed = self._pack(*velocity.linear, *velocity.angular)
         return message[: at + start] + packed + message[at + end :]
 
@@ -109,18 +118,20 @@ def velocity_codec(definition: Definition, encoding: Encoding) -> VelocityCodec 
     if code is None:
         return None
     size = struct.calcsize(code) * len(shape.floats)
-    find = _search(definition, encoding, shape) if shape.inside else _start(encoding, size)
-    length = zeros_size(definition, encoding)
+    find = (
+        _field_start(definition, encoding, shape) if shape.field else _fixed_start(encoding, size)
+    )
+    length = zero_body_size(definition, encoding)
     if length is None:
         return None
     return VelocityCodec(shape, code, find, encoding.prefix(length) + bytes(length))
 
 
-def _float_code(shape: _Shape, definition: Definition) -> str | None:
+def _float_code(shape: _VelocityShape, definition: Definition) -> str | None:
     """Return how `struct` calls the one type of all the floats."""
     owner: Definition | None = definition
-    if shape.inside:
-        field = definition.find(shape.inside)
+    if shape.field:
+        field = definition.find(shape.field)
         owner = definition.nested.get(field.type) if field and not field.array else None
     leaves = _leaves(owner) if owner else None
     if leaves is None or tuple(name for name, _ in leaves) != shape.floats:
@@ -143,28 +154,28 @@ def _leaves(definition: Definition) -> list[tuple[str, str]] | None:
     return found
 
 
-def _start(encoding: Encoding, size: int) -> _Find:
+def _fixed_start(encoding: Encoding, size: int) -> _FindFloats:
     """Return what checks a message of nothing but `size` bytes of floats."""
-    whole = PREFIX + size
+    length = PREFIX + size
     usual = encoding.prefix(size)
 
     def find(message: bytes) -> int:
-        if len(message) != whole or message[:PREFIX] != usual:
-            encoding.check(message)
-            encoding.check_end(whole, message)
+        if len(message) != length or message[:PREFIX] != usual:
+            encoding.check_prefix(message)
+            encoding.check_end(length, message)
         return PREFIX
 
     return find
 
 
-def _search(definition: Definition, encoding: Encoding, shape: _Shape) -> _Find:
-    """Return what goes over a message and tells where its field `inside` begins."""
-    layout = Layout(encoding)
+def _field_start(definition: Definition, encoding: Encoding, shape: _VelocityShape) -> _FindFloats:
+    """Return what goes over a message and tells where its field `field` begins."""
+    layout = MessageLayout(encoding)
     for field in definition.fields:
-        if field.name == shape.inside:
+        if field.name == shape.field:
             layout.step(_mark(_first_alignment(definition.nested[field.type], encoding)))
         skip_field(layout, field, definition)
-    read = run(layout.steps(), encoding)
+    read = message_reader(layout.steps(), encoding)
 
     def find(message: bytes) -> int:
         at: int = read(message)[0]

@@ -13,9 +13,14 @@ from typing import Any
 
 from rtron.errors import InputError
 from rtron.messages.common.definition import Definition
-from rtron.messages.expressions.errors import fault
+from rtron.messages.expressions.errors import expression_error
 from rtron.messages.expressions.frames import is_point, without_slash
-from rtron.messages.expressions.functions import FUNCTIONS, NOT_FINITE, declarations, written_out
+from rtron.messages.expressions.functions import (
+    FUNCTIONS,
+    NOT_FINITE,
+    declarations,
+    expand_functions,
+)
 from rtron.messages.expressions.protobuf_types import (
     AREA,
     area_value,
@@ -27,25 +32,25 @@ from rtron.vocabulary import Area
 
 MAX_EXPRESSION = 1 << 12
 """The longest expression accepted, in characters."""
-_MAX_SAID = 300
+_MAX_MESSAGE = 300
 _MAX_SHOWN = 60
 _RESERVED = re.compile(
     "as|break|const|continue|else|false|for|function|if|import|in|let|loop|namespace|null|package"
     "|return|true|var|void|while"
 )
 _WORD = re.compile(r"[A-Za-z_]\w*", re.ASCII)
-_PLACE = re.compile(r"(?<!\w)place(?:\s|//[^\n]*\n)*\(", re.ASCII)
-_FEWEST_POINTS = 3
+_POINT_CALL = re.compile(r"(?<!\w)place(?:\s|//[^\n]*\n)*\(", re.ASCII)
+_MIN_POINTS = 3
 
 
-class Expressions:
+class ExpressionCompiler:
     """The expressions over messages of one type, which they call `subject`."""
 
     def __init__(self, definition: Definition, subject: str, areas: Sequence[Area] = ()) -> None:
         cel = _cel("cel")
         self._definition = definition
         self._subject = subject
-        self._areas = {_checked(area, subject).name: area for area in areas}
+        self._areas = {_checked_area(area, subject).name: area for area in areas}
         self._pool = descriptor_pool(definition)
         self.message = self._class(definition.type)
         """The protobuf class of the messages."""
@@ -59,29 +64,31 @@ class Expressions:
             extensions=[_cel("ext.ext_math").ExtMath()],
         )
         make = self._class(AREA)
-        self._known = {name: area_value(make, area) for name, area in self._areas.items()}
+        self._area_values = {name: area_value(make, area) for name, area in self._areas.items()}
 
     def compile(self, text: str) -> Any:  # noqa: ANN401 - CEL's expression has no types
         """Return the expression; InputError, with the place in the text, if it is not boolean."""
         _check_text(text)
         try:
-            made = self._env.compile(text)
+            compiled = self._env.compile(text)
         except RuntimeError as error:
-            raise fault(str(error), text, types_of(self._definition), self._names()) from error
-        if made.return_type().name() != "BOOL":
+            raise expression_error(
+                str(error), text, types_of(self._definition), self._names()
+            ) from error
+        if compiled.return_type().name() != "BOOL":
             raise InputError(
-                f"the expression {_short(text)} gives {made.return_type().name()}, not a truth",
+                f"the expression {_short(text)} gives {compiled.return_type().name()}, not a truth",
                 help="compare it with something: == != < <= > >=",
             )
-        written = written_out(text, self._areas)
-        return made if written == text else self._compile_written(written)
+        expanded = expand_functions(text, self._areas)
+        return compiled if expanded == text else self._compile_expanded(expanded)
 
-    def _compile_written(self, written: str) -> Any:  # noqa: ANN401 - CEL's expression has no types
+    def _compile_expanded(self, expanded: str) -> Any:  # noqa: ANN401 - CEL's expression has no types
         try:
-            return self._env.compile(written)
+            return self._env.compile(expanded)
         except RuntimeError as error:
             raise InputError(
-                f"the positions are compared in too deep a way: {str(error)[:_MAX_SAID]}",
+                f"the positions are compared in too deep a way: {str(error)[:_MAX_MESSAGE]}",
                 help="name areas directly in inside() and distance()",
             ) from error
 
@@ -91,20 +98,20 @@ class Expressions:
 
     def areas(self, texts: Iterable[str]) -> dict[str, Any]:
         """Return the areas that `texts` name, as values."""
-        return {name: self._known[name] for text in texts for name, _ in self._uses(text)}
+        return {name: self._area_values[name] for text in texts for name, _ in self._uses(text)}
 
-    def frame(self, text: str, asked: str) -> str:
+    def frame(self, text: str, requested: str) -> str:
         """Return the frame that the positions in `text` are compared in, empty if in any.
 
         It is the one asked for and that of the areas; InputError if these differ.
         """
         frames = {name: without_slash(area.frame) for name, area in self._uses(text)}
-        if asked:
-            frames["the rule"] = without_slash(asked)
+        if requested:
+            frames["the rule"] = without_slash(requested)
         if len(set(frames.values())) > 1:
-            said = ", ".join(f"{name} in {frame or 'no frame'}" for name, frame in frames.items())
-            raise InputError(f"the positions in {_short(text)} are in different frames: {said}")
-        if not frames and _PLACE.search(text):
+            listed = ", ".join(f"{name} in {frame or 'no frame'}" for name, frame in frames.items())
+            raise InputError(f"the positions in {_short(text)} are in different frames: {listed}")
+        if not frames and _POINT_CALL.search(text):
             raise InputError(
                 f"place() in {_short(text)} is in no frame", help="name one, for example frame: map"
             )
@@ -133,7 +140,7 @@ class Expressions:
         return [each.type for each in types_of(self._definition).values() if is_point(each)]
 
 
-def ask(expression: Any, activation: Any) -> bool | str:  # noqa: ANN401 - CEL has no types
+def evaluate(expression: Any, activation: Any) -> bool | str:  # noqa: ANN401 - CEL has no types
     """Return whether an expression holds, or why that is not known."""
     try:
         value = expression.eval(activation).value()
@@ -143,7 +150,7 @@ def ask(expression: Any, activation: Any) -> bool | str:  # noqa: ANN401 - CEL h
         return value
     if NOT_FINITE in str(value):
         return NOT_FINITE
-    return re.sub(r"^[A-Z_]+: | \[[A-Z_]+\]$", "", str(value)[:_MAX_SAID]) or "no value"
+    return re.sub(r"^[A-Z_]+: | \[[A-Z_]+\]$", "", str(value)[:_MAX_MESSAGE]) or "no value"
 
 
 def _cel(module: str) -> Any:  # noqa: ANN401 - CEL has no types
@@ -170,11 +177,11 @@ def _check_text(text: str) -> None:
         raise InputError(f"column {error.start + 1}: not a character: {error.reason}") from error
 
 
-def _checked(area: Area, subject: str) -> Area:
+def _checked_area(area: Area, subject: str) -> Area:
     name = area.name
-    taken = name in (*FUNCTIONS, "math", subject) or _RESERVED.fullmatch(name)
-    if taken or not _WORD.fullmatch(name):
+    is_reserved = name in (*FUNCTIONS, "math", subject) or _RESERVED.fullmatch(name)
+    if is_reserved or not _WORD.fullmatch(name):
         raise InputError(f"an area cannot be called {name!r}", help="take letters, digits and _")
-    if len(area.polygon) < _FEWEST_POINTS:
-        raise InputError(f"the area {name} has fewer than {_FEWEST_POINTS} corners")
+    if len(area.polygon) < _MIN_POINTS:
+        raise InputError(f"the area {name} has fewer than {_MIN_POINTS} corners")
     return area

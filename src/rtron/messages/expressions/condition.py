@@ -19,7 +19,7 @@ MAX_DEPTH = 32
 """How deep parentheses and negations may be nested."""
 
 Bits = Mapping[str, bool]
-_Node = Callable[[Bits], "bool | None"]
+_Holds = Callable[[Bits], "bool | None"]
 _TOKEN = re.compile(r"\s*(?:(&&|\|\||[!()])|([A-Za-z_]\w*)|(\S))", re.ASCII)
 _CONSTANTS = {"true": True, "false": False}
 
@@ -30,7 +30,7 @@ class Condition:
     __slots__ = ("_holds", "names", "text")
 
     def __init__(self, text: str, names: Collection[str]) -> None:
-        parsed = _Parser(text, names).parse()
+        parsed = _BitConditionParser(text, names).parse()
         self.text = text
         self.names = parsed.names
         """The bits that it depends on."""
@@ -42,15 +42,15 @@ class Condition:
 
 
 @dataclass(frozen=True, slots=True)
-class _Part:
-    """A part of a condition; `fixed` is its value if that depends on no bit."""
+class _Term:
+    """A part of a condition; `constant` is its value if that depends on no bit."""
 
-    holds: _Node
+    holds: _Holds
     names: frozenset[str] = frozenset()
-    fixed: bool | None = None
+    constant: bool | None = None
 
 
-class _Parser:
+class _BitConditionParser:
     """Recursive descent: or, and, not, and what stands alone."""
 
     def __init__(self, text: str, names: Collection[str]) -> None:
@@ -63,107 +63,109 @@ class _Parser:
             if match.lastindex
         ]
         self._tokens.append(("", len(text) + 1))
-        self._at = 0
+        self._position = 0
         self._depth = 0
 
-    def parse(self) -> _Part:
+    def parse(self) -> _Term:
         """Return the whole condition."""
-        part = self._either()
+        part = self._or_term()
         if self._next():
             raise self._unexpected()
         return part
 
     def _next(self) -> str:
-        return self._tokens[self._at][0]
+        return self._tokens[self._position][0]
 
     def _take(self, token: str) -> bool:
         taken = self._next() == token
-        self._at += taken
+        self._position += taken
         return taken
 
-    def _either(self) -> _Part:
-        parts = [self._both()]
+    def _or_term(self) -> _Term:
+        parts = [self._and_term()]
         while self._take("||"):
-            parts.append(self._both())
+            parts.append(self._and_term())
         return _joined(parts, decisive=True)
 
-    def _both(self) -> _Part:
-        parts = [self._single()]
+    def _and_term(self) -> _Term:
+        parts = [self._unary_term()]
         while self._take("&&"):
-            parts.append(self._single())
+            parts.append(self._unary_term())
         return _joined(parts, decisive=False)
 
-    def _single(self) -> _Part:
+    def _unary_term(self) -> _Term:
         self._depth += 1
         if self._depth > MAX_DEPTH:
             raise InputError(f"a condition is nested deeper than {MAX_DEPTH}")
         if self._take("!"):
-            part = _negated(self._single())
+            part = _negated(self._unary_term())
         elif self._take("("):
-            part = self._either()
+            part = self._or_term()
             if not self._take(")"):
                 raise self._unexpected()
         else:
-            part = self._word()
+            part = self._bit_term()
         self._depth -= 1
         return part
 
-    def _word(self) -> _Part:
+    def _bit_term(self) -> _Term:
         word = self._next()
         if word in _CONSTANTS:
             part = _constant(_CONSTANTS[word])
         elif word in self._names:
-            part = _Part(lambda bits: bits.get(word), frozenset({word}))
+            part = _Term(lambda bits: bits.get(word), frozenset({word}))
         else:
             raise self._unexpected()
-        self._at += 1
+        self._position += 1
         return part
 
     def _unexpected(self) -> InputError:
-        word, column = self._tokens[self._at]
-        place = f"column {column} of the condition"
-        if not word.isidentifier():
+        token, column = self._tokens[self._position]
+        location = f"column {column} of the condition"
+        if not token.isidentifier():
             return InputError(
-                f"{place}: {word!r} is not expected" if word else f"{place}: it ends too early",
+                f"{location}: {token!r} is not expected"
+                if token
+                else f"{location}: it ends too early",
                 help="combine eflows with && || ! and parentheses",
             )
-        near = get_close_matches(word, self._names, n=1)
+        near = get_close_matches(token, self._names, n=1)
         known = f"did you mean {near[0]}?" if near else f"there are: {', '.join(self._names)}"
-        return InputError(f"{place}: there is no eflow {word[:80]}", help=known)
+        return InputError(f"{location}: there is no eflow {token[:80]}", help=known)
 
 
-def _constant(value: bool) -> _Part:  # noqa: FBT001
-    return _Part(lambda bits: value, fixed=value)
+def _constant(value: bool) -> _Term:  # noqa: FBT001
+    return _Term(lambda bits: value, constant=value)
 
 
-def _negated(part: _Part) -> _Part:
-    if part.fixed is not None:
-        return _constant(not part.fixed)
+def _negated(part: _Term) -> _Term:
+    if part.constant is not None:
+        return _constant(not part.constant)
     holds = part.holds
 
     def negation(bits: Bits) -> bool | None:
         value = holds(bits)
         return None if value is None else not value
 
-    return _Part(negation, part.names)
+    return _Term(negation, part.names)
 
 
-def _joined(parts: list[_Part], *, decisive: bool) -> _Part:
+def _joined(parts: list[_Term], *, decisive: bool) -> _Term:
     """Join parts by `||`, for which true is decisive, or by `&&`, for which false is."""
-    if any(part.fixed is decisive for part in parts):
+    if any(part.constant is decisive for part in parts):
         return _constant(decisive)
-    open_parts = [part for part in parts if part.fixed is None]
+    open_parts = [part for part in parts if part.constant is None]
     if not open_parts:
         return _constant(not decisive)
     if len(open_parts) == 1:
         return open_parts[0]
-    return _Part(
+    return _Term(
         _junction(tuple(part.holds for part in open_parts), decisive=decisive),
         frozenset().union(*(part.names for part in open_parts)),
     )
 
 
-def _junction(parts: tuple[_Node, ...], *, decisive: bool) -> _Node:
+def _junction(parts: tuple[_Holds, ...], *, decisive: bool) -> _Holds:
     def junction(bits: Bits) -> bool | None:
         found: bool | None = not decisive
         for part in parts:

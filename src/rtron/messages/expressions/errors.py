@@ -7,7 +7,7 @@ from difflib import get_close_matches
 from rtron.errors import InputError
 from rtron.messages.common.definition import Definition
 
-_FAULT = re.compile(r"ERROR: <input>:(-?\d+):(-?\d+): ([^\n]*)")
+_ERROR = re.compile(r"ERROR: <input>:(-?\d+):(-?\d+): ([^\n]*)")
 _FIELD = re.compile(r"undefined field '(.*)' not found in struct '(.*)'")
 _NAME = re.compile(r"undeclared reference to '([^'.]*).*'")
 _OVERLOAD = re.compile(r"found no matching overload for '(.*)' applied to '\((.*)\)'")
@@ -18,30 +18,34 @@ _TAKES = {
     "distance": "distance takes a Point, and a Point or an area",
     "place": "place takes two numbers with decimal points, for example place(3.0, 4.0)",
 }
-_MAX_SAID = 300
+_MAX_MESSAGE = 300
 
 
-def fault(
-    said: str, text: str, types: Mapping[str, Definition], names: Collection[str]
+def expression_error(
+    compiler_message: str, text: str, types: Mapping[str, Definition], names: Collection[str]
 ) -> InputError:
     """Return the error for what CEL's compiler said about `text`: the first of its faults."""
-    found = _FAULT.search(said)
+    found = _ERROR.search(compiler_message)
     if not found or int(found[1]) < 1:
-        plain = found[3] if found else _STATUS.sub("", said)
-        return InputError(f"in the expression: {plain[:_MAX_SAID]}", help="make it simpler")
+        plain = found[3] if found else _STATUS.sub("", compiler_message)
+        return InputError(f"in the expression: {plain[:_MAX_MESSAGE]}", help="make it simpler")
     what, help = _explain(found[3].replace(" (in container '')", ""), types, names)
     line = f"line {found[1]}, " if "\n" in text.strip() else ""
-    return InputError(f"{line}column {found[2]} of the expression: {what[:_MAX_SAID]}", help=help)
+    return InputError(
+        f"{line}column {found[2]} of the expression: {what[:_MAX_MESSAGE]}", help=help
+    )
 
 
-def _explain(said: str, types: Mapping[str, Definition], names: Collection[str]) -> tuple[str, str]:
-    if field := _FIELD.fullmatch(said):
+def _explain(
+    compiler_message: str, types: Mapping[str, Definition], names: Collection[str]
+) -> tuple[str, str]:
+    if field := _FIELD.fullmatch(compiler_message):
         return _unknown_field(field[1], types.get(field[2].replace(".", "/")), field[2])
-    if name := _NAME.fullmatch(said):
+    if name := _NAME.fullmatch(compiler_message):
         return f"nothing is called {name[1]!r}", _nearest(name[1], names)
-    if overload := _OVERLOAD.fullmatch(said):
+    if overload := _OVERLOAD.fullmatch(compiler_message):
         return _mismatch(overload[1], overload[2])
-    return said, "see cel.dev for the language"
+    return compiler_message, "see cel.dev for the language"
 
 
 def _unknown_field(name: str, owner: Definition | None, type: str) -> tuple[str, str]:

@@ -6,76 +6,76 @@ from typing import Any
 
 from rtron.errors import InputError
 from rtron.messages.common.definition import HEADER, Definition, Field
-from rtron.messages.expressions.geometry import Motion, motion
-from rtron.messages.expressions.protobuf_types import usable
+from rtron.messages.expressions.geometry import PlanarTransform, planar_transform
+from rtron.messages.expressions.protobuf_types import is_usable_name
 from rtron.vocabulary import Transform
 
 POINTS = ("geometry_msgs/Point", "geometry_msgs/Point32")
 """The types whose values are positions; a Vector3 is none."""
 
 
-class FrameRefusedError(Exception):
+class FrameError(Exception):
     """The positions of a message cannot be compared in the frame asked for."""
 
 
 @dataclass(frozen=True, slots=True)
-class _Part:
+class _MessagePart:
     """Where a message has its header, its positions, and messages that have some; by name."""
 
     header: str
     points: tuple[Field, ...]
-    inner: tuple[tuple[Field, "_Part"], ...]
+    inner: tuple[tuple[Field, "_MessagePart"], ...]
 
 
-class Frame:
-    """A frame that positions are asked for in; `bring` takes messages into it.
+class ReferenceFrame:
+    """A frame that positions are asked for in; `transform` takes messages into it.
 
     A position is in the frame of the nearest header around it that names one: a pose in a goal in
     the pose's own, not in the goal's. Where a transform is needed it changes x and y of every
     Point and Point32; directions and other numbers stay as they are.
     """
 
-    __slots__ = ("_motions", "_name", "_part", "_points")
+    __slots__ = ("_name", "_part", "_points", "_transforms")
 
     def __init__(
         self,
         name: str,
         definition: Definition,
-        wanted: Collection[str],
+        fields: Collection[str],
         transforms: Sequence[Transform] = (),
     ) -> None:
         self._name = name
-        self._motions = _motions(name, transforms)
-        self._part = _part(definition, {}, lambda field: field.name in wanted)
+        self._transforms = _transforms_into(name, transforms)
+        self._part = _message_part(definition, {}, lambda field: field.name in fields)
         self._points = _has_points(self._part)
         _check_headers(self._part, definition, name)
 
-    def bring(self, message: Any) -> None:  # noqa: ANN401 - a protobuf message of any type
+    def transform(self, message: Any) -> None:  # noqa: ANN401 - a protobuf message of any type
         """Take the positions of a message into the frame; FrameRefusedError if that cannot be."""
         if self._points:
-            self._bring(message, self._part, "")
+            self._transform(message, self._part, "")
             return
         found = _frame_of(message, self._part, "")
         if found != self._name:
-            raise FrameRefusedError(_refusal(found, self._name, "it has no points to transform"))
+            raise FrameError(_refusal(found, self._name, "it has no points to transform"))
 
-    def _bring(self, message: Any, part: _Part, frame: str) -> None:  # noqa: ANN401
+    def _transform(self, message: Any, part: _MessagePart, frame: str) -> None:  # noqa: ANN401
         frame = _frame_of(message, part, frame)
         if part.points and frame != self._name:
-            self._move(message, part.points, frame)
+            self._transform_points(message, part.points, frame)
         for field, inner in part.inner:
             value = getattr(message, field.name)
             for each in value if field.array else (value,):
-                self._bring(each, inner, frame)
+                self._transform(each, inner, frame)
 
-    def _move(self, message: Any, points: Sequence[Field], frame: str) -> None:  # noqa: ANN401
+    def _transform_points(self, message: Any, points: Sequence[Field], frame: str) -> None:  # noqa: ANN401
         for field in points:
             value = getattr(message, field.name)
             for point in value if field.array else (value,):
-                moved = self._motions.get(frame)
+                moved = self._transforms.get(frame)
                 if moved is None:
                     why = "no transform is configured"
-                    raise FrameRefusedError(_refusal(frame, self._name, why))
+                    raise FrameError(_refusal(frame, self._name, why))
                 point.x, point.y = moved.apply(point.x, point.y)
 
 
@@ -84,47 +84,47 @@ def without_slash(frame: str) -> str:
     return frame.lstrip("/")
 
 
-def _refusal(found: str, asked: str, why: str) -> str:
+def _refusal(found: str, requested: str, why: str) -> str:
     if not found:
-        return f"positions are in no frame, the rule asks for {asked}"
-    return f"positions are in frame {found[:80]}, the rule asks for {asked}, and {why}"
+        return f"positions are in no frame, the rule asks for {requested}"
+    return f"positions are in frame {found[:80]}, the rule asks for {requested}, and {why}"
 
 
-def _frame_of(message: Any, part: _Part, outer: str) -> str:  # noqa: ANN401
+def _frame_of(message: Any, part: _MessagePart, outer: str) -> str:  # noqa: ANN401
     if not part.header:
         return outer
     return without_slash(getattr(message, part.header).frame_id) or outer
 
 
-def _motions(name: str, transforms: Sequence[Transform]) -> Mapping[str, Motion]:
-    found: dict[str, Motion] = {}
+def _transforms_into(name: str, transforms: Sequence[Transform]) -> Mapping[str, PlanarTransform]:
+    found: dict[str, PlanarTransform] = {}
     for each in transforms:
         if without_slash(each.target) == name:
-            found[without_slash(each.source)] = motion(each)
+            found[without_slash(each.source)] = planar_transform(each)
     for each in transforms:
         if without_slash(each.source) == name:
-            found.setdefault(without_slash(each.target), motion(each).inverse())
+            found.setdefault(without_slash(each.target), planar_transform(each).inverse())
     return found
 
 
-def _part(
-    definition: Definition, known: dict[str, _Part], wanted: Callable[[Field], bool]
-) -> _Part:
+def _message_part(
+    definition: Definition, known: dict[str, _MessagePart], is_selected: Callable[[Field], bool]
+) -> _MessagePart:
     """Return what is to be visited in a message; each nested type once, in `known`."""
-    inner: list[tuple[Field, _Part]] = []
+    inner: list[tuple[Field, _MessagePart]] = []
     points: list[Field] = []
     for field in definition.fields:
         nested = definition.nested.get(field.type)
-        if nested is None or not usable(field.name) or not wanted(field):
+        if nested is None or not is_usable_name(field.name) or not is_selected(field):
             continue
         if is_point(nested):
             points.append(field)
             continue
         if field.type not in known:
-            known[field.type] = _part(nested, known, lambda _: True)
+            known[field.type] = _message_part(nested, known, lambda _: True)
         if _has_points(known[field.type]):
             inner.append((field, known[field.type]))
-    return _Part(header_of(definition), tuple(points), tuple(inner))
+    return _MessagePart(header_of(definition), tuple(points), tuple(inner))
 
 
 def is_point(definition: Definition) -> bool:
@@ -138,18 +138,20 @@ def is_point(definition: Definition) -> bool:
 def header_of(definition: Definition) -> str:
     """Return the name of the header with a frame, empty if there is none."""
     for field in definition.fields:
-        if field.type == HEADER and not field.array and usable(field.name):
+        if field.type == HEADER and not field.array and is_usable_name(field.name):
             frame = definition.nested[HEADER].find("frame_id")
             return field.name if frame and frame.type == "string" and not frame.array else ""
     return ""
 
 
-def _has_points(part: _Part) -> bool:
+def _has_points(part: _MessagePart) -> bool:
     return bool(part.points or part.inner)
 
 
-def _check_headers(part: _Part, definition: Definition, frame: str) -> None:
-    if part.header or (not part.points and part.inner and all(_covered(p) for _, p in part.inner)):
+def _check_headers(part: _MessagePart, definition: Definition, frame: str) -> None:
+    if part.header or (
+        not part.points and part.inner and all(_has_headers(p) for _, p in part.inner)
+    ):
         return
     raise InputError(
         f"{definition.type} has no header that tells the frame of its positions",
@@ -157,6 +159,6 @@ def _check_headers(part: _Part, definition: Definition, frame: str) -> None:
     )
 
 
-def _covered(part: _Part) -> bool:
+def _has_headers(part: _MessagePart) -> bool:
     """Tell whether all the positions in a part have a header around them."""
-    return bool(part.header) or (not part.points and all(_covered(p) for _, p in part.inner))
+    return bool(part.header) or (not part.points and all(_has_headers(p) for _, p in part.inner))

@@ -59,7 +59,7 @@ _TO_POINT = _template(
     f" math.sqrt({_APART}) : {_REFUSED})[0])[0]",
     "0.0",
 )
-_PLACE = Template(f"{protobuf_name(POINT)}{{x: $x, y: $y}}")
+_POINT_TEMPLATE = Template(f"{protobuf_name(POINT)}{{x: $x, y: $y}}")
 
 
 def declarations(cel: Any, points: Sequence[str]) -> list[Any]:  # noqa: ANN401 - CEL has no types
@@ -87,15 +87,15 @@ def _declaration(cel: Any, name: str, result: Any, signatures: Sequence[Sequence
     return cel.FunctionDecl(name, overloads)
 
 
-def written_out(text: str, areas: Collection[str]) -> str:
+def expand_functions(text: str, areas: Collection[str]) -> str:
     """Return an expression, which was checked, with CEL's own functions instead of ours.
 
     The area of a `distance` must be called by its name, one of `areas`.
     """
-    return ",".join(_Writer(_TOKEN.findall(text), areas).parts())
+    return ",".join(_Expander(_TOKEN.findall(text), areas).parts())
 
 
-class _Writer:
+class _Expander:
     """Goes over the tokens of a text once."""
 
     def __init__(self, tokens: Sequence[str], areas: Collection[str]) -> None:
@@ -110,7 +110,7 @@ class _Writer:
         while (word := self._next()) and word not in _CLOSING:
             if word == ",":
                 found.append("")
-            elif word in FUNCTIONS and before != "." and self._opens():
+            elif word in FUNCTIONS and before != "." and self._enter_bracket():
                 found[-1] += self._call(word)
             else:
                 found[-1] += self._bracket(word) if word in _BRACKETS else word
@@ -125,7 +125,7 @@ class _Writer:
     def _bracket(self, token: str) -> str:
         return token + ",".join(self.parts()) + _BRACKETS[token]
 
-    def _opens(self) -> bool:
+    def _enter_bracket(self) -> bool:
         """Go behind a bracket that opens, if it is the next token but spaces and comments."""
         at = self._at
         while at < len(self._tokens) and _SPACE.match(self._tokens[at]):
@@ -138,7 +138,7 @@ class _Writer:
     def _call(self, name: str) -> str:
         one, other = (f"{part}\n" for part in self.parts())  # a comment ends with its line
         if name == "place":
-            return _PLACE.substitute(x=one, y=other)
+            return _POINT_TEMPLATE.substitute(x=one, y=other)
         if name == "inside":
             return _INSIDE.substitute(point=one, area=f"({other})")
         if other.strip() in self._areas:

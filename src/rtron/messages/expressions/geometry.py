@@ -13,7 +13,7 @@ XY = tuple[float, float]
 
 
 @dataclass(frozen=True, slots=True)
-class Edge:
+class PolygonEdge:
     """An edge from (x, y) on: `dx`, `dy` to its end, `end` the end's y.
 
     `slope` is dx/dy, `inverse` 1 by the square of its length; 0 where that cannot be.
@@ -29,7 +29,7 @@ class Edge:
 
 
 @dataclass(frozen=True, slots=True)
-class Box:
+class BoundingBox:
     """Where places near a polygon can lie: what is outside needs no closer look."""
 
     low_x: float
@@ -38,10 +38,10 @@ class Box:
     high_y: float
 
 
-def box(corners: Sequence[Point]) -> Box:
+def bounding_box(corners: Sequence[Point]) -> BoundingBox:
     """Return the box around a polygon, with the tolerance."""
     xs, ys = [each.x for each in corners], [each.y for each in corners]
-    return Box(
+    return BoundingBox(
         low_x=min(xs) - TOLERANCE,
         high_x=max(xs) + TOLERANCE,
         low_y=min(ys) - TOLERANCE,
@@ -49,15 +49,15 @@ def box(corners: Sequence[Point]) -> Box:
     )
 
 
-def edges(corners: Sequence[Point]) -> list[Edge]:
+def polygon_edges(corners: Sequence[Point]) -> list[PolygonEdge]:
     """Return the edges of a polygon."""
-    return [_edge(corners[index - 1], corner) for index, corner in enumerate(corners)]
+    return [_polygon_edge(corners[index - 1], corner) for index, corner in enumerate(corners)]
 
 
-def _edge(start: Point, end: Point) -> Edge:
+def _polygon_edge(start: Point, end: Point) -> PolygonEdge:
     dx, dy = end.x - start.x, end.y - start.y
     square = dx * dx + dy * dy
-    return Edge(
+    return PolygonEdge(
         x=start.x,
         y=start.y,
         end=end.y,
@@ -69,7 +69,7 @@ def _edge(start: Point, end: Point) -> Edge:
 
 
 @dataclass(frozen=True, slots=True)
-class Motion:
+class PlanarTransform:
     """A turn, given by its cosine and sine, and then a move."""
 
     cosine: float
@@ -84,13 +84,15 @@ class Motion:
             self.sine * x + self.cosine * y + self.y,
         )
 
-    def inverse(self) -> "Motion":
+    def inverse(self) -> "PlanarTransform":
         """Return the motion back."""
-        back = Motion(self.cosine, -self.sine, 0.0, 0.0)
+        back = PlanarTransform(self.cosine, -self.sine, 0.0, 0.0)
         x, y = back.apply(self.x, self.y)
-        return Motion(self.cosine, -self.sine, -x, -y)
+        return PlanarTransform(self.cosine, -self.sine, -x, -y)
 
 
-def motion(transform: Transform) -> Motion:
+def planar_transform(transform: Transform) -> PlanarTransform:
     """Return what takes a place in the frame `source` into the frame `target`."""
-    return Motion(math.cos(transform.yaw), math.sin(transform.yaw), transform.x, transform.y)
+    return PlanarTransform(
+        math.cos(transform.yaw), math.sin(transform.yaw), transform.x, transform.y
+    )

@@ -8,7 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 from rtron.errors import InputError
 from rtron.messages.common.definition import Definition, Field
-from rtron.messages.expressions.geometry import Box, Edge, box, edges
+from rtron.messages.expressions.geometry import (
+    BoundingBox,
+    PolygonEdge,
+    bounding_box,
+    polygon_edges,
+)
 from rtron.messages.expressions.protobuf_wire import KINDS, is_bytes
 from rtron.vocabulary import Area
 
@@ -49,7 +54,10 @@ def descriptor_pool(definition: Definition) -> "DescriptorPool":
 
 def area_value(make: Any, area: Area) -> Any:  # noqa: ANN401 - a class that protobuf makes
     """Return an area as an instance of `make`, protobuf's class for `AREA`."""
-    return make(edges=[asdict(edge) for edge in edges(area.polygon)], **asdict(box(area.polygon)))
+    return make(
+        edges=[asdict(edge) for edge in polygon_edges(area.polygon)],
+        **asdict(bounding_box(area.polygon)),
+    )
 
 
 def types_of(definition: Definition) -> dict[str, Definition]:
@@ -68,13 +76,13 @@ def _collect(definition: Definition, types: dict[str, Definition]) -> None:
 
 
 def _area_files() -> "Iterator[FileDescriptorProto]":
-    edge = Definition(type=_EDGE, fields=_numbers(Edge), md5sum="")
-    own = (Field(name="edges", type=_EDGE, array=True), *_numbers(Box))
+    edge = Definition(type=_EDGE, fields=_numbers(PolygonEdge), md5sum="")
+    own = (Field(name="edges", type=_EDGE, array=True), *_numbers(BoundingBox))
     yield _file(edge)
     yield _file(Definition(type=AREA, fields=own, md5sum="", nested={_EDGE: edge}))
 
 
-def _numbers(kind: type[Edge] | type[Box]) -> tuple[Field, ...]:
+def _numbers(kind: type[PolygonEdge] | type[BoundingBox]) -> tuple[Field, ...]:
     return tuple(Field(name=each.name, type="float64") for each in fields(kind))
 
 
@@ -86,12 +94,12 @@ def _file(definition: Definition) -> "FileDescriptorProto":
     file.dependency.extend(f"{nested}.proto" for nested in definition.nested)
     message = file.message_type.add(name=name)
     for number, field in enumerate(definition.fields, 1):
-        if usable(field.name):
+        if is_usable_name(field.name):
             _add_field(message, field, number)
     return file
 
 
-def usable(name: str) -> bool:
+def is_usable_name(name: str) -> bool:
     """Tell whether a field does not hide what protobuf's own classes are used by."""
     from google.protobuf.message import Message  # noqa: PLC0415 - as above
 
@@ -103,14 +111,14 @@ def _add_field(message: "DescriptorProto", field: Field, number: int) -> None:
 
     repeated = field.array and not is_bytes(field)
     label = "LABEL_REPEATED" if repeated else "LABEL_OPTIONAL"
-    made = message.field.add(
+    added = message.field.add(
         name=field.name, number=number, label=FieldDescriptorProto.Label.Value(label)
     )
-    made.type = FieldDescriptorProto.Type.Value(_type(field))
-    if made.type == FieldDescriptorProto.TYPE_MESSAGE:
-        made.type_name = "." + protobuf_name(field.type)
+    added.type = FieldDescriptorProto.Type.Value(_type(field))
+    if added.type == FieldDescriptorProto.TYPE_MESSAGE:
+        added.type_name = "." + protobuf_name(field.type)
     elif repeated and field.type in KINDS:
-        made.options.packed = True
+        added.options.packed = True
 
 
 def _type(field: Field) -> "str":

@@ -15,14 +15,14 @@ from rtron.messages.common.definition import SIZES, Definition, Field
 from rtron.messages.common.encoding import Encoding
 from rtron.messages.common.layout import (
     Convert,
-    Layout,
+    MessageLayout,
     Step,
     align_to,
     alignment,
+    count_reader,
     each_element,
-    fill_empty,
-    read_count,
-    run,
+    lay_out_empty_message,
+    message_reader,
     skip_field,
 )
 
@@ -73,21 +73,21 @@ def is_bytes(field: Field) -> bool:
 
 
 def transcoder(
-    definition: Definition, encoding: Encoding, wanted: Collection[str]
+    definition: Definition, encoding: Encoding, selected: Collection[str]
 ) -> Callable[[bytes], bytes]:
-    """Return what writes the `wanted` fields of a message; WireError if it is malformed."""
-    layout = Layout(encoding)
-    fill_empty(layout, definition)
+    """Return what writes the `selected` fields of a message; WireError if it is malformed."""
+    layout = MessageLayout(encoding)
+    lay_out_empty_message(layout, definition)
     for number, field in enumerate(definition.fields, 1):
-        if field.name in wanted:
+        if field.name in selected:
             _copy_field(layout, field, number, definition)
         else:
             skip_field(layout, field, definition)
-    read = run(layout.steps(), encoding)
+    read = message_reader(layout.steps(), encoding)
     return lambda message: b"".join(read(message))
 
 
-def _copy_field(layout: Layout, field: Field, number: int, definition: Definition) -> None:
+def _copy_field(layout: MessageLayout, field: Field, number: int, definition: Definition) -> None:
     if not field.array:
         _copy_single(layout, field, number, definition)
     elif field.type in KINDS:
@@ -103,7 +103,7 @@ def _copy_field(layout: Layout, field: Field, number: int, definition: Definitio
         )
 
 
-def _copy_single(layout: Layout, field: Field, number: int, definition: Definition) -> None:
+def _copy_single(layout: MessageLayout, field: Field, number: int, definition: Definition) -> None:
     encoding = layout.encoding
     if nested := definition.nested.get(field.type):
         _copy_message(layout, nested, number)
@@ -116,11 +116,11 @@ def _copy_single(layout: Layout, field: Field, number: int, definition: Definiti
         layout.value(SIZES[field.type], alignment(field.type, encoding), convert)
 
 
-def _copy_message(layout: Layout, definition: Definition, number: int) -> None:
+def _copy_message(layout: MessageLayout, definition: Definition, number: int) -> None:
     tag = _tag(number, DELIMITED)
     size = _written_size(definition)
     if size is None:
-        inner = Layout(layout.encoding, known=1)
+        inner = MessageLayout(layout.encoding, known=1)
         _copy_fields(inner, definition)
         layout.step(_copy_delimited(inner.steps(), tag))
     else:
@@ -128,8 +128,8 @@ def _copy_message(layout: Layout, definition: Definition, number: int) -> None:
         _copy_fields(layout, definition)
 
 
-def _copy_fields(layout: Layout, definition: Definition) -> None:
-    fill_empty(layout, definition)
+def _copy_fields(layout: MessageLayout, definition: Definition) -> None:
+    lay_out_empty_message(layout, definition)
     for number, field in enumerate(definition.fields, 1):
         _copy_field(layout, field, number, definition)
 
@@ -161,7 +161,7 @@ def _array_size(field: Field, count: int) -> int:
     return count * (1 if is_bytes(field) else KINDS[field.type].size)
 
 
-def _copy_values(layout: Layout, field: Field, number: int) -> None:
+def _copy_values(layout: MessageLayout, field: Field, number: int) -> None:
     """Lay out an array of primitive values: one block of bytes on either side."""
     tag = _tag(number, DELIMITED)
     size, align = SIZES[field.type], alignment(field.type, layout.encoding)
@@ -176,7 +176,7 @@ def _copy_values(layout: Layout, field: Field, number: int) -> None:
 def _copy_block(
     encoding: Encoding, size: int, align: int, tag: bytes, convert: Convert | None
 ) -> Step:
-    count_of = read_count(encoding, size)
+    count_of = count_reader(encoding, size)
 
     def copy(data: bytes, at: int, out: list[Any]) -> int:
         count, at = count_of(data, at)
@@ -192,7 +192,7 @@ def _copy_block(
 
 
 def _copy_string(encoding: Encoding, tag: bytes) -> Step:
-    count_of = read_count(encoding, 1)
+    count_of = count_reader(encoding, 1)
     terminated = encoding is Encoding.CDR
 
     def copy(data: bytes, at: int, out: list[Any]) -> int:
@@ -298,7 +298,7 @@ def _seconds(code: str) -> Convert:
     stamp = struct.Struct("<" + code)
 
     def convert(block: bytes) -> bytes:
-        found = [whole + nano * _NANO for whole, nano in stamp.iter_unpack(block)]
+        found = [seconds + nano * _NANO for seconds, nano in stamp.iter_unpack(block)]
         return struct.pack(f"<{len(found)}d", *found)
 
     return convert

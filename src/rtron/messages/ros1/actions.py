@@ -16,7 +16,7 @@ from rtron.vocabulary import SECOND
 PENDING, ACTIVE, PREEMPTED, SUCCEEDED, ABORTED, REJECTED, PREEMPTING, RECALLING, RECALLED, LOST = (
     range(10)
 )
-MOST_STATUSES = 10_000
+MAX_STATUSES = 10_000
 """The longest list of goals that a server may tell, entries."""
 
 _U32 = struct.Struct("<I")
@@ -66,8 +66,8 @@ def cancel_message(id: bytes) -> bytes:
 def read_statuses(message: bytes) -> dict[bytes, int]:
     """Return the state of each goal of a GoalStatusArray, by its id."""
     count, at = _u32(message, _after_header(message))
-    if count > MOST_STATUSES:
-        raise WireError(f"a status of {count} goals, the most is {MOST_STATUSES}")
+    if count > MAX_STATUSES:
+        raise WireError(f"a status of {count} goals, the most is {MAX_STATUSES}")
     try:
         found, end = _states(message, count, at)
     except (struct.error, IndexError):
@@ -99,7 +99,7 @@ def _states(message: bytes, count: int, at: int) -> tuple[dict[bytes, int], int]
     return found, at
 
 
-def behind_header(message: bytes) -> bytes:
+def after_header(message: bytes) -> bytes:
     """Return what stands behind a message's header: the same for an array that says the same."""
     return message[_after_header(message) :]
 

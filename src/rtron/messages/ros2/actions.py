@@ -14,8 +14,8 @@ from rtron.vocabulary import SECOND
 
 UNKNOWN, ACCEPTED, EXECUTING, CANCELING, SUCCEEDED, CANCELED, ABORTED = range(7)
 """The states of a goal (action_msgs/GoalStatus)."""
-OVER = frozenset({SUCCEEDED, CANCELED, ABORTED})
-MOST_STATUSES = 10_000
+FINAL_STATES = frozenset({SUCCEEDED, CANCELED, ABORTED})
+MAX_STATUSES = 10_000
 """The longest list of goals that a server may tell, entries."""
 ID_SIZE = 16
 NO_ID = bytes(ID_SIZE)
@@ -39,7 +39,7 @@ class GoalStatus:
 
 def feedback_id(message: bytes) -> bytes:
     """Return the id of the goal that a feedback message is about."""
-    _order(message)
+    _byte_order(message)
     if len(message) < _HEAD + ID_SIZE:
         raise WireError(f"a feedback message of {len(message)} bytes")
     return message[_HEAD : _HEAD + ID_SIZE]
@@ -47,9 +47,9 @@ def feedback_id(message: bytes) -> bytes:
 
 def read_statuses(message: bytes) -> list[GoalStatus]:
     """Return what a status array lists."""
-    order = _order(message)
+    order = _byte_order(message)
     (count,) = _unpacked(order + "I", message, _HEAD)
-    if count > MOST_STATUSES:
+    if count > MAX_STATUSES:
         raise WireError(f"a status array of {count} goals")
     found, at = [], _HEAD + _COUNT
     for _ in range(count):
@@ -73,7 +73,7 @@ def status_array(goals: Iterable[GoalStatus]) -> bytes:
     return bytes(written)
 
 
-def _order(message: bytes) -> str:
+def _byte_order(message: bytes) -> str:
     """Return the byte order that a message says it has."""
     if len(message) < _HEAD or message[0] != 0 or message[1] > 1:
         raise WireError("no plain CDR")

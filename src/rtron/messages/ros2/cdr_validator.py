@@ -13,14 +13,14 @@ from rtron.errors import WireError
 from rtron.messages.common.definition import SIZES, Definition, Field
 from rtron.messages.common.encoding import PREFIX, Encoding
 from rtron.messages.common.layout import (
-    Layout,
+    MessageLayout,
     Step,
     alignment,
+    count_reader,
     each_element,
-    fill_empty,
-    least_size,
-    read_count,
-    run,
+    lay_out_empty_message,
+    message_reader,
+    min_size,
     skip_field,
 )
 
@@ -29,24 +29,24 @@ if TYPE_CHECKING:
 
 _ALIGNMENTS = 8
 _COUNT_BITS = 32
-_TRUTHS = b"\x00\x01"
-_ANY_COUNT = read_count(Encoding.CDR, 1)
+_BOOLEANS = b"\x00\x01"
+_ANY_COUNT = count_reader(Encoding.CDR, 1)
 
 
-def whole(definition: Definition) -> Callable[[bytes], object]:
+def cdr_validator(definition: Definition) -> Callable[[bytes], object]:
     """Return what refuses (WireError) all but exactly one CDR message of this type."""
-    layout = Layout(Encoding.CDR)
+    layout = MessageLayout(Encoding.CDR)
     _fields(layout, definition)
-    return run(layout.steps(), Encoding.CDR)
+    return message_reader(layout.steps(), Encoding.CDR)
 
 
-def _fields(layout: Layout, definition: Definition) -> None:
-    fill_empty(layout, definition)
+def _fields(layout: MessageLayout, definition: Definition) -> None:
+    lay_out_empty_message(layout, definition)
     for field in definition.fields:
         _field(layout, field, definition)
 
 
-def _field(layout: Layout, field: Field, definition: Definition) -> None:
+def _field(layout: MessageLayout, field: Field, definition: Definition) -> None:
     if field.array:
         _array(layout, field, definition)
     elif nested := definition.nested.get(field.type):
@@ -54,20 +54,20 @@ def _field(layout: Layout, field: Field, definition: Definition) -> None:
     elif field.type == "string":
         layout.step(_string(field))
     elif field.type == "bool":
-        layout.value(1, 1, _truth)
+        layout.value(1, 1, _check_boolean)
     else:
         layout.skip(SIZES[field.type], alignment(field.type, layout.encoding))
 
 
-def _array(layout: Layout, field: Field, definition: Definition) -> None:
-    if field.most is not None:
+def _array(layout: MessageLayout, field: Field, definition: Definition) -> None:
+    if field.max_elements is not None:
         layout.step(_at_most(field))
     if field.type == "bool":
-        layout.step(_truths(field))
+        layout.step(_check_booleans(field))
     elif field.type in SIZES:
         skip_field(layout, field, definition)
     elif field.type != "string" and _is_plain(definition.nested[field.type]):
-        layout.step(_leap(field, definition))
+        layout.step(_skip_plain_array(field, definition))
     else:
         layout.step(each_element(layout, field, definition, _field))
 
@@ -87,18 +87,18 @@ def _every_field(definition: Definition) -> Sequence[Field]:
     return [*definition.fields, *inner]
 
 
-def _truth(value: bytes) -> bytes:
-    if value not in _TRUTHS:
+def _check_boolean(value: bytes) -> bytes:
+    if value not in _BOOLEANS:
         raise WireError(f"{value[0]} is not a boolean")
     return value
 
 
-def _truths(field: Field) -> Step:
+def _check_booleans(field: Field) -> Step:
     fixed = field.length
 
     def check(data: bytes, at: int, out: list[Any]) -> int:  # noqa: ARG001
         count, at = (fixed, at) if fixed is not None else _ANY_COUNT(data, at)
-        if strange := data[at : at + count].translate(None, _TRUTHS):
+        if strange := data[at : at + count].translate(None, _BOOLEANS):
             raise WireError(f"{strange[0]} in {field.name} is not a boolean")
         return at + count
 
@@ -106,7 +106,7 @@ def _truths(field: Field) -> Step:
 
 
 def _string(field: Field) -> Step:
-    longest = field.longest
+    longest = field.max_bytes
 
     def check(data: bytes, at: int, out: list[Any]) -> int:  # noqa: ARG001
         count, at = _ANY_COUNT(data, at)
@@ -122,7 +122,7 @@ def _string(field: Field) -> Step:
 
 def _at_most(field: Field) -> Step:
     """Return the step that looks at a sequence's count and goes no further."""
-    most = field.most or 0
+    most = field.max_elements or 0
 
     def check(data: bytes, at: int, out: list[Any]) -> int:  # noqa: ARG001
         count = _ANY_COUNT(data, at)[0]
@@ -133,7 +133,7 @@ def _at_most(field: Field) -> Step:
     return check
 
 
-def _leap(field: Field, definition: Definition) -> Step:
+def _skip_plain_array(field: Field, definition: Definition) -> Step:
     """Return the step over an array of plain messages, in at most 32 hops whatever its length.
 
     How far 2^n messages reach depends only on the alignment of the first: `hops[n][at % 8]`.
@@ -143,7 +143,7 @@ def _leap(field: Field, definition: Definition) -> Step:
         last = hops[-1]
         hops.append([far + last[(at + far) % _ALIGNMENTS] for at, far in enumerate(last)])
     fixed = field.length
-    count_of = read_count(Encoding.CDR, least_size(field, definition))
+    count_of = count_reader(Encoding.CDR, min_size(field, definition))
 
     def leap(data: bytes, at: int, out: list[Any]) -> int:  # noqa: ARG001
         count, at = (fixed, at) if fixed is not None else count_of(data, at)
@@ -159,7 +159,7 @@ def _leap(field: Field, definition: Definition) -> Step:
 
 def _hops(definition: Definition) -> list[int]:
     """Return how far one plain message reaches, for each offset modulo 8 that it may begin at."""
-    layout = Layout(Encoding.CDR, known=1)
+    layout = MessageLayout(Encoding.CDR, known=1)
     _fields(layout, definition)
     steps = layout.steps()
     return [_reach(steps, PREFIX + offset) for offset in range(_ALIGNMENTS)]

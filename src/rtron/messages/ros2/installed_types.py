@@ -13,10 +13,10 @@ from pathlib import Path
 
 from rtron.errors import InputError, SourceError
 from rtron.messages.common.definition import PRIMITIVES
-from rtron.messages.common.definition_lines import sections
+from rtron.messages.common.definition_lines import parse_sections
 from rtron.messages.common.definition_parser import MAX_TEXT
 
-MOST_READ = 1 << 22
+MAX_FILE_BYTES = 1 << 22
 """The longest file of the index, or description of a type, that is read, bytes."""
 _INDEX = Path("share/ament_index/resource_index/rosidl_interfaces")
 _TYPE = re.compile(
@@ -29,7 +29,7 @@ _RULE = "=" * 80
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class InstalledType:
     """Where a type is installed; `kind` is msg, srv or action."""
 
     package: str
@@ -43,7 +43,7 @@ class Place:
         return f"{self.package}/{self.kind}/{self.name}"
 
     @property
-    def defined(self) -> str:
+    def definition_name(self) -> str:
         """The type that the definition is of, in our spelling; of an action its goal's."""
         return f"{self.package}/{self.name}{_SUFFIX[self.kind]}"
 
@@ -56,28 +56,28 @@ class Place:
 
         SourceError if it cannot be read or is too long.
         """
-        name = self.defined
+        name = self.definition_name
         texts = {name: _first_part(self)}
-        wanted = _types_in(name, texts[name])
-        while wanted:
-            each = wanted.pop()
+        pending = _types_in(name, texts[name])
+        while pending:
+            each = pending.pop()
             if each not in texts:
-                texts[each] = _first_part(place_of(each))
-                wanted += _types_in(each, texts[each])
+                texts[each] = _first_part(get_installed_type(each))
+                pending += _types_in(each, texts[each])
             if sum(map(len, texts.values())) > MAX_TEXT:
                 raise SourceError(f"{self.type}: its definition exceeds {MAX_TEXT} characters")
         own = texts.pop(name)
         return own + "".join(f"\n{_RULE}\nMSG: {each}\n{text}" for each, text in texts.items())
 
 
-def place_of(type: str) -> Place:
+def get_installed_type(type: str) -> InstalledType:
     """Return where a type is installed, asked for in either ROS's spelling.
 
     SourceError, whose help names the package, if the index does not list it.
     """
-    place = find_place(type)
-    if place:
-        return place
+    installed = find_installed_type(type)
+    if installed:
+        return installed
     parts = _parts(type)
     if parts is None:
         raise SourceError(f"{type[:80]!r} is not a type of ROS 2", help="it is pkg/msg/Name")
@@ -88,7 +88,7 @@ def place_of(type: str) -> Place:
     )
 
 
-def find_place(type: str) -> Place | None:
+def find_installed_type(type: str) -> InstalledType | None:
     """Return where a type is installed; None if it is not, or the name is none."""
     parts = _parts(type)
     if parts is None:
@@ -98,16 +98,16 @@ def find_place(type: str) -> Place | None:
         listed = _listed(prefix / _INDEX / package)
         if listed is not None:
             known = listed & {f"{kind}/{name}.{kind}", f"{kind}/{name}.idl"}
-            return Place(package, kind, name, prefix) if known else None
+            return InstalledType(package, kind, name, prefix) if known else None
     return None
 
 
-def read_text(path: Path, most: int) -> str:
-    """Return a file's text; OSError also if it is longer than `most` bytes."""
+def read_text(path: Path, max_bytes: int) -> str:
+    """Return a file's text; OSError also if it is longer than `max_bytes` bytes."""
     with path.open("rb") as file:
-        data = file.read(most + 1)
-    if len(data) > most:
-        raise OSError(f"{path} is longer than {most} bytes")
+        data = file.read(max_bytes + 1)
+    if len(data) > max_bytes:
+        raise OSError(f"{path} is longer than {max_bytes} bytes")
     return data.decode(errors="replace")
 
 
@@ -123,27 +123,27 @@ def _prefixes() -> list[Path]:
 
 def _listed(resource: Path) -> frozenset[str] | None:
     try:
-        return frozenset(read_text(resource, MOST_READ).splitlines())
+        return frozenset(read_text(resource, MAX_FILE_BYTES).splitlines())
     except OSError:
         return None
 
 
-def _first_part(place: Place) -> str:
+def _first_part(installed: InstalledType) -> str:
     """Return a message, a service's request or an action's goal as its file defines it."""
-    path = place.file(place.kind)
+    path = installed.file(installed.kind)
     try:
         lines = read_text(path, MAX_TEXT).splitlines()
     except OSError as error:
         raise SourceError(
-            f"no definition of {place.type} can be read: {error}",
-            help=f"reinstall the package {place.package}",
+            f"no definition of {installed.type} can be read: {error}",
+            help=f"reinstall the package {installed.package}",
         ) from error
     return "\n".join(lines[: lines.index("---")] if "---" in lines else lines)
 
 
 def _types_in(name: str, text: str) -> list[str]:
     try:
-        fields = sections(name, text)[name].fields
+        fields = parse_sections(name, text)[name].fields
     except InputError as error:
         raise SourceError(f"the definition of {name}: {error}", help=error.help) from error
     return [each.type for each in fields if each.type not in PRIMITIVES]

@@ -21,33 +21,33 @@ _ID = struct.Struct("<16s")
 _CANCEL = struct.Struct("<16siI")
 _ANSWER = struct.Struct("<?3xiI")
 _COUNT = struct.Struct("<I")
-_ASKED = (0, 1)
+_REQUEST_KINDS = (0, 1)
 """The kinds of an event of a request: as its client sends it, and as its server gets it."""
 
 
 @dataclass(frozen=True, slots=True)
 class ServiceEvent:
-    """One request or answer: `asker` and `number` tell which.
+    """One request or answer: `client_gid` and `sequence_number` tell which.
 
-    `at` is where its contents begin in the message, 0 where only metadata were published.
+    `content_offset` is where its contents begin in the message, 0 where only metadata were published.
     """
 
-    asks: bool
-    asker: bytes
-    number: int
-    at: int
+    is_request: bool
+    client_gid: bytes
+    sequence_number: int
+    content_offset: int
 
 
 def read_event(message: bytes) -> ServiceEvent:
     """Return what an event says of itself (service_msgs/ServiceEventInfo)."""
-    Encoding.CDR.check(message)
-    kind, _, _, asker, number, asked = _unpacked(_INFO, message, 0)
-    asks = kind in _ASKED
+    Encoding.CDR.check_prefix(message)
+    kind, _, _, client_gid, number, has_request = _unpacked(_INFO, message, 0)
+    is_request = kind in _REQUEST_KINDS
     at = _INFO.size
-    if asks:
-        return ServiceEvent(asks, asker, number, at if asked else 0)
-    (answered,) = _unpacked(_COUNT, message, at) if not asked else (0,)
-    return ServiceEvent(asks, asker, number, at + _COUNT.size if answered else 0)
+    if is_request:
+        return ServiceEvent(is_request, client_gid, number, at if has_request else 0)
+    (has_response,) = _unpacked(_COUNT, message, at) if not has_request else (0,)
+    return ServiceEvent(is_request, client_gid, number, at + _COUNT.size if has_response else 0)
 
 
 def read_goal(message: bytes, at: int) -> tuple[bytes, int]:
@@ -68,27 +68,27 @@ def read_answer(message: bytes, at: int) -> int | None:
     return seconds * SECOND + nanoseconds if accepted else None
 
 
-def moved(definition: Definition) -> Callable[[bytes, int], bytes]:
+def message_extractor(definition: Definition) -> Callable[[bytes, int], bytes]:
     """Return what makes a message of its own of one that lies in another, from an offset on.
 
     What is aligned there need not be, where it begins a message.
     """
 
     def move(data: bytes, at: int) -> bytes:
-        copy = _Copy(data, at)
+        copy = _Realigner(data, at)
         copy.fields(definition)
-        return bytes(copy.made)
+        return bytes(copy.message)
 
     return move
 
 
-class _Copy:
+class _Realigner:
     """A message in the making, and where it is read."""
 
     def __init__(self, data: bytes, at: int) -> None:
         self._data = data
         self._at = at
-        self.made = bytearray(_LITTLE)
+        self.message = bytearray(_LITTLE)
 
     def fields(self, definition: Definition) -> None:
         for field in definition.fields:
@@ -116,12 +116,12 @@ class _Copy:
 
     def _block(self, size: int, align: int) -> bytes:
         self._at += (PREFIX - self._at) % align
-        self.made += bytes((PREFIX - len(self.made)) % align)
+        self.message += bytes((PREFIX - len(self.message)) % align)
         block = self._data[self._at : self._at + size]
         if len(block) < size:
             raise WireError(f"a message of {len(self._data)} bytes ends too early")
         self._at += size
-        self.made += block
+        self.message += block
         return block
 
 

@@ -3,11 +3,11 @@
 from collections.abc import Iterator, Sequence
 from itertools import chain
 
-from rtron.planning.coherence.flows import Misfit, repeated, same_topic
-from rtron.planning.coherence.grcn import grcn_misfits
-from rtron.planning.coherence.msrcn import msrcn_misfits
-from rtron.planning.coherence.rsrcn import rsrcn_misfits
-from rtron.planning.coherence.shared_topics import action_misfits, shared_misfits
+from rtron.planning.coherence.flows import CoherenceProblem, duplicate_topic_problems, duplicates
+from rtron.planning.coherence.grcn import grcn_problems
+from rtron.planning.coherence.msrcn import msrcn_problems
+from rtron.planning.coherence.rsrcn import rsrcn_problems
+from rtron.planning.coherence.shared_topics import action_topic_problems, shared_topic_problems
 from rtron.vocabulary import (
     GRCN,
     MSRCN,
@@ -19,37 +19,37 @@ from rtron.vocabulary import (
     normalise_type,
 )
 
-__all__ = ["Misfit", "misfits"]
+__all__ = ["CoherenceProblem", "coherence_problems"]
 
 
-def misfits(plan: Plan) -> Iterator[Misfit]:
+def coherence_problems(plan: Plan) -> Iterator[CoherenceProblem]:
     """Yield everything in which a plan contradicts itself, its expressions apart."""
-    yield from _ids(plan)
-    yield from same_topic(plan.grcn, "GRCNs")
-    yield from chain.from_iterable(map(grcn_misfits, plan.grcn))
-    yield from rsrcn_misfits(plan)
-    yield from msrcn_misfits(plan.msrcn) if plan.msrcn else ()
-    yield from shared_misfits(plan)
-    yield from action_misfits(plan)
-    yield from _types(plan)
-    for message in repeated(plan.messages, lambda message: normalise_type(message.type)):
+    yield from _id_problems(plan)
+    yield from duplicate_topic_problems(plan.grcn, "GRCNs")
+    yield from chain.from_iterable(map(grcn_problems, plan.grcn))
+    yield from rsrcn_problems(plan)
+    yield from msrcn_problems(plan.msrcn) if plan.msrcn else ()
+    yield from shared_topic_problems(plan)
+    yield from action_topic_problems(plan)
+    yield from _type_problems(plan)
+    for message in duplicates(plan.messages, lambda message: normalise_type(message.type)):
         yield message, "type", f"{message.type} has two definitions"
 
 
-def _types(plan: Plan) -> Iterator[Misfit]:
+def _type_problems(plan: Plan) -> Iterator[CoherenceProblem]:
     """Refuse a topic that has another type than elsewhere in the plan."""
     vflows = plan.rsrcn.vflows if plan.rsrcn else ()
     aflows, eflows = (plan.msrcn.aflows, plan.msrcn.eflows) if plan.msrcn else ((), ())
-    nouns: Sequence[GRCN | GuardedTopic | EventFlow] = [*plan.grcn, *vflows, *aflows, *eflows]
+    parts: Sequence[GRCN | GuardedTopic | EventFlow] = [*plan.grcn, *vflows, *aflows, *eflows]
     first: dict[str, str] = {}
-    for noun in nouns:
-        known = first.setdefault(noun.topic, noun.type) if noun.type else ""
-        if normalise_type(noun.type) != normalise_type(known):
-            yield noun, "type", f"{noun.topic} is a {noun.type} here and a {known} elsewhere"
+    for part in parts:
+        known = first.setdefault(part.topic, part.type) if part.type else ""
+        if normalise_type(part.type) != normalise_type(known):
+            yield part, "type", f"{part.topic} is a {part.type} here and a {known} elsewhere"
 
 
-def _ids(plan: Plan) -> Iterator[Misfit]:
+def _id_problems(plan: Plan) -> Iterator[CoherenceProblem]:
     single = [node for node in (plan.rsrcn, plan.msrcn) if node]
     nodes: Sequence[GRCN | RSRCN | MSRCN | FpsMonitor] = [*plan.grcn, *single, *plan.fps_monitor]
-    for node in repeated(nodes, lambda node: node.id):
+    for node in duplicates(nodes, lambda node: node.id):
         yield node, "id", f"two coordination nodes have the id {node.id}"

@@ -14,84 +14,88 @@ from rtron.vocabulary import (
     GuardedTopic,
     PolicyName,
     WatchedFlow,
-    names_node,
+    matches_node,
 )
 
 T = TypeVar("T")
-Misfit = tuple[object, str, str]
+CoherenceProblem = tuple[object, str, str]
 """A noun, its key (or an empty text for the whole) and what is wrong with it."""
 
 # The private topics of a guarded topic end in a flow's name, or in `out`.
-RESERVED = (UNAPPROVED, "out")
-MOST_FLOWS = 1000
+RESERVED_FLOW_NAMES = (UNAPPROVED, "out")
+MAX_FLOWS = 1000
 
 
-def same_topic(guarded: Sequence[GRCN | GuardedTopic], who: str) -> Iterator[Misfit]:
+def duplicate_topic_problems(
+    guarded: Sequence[GRCN | GuardedTopic], who: str
+) -> Iterator[CoherenceProblem]:
     """Yield each noun on a topic that an earlier one has already."""
-    for noun in repeated(guarded, lambda noun: noun.topic):
-        yield noun, "topic", f"two {who} on {noun.topic}"
+    for part in duplicates(guarded, lambda part: part.topic):
+        yield part, "topic", f"two {who} on {part.topic}"
 
 
-def guarded_misfits(
+def guarded_topic_problems(
     topics: Sequence[GuardedTopic], watched: Sequence[WatchedFlow | EventFlow]
-) -> Iterator[Misfit]:
+) -> Iterator[CoherenceProblem]:
     """Yield what is wrong with the flows of an RSRCN or MSRCN."""
-    yield from same_topic(topics, "entries")
-    yield from flow_names([*(flow for topic in topics for flow in topic.flows), *watched])
+    yield from duplicate_topic_problems(topics, "entries")
+    yield from flow_name_problems([*(flow for topic in topics for flow in topic.flows), *watched])
     for topic in topics:
-        yield from publishers(topic.flows)
-        yield from successors(topic)
+        yield from publisher_problems(topic.flows)
+        yield from successor_problems(topic)
 
 
-def policy_misfit(
-    noun: GRCN | RSRCN | MSRCN, who: str, policy: PolicyName, allowed: Iterable[PolicyName]
-) -> Iterator[Misfit]:
+def policy_problems(
+    part: GRCN | RSRCN | MSRCN, who: str, policy: PolicyName, allowed: Iterable[PolicyName]
+) -> Iterator[CoherenceProblem]:
     """Refuse a policy that is for other coordination nodes."""
     if policy not in allowed:
-        yield noun, "policy", f"{policy} is not for {who}: choose from {', '.join(allowed)}"
+        yield part, "policy", f"{policy} is not for {who}: choose from {', '.join(allowed)}"
 
 
-def flow_names(flows: Sequence[Flow | WatchedFlow | EventFlow]) -> Iterator[Misfit]:
+def flow_name_problems(
+    flows: Sequence[Flow | WatchedFlow | EventFlow],
+) -> Iterator[CoherenceProblem]:
     """Refuse names that repeat, and those that the guard uses itself."""
-    for flow in repeated(flows, lambda flow: flow.name):
+    for flow in duplicates(flows, lambda flow: flow.name):
         yield flow, "name", f"two flows have the name {flow.name}"
     for flow in flows:
-        if flow.name in RESERVED:
+        if flow.name in RESERVED_FLOW_NAMES:
             yield flow, "name", f"{flow.name} is the guard's own: choose another name"
 
 
-def publishers(flows: Sequence[Flow]) -> Iterator[Misfit]:
+def publisher_problems(flows: Sequence[Flow]) -> Iterator[CoherenceProblem]:
     """Refuse a publisher that belongs to two flows of one topic."""
-    for flow in repeated(flows, lambda flow: flow.publisher):
+    for flow in duplicates(flows, lambda flow: flow.publisher):
         yield flow, "publisher", f"{flow.publisher} has two flows: which one would it take?"
-    if len(flows) > MOST_FLOWS:
-        yield flows[MOST_FLOWS], "", f"more than {MOST_FLOWS} flows into one topic"
+    if len(flows) > MAX_FLOWS:
+        yield flows[MAX_FLOWS], "", f"more than {MAX_FLOWS} flows into one topic"
         return
     patterns = [flow for flow in flows if "*" in flow.publisher]
     for pattern, flow in product(patterns, flows):
-        if pattern.publisher != flow.publisher and names_node(pattern.publisher, flow.publisher):
+        if pattern.publisher != flow.publisher and matches_node(pattern.publisher, flow.publisher):
             both = f"{pattern.name} ({pattern.publisher}) too"
             yield flow, "publisher", f"{flow.publisher} belongs to {both}"
 
 
-def successors(noun: GRCN | GuardedTopic) -> Iterator[Misfit]:
+def successor_problems(part: GRCN | GuardedTopic) -> Iterator[CoherenceProblem]:
     """Refuse more successors than can be compared with each other."""
-    if len(noun.successors) > MOST_FLOWS:
-        yield noun, "successors", f"more than {MOST_FLOWS} successors of one topic"
+    if len(part.successors) > MAX_FLOWS:
+        yield part, "successors", f"more than {MAX_FLOWS} successors of one topic"
 
 
-def priorities(flows: Sequence[Flow], policy: PolicyName) -> Iterator[Misfit]:
+def priority_problems(flows: Sequence[Flow], policy: PolicyName) -> Iterator[CoherenceProblem]:
     """Refuse a priority that an earlier flow has already."""
-    for flow in repeated(flows, lambda flow: flow.priority):
+    for flow in duplicates(flows, lambda flow: flow.priority):
         who = next(f.name for f in flows if f.priority == flow.priority)
-        told = f"{who} and {flow.name} have the same priority {flow.priority}"
-        yield flow, "priority", f"{told}: who goes first with {policy}?"
+        message = f"{who} and {flow.name} have the same priority {flow.priority}"
+        yield flow, "priority", f"{message}: who goes first with {policy}?"
 
 
-def repeated(nouns: Iterable[T], key: Callable[[T], Hashable]) -> Iterator[T]:
+def duplicates(parts: Iterable[T], key: Callable[[T], Hashable]) -> Iterator[T]:
     """Yield each noun whose key an earlier one has already."""
     seen: set[Hashable] = set()
-    for noun in nouns:
-        if key(noun) in seen:
-            yield noun
-        seen.add(key(noun))
+    for part in parts:
+        if key(part) in seen:
+            yield part
+        seen.add(key(part))

@@ -4,15 +4,15 @@ from collections.abc import Iterator
 from itertools import product
 
 from rtron.planning.coherence.flows import (
-    MOST_FLOWS,
-    Misfit,
-    flow_names,
-    policy_misfit,
-    priorities,
-    publishers,
-    successors,
+    MAX_FLOWS,
+    CoherenceProblem,
+    flow_name_problems,
+    policy_problems,
+    priority_problems,
+    publisher_problems,
+    successor_problems,
 )
-from rtron.vocabulary import GRCN, PolicyName, Sharing, names_node
+from rtron.vocabulary import GRCN, PolicyName, Sharing, matches_node
 
 POLICIES = (
     PolicyName.BLOCK,
@@ -20,18 +20,18 @@ POLICIES = (
     PolicyName.PRIORITY_QUEUE,
     PolicyName.PREEMPTION,
 )
-RANKED = (PolicyName.PRIORITY_QUEUE, PolicyName.PREEMPTION)
+PRIORITY_POLICIES = (PolicyName.PRIORITY_QUEUE, PolicyName.PREEMPTION)
 
 
-def grcn_misfits(grcn: GRCN) -> Iterator[Misfit]:
+def grcn_problems(grcn: GRCN) -> Iterator[CoherenceProblem]:
     """Yield everything in which a GRCN contradicts itself."""
-    yield from policy_misfit(grcn, "a GRCN", grcn.policy, POLICIES)
-    yield from flow_names(grcn.flows)
-    yield from publishers(grcn.flows)
-    yield from successors(grcn)
+    yield from policy_problems(grcn, "a GRCN", grcn.policy, POLICIES)
+    yield from flow_name_problems(grcn.flows)
+    yield from publisher_problems(grcn.flows)
+    yield from successor_problems(grcn)
     yield from _shared_names(grcn)
-    if grcn.policy in RANKED:
-        yield from priorities(grcn.flows, grcn.policy)
+    if grcn.policy in PRIORITY_POLICIES:
+        yield from priority_problems(grcn.flows, grcn.policy)
     if grcn.sharing is Sharing.MERGE and grcn.policy is not PolicyName.BLOCK:
         why = f"the publishers of {grcn.topic} each own a part (merge), they take no turns"
         yield grcn, "policy", f"{grcn.policy} is not for {grcn.topic}: {why}; choose Block"
@@ -42,13 +42,13 @@ def grcn_misfits(grcn: GRCN) -> Iterator[Misfit]:
         yield grcn, "done", f"{grcn.done} is part of an action: name the action, {action}"
 
 
-def _shared_names(grcn: GRCN) -> Iterator[Misfit]:
+def _shared_names(grcn: GRCN) -> Iterator[CoherenceProblem]:
     """Refuse a successor behind a pattern: it would hear its namesakes past the guard."""
-    for flow, node in product(grcn.flows, grcn.successors[:MOST_FLOWS]):
-        if "*" in flow.publisher + node and _overlap(flow.publisher, node):
+    for flow, node in product(grcn.flows, grcn.successors[:MAX_FLOWS]):
+        if "*" in flow.publisher + node and _patterns_overlap(flow.publisher, node):
             why = f"{flow.publisher} and the successor {node} may be one node"
             yield flow, "publisher", f"{why}: give it a flow under its full name"
 
 
-def _overlap(one: str, other: str) -> bool:
-    return names_node(one, other) or names_node(other, one)
+def _patterns_overlap(one: str, other: str) -> bool:
+    return matches_node(one, other) or matches_node(other, one)

@@ -5,18 +5,18 @@ from itertools import combinations
 
 from rtron.vocabulary import Point
 
-LEAST_CORNERS = 3
-MOST_CORNERS = 100
+MIN_CORNERS = 3
+MAX_CORNERS = 100
 _GRID = 1_000_000
 _SQUARE_MILLIMETRE = 1_000_000
 _Corner = tuple[int, int]
 _Edge = tuple[_Corner, _Corner]
 
 
-def polygon_misfit(points: Sequence[Point]) -> str:
+def polygon_problem(points: Sequence[Point]) -> str:
     """Return what keeps corners, in their order, from being an area; an empty text if nothing."""
-    if not LEAST_CORNERS <= len(points) <= MOST_CORNERS:
-        return f"an area has {LEAST_CORNERS} to {MOST_CORNERS} corners"
+    if not MIN_CORNERS <= len(points) <= MAX_CORNERS:
+        return f"an area has {MIN_CORNERS} to {MAX_CORNERS} corners"
     corners = [(round(point.x * _GRID), round(point.y * _GRID)) for point in points]
     return _repeated(corners) or _misshapen(corners)
 

@@ -2,14 +2,14 @@
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 
-from rtron.planning.coherence.flows import Misfit
+from rtron.planning.coherence.flows import CoherenceProblem
 from rtron.planning.plan_file.problems import suggestion
-from rtron.vocabulary import EventFlow, Rule
+from rtron.vocabulary import EventFlow, MissionRule
 
 
-def required_misfits(
-    rule: Rule, actions: Mapping[str, frozenset[str]], eflows: Sequence[EventFlow]
-) -> Iterator[Misfit]:
+def required_flow_problems(
+    rule: MissionRule, actions: Mapping[str, frozenset[str]], eflows: Sequence[EventFlow]
+) -> Iterator[CoherenceProblem]:
     """Yield what is wrong with what a rule requires; `actions` are aflows by flow and topic."""
     name = rule.require
     if not name:
@@ -28,14 +28,16 @@ def required_misfits(
             yield rule, "require", f"{name} is the eflow of a silence, and {why}: name its topic"
 
 
-def self_met(rule: Rule, asked: Collection[str], eflows: Sequence[EventFlow]) -> Iterator[Misfit]:
+def self_fulfilling_problems(
+    rule: MissionRule, event_names: Collection[str], eflows: Sequence[EventFlow]
+) -> Iterator[CoherenceProblem]:
     """Refuse what is required if the rule's `when`, which asks for these eflows, hangs on it."""
-    own = [
+    matching = [
         flow.name
         for flow in eflows
-        if flow.name in asked and rule.require in (flow.name, flow.topic)
+        if flow.name in event_names and rule.require in (flow.name, flow.topic)
     ]
-    if own:
-        what = own[0] if own[0] == rule.require else f"{own[0]} on {rule.require}"
+    if matching:
+        what = matching[0] if matching[0] == rule.require else f"{matching[0]} on {rule.require}"
         why = "what makes the rule hold cannot be what it requires"
         yield rule, "require", f"`when` names {what}: {why}; require another flow"

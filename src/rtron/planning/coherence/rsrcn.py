@@ -2,7 +2,12 @@
 
 from collections.abc import Iterator
 
-from rtron.planning.coherence.flows import Misfit, guarded_misfits, policy_misfit, priorities
+from rtron.planning.coherence.flows import (
+    CoherenceProblem,
+    guarded_topic_problems,
+    policy_problems,
+    priority_problems,
+)
 from rtron.vocabulary import (
     RSRCN,
     SECOND,
@@ -19,9 +24,9 @@ POLICIES = (
     PolicyName.CONSTRAIN,
     PolicyName.SAFE_CONSTRAIN,
 )
-BY_RATE = (PolicyName.SAFE, PolicyName.SAFE_CONSTRAIN)
-BY_LIMIT = (PolicyName.CONSTRAIN, PolicyName.SAFE_CONSTRAIN)
-VELOCITIES = (
+FRAME_RATE_POLICIES = (PolicyName.SAFE, PolicyName.SAFE_CONSTRAIN)
+VELOCITY_LIMIT_POLICIES = (PolicyName.CONSTRAIN, PolicyName.SAFE_CONSTRAIN)
+VELOCITY_TYPES = (
     "std_msgs/Float64",
     "std_msgs/Float32",
     "geometry_msgs/Twist",
@@ -31,29 +36,29 @@ VELOCITIES = (
 )
 
 
-def included(policy: PolicyName) -> tuple[PolicyName, ...]:
+def included_policies(policy: PolicyName) -> tuple[PolicyName, ...]:
     """Return what a policy of the RSRCN includes: itself, and the parts of Safe+Constrain."""
     parts = (PolicyName.SAFE, PolicyName.CONSTRAIN)
     return (policy, *parts) if policy is PolicyName.SAFE_CONSTRAIN else (policy,)
 
 
-def rsrcn_misfits(plan: Plan) -> Iterator[Misfit]:
+def rsrcn_problems(plan: Plan) -> Iterator[CoherenceProblem]:
     """Yield everything in which the RSRCN and the fps_monitors contradict themselves."""
     for monitor in plan.fps_monitor:
         yield from _monitor(monitor)
     rsrcn = plan.rsrcn
     if rsrcn is None:
         return
-    yield from policy_misfit(rsrcn, "the RSRCN", rsrcn.policy, POLICIES)
+    yield from policy_problems(rsrcn, "the RSRCN", rsrcn.policy, POLICIES)
     yield from _mandatory(rsrcn)
-    yield from guarded_misfits(rsrcn.vflows, rsrcn.iflows)
+    yield from guarded_topic_problems(rsrcn.vflows, rsrcn.iflows)
     yield from _parameters(rsrcn, plan)
     yield from _monitored(rsrcn, plan)
-    if rsrcn.policy in BY_RATE + BY_LIMIT:
-        yield from (misfit for topic in rsrcn.vflows for misfit in _limited(topic, rsrcn.policy))
+    if rsrcn.policy in FRAME_RATE_POLICIES + VELOCITY_LIMIT_POLICIES:
+        yield from (problem for topic in rsrcn.vflows for problem in _limited(topic, rsrcn.policy))
 
 
-def _monitor(monitor: FpsMonitor) -> Iterator[Misfit]:
+def _monitor(monitor: FpsMonitor) -> Iterator[CoherenceProblem]:
     camera = monitor.camera
     if camera and monitor.topic == camera.topic:
         yield camera, "topic", f"{camera.topic} is what {monitor.node} publishes, not what it sees"
@@ -64,33 +69,33 @@ def _monitor(monitor: FpsMonitor) -> Iterator[Misfit]:
         yield monitor, "silent_after", f"silent_after is longer than the window: {why}"
 
 
-def _parameters(rsrcn: RSRCN, plan: Plan) -> Iterator[Misfit]:
+def _parameters(rsrcn: RSRCN, plan: Plan) -> Iterator[CoherenceProblem]:
     policy = rsrcn.policy
     slowest = max((each.silent_after for each in plan.fps_monitor), default=SECOND)
     if rsrcn.threshold is not None and rsrcn.lowest > rsrcn.threshold * SECOND / slowest:
         why = "a silent image node would let the robot go faster than a slow one"
         yield rsrcn, "lowest", f"{rsrcn.lowest:g} m/s is too fast: {why}"
-    if policy in BY_RATE and rsrcn.threshold is None:
+    if policy in FRAME_RATE_POLICIES and rsrcn.threshold is None:
         yield rsrcn, "policy", f"{policy} needs a threshold: how far may it go in one frame?"
-    if policy in BY_RATE and not plan.fps_monitor:
+    if policy in FRAME_RATE_POLICIES and not plan.fps_monitor:
         yield rsrcn, "policy", f"{policy} needs an fps_monitor: whose frames count?"
-    if policy in BY_LIMIT and rsrcn.max_vel_limit is None:
+    if policy in VELOCITY_LIMIT_POLICIES and rsrcn.max_vel_limit is None:
         yield rsrcn, "policy", f"{policy} needs a max_vel_limit, like 0.22 m/s"
 
 
-def _mandatory(rsrcn: RSRCN) -> Iterator[Misfit]:
+def _mandatory(rsrcn: RSRCN) -> Iterator[CoherenceProblem]:
     policy = rsrcn.mandatory
     if policy is None:
         return
     if policy not in POLICIES:
         known = ", ".join(POLICIES)
         yield rsrcn, "mandatory", f"{policy} is not for the RSRCN: choose from {known}"
-    elif policy not in included(rsrcn.policy):
+    elif policy not in included_policies(rsrcn.policy):
         why = f"the policy is {rsrcn.policy}, which does not include it"
         yield rsrcn, "mandatory", f"{policy} cannot be mandatory: {why}"
 
 
-def _monitored(rsrcn: RSRCN, plan: Plan) -> Iterator[Misfit]:
+def _monitored(rsrcn: RSRCN, plan: Plan) -> Iterator[CoherenceProblem]:
     """Compare the iflows with the fps_monitors; without iflows, all monitors count."""
     monitors = {(monitor.topic, monitor.node) for monitor in plan.fps_monitor}
     watched = {(flow.topic, flow.publisher) for flow in rsrcn.iflows}
@@ -102,9 +107,9 @@ def _monitored(rsrcn: RSRCN, plan: Plan) -> Iterator[Misfit]:
             yield monitor, "", f"no iflow of the RSRCN names {monitor.node} on {monitor.topic}"
 
 
-def _limited(topic: GuardedTopic, policy: PolicyName) -> Iterator[Misfit]:
-    if topic.type and normalise_type(topic.type) not in VELOCITIES:
-        known = ", ".join(VELOCITIES)
+def _limited(topic: GuardedTopic, policy: PolicyName) -> Iterator[CoherenceProblem]:
+    if topic.type and normalise_type(topic.type) not in VELOCITY_TYPES:
+        known = ", ".join(VELOCITY_TYPES)
         yield topic, "type", f"{policy} cannot limit a {topic.type}: it knows {known}"
-    if policy in BY_RATE and len({flow.priority for flow in topic.flows}) > 1:
-        yield from priorities(topic.flows, policy)
+    if policy in FRAME_RATE_POLICIES and len({flow.priority for flow in topic.flows}) > 1:
+        yield from priority_problems(topic.flows, policy)

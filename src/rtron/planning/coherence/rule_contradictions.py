@@ -13,16 +13,16 @@ from operator import and_, or_
 from typing import Protocol
 
 from rtron.planning.coherence.msrcn import flows_by_name
-from rtron.planning.problem import Level
-from rtron.vocabulary import MSRCN, Rule
+from rtron.planning.problem import ProblemLevel
+from rtron.vocabulary import MSRCN, MissionRule
 
-MOST_EVENTS = 12
-MOST_CASES = 50_000
-Contradiction = tuple[Level, Rule, str]
+MAX_EVENTS = 12
+MAX_CASES = 50_000
+Contradiction = tuple[ProblemLevel, MissionRule, str]
 """How bad it is, a rule that has part in it, and what is wrong with its `when`."""
 
 
-class Condition(Protocol):
+class BitCondition(Protocol):
     """What is needed of a rule's condition: its eflows, and whether it holds for their bits."""
 
     @property
@@ -32,70 +32,70 @@ class Condition(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class _Judged:
+class _RuleCase:
     """A rule with its aflows: those it blocks, and those one of which must speak."""
 
-    rule: Rule
-    condition: Condition
-    blocks: frozenset[str]
-    needs: frozenset[str]
+    rule: MissionRule
+    condition: BitCondition
+    blocked_flows: frozenset[str]
+    required_flows: frozenset[str]
 
     @property
-    def plain(self) -> bool:
+    def blocks_every_message(self) -> bool:
         """Whether it blocks whatever the action says."""
         return not self.rule.action
 
 
-def contradictions(msrcn: MSRCN, conditions: Mapping[str, Condition]) -> Iterator[Contradiction]:
+def contradictions(msrcn: MSRCN, conditions: Mapping[str, BitCondition]) -> Iterator[Contradiction]:
     """Yield what can never work; `conditions` has the condition of each rule that is in order."""
     actions = flows_by_name(msrcn)
-    judged = [
-        _Judged(
+    cases = [
+        _RuleCase(
             rule=rule,
             condition=conditions[rule.name],
-            blocks=frozenset[str]().union(*(actions.get(name, ()) for name in rule.block)),
-            needs=actions.get(rule.require, frozenset()),
+            blocked_flows=frozenset[str]().union(*(actions.get(name, ()) for name in rule.block)),
+            required_flows=actions.get(rule.require, frozenset()),
         )
         for rule in msrcn.rules
         if rule.name in conditions
     ]
-    for group in _groups(judged):
+    for group in _groups(cases):
         names = sorted({name for one in group for name in one.condition.names})
-        if len(names) > MOST_EVENTS or _cases(group) > MOST_CASES:
+        if len(names) > MAX_EVENTS or _case_count(group) > MAX_CASES:
             yield _not_tried(group, names)
         else:
-            yield from _Group(msrcn, group, names).contradictions()
+            yield from _RuleGroup(msrcn, group, names).contradictions()
 
 
-def _groups(judged: Iterable[_Judged]) -> list[list[_Judged]]:
+def _groups(cases: Iterable[_RuleCase]) -> list[list[_RuleCase]]:
     """Part the rules so that those which touch a common aflow are together."""
-    groups: list[tuple[frozenset[str], list[_Judged]]] = []
-    for one in judged:
-        touched, own = one.blocks | one.needs, [one]
-        apart = []
+    groups: list[tuple[frozenset[str], list[_RuleCase]]] = []
+    for one in cases:
+        touched, rules_of_group = one.blocked_flows | one.required_flows, [one]
+        separate = []
         for flows, rules in groups:
             if flows & touched:
-                touched, own = touched | flows, rules + own
+                touched, rules_of_group = touched | flows, rules + rules_of_group
             else:
-                apart.append((flows, rules))
-        groups = [*apart, (touched, own)]
+                separate.append((flows, rules))
+        groups = [*separate, (touched, rules_of_group)]
     return [rules for _, rules in groups]
 
 
-def _cases(group: Iterable[_Judged]) -> int:
+def _case_count(group: Iterable[_RuleCase]) -> int:
     return sum(1 << len(one.condition.names) for one in group)
 
 
-def _not_tried(group: Sequence[_Judged], names: Sequence[str]) -> Contradiction:
+def _not_tried(group: Sequence[_RuleCase], names: Sequence[str]) -> Contradiction:
     whose = f"this rule and {len(group) - 1} more with the same aflows"
-    told = f"{whose} depend on {len(names)} eflows: whether they contradict was not tried"
-    return Level.WARNING, group[0].rule, told
+    message = f"{whose} depend on {len(names)} eflows: whether they contradict was not tried"
+    return ProblemLevel.WARNING, group[0].rule, message
 
 
-class _Group:
+class _RuleGroup:
     """Rules that touch common aflows, with the combinations of bits for which each holds."""
 
-    def __init__(self, msrcn: MSRCN, rules: Sequence[_Judged], names: Sequence[str]) -> None:
+    def __init__(self, msrcn: MSRCN, rules: Sequence[_RuleCase], names: Sequence[str]) -> None:
         self._msrcn = msrcn
         self._rules = rules
         self._all = (1 << (1 << len(names))) - 1
@@ -104,111 +104,129 @@ class _Group:
     def contradictions(self) -> Iterator[Contradiction]:
         for one in self._rules:
             if not self._holds[one.rule.name]:
-                yield Level.ERROR, one.rule, "this can never hold"
+                yield ProblemLevel.ERROR, one.rule, "this can never hold"
         always = self._always_blocked()
-        yield from self._idle(always)
+        yield from self._redundant_rules(always)
         yield from self._blocked_together(always)
         yield from self._obligations()
 
     def _always_blocked(self) -> dict[str, str]:
         """Return each aflow that a rule without condition blocks, and that rule's name."""
-        found: dict[str, str] = {}
-        for one in self._stoppers():
+        blockers: dict[str, str] = {}
+        for one in self._blocking_rules():
             if not one.condition.names and self._holds[one.rule.name]:
-                found |= dict.fromkeys(one.blocks, one.rule.name)
-        return found
+                blockers |= dict.fromkeys(one.blocked_flows, one.rule.name)
+        return blockers
 
-    def _stoppers(self) -> Iterator[_Judged]:
+    def _blocking_rules(self) -> Iterator[_RuleCase]:
         """Yield the rules that block for as long as they hold."""
-        return (one for one in self._rules if one.plain and not one.rule.require)
+        return (one for one in self._rules if one.blocks_every_message and not one.rule.require)
 
-    def _idle(self, always: Mapping[str, str]) -> Iterator[Contradiction]:
+    def _redundant_rules(self, always: Mapping[str, str]) -> Iterator[Contradiction]:
         for one in self._rules:
-            if one.condition.names and one.blocks and one.blocks <= always.keys():
-                who = ", ".join(sorted({always[flow] for flow in one.blocks}))
-                yield Level.WARNING, one.rule, f"this rule changes nothing: {who} always blocks"
+            if one.condition.names and one.blocked_flows and one.blocked_flows <= always.keys():
+                who = ", ".join(sorted({always[flow] for flow in one.blocked_flows}))
+                yield (
+                    ProblemLevel.WARNING,
+                    one.rule,
+                    f"this rule changes nothing: {who} always blocks",
+                )
 
     def _blocked_together(self, always: Collection[str]) -> Iterator[Contradiction]:
-        found: dict[tuple[str, ...], set[str]] = defaultdict(set)
-        for flow in {flow for one in self._rules for flow in one.blocks}.difference(always):
-            together = self._needed([one for one in self._stoppers() if flow in one.blocks])
+        rules_by_flow: dict[tuple[str, ...], set[str]] = defaultdict(set)
+        for flow in {flow for one in self._rules for flow in one.blocked_flows}.difference(always):
+            together = self._minimal_cover(
+                [one for one in self._blocking_rules() if flow in one.blocked_flows]
+            )
             if together:
-                found[together].add(flow)
+                rules_by_flow[together].add(flow)
         rules = {one.rule.name: one.rule for one in self._rules}
-        for names, flows in sorted(found.items()):
-            what = self._said(flows)
-            told = f"with {' and '.join(names)}, nothing passes on {what}, whatever happens"
+        for names, flows in sorted(rules_by_flow.items()):
+            what = self._describe_flows(flows)
+            message = f"with {' and '.join(names)}, nothing passes on {what}, whatever happens"
             for name in names:
-                yield Level.ERROR, rules[name], told
+                yield ProblemLevel.ERROR, rules[name], message
 
-    def _needed(self, rules: Sequence[_Judged]) -> tuple[str, ...]:
+    def _minimal_cover(self, rules: Sequence[_RuleCase]) -> tuple[str, ...]:
         """Return the fewest of the rules that together always hold; empty if they do not."""
-        left = [one.rule.name for one in rules]
-        if _any(self._holds, left) != self._all:
+        remaining = [one.rule.name for one in rules]
+        if _any(self._holds, remaining) != self._all:
             return ()
-        for name in tuple(left):
-            others = [other for other in left if other != name]
-            left = others if _any(self._holds, others) == self._all else left
-        return tuple(left)
+        for name in tuple(remaining):
+            others = [other for other in remaining if other != name]
+            remaining = others if _any(self._holds, others) == self._all else remaining
+        return tuple(remaining)
 
-    def _said(self, flows: Collection[str]) -> str:
+    def _describe_flows(self, flows: Collection[str]) -> str:
         """Name aflows, all those of one topic by the topic."""
-        whole = [
+        complete_topics = [
             (topic.topic, {flow.name for flow in topic.flows})
             for topic in self._msrcn.aflows
             if topic.flows and all(flow.name in flows for flow in topic.flows)
         ]
-        single = set(flows).difference(*(names for _, names in whole))
-        return " and ".join([*(topic for topic, _ in whole), *sorted(single)])
+        other_flows = set(flows).difference(*(names for _, names in complete_topics))
+        return " and ".join([*(topic for topic, _ in complete_topics), *sorted(other_flows)])
 
     def _obligations(self) -> Iterator[Contradiction]:
-        open_ends = self._never_ending()
+        endless = self._endless_rules()
         for one in self._rules:
-            holds, stuck = self._holds[one.rule.name], open_ends[one.rule.name]
-            if not (one.needs and stuck):
+            holds, stuck = self._holds[one.rule.name], endless[one.rule.name]
+            if not (one.required_flows and stuck):
                 continue
             who = " and ".join(
-                sorted({s.rule.name for s in self._blockers(one.needs) if open_ends[s.rule.name]})
+                sorted(
+                    {
+                        s.rule.name
+                        for s in self._blockers(one.required_flows)
+                        if endless[s.rule.name]
+                    }
+                )
             )
-            told = f"{one.rule.require} is required and can never speak: {who} blocks it"
+            message = f"{one.rule.require} is required and can never speak: {who} blocks it"
             if stuck == holds:
-                yield Level.ERROR, one.rule, told
+                yield ProblemLevel.ERROR, one.rule, message
             else:
-                yield Level.WARNING, one.rule, told.replace("never", "not always")
+                yield ProblemLevel.WARNING, one.rule, message.replace("never", "not always")
 
-    def _blockers(self, flows: Collection[str]) -> Iterator[_Judged]:
-        return (one for one in self._rules if one.plain and not one.blocks.isdisjoint(flows))
+    def _blockers(self, flows: Collection[str]) -> Iterator[_RuleCase]:
+        return (
+            one
+            for one in self._rules
+            if one.blocks_every_message and not one.blocked_flows.isdisjoint(flows)
+        )
 
-    def _never_ending(self) -> dict[str, int]:
+    def _endless_rules(self) -> dict[str, int]:
         """Return for which combinations each rule stays: no flow that would end it can speak.
 
         An obligation that can be met ends, and may free the flow that another one waits for.
         """
         stays = dict(self._holds)
-        waits = {one.rule.name: self._ends(one) for one in self._rules if one.rule.require}
+        waits = {one.rule.name: self._blocker_sets(one) for one in self._rules if one.rule.require}
         before: dict[str, int] = {}
         while before != stays:
             before = dict(stays)
-            for name, ends in waits.items():
-                blocked = reduce(and_, (_any(stays, end) for end in ends), self._all)
-                stays[name] &= blocked if ends else 0
+            for name, blocker_sets in waits.items():
+                blocked = reduce(
+                    and_, (_any(stays, blockers) for blockers in blocker_sets), self._all
+                )
+                stays[name] &= blocked if blocker_sets else 0
         return stays
 
-    def _ends(self, one: _Judged) -> set[tuple[str, ...]]:
+    def _blocker_sets(self, one: _RuleCase) -> set[tuple[str, ...]]:
         """Return, for each flow that would end an obligation, the rules that block it."""
-        return {tuple(s.rule.name for s in self._blockers([flow])) for flow in one.needs}
+        return {tuple(s.rule.name for s in self._blockers([flow])) for flow in one.required_flows}
 
 
 def _any(sets: Mapping[str, int], names: Iterable[str]) -> int:
     return reduce(or_, (sets[name] for name in names), 0)
 
 
-def _combinations(condition: Condition, names: Sequence[str]) -> int:
+def _combinations(condition: BitCondition, names: Sequence[str]) -> int:
     """Return the combinations of the bits of `names` for which a condition holds."""
-    own = [place for place, name in enumerate(names) if name in condition.names]
+    indexes = [index for index, name in enumerate(names) if name in condition.names]
     holds = {
-        bits: condition.holds(dict(zip((names[place] for place in own), bits, strict=True)))
-        for bits in product((False, True), repeat=len(own))
+        bits: condition.holds(dict(zip((names[index] for index in indexes), bits, strict=True)))
+        for bits in product((False, True), repeat=len(indexes))
     }
     every = product((False, True), repeat=len(names))
-    return int("".join("01"[holds[tuple(bits[p] for p in own)] is True] for bits in every), 2)
+    return int("".join("01"[holds[tuple(bits[p] for p in indexes)] is True] for bits in every), 2)

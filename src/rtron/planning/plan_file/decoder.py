@@ -6,10 +6,10 @@ from typing import Any, TypeVar
 
 import yaml
 
-from rtron.planning.plan_file.defaults import derived
+from rtron.planning.plan_file.defaults import with_defaults
 from rtron.planning.plan_file.durations import parse_duration, write_duration
-from rtron.planning.plan_file.fields import NOUNS, Key, keys
-from rtron.planning.plan_file.problems import Faults, shown, suggestion
+from rtron.planning.plan_file.fields import PLAN_TYPES, PlanField, plan_fields
+from rtron.planning.plan_file.problems import FileProblems, quoted, suggestion
 
 T = TypeVar("T")
 _INTEGER = re.compile(r"-?(0|[1-9][0-9]{0,18})")
@@ -17,101 +17,106 @@ _BOOLEANS = {"true": True, "false": False}
 _TAG = "tag:yaml.org,2002:"
 
 
-class _Wrong:
+class _Invalid:
     """Stands for a value that was wrong and has been noted."""
 
 
-class Reader:
+class PlanDecoder:
     """Reads nouns as `form` describes them, and remembers on which line each key stands."""
 
-    def __init__(self, faults: Faults) -> None:
-        self.faults = faults
+    def __init__(self, problems: FileProblems) -> None:
+        self.problems = problems
         self._lines: dict[tuple[int, str], int] = {}
-        self._kept: list[object] = []
+        self._decoded: list[object] = []
 
-    def line(self, noun: object, key: str = "") -> int:
+    def line(self, part: object, key: str = "") -> int:
         """Return the line of a noun that was read here, or of one of its keys."""
-        return self._lines.get((id(noun), key)) or self._lines.get((id(noun), ""), 0)
+        return self._lines.get((id(part), key)) or self._lines.get((id(part), ""), 0)
 
-    def noun(self, node: yaml.Node, kind: type[T]) -> T | None:
+    def decode(self, node: yaml.Node, plan_type: type[T]) -> T | None:
         """Return the noun in a mapping, without what is wrong; None if too little is left."""
-        entries = self._entries(node, kind)
-        known = keys(kind)
-        values = {name: self._value(value, known[name]) for name, (_, value) in entries.items()}
-        values = {name: value for name, value in values.items() if not isinstance(value, _Wrong)}
-        needed = [key.name for key in known.values() if key.required]
-        absent = [name for name in needed if name not in entries]
+        entries = self._entries(node, plan_type)
+        fields = plan_fields(plan_type)
+        values = {name: self._value(value, fields[name]) for name, (_, value) in entries.items()}
+        values = {name: value for name, value in values.items() if not isinstance(value, _Invalid)}
+        required = [key.name for key in fields.values() if key.is_required]
+        absent = [name for name in required if name not in entries]
         if absent and isinstance(node, yaml.MappingNode):
-            self._fault(node, f"{NOUNS[kind]} needs {' and '.join(absent)}")
-        if not values.keys() >= set(needed):
+            self._add_problem(node, f"{PLAN_TYPES[plan_type]} needs {' and '.join(absent)}")
+        if not values.keys() >= set(required):
             return None
-        made = kind(**derived(kind, values))
-        self._remember(made, node, entries)
-        return made
+        part = plan_type(**with_defaults(plan_type, values))
+        self._store_lines(part, node, entries)
+        return part
 
-    def _remember(
-        self, made: object, node: yaml.Node, entries: dict[str, tuple[yaml.Node, yaml.Node]]
+    def _store_lines(
+        self, part: object, node: yaml.Node, entries: dict[str, tuple[yaml.Node, yaml.Node]]
     ) -> None:
-        self._kept.append(made)
-        self._lines[id(made), ""] = node.start_mark.line + 1
+        self._decoded.append(part)
+        self._lines[id(part), ""] = node.start_mark.line + 1
         for name, (key, _) in entries.items():
-            self._lines[id(made), name] = key.start_mark.line + 1
+            self._lines[id(part), name] = key.start_mark.line + 1
 
-    def _entries(self, node: yaml.Node, kind: type) -> dict[str, tuple[yaml.Node, yaml.Node]]:
+    def _entries(self, node: yaml.Node, plan_type: type) -> dict[str, tuple[yaml.Node, yaml.Node]]:
         if not isinstance(node, yaml.MappingNode):
-            self._fault(node, f"{NOUNS[kind]} is a mapping with {', '.join(keys(kind))}")
+            self._add_problem(
+                node,
+                f"{PLAN_TYPES[plan_type]} is a mapping with {', '.join(plan_fields(plan_type))}",
+            )
             return {}
         entries: dict[str, tuple[yaml.Node, yaml.Node]] = {}
         for key, value in node.value:
             name = key.value if isinstance(key, yaml.ScalarNode) else ""
-            if name not in keys(kind):
-                near = suggestion(name, keys(kind))
-                self._fault(key, f"unknown key {shown(name)} in {NOUNS[kind]}: {near}")
+            if name not in plan_fields(plan_type):
+                near = suggestion(name, plan_fields(plan_type))
+                self._add_problem(
+                    key, f"unknown key {quoted(name)} in {PLAN_TYPES[plan_type]}: {near}"
+                )
             elif name in entries:
-                self._fault(key, f"{name} stands twice in {NOUNS[kind]}")
+                self._add_problem(key, f"{name} stands twice in {PLAN_TYPES[plan_type]}")
             else:
                 entries[name] = (key, value)
         return entries
 
-    def _value(self, node: yaml.Node, key: Key) -> Any:  # noqa: ANN401 - as the key says
-        if not key.many:
+    def _value(self, node: yaml.Node, key: PlanField) -> Any:  # noqa: ANN401 - as the key says
+        if not key.is_list:
             return self._item(node, key)
         if not isinstance(node, yaml.SequenceNode):
-            self._fault(node, f"{key.name} is a list: write `- …` lines or [ … ]")
-            return _Wrong()
+            self._add_problem(node, f"{key.name} is a list: write `- …` lines or [ … ]")
+            return _Invalid()
         items = (self._item(item, key) for item in node.value)
-        return tuple(item for item in items if not isinstance(item, _Wrong))
+        return tuple(item for item in items if not isinstance(item, _Invalid))
 
-    def _item(self, node: yaml.Node, key: Key) -> Any:  # noqa: ANN401 - as the key says
-        if key.optional and node.tag == _TAG + "null":
+    def _item(self, node: yaml.Node, key: PlanField) -> Any:  # noqa: ANN401 - as the key says
+        if key.is_optional and node.tag == _TAG + "null":
             return None
-        if key.item in NOUNS:
-            made = self.noun(node, key.item)
-            return _Wrong() if made is None else made
+        if key.item_type in PLAN_TYPES:
+            part = self.decode(node, key.item_type)
+            return _Invalid() if part is None else part
         if not isinstance(node, yaml.ScalarNode):
-            self._fault(node, f"{key.name} is a single value")
-            return _Wrong()
+            self._add_problem(node, f"{key.name} is a single value")
+            return _Invalid()
         try:
             return _scalar(node, key)
         except ValueError as error:
-            self._fault(node, f"{key.name}: {error}")
-            return _Wrong()
+            self._add_problem(node, f"{key.name}: {error}")
+            return _Invalid()
 
-    def _fault(self, node: yaml.Node, message: str) -> None:
-        self.faults.add(node.start_mark.line + 1, message)
+    def _add_problem(self, node: yaml.Node, message: str) -> None:
+        self.problems.add(node.start_mark.line + 1, message)
 
 
-def _scalar(node: yaml.ScalarNode, key: Key) -> Any:  # noqa: ANN401 - as the key says
-    if key.duration:
+def _scalar(node: yaml.ScalarNode, key: PlanField) -> Any:  # noqa: ANN401 - as the key says
+    if key.is_duration:
         return _duration(node.value, key.range)
     if key.quantity:
         return key.quantity.parse(node.value)
-    if key.item is bool:
+    if key.item_type is bool:
         return _boolean(node.value)
-    if key.item is int:
+    if key.item_type is int:
         return _integer(node.value, key.range)
-    if issubclass(key.item, Enum):
-        return _word(node.value, key.item)
+    if issubclass(key.item_type, Enum):
+        return _word(node.value, key.item_type)
     return _text(node, key)
 
 
@@ -120,21 +125,21 @@ def _duration(text: str, limits: tuple[int, int]) -> int:
     duration = parse_duration(text)
     if duration < least or duration > greatest:
         bounds = f"{write_duration(least)} and {write_duration(greatest)}"
-        told = f"not between {bounds}" if least > 1 else "no time at all"
-        raise ValueError(f"{shown(text)} is {told}")
+        problem = f"not between {bounds}" if least > 1 else "no time at all"
+        raise ValueError(f"{quoted(text)} is {problem}")
     return duration
 
 
 def _boolean(text: str) -> bool:
     if text.lower() not in _BOOLEANS:
-        raise ValueError(f"{shown(text)} is neither true nor false")
+        raise ValueError(f"{quoted(text)} is neither true nor false")
     return _BOOLEANS[text.lower()]
 
 
 def _integer(text: str, limits: tuple[int, int]) -> int:
     least, greatest = limits
     if not _INTEGER.fullmatch(text):
-        raise ValueError(f"{shown(text)} is no whole number")
+        raise ValueError(f"{quoted(text)} is no whole number")
     if not least <= int(text) <= greatest:
         raise ValueError(f"{text} is not between {least} and {greatest}")
     return int(text)
@@ -143,13 +148,13 @@ def _integer(text: str, limits: tuple[int, int]) -> int:
 def _word(text: str, words: type[Enum]) -> Enum:
     known = {str(word.value): word for word in words}
     if text not in known:
-        raise ValueError(f"unknown word {shown(text)}: {suggestion(text, known)}")
+        raise ValueError(f"unknown word {quoted(text)}: {suggestion(text, known)}")
     return known[text]
 
 
-def _text(node: yaml.ScalarNode, key: Key) -> str:
+def _text(node: yaml.ScalarNode, key: PlanField) -> str:
     if node.tag != _TAG + "str":
-        raise ValueError(f"{shown(node.value)} is no text: put it in quotes")
-    if not key.text.fits(node.value):
-        raise ValueError(f"{shown(node.value)} is not {key.text.words}")
+        raise ValueError(f"{quoted(node.value)} is no text: put it in quotes")
+    if not key.text.matches(node.value):
+        raise ValueError(f"{quoted(node.value)} is not {key.text.description}")
     return str(node.value)

@@ -17,17 +17,17 @@ from rtron.vocabulary import (
     PolicyName,
     Sharing,
     StreamKind,
-    action_of,
+    action_name,
 )
 
-Numbered = TypeVar("Numbered", GRCN, FpsMonitor)
+NodeWithId = TypeVar("NodeWithId", GRCN, FpsMonitor)
 
 
-def derived(noun: type, values: Mapping[str, Any]) -> dict[str, Any]:
+def with_defaults(plan_type: type, values: Mapping[str, Any]) -> dict[str, Any]:
     """Return the values that make a noun: those of the file, and those that it left out."""
-    made = {**_left_out(noun, values), **values}
-    made.pop("schema", None)
-    return made
+    complete = {**_default_values(plan_type, values), **values}
+    complete.pop("schema", None)
+    return complete
 
 
 def node_id(prefix: str, name: str) -> str:
@@ -35,36 +35,36 @@ def node_id(prefix: str, name: str) -> str:
     return f"{prefix}_{re.sub(r'[^A-Za-z0-9]+', '_', name).strip('_')}"
 
 
-def with_distinct_ids(nodes: Iterable[Numbered]) -> tuple[Numbered, ...]:
+def with_distinct_ids(nodes: Iterable[NodeWithId]) -> tuple[NodeWithId, ...]:
     """Return the coordination nodes, a number added where an id (of `/a/b` and `/a_b`) repeats."""
-    made: dict[str, Numbered] = {}
+    by_id: dict[str, NodeWithId] = {}
     for node in nodes:
         free = (f"{node.id}_{number}" for number in count(2))
-        id = node.id if node.id not in made else next(id for id in free if id not in made)
-        made[id] = replace(node, id=id)
-    return tuple(made.values())
+        id = node.id if node.id not in by_id else next(id for id in free if id not in by_id)
+        by_id[id] = replace(node, id=id)
+    return tuple(by_id.values())
 
 
-def _left_out(noun: type, values: Mapping[str, Any]) -> dict[str, Any]:
-    if noun is GRCN:
+def _default_values(plan_type: type, values: Mapping[str, Any]) -> dict[str, Any]:
+    if plan_type is GRCN:
         return _grcn(values)
-    if noun is FpsMonitor:
+    if plan_type is FpsMonitor:
         return {"id": node_id("fps", values["node"])}
     return {
         Plan: {"app": ""},
         GuardedTopic: {"type": ""},
         RSRCN: {"id": "rsrcn"},
         MSRCN: {"id": "msrcn", "policy": PolicyName.BLOCK},
-    }.get(noun, {})
+    }.get(plan_type, {})
 
 
 def _grcn(values: Mapping[str, Any]) -> dict[str, Any]:
-    goals = action_of(values["topic"], values.get("type") or "")
-    acts = values["policy"] is PolicyName.FIFO_QUEUE or values.get("done") or goals
+    action = action_name(values["topic"], values.get("type") or "")
+    is_action = values["policy"] is PolicyName.FIFO_QUEUE or values.get("done") or action
     return {
         "id": node_id("grcn", values["topic"]),
         "type": "",
         "domain": Domain.OTHERS,
-        "kind": StreamKind.ACTION if acts else StreamKind.COMMAND,
+        "kind": StreamKind.ACTION if is_action else StreamKind.COMMAND,
         "sharing": Sharing.CONTEND,
     }

@@ -3,7 +3,7 @@
 import re
 from decimal import Decimal
 
-from rtron.planning.plan_file.problems import shown, suggestion
+from rtron.planning.plan_file.problems import quoted, suggestion
 from rtron.vocabulary import SECOND
 
 UNITS = {
@@ -14,23 +14,23 @@ UNITS = {
     "min": 60 * SECOND,
     "h": 3600 * SECOND,
 }
-LONGEST = 2**63 - 1
-_WRITTEN = re.compile(r"([0-9]{1,19}(?:\.[0-9]{1,18})?) ?([A-Za-zµ]*)")
+MAX_DURATION = 2**63 - 1
+_DURATION = re.compile(r"([0-9]{1,19}(?:\.[0-9]{1,18})?) ?([A-Za-zµ]*)")
 
 
 def parse_duration(text: str) -> int:
     """Return a duration in ns; a bare number counts seconds. Raise ValueError with the fault."""
-    match = _WRITTEN.fullmatch(text.strip())
+    match = _DURATION.fullmatch(text.strip())
     if not match:
-        raise ValueError(f"{shown(text)} is no duration: write seconds (0.5) or a unit (200 ms)")
+        raise ValueError(f"{quoted(text)} is no duration: write seconds (0.5) or a unit (200 ms)")
     number, unit = match.groups()
     if unit and unit not in UNITS:
-        raise ValueError(f"unknown unit {shown(unit)}: {suggestion(unit, UNITS)}")
+        raise ValueError(f"unknown unit {quoted(unit)}: {suggestion(unit, UNITS)}")
     duration = Decimal(number) * UNITS[unit or "s"]
     if duration != int(duration):
-        raise ValueError(f"{shown(text)} is finer than a nanosecond")
-    if duration > LONGEST:
-        raise ValueError(f"{shown(text)} is longer than 292 years")
+        raise ValueError(f"{quoted(text)} is finer than a nanosecond")
+    if duration > MAX_DURATION:
+        raise ValueError(f"{quoted(text)} is longer than 292 years")
     return int(duration)
 
 

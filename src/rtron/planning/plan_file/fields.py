@@ -9,7 +9,7 @@ from dataclasses import MISSING, Field, dataclass, fields
 from types import UnionType
 from typing import Any, TypeVar, get_args, get_origin, get_type_hints
 
-from rtron.planning.plan_file.durations import LONGEST
+from rtron.planning.plan_file.durations import MAX_DURATION
 from rtron.planning.plan_file.quantities import (
     ANGULAR_DECELERATION,
     DECELERATION,
@@ -32,13 +32,13 @@ from rtron.vocabulary import (
     FpsMonitor,
     GuardedTopic,
     MessageDefinition,
+    MissionRule,
     Plan,
     Point,
-    Rule,
-    Stop,
+    StopProfile,
+    StringEnum,
     Transform,
     WatchedFlow,
-    Word,
 )
 
 T = TypeVar("T")
@@ -47,74 +47,80 @@ _WORD = "[A-Za-z][A-Za-z0-9_]*"
 _FRAME = "/?[A-Za-z0-9_.-]+(/[A-Za-z0-9_.-]+)*"
 _TYPE = rf"{_WORD}/((msg|action)/)?{_WORD}"
 # The keywords and reserved words of CEL, the language of the expressions.
-_CEL_WORDS = (
+_CEL_KEYWORDS = (
     "true|false|null|in|as|break|const|continue|else|for|function|if|import|let|loop|package"
     "|namespace|return|var|void|while"
 )
 
 
 @dataclass(frozen=True, slots=True)
-class Text:
+class TextFormat:
     """What a text must look like, as an expression and in words."""
 
     pattern: str
-    words: str
-    longest: int = 255
+    description: str
+    max_length: int = 255
 
-    def fits(self, text: str) -> bool:
+    def matches(self, text: str) -> bool:
         """Tell whether a text looks like that."""
-        return len(text) <= self.longest and re.fullmatch(self.pattern, text) is not None
+        return len(text) <= self.max_length and re.fullmatch(self.pattern, text) is not None
 
 
-TOPIC = Text(rf"(/{_NAME})+", "a full topic name like /cmd_vel")
-NODE = Text(r"(/[A-Za-z0-9_*]+)+", "a full node name like /move_base, `*` for what changes")
-TYPE = Text(rf"({_TYPE})?", "a message type like pkg/Name")
-WORD = Text(_WORD, "a word of letters, digits and _")
-ANY = Text(r"[\s\S]*", "a text of at most 1000 characters", longest=1000)
-_VARIABLE = Text(
-    rf"(?!({_CEL_WORDS})$){_WORD}", "a word of letters, digits and _ that expressions leave free"
+TOPIC_NAME = TextFormat(rf"(/{_NAME})+", "a full topic name like /cmd_vel")
+NODE_NAME = TextFormat(
+    r"(/[A-Za-z0-9_*]+)+", "a full node name like /move_base, `*` for what changes"
 )
-_FLOW = Text(rf"((/{_NAME})+|{_WORD})", "a full topic name like /cmd_vel or the name of a flow")
-_EXPRESSION = Text(r"(\s*\S[\s\S]*)?", "an expression of at most 4096 characters", longest=4096)
+TYPE_NAME = TextFormat(rf"({_TYPE})?", "a message type like pkg/Name")
+IDENTIFIER = TextFormat(_WORD, "a word of letters, digits and _")
+ANY_TEXT = TextFormat(r"[\s\S]*", "a text of at most 1000 characters", max_length=1000)
+_VARIABLE = TextFormat(
+    rf"(?!({_CEL_KEYWORDS})$){_WORD}", "a word of letters, digits and _ that expressions leave free"
+)
+_FLOW = TextFormat(
+    rf"((/{_NAME})+|{_WORD})", "a full topic name like /cmd_vel or the name of a flow"
+)
+_EXPRESSION = TextFormat(
+    r"(\s*\S[\s\S]*)?", "an expression of at most 4096 characters", max_length=4096
+)
 
 # What a text under a key looks like, and under one noun's key where it differs.
 _TEXTS = {
-    "topic": TOPIC,
-    "done": TOPIC,
-    "publisher": NODE,
-    "node": NODE,
-    "successors": NODE,
-    "type": TYPE,
-    "MessageDefinition.type": Text(_TYPE, TYPE.words),
-    "name": WORD,
+    "topic": TOPIC_NAME,
+    "done": TOPIC_NAME,
+    "publisher": NODE_NAME,
+    "node": NODE_NAME,
+    "successors": NODE_NAME,
+    "type": TYPE_NAME,
+    "MessageDefinition.type": TextFormat(_TYPE, TYPE_NAME.description),
+    "name": IDENTIFIER,
     "EventFlow.name": _VARIABLE,
     "Area.name": _VARIABLE,
-    "id": WORD,
+    "id": IDENTIFIER,
     "when": _EXPRESSION,
     "action": _EXPRESSION,
-    "definition": Text(r"[\s\S]*", "a text of at most 65536 characters", longest=65536),
-    "frame": Text(rf"({_FRAME})?", "a frame like map"),
-    "Area.frame": Text(_FRAME, "a frame like map"),
-    "source": Text(_FRAME, "a frame like odom"),
-    "target": Text(_FRAME, "a frame like map"),
+    "definition": TextFormat(r"[\s\S]*", "a text of at most 65536 characters", max_length=65536),
+    "frame": TextFormat(rf"({_FRAME})?", "a frame like map"),
+    "Area.frame": TextFormat(_FRAME, "a frame like map"),
+    "source": TextFormat(_FRAME, "a frame like odom"),
+    "target": TextFormat(_FRAME, "a frame like map"),
     "block": _FLOW,
-    "require": Text(rf"{_FLOW.pattern}?", _FLOW.words),
+    "require": TextFormat(rf"{_FLOW.pattern}?", _FLOW.description),
 }
-_LASTS = (0, LONGEST)
-_LASTS_A_WHILE = (1, LONGEST)
+_ANY_DURATION = (0, MAX_DURATION)
+_POSITIVE_DURATION = (1, MAX_DURATION)
 _DURATIONS = {
-    "timeout": _LASTS,
-    "release_after": _LASTS,
-    "max_age": _LASTS,
-    "EventFlow.max_age": _LASTS_A_WHILE,
-    "max_hold": _LASTS,
-    "silent_after": _LASTS_A_WHILE,
-    "present": _LASTS_A_WHILE,
-    "silent": _LASTS_A_WHILE,
+    "timeout": _ANY_DURATION,
+    "release_after": _ANY_DURATION,
+    "max_age": _ANY_DURATION,
+    "EventFlow.max_age": _POSITIVE_DURATION,
+    "max_hold": _ANY_DURATION,
+    "silent_after": _POSITIVE_DURATION,
+    "present": _POSITIVE_DURATION,
+    "silent": _POSITIVE_DURATION,
     "window": (SECOND // 10, 60 * SECOND),
     "period": (SECOND // 1000, SECOND),
     "Audit.period": (SECOND // 100, SECOND // 10),
-    "repeat": _LASTS,
+    "repeat": _ANY_DURATION,
 }
 _RANGES = {
     "ros": (1, 2),
@@ -140,7 +146,7 @@ _DERIVED: Mapping[type, frozenset[str]] = {
     RSRCN: frozenset({"id"}),
     MSRCN: frozenset({"id", "policy"}),
 }
-NOUNS: Mapping[type, str] = {
+PLAN_TYPES: Mapping[type, str] = {
     Plan: "the plan",
     GRCN: "a GRCN",
     RSRCN: "the RSRCN",
@@ -149,80 +155,87 @@ NOUNS: Mapping[type, str] = {
     Flow: "a flow",
     WatchedFlow: "a watched flow",
     EventFlow: "an eflow",
-    Rule: "a rule",
+    MissionRule: "a rule",
     Area: "an area",
     Point: "a point",
     Transform: "a transform",
     FpsMonitor: "an fps_monitor",
-    Stop: "the stop",
+    StopProfile: "the stop",
     Audit: "the audit",
     MessageDefinition: "a message definition",
 }
 
 
-class Schema(Word):
+class PlanSchema(StringEnum):
     """What a plan file says that it is."""
 
     PLAN = PLAN_SCHEMA
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Key:
-    """A key of a noun and what it holds: `item` itself, or a list of such if `many`.
+class PlanField:
+    """A key of a noun and what it holds: `item_type` itself, or a list of such if `is_list`.
 
     `text` is what a text must look like, `range` the least and greatest number or duration (ns).
     """
 
     name: str
-    item: Any
-    many: bool
-    optional: bool
-    required: bool
+    item_type: Any
+    is_list: bool
+    is_optional: bool
+    is_required: bool
     default: Any
-    text: Text = ANY
+    text: TextFormat = ANY_TEXT
     range: tuple[int, int] = (0, 0)
-    duration: bool = False
+    is_duration: bool = False
     quantity: Quantity | None = None
 
 
-def keys(noun: type) -> Mapping[str, Key]:
+def plan_fields(plan_type: type) -> Mapping[str, PlanField]:
     """Return the keys of a noun, in the order in which they are written."""
-    return _KEYS[noun]
+    return _FIELDS[plan_type]
 
 
-def _keys(noun: type) -> Mapping[str, Key]:
-    hints = get_type_hints(noun)
-    own = {field.name: _key(noun, field, hints[field.name]) for field in fields(noun)}
-    return {_SCHEMA.name: _SCHEMA, **own} if noun is Plan else own
+def _make_fields(plan_type: type) -> Mapping[str, PlanField]:
+    hints = get_type_hints(plan_type)
+    made = {
+        field.name: _make_field(plan_type, field, hints[field.name]) for field in fields(plan_type)
+    }
+    return {_SCHEMA.name: _SCHEMA, **made} if plan_type is Plan else made
 
 
-def _key(noun: type, field: Field[Any], hint: Any) -> Key:  # noqa: ANN401 - a type hint
-    many = get_origin(hint) is tuple
-    optional = isinstance(hint, UnionType)
-    needed = field.default is MISSING and field.default_factory is MISSING
-    item = get_args(hint)[0] if many or optional else hint
-    own = f"{noun.__name__}.{field.name}"
-    lasts = _own(_DURATIONS, own) if item is int else None
-    return Key(
+def _make_field(plan_type: type, field: Field[Any], hint: Any) -> PlanField:  # noqa: ANN401 - a type hint
+    is_list = get_origin(hint) is tuple
+    is_optional = isinstance(hint, UnionType)
+    has_no_default = field.default is MISSING and field.default_factory is MISSING
+    item = get_args(hint)[0] if is_list or is_optional else hint
+    full_name = f"{plan_type.__name__}.{field.name}"
+    duration_range = _look_up(_DURATIONS, full_name) if item is int else None
+    return PlanField(
         name=field.name,
-        item=item,
-        many=many,
-        optional=optional,
-        required=needed and field.name not in _DERIVED.get(noun, ()),
+        item_type=item,
+        is_list=is_list,
+        is_optional=is_optional,
+        is_required=has_no_default and field.name not in _DERIVED.get(plan_type, ()),
         default=field.default,
-        text=_own(_TEXTS, own) or ANY,
-        range=lasts or _RANGES.get(field.name, (0, 0)),
-        duration=lasts is not None,
+        text=_look_up(_TEXTS, full_name) or ANY_TEXT,
+        range=duration_range or _RANGES.get(field.name, (0, 0)),
+        is_duration=duration_range is not None,
         quantity=_QUANTITIES[field.name] if item is float else None,
     )
 
 
-def _own(table: Mapping[str, T], name: str) -> T | None:
+def _look_up(table: Mapping[str, T], name: str) -> T | None:
     """Return what a table says of one noun's key, or else of the key under every noun."""
     return table.get(name) or table.get(name.partition(".")[2])
 
 
-_SCHEMA = Key(
-    name="schema", item=Schema, many=False, optional=False, required=False, default=MISSING
+_SCHEMA = PlanField(
+    name="schema",
+    item_type=PlanSchema,
+    is_list=False,
+    is_optional=False,
+    is_required=False,
+    default=MISSING,
 )
-_KEYS = {noun: _keys(noun) for noun in NOUNS}
+_FIELDS = {noun: _make_fields(noun) for noun in PLAN_TYPES}

@@ -4,7 +4,7 @@ from enum import Enum
 from typing import Any
 
 from rtron.planning.plan_file.durations import UNITS
-from rtron.planning.plan_file.fields import NOUNS, Key, keys
+from rtron.planning.plan_file.fields import PLAN_TYPES, PlanField, plan_fields
 from rtron.planning.plan_file.quantities import Quantity
 from rtron.vocabulary import PLAN_SCHEMA, SECOND, Plan
 
@@ -14,50 +14,54 @@ def plan_json_schema() -> dict[str, Any]:
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": PLAN_SCHEMA,
-        **_noun(Plan),
-        "$defs": {noun.__name__: _noun(noun) for noun in NOUNS if noun is not Plan},
+        **_plan_type(Plan),
+        "$defs": {
+            plan_type.__name__: _plan_type(plan_type)
+            for plan_type in PLAN_TYPES
+            if plan_type is not Plan
+        },
     }
 
 
-def _noun(noun: type) -> dict[str, Any]:
-    known = keys(noun)
+def _plan_type(plan_type: type) -> dict[str, Any]:
+    known = plan_fields(plan_type)
     return {
         "type": "object",
-        "description": " ".join((noun.__doc__ or "").split()),
+        "description": " ".join((plan_type.__doc__ or "").split()),
         "properties": {name: _property(key) for name, key in known.items()},
-        "required": [name for name, key in known.items() if key.required],
+        "required": [name for name, key in known.items() if key.is_required],
         "additionalProperties": False,
     }
 
 
-def _property(key: Key) -> dict[str, Any]:
+def _property(key: PlanField) -> dict[str, Any]:
     one = _item(key)
-    if key.many:
+    if key.is_list:
         return {"type": "array", "items": one}
-    if key.optional:
+    if key.is_optional:
         one = {"anyOf": [one, {"type": "null"}]}
     return one
 
 
-def _item(key: Key) -> dict[str, Any]:
-    if key.item in NOUNS:
-        return {"$ref": f"#/$defs/{key.item.__name__}"}
-    if key.item is bool:
+def _item(key: PlanField) -> dict[str, Any]:
+    if key.item_type in PLAN_TYPES:
+        return {"$ref": f"#/$defs/{key.item_type.__name__}"}
+    if key.item_type is bool:
         return {"type": "boolean"}
-    if key.item in (int, float):
+    if key.item_type in (int, float):
         return _number(key)
-    if issubclass(key.item, Enum):
-        return {"enum": [str(word.value) for word in key.item]}
+    if issubclass(key.item_type, Enum):
+        return {"enum": [str(word.value) for word in key.item_type]}
     return {
         "type": "string",
         "pattern": f"^{key.text.pattern}$",
-        "maxLength": key.text.longest,
-        "description": key.text.words,
+        "maxLength": key.text.max_length,
+        "description": key.text.description,
     }
 
 
-def _number(key: Key) -> dict[str, Any]:
-    if key.duration:
+def _number(key: PlanField) -> dict[str, Any]:
+    if key.is_duration:
         return _duration(key.range)
     if key.quantity:
         return _quantity(key.quantity)
@@ -67,11 +71,11 @@ def _number(key: Key) -> dict[str, Any]:
 
 def _duration(limits: tuple[int, int]) -> dict[str, Any]:
     least, greatest = (bound / SECOND for bound in limits)
-    written = rf"^[0-9]+(\.[0-9]+)? ?({'|'.join(UNITS)})?$"
+    pattern = rf"^[0-9]+(\.[0-9]+)? ?({'|'.join(UNITS)})?$"
     return {
         "anyOf": [
             {"type": "number", "minimum": least, "maximum": greatest},
-            {"type": "string", "pattern": written},
+            {"type": "string", "pattern": pattern},
         ],
         "description": "seconds, or a number with a unit",
     }
@@ -80,8 +84,8 @@ def _duration(limits: tuple[int, int]) -> dict[str, Any]:
 def _quantity(quantity: Quantity) -> dict[str, Any]:
     return {
         "anyOf": [
-            {"type": "number", "minimum": quantity.least, "maximum": quantity.greatest},
+            {"type": "number", "minimum": quantity.minimum, "maximum": quantity.maximum},
             {"type": "string", "pattern": f"^{quantity.pattern}$"},
         ],
-        "description": f"a {quantity.words} in {quantity.unit}, or a number with a unit",
+        "description": f"a {quantity.description} in {quantity.unit}, or a number with a unit",
     }

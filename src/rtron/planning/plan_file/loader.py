@@ -4,36 +4,38 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from rtron.errors import InputError
-from rtron.planning.coherence import misfits
-from rtron.planning.plan_file.decoder import Reader
-from rtron.planning.plan_file.problems import Faults
-from rtron.planning.plan_file.yaml_parser import compose, read_text
+from rtron.planning.coherence import coherence_problems
+from rtron.planning.plan_file.decoder import PlanDecoder
+from rtron.planning.plan_file.problems import FileProblems
+from rtron.planning.plan_file.yaml_parser import parse_yaml, read_text
 from rtron.vocabulary import Plan
 
-_NOTHING: Mapping[str, str] = {}
+_NO_DEFINITIONS: Mapping[str, str] = {}
 
 
-def read_plan(path: Path, recorded: Mapping[str, str] = _NOTHING) -> Plan:
+def read_plan(path: Path, recorded_definitions: Mapping[str, str] = _NO_DEFINITIONS) -> Plan:
     """Read a plan; raise one PlanError that tells all that is wrong, each with file and line.
 
-    `recorded` are definitions by their types, which a recording brings: in a plan for ROS 2 those
+    `recorded_definitions` are definitions by their types, which a recording brings: in a plan for ROS 2 those
     count that its expressions need and that nothing else defines.
     """
-    return parse_plan(read_text(path), str(path), recorded)
+    return parse_plan(read_text(path), str(path), recorded_definitions)
 
 
-def parse_plan(text: str, path: str = "rtron.yaml", recorded: Mapping[str, str] = _NOTHING) -> Plan:
+def parse_plan(
+    text: str, path: str = "rtron.yaml", recorded_definitions: Mapping[str, str] = _NO_DEFINITIONS
+) -> Plan:
     """Read a plan from its text; `path` is what the errors call it."""
-    faults = Faults(path)
-    reader = Reader(faults)
-    plan = reader.noun(compose(text, path), Plan) or Plan(app="")
-    if recorded and plan.ros != 1 and has_expressions(plan):
-        plan = _with_recorded(plan, recorded)
-    for noun, key, message in misfits(plan):
-        faults.add(reader.line(noun, key), message)
-    for noun, key, error in _expression_faults(plan):
-        faults.add(reader.line(noun, key), str(error), error.help)
-    faults.raise_if_any()
+    problems = FileProblems(path)
+    decoder = PlanDecoder(problems)
+    plan = decoder.decode(parse_yaml(text, path), Plan) or Plan(app="")
+    if recorded_definitions and plan.ros != 1 and has_expressions(plan):
+        plan = _with_recorded_definitions(plan, recorded_definitions)
+    for part, key, message in coherence_problems(plan):
+        problems.add(decoder.line(part, key), message)
+    for part, key, error in _expression_problems(plan):
+        problems.add(decoder.line(part, key), str(error), error.help)
+    problems.raise_if_any()
     return plan
 
 
@@ -44,15 +46,15 @@ def has_expressions(plan: Plan) -> bool:
     return bool(plan.messages or rules or any(flow.when for flow in events))
 
 
-def _expression_faults(plan: Plan) -> Iterable[tuple[object, str, InputError]]:
+def _expression_problems(plan: Plan) -> Iterable[tuple[object, str, InputError]]:
     if not has_expressions(plan):
         return ()
-    from rtron.planning.expressions import expression_faults  # noqa: PLC0415 - seldom needed
+    from rtron.planning.expressions import expression_problems  # noqa: PLC0415 - seldom needed
 
-    return expression_faults(plan)
+    return expression_problems(plan)
 
 
-def _with_recorded(plan: Plan, recorded: Mapping[str, str]) -> Plan:
-    from rtron.planning.recorded import with_recorded  # noqa: PLC0415 - only a replay needs it
+def _with_recorded_definitions(plan: Plan, definitions: Mapping[str, str]) -> Plan:
+    from rtron.planning.recorded import with_recorded_definitions  # noqa: PLC0415 - only a replay needs it
 
-    return with_recorded(plan, recorded)
+    return with_recorded_definitions(plan, definitions)

@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 
-from rtron.planning.plan_file.problems import shown, suggestion
+from rtron.planning.plan_file.problems import quoted, suggestion
 
 _NUMBER = r"-?[0-9]{1,19}(?:\.[0-9]{1,25})?(?:[eE][+-]?[0-9]{1,3})?"
-_WRITTEN = re.compile(rf"({_NUMBER}) ?([A-Za-zµ°].{{0,20}})?")
-_LARGE = 10**300
+_QUANTITY = re.compile(rf"({_NUMBER}) ?([A-Za-zµ°].{{0,20}})?")
+_FLOAT_LIMIT = 10**300
 _DEGREE = Fraction(math.pi) / 180
 
 
@@ -18,14 +18,14 @@ _DEGREE = Fraction(math.pi) / 180
 class Quantity:
     """What is measured, in which units (the first is the SI unit), and between which bounds.
 
-    Where `smallest` is given, nothing but 0 is closer to 0: it would be a slip.
+    Where `min_nonzero` is given, nothing but 0 is closer to 0: it would be a slip.
     """
 
-    words: str
+    description: str
     units: Mapping[str, Fraction]
-    least: float
-    greatest: float
-    smallest: float = 0.0
+    minimum: float
+    maximum: float
+    min_nonzero: float = 0.0
 
     @property
     def unit(self) -> str:
@@ -39,12 +39,14 @@ class Quantity:
 
     def parse(self, text: str) -> float:
         """Return a quantity in the SI unit. Raise ValueError with the fault."""
-        match = _WRITTEN.fullmatch(text.strip())
+        match = _QUANTITY.fullmatch(text.strip())
         if not match:
-            raise ValueError(f"{shown(text)} is no {self.words}: write a number and {self.unit}")
+            raise ValueError(
+                f"{quoted(text)} is no {self.description}: write a number and {self.unit}"
+            )
         number, unit = match[1], match[2] or self.unit
         if unit not in self.units:
-            raise ValueError(f"unknown unit {shown(unit)}: {suggestion(unit, self.units)}")
+            raise ValueError(f"unknown unit {quoted(unit)}: {suggestion(unit, self.units)}")
         return self._bounded(Fraction(number) * self.units[unit], text)
 
     def write(self, value: float) -> str:
@@ -52,12 +54,12 @@ class Quantity:
         return f"{repr(value).removesuffix('.0')} {self.unit}"
 
     def _bounded(self, exact: Fraction, text: str) -> float:
-        value = float(exact) if abs(exact) < _LARGE else math.inf
-        if not self.least <= value <= self.greatest:
-            bounds = f"{self.least:g} and {self.write(self.greatest)}"
-            raise ValueError(f"{shown(text)} is not between {bounds}")
-        if exact and abs(value) < self.smallest:
-            raise ValueError(f"{shown(text)} is closer to 0 than {self.write(self.smallest)}")
+        value = float(exact) if abs(exact) < _FLOAT_LIMIT else math.inf
+        if not self.minimum <= value <= self.maximum:
+            bounds = f"{self.minimum:g} and {self.write(self.maximum)}"
+            raise ValueError(f"{quoted(text)} is not between {bounds}")
+        if exact and abs(value) < self.min_nonzero:
+            raise ValueError(f"{quoted(text)} is closer to 0 than {self.write(self.min_nonzero)}")
         return value
 
 
@@ -71,18 +73,22 @@ def _squared(unit: str, factor: Fraction) -> dict[str, Fraction]:
 
 
 VELOCITY = Quantity(
-    "velocity", {**_metric("/s"), "km/h": Fraction(5, 18)}, least=0, greatest=1000, smallest=1e-6
+    "velocity",
+    {**_metric("/s"), "km/h": Fraction(5, 18)},
+    minimum=0,
+    maximum=1000,
+    min_nonzero=1e-6,
 )
-PER_FRAME = Quantity("distance per frame", _metric("/frame"), least=1e-6, greatest=1000)
-DECELERATION = Quantity("deceleration", _squared("m", Fraction(1)), least=0.01, greatest=1000)
+PER_FRAME = Quantity("distance per frame", _metric("/frame"), minimum=1e-6, maximum=1000)
+DECELERATION = Quantity("deceleration", _squared("m", Fraction(1)), minimum=0.01, maximum=1000)
 ANGULAR_DECELERATION = Quantity(
     "angular deceleration",
     {**_squared("rad", Fraction(1)), **_squared("deg", _DEGREE)},
-    least=0.01,
-    greatest=1000,
+    minimum=0.01,
+    maximum=1000,
 )
-POSITION = Quantity("position", _metric(km=Fraction(1000)), least=-1e8, greatest=1e8)
+POSITION = Quantity("position", _metric(km=Fraction(1000)), minimum=-1e8, maximum=1e8)
 # A yaw beyond a whole turn is one in degrees whose unit was forgotten.
 YAW = Quantity(
-    "angle", {"rad": Fraction(1), "deg": _DEGREE}, least=-2 * math.pi, greatest=2 * math.pi
+    "angle", {"rad": Fraction(1), "deg": _DEGREE}, minimum=-2 * math.pi, maximum=2 * math.pi
 )

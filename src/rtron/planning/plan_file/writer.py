@@ -9,19 +9,19 @@ from typing import Any
 import yaml
 
 from rtron.planning.plan_file.durations import write_duration
-from rtron.planning.plan_file.fields import NOUNS, Key, keys
+from rtron.planning.plan_file.fields import PLAN_TYPES, PlanField, plan_fields
 from rtron.vocabulary import (
     PLAN_SCHEMA,
     EventFlow,
     Flow,
+    MissionRule,
     Plan,
     Point,
-    Rule,
     Transform,
     WatchedFlow,
 )
 
-_HEAD = """\
+_HEADER = """\
 # What stands between the nodes of this app, and under which policies. Edit it freely, then run
 # `rtron check`. Durations take a unit: 200 ms, 0.5 s, 2 min; so do velocities and all that is
 # measured: 0.22 m/s, 0.8 km/h. What is left out has its default.
@@ -81,7 +81,7 @@ _SECTIONS = {
 """,
 }
 _ON_ONE_LINE = (Flow, WatchedFlow, Point)
-_ON_ONE_LINE_IF_SHORT = (EventFlow, Rule, Transform)
+_ON_ONE_LINE_IF_SHORT = (EventFlow, MissionRule, Transform)
 _SHORT = 100
 _SAFE = re.compile(r"[A-Za-z/][A-Za-z0-9_/.-]*")
 # What a block scalar gives back as it was: printable lines that begin and end with a mark.
@@ -90,38 +90,38 @@ _BLOCK = re.compile(r"[!-~](?:[\t\n -~]*[!-~])?\n?")
 
 def write_plan(plan: Plan) -> str:
     """Return the plan as YAML with a comment for each section; what has its default is left out."""
-    head = [_HEAD.rstrip("\n"), f"schema: {PLAN_SCHEMA}", f"app: {_scalar(plan.app)}"]
-    return "\n".join([*head, *_sections(plan)]) + "\n"
+    lines = [_HEADER.rstrip("\n"), f"schema: {PLAN_SCHEMA}", f"app: {_scalar(plan.app)}"]
+    return "\n".join([*lines, *_sections(plan)]) + "\n"
 
 
 def _sections(plan: Plan) -> Iterator[str]:
-    for key in _written(plan):
+    for key in _changed_fields(plan):
         if key.name in _SECTIONS:
             yield _SECTIONS[key.name].rstrip("\n")
         if key.name != "app":
             yield from _entry(key, getattr(plan, key.name), 0)
 
 
-def _written(noun: object) -> Iterator[Key]:
+def _changed_fields(part: object) -> Iterator[PlanField]:
     """Yield the keys of a noun that differ from their defaults."""
-    for key in keys(type(noun)).values():
+    for key in plan_fields(type(part)).values():
         if key.name != "schema" and (
-            key.default is MISSING or getattr(noun, key.name) != key.default
+            key.default is MISSING or getattr(part, key.name) != key.default
         ):
             yield key
 
 
-def _entry(key: Key, value: Any, indent: int) -> Iterator[str]:  # noqa: ANN401 - as the key says
+def _entry(key: PlanField, value: Any, indent: int) -> Iterator[str]:  # noqa: ANN401 - as the key says
     space = " " * indent
-    if not value and key.many:
+    if not value and key.is_list:
         yield f"{space}{key.name}: []"
-    elif key.many and key.item in NOUNS:
+    elif key.is_list and key.item_type in PLAN_TYPES:
         yield f"{space}{key.name}:"
-        for noun in value:
-            yield from _item(noun, indent + 2)
-    elif key.item in NOUNS and not isinstance(value, _ON_ONE_LINE):
+        for part in value:
+            yield from _item(part, indent + 2)
+    elif key.item_type in PLAN_TYPES and not isinstance(value, _ON_ONE_LINE):
         yield f"{space}{key.name}:"
-        yield from _noun(value, indent + 2)
+        yield from _mapping(value, indent + 2)
     elif _is_block(value):
         yield f"{space}{key.name}: |{_chomping(value)}"
         yield from (f"{space}  {line}" if line else "" for line in _lines(value))
@@ -141,36 +141,36 @@ def _lines(text: str) -> list[str]:
     return text.removesuffix("\n").split("\n")
 
 
-def _item(noun: object, indent: int) -> Iterator[str]:
+def _item(part: object, indent: int) -> Iterator[str]:
     space = " " * indent
-    if isinstance(noun, _ON_ONE_LINE) or _is_short(noun, indent):
-        yield f"{space}- {_flat(noun)}"
+    if isinstance(part, _ON_ONE_LINE) or _is_short(part, indent):
+        yield f"{space}- {_inline(part)}"
         return
-    first, *others = _noun(noun, indent + 2)
+    first, *others = _mapping(part, indent + 2)
     yield f"{space}- {first.lstrip()}"
     yield from others
 
 
-def _is_short(noun: object, indent: int) -> bool:
-    return isinstance(noun, _ON_ONE_LINE_IF_SHORT) and len(_flat(noun)) + indent + 2 <= _SHORT
+def _is_short(part: object, indent: int) -> bool:
+    return isinstance(part, _ON_ONE_LINE_IF_SHORT) and len(_inline(part)) + indent + 2 <= _SHORT
 
 
-def _flat(noun: object) -> str:
-    pairs = (f"{key.name}: {_value(key, getattr(noun, key.name))}" for key in _written(noun))
+def _inline(part: object) -> str:
+    pairs = (f"{key.name}: {_value(key, getattr(part, key.name))}" for key in _changed_fields(part))
     return f"{{{', '.join(pairs)}}}"
 
 
-def _noun(noun: object, indent: int) -> Iterator[str]:
-    for key in _written(noun):
-        yield from _entry(key, getattr(noun, key.name), indent)
+def _mapping(part: object, indent: int) -> Iterator[str]:
+    for key in _changed_fields(part):
+        yield from _entry(key, getattr(part, key.name), indent)
 
 
-def _value(key: Key, value: Any) -> str:  # noqa: ANN401 - as the key says
-    if key.many:
+def _value(key: PlanField, value: Any) -> str:  # noqa: ANN401 - as the key says
+    if key.is_list:
         return f"[{', '.join(map(_scalar, value))}]"
     if isinstance(value, _ON_ONE_LINE):
-        return _flat(value)
-    if key.duration:
+        return _inline(value)
+    if key.is_duration:
         return write_duration(value)
     if key.quantity:
         return key.quantity.write(value)

@@ -28,7 +28,7 @@ def read_text(path: Path) -> str:
     return text
 
 
-def compose(text: str, path: str) -> yaml.Node:
+def parse_yaml(text: str, path: str) -> yaml.Node:
     """Return the tree of a YAML text with its lines; raise PlanError if it is none or unsafe."""
     try:
         _refuse_unsafe(text, path)

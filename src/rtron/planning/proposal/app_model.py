@@ -4,36 +4,36 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
-from rtron.planning.app_topics import action_servers, action_topics, topics_of
-from rtron.planning.plan_file.fields import NODE, TOPIC, TYPE
-from rtron.planning.proposal.publisher_ranking import Ranking
+from rtron.planning.app_topics import action_servers, action_topics, all_topics
+from rtron.planning.plan_file.fields import NODE_NAME, TOPIC_NAME, TYPE_NAME
+from rtron.planning.proposal.publisher_ranking import PublisherRanking
 from rtron.vocabulary import (
-    ActionPart,
     Domain,
     InteractionGraph,
     Risk,
     RiskReport,
-    Role,
+    RiskRole,
+    Ros1ActionTopic,
     Sharing,
     TopicClass,
-    action_of,
+    action_name,
     is_action_type,
-    part_topic,
-    with_goals,
+    ros1_topic_name,
+    with_goal_topics,
 )
 
 
 @dataclass(frozen=True)
-class Site:
+class AppModel:
     """A graph and the report on it; the goals of ROS 2's actions are topics here, too."""
 
     graph: InteractionGraph
     report: RiskReport
 
     @staticmethod
-    def of(graph: InteractionGraph, report: RiskReport) -> "Site":
+    def from_graph(graph: InteractionGraph, report: RiskReport) -> "AppModel":
         """Return the site of a graph as it was read."""
-        return Site(with_goals(graph), report)
+        return AppModel(with_goal_topics(graph), report)
 
     @cached_property
     def viewers(self) -> frozenset[str]:
@@ -41,7 +41,7 @@ class Site:
         return frozenset(self.report.viewers)
 
     @cached_property
-    def actions(self) -> frozenset[str]:
+    def action_parts(self) -> frozenset[str]:
         """The topics that belong to an action."""
         return action_topics(self.graph)
 
@@ -53,34 +53,34 @@ class Site:
     @cached_property
     def topics(self) -> frozenset[str]:
         """The topics of the graph."""
-        return topics_of(self.graph)
+        return all_topics(self.graph)
 
     @cached_property
-    def requested(self) -> frozenset[str]:
+    def ros2_actions(self) -> frozenset[str]:
         """The actions whose goals are requests."""
-        named = frozenset(action.name for action in self.graph.actions)
-        return named if self.graph.ros != 1 else frozenset()
+        action_names = frozenset(action.name for action in self.graph.actions)
+        return action_names if self.graph.ros != 1 else frozenset()
 
-    def risks(self, role: Role) -> Iterator[Risk]:
+    def risks(self, role: RiskRole) -> Iterator[Risk]:
         """Yield the risks in which nodes play a role."""
         return (risk for risk in self.report.risks if role in risk.role_nodes)
 
-    def goal_of(self, topic: str) -> str:
+    def goal_topic_of(self, topic: str) -> str:
         """Return the goal topic of the action that a topic belongs to, or nothing.
 
         Only where the type of the goals is known can the action be guarded as a whole.
         """
-        goal = f"{topic.rpartition('/')[0]}/{ActionPart.GOAL}"
-        whole = topic in self.actions and self.can_guard(goal)
-        return goal if whole and action_of(goal, self.type_of(goal)) else ""
+        goal = f"{topic.rpartition('/')[0]}/{Ros1ActionTopic.GOAL}"
+        is_guardable = topic in self.action_parts and self.can_guard(goal)
+        return goal if is_guardable and action_name(goal, self.type_of(goal)) else ""
 
     def publishers(self, topic: str) -> list[str]:
         """Return the nodes that publish a topic, the one that goes first at the front.
 
         Who cancels goals publishes them too: both are one way to the server.
         """
-        nodes = {e.node for name in self._asked(topic) for e in self.graph.publishers(name)}
-        return self._ranking.ordered(filter(NODE.fits, nodes))
+        nodes = {e.node for name in self._client_topics(topic) for e in self.graph.publishers(name)}
+        return self._ranking.sort(filter(NODE_NAME.matches, nodes))
 
     def successors(self, topic: str) -> tuple[str, ...]:
         """Return the nodes that the output goes to.
@@ -88,14 +88,14 @@ class Site:
         A viewer gets it on the public name, unless it publishes the topic too: a remap then moves
         both its ends.
         """
-        bystanders = self.viewers.difference(self.publishers(topic))
-        nodes = {e.node for e in self.graph.subscribers(topic)} - bystanders
-        return tuple(sorted(filter(NODE.fits, nodes)))
+        viewers_only = self.viewers.difference(self.publishers(topic))
+        nodes = {e.node for e in self.graph.subscribers(topic)} - viewers_only
+        return tuple(sorted(filter(NODE_NAME.matches, nodes)))
 
     def type_of(self, topic: str) -> str:
         """Return the type that the publishers use, or else the subscribers."""
-        ends = (*self.graph.publishers(topic), *self.graph.subscribers(topic))
-        return next((e.type for e in ends if TYPE.fits(e.type) and e.type), "")
+        endpoints = (*self.graph.publishers(topic), *self.graph.subscribers(topic))
+        return next((e.type for e in endpoints if TYPE_NAME.matches(e.type) and e.type), "")
 
     def classify(self, topic: str) -> TopicClass:
         """Return what the report says that a topic is for."""
@@ -106,8 +106,8 @@ class Site:
 
         Of an action of ROS 2 the type must be known, too: services have it in their names.
         """
-        known = topic not in self.requested or is_action_type(self.type_of(topic))
-        return known and topic in self.topics and TOPIC.fits(topic)
+        is_known = topic not in self.ros2_actions or is_action_type(self.type_of(topic))
+        return is_known and topic in self.topics and TOPIC_NAME.matches(topic)
 
     def can_enforce(self, topic: str) -> bool:
         """Tell whether standing in a topic's flow is a sound default.
@@ -116,22 +116,22 @@ class Site:
         only where nodes are known to publish and to listen, each by its whole name, since whom the
         plan does not name is stopped.
         """
-        found = self.classify(topic)
-        moves = found.domain in (Domain.PLANNING, Domain.CONTROL)
-        part = topic in self.actions and topic != self.goal_of(topic)
-        if not moves or found.sharing is Sharing.MERGE or part:
+        topic_class = self.classify(topic)
+        moves_robot = topic_class.domain in (Domain.PLANNING, Domain.CONTROL)
+        is_action_part = topic in self.action_parts and topic != self.goal_topic_of(topic)
+        if not moves_robot or topic_class.sharing is Sharing.MERGE or is_action_part:
             return False
-        asking = (e for name in self._asked(topic) for e in self.graph.publishers(name))
-        named = all(NODE.fits(e.node) for e in asking)
-        return named and bool(self.publishers(topic) and self.successors(topic))
+        endpoints = (e for name in self._client_topics(topic) for e in self.graph.publishers(name))
+        are_named = all(NODE_NAME.matches(e.node) for e in endpoints)
+        return are_named and bool(self.publishers(topic) and self.successors(topic))
 
-    def _asked(self, topic: str) -> tuple[str, ...]:
+    def _client_topics(self, topic: str) -> tuple[str, ...]:
         """Return the topic, with that of the cancels if it is an action's goals."""
-        if not topic or topic != self.goal_of(topic):
+        if not topic or topic != self.goal_topic_of(topic):
             return (topic,)
-        return (topic, part_topic(topic.rpartition("/")[0], ActionPart.CANCEL))
+        return (topic, ros1_topic_name(topic.rpartition("/")[0], Ros1ActionTopic.CANCEL))
 
     @cached_property
-    def _ranking(self) -> Ranking:
+    def _ranking(self) -> PublisherRanking:
         nodes = {node.name: node for node in self.graph.nodes}
-        return Ranking(self.graph, self.servers, self.viewers, nodes)
+        return PublisherRanking(self.graph, self.servers, self.viewers, nodes)

@@ -17,13 +17,13 @@ with at most one publisher, because there is nothing to arrange, only strangers 
 from collections.abc import Collection
 
 from rtron.planning.plan_file.defaults import node_id, with_distinct_ids
-from rtron.planning.plan_file.fields import ANY, NODE, TOPIC
-from rtron.planning.problem import Level, Problem
-from rtron.planning.proposal.app_model import Site
+from rtron.planning.plan_file.fields import ANY_TEXT, NODE_NAME, TOPIC_NAME
+from rtron.planning.problem import PlanProblem, ProblemLevel
+from rtron.planning.proposal.app_model import AppModel
 from rtron.planning.proposal.app_nodes import fps_monitors, propose_msrcn, propose_rsrcn
 from rtron.vocabulary import (
-    ASKED,
     GRCN,
+    ROS1_CLIENT_TOPICS,
     SECOND,
     Domain,
     Flow,
@@ -35,17 +35,17 @@ from rtron.vocabulary import (
     RiskReport,
     Sharing,
     StreamKind,
-    part_topic,
+    ros1_topic_name,
 )
 
 # A goal that waited longer than this is no longer what its sender wants.
-GOAL_AGE = 60 * SECOND
+MAX_GOAL_AGE = 60 * SECOND
 # Nothing tells when such a goal, or such a state, is done: it then counts as done after this time.
-UNSEEN_GOAL = 10 * SECOND
-UNSEEN_STATE = SECOND // 2
+GOAL_TIMEOUT = 10 * SECOND
+STATE_TIMEOUT = SECOND // 2
 # Topics of poses that a server of ROS 2 makes a goal of its own of (rviz and Nav2 name them so).
 _POSES = ("goal_pose", "goal")
-_CANNOT = "cannot be guarded"
+_NOT_GUARDABLE = "cannot be guarded"
 _UNTYPED = "the type of the action is not known"
 _CANCELS = ("actionlib_msgs/GoalID", "actionlib_msgs/msg/GoalID")
 _ORDER = (Domain.CONTROL, Domain.PLANNING, Domain.PERCEPTION, Domain.DRIVERS, Domain.OTHERS)
@@ -53,81 +53,93 @@ _ORDER = (Domain.CONTROL, Domain.PLANNING, Domain.PERCEPTION, Domain.DRIVERS, Do
 
 def propose_plan(graph: InteractionGraph, report: RiskReport) -> Plan:
     """Return a plan with a GRCN for each topic of a general risk, and the others as risks ask."""
-    site = Site.of(graph, report)
-    grcn = with_distinct_ids(_grcn(site, name) for name in _risky(site) if site.can_guard(name))
+    app = AppModel.from_graph(graph, report)
+    grcn = with_distinct_ids(_grcn(app, name) for name in _risky_topics(app) if app.can_guard(name))
     enforced = {node.topic for node in grcn if node.mode is Mode.ENFORCE}
-    monitors = fps_monitors(site)
+    monitors = fps_monitors(app)
     return Plan(
-        app=graph.app[: ANY.longest],
+        app=graph.app[: ANY_TEXT.max_length],
         ros=graph.ros,
         grcn=grcn,
-        rsrcn=propose_rsrcn(site, monitors, enforced),
-        msrcn=propose_msrcn(site, enforced),
+        rsrcn=propose_rsrcn(app, monitors, enforced),
+        msrcn=propose_msrcn(app, enforced),
         fps_monitor=monitors,
     )
 
 
-def left_out(graph: InteractionGraph, report: RiskReport) -> tuple[Problem, ...]:
+def unguardable_topics(graph: InteractionGraph, report: RiskReport) -> tuple[PlanProblem, ...]:
     """Return a warning for each risky topic, and each publisher of one, that no plan can guard."""
-    site = Site.of(graph, report)
+    app = AppModel.from_graph(graph, report)
     risky = sorted({topic for risk in report.risks for topic in risk.topics})
-    nodes = sorted({e.node for topic in risky for e in site.graph.publishers(topic)})
-    unnamed = [topic for topic in risky if not TOPIC.fits(topic)]
-    unnamed += [node for node in nodes if not NODE.fits(node)]
-    actions = [topic for topic in risky if TOPIC.fits(topic) and not site.can_guard(topic)]
+    nodes = sorted({e.node for topic in risky for e in app.graph.publishers(topic)})
+    unnamed = [topic for topic in risky if not TOPIC_NAME.matches(topic)]
+    unnamed += [node for node in nodes if not NODE_NAME.matches(node)]
+    actions = [topic for topic in risky if TOPIC_NAME.matches(topic) and not app.can_guard(topic)]
     return (
-        *(Problem(Level.WARNING, name, f"{_CANNOT}: its name is not known") for name in unnamed),
-        *(Problem(Level.WARNING, name, f"{_CANNOT}: {_UNTYPED}") for name in actions),
+        *(
+            PlanProblem(ProblemLevel.WARNING, name, f"{_NOT_GUARDABLE}: its name is not known")
+            for name in unnamed
+        ),
+        *(
+            PlanProblem(ProblemLevel.WARNING, name, f"{_NOT_GUARDABLE}: {_UNTYPED}")
+            for name in actions
+        ),
     )
 
 
-def _risky(site: Site) -> list[str]:
+def _risky_topics(app: AppModel) -> list[str]:
     general = (RiskKind.GR_ST, RiskKind.GR_MT)
-    risky = {topic for r in site.report.risks if r.kind in general for topic in r.topics}
-    topics = {_unit(site, topic, risky) for topic in risky}
-    return sorted(topics, key=lambda topic: (_ORDER.index(site.classify(topic).domain), topic))
+    risky = {topic for r in app.report.risks if r.kind in general for topic in r.topics}
+    topics = {_guarded_unit(app, topic, risky) for topic in risky}
+    return sorted(topics, key=lambda topic: (_ORDER.index(app.classify(topic).domain), topic))
 
 
-def _unit(site: Site, topic: str, risky: Collection[str]) -> str:
+def _guarded_unit(app: AppModel, topic: str, risky: Collection[str]) -> str:
     """Return what stands for a topic: of an action the goals, if goals or cancels are risky."""
-    goal = site.goal_of(topic)
+    goal = app.goal_topic_of(topic)
     action = goal.rpartition("/")[0]
-    asked = goal and any(part_topic(action, part) in risky for part in ASKED)
-    return goal if asked else topic
+    has_risky_client_topic = goal and any(
+        ros1_topic_name(action, part) in risky for part in ROS1_CLIENT_TOPICS
+    )
+    return goal if has_risky_client_topic else topic
 
 
-def _grcn(site: Site, topic: str) -> GRCN:
-    topic_class = site.classify(topic)
-    policy = _policy(site, topic)
-    queued = policy is PolicyName.PRIORITY_QUEUE
-    done = _done(site, topic) if queued else None
-    seen = done or topic in site.requested
-    timeout = _timeout(topic_class.kind) if queued and not seen else None
+def _grcn(app: AppModel, topic: str) -> GRCN:
+    topic_class = app.classify(topic)
+    policy = _policy(app, topic)
+    is_queued = policy is PolicyName.PRIORITY_QUEUE
+    done = _done_topic(app, topic) if is_queued else None
+    has_end_signal = done or topic in app.ros2_actions
+    timeout = _timeout(topic_class.kind) if is_queued and not has_end_signal else None
     return GRCN(
         id=node_id("grcn", topic),
         topic=topic,
-        type=site.type_of(topic),
+        type=app.type_of(topic),
         domain=topic_class.domain,
         kind=topic_class.kind,
         sharing=topic_class.sharing,
-        mode=Mode.ENFORCE if site.can_enforce(topic) else Mode.OBSERVE,
+        mode=Mode.ENFORCE if app.can_enforce(topic) else Mode.OBSERVE,
         policy=policy,
-        flows=_flows(site.publishers(topic), timeout),
-        successors=site.successors(topic),
-        max_age=GOAL_AGE if queued and topic_class.kind is StreamKind.ACTION else SECOND // 2,
+        flows=_flows(app.publishers(topic), timeout),
+        successors=app.successors(topic),
+        max_age=MAX_GOAL_AGE
+        if is_queued and topic_class.kind is StreamKind.ACTION
+        else SECOND // 2,
         done=done,
     )
 
 
-def _policy(site: Site, topic: str) -> PolicyName:
-    found = site.classify(topic)
-    alone = found.kind is StreamKind.STATE and len(site.publishers(topic)) <= 1
-    cancels = site.type_of(topic).startswith(_CANCELS)
-    if found.sharing is Sharing.MERGE or cancels or alone:
+def _policy(app: AppModel, topic: str) -> PolicyName:
+    topic_class = app.classify(topic)
+    is_single_publisher_state = (
+        topic_class.kind is StreamKind.STATE and len(app.publishers(topic)) <= 1
+    )
+    is_cancel = app.type_of(topic).startswith(_CANCELS)
+    if topic_class.sharing is Sharing.MERGE or is_cancel or is_single_publisher_state:
         return PolicyName.BLOCK
-    if found.domain is Domain.PLANNING or found.kind is StreamKind.ACTION:
+    if topic_class.domain is Domain.PLANNING or topic_class.kind is StreamKind.ACTION:
         return PolicyName.PRIORITY_QUEUE
-    return PolicyName.PREEMPTION if found.domain is Domain.CONTROL else PolicyName.BLOCK
+    return PolicyName.PREEMPTION if topic_class.domain is Domain.CONTROL else PolicyName.BLOCK
 
 
 def _flows(publishers: list[str], timeout: int | None) -> tuple[Flow, ...]:
@@ -139,25 +151,25 @@ def _flows(publishers: list[str], timeout: int | None) -> tuple[Flow, ...]:
     )
 
 
-def _done(site: Site, topic: str) -> str | None:
+def _done_topic(app: AppModel, topic: str) -> str | None:
     """Return the topic, or action of ROS 2, that tells the end of what a goal started."""
-    if site.graph.ros != 1:
-        return _requested(site, topic)
-    space = topic.removesuffix("/goal").removesuffix("_simple")
-    served = (name for node in site.successors(topic) for name in site.servers.get(node, ()))
-    names = [space, *served] if topic.endswith("/goal") else []
-    return next((f"{name}/result" for name in names if f"{name}/result" in site.topics), None)
+    if app.graph.ros != 1:
+        return _pose_action(app, topic)
+    namespace = topic.removesuffix("/goal").removesuffix("_simple")
+    served = (name for node in app.successors(topic) for name in app.servers.get(node, ()))
+    names = [namespace, *served] if topic.endswith("/goal") else []
+    return next((f"{name}/result" for name in names if f"{name}/result" in app.topics), None)
 
 
-def _requested(site: Site, topic: str) -> str | None:
+def _pose_action(app: AppModel, topic: str) -> str | None:
     """Return the action of ROS 2 that poses on a topic become: Nav2's, or its server's only one."""
-    space, _, last = topic.rpartition("/")
+    namespace, _, last = topic.rpartition("/")
     if last not in _POSES:
         return None
-    served = {name for node in site.successors(topic) for name in site.servers.get(node, ())}
-    nav2 = f"{space}/navigate_to_pose"
+    served = {name for node in app.successors(topic) for name in app.servers.get(node, ())}
+    nav2 = f"{namespace}/navigate_to_pose"
     return nav2 if nav2 in served else served.pop() if len(served) == 1 else None
 
 
 def _timeout(kind: StreamKind) -> int | None:
-    return {StreamKind.ACTION: UNSEEN_GOAL, StreamKind.STATE: UNSEEN_STATE}.get(kind)
+    return {StreamKind.ACTION: GOAL_TIMEOUT, StreamKind.STATE: STATE_TIMEOUT}.get(kind)

@@ -24,7 +24,7 @@ _FUNCTIONS: Mapping[FunctionType | None, int] = {
 
 
 @dataclass(frozen=True)
-class Ranking:
+class PublisherRanking:
     """Orders nodes of a graph; `servers` and `viewers` are the nodes that serve actions or show."""
 
     graph: InteractionGraph
@@ -32,23 +32,23 @@ class Ranking:
     viewers: Collection[str]
     nodes: dict[str, Node]
 
-    def ordered(self, names: Iterable[str]) -> list[str]:
+    def sort(self, names: Iterable[str]) -> list[str]:
         """Return the nodes, the one that goes first at the front."""
         return sorted(names, key=self._rank)
 
     def _rank(self, name: str) -> tuple[int, int, str]:
         node = self.nodes.get(name, Node(name=name))
-        return _TRUST[node.trust], self._calling(node), name
+        return _TRUST[node.trust], self._function_rank(node), name
 
-    def _calling(self, node: Node) -> int:
-        seen = self._seen(node)
-        told = _FUNCTIONS.get(node.function, seen)
-        return told if node.trust is Trust.OWN else max(told, seen)
+    def _function_rank(self, node: Node) -> int:
+        observed = self._observed_rank(node)
+        function = _FUNCTIONS.get(node.function, observed)
+        return function if node.trust is Trust.OWN else max(function, observed)
 
-    def _seen(self, node: Node) -> int:
+    def _observed_rank(self, node: Node) -> int:
         if node.name in self.viewers:
             return _SHOWS
         if node.name in self.servers:
             return _NAVIGATES
-        heard = (e for e in self.graph.subscribed_by(node.name) if not e.implicit)
-        return _WORKS if any(heard) else _SPEAKS
+        subscriptions = (e for e in self.graph.subscribed_by(node.name) if not e.implicit)
+        return _WORKS if any(subscriptions) else _SPEAKS

@@ -1,4 +1,4 @@
-from rtron.planning.tuning.tuner import tune
+from rtron.planning.tuning.tuner import tune_plan
 from rtron.planning.tuning.written import tuned_yaml
 
-__all__ = ["tune", "tuned_yaml"]
+__all__ = ["tune_plan", "tuned_yaml"]

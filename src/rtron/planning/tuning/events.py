@@ -6,30 +6,39 @@ Both outlast the gaps between its messages. `silent` is never made shorter, and 
 
 from dataclasses import replace
 
-from rtron.planning.tuning.duration_fit import SILENCE, measures, settle
-from rtron.planning.tuning.run_statistics import Measured, Note, Place
-from rtron.vocabulary import EventFigures, EventFlow
+from rtron.planning.tuning.duration_fit import SILENCE_BOUNDS, describe_durations, fit_duration
+from rtron.planning.tuning.run_statistics import AddProposal, PlanKey, RunStatistics
+from rtron.vocabulary import EventFlow, EventStatistics
 
 
-def with_ages(node: str, flow: EventFlow, measured: Measured, note: Note) -> EventFlow:
+def tune_event_ages(
+    node: str, flow: EventFlow, measured: RunStatistics, note: AddProposal
+) -> EventFlow:
     """Return an eflow whose bit is known through the gaps of its source."""
     named = (each for each in measured.run.events if each.name == flow.name)
-    figures = next(named, EventFigures(name=flow.name))
+    figures = next(named, EventStatistics(name=flow.name))
     if flow.silent is not None:
         why = "an absence is not to be told too early"
-        after = _settled(node, flow, "silent", figures, note, why)
+        after = _fit_event_duration(node, flow, "silent", figures, note, why)
         return replace(flow, silent=after)
     if flow.when and flow.present is None:
         why = "it comes when something changes" if figures.pauses.count else ""
-        return replace(flow, max_age=_settled(node, flow, "max_age", figures, note, why))
+        return replace(flow, max_age=_fit_event_duration(node, flow, "max_age", figures, note, why))
     return flow
 
 
-def _settled(
-    node: str, flow: EventFlow, key: str, figures: EventFigures, note: Note, objection: str
+def _fit_event_duration(
+    node: str,
+    flow: EventFlow,
+    key: str,
+    figures: EventStatistics,
+    note: AddProposal,
+    objection: str,
 ) -> int:
     before: int = getattr(flow, key)
-    found = settle(before, [figures.gaps], SILENCE, objection=objection)
-    place = Place(node=node, flow=flow.name, key=key)
-    note(place.settled(before, found, measures(figures.gaps, "gap"), figures.gaps.count))
-    return found.after
+    fit = fit_duration(before, [figures.gaps], SILENCE_BOUNDS, objection=objection)
+    plan_key = PlanKey(node=node, flow=flow.name, key=key)
+    note(
+        plan_key.proposal(before, fit, describe_durations(figures.gaps, "gap"), figures.gaps.count)
+    )
+    return fit.after

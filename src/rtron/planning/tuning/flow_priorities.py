@@ -17,48 +17,52 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from rtron.planning.coherence.grcn import RANKED
-from rtron.planning.tuning.duration_fit import FEW
-from rtron.planning.tuning.formatting import number, told
-from rtron.planning.tuning.run_statistics import Note, of_flow
+from rtron.planning.coherence.grcn import PRIORITY_POLICIES
+from rtron.planning.tuning.duration_fit import MIN_SAMPLES
+from rtron.planning.tuning.formatting import count_text, short_duration
+from rtron.planning.tuning.run_statistics import AddProposal, flow_statistics
 from rtron.vocabulary import (
     GRCN,
     SECOND,
     Flow,
-    FlowFigures,
-    Proposal,
-    ProposalKind,
-    StreamFigures,
+    FlowStatistics,
     StreamKind,
+    StreamStatistics,
+    TuningProposal,
+    TuningProposalKind,
 )
 
-LONG_ENOUGH = 60 * SECOND
+MIN_RUN_DURATION = 60 * SECOND
 _PHASES = 3
 _OCCASIONAL, _STEADY = 10, 2
-SAFETY = re.compile(
+SAFETY_NAME = re.compile(
     r"safe|emerg|e_?stop|collision|bumper|brak|cliff|dead_?man|watchdog", re.IGNORECASE
 )
 
 
-def with_order(grcn: GRCN, stream: StreamFigures, duration: int, note: Note) -> GRCN:
+def tune_priorities(grcn: GRCN, stream: StreamStatistics, duration: int, note: AddProposal) -> GRCN:
     """Return a GRCN in which an occasional flow goes before a steady one that drowns it."""
-    if grcn.policy not in RANKED or grcn.kind is not StreamKind.COMMAND or duration < LONG_ENOUGH:
+    if (
+        grcn.policy not in PRIORITY_POLICIES
+        or grcn.kind is not StreamKind.COMMAND
+        or duration < MIN_RUN_DURATION
+    ):
         return grcn
     order = sorted(grcn.flows, key=lambda flow: -flow.priority)
-    figures = {flow.name: of_flow(stream, flow) for flow in order}
-    overtaken = dict(_overtaken(order, figures, duration))
+    figures = {flow.name: flow_statistics(stream, flow) for flow in order}
+    overtaken = dict(_reorder(order, figures, duration))
     priorities = sorted((flow.priority for flow in order), reverse=True)
-    given = {flow.name: new for flow, new in zip(order, priorities, strict=True)}
+    new_priorities = {flow.name: new for flow, new in zip(order, priorities, strict=True)}
     for flow in grcn.flows:
-        if given[flow.name] != flow.priority:
+        if new_priorities[flow.name] != flow.priority:
             why = _why(flow, overtaken.get(flow.name, ()), figures, duration)
-            note(_changed(grcn.id, flow, given[flow.name], why, figures[flow.name]))
-    flows = (replace(flow, priority=given[flow.name]) for flow in grcn.flows)
+            note(_changed(grcn.id, flow, new_priorities[flow.name], why, figures[flow.name]))
+    flows = (replace(flow, priority=new_priorities[flow.name]) for flow in grcn.flows)
     return replace(grcn, flows=tuple(flows))
 
 
-def _overtaken(
-    order: list[Flow], figures: dict[str, FlowFigures], duration: int
+def _reorder(
+    order: list[Flow], figures: dict[str, FlowStatistics], duration: int
 ) -> Iterator[tuple[str, tuple[Flow, ...]]]:
     """Put the flows in their new order; yield each that moved up with those it overtook."""
     for flow in tuple(order):
@@ -72,38 +76,40 @@ def _overtaken(
             yield flow.name, tuple(passed)
 
 
-def _goes_before(one: FlowFigures, other: FlowFigures, duration: int) -> bool:
-    occasional = _OCCASIONAL * one.active <= duration and one.pauses.count + 1 >= _PHASES
-    steady = _STEADY * other.active >= duration
-    lost = sum(each.duration for each in one.overlaps if each.flow == other.flow)
-    drowned = one.messages >= FEW and lost > 0 and 2 * lost >= one.active
-    return occasional and steady and drowned and not SAFETY.search(other.publisher)
+def _goes_before(one: FlowStatistics, other: FlowStatistics, duration: int) -> bool:
+    is_occasional = _OCCASIONAL * one.active <= duration and one.pauses.count + 1 >= _PHASES
+    is_steady = _STEADY * other.active >= duration
+    overlapped = sum(each.duration for each in one.overlaps if each.flow == other.flow)
+    is_suppressed = one.messages >= MIN_SAMPLES and overlapped > 0 and 2 * overlapped >= one.active
+    return is_occasional and is_steady and is_suppressed and not SAFETY_NAME.search(other.publisher)
 
 
-def _why(flow: Flow, passed: Sequence[Flow], figures: dict[str, FlowFigures], duration: int) -> str:
+def _why(
+    flow: Flow, passed: Sequence[Flow], figures: dict[str, FlowStatistics], duration: int
+) -> str:
     if not passed:
         return "it gives way to a flow that seldom speaks"
-    own = figures[flow.name]
+    statistics = figures[flow.name]
     others = ", ".join(
         f"{each.publisher} ({_share(figures[each.name], duration)} of the run)" for each in passed
     )
     names = {each.name for each in passed}
-    lost = max(each.duration for each in own.overlaps if each.flow in names)
+    overlapped = max(each.duration for each in statistics.overlaps if each.flow in names)
     return (
-        f"{flow.publisher} spoke in {number(own.pauses.count + 1, 'phase')}, {told(own.active)} in "
-        f"all ({_share(own, duration)} of the run), {told(lost)} of it in vain beside {others}; "
+        f"{flow.publisher} spoke in {count_text(statistics.pauses.count + 1, 'phase')}, {short_duration(statistics.active)} in "
+        f"all ({_share(statistics, duration)} of the run), {short_duration(overlapped)} of it in vain beside {others}; "
         f"right only if {flow.publisher} may interrupt"
     )
 
 
-def _share(figures: FlowFigures, duration: int) -> str:
+def _share(figures: FlowStatistics, duration: int) -> str:
     percent = min(100 * figures.active / duration, 100)
     return f"{percent:.0f} %" if percent >= 1 else f"{percent:.1g} %"
 
 
-def _changed(node: str, flow: Flow, new: int, why: str, figures: FlowFigures) -> Proposal:
-    return Proposal(
-        kind=ProposalKind.CHANGE,
+def _changed(node: str, flow: Flow, new: int, why: str, figures: FlowStatistics) -> TuningProposal:
+    return TuningProposal(
+        kind=TuningProposalKind.CHANGE,
         node=node,
         flow=flow.name,
         key="priority",

@@ -30,7 +30,7 @@ def round_up_value(value: float) -> float:
     return next(step for step in steps if step >= value)
 
 
-def told(duration: int) -> str:
+def short_duration(duration: int) -> str:
     """Return a duration in few digits."""
     if duration >= _LONG:
         return f"{duration / SECOND:.0f} s"
@@ -39,11 +39,11 @@ def told(duration: int) -> str:
     return f"{duration / SECOND:.3g} s"
 
 
-def number(count: int, noun: str) -> str:
+def count_text(count: int, unit: str) -> str:
     """Return `1 gap`, `12 408 gaps`."""
-    return f"{count:,} {noun}{'' if count == 1 else 's'}".replace(",", " ")
+    return f"{count:,} {unit}{'' if count == 1 else 's'}".replace(",", " ")
 
 
-def written(duration: int | None) -> str:
+def plan_duration(duration: int | None) -> str:
     """Return a duration as the plan has it; nothing for one that is not there."""
     return "" if duration is None else write_duration(duration)

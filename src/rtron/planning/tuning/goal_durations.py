@@ -3,82 +3,93 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from rtron.planning.tuning.duration_fit import GOALS, WAITS, measures, settle
-from rtron.planning.tuning.formatting import number, written
-from rtron.planning.tuning.run_statistics import Note, Place, of_flow
+from rtron.planning.tuning.duration_fit import (
+    GOAL_BOUNDS,
+    WAIT_BOUNDS,
+    describe_durations,
+    fit_duration,
+)
+from rtron.planning.tuning.formatting import count_text, plan_duration
+from rtron.planning.tuning.run_statistics import AddProposal, PlanKey, flow_statistics
 from rtron.vocabulary import (
     GRCN,
     Decision,
-    DurationFigures,
+    DurationStatistics,
     Flow,
-    FlowFigures,
+    FlowStatistics,
     PolicyName,
-    Proposal,
-    ProposalKind,
-    StreamFigures,
     StreamKind,
-    action_of,
+    StreamStatistics,
+    TuningProposal,
+    TuningProposalKind,
+    action_name,
 )
 
-QUEUES = (PolicyName.FIFO_QUEUE, PolicyName.PRIORITY_QUEUE)
+QUEUE_POLICIES = (PolicyName.FIFO_QUEUE, PolicyName.PRIORITY_QUEUE)
 
 
-def with_durations(grcn: GRCN, stream: StreamFigures, note: Note) -> GRCN:
+def tune_goal_durations(grcn: GRCN, stream: StreamStatistics, note: AddProposal) -> GRCN:
     """Return a GRCN whose goals may take as long as they do."""
-    if grcn.policy not in QUEUES or grcn.kind is StreamKind.COMMAND:
+    if grcn.policy not in QUEUE_POLICIES or grcn.kind is StreamKind.COMMAND:
         return grcn
-    heard = [each for flow in grcn.flows if (each := of_flow(stream, flow)).messages]
-    if heard and not any(each.takes.count for each in heard):
-        note(_unseen(grcn, sum(each.messages for each in heard)))
+    active = [each for flow in grcn.flows if (each := flow_statistics(stream, flow)).messages]
+    if active and not any(each.takes.count for each in active):
+        note(_no_end_proposal(grcn, sum(each.messages for each in active)))
         return grcn
-    undone = _undone(heard)
-    flows = (_with_timeout(grcn.id, f, of_flow(stream, f), undone, note) for f in grcn.flows)
-    return _with_hold(replace(grcn, flows=tuple(flows)), heard, note)
+    unfinished = _unfinished_text(active)
+    flows = (
+        _with_timeout(grcn.id, f, flow_statistics(stream, f), unfinished, note) for f in grcn.flows
+    )
+    return _with_hold(replace(grcn, flows=tuple(flows)), active, note)
 
 
-def with_age(grcn: GRCN, stream: StreamFigures, note: Note) -> GRCN:
+def tune_max_age(grcn: GRCN, stream: StreamStatistics, note: AddProposal) -> GRCN:
     """Return a GRCN in which nothing waits for much longer than it had to.
 
     Only where none of its durations has become another: they decide how long others wait. What is
     dropped for its age was stale, so `max_age` is never made longer.
     """
-    if grcn.policy not in QUEUES:
+    if grcn.policy not in QUEUE_POLICIES:
         return grcn
-    figures = [of_flow(stream, flow) for flow in grcn.flows]
+    figures = [flow_statistics(stream, flow) for flow in grcn.flows]
     waits = _merged([each.waits for each in figures])
-    found = settle(grcn.max_age, [waits], WAITS, objection=_expired(grcn, figures))
-    if not waits.count or found.after > grcn.max_age:
+    fit = fit_duration(
+        grcn.max_age, [waits], WAIT_BOUNDS, objection=_unreleased_text(grcn, figures)
+    )
+    if not waits.count or fit.after > grcn.max_age:
         return grcn
-    place = Place(node=grcn.id, key="max_age")
-    note(place.settled(grcn.max_age, found, measures(waits, "wait"), waits.count))
-    return replace(grcn, max_age=found.after)
+    plan_key = PlanKey(node=grcn.id, key="max_age")
+    note(plan_key.proposal(grcn.max_age, fit, describe_durations(waits, "wait"), waits.count))
+    return replace(grcn, max_age=fit.after)
 
 
-def _with_timeout(node: str, flow: Flow, figures: FlowFigures, undone: str, note: Note) -> Flow:
+def _with_timeout(
+    node: str, flow: Flow, figures: FlowStatistics, objection: str, note: AddProposal
+) -> Flow:
     if flow.timeout is None or not figures.messages:
         return flow
-    found = settle(flow.timeout, [figures.takes], GOALS, objection=undone)
-    place = Place(node=node, flow=flow.name, key="timeout")
-    told = measures(figures.takes, "goal")
-    note(place.settled(flow.timeout, found, told, figures.takes.count))
-    return replace(flow, timeout=found.after)
+    fit = fit_duration(flow.timeout, [figures.takes], GOAL_BOUNDS, objection=objection)
+    plan_key = PlanKey(node=node, flow=flow.name, key="timeout")
+    measured = describe_durations(figures.takes, "goal")
+    note(plan_key.proposal(flow.timeout, fit, measured, figures.takes.count))
+    return replace(flow, timeout=fit.after)
 
 
-def _with_hold(grcn: GRCN, heard: Sequence[FlowFigures], note: Note) -> GRCN:
-    if not heard:
+def _with_hold(grcn: GRCN, active: Sequence[FlowStatistics], note: AddProposal) -> GRCN:
+    if not active:
         return grcn
-    takes = _merged([each.takes for each in heard])
-    rare = [each.flow for each in heard if each.takes.count < GOALS.enough]
-    objection = f"too little is known of {', '.join(rare)}" if rare else _undone(heard)
-    found = settle(grcn.max_hold, [takes], GOALS, objection=objection)
-    place = Place(node=grcn.id, key="max_hold")
-    note(place.settled(grcn.max_hold, found, measures(takes, "goal"), takes.count))
-    return replace(grcn, max_hold=found.after)
+    takes = _merged([each.takes for each in active])
+    rare = [each.flow for each in active if each.takes.count < GOAL_BOUNDS.enough_samples]
+    objection = f"too little is known of {', '.join(rare)}" if rare else _unfinished_text(active)
+    fit = fit_duration(grcn.max_hold, [takes], GOAL_BOUNDS, objection=objection)
+    plan_key = PlanKey(node=grcn.id, key="max_hold")
+    note(plan_key.proposal(grcn.max_hold, fit, describe_durations(takes, "goal"), takes.count))
+    return replace(grcn, max_hold=fit.after)
 
 
-def _merged(all_of: Sequence[DurationFigures]) -> DurationFigures:
+def _merged(all_of: Sequence[DurationStatistics]) -> DurationStatistics:
     """Return figures that none of these exceeds: the counts together, the largest quantiles."""
-    return DurationFigures(
+    return DurationStatistics(
         count=sum(each.count for each in all_of),
         p50=max((each.p50 for each in all_of), default=0),
         p99=max((each.p99 for each in all_of), default=0),
@@ -87,12 +98,12 @@ def _merged(all_of: Sequence[DurationFigures]) -> DurationFigures:
     )
 
 
-def _undone(figures: Sequence[FlowFigures]) -> str:
-    undone = sum(each.undone for each in figures)
-    return f"nothing told the end of {number(undone, 'goal')}" if undone else ""
+def _unfinished_text(figures: Sequence[FlowStatistics]) -> str:
+    unfinished = sum(each.undone for each in figures)
+    return f"nothing told the end of {count_text(unfinished, 'goal')}" if unfinished else ""
 
 
-def _expired(grcn: GRCN, figures: Sequence[FlowFigures]) -> str:
+def _unreleased_text(grcn: GRCN, figures: Sequence[FlowStatistics]) -> str:
     """Return whether goals waited that never went; of commands a newer one takes the place."""
     held = sum(
         each.count for one in figures for each in one.refusals if each.decision is Decision.HOLD
@@ -100,20 +111,20 @@ def _expired(grcn: GRCN, figures: Sequence[FlowFigures]) -> str:
     went = sum(each.waits.count for each in figures)
     if grcn.kind is StreamKind.COMMAND or held <= went:
         return ""
-    return f"{number(held - went, 'message')} waited and never went"
+    return f"{count_text(held - went, 'message')} waited and never went"
 
 
-def _unseen(grcn: GRCN, goals: int) -> Proposal:
-    told = f"nothing told the end of {number(goals, 'goal')}"
+def _no_end_proposal(grcn: GRCN, goals: int) -> TuningProposal:
+    observation = f"nothing told the end of {count_text(goals, 'goal')}"
     how = "`done` is wrong" if grcn.done else "`done` names no topic that tells it"
-    if action_of(grcn.topic, grcn.type):
+    if action_name(grcn.topic, grcn.type):
         how = "its server gave no result"
-    return Proposal(
-        kind=ProposalKind.LOOK,
+    return TuningProposal(
+        kind=TuningProposalKind.LOOK,
         node=grcn.id,
         key="done",
         before=grcn.done or "",
         after=grcn.done or "",
-        why=f"{told}: {how}; `max_hold` is {written(grcn.max_hold)}",
+        why=f"{observation}: {how}; `max_hold` is {plan_duration(grcn.max_hold)}",
         samples=goals,
     )

@@ -2,23 +2,31 @@
 
 from collections.abc import Iterator, Sequence
 
-from rtron.planning.tuning.formatting import number
-from rtron.planning.tuning.run_statistics import of_flow
-from rtron.vocabulary import UNAPPROVED, Flow, Proposal, ProposalKind, StreamFigures
+from rtron.planning.tuning.formatting import count_text
+from rtron.planning.tuning.run_statistics import flow_statistics
+from rtron.vocabulary import UNAPPROVED, Flow, StreamStatistics, TuningProposal, TuningProposalKind
 
 
-def remarks(node: str, flows: Sequence[Flow], stream: StreamFigures) -> Iterator[Proposal]:
+def observations(
+    node: str, flows: Sequence[Flow], stream: StreamStatistics
+) -> Iterator[TuningProposal]:
     """Yield what there is to look at on one topic."""
     for flow in flows:
-        if not of_flow(stream, flow).messages:
+        if not flow_statistics(stream, flow).messages:
             why = f"{flow.publisher} never spoke: nothing can be said about it"
-            yield _look(node, "publisher", why, 0, flow.name)
+            yield _look_proposal(node, "publisher", why, 0, flow.name)
     for name in stream.strangers:
         why = f"{name} is not in the plan and published here: give it a flow, or leave it blocked"
-        said = sum(each.messages for each in stream.flows if each.flow == UNAPPROVED)
-        told = f" ({number(said, 'message')} of strangers in all)" if said else ""
-        yield _look(node, "flows", why + told, said)
+        message_count = sum(each.messages for each in stream.flows if each.flow == UNAPPROVED)
+        total = (
+            f" ({count_text(message_count, 'message')} of strangers in all)"
+            if message_count
+            else ""
+        )
+        yield _look_proposal(node, "flows", why + total, message_count)
 
 
-def _look(node: str, key: str, why: str, samples: int, flow: str = "") -> Proposal:
-    return Proposal(kind=ProposalKind.LOOK, node=node, flow=flow, key=key, why=why, samples=samples)
+def _look_proposal(node: str, key: str, why: str, samples: int, flow: str = "") -> TuningProposal:
+    return TuningProposal(
+        kind=TuningProposalKind.LOOK, node=node, flow=flow, key=key, why=why, samples=samples
+    )

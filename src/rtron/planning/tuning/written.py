@@ -5,19 +5,19 @@ from collections.abc import Iterator, Sequence
 from textwrap import wrap
 
 from rtron.planning.plan_file.writer import write_plan
-from rtron.vocabulary import Plan, Proposal, ProposalKind
+from rtron.vocabulary import Plan, TuningProposal, TuningProposalKind
 
 _WIDTH = 98
 _ID = re.compile(r"( *)(?:- )?id: \"?(\w+)\"?")
 
 
-def tuned_yaml(plan: Plan, proposals: Sequence[Proposal]) -> str:
+def tuned_yaml(plan: Plan, proposals: Sequence[TuningProposal]) -> str:
     """Return the YAML of a plan; above a coordination node stands what a run has changed in it."""
-    changed = [each for each in proposals if each.kind is ProposalKind.CHANGE]
+    changed = [each for each in proposals if each.kind is TuningProposalKind.CHANGE]
     return "\n".join(_lines(write_plan(plan).split("\n"), changed))
 
 
-def _lines(plan: Sequence[str], changed: Sequence[Proposal]) -> Iterator[str]:
+def _lines(plan: Sequence[str], changed: Sequence[TuningProposal]) -> Iterator[str]:
     for line in plan:
         named = _ID.fullmatch(line)
         for each in changed if named else ():
@@ -26,9 +26,9 @@ def _lines(plan: Sequence[str], changed: Sequence[Proposal]) -> Iterator[str]:
         yield line
 
 
-def _comment(proposal: Proposal, indent: str) -> Iterator[str]:
+def _comment(proposal: TuningProposal, indent: str) -> Iterator[str]:
     where = " ".join(filter(None, (proposal.flow, proposal.key)))
-    told = f"{where}: {proposal.before} -> {proposal.after} ({proposal.why})"
-    words = "".join(each if each.isprintable() else "?" for each in told)
+    text = f"{where}: {proposal.before} -> {proposal.after} ({proposal.why})"
+    printable = "".join(each if each.isprintable() else "?" for each in text)
     start = f"{indent}# "
-    yield from wrap(words, _WIDTH, initial_indent=start, subsequent_indent=f"{start}  ")
+    yield from wrap(printable, _WIDTH, initial_indent=start, subsequent_indent=f"{start}  ")

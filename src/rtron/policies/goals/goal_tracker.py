@@ -6,45 +6,45 @@
 from collections.abc import Iterable
 
 
-class Following:
+class GoalTracker:
     """Knows the goal that followed what was said last; sans-I/O."""
 
     def __init__(self) -> None:
-        self._expecting = False
-        self._seen: frozenset[bytes] = frozenset()
+        self._is_expecting = False
+        self._known_goals: frozenset[bytes] = frozenset()
         self.flow = ""
         self.goal: bytes | None = None
 
-    def said(self, flow: str) -> None:
+    def expect_goal(self, flow: str) -> None:
         """Expect a goal: something of `flow` went out."""
-        self._expecting, self.flow, self.goal = True, flow, None
+        self._is_expecting, self.flow, self.goal = True, flow, None
 
     @property
-    def expecting(self) -> bool:
+    def is_expecting(self) -> bool:
         """Whether the goal has not appeared yet."""
-        return self._expecting
+        return self._is_expecting
 
-    def give_up(self) -> None:
+    def stop_expecting(self) -> None:
         """Expect no goal any more: what was said has become none."""
-        self._expecting = False
+        self._is_expecting = False
 
-    def sees(self, ids: Iterable[bytes]) -> None:
+    def update_goals(self, ids: Iterable[bytes]) -> None:
         """Take the goals that there are; one that was not there before may be the expected one."""
-        seen = frozenset(ids)
-        new = sorted(seen - self._seen)
-        self._seen = seen
+        known = frozenset(ids)
+        new = sorted(known - self._known_goals)
+        self._known_goals = known
         if new:
-            self.appears(new[-1])
+            self.add_goal(new[-1])
 
-    def appears(self, id: bytes) -> None:
+    def add_goal(self, id: bytes) -> None:
         """Take a goal that is new."""
-        if self._expecting:
-            self._expecting, self.goal = False, id
+        if self._is_expecting:
+            self._is_expecting, self.goal = False, id
 
-    def over(self, id: bytes) -> bool:
+    def finish_goal(self, id: bytes) -> bool:
         """Tell whether the goal that is over is what was said last; it may not have been seen."""
-        if id not in self._seen:
-            self.appears(id)
+        if id not in self._known_goals:
+            self.add_goal(id)
         ended = id == self.goal
         self.goal = None if ended else self.goal
         return ended

@@ -14,24 +14,24 @@ from typing import Any, Generic, TypeVar
 
 from rtron.vocabulary import SECOND
 
-MOST_GOALS = 1024
+MAX_GOALS = 1024
 """The most goals of clients that may not be over; the guard refuses more."""
-MOST_FOREIGN = 64
+MAX_UNOWNED_GOALS = 64
 """The most goals without a client that are known."""
-LONGEST_ID = 1024
-REMEMBERED = 4096
-AGAIN_AFTER = 5 * SECOND
+MAX_ID_LENGTH = 1024
+MAX_FINISHED_GOALS = 4096
+ID_REUSE_DELAY = 5 * SECOND
 """A client may use an id again so long after its goal was over, as with actionlib's own server."""
-_MOST_EARLY = 64
-_MOST_CLIENTS = 256
-_MOST_KEPT = 256
-_MOST_KEPT_BYTES = 1 << 16
+_MAX_EARLY_CANCELS = 64
+_MAX_CANCEL_STAMPS = 256
+_MAX_SNAPSHOT_ENTRIES = 256
+_MAX_SNAPSHOT_BYTES = 1 << 16
 
 K = TypeVar("K")
 V = TypeVar("V")
 
 
-class Where(Enum):
+class GoalStage(Enum):
     """Where a goal is."""
 
     WAITING = "with the guard"
@@ -42,8 +42,8 @@ class Where(Enum):
 class Goal:
     """A goal, whose it is, and since when it is where it is (ns).
 
-    `status` is what the server last said of it (actionlib_msgs/GoalStatus), and `seen` when.
-    `stopped` says why it was cancelled by the guard. A goal of the server's own, or one that was
+    `status` is what the server last said of it (actionlib_msgs/GoalStatus), and `last_seen` when.
+    `cancel_reason` says why it was cancelled by the guard. A goal of the server's own, or one that was
     there before us, has no client.
     """
 
@@ -52,25 +52,25 @@ class Goal:
     flow: str
     client: str
     message: bytes = b""
-    where: Where = Where.WAITING
-    seen: int = 0
+    stage: GoalStage = GoalStage.WAITING
+    last_seen: int = 0
     status: int = 0
-    stopped: str = ""
+    cancel_reason: str = ""
 
 
 @dataclass(frozen=True, slots=True)
-class _Over:
+class _FinishedGoal:
     """A goal that is over: whose it was and until when its id may not be used again (ns)."""
 
     client: str
-    until: int
+    reusable_at: int
 
 
-class _Newest(Generic[K, V]):
+class _NewestEntries(Generic[K, V]):
     """The entries that were set last, `most` of them."""
 
-    def __init__(self, most: int) -> None:
-        self._most = most
+    def __init__(self, size: int) -> None:
+        self._size = size
         self._entries: OrderedDict[K, V] = OrderedDict()
 
     def __contains__(self, key: K) -> bool:
@@ -79,7 +79,7 @@ class _Newest(Generic[K, V]):
     def set(self, key: K, value: V) -> None:
         self._entries.pop(key, None)
         self._entries[key] = value
-        if len(self._entries) > self._most:
+        if len(self._entries) > self._size:
             self._entries.popitem(last=False)
 
     def get(self, key: K) -> V | None:
@@ -88,20 +88,22 @@ class _Newest(Generic[K, V]):
     def pop(self, key: K) -> V | None:
         return self._entries.pop(key, None)
 
-    def last(self, most: int) -> list[tuple[K, V]]:
-        return list(self._entries.items())[-most:]
+    def last(self, count: int) -> list[tuple[K, V]]:
+        return list(self._entries.items())[-count:]
 
 
-class Goals:
+class GoalRegistry:
     """Who owns which goal of an action."""
 
     def __init__(self) -> None:
         self._goals: OrderedDict[bytes, Goal] = OrderedDict()
         self._waiting: Counter[str] = Counter()
-        self.newest = 0
-        self._over: _Newest[str, _Over] = _Newest(REMEMBERED)
-        self._early: _Newest[tuple[str, bytes], int] = _Newest(_MOST_EARLY)
-        self._until: _Newest[str, int] = _Newest(_MOST_CLIENTS)
+        self.newest_stamp = 0
+        self._finished: _NewestEntries[str, _FinishedGoal] = _NewestEntries(MAX_FINISHED_GOALS)
+        self._early_cancels: _NewestEntries[tuple[str, bytes], int] = _NewestEntries(
+            _MAX_EARLY_CANCELS
+        )
+        self._cancelled_until: _NewestEntries[str, int] = _NewestEntries(_MAX_CANCEL_STAMPS)
 
     def __iter__(self) -> Iterator[Goal]:
         return iter(tuple(self._goals.values()))
@@ -113,107 +115,113 @@ class Goals:
         """Return the goal that is called so and is not over."""
         return self._goals.get(id)
 
-    def why_not(self, id: bytes, client: str, now: int) -> str:
+    def rejection_reason(self, id: bytes, client: str, now: int) -> str:
         """Return why a goal of `client` may not be called `id`, or nothing."""
-        if len(id) > LONGEST_ID:
-            return f"a goal id of {len(id)} bytes, the most is {LONGEST_ID}"
+        if len(id) > MAX_ID_LENGTH:
+            return f"a goal id of {len(id)} bytes, the most is {MAX_ID_LENGTH}"
         if id in self._goals:
             return "another goal has this id"
-        if len(client) > LONGEST_ID:
+        if len(client) > MAX_ID_LENGTH:
             return f"a client's name of {len(client)} letters"
-        over = self._over.get(_digest(id))
-        if over and (over.client != client or now < over.until):
+        finished = self._finished.get(_digest(id))
+        if finished and (finished.client != client or now < finished.reusable_at):
             return "a goal that is over had this id"
-        foreign = 0 if client else sum(not goal.client for goal in self)
-        return f"{MOST_FOREIGN} goals have no client" if foreign >= MOST_FOREIGN else ""
+        unowned = 0 if client else sum(not goal.client for goal in self)
+        return f"{MAX_UNOWNED_GOALS} goals have no client" if unowned >= MAX_UNOWNED_GOALS else ""
 
     def add(self, goal: Goal) -> None:
-        """Take a goal, of which `why_not` said nothing."""
+        """Take a goal, of which `rejection_reason` said nothing."""
         self._goals[goal.id] = goal
-        self._waiting[goal.flow] += goal.where is Where.WAITING
+        self._waiting[goal.flow] += goal.stage is GoalStage.WAITING
 
-    def waiting(self, flow: str) -> int:
+    def waiting_count(self, flow: str) -> int:
         """Return how many goals of a flow wait."""
         return self._waiting[flow]
 
-    def send(self, goal: Goal, now: int) -> None:
+    def mark_sent(self, goal: Goal, now: int) -> None:
         """Know that a goal is with the server."""
-        self._waiting[goal.flow] -= goal.where is Where.WAITING
-        goal.where, goal.seen = Where.SENT, now
+        self._waiting[goal.flow] -= goal.stage is GoalStage.WAITING
+        goal.stage, goal.last_seen = GoalStage.SENT, now
 
-    def end(self, goal: Goal, now: int) -> None:
+    def finish(self, goal: Goal, now: int) -> None:
         """Forget a goal that is over, but for its id."""
         if self._goals.pop(goal.id, None):
-            self._waiting[goal.flow] -= goal.where is Where.WAITING
-            self.remember(goal.id, goal.client, now)
+            self._waiting[goal.flow] -= goal.stage is GoalStage.WAITING
+            self.remember_finished(goal.id, goal.client, now)
 
-    def remember(self, id: bytes, client: str, now: int) -> None:
+    def remember_finished(self, id: bytes, client: str, now: int) -> None:
         """Know that a goal is over."""
-        self._over.set(_digest(id), _Over(client, now + AGAIN_AFTER))
+        self._finished.set(_digest(id), _FinishedGoal(client, now + ID_REUSE_DELAY))
 
-    def is_over(self, id: bytes) -> bool:
+    def is_finished(self, id: bytes) -> bool:
         """Tell whether a goal is known to be over."""
-        return _digest(id) in self._over
+        return _digest(id) in self._finished
 
-    def cancelled(self, client: str, id: bytes, stamp: int, now: int) -> list[Goal]:
+    def cancel_targets(self, client: str, id: bytes, stamp: int, now: int) -> list[Goal]:
         """Return the goals that a cancel of `client` means, all of them its own.
 
         As in actionlib: an id, or with a stamp all goals up to then, or with neither all goals.
-        What is meant and has not come yet is noted; see `came_cancelled`.
+        What is meant and has not come yet is noted; see `was_cancelled_early`.
         """
         if stamp:
-            self._until.set(client, max(stamp, self._until.get(client) or 0))
+            self._cancelled_until.set(client, max(stamp, self._cancelled_until.get(client) or 0))
         if id and id not in self._goals:
-            self._early.set((client, id), now)
+            self._early_cancels.set((client, id), now)
         everything = not id and not stamp
-        own = (goal for goal in self if goal.client == client)
-        return [g for g in own if everything or g.id == id or (stamp and 0 < g.stamp <= stamp)]
+        client_goals = (goal for goal in self if goal.client == client)
+        return [
+            g for g in client_goals if everything or g.id == id or (stamp and 0 < g.stamp <= stamp)
+        ]
 
-    def came_cancelled(self, goal: Goal, now: int) -> bool:
+    def was_cancelled_early(self, goal: Goal, now: int) -> bool:
         """Tell whether a goal that comes now was cancelled before it came."""
-        noted = self._early.pop((goal.client, goal.id))
-        meant = noted is not None and now - noted < AGAIN_AFTER
-        return meant or 0 < goal.stamp <= (self._until.get(goal.client) or 0)
+        noted = self._early_cancels.pop((goal.client, goal.id))
+        by_id = noted is not None and now - noted < ID_REUSE_DELAY
+        return by_id or 0 < goal.stamp <= (self._cancelled_until.get(goal.client) or 0)
 
-    def in_order(self, stamp: int) -> int:
+    def monotonic_stamp(self, stamp: int) -> int:
         """Return the stamp that a goal of `stamp` goes with: none is older than the one before.
 
         SimpleActionServers refuse a goal that is older than their last.
         """
-        self.newest = max(self.newest, stamp)
-        return self.newest
+        self.newest_stamp = max(self.newest_stamp, stamp)
+        return self.newest_stamp
 
-    def kept(self) -> Mapping[str, Any]:
+    def snapshot(self) -> Mapping[str, Any]:
         """Return what a successor of this guard must know, as JSON of at most 128 KiB."""
         goals = (
-            [g.id.hex(), g.stamp, g.flow, g.client, g.where is Where.SENT] for g in self._fair()
+            [g.id.hex(), g.stamp, g.flow, g.client, g.stage is GoalStage.SENT]
+            for g in self._round_robin()
         )
-        over = ([digest, o.client] for digest, o in reversed(self._over.last(_MOST_KEPT)))
+        finished = (
+            [digest, entry.client]
+            for digest, entry in reversed(self._finished.last(_MAX_SNAPSHOT_ENTRIES))
+        )
         return {
-            "goals": _within(_MOST_KEPT_BYTES, goals),
-            "over": _within(_MOST_KEPT_BYTES, over)[::-1],
-            "newest": self.newest,
+            "goals": _fit_into_bytes(_MAX_SNAPSHOT_BYTES, goals),
+            "over": _fit_into_bytes(_MAX_SNAPSHOT_BYTES, finished)[::-1],
+            "newest": self.newest_stamp,
         }
 
-    def restore(self, kept: Mapping[str, Any], now: int) -> None:
+    def restore(self, snapshot: Mapping[str, Any], now: int) -> None:
         """Take over from a guard that has ended."""
-        self.newest = kept["newest"]
-        for digest, client in kept["over"]:
-            self._over.set(digest, _Over(client, now + AGAIN_AFTER))
-        for id, stamp, flow, client, sent in kept["goals"]:
-            where = Where.SENT if sent else Where.WAITING
-            self.add(Goal(bytes.fromhex(id), stamp, flow, client, where=where, seen=now))
+        self.newest_stamp = snapshot["newest"]
+        for digest, client in snapshot["over"]:
+            self._finished.set(digest, _FinishedGoal(client, now + ID_REUSE_DELAY))
+        for id, stamp, flow, client, sent in snapshot["goals"]:
+            stage = GoalStage.SENT if sent else GoalStage.WAITING
+            self.add(Goal(bytes.fromhex(id), stamp, flow, client, stage=stage, last_seen=now))
 
-    def _fair(self) -> Iterator[Goal]:
+    def _round_robin(self) -> Iterator[Goal]:
         """Yield a goal of each client, then another of each, and so on; first those at the server.
 
         A client with many goals must not keep those of others from being known.
         """
-        turns: Counter[tuple[str, Where]] = Counter()
+        turns: Counter[tuple[str, GoalStage]] = Counter()
         ranked = []
         for goal in self:
-            turns[goal.client, goal.where] += 1
-            ranked.append((turns[goal.client, goal.where], goal.where is Where.WAITING, goal))
+            turns[goal.client, goal.stage] += 1
+            ranked.append((turns[goal.client, goal.stage], goal.stage is GoalStage.WAITING, goal))
         yield from (goal for _, _, goal in sorted(ranked, key=lambda each: each[:2]))
 
 
@@ -221,12 +229,12 @@ def _digest(id: bytes) -> str:
     return blake2b(id, digest_size=16).hexdigest()
 
 
-def _within(most: int, rows: Iterable[list[Any]]) -> list[list[Any]]:
-    """Return the first rows, as many as fit into `most` bytes of JSON."""
-    found = []
+def _fit_into_bytes(size: int, rows: Iterable[list[Any]]) -> list[list[Any]]:
+    """Return the first rows, as many as fit into `size` bytes of JSON."""
+    fitting = []
     for row in rows:
-        most -= sum(8 + 6 * len(each) if isinstance(each, str) else 24 for each in row)
-        if most < 0:
+        size -= sum(8 + 6 * len(each) if isinstance(each, str) else 24 for each in row)
+        if size < 0:
             break
-        found.append(row)
-    return found
+        fitting.append(row)
+    return fitting

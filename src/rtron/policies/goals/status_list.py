@@ -3,66 +3,68 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from rtron.policies.goals.registry import Goal, Goals, Where
-from rtron.vocabulary import SECOND, SERVER
+from rtron.policies.goals.registry import Goal, GoalRegistry, GoalStage
+from rtron.vocabulary import SECOND, SERVER_FLOW
 
-LOST_AFTER = 2 * SECOND
+LOST_TIMEOUT = 2 * SECOND
 """A goal that the server has not listed for so long is not with it any more."""
-TERMINAL = frozenset({2, 3, 4, 5, 8, 9})
+TERMINAL_STATUSES = frozenset({2, 3, 4, 5, 8, 9})
 """The states of a goal that is over (actionlib_msgs/GoalStatus)."""
 
 
 @dataclass(slots=True)
-class News:
+class GoalChanges:
     """What has changed: goals that were not known, and that are over, and that should not be."""
 
-    found: list[Goal] = field(default_factory=list)
-    over: list[Goal] = field(default_factory=list)
-    astray: list[bytes] = field(default_factory=list)
+    discovered: list[Goal] = field(default_factory=list)
+    finished: list[Goal] = field(default_factory=list)
+    resurrected: list[bytes] = field(default_factory=list)
 
 
-def compare(goals: Goals, listed: Mapping[bytes, int], now: int) -> News:
+def compare_status_list(
+    goals: GoalRegistry, statuses: Mapping[bytes, int], now: int
+) -> GoalChanges:
     """Take the state of each goal as the server lists it.
 
     Goals that did not come through here are found; those that were answered because the server
     seemed to be gone, and now go on, are astray.
     """
-    news = News()
-    for id, status in listed.items():
-        if status not in TERMINAL and goals.find(id) is None:
-            _unknown(goals, id, now, news)
+    changes = GoalChanges()
+    for id, status in statuses.items():
+        if status not in TERMINAL_STATUSES and goals.find(id) is None:
+            _handle_unknown(goals, id, now, changes)
     for goal in goals:
-        if goal.id in listed:
-            _known(goal, listed[goal.id], now, news)
-    return news
+        if goal.id in statuses:
+            _handle_known(goal, statuses[goal.id], now, changes)
+    return changes
 
 
-def find(goals: Goals, id: bytes, now: int, stamp: int = 0) -> Goal:
+def add_discovered_goal(goals: GoalRegistry, id: bytes, now: int, stamp: int = 0) -> Goal:
     """Know of a goal that the server has without having got it here."""
-    goal = Goal(id, stamp, SERVER, "", where=Where.SENT, seen=now)
+    goal = Goal(id, stamp, SERVER_FLOW, "", stage=GoalStage.SENT, last_seen=now)
     goals.add(goal)
     return goal
 
 
-def lost(goals: Goals, told: int) -> list[Goal]:
-    """Return the goals that the server had not listed for long at `told` (ns).
+def lost_goals(goals: GoalRegistry, reported_at: int) -> list[Goal]:
+    """Return the goals that the server had not listed for long at `reported_at` (ns).
 
     Also those that it lists as over, and whose result does not come.
     """
-    sent = (goal for goal in goals if goal.where is Where.SENT)
-    return [goal for goal in sent if told - goal.seen >= LOST_AFTER]
+    sent = (goal for goal in goals if goal.stage is GoalStage.SENT)
+    return [goal for goal in sent if reported_at - goal.last_seen >= LOST_TIMEOUT]
 
 
-def _unknown(goals: Goals, id: bytes, now: int, news: News) -> None:
-    if goals.is_over(id):
-        news.astray.append(id)
-    elif not goals.why_not(id, "", now):
-        news.found.append(find(goals, id, now))
+def _handle_unknown(goals: GoalRegistry, id: bytes, now: int, changes: GoalChanges) -> None:
+    if goals.is_finished(id):
+        changes.resurrected.append(id)
+    elif not goals.rejection_reason(id, "", now):
+        changes.discovered.append(add_discovered_goal(goals, id, now))
 
 
-def _known(goal: Goal, status: int, now: int, news: News) -> None:
-    if goal.status not in TERMINAL:
-        goal.seen = now
+def _handle_known(goal: Goal, status: int, now: int, changes: GoalChanges) -> None:
+    if goal.status not in TERMINAL_STATUSES:
+        goal.last_seen = now
     goal.status = status
-    if status in TERMINAL:
-        news.over.append(goal)
+    if status in TERMINAL_STATUSES:
+        changes.finished.append(goal)

@@ -20,7 +20,7 @@ _COUNTS: Mapping[WhenUnknown, Truth] = {
 }
 
 
-class Bit:
+class EventBit:
     """One eflow, what was heard of it and when; its newest message counts for `max_age`.
 
     Two publishers at once, where the plan names them by a pattern, may contradict each other: then
@@ -29,20 +29,20 @@ class Bit:
 
     def __init__(self, flow: EventFlow) -> None:
         self.flow = flow
-        self._links = 0
+        self._publishers = 0
         self._newest: int | None = None
         self._judged: Truth = None
         self._triggered: int | None = None
-        self._known: Truth = None
+        self._last_known: Truth = None
 
-    def found(self) -> None:
+    def add_publisher(self) -> None:
         """Note that the publisher is connected."""
-        self._links += 1
+        self._publishers += 1
 
-    def lost(self) -> None:
+    def remove_publisher(self) -> None:
         """Note that a connection to the publisher ended."""
-        self._links -= 1
-        if not self._links:
+        self._publishers -= 1
+        if not self._publishers:
             self._newest = None
 
     def observe(self, judged: Truth, now: int) -> None:
@@ -53,13 +53,13 @@ class Bit:
 
     def value(self, now: int) -> Truth:
         """Return the bit at `now`, with what the plan says that an unknown one counts as."""
-        found = self._read(now) if self._links <= 1 else self.flow.on_error
-        if isinstance(found, WhenUnknown):
-            return self._known if found is WhenUnknown.KEEP else _COUNTS[found]
-        self._known = found
-        return found
+        value = self._read(now) if self._publishers <= 1 else self.flow.on_error
+        if isinstance(value, WhenUnknown):
+            return self._last_known if value is WhenUnknown.KEEP else _COUNTS[value]
+        self._last_known = value
+        return value
 
-    def changes(self) -> int | None:
+    def next_change(self) -> int | None:
         """Return when the bit changes if nothing more is heard; None if it does not."""
         return None if self._newest is None else self._newest + self.flow.max_age
 
@@ -72,33 +72,33 @@ class Bit:
         return self._triggered is not None and now - self._triggered < duration
 
 
-class Presence(Bit):
+class PresenceBit(EventBit):
     """Triggered for a time after each event, as long as somebody is there to tell."""
 
     def __init__(self, flow: EventFlow, present: int) -> None:
         super().__init__(flow)
         self._present = present
 
-    def changes(self) -> int | None:
+    def next_change(self) -> int | None:
         """Return when the event counts as over."""
         return None if self._triggered is None else self._triggered + self._present
 
     def _read(self, now: int) -> bool | WhenUnknown:
-        if not self._links:
+        if not self._publishers:
             return self.flow.on_silence
         if self._newest is not None and self._judged is None:
             return self.flow.on_error
         return self._within(self._present, now)
 
 
-class Silence(Bit):
+class SilenceBit(EventBit):
     """Triggered by silence, also before the first message: a heartbeat that nobody hears."""
 
     def __init__(self, flow: EventFlow, silent: int) -> None:
         super().__init__(flow)
         self._silent = silent
 
-    def changes(self) -> int | None:
+    def next_change(self) -> int | None:
         """Return when the silence counts."""
         return None if self._triggered is None else self._triggered + self._silent
 
@@ -106,24 +106,24 @@ class Silence(Bit):
         return not self._within(self._silent, now)
 
 
-class Bits:
+class EventBits:
     """All eflows of an app."""
 
     def __init__(self, flows: Iterable[EventFlow] = ()) -> None:
-        self.named = {flow.name: _bit(flow) for flow in flows}
+        self.by_name = {flow.name: _bit(flow) for flow in flows}
 
-    def known(self, now: int) -> dict[str, bool]:
+    def known_values(self, now: int) -> dict[str, bool]:
         """Return the bits that are 1 or 0 at `now`."""
-        values = ((name, bit.value(now)) for name, bit in self.named.items())
+        values = ((name, bit.value(now)) for name, bit in self.by_name.items())
         return {name: value for name, value in values if value is not None}
 
     def deadline(self, now: int) -> int | None:
         """Return when a bit next changes if nothing more is heard."""
-        times = (bit.changes() for bit in self.named.values())
+        times = (bit.next_change() for bit in self.by_name.values())
         return min((time for time in times if time is not None and time > now), default=None)
 
 
-def _bit(flow: EventFlow) -> Bit:
+def _bit(flow: EventFlow) -> EventBit:
     if flow.silent is not None:
-        return Silence(flow, flow.silent)
-    return Bit(flow) if flow.present is None else Presence(flow, flow.present)
+        return SilenceBit(flow, flow.silent)
+    return EventBit(flow) if flow.present is None else PresenceBit(flow, flow.present)

@@ -62,16 +62,16 @@ hold
 street pass because its turn came after 15.00 s
 """
 
-from rtron.policies.queues.message_queue import TABLE, Queue
-from rtron.policies.queues.output_lease import SingleTurn
+from rtron.policies.queues.message_queue import TABLE, MessageQueue
+from rtron.policies.queues.output_lease import ExclusiveLease
 from rtron.vocabulary import PolicySettings, StreamKind
 
 __all__ = ["TABLE", "FIFOQueue"]
 
 
-class FIFOQueue(Queue):
+class FIFOQueue(MessageQueue):
     """One turn at a time, in order of arrival."""
 
     def __init__(self, settings: PolicySettings) -> None:
-        turn = SingleTurn(settings, renewable=settings.kind is StreamKind.COMMAND)
+        turn = ExclusiveLease(settings, renewable=settings.kind is StreamKind.COMMAND)
         super().__init__(settings, turn, rank=lambda _: 0)

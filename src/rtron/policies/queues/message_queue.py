@@ -12,22 +12,22 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from rtron.policies.policy import Release
-from rtron.policies.queues.held_messages import Held, Waiting
-from rtron.policies.queues.output_lease import Turn
-from rtron.policies.state_machine import Effect, Machine, Named, Table
-from rtron.policies.state_transfer import Carried, InTurn
-from rtron.policies.verdicts import Answers, Gate, has_output, seconds
+from rtron.policies.queues.held_messages import HeldMessage, HeldMessageQueue
+from rtron.policies.queues.output_lease import OutputLease
+from rtron.policies.state_machine import StateMachine, TableEnum, TransitionEffect, TransitionTable
+from rtron.policies.state_transfer import LeaseState, PolicyState
+from rtron.policies.verdicts import FlowFilter, VerdictCache, format_seconds, owns_output_reason
 from rtron.vocabulary import Decision, Flow, PolicySettings, StreamKind, Verdict
 
 
-class State(Named):
+class QueueState(TableEnum):
     """The states of a queue."""
 
     FREE = "nobody has the turn"
     TAKEN = "a flow has the turn"
 
 
-class Input(Named):
+class QueueInput(TableEnum):
     """What happens to a queue."""
 
     FIRST = "a message that nothing stands before"
@@ -39,209 +39,223 @@ class Input(Named):
     OCCUPIED = "an action is in progress that did not go through here"
 
 
-TABLE: Table[State, Input] = {
-    (State.FREE, Input.FIRST): (State.TAKEN, Effect.PASS),
-    (State.FREE, Input.BEHIND): (State.FREE, Effect.HOLD),
-    (State.FREE, Input.FULL): (State.FREE, Effect.DROP),
-    (State.FREE, Input.REFUSED): (State.FREE, Effect.DROP),
-    (State.FREE, Input.OVER): (State.FREE, Effect.NEVER),
-    (State.FREE, Input.TURN): (State.TAKEN, Effect.LET_GO),
-    (State.FREE, Input.OCCUPIED): (State.TAKEN, Effect.NOTHING),
-    (State.TAKEN, Input.FIRST): (State.TAKEN, Effect.PASS),
-    (State.TAKEN, Input.BEHIND): (State.TAKEN, Effect.HOLD),
-    (State.TAKEN, Input.FULL): (State.TAKEN, Effect.DROP),
-    (State.TAKEN, Input.REFUSED): (State.TAKEN, Effect.DROP),
-    (State.TAKEN, Input.OVER): (State.FREE, Effect.NOTHING),
-    (State.TAKEN, Input.TURN): (State.TAKEN, Effect.NEVER),
-    (State.TAKEN, Input.OCCUPIED): (State.TAKEN, Effect.NOTHING),
+TABLE: TransitionTable[QueueState, QueueInput] = {
+    (QueueState.FREE, QueueInput.FIRST): (QueueState.TAKEN, TransitionEffect.PASS),
+    (QueueState.FREE, QueueInput.BEHIND): (QueueState.FREE, TransitionEffect.HOLD),
+    (QueueState.FREE, QueueInput.FULL): (QueueState.FREE, TransitionEffect.DROP),
+    (QueueState.FREE, QueueInput.REFUSED): (QueueState.FREE, TransitionEffect.DROP),
+    (QueueState.FREE, QueueInput.OVER): (QueueState.FREE, TransitionEffect.NEVER),
+    (QueueState.FREE, QueueInput.TURN): (QueueState.TAKEN, TransitionEffect.RELEASE),
+    (QueueState.FREE, QueueInput.OCCUPIED): (QueueState.TAKEN, TransitionEffect.NOTHING),
+    (QueueState.TAKEN, QueueInput.FIRST): (QueueState.TAKEN, TransitionEffect.PASS),
+    (QueueState.TAKEN, QueueInput.BEHIND): (QueueState.TAKEN, TransitionEffect.HOLD),
+    (QueueState.TAKEN, QueueInput.FULL): (QueueState.TAKEN, TransitionEffect.DROP),
+    (QueueState.TAKEN, QueueInput.REFUSED): (QueueState.TAKEN, TransitionEffect.DROP),
+    (QueueState.TAKEN, QueueInput.OVER): (QueueState.FREE, TransitionEffect.NOTHING),
+    (QueueState.TAKEN, QueueInput.TURN): (QueueState.TAKEN, TransitionEffect.NEVER),
+    (QueueState.TAKEN, QueueInput.OCCUPIED): (QueueState.TAKEN, TransitionEffect.NOTHING),
 }
 
 
-class Queue:
-    """A policy that holds messages until `turn` lets them go, in the order of `rank`.
+class MessageQueue:
+    """A policy that holds messages until `lease` lets them go, in the order of `rank`.
 
     Of commands, each flow keeps only its freshest. At most `queue_size` messages wait, and as
     many more may be on their way out to the next tick.
     """
 
-    def __init__(self, settings: PolicySettings, turn: Turn, rank: Callable[[Flow], int]) -> None:
-        self._gate = Gate(settings)
-        self._pass = Answers(settings, Decision.PASS)
-        self._hold = Answers(settings, Decision.HOLD)
-        self._drop = Answers(settings, Decision.DROP)
-        self._commands = settings.kind is StreamKind.COMMAND
+    def __init__(
+        self, settings: PolicySettings, lease: OutputLease, rank: Callable[[Flow], int]
+    ) -> None:
+        self._filter = FlowFilter(settings)
+        self._pass = VerdictCache(settings, Decision.PASS)
+        self._hold = VerdictCache(settings, Decision.HOLD)
+        self._drop = VerdictCache(settings, Decision.DROP)
+        self._is_command = settings.kind is StreamKind.COMMAND
         self._max_age = settings.max_age
-        self._too_old = f"too old: it waited {seconds(settings.max_age)}"
+        self._too_old = f"too old: it waited {format_seconds(settings.max_age)}"
         self._queue_size = settings.queue_size
-        self._machine = Machine(TABLE, State.FREE)
-        self._turn = turn
-        self._waiting = Waiting(rank)
-        self._leaving: list[Release] = []
+        self._machine = StateMachine(TABLE, QueueState.FREE)
+        self._lease = lease
+        self._held = HeldMessageQueue(rank)
+        self._released: list[Release] = []
         self._now = 0
 
     def verdict(self, flow: str, message: object, now: int) -> Verdict:
         """Pass the message if nothing stands before it, otherwise hold it if there is room."""
-        known = self._gate.flows.get(flow)
-        if known is None:
-            self._machine.step(Input.REFUSED)
-            return self._gate.refusal(flow)
-        self._let_time_pass(now)
-        self._turn.hear(known, now)
-        first = self._waiting.first()
-        reason = self._turn.why_wait(known, first.flow if first else None)
-        effect = self._machine.step(self._room(known) if reason else Input.FIRST)
-        if effect is Effect.PASS:
-            return self._go(known, now)
-        if effect is Effect.HOLD:
-            self._keep(known, message, now)
-            return self._hold.give(flow, reason)
-        return self._drop.give(flow, f"the queue is full ({self._queue_size})")
+        approved = self._filter.flows.get(flow)
+        if approved is None:
+            self._machine.step(QueueInput.REFUSED)
+            return self._filter.refusal(flow)
+        self._advance(now)
+        self._lease.record_message(approved, now)
+        first = self._held.first()
+        reason = self._lease.wait_reason(approved, first.flow if first else None)
+        effect = self._machine.step(self._queue_input(approved) if reason else QueueInput.FIRST)
+        if effect is TransitionEffect.PASS:
+            return self._pass_message(approved, now)
+        if effect is TransitionEffect.HOLD:
+            self._hold_message(approved, message, now)
+            return self._hold.get(flow, reason)
+        return self._drop.get(flow, f"the queue is full ({self._queue_size})")
 
     def refusal(self, flow: str, now: int, message: object = None) -> Verdict | None:  # noqa: ARG002
         """Return the refusal of a flow that is blocked or unknown."""
-        return None if flow in self._gate.flows else self._gate.refusal(flow)
+        return None if flow in self._filter.flows else self._filter.refusal(flow)
 
     def observe_done(self, now: int) -> None:
         """End the turn: what the output was taken for is done."""
-        self._turn.end(now)
-        self._let_time_pass(now)
+        self._lease.release(now)
+        self._advance(now)
 
     def occupy(self, flow: str, now: int) -> None:
         """Give the turn to `flow`, whoever it is: nothing goes while its action is in progress."""
-        self._let_time_pass(now)
-        self._machine.step(Input.OCCUPIED)
-        self._turn.take(self._gate.flows.get(flow) or Flow(name=flow, publisher=flow), now)
+        self._advance(now)
+        self._machine.step(QueueInput.OCCUPIED)
+        self._lease.grant(self._filter.flows.get(flow) or Flow(name=flow, publisher=flow), now)
 
     def withdraw(self, message: object, why: str) -> None:
         """Give up a message that waits."""
-        held = self._waiting.find(message)
+        held = self._held.find(message)
         if held:
-            self._give_up(held, why)
+            self._drop_held(held, why)
 
     def tick(self, now: int) -> Sequence[Release]:
         """Let time pass, then let go whose turn it is; return everything that leaves."""
-        self._let_time_pass(now)
-        while held := self._due():
-            self._let_go(held, now)
-            self._let_time_pass(now)
-        return self._take_leaving()
+        self._advance(now)
+        while held := self._next_ready():
+            self._release_next(held, now)
+            self._advance(now)
+        return self._take_released()
 
     def close(self) -> Sequence[Release]:
         """Drop every message that still waits."""
-        while held := self._waiting.oldest():
-            self._give_up(held, "the queue was closed")
-        return self._take_leaving()
+        while held := self._held.oldest():
+            self._drop_held(held, "the queue was closed")
+        return self._take_released()
 
-    def carry(self, now: int) -> Carried:
+    def export_state(self, now: int) -> PolicyState:
         """Return who waits, whose turn it is, and who is fresh; `close` has what does not wait."""
-        self._let_time_pass(now)
-        held = self._waiting.all()
+        self._advance(now)
+        held = self._held.messages()
         for each in held:
-            self._waiting.remove(each)
-        spoke = dict(self._turn.spoke(now))
-        for each in held if self._commands else ():
-            spoke[each.flow.name] = max(each.arrived, spoke.get(each.flow.name, each.arrived))
-        return Carried(spoke=spoke, turns=True, turn=self._turn.in_turn(), held=held)
+            self._held.remove(each)
+        last_message_times = dict(self._lease.last_message_times(now))
+        for each in held if self._is_command else ():
+            last_message_times[each.flow.name] = max(
+                each.arrived_at, last_message_times.get(each.flow.name, each.arrived_at)
+            )
+        return PolicyState(
+            last_message_times=last_message_times,
+            has_lease=True,
+            lease=self._lease.state(),
+            held_messages=held,
+        )
 
-    def resume(self, carried: Carried, now: int) -> Sequence[Release]:
+    def restore_state(self, state: PolicyState, now: int) -> Sequence[Release]:
         """Hold what waited, in its order, and go on with the turn; refuse what is blocked here."""
-        flows = self._gate.flows
-        held = [each for each in carried.held if each.flow.name in flows]
-        refused = [each for each in carried.held if each.flow.name not in flows]
-        self._waiting.take_over(replace(each, flow=flows[each.flow.name]) for each in held)
-        spoke = {name: at for name, at in carried.spoke.items() if name in flows}
-        self._turn.resume(self._going_on(carried.turn), replace(carried, spoke=spoke))
-        if self._turn.owner:
-            self._machine.step(Input.OCCUPIED)
-        self._let_time_pass(now)
-        return self._gate.give_up(refused)
+        flows = self._filter.flows
+        held = [each for each in state.held_messages if each.flow.name in flows]
+        refused = [each for each in state.held_messages if each.flow.name not in flows]
+        self._held.load(replace(each, flow=flows[each.flow.name]) for each in held)
+        last_message_times = {
+            name: at for name, at in state.last_message_times.items() if name in flows
+        }
+        self._lease.restore(
+            self._continued_owner(state.lease),
+            replace(state, last_message_times=last_message_times),
+        )
+        if self._lease.owner:
+            self._machine.step(QueueInput.OCCUPIED)
+        self._advance(now)
+        return self._filter.release_held(refused)
 
     def revise(self, revision: int) -> None:
         """Say from now on that verdicts are by settings of `revision`."""
-        for each in (self._gate, self._pass, self._hold, self._drop):
+        for each in (self._filter, self._pass, self._hold, self._drop):
             each.revise(revision)
 
     def deadline(self) -> int | None:
         """Return when a turn ends or a message grows too old; the present if something is due."""
-        if self._leaving or self._due():
+        if self._released or self._next_ready():
             return self._now
-        oldest = self._waiting.oldest()
-        expires = oldest.arrived + self._max_age if oldest else None
-        times = (self._turn.ends(), expires)
+        oldest = self._held.oldest()
+        expires = oldest.arrived_at + self._max_age if oldest else None
+        times = (self._lease.expiry(), expires)
         return min((time for time in times if time is not None), default=None)
 
     @property
     def owner(self) -> str | None:
         """The flow whose turn it is, as of the last call."""
-        owner = self._turn.owner
+        owner = self._lease.owner
         return owner.name if owner else None
 
-    def _going_on(self, turn: InTurn | None) -> Flow | None:
+    def _continued_owner(self, lease: LeaseState | None) -> Flow | None:
         """Return whose turn goes on: an action is in progress, even if its flow is blocked now."""
-        if turn is None:
+        if lease is None:
             return None
-        flow = self._gate.flows.get(turn.flow)
-        return flow if flow or self._commands else Flow(name=turn.flow, publisher=turn.flow)
+        flow = self._filter.flows.get(lease.flow)
+        return flow if flow or self._is_command else Flow(name=lease.flow, publisher=lease.flow)
 
-    def _let_time_pass(self, now: int) -> None:
+    def _advance(self, now: int) -> None:
         self._now = now
-        while (held := self._waiting.oldest()) and now - held.arrived >= self._max_age:
-            self._give_up(held, self._too_old)
-        self._turn.lapse(now)
-        if self._turn.owner is None:
-            self._note_end()
+        while (held := self._held.oldest()) and now - held.arrived_at >= self._max_age:
+            self._drop_held(held, self._too_old)
+        self._lease.expire(now)
+        if self._lease.owner is None:
+            self._handle_lease_end()
 
-    def _note_end(self) -> None:
-        if self._machine.state is State.TAKEN:
-            self._machine.step(Input.OVER)
-        if not self._commands:
-            self._waiting.choose()
+    def _handle_lease_end(self) -> None:
+        if self._machine.state is QueueState.TAKEN:
+            self._machine.step(QueueInput.OVER)
+        if not self._is_command:
+            self._held.pin_first()
 
-    def _go(self, flow: Flow, now: int) -> Verdict:
-        self._turn.take(flow, now)
-        if older := self._replaced(flow):
-            self._waiting.remove(older)
-            self._leave(older, self._newer(flow))
-        return self._pass.give(flow.name, has_output(flow))
+    def _pass_message(self, flow: Flow, now: int) -> Verdict:
+        self._lease.grant(flow, now)
+        if older := self._superseded(flow):
+            self._held.remove(older)
+            self._add_release(older, self._superseded_verdict(flow))
+        return self._pass.get(flow.name, owns_output_reason(flow))
 
-    def _keep(self, flow: Flow, message: object, now: int) -> None:
-        if older := self._replaced(flow):
-            self._leave(older, self._newer(flow))
-            self._waiting.refresh(older, message, now)
+    def _hold_message(self, flow: Flow, message: object, now: int) -> None:
+        if older := self._superseded(flow):
+            self._add_release(older, self._superseded_verdict(flow))
+            self._held.replace_message(older, message, now)
         else:
-            self._waiting.add(flow, message, now)
+            self._held.add(flow, message, now)
 
-    def _replaced(self, flow: Flow) -> Held | None:
-        return self._waiting.latest(flow.name) if self._commands else None
+    def _superseded(self, flow: Flow) -> HeldMessage | None:
+        return self._held.latest(flow.name) if self._is_command else None
 
-    def _room(self, flow: Flow) -> Input:
-        waiting = len(self._waiting)
-        if waiting + len(self._leaving) >= 2 * self._queue_size:
-            return Input.FULL
-        room = waiting < self._queue_size or self._replaced(flow)
-        return Input.BEHIND if room else Input.FULL
+    def _queue_input(self, flow: Flow) -> QueueInput:
+        waiting = len(self._held)
+        if waiting + len(self._released) >= 2 * self._queue_size:
+            return QueueInput.FULL
+        has_room = waiting < self._queue_size or self._superseded(flow)
+        return QueueInput.BEHIND if has_room else QueueInput.FULL
 
-    def _due(self) -> Held | None:
-        held = self._waiting.first()
-        return held if held and not self._turn.why_wait(held.flow, None) else None
+    def _next_ready(self) -> HeldMessage | None:
+        held = self._held.first()
+        return held if held and not self._lease.wait_reason(held.flow, None) else None
 
-    def _let_go(self, held: Held, now: int) -> None:
-        self._machine.step(Input.TURN)
-        self._turn.take(held.flow, now)
-        self._waiting.remove(held)
-        reason = f"its turn came after {seconds(now - held.arrived)}"
-        self._leave(held, self._pass.once(held.flow.name, reason))
+    def _release_next(self, held: HeldMessage, now: int) -> None:
+        self._machine.step(QueueInput.TURN)
+        self._lease.grant(held.flow, now)
+        self._held.remove(held)
+        reason = f"its turn came after {format_seconds(now - held.arrived_at)}"
+        self._add_release(held, self._pass.create(held.flow.name, reason))
 
-    def _give_up(self, held: Held, reason: str) -> None:
-        self._waiting.remove(held)
-        self._leave(held, self._drop.give(held.flow.name, reason))
+    def _drop_held(self, held: HeldMessage, reason: str) -> None:
+        self._held.remove(held)
+        self._add_release(held, self._drop.get(held.flow.name, reason))
 
-    def _newer(self, flow: Flow) -> Verdict:
-        return self._drop.give(flow.name, f"a newer message of {flow.name} took its place")
+    def _superseded_verdict(self, flow: Flow) -> Verdict:
+        return self._drop.get(flow.name, f"a newer message of {flow.name} took its place")
 
-    def _leave(self, held: Held, verdict: Verdict) -> None:
-        self._leaving.append(Release(held.message, verdict))
+    def _add_release(self, held: HeldMessage, verdict: Verdict) -> None:
+        self._released.append(Release(held.message, verdict))
 
-    def _take_leaving(self) -> Sequence[Release]:
-        leaving, self._leaving = self._leaving, []
-        return leaving
+    def _take_released(self) -> Sequence[Release]:
+        released, self._released = self._released, []
+        return released

@@ -64,20 +64,20 @@ True
 left pass because its turn came after 0.10 s
 """
 
-from rtron.policies.queues.message_queue import TABLE, Queue
-from rtron.policies.queues.output_lease import SingleTurn
-from rtron.policies.queues.priority_lease import MaskingTurn
+from rtron.policies.queues.message_queue import TABLE, MessageQueue
+from rtron.policies.queues.output_lease import ExclusiveLease
+from rtron.policies.queues.priority_lease import PriorityLease
 from rtron.policies.verdicts import check_priorities
 from rtron.vocabulary import PolicySettings, StreamKind
 
 __all__ = ["TABLE", "PriorityQueue"]
 
 
-class PriorityQueue(Queue):
+class PriorityQueue(MessageQueue):
     """One turn at a time, in order of priority."""
 
     def __init__(self, settings: PolicySettings) -> None:
         check_priorities(settings)
         commands = settings.kind is StreamKind.COMMAND
-        turn = MaskingTurn(settings) if commands else SingleTurn(settings, renewable=False)
+        turn = PriorityLease(settings) if commands else ExclusiveLease(settings, renewable=False)
         super().__init__(settings, turn, rank=lambda flow: -flow.priority)

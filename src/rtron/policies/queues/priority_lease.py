@@ -2,85 +2,85 @@
 
 from collections.abc import Mapping
 
-from rtron.policies.active_flows import Speaker, Speakers
-from rtron.policies.state_transfer import Carried, InTurn
-from rtron.policies.verdicts import goes_next, has_output, with_priority
+from rtron.policies.active_flows import ActiveFlows, FlowActivity
+from rtron.policies.state_transfer import LeaseState, PolicyState
+from rtron.policies.verdicts import goes_next_reason, owns_output_reason, with_priority
 from rtron.vocabulary import Flow, PolicySettings
 
 
-class MaskingTurn:
+class PriorityLease:
     """A flow that has spoken masks all lower ones until it is silent for its `timeout`.
 
     `release_after` stands in for a timeout that is not set. A command that goes counts as spoken
     at that moment: what the robot does just now is not overridden at once by a lower flow.
     """
 
-    __slots__ = ("_highest", "_owner", "_speakers")
+    __slots__ = ("_active_flows", "_highest_active", "_owner")
 
     def __init__(self, settings: PolicySettings) -> None:
         default = settings.release_after
-        self._speakers = Speakers(
+        self._active_flows = ActiveFlows(
             settings.flows,
             lambda flow: default if flow.timeout is None else flow.timeout,
         )
-        self._highest: Speaker | None = None
-        self._owner: Speaker | None = None
+        self._highest_active: FlowActivity | None = None
+        self._owner: FlowActivity | None = None
 
     @property
     def owner(self) -> Flow | None:
         """The flow whose command went last, while it is fresh."""
         return self._owner.flow if self._owner else None
 
-    def hear(self, flow: Flow, now: int) -> None:
+    def record_message(self, flow: Flow, now: int) -> None:
         """Let `flow` mask the lower ones from now on."""
-        self._speakers.hear(self._speakers.named[flow.name], now)
-        self._highest = self._speakers.highest(now)
+        self._active_flows.record_message(self._active_flows.by_name[flow.name], now)
+        self._highest_active = self._active_flows.highest_priority(now)
 
-    def why_wait(self, flow: Flow, first: Flow | None) -> str:
+    def wait_reason(self, flow: Flow, first: Flow | None) -> str:
         """Let a message go if no higher flow is fresh and none of a higher flow waits."""
-        highest = self._highest
-        if highest and highest.flow.priority > flow.priority:
-            reason = has_output if highest is self._owner else goes_next
-            return with_priority(highest.flow, reason(highest.flow))
+        active = self._highest_active
+        if active and active.flow.priority > flow.priority:
+            reason = owns_output_reason if active is self._owner else goes_next_reason
+            return with_priority(active.flow, reason(active.flow))
         if first and first.priority > flow.priority:
-            return with_priority(first, goes_next(first))
+            return with_priority(first, goes_next_reason(first))
         return ""
 
-    def take(self, flow: Flow, now: int) -> None:
+    def grant(self, flow: Flow, now: int) -> None:
         """Give the turn to `flow`, or renew it."""
-        self.hear(flow, now)
-        self._owner = self._speakers.named[flow.name]
+        self.record_message(flow, now)
+        self._owner = self._active_flows.by_name[flow.name]
 
-    def lapse(self, now: int) -> None:
+    def expire(self, now: int) -> None:
         """Forget who fell silent."""
-        self._highest = self._speakers.highest(now)
-        if self._owner and now >= self._owner.lapses:
+        self._highest_active = self._active_flows.highest_priority(now)
+        if self._owner and now >= self._owner.expires_at:
             self._owner = None
 
-    def end(self, now: int) -> None:
+    def release(self, now: int) -> None:
         """Take the owner for silent."""
         if self._owner:
-            self._owner.lapses = now
+            self._owner.expires_at = now
 
-    def ends(self) -> int | None:
+    def expiry(self) -> int | None:
         """Return when the owner falls silent, or a flow that masks although its message is gone."""
-        speaker = self._owner or self._highest
-        return speaker.lapses if speaker else None
+        active = self._owner or self._highest_active
+        return active.expires_at if active else None
 
-    def in_turn(self) -> InTurn | None:
+    def state(self) -> LeaseState | None:
         """Return whose turn it is; of a command, only when it went last matters."""
         owner = self._owner
         if owner is None:
             return None
-        spoke = owner.lapses - owner.limit
-        return InTurn(owner.flow.name, spoke, spoke)
+        sent_at = owner.expires_at - owner.timeout
+        return LeaseState(owner.flow.name, sent_at, sent_at)
 
-    def spoke(self, now: int) -> Mapping[str, int]:
+    def last_message_times(self, now: int) -> Mapping[str, int]:
         """Return when each fresh flow spoke last."""
-        return self._speakers.spoke(now)
+        return self._active_flows.last_message_times(now)
 
-    def resume(self, owner: Flow | None, carried: Carried) -> None:
+    def restore(self, owner: Flow | None, state: PolicyState) -> None:
         """Know who spoke when; the owner stays the one whose command went last."""
-        self._speakers.resume(carried.spoke)
-        if owner and owner.name in carried.spoke:
-            self._owner = self._speakers.named[owner.name]
+        self._active_flows.restore(state.last_message_times)
+        if owner and owner.name in state.last_message_times:
+            self._owner = self._active_flows.by_name[owner.name]

@@ -44,16 +44,16 @@ modify 0.22 because limited to 0.22 m/s (max_vel_limit)
 drop
 """
 
-from rtron.policies.velocity_limit.frame_monitors import Rates
+from rtron.policies.velocity_limit.frame_monitors import FrameMonitors
 from rtron.policies.velocity_limit.limit_sources import UserLimit
-from rtron.policies.velocity_limit.limiter import TABLE, Limiting
+from rtron.policies.velocity_limit.limiter import TABLE, VelocityLimiter
 from rtron.vocabulary import PolicySettings
 
 __all__ = ["TABLE", "Constrain"]
 
 
-class Constrain(Limiting):
+class Constrain(VelocityLimiter):
     """At most `max_vel_limit`."""
 
-    def __init__(self, settings: PolicySettings, rates: Rates) -> None:  # noqa: ARG002
+    def __init__(self, settings: PolicySettings, monitors: FrameMonitors) -> None:  # noqa: ARG002
         super().__init__(settings, UserLimit(settings))

@@ -11,33 +11,33 @@ from collections import deque
 from rtron.vocabulary import SECOND
 
 # More frames than this in a second are no camera's: what comes beyond is not counted.
-MOST_FPS = 1000
+MAX_FPS = 1000
 NO_STAMP = 0
 
 
 class FrameRate:
     """The frames of the last `window` ns."""
 
-    __slots__ = ("_frames", "_latest", "_most", "_seen", "_window")
+    __slots__ = ("_frames", "_latest", "_max_frames", "_stamps", "_window")
 
     def __init__(self, window: int) -> None:
         self._window = window
-        self._most = max(1, window * MOST_FPS // SECOND)
+        self._max_frames = max(1, window * MAX_FPS // SECOND)
         self._frames: deque[tuple[int, int]] = deque()
-        self._seen: set[int] = set()
+        self._stamps: set[int] = set()
         self._latest = NO_STAMP
 
-    def frame(self, stamp: int, now: int) -> bool:
+    def add_frame(self, stamp: int, now: int) -> bool:
         """Note a frame with its `stamp` (ns) that arrived at `now`; False if it does not count."""
-        self._forget(now)
-        if stamp in self._seen or len(self._frames) >= self._most:
+        self._remove_expired(now)
+        if stamp in self._stamps or len(self._frames) >= self._max_frames:
             return False
         if stamp != NO_STAMP and stamp == self._latest:
             return False
         self._frames.append((now, stamp))
         self._latest = stamp
         if stamp != NO_STAMP:
-            self._seen.add(stamp)
+            self._stamps.add(stamp)
         return True
 
     def rate(self, now: int) -> float:
@@ -46,19 +46,19 @@ class FrameRate:
         It is what the window holds, and never more than one frame in the time since the last:
         what the robot drives while no frame comes is what the rate is asked for.
         """
-        self._forget(now)
-        age = self.age(now)
+        self._remove_expired(now)
+        age = self.last_frame_age(now)
         if age is None:
             return 0.0
         counted = len(self._frames) * SECOND / self._window
         return min(counted, SECOND / age) if age else counted
 
-    def age(self, now: int) -> int | None:
+    def last_frame_age(self, now: int) -> int | None:
         """Return the time since the last frame, ns; None if the window holds none."""
-        self._forget(now)
+        self._remove_expired(now)
         return now - self._frames[-1][0] if self._frames else None
 
-    def _forget(self, now: int) -> None:
+    def _remove_expired(self, now: int) -> None:
         frames = self._frames
         while frames and now - frames[0][0] >= self._window:
-            self._seen.discard(frames.popleft()[1])
+            self._stamps.discard(frames.popleft()[1])

@@ -56,16 +56,16 @@ nothing moves: 0 m/s (fps_detector is silent)
 Velocity(linear=(0.2,), angular=(0.1,)) because limited to 0.2 m/s (fps_detector: 4.0 fps x 0.05 m)
 """
 
-from rtron.policies.velocity_limit.frame_monitors import Rates
-from rtron.policies.velocity_limit.limit_sources import FrameLimit
-from rtron.policies.velocity_limit.limiter import TABLE, Limiting
+from rtron.policies.velocity_limit.frame_monitors import FrameMonitors
+from rtron.policies.velocity_limit.limit_sources import FrameRateLimit
+from rtron.policies.velocity_limit.limiter import TABLE, VelocityLimiter
 from rtron.vocabulary import PolicySettings
 
 __all__ = ["TABLE", "Safe"]
 
 
-class Safe(Limiting):
+class Safe(VelocityLimiter):
     """At most `threshold` x fps."""
 
-    def __init__(self, settings: PolicySettings, rates: Rates) -> None:
-        super().__init__(settings, FrameLimit(settings, rates))
+    def __init__(self, settings: PolicySettings, monitors: FrameMonitors) -> None:
+        super().__init__(settings, FrameRateLimit(settings, monitors))

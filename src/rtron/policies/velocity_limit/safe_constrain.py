@@ -43,16 +43,18 @@ limited to 0.15 m/s (max_vel_limit)
 nothing moves: 0 m/s (fps_detector is silent)
 """
 
-from rtron.policies.velocity_limit.frame_monitors import Rates
-from rtron.policies.velocity_limit.limit_sources import FrameLimit, LowerLimit, UserLimit
-from rtron.policies.velocity_limit.limiter import TABLE, Limiting
+from rtron.policies.velocity_limit.frame_monitors import FrameMonitors
+from rtron.policies.velocity_limit.limit_sources import FrameRateLimit, LowerLimit, UserLimit
+from rtron.policies.velocity_limit.limiter import TABLE, VelocityLimiter
 from rtron.vocabulary import PolicySettings
 
 __all__ = ["TABLE", "SafeConstrain"]
 
 
-class SafeConstrain(Limiting):
+class SafeConstrain(VelocityLimiter):
     """At most the lower of Safe's limit and Constrain's."""
 
-    def __init__(self, settings: PolicySettings, rates: Rates) -> None:
-        super().__init__(settings, LowerLimit(UserLimit(settings), FrameLimit(settings, rates)))
+    def __init__(self, settings: PolicySettings, monitors: FrameMonitors) -> None:
+        super().__init__(
+            settings, LowerLimit(UserLimit(settings), FrameRateLimit(settings, monitors))
+        )

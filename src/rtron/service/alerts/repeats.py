@@ -4,25 +4,25 @@ from collections import OrderedDict
 from collections.abc import Mapping
 from typing import Any
 
-_MOST = 10_000
+_MAX_ALARMS = 10_000
 _KEY = ("robot", "kind", "level", "node", "topic", "flow", "publisher", "decision")
 
 
-class Repeats:
-    """Tells events that were told within `within` (ns) of late; bounded, time passed in."""
+class DuplicateFilter:
+    """Tells events that were told within `window` (ns) of late; bounded, time passed in."""
 
-    def __init__(self, within: int = 60_000_000_000) -> None:
-        self._within = within
-        self._told: OrderedDict[tuple[Any, ...], int] = OrderedDict()
+    def __init__(self, window: int = 60_000_000_000) -> None:
+        self._window = window
+        self._reported_at: OrderedDict[tuple[Any, ...], int] = OrderedDict()
 
-    def is_one(self, event: Mapping[str, Any], now: int) -> bool:
+    def is_duplicate(self, event: Mapping[str, Any], now: int) -> bool:
         """Tell whether an event like this was told of late; if not, it is told now."""
         key = tuple(event.get(name) for name in _KEY)
-        told = self._told.get(key)
-        if told is not None and now - told < self._within:
+        reported_at = self._reported_at.get(key)
+        if reported_at is not None and now - reported_at < self._window:
             return True
-        self._told[key] = now
-        self._told.move_to_end(key)
-        if len(self._told) > _MOST:
-            self._told.popitem(last=False)
+        self._reported_at[key] = now
+        self._reported_at.move_to_end(key)
+        if len(self._reported_at) > _MAX_ALARMS:
+            self._reported_at.popitem(last=False)
         return False

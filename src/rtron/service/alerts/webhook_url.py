@@ -12,7 +12,7 @@ from urllib.parse import urlsplit
 
 from rtron.errors import InputError, SourceError
 
-_METADATA = frozenset(
+_METADATA_ADDRESSES = frozenset(
     map(ipaddress.ip_address, ("100.100.100.200", "168.63.129.16", "192.0.0.192", "fd00:ec2::254"))
 )
 _PORTS = {"http": 80, "https": 443}
@@ -21,7 +21,7 @@ Address = ipaddress.IPv4Address | ipaddress.IPv6Address
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Target:
+class WebhookUrl:
     """A URL taken apart: `url` is without name and password."""
 
     scheme: str
@@ -30,7 +30,7 @@ class Target:
     path: str
 
 
-def check_url(url: str) -> Target:
+def parse_webhook_url(url: str) -> WebhookUrl:
     """Return the parts of a webhook's URL; InputError if alerts may not go there."""
     try:
         parts = urlsplit(url)
@@ -42,11 +42,11 @@ def check_url(url: str) -> Target:
     if parts.username is not None or parts.password is not None:
         help = "put the secret into the path, or check the signature"
         raise InputError("no name and password in the URL", help=help)
-    address = _literal(host)
+    address = _ip_literal(host)
     if address and not _is_allowed(address):
-        raise _refused(host)
+        raise _forbidden_host_error(host)
     path = (parts.path or "/") + (f"?{parts.query}" if parts.query else "")
-    return Target(
+    return WebhookUrl(
         scheme=parts.scheme,
         host=host,
         port=_PORTS[parts.scheme] if port is None else port,
@@ -54,20 +54,20 @@ def check_url(url: str) -> Target:
     )
 
 
-def look_up(target: Target) -> str:
+def resolve_address(url: WebhookUrl) -> str:
     """Return an address of the host; SourceError if it has none, InputError if it is refused."""
     try:
-        found = socket.getaddrinfo(target.host, target.port, type=socket.SOCK_STREAM)
+        results = socket.getaddrinfo(url.host, url.port, type=socket.SOCK_STREAM)
     except (OSError, UnicodeError):
-        raise SourceError(f"{target.host} is not known here", help="check the name") from None
-    addresses = [str(each[4][0]) for each in found]
+        raise SourceError(f"{url.host} is not known here", help="check the name") from None
+    addresses = [str(each[4][0]) for each in results]
     for each in addresses:
         if not _is_allowed(ipaddress.ip_address(each)):
-            raise _refused(target.host)
+            raise _forbidden_host_error(url.host)
     return addresses[0]
 
 
-def _literal(host: str) -> Address | None:
+def _ip_literal(host: str) -> Address | None:
     try:
         return ipaddress.ip_address(host)
     except ValueError:
@@ -75,11 +75,11 @@ def _literal(host: str) -> Address | None:
 
 
 def _is_allowed(address: Address) -> bool:
-    inner = getattr(address, "ipv4_mapped", None) or address
-    is_odd = inner.is_link_local or inner.is_multicast or inner.is_unspecified
-    return not (is_odd or inner in _METADATA)
+    unmapped = getattr(address, "ipv4_mapped", None) or address
+    is_special = unmapped.is_link_local or unmapped.is_multicast or unmapped.is_unspecified
+    return not (is_special or unmapped in _METADATA_ADDRESSES)
 
 
-def _refused(host: str) -> InputError:
+def _forbidden_host_error(host: str) -> InputError:
     help = "link-local, multicast and metadata addresses get no alerts"
     return InputError(f"{host} is not a place for alerts", help=help)

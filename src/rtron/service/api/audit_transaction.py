@@ -6,23 +6,23 @@ from contextlib import contextmanager
 from sqlalchemy.orm import Session
 
 from rtron.errors import RTronError
-from rtron.service.api.context import Service
-from rtron.service.store.audit import Deed, record, record_often
+from rtron.service.api.context import ServiceContext
+from rtron.service.store.audit import AuditEvent, record_event, record_repeatable
 
 
 @contextmanager
-def audited(service: Service, deed: Deed) -> Iterator[Session]:
+def audit_transaction(service: ServiceContext, event: AuditEvent) -> Iterator[Session]:
     """Give the transaction of a deed; what comes of it is written down, a refusal too."""
     try:
         with service.database.session() as session:
             yield session
-            record(session, service.clock(), deed)
+            record_event(session, service.clock(), event)
     except RTronError as error:
-        note_refused(service, deed, str(error))
+        record_refusal(service, event, str(error))
         raise
 
 
-def note_refused(service: Service, deed: Deed, why: str) -> None:
+def record_refusal(service: ServiceContext, event: AuditEvent, reason: str) -> None:
     """Write down a deed that was refused."""
     with service.database.session() as session:
-        record_often(session, service.clock(), deed, f"refused: {why}")
+        record_repeatable(session, service.clock(), event, f"refused: {reason}")

@@ -7,28 +7,28 @@ from fastapi import Depends
 from starlette.requests import HTTPConnection
 
 if TYPE_CHECKING:
-    from rtron.service.config import Config
-    from rtron.service.controller.risk_controller import Controller
+    from rtron.service.config import ServiceConfig
+    from rtron.service.controller.risk_controller import RiskController
     from rtron.service.domain.clock import Clock
     from rtron.service.live.hub import Hub
     from rtron.service.store.database import Database
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Service:
+class ServiceContext:
     """The running service."""
 
     database: "Database"
     hub: "Hub"
-    controller: "Controller"
+    controller: "RiskController"
     clock: "Clock"
-    config: "Config"
+    config: "ServiceConfig"
 
 
-def service_of(connection: HTTPConnection) -> Service:
+def service_context(connection: HTTPConnection) -> ServiceContext:
     """Return the service that a request, or a WebSocket, has come to."""
-    service: Service = connection.app.state.service
+    service: ServiceContext = connection.app.state.service
     return service
 
 
-Served = Annotated[Service, Depends(service_of)]
+ServiceDependency = Annotated[ServiceContext, Depends(service_context)]

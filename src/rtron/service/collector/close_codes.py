@@ -2,7 +2,7 @@
 
 from enum import IntEnum
 
-_LONGEST = 120
+_MAX_REASON_BYTES = 120
 """A close frame holds 123 bytes of reason."""
 
 
@@ -21,10 +21,10 @@ class CloseCode(IntEnum):
     TOO_MUCH = 4429
 
 
-class Closing(Exception):  # noqa: N818 - no error of ours: the way a connection ends
+class CloseConnectionError(Exception):  # noqa: N818 - no error of ours: the way a connection ends
     """Ends the connection with this code; `reason` is told to the guard."""
 
     def __init__(self, code: CloseCode, reason: str) -> None:
         super().__init__(reason)
         self.code = code
-        self.reason = reason.encode()[:_LONGEST].decode(errors="ignore")
+        self.reason = reason.encode()[:_MAX_REASON_BYTES].decode(errors="ignore")

@@ -10,90 +10,92 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from rtron.service.store.events import Added, Batch
+from rtron.service.store.events import EventBatch, StoredEvent
 
 log = logging.getLogger(__name__)
 
-MOST_BYTES = 8 << 20
+MAX_QUEUED_BYTES = 8 << 20
 """So many bytes of messages wait to be stored; whoever has more to say has to wait."""
-MOST_EVENTS = 1000
+MAX_TRANSACTION_EVENTS = 1000
 """A transaction ends with the batch that reaches so many events."""
 
-Store = Callable[[Sequence[Batch]], Sequence[Added]]
+StoreBatches = Callable[[Sequence[EventBatch]], Sequence[StoredEvent]]
 """Stores batches in one transaction, in a thread; raises if none of them is stored."""
 
 
 @dataclass(frozen=True, slots=True)
-class Waiting:
+class QueuedBatch:
     """A batch, the bytes it came in, and who is told what came of it."""
 
-    batch: Batch
+    batch: EventBatch
     size: int
-    done: Callable[[bool], None]
+    on_stored: Callable[[bool], None]
 
 
-class Intake:
+class EventWriter:
     """Takes batches of all guards; `run` stores them."""
 
-    def __init__(self, store: Store, stored: Callable[[Sequence[Added], int], None]) -> None:
-        """Store with `store`; `stored` is told what was new, and how many events came."""
+    def __init__(
+        self, store: StoreBatches, on_stored: Callable[[Sequence[StoredEvent], int], None]
+    ) -> None:
+        """Store with `store`; `on_stored` is told what was new, and how many events came."""
         self._store = store
-        self._stored = stored
-        self._waiting: deque[Waiting] = deque()
+        self._on_stored = on_stored
+        self._queue: deque[QueuedBatch] = deque()
         self._size = 0
-        self._more = asyncio.Event()
-        self._less = asyncio.Condition()
+        self._has_batches = asyncio.Event()
+        self._space_freed = asyncio.Condition()
 
-    async def put(self, waiting: Waiting) -> None:
+    async def put(self, queued: QueuedBatch) -> None:
         """Add a batch, once there is place for it; what is larger than all place comes alone."""
-        async with self._less:
-            await self._less.wait_for(lambda: not self._size or self._fits(waiting))
-            self._size += waiting.size
-        self._waiting.append(waiting)
-        self._more.set()
+        async with self._space_freed:
+            await self._space_freed.wait_for(lambda: not self._size or self._fits(queued))
+            self._size += queued.size
+        self._queue.append(queued)
+        self._has_batches.set()
 
     async def run(self) -> None:
         """Store what comes, until it is cancelled."""
         while True:
-            await self._more.wait()
-            group = self._group()
+            await self._has_batches.wait()
+            group = self._next_transaction()
             await self._write(group)
-            async with self._less:
+            async with self._space_freed:
                 self._size -= sum(each.size for each in group)
-                self._less.notify_all()
+                self._space_freed.notify_all()
 
-    def _fits(self, waiting: Waiting) -> bool:
-        return self._size + waiting.size <= MOST_BYTES
+    def _fits(self, queued: QueuedBatch) -> bool:
+        return self._size + queued.size <= MAX_QUEUED_BYTES
 
-    def _group(self) -> list[Waiting]:
+    def _next_transaction(self) -> list[QueuedBatch]:
         """Take what one transaction is to have."""
-        group: list[Waiting] = []
+        group: list[QueuedBatch] = []
         events = 0
-        while self._waiting and events < MOST_EVENTS:
-            group.append(self._waiting.popleft())
+        while self._queue and events < MAX_TRANSACTION_EVENTS:
+            group.append(self._queue.popleft())
             events += len(group[-1].batch.events)
-        if not self._waiting:
-            self._more.clear()
+        if not self._queue:
+            self._has_batches.clear()
         return group
 
-    async def _write(self, group: Sequence[Waiting]) -> None:
+    async def _write(self, group: Sequence[QueuedBatch]) -> None:
         """Store a group; if that fails, each batch by itself: one must not harm the others."""
-        if await self._try(group):
+        if await self._try_store(group):
             return
         if len(group) == 1:
-            group[0].done(False)  # noqa: FBT003 - it is the answer
+            group[0].on_stored(False)  # noqa: FBT003 - it is the answer
             return
-        for waiting in group:
-            await self._write([waiting])
+        for queued in group:
+            await self._write([queued])
 
-    async def _try(self, group: Sequence[Waiting]) -> bool:
-        batches = [waiting.batch for waiting in group]
+    async def _try_store(self, group: Sequence[QueuedBatch]) -> bool:
+        batches = [queued.batch for queued in group]
         try:
             added = await asyncio.to_thread(self._store, batches)
         except Exception as error:  # noqa: BLE001 - whatever it is, the other guards' events go on
             log.error("%d batches of events are not stored: %s", len(group), type(error).__name__)  # noqa: TRY400
             return False
-        self._stored(added, sum(len(batch.events) for batch in batches))
-        for waiting in group:
-            waiting.done(True)  # noqa: FBT003 - it is the answer
+        self._on_stored(added, sum(len(batch.events) for batch in batches))
+        for queued in group:
+            queued.on_stored(True)  # noqa: FBT003 - it is the answer
         return True

@@ -3,19 +3,19 @@
 import asyncio
 from collections.abc import Callable
 
-from rtron.service.collector.close_codes import CloseCode, Closing
+from rtron.service.collector.close_codes import CloseCode, CloseConnectionError
 from rtron.vocabulary import GuardState
 
-EACH_S = 0.1
+MIN_INTERVAL_S = 0.1
 """So long a state stands before the next one is passed on, s."""
-LARGEST = 256 << 10
+MAX_STATE_BYTES = 256 << 10
 """The most bytes of a state."""
-MOST = 100
+MAX_STATES_PER_SECOND = 100
 """So many states in a second end the connection; a guard tells a few."""
-_SECOND = 1.0
+_WINDOW_S = 1.0
 
 
-class States:
+class StateThrottle:
     """Passes on the newest state with `update`, in the event loop; one for each connection."""
 
     def __init__(self, update: Callable[[GuardState], None]) -> None:
@@ -23,34 +23,38 @@ class States:
         self._loop = asyncio.get_running_loop()
         self._newest: GuardState | None = None
         self._timer: asyncio.TimerHandle | None = None
-        self._began = self._loop.time()
+        self._window_start = self._loop.time()
         self._count = 0
 
-    def take(self, state: GuardState, size: int) -> None:
+    def put(self, state: GuardState, size: int) -> None:
         """Take a state that came in so many bytes; Closing if it is too large, or one too many."""
-        if size > LARGEST:
-            raise Closing(CloseCode.TOO_BIG, f"a state has at most {LARGEST >> 10} KiB")
-        self._limit()
+        if size > MAX_STATE_BYTES:
+            raise CloseConnectionError(
+                CloseCode.TOO_BIG, f"a state has at most {MAX_STATE_BYTES >> 10} KiB"
+            )
+        self._check_rate()
         self._newest = state
         if self._timer is None:
-            self._pass_on()
+            self._forward()
 
     def stop(self) -> None:
         """Pass on nothing more."""
         if self._timer is not None:
             self._timer.cancel()
 
-    def _limit(self) -> None:
+    def _check_rate(self) -> None:
         now = self._loop.time()
-        if now - self._began >= _SECOND:
-            self._began, self._count = now, 0
+        if now - self._window_start >= _WINDOW_S:
+            self._window_start, self._count = now, 0
         self._count += 1
-        if self._count > MOST:
-            raise Closing(CloseCode.TOO_MUCH, f"more than {MOST} states in a second")
+        if self._count > MAX_STATES_PER_SECOND:
+            raise CloseConnectionError(
+                CloseCode.TOO_MUCH, f"more than {MAX_STATES_PER_SECOND} states in a second"
+            )
 
-    def _pass_on(self) -> None:
+    def _forward(self) -> None:
         self._timer = None
         if self._newest is not None:
             self._update(self._newest)
             self._newest = None
-            self._timer = self._loop.call_later(EACH_S, self._pass_on)
+            self._timer = self._loop.call_later(MIN_INTERVAL_S, self._forward)

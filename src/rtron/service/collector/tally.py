@@ -4,22 +4,22 @@ from dataclasses import dataclass
 
 
 @dataclass(slots=True)
-class Tally:
-    """Counters; `refused` are connections that said what is no message, `slow` those too slow.
+class CollectorCounters:
+    """Counters; `protocol_violations` are connections that said what is no message, `slow_connections` those too slow.
 
-    `repeated` are events that came again and were stored already; `batches` and `seconds` tell
-    how many transactions it took, and how long (s); `failures` are batches that could not be
-    stored, `forgotten` are events that retention deleted.
+    `duplicate_events` are events that came again and were stored already; `transactions` and `transaction_seconds` tell
+    how many transactions it took, and how long (s); `failed_batches` are batches that could not be
+    stored, `pruned_events` are events that retention deleted.
     """
 
-    connected: int = 0
-    unauthorised: int = 0
-    replaced: int = 0
-    refused: int = 0
-    slow: int = 0
-    stored: int = 0
-    repeated: int = 0
-    batches: int = 0
-    seconds: float = 0.0
-    failures: int = 0
-    forgotten: int = 0
+    connections: int = 0
+    unauthorised_connections: int = 0
+    replaced_connections: int = 0
+    protocol_violations: int = 0
+    slow_connections: int = 0
+    stored_events: int = 0
+    duplicate_events: int = 0
+    transactions: int = 0
+    transaction_seconds: float = 0.0
+    failed_batches: int = 0
+    pruned_events: int = 0

@@ -16,83 +16,89 @@ from pathlib import Path
 from fastapi import APIRouter, HTTPException, Request
 from fastapi.responses import Response
 
-_TYPES = {
+_MEDIA_TYPES = {
     "js": "text/javascript; charset=utf-8",
     "css": "text/css; charset=utf-8",
     "html": "text/html; charset=utf-8",
     "svg": "image/svg+xml",
     "txt": "text/plain; charset=utf-8",
 }
-_FOREVER = "public, max-age=31536000, immutable"
+_IMMUTABLE = "public, max-age=31536000, immutable"
 
 router = APIRouter(include_in_schema=False)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Asset:
+class StaticFile:
     """A file of the console: its bytes, the same packed by gzip, and its media type."""
 
-    plain: bytes
-    packed: bytes
-    type: str
+    content: bytes
+    gzipped: bytes
+    media_type: str
 
 
 @router.get("/")
 def page(request: Request) -> Response:
     """Return the page, which names all files of this version."""
-    return _answer(request, _page(), "no-cache")
+    return _file_response(request, _index_page(), "no-cache")
 
 
 @router.get("/console/{version}/{name:path}")
-def asset(request: Request, version: str, name: str) -> Response:
+def static_file(request: Request, version: str, name: str) -> Response:
     """Return a file of this version."""
-    found = assets().get(name) if version == digest() else None
-    if found is None:
+    file = static_files().get(name) if version == digest() else None
+    if file is None:
         raise HTTPException(404, "no such file")
-    return _answer(request, found, _FOREVER)
+    return _file_response(request, file, _IMMUTABLE)
 
 
 @cache
-def assets() -> dict[str, Asset]:
+def static_files() -> dict[str, StaticFile]:
     """Return all files by their names, as modules import them."""
     page = files("rtron.reports") / "page" / "dagre.min.js"
-    return dict(_own()) | {"vendor/dagre.min.js": _asset("dagre.min.js", page.read_bytes())}
+    return dict(_console_files()) | {
+        "vendor/dagre.min.js": _static_file("dagre.min.js", page.read_bytes())
+    }
 
 
 @cache
 def digest() -> str:
     """Return what names this version of all files."""
-    parts = (f"{name}\0".encode() + each.plain for name, each in sorted(assets().items()))
+    parts = (f"{name}\0".encode() + each.content for name, each in sorted(static_files().items()))
     return sha256(b"\0".join(parts)).hexdigest()[:16]
 
 
-def _own() -> Iterator[tuple[str, Asset]]:
+def _console_files() -> Iterator[tuple[str, StaticFile]]:
     root = Path(__file__).with_name("static")
     for path in sorted(root.rglob("*")):
-        if _ending(path.name) in _TYPES:
-            yield path.relative_to(root).as_posix(), _asset(path.name, path.read_bytes())
+        if _extension(path.name) in _MEDIA_TYPES:
+            yield path.relative_to(root).as_posix(), _static_file(path.name, path.read_bytes())
 
 
-def _asset(name: str, data: bytes) -> Asset:
-    return Asset(plain=data, packed=compress(data, mtime=0), type=_TYPES[_ending(name)])
+def _static_file(name: str, data: bytes) -> StaticFile:
+    return StaticFile(
+        content=data, gzipped=compress(data, mtime=0), media_type=_MEDIA_TYPES[_extension(name)]
+    )
 
 
-def _ending(name: str) -> str:
+def _extension(name: str) -> str:
     return name.rpartition(".")[2]
 
 
 @cache
-def _page() -> Asset:
+def _index_page() -> StaticFile:
     """Return the page, with links by which the browser gets all modules at once."""
-    modules = sorted(name for name in assets() if name.endswith(".js") and "min.js" not in name)
+    modules = sorted(
+        name for name in static_files() if name.endswith(".js") and "min.js" not in name
+    )
     links = "\n".join(f'<link rel="modulepreload" href="$base/{name}">' for name in modules)
-    text = assets()["index.html"].plain.decode().replace("$modules", links)
-    return _asset("index.html", text.replace("$base", f"/console/{digest()}").encode())
+    text = static_files()["index.html"].content.decode().replace("$modules", links)
+    return _static_file("index.html", text.replace("$base", f"/console/{digest()}").encode())
 
 
-def _answer(request: Request, found: Asset, caching: str) -> Response:
-    headers = {"Cache-Control": caching, "Vary": "Accept-Encoding"}
+def _file_response(request: Request, file: StaticFile, cache_control: str) -> Response:
+    headers = {"Cache-Control": cache_control, "Vary": "Accept-Encoding"}
     if "gzip" in request.headers.get("accept-encoding", ""):
         headers["Content-Encoding"] = "gzip"
-        return Response(found.packed, media_type=found.type, headers=headers)
-    return Response(found.plain, media_type=found.type, headers=headers)
+        return Response(file.gzipped, media_type=file.media_type, headers=headers)
+    return Response(file.content, media_type=file.media_type, headers=headers)

@@ -8,57 +8,57 @@ from sqlalchemy.orm import Session
 from rtron.errors import InputError, RTronError
 from rtron.reports.html_data import page_data
 from rtron.reports.risks_json import risks_to_json
-from rtron.risks import discover
-from rtron.service.api.auth.authentication import Caller
+from rtron.risks import discover_risks
+from rtron.service.api.auth.authentication import Principal
 from rtron.service.controller.handshake import store_risk_models
-from rtron.service.controller.robot_snapshot import Known, find_known
+from rtron.service.controller.robot_snapshot import RobotSnapshot, load_snapshot
 from rtron.service.domain.clock import Clock
 from rtron.service.domain.planned_graph import planned_graph
-from rtron.service.store.audit import record, record_often
+from rtron.service.store.audit import record_event, record_repeatable
 from rtron.service.store.database import Database
 from rtron.service.store.graphs import find_graph, store_graph
 from rtron.service.store.tables import GraphRow
 from rtron.sources.graph_json import graph_to_json, parse_graph
-from rtron.vocabulary import InteractionGraph, RiskReport, effective_plan
+from rtron.vocabulary import InteractionGraph, RiskReport, apply_settings
 
-MOST_ENDPOINTS = 20_000
-MOST_RISKS = 5_000
-LONGEST_ID = 200
+MAX_ENDPOINTS = 20_000
+MAX_RISKS = 5_000
+MAX_ID_LENGTH = 200
 """The longest id of a risk, which has the name of a node or topic in it."""
 
 
-def upload(
-    database: Database, clock: Clock, caller: Caller, robot: str, data: bytes
+def upload_graph(
+    database: Database, clock: Clock, caller: Principal, robot: str, data: bytes
 ) -> dict[str, Any]:
     """Store a graph (`rtron.graph/1` in JSON) and its risks; InputError if it is none.
 
     Returns the risks, `rtron.risks/1`.
     """
-    deed = caller.deed("graph", robot, bytes=len(data))
+    event = caller.audit_event("graph", robot, bytes=len(data))
     now = clock()
     try:
-        graph = _bounded(parse_graph(data, "the graph"))
-        risks: dict[str, Any] = risks_to_json(_bounded_risks(discover(graph)))
+        graph = _check_graph_size(parse_graph(data, "the graph"))
+        risks: dict[str, Any] = risks_to_json(_check_risks_size(discover_risks(graph)))
         with database.session() as session:
-            known = find_known(session, robot)
-            store_graph(session, _row(known, graph, caller.name, now), risks["risks"])
-            store_risk_models(session, known.app, known.plan, known.settings)
-            record(session, now, deed)
+            snapshot = load_snapshot(session, robot)
+            store_graph(session, _graph_row(snapshot, graph, caller.name, now), risks["risks"])
+            store_risk_models(session, snapshot.app, snapshot.plan, snapshot.settings)
+            record_event(session, now, event)
     except RTronError as error:
         with database.session() as session:
-            record_often(session, now, deed, f"refused: {error}")
+            record_repeatable(session, now, event, f"refused: {error}")
         raise
     return risks
 
 
-def graph_page(session: Session, robot: str) -> dict[str, Any]:
+def get_graph_page(session: Session, robot: str) -> dict[str, Any]:
     """Return the graph of a robot's app with risks and coordination nodes, as the console draws it.
 
     The shape is that of the HTML report; `source` is `uploaded` or `plan`.
     """
-    known = find_known(session, robot)
-    graph, row = _graph(session, known)
-    page = page_data(graph, discover(graph), effective_plan(known.plan, known.settings))
+    snapshot = load_snapshot(session, robot)
+    graph, row = _load_graph(session, snapshot)
+    page = page_data(graph, discover_risks(graph), apply_settings(snapshot.plan, snapshot.settings))
     return {
         "source": "uploaded" if row else "plan",
         "uploaded": row.uploaded if row else None,
@@ -67,38 +67,40 @@ def graph_page(session: Session, robot: str) -> dict[str, Any]:
     }
 
 
-def risks_page(session: Session, robot: str) -> dict[str, Any]:
+def get_risks_page(session: Session, robot: str) -> dict[str, Any]:
     """Return the risks of a robot's app, `rtron.risks/1`, with the `source` of its graph."""
-    graph, row = _graph(session, find_known(session, robot))
-    return {"source": "uploaded" if row else "plan", **risks_to_json(discover(graph))}
+    graph, row = _load_graph(session, load_snapshot(session, robot))
+    return {"source": "uploaded" if row else "plan", **risks_to_json(discover_risks(graph))}
 
 
-def _graph(session: Session, known: Known) -> tuple[InteractionGraph, GraphRow | None]:
-    row = find_graph(session, known.app.id)
+def _load_graph(
+    session: Session, snapshot: RobotSnapshot
+) -> tuple[InteractionGraph, GraphRow | None]:
+    row = find_graph(session, snapshot.app.id)
     if row is None:
-        return planned_graph(known.plan), None
+        return planned_graph(snapshot.plan), None
     return parse_graph(json.dumps(row.document).encode(), "the stored graph"), row
 
 
-def _row(known: Known, graph: InteractionGraph, by: str, now: int) -> GraphRow:
+def _graph_row(snapshot: RobotSnapshot, graph: InteractionGraph, by: str, now: int) -> GraphRow:
     document = graph_to_json(graph)
-    return GraphRow(app_id=known.app.id, document=document, uploaded=now, by=by)
+    return GraphRow(app_id=snapshot.app.id, document=document, uploaded=now, by=by)
 
 
-def _bounded(graph: InteractionGraph) -> InteractionGraph:
+def _check_graph_size(graph: InteractionGraph) -> InteractionGraph:
     """Refuse what the database or a browser could not hold."""
     items = (*graph.nodes, *graph.endpoints, *graph.services, *graph.actions, *graph.unresolved)
     items += (*graph.clients, *graph.parameters)
-    if len(items) > MOST_ENDPOINTS:
+    if len(items) > MAX_ENDPOINTS:
         help = "upload the graph of one app"
-        raise InputError(f"more than {MOST_ENDPOINTS} nodes and endpoints", help=help)
+        raise InputError(f"more than {MAX_ENDPOINTS} nodes and endpoints", help=help)
     return graph
 
 
-def _bounded_risks(report: RiskReport) -> RiskReport:
-    if len(report.risks) > MOST_RISKS:
-        raise InputError(f"more than {MOST_RISKS} risks", help="upload the graph of one app")
+def _check_risks_size(report: RiskReport) -> RiskReport:
+    if len(report.risks) > MAX_RISKS:
+        raise InputError(f"more than {MAX_RISKS} risks", help="upload the graph of one app")
     ids = [risk.id for risk in report.risks]
-    if len(set(ids)) < len(ids) or max(map(len, ids), default=0) > LONGEST_ID:
+    if len(set(ids)) < len(ids) or max(map(len, ids), default=0) > MAX_ID_LENGTH:
         raise InputError("two nodes or topics have one name, or one that is far too long")
     return report

@@ -7,12 +7,12 @@ from typing import Any
 from sqlalchemy.orm import Session
 
 from rtron.planning.coherence import grcn, msrcn, rsrcn
-from rtron.service.controller.robot_snapshot import find_known, unexpired
+from rtron.service.controller.robot_snapshot import drop_expired_overrides, load_snapshot
 from rtron.service.domain.errors import NotFoundError
-from rtron.service.domain.rights import rights
-from rtron.service.domain.risk_model import Coordination, coordination, node_json, topics
+from rtron.service.domain.rights import granted_rights
+from rtron.service.domain.risk_model import CoordinationNode, node_json, planned_nodes, topics
 from rtron.service.domain.schemas import NodeParameters, UserRole
-from rtron.service.domain.violations import Violation, violation
+from rtron.service.domain.violations import Violation, describe_violation
 from rtron.service.store.robots import coordination_nodes
 from rtron.service.store.tables import CoordinationNodeRow
 from rtron.vocabulary import (
@@ -26,62 +26,64 @@ from rtron.vocabulary import (
     PolicyName,
     Settings,
     Sharing,
-    effective_plan,
+    apply_settings,
 )
 
 _Json = Mapping[str, dict[str, Any]]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class _Page:
+class _NodesView:
     """What the nodes of one robot are shown from, to somebody with these roles."""
 
-    nodes: Mapping[str, tuple[CoordinationKind, Coordination, Coordination]]
+    nodes: Mapping[str, tuple[CoordinationKind, CoordinationNode, CoordinationNode]]
     rows: Mapping[str, CoordinationNodeRow]
-    planned: _Json
-    in_force: _Json
+    planned_json: _Json
+    effective_json: _Json
     settings: Settings
     roles: Collection[UserRole]
 
 
-def all_parameters(
+def list_node_parameters(
     session: Session, robot: str, roles: Collection[UserRole], now: int
 ) -> list[NodeParameters]:
     """Return the coordination nodes of a robot, as somebody with these roles sees them at `now`."""
-    page = _page(session, robot, roles, now)
-    return [_parameters(page, id) for id in page.nodes]
+    view = _nodes_view(session, robot, roles, now)
+    return [_node_parameters(view, id) for id in view.nodes]
 
 
-def parameters(
+def get_node_parameters(
     session: Session, robot: str, node: str, roles: Collection[UserRole], now: int
 ) -> NodeParameters:
     """Return one coordination node; NotFoundError if there is none of that id."""
-    page = _page(session, robot, roles, now)
-    if node not in page.nodes:
-        help = f"there are: {', '.join(list(page.nodes)[:20])}"
+    view = _nodes_view(session, robot, roles, now)
+    if node not in view.nodes:
+        help = f"there are: {', '.join(list(view.nodes)[:20])}"
         raise NotFoundError("there is no such coordination node", help=help)
-    return _parameters(page, node)
+    return _node_parameters(view, node)
 
 
-def _page(session: Session, robot: str, roles: Collection[UserRole], now: int) -> _Page:
-    known = find_known(session, robot)
-    settings = unexpired(known.settings, now)
-    after = effective_plan(known.plan, settings)
-    pairs = zip(coordination(known.plan), coordination(after), strict=True)
-    return _Page(
+def _nodes_view(session: Session, robot: str, roles: Collection[UserRole], now: int) -> _NodesView:
+    snapshot = load_snapshot(session, robot)
+    settings = drop_expired_overrides(snapshot.settings, now)
+    effective_plan = apply_settings(snapshot.plan, settings)
+    pairs = zip(planned_nodes(snapshot.plan), planned_nodes(effective_plan), strict=True)
+    return _NodesView(
         nodes={node.id: (kind, node, changed) for (kind, node), (_, changed) in pairs},
-        rows={row.node: row for row in coordination_nodes(session, known.app.id)},
-        planned=node_json(known.plan),
-        in_force=node_json(after),
+        rows={row.node: row for row in coordination_nodes(session, snapshot.app.id)},
+        planned_json=node_json(snapshot.plan),
+        effective_json=node_json(effective_plan),
         settings=settings,
         roles=roles,
     )
 
 
-def _parameters(page: _Page, id: str) -> NodeParameters:
-    kind, node, changed = page.nodes[id]
-    row = page.rows.get(id)
-    told = violation(changed, row.violation) if row and row.violation else Violation()
+def _node_parameters(view: _NodesView, id: str) -> NodeParameters:
+    kind, node, changed = view.nodes[id]
+    row = view.rows.get(id)
+    last_violation = (
+        describe_violation(changed, row.violation) if row and row.violation else Violation()
+    )
     return NodeParameters(
         id=id,
         type=kind.value,
@@ -89,31 +91,31 @@ def _parameters(page: _Page, id: str) -> NodeParameters:
         mode=(Mode.OBSERVE if isinstance(node, FpsMonitor) else node.mode).value,
         topics=topics(node),
         trigger_time=row.triggered if row else None,
-        violated_rule=told.rule,
-        violation_cause=told.cause,
-        violation_details=told.details,
+        violated_rule=last_violation.rule,
+        violation_cause=last_violation.cause,
+        violation_details=last_violation.details,
         risk_information=row.risk_information if row else {},
-        plan=page.planned[id],
-        effective=page.in_force[id],
-        settings=page.settings.nodes.get(id, NodeSettings()),
-        policies=[policy.value for policy in _policies(node)],
-        mandatory=list(_mandatory(node)),
-        rights=sorted(rights(page.roles, kind)),
-        override=page.settings.overrides.get(id),
+        plan=view.planned_json[id],
+        effective=view.effective_json[id],
+        settings=view.settings.nodes.get(id, NodeSettings()),
+        policies=[policy.value for policy in _selectable_policies(node)],
+        mandatory=list(_mandatory_names(node)),
+        rights=sorted(granted_rights(view.roles, kind)),
+        override=view.settings.overrides.get(id),
     )
 
 
-def _policies(node: Coordination) -> Collection[PolicyName]:
+def _selectable_policies(node: CoordinationNode) -> Collection[PolicyName]:
     """Return the policies that may be selected at a coordination node, as the plan has it."""
     if isinstance(node, GRCN):
         return (PolicyName.BLOCK,) if node.sharing is Sharing.MERGE else grcn.POLICIES
     if isinstance(node, RSRCN):
         must = {node.mandatory} - {None}
-        return [each for each in rsrcn.POLICIES if must <= set(rsrcn.included(each))]
+        return [each for each in rsrcn.POLICIES if must <= set(rsrcn.included_policies(each))]
     return msrcn.POLICIES if isinstance(node, MSRCN) else ()
 
 
-def _mandatory(node: Coordination) -> Iterator[str]:
+def _mandatory_names(node: CoordinationNode) -> Iterator[str]:
     """Yield what the end user cannot take away: a policy, or rules."""
     if isinstance(node, RSRCN) and node.mandatory:
         yield node.mandatory.value

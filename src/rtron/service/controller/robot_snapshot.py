@@ -5,14 +5,14 @@ from dataclasses import dataclass, replace
 from sqlalchemy.orm import Session
 
 from rtron.service.domain.errors import NotFoundError
-from rtron.service.store.robots import find_robot, plan_of
-from rtron.service.store.settings import last_applied, newest, settings_of
+from rtron.service.store.robots import find_robot, load_plan
+from rtron.service.store.settings import last_applied_settings, load_settings, newest_settings
 from rtron.service.store.tables import AppRow, SettingsRow
-from rtron.vocabulary import Plan, Settings, fitting
+from rtron.vocabulary import Plan, Settings, compatible_settings
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Known:
+class RobotSnapshot:
     """A robot with its current app; `row` are its newest settings, `settings` what they say."""
 
     robot: str
@@ -22,43 +22,47 @@ class Known:
     settings: Settings
 
 
-def find_known(session: Session, robot: str) -> Known:
+def load_snapshot(session: Session, robot: str) -> RobotSnapshot:
     """Return what is known of a robot; NotFoundError while no guard of it has said hello."""
-    app = find_current_app(session, robot)
-    row = newest(session, app.id)
+    app = load_current_app(session, robot)
+    row = newest_settings(session, app.id)
     if row is None:
-        raise _unmet(robot)
-    return Known(robot=robot, app=app, plan=plan_of(app), row=row, settings=settings_of(row))
+        raise _no_hello_error(robot)
+    return RobotSnapshot(
+        robot=robot, app=app, plan=load_plan(app), row=row, settings=load_settings(row)
+    )
 
 
-def find_current_app(session: Session, robot: str) -> AppRow:
+def load_current_app(session: Session, robot: str) -> AppRow:
     """Return the current app of a robot; NotFoundError while no guard of it has said hello."""
-    found = find_robot(session, robot)
-    if found is None:
+    match = find_robot(session, robot)
+    if match is None:
         raise NotFoundError("there is no such robot", help="GET /api/v1/robots lists them")
-    if found[1] is None:
-        raise _unmet(robot)
-    return found[1]
+    if match[1] is None:
+        raise _no_hello_error(robot)
+    return match[1]
 
 
-def last_good(session: Session, known: Known) -> Settings:
+def last_accepted_settings(session: Session, snapshot: RobotSnapshot) -> Settings:
     """Return the newest settings; if the guard has refused them, with the nodes it last took.
 
     Of those the ones that the plan still has.
     """
-    if not known.row.error:
-        return known.settings
-    applied = last_applied(session, known.app.id)
-    taken, _ = fitting(known.plan, settings_of(applied) if applied else Settings())
-    return replace(known.settings, nodes=taken.nodes)
+    if not snapshot.row.error:
+        return snapshot.settings
+    applied = last_applied_settings(session, snapshot.app.id)
+    accepted, _ = compatible_settings(
+        snapshot.plan, load_settings(applied) if applied else Settings()
+    )
+    return replace(snapshot.settings, nodes=accepted.nodes)
 
 
-def unexpired(settings: Settings, now: int) -> Settings:
+def drop_expired_overrides(settings: Settings, now: int) -> Settings:
     """Return the settings without overrides that are over at `now` (ns)."""
-    left = {id: each for id, each in settings.overrides.items() if each.until > now}
-    return replace(settings, overrides=left)
+    active = {id: each for id, each in settings.overrides.items() if each.until > now}
+    return replace(settings, overrides=active)
 
 
-def _unmet(robot: str) -> NotFoundError:
+def _no_hello_error(robot: str) -> NotFoundError:
     help = "start its guard: rtron guard --service URL --token-file FILE"
     return NotFoundError(f"no guard of {robot} has said hello yet", help=help)

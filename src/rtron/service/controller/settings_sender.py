@@ -3,71 +3,71 @@
 from threading import RLock
 from typing import Any, Protocol
 
-from rtron.service.domain.revisions import stopped
+from rtron.service.domain.revisions import add_stop
 from rtron.service.domain.schemas import SettingsView
 from rtron.vocabulary import Settings
 
-_LOCKS = 64
+_LOCK_COUNT = 64
 
 
-class Guards(Protocol):
+class GuardChannel(Protocol):
     """What the controller needs of the hub: the way to the guards, and to those who watch."""
 
     def push(self, robot: str, settings: Settings) -> None:
         """Send settings to the robot's guard, if it is connected."""
 
-    def tell(self, live: dict[str, Any]) -> None:
+    def broadcast(self, message: dict[str, Any]) -> None:
         """Tell everybody who watches."""
 
 
-class Outgoing:
+class SettingsSender:
     """What was last sent to each robot, and which emergency stops are not stored yet.
 
-    Whoever stores settings holds `alone` from before that until they are sent.
+    Whoever stores settings holds `robot_lock` from before that until they are sent.
     """
 
-    def __init__(self, hub: Guards) -> None:
+    def __init__(self, hub: GuardChannel) -> None:
         self._hub = hub
-        self._locks = tuple(RLock() for _ in range(_LOCKS))
-        self._sent: dict[str, Settings] = {}
-        self._unstored: dict[str, Settings] = {}
+        self._locks = tuple(RLock() for _ in range(_LOCK_COUNT))
+        self._last_sent: dict[str, Settings] = {}
+        self._unstored_stops: dict[str, Settings] = {}
 
-    def alone(self, robot: str) -> RLock:
+    def robot_lock(self, robot: str) -> RLock:
         """Return the lock of a robot, which may be another's too."""
-        return self._locks[hash(robot) % _LOCKS]
+        return self._locks[hash(robot) % _LOCK_COUNT]
 
-    def meet(self, robot: str, settings: Settings) -> None:
+    def note_guard_settings(self, robot: str, settings: Settings) -> None:
         """Note what a guard has in force: a stop that cannot be stored has to go above that."""
-        known = self._sent.get(robot, Settings())
-        self._sent[robot] = max(settings, known, key=lambda each: each.revision)
+        last_sent = self._last_sent.get(robot, Settings())
+        self._last_sent[robot] = max(settings, last_sent, key=lambda each: each.revision)
 
     def push(self, robot: str, settings: Settings) -> None:
         """Send settings that are stored."""
         self._hub.push(robot, settings)
-        self.note(robot, settings)
+        self.note_sent(robot, settings)
 
-    def note(self, robot: str, settings: Settings) -> None:
+    def note_sent(self, robot: str, settings: Settings) -> None:
         """Note that settings that are stored are sent, as the answer to a hello."""
-        self._sent[robot] = settings
-        unstored = self._unstored.get(robot)
+        self._last_sent[robot] = settings
+        unstored = self._unstored_stops.get(robot)
         if unstored and unstored.revision < settings.revision:
-            del self._unstored[robot]
+            del self._unstored_stops[robot]
 
-    def stop_unstored(self, robot: str, who: str, reason: str, now: int) -> None:
+    def send_unstored_stop(self, robot: str, actor: str, reason: str, now: int) -> None:
         """Send a stop on top of what was last sent, to be stored before what comes next."""
-        before = self._unstored.get(robot) or self._sent.get(robot, Settings())
-        self._unstored[robot] = settings = stopped(before, who, reason, now)
+        previous = self._unstored_stops.get(robot) or self._last_sent.get(robot, Settings())
+        self._unstored_stops[robot] = settings = add_stop(previous, actor, reason, now)
         self._hub.push(robot, settings)
 
-    def unstored(self, robot: str) -> Settings | None:
+    def unstored_stop(self, robot: str) -> Settings | None:
         """Return the stop that is sent, but not stored."""
-        return self._unstored.get(robot)
+        return self._unstored_stops.get(robot)
 
-    def forget(self, robot: str) -> None:
+    def discard_unstored_stop(self, robot: str) -> None:
         """Drop the stop of a robot that there is not."""
-        self._unstored.pop(robot, None)
+        self._unstored_stops.pop(robot, None)
 
-    def tell(self, robot: str, view: SettingsView) -> None:
+    def broadcast(self, robot: str, view: SettingsView) -> None:
         """Tell everybody who watches of settings."""
-        live = {"type": "settings", "robot": robot, "view": view.model_dump(mode="json")}
-        self._hub.tell(live)
+        message = {"type": "settings", "robot": robot, "view": view.model_dump(mode="json")}
+        self._hub.broadcast(message)

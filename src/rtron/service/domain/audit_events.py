@@ -4,23 +4,23 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
-from rtron.service.store.audit import Deed
+from rtron.service.store.audit import AuditEvent
 from rtron.wire.common.link_protocol import Applied
 
-_LONGEST = 2000
+_MAX_LENGTH = 2000
 
 
-def answer_deed(robot: str, applied: Applied) -> Deed:
+def settings_answer_event(robot: str, applied: Applied) -> AuditEvent:
     """Return what a guard has said to settings."""
-    detail = {"revision": applied.revision, "error": applied.error[:_LONGEST]}
-    return Deed(who=f"guard:{robot}", action="settings.answer", target=robot, detail=detail)
+    detail = {"revision": applied.revision, "error": applied.error[:_MAX_LENGTH]}
+    return AuditEvent(who=f"guard:{robot}", action="settings.answer", target=robot, detail=detail)
 
 
-def short_nodes(nodes: Mapping[str, Any]) -> str:
+def truncated_json(nodes: Mapping[str, Any]) -> str:
     """Return the nodes of a change as JSON."""
-    return json.dumps(nodes)[:_LONGEST]
+    return json.dumps(nodes)[:_MAX_LENGTH]
 
 
-def place(robot: str, node: str) -> str:
+def node_target(robot: str, node: str) -> str:
     """Return a coordination node as the target of a deed."""
     return f"{robot}/{node}"

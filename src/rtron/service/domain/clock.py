@@ -6,4 +6,4 @@ from collections.abc import Callable
 Clock = Callable[[], int]
 """Returns the wall clock, ns since 1970."""
 
-wall: Clock = time.time_ns
+wall_clock: Clock = time.time_ns

@@ -7,7 +7,7 @@ can: who asks, how often, and what has happened meanwhile.
 from rtron.errors import RTronError
 
 
-class LoginError(RTronError):
+class AuthenticationError(RTronError):
     """Nobody is logged in, or the name, the password or the token is wrong (401)."""
 
 
@@ -23,9 +23,9 @@ class ConflictError(RTronError):
     """Something has changed meanwhile, or exists already (409)."""
 
 
-class TooManyError(RTronError):
-    """Asked for too often, or too much at a time (429); try again after `wait` seconds."""
+class TooManyRequestsError(RTronError):
+    """Asked for too often, or too much at a time (429); try again after `retry_after` seconds."""
 
-    def __init__(self, message: str, *, wait: float = 1.0, help: str = "") -> None:
+    def __init__(self, message: str, *, retry_after: float = 1.0, help: str = "") -> None:
         super().__init__(message, help=help)
-        self.wait = wait
+        self.retry_after = retry_after

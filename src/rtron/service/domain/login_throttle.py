@@ -10,9 +10,9 @@ from ipaddress import IPv6Address, ip_address
 from threading import Lock
 
 SECOND = 1_000_000_000
-_MOST = 10_000
-_FORGOTTEN_AFTER = 3600 * SECOND
-_FEW_FORGOTTEN_AFTER = 60 * SECOND
+_MAX_KEYS = 10_000
+_FORGET_AFTER = 3600 * SECOND
+_FORGET_FEW_AFTER = 60 * SECOND
 
 
 @dataclass(slots=True)
@@ -22,90 +22,92 @@ class _Failures:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Patience:
-    """So many failures are `free`; then the wait doubles from a second to `longest` (ns)."""
+class Backoff:
+    """So many failures are `free_failures`; then the wait doubles from a second to `max_delay` (ns)."""
 
-    free: int
-    longest: int
+    free_failures: int
+    max_delay: int
 
-    def after(self, failures: int) -> int:
+    def delay_after(self, failures: int) -> int:
         """Return how long the next attempt waits after so many failures, ns."""
-        doublings = min(failures - self.free, 60)
-        return 0 if doublings < 0 else min(SECOND << doublings, self.longest)
+        doublings = min(failures - self.free_failures, 60)
+        return 0 if doublings < 0 else min(SECOND << doublings, self.max_delay)
 
 
-ADDRESS = Patience(free=5, longest=900 * SECOND)
-NAME = Patience(free=10, longest=60 * SECOND)
+ADDRESS_BACKOFF = Backoff(free_failures=5, max_delay=900 * SECOND)
+NAME_BACKOFF = Backoff(free_failures=10, max_delay=60 * SECOND)
 
 
-class Attempts:
+class LoginThrottle:
     """The failures of late, by address and by name; bounded, thread-safe, `now` in ns."""
 
     def __init__(self) -> None:
         self._lock = Lock()
         self._addresses: OrderedDict[str, _Failures] = OrderedDict()
         self._names: OrderedDict[str, _Failures] = OrderedDict()
-        self.failed = 0
+        self.failed_count = 0
 
-    def begin(self, name: str, address: str, now: int) -> int:
+    def begin_attempt(self, name: str, address: str, now: int) -> int:
         """Count an attempt as failed before it is judged; return how long to wait instead, ns.
 
         Counted first, since many attempts at once must not pass for one.
         """
         with self._lock:
-            by_address = _recent(self._addresses, network(address), now, ADDRESS)
-            by_name = _recent(self._names, name, now, NAME)
-            wait = _left(by_address, ADDRESS, now)
+            by_address = _recent_failures(
+                self._addresses, network_prefix(address), now, ADDRESS_BACKOFF
+            )
+            by_name = _recent_failures(self._names, name, now, NAME_BACKOFF)
+            delay = _remaining_delay(by_address, ADDRESS_BACKOFF, now)
             if by_address.count:
-                wait = max(wait, _left(by_name, NAME, now))
-            if not wait:
-                for each in (by_address, by_name):
-                    each.count, each.last = each.count + 1, now
-                self.failed += 1
-            return wait
+                delay = max(delay, _remaining_delay(by_name, NAME_BACKOFF, now))
+            if not delay:
+                for failures in (by_address, by_name):
+                    failures.count, failures.last = failures.count + 1, now
+                self.failed_count += 1
+            return delay
 
-    def take_back(self, name: str, address: str) -> None:
+    def cancel_attempt(self, name: str, address: str) -> None:
         """Take back an attempt that nobody has judged; the failures before it stay."""
         with self._lock:
-            for known, key in ((self._names, name), (self._addresses, network(address))):
-                if failures := known.get(key):
+            for table, key in ((self._names, name), (self._addresses, network_prefix(address))):
+                if failures := table.get(key):
                     failures.count = max(0, failures.count - 1)
-            self.failed -= 1
+            self.failed_count -= 1
 
-    def succeeded(self, name: str, address: str) -> None:
+    def record_success(self, name: str, address: str) -> None:
         """Take back an attempt; the failures before it stay those of the address."""
         with self._lock:
             self._names.pop(name, None)
-            if by_address := self._addresses.get(network(address)):
+            if by_address := self._addresses.get(network_prefix(address)):
                 by_address.count = max(0, by_address.count - 1)
-            self.failed -= 1
+            self.failed_count -= 1
 
 
-def network(address: str) -> str:
+def network_prefix(address: str) -> str:
     """Return the address, of IPv6 the /64: who has one address there has all of them."""
     try:
         parsed = ip_address(address.partition("%")[0])
     except ValueError:
         return address
     if isinstance(parsed, IPv6Address):
-        inner = parsed.ipv4_mapped
-        return str(inner) if inner else str(IPv6Address(int(parsed) >> 64 << 64))
+        mapped = parsed.ipv4_mapped
+        return str(mapped) if mapped else str(IPv6Address(int(parsed) >> 64 << 64))
     return str(parsed)
 
 
-def _recent(
-    known: OrderedDict[str, _Failures], key: str, now: int, patience: Patience
+def _recent_failures(
+    table: OrderedDict[str, _Failures], key: str, now: int, backoff: Backoff
 ) -> _Failures:
     """Return what is known of a key, nothing if that was long ago; drop the one unused longest."""
-    failures = known.setdefault(key, _Failures())
-    known.move_to_end(key)
-    if len(known) > _MOST:
-        known.popitem(last=False)
-    few = failures.count < patience.free
-    if now - failures.last > (_FEW_FORGOTTEN_AFTER if few else _FORGOTTEN_AFTER):
+    failures = table.setdefault(key, _Failures())
+    table.move_to_end(key)
+    if len(table) > _MAX_KEYS:
+        table.popitem(last=False)
+    few = failures.count < backoff.free_failures
+    if now - failures.last > (_FORGET_FEW_AFTER if few else _FORGET_AFTER):
         failures.count = 0
     return failures
 
 
-def _left(failures: _Failures, patience: Patience, now: int) -> int:
-    return max(0, failures.last + patience.after(failures.count) - now)
+def _remaining_delay(failures: _Failures, backoff: Backoff, now: int) -> int:
+    return max(0, failures.last + backoff.delay_after(failures.count) - now)

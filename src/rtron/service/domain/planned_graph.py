@@ -17,35 +17,39 @@ from rtron.vocabulary import (
 
 def planned_graph(plan: Plan) -> InteractionGraph:
     """Return the part of the app that its plan names: publishers, topics and successors."""
-    ends = tuple(dict.fromkeys(_ends(plan)))
+    endpoints = tuple(dict.fromkeys(_endpoints(plan)))
     types: dict[str, dict[str, None]] = {}
-    for end in ends:
-        types.setdefault(end.topic, {}).update({end.type: None} if end.type else {})
+    for endpoint in endpoints:
+        types.setdefault(endpoint.topic, {}).update({endpoint.type: None} if endpoint.type else {})
     return InteractionGraph(
         app=plan.app,
         ros=plan.ros,
-        nodes=tuple(Node(name=name) for name in dict.fromkeys(end.node for end in ends)),
-        topics=tuple(Topic(name=name, types=tuple(known)) for name, known in types.items()),
-        endpoints=ends,
+        nodes=tuple(
+            Node(name=name) for name in dict.fromkeys(endpoint.node for endpoint in endpoints)
+        ),
+        topics=tuple(
+            Topic(name=name, types=tuple(type_names)) for name, type_names in types.items()
+        ),
+        endpoints=endpoints,
     )
 
 
-def _ends(plan: Plan) -> Iterator[Endpoint]:
-    for guarded in _guarded(plan):
+def _endpoints(plan: Plan) -> Iterator[Endpoint]:
+    for guarded in _guarded_topics(plan):
         for flow in guarded.flows:
-            yield _end(flow.publisher, guarded.topic, Direction.PUBLISH, guarded.type)
+            yield _endpoint(flow.publisher, guarded.topic, Direction.PUBLISH, guarded.type)
         for successor in guarded.successors:
-            yield _end(successor, guarded.topic, Direction.SUBSCRIBE, guarded.type)
-    for watched, type in _watched(plan):
-        yield _end(watched.publisher, watched.topic, Direction.PUBLISH, type)
+            yield _endpoint(successor, guarded.topic, Direction.SUBSCRIBE, guarded.type)
+    for watched, type in _watched_flows(plan):
+        yield _endpoint(watched.publisher, watched.topic, Direction.PUBLISH, type)
     for monitor in plan.fps_monitor:
-        yield _end(monitor.node, monitor.topic, Direction.PUBLISH)
+        yield _endpoint(monitor.node, monitor.topic, Direction.PUBLISH)
         if monitor.camera:
-            yield _end(monitor.camera.publisher, monitor.camera.topic, Direction.PUBLISH)
-            yield _end(monitor.node, monitor.camera.topic, Direction.SUBSCRIBE)
+            yield _endpoint(monitor.camera.publisher, monitor.camera.topic, Direction.PUBLISH)
+            yield _endpoint(monitor.node, monitor.camera.topic, Direction.SUBSCRIBE)
 
 
-def _guarded(plan: Plan) -> Iterator[GuardedTopic]:
+def _guarded_topics(plan: Plan) -> Iterator[GuardedTopic]:
     for grcn in plan.grcn:
         yield GuardedTopic(
             topic=grcn.topic, type=grcn.type, flows=grcn.flows, successors=grcn.successors
@@ -54,14 +58,14 @@ def _guarded(plan: Plan) -> Iterator[GuardedTopic]:
     yield from plan.msrcn.aflows if plan.msrcn else ()
 
 
-def _watched(plan: Plan) -> Iterator[tuple[WatchedFlow, str]]:
+def _watched_flows(plan: Plan) -> Iterator[tuple[WatchedFlow, str]]:
     yield from ((flow, "") for flow in plan.rsrcn.iflows) if plan.rsrcn else ()
     for flow in plan.msrcn.eflows if plan.msrcn else ():
-        one = WatchedFlow(name=flow.name, topic=flow.topic, publisher=flow.publisher)
-        yield one, flow.type
+        watched = WatchedFlow(name=flow.name, topic=flow.topic, publisher=flow.publisher)
+        yield watched, flow.type
 
 
-def _end(node: str, topic: str, direction: Direction, type: str = "") -> Endpoint:
+def _endpoint(node: str, topic: str, direction: Direction, type: str = "") -> Endpoint:
     return Endpoint(
         node=node,
         topic=topic,

@@ -7,27 +7,31 @@ nobody can take away here: only the plan can.
 from collections.abc import Collection, Iterator, Mapping
 
 from rtron.planning.coherence.msrcn import flows_by_name
-from rtron.planning.coherence.rsrcn import BY_LIMIT, BY_RATE, included
+from rtron.planning.coherence.rsrcn import (
+    FRAME_RATE_POLICIES,
+    VELOCITY_LIMIT_POLICIES,
+    included_policies,
+)
 from rtron.service.domain.schemas import Right, UserRole
 from rtron.vocabulary import (
     MSRCN,
     RSRCN,
     CoordinationKind,
     FlowSettings,
+    MissionRule,
     NodeSettings,
     Plan,
-    Rule,
     RuleSettings,
     Settings,
-    coordination_ids,
-    effective_plan,
+    apply_settings,
+    coordination_node_ids,
 )
 
 NodeRight = tuple[str, Right]
 """The id of a coordination node, and a right that is needed there."""
 
 _GRCN, _RSRCN, _MSRCN = CoordinationKind.GRCN, CoordinationKind.RSRCN, CoordinationKind.MSRCN
-RIGHTS: Mapping[UserRole, Mapping[CoordinationKind, frozenset[Right]]] = {
+RIGHTS_BY_ROLE: Mapping[UserRole, Mapping[CoordinationKind, frozenset[Right]]] = {
     UserRole.DEVELOPER: {
         _GRCN: frozenset(
             {
@@ -58,7 +62,7 @@ RIGHTS: Mapping[UserRole, Mapping[CoordinationKind, frozenset[Right]]] = {
 }
 """What is not here is nobody's; the emergency stop is every role's."""
 
-_OF_NODE: Mapping[str, Right] = {
+_NODE_RIGHTS: Mapping[str, Right] = {
     "policy": Right.SELECT_POLICY,
     "release_after": Right.SET_DURATIONS,
     "max_age": Right.SET_DURATIONS,
@@ -66,29 +70,29 @@ _OF_NODE: Mapping[str, Right] = {
     "threshold": Right.SET_THRESHOLD,
     "max_vel_limit": Right.SET_MAX_VEL_LIMIT,
 }
-_OF_FLOW: Mapping[str, Right] = {
+_FLOW_RIGHTS: Mapping[str, Right] = {
     "priority": Right.SET_PRIORITY,
     "block": Right.SET_BLOCK,
     "timeout": Right.SET_TIMEOUT,
 }
-_OF_RULE: Mapping[str, Right] = {
+_RULE_RIGHTS: Mapping[str, Right] = {
     "selected": Right.SELECT_RULES,
     "block": Right.SET_RULES,
     "when": Right.SET_RULES,
 }
 
 
-def rights(roles: Collection[UserRole], kind: CoordinationKind) -> frozenset[Right]:
+def granted_rights(roles: Collection[UserRole], kind: CoordinationKind) -> frozenset[Right]:
     """Return what somebody with these roles may do to such coordination nodes."""
-    found = (RIGHTS.get(role, {}).get(kind, frozenset()) for role in roles)
-    return frozenset[Right]().union(*found)
+    granted = (RIGHTS_BY_ROLE.get(role, {}).get(kind, frozenset()) for role in roles)
+    return frozenset[Right]().union(*granted)
 
 
-def kinds(plan: Plan) -> dict[str, CoordinationKind]:
+def coordination_kinds(plan: Plan) -> dict[str, CoordinationKind]:
     """Return the kind of each coordination node that has a policy, by id."""
-    found = {grcn.id: _GRCN for grcn in plan.grcn}
-    found |= {plan.rsrcn.id: _RSRCN} if plan.rsrcn else {}
-    return found | ({plan.msrcn.id: _MSRCN} if plan.msrcn else {})
+    kinds_by_id = {grcn.id: _GRCN for grcn in plan.grcn}
+    kinds_by_id |= {plan.rsrcn.id: _RSRCN} if plan.rsrcn else {}
+    return kinds_by_id | ({plan.msrcn.id: _MSRCN} if plan.msrcn else {})
 
 
 def needed_rights(plan: Plan, before: Settings, after: Settings) -> set[NodeRight]:
@@ -99,8 +103,8 @@ def needed_rights(plan: Plan, before: Settings, after: Settings) -> set[NodeRigh
     none = NodeSettings()
     return {
         (id, right)
-        for id in coordination_ids(plan)
-        for right in _needed(before.nodes.get(id, none), after.nodes.get(id, none))
+        for id in coordination_node_ids(plan)
+        for right in _needed_rights(before.nodes.get(id, none), after.nodes.get(id, none))
     }
 
 
@@ -108,72 +112,76 @@ def missing_rights(
     plan: Plan, roles: Collection[UserRole], needed: Collection[NodeRight]
 ) -> list[NodeRight]:
     """Return those of the needed rights that the roles do not give, in a steady order."""
-    known = kinds(plan)
-    return sorted((id, right) for id, right in needed if right not in rights(roles, known[id]))
+    kinds_by_id = coordination_kinds(plan)
+    return sorted(
+        (id, right) for id, right in needed if right not in granted_rights(roles, kinds_by_id[id])
+    )
 
 
-def mandatory_breaches(plan: Plan, settings: Settings) -> Iterator[str]:
+def mandatory_violations(plan: Plan, settings: Settings) -> Iterator[str]:
     """Yield what settings take away from that which the plan makes mandatory.
 
     The settings fit the plan: MisfitError otherwise.
     """
-    after = effective_plan(plan, settings)
+    after = apply_settings(plan, settings)
     if plan.rsrcn and after.rsrcn:
-        yield from _limits(plan.rsrcn, after.rsrcn)
+        yield from _limit_violations(plan.rsrcn, after.rsrcn)
     if plan.msrcn and after.msrcn:
         for rule in plan.msrcn.rules:
             if rule.mandatory:
-                yield from _rule(rule, after.msrcn)
+                yield from _rule_violations(rule, after.msrcn)
 
 
-def _needed(before: NodeSettings, after: NodeSettings) -> Iterator[Right]:
-    yield from _differing(_OF_NODE, before, after)
+def _needed_rights(before: NodeSettings, after: NodeSettings) -> Iterator[Right]:
+    yield from _changed_rights(_NODE_RIGHTS, before, after)
     for name in before.flows.keys() | after.flows.keys():
-        yield from _differing(
-            _OF_FLOW,
+        yield from _changed_rights(
+            _FLOW_RIGHTS,
             before.flows.get(name, FlowSettings()),
             after.flows.get(name, FlowSettings()),
         )
     for name in before.rules.keys() | after.rules.keys():
-        yield from _differing(
-            _OF_RULE,
+        yield from _changed_rights(
+            _RULE_RIGHTS,
             before.rules.get(name, RuleSettings()),
             after.rules.get(name, RuleSettings()),
         )
 
 
-def _differing(table: Mapping[str, Right], before: object, after: object) -> Iterator[Right]:
+def _changed_rights(table: Mapping[str, Right], before: object, after: object) -> Iterator[Right]:
     return (right for key, right in table.items() if getattr(before, key) != getattr(after, key))
 
 
-def _limits(plan: RSRCN, after: RSRCN) -> Iterator[str]:
+def _limit_violations(plan: RSRCN, after: RSRCN) -> Iterator[str]:
     if plan.mandatory is None:
         return
-    if plan.mandatory not in included(after.policy):
+    if plan.mandatory not in included_policies(after.policy):
         yield f"{plan.mandatory} of {plan.id} is mandatory: {after.policy} would deselect it"
-    told = f"{plan.mandatory} of {plan.id} is mandatory"
-    if plan.mandatory in BY_LIMIT and _is_raised(plan.max_vel_limit, after.max_vel_limit):
-        yield f"{told}: max_vel_limit is at most {plan.max_vel_limit:g} m/s"
-    if plan.mandatory in BY_RATE and _is_raised(plan.threshold, after.threshold):
-        yield f"{told}: threshold is at most {plan.threshold:g} m/frame"
+    prefix = f"{plan.mandatory} of {plan.id} is mandatory"
+    if plan.mandatory in VELOCITY_LIMIT_POLICIES and _is_raised(
+        plan.max_vel_limit, after.max_vel_limit
+    ):
+        yield f"{prefix}: max_vel_limit is at most {plan.max_vel_limit:g} m/s"
+    if plan.mandatory in FRAME_RATE_POLICIES and _is_raised(plan.threshold, after.threshold):
+        yield f"{prefix}: threshold is at most {plan.threshold:g} m/frame"
 
 
 def _is_raised(most: float | None, after: float | None) -> bool:
     return most is not None and after is not None and after > most
 
 
-def _rule(rule: Rule, after: MSRCN) -> Iterator[str]:
+def _rule_violations(rule: MissionRule, after: MSRCN) -> Iterator[str]:
     """Compare a mandatory rule with what is left: its condition stays, bits are only added."""
-    left = next((each for each in after.rules if each.name == rule.name), None)
-    told = f"the rule {rule.name} of {after.id} is mandatory"
-    if left is None:
-        yield f"{told}: it cannot be deselected"
-    elif left.when != rule.when:
-        yield f"{told}: its condition stays as the plan says"
-    elif not _blocked(rule, after) <= _blocked(left, after):
-        yield f"{told}: what it blocks stays blocked"
+    current = next((each for each in after.rules if each.name == rule.name), None)
+    prefix = f"the rule {rule.name} of {after.id} is mandatory"
+    if current is None:
+        yield f"{prefix}: it cannot be deselected"
+    elif current.when != rule.when:
+        yield f"{prefix}: its condition stays as the plan says"
+    elif not _blocked_flows(rule, after) <= _blocked_flows(current, after):
+        yield f"{prefix}: what it blocks stays blocked"
 
 
-def _blocked(rule: Rule, msrcn: MSRCN) -> frozenset[str]:
-    known = flows_by_name(msrcn)
-    return frozenset[str]().union(*(known.get(name, frozenset({name})) for name in rule.block))
+def _blocked_flows(rule: MissionRule, msrcn: MSRCN) -> frozenset[str]:
+    flow_names = flows_by_name(msrcn)
+    return frozenset[str]().union(*(flow_names.get(name, frozenset({name})) for name in rule.block))

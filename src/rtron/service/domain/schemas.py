@@ -10,12 +10,12 @@ from pydantic import BaseModel, ConfigDict, Field, StringConstraints
 from rtron.vocabulary import (
     EmergencyStop,
     EventKind,
+    GuardEventLevel,
     GuardState,
-    Level,
     NodeSettings,
     Settings,
+    StringEnum,
     TimedOverride,
-    Word,
 )
 
 Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.@-]{0,99}$")]
@@ -23,7 +23,7 @@ Reason = Annotated[str, StringConstraints(strip_whitespace=True, max_length=200)
 Password = Annotated[str, StringConstraints(min_length=12, max_length=200)]
 
 
-class UserRole(Word):
+class UserRole(StringEnum):
     """What a user is; one may be several."""
 
     ADMIN = "admin"
@@ -31,7 +31,7 @@ class UserRole(Word):
     END_USER = "end_user"
 
 
-class Scope(Word):
+class AccessScope(StringEnum):
     """What an API token is for; the last three are what the roles may do."""
 
     GUARD = "guard"
@@ -42,7 +42,7 @@ class Scope(Word):
     ADMIN = "admin"
 
 
-class Right(Word):
+class Right(StringEnum):
     """What may be done to a coordination node (paper, table of policies, Executor column)."""
 
     SELECT_POLICY = "select_policy"
@@ -57,7 +57,7 @@ class Right(Word):
     OVERRIDE = "override"
 
 
-class SettingsOutcome(Word):
+class SettingsOutcome(StringEnum):
     """What became of settings: not answered yet, in force, refused by the guard, or overtaken."""
 
     PENDING = "pending"
@@ -66,20 +66,20 @@ class SettingsOutcome(Word):
     REPLACED = "replaced"
 
 
-class Request(BaseModel):
+class RequestModel(BaseModel):
     """Base of what is taken: unknown keys are refused."""
 
     model_config = ConfigDict(extra="forbid")
 
 
-class Login(Request):
+class Login(RequestModel):
     """A name and a password."""
 
     name: Annotated[str, StringConstraints(strip_whitespace=True, max_length=100)]
     password: str = Field(max_length=200)
 
 
-class Me(BaseModel):
+class CurrentUser(BaseModel):
     """Who is logged in; `csrf` goes into the header X-CSRF-Token of every change."""
 
     name: str
@@ -143,7 +143,7 @@ class SettingsView(BaseModel):
     answered: int | None
 
 
-class SettingsChange(Request):
+class SettingsChange(RequestModel):
     """A change of settings: `nodes` are merged into those of `revision`, the newest one.
 
     In each node what is given replaces what was set; null takes it back to what the plan says. The
@@ -156,20 +156,20 @@ class SettingsChange(Request):
     reason: Reason = ""
 
 
-class OverrideRequest(Request):
+class OverrideRequest(RequestModel):
     """For `duration` seconds what the node forbids passes."""
 
     duration: float = Field(gt=0, le=3600)
     reason: Annotated[str, StringConstraints(strip_whitespace=True, min_length=3, max_length=200)]
 
 
-class StopRequest(Request):
+class StopRequest(RequestModel):
     """An emergency stop."""
 
     reason: Reason = ""
 
 
-class ReleaseRequest(Request):
+class ReleaseRequest(RequestModel):
     """The end of the emergency stop that somebody has seen at `revision`; it needs a reason."""
 
     revision: int = Field(ge=0, le=(1 << 53) - 1)
@@ -183,7 +183,7 @@ class EventView(BaseModel):
     robot: str
     at: int
     kind: EventKind
-    level: Level
+    level: GuardEventLevel
     node: str
     topic: str
     flow: str
@@ -231,7 +231,7 @@ class UserView(BaseModel):
     created: int
 
 
-class NewUser(Request):
+class NewUser(RequestModel):
     """A user to create."""
 
     name: Name
@@ -239,7 +239,7 @@ class NewUser(Request):
     roles: list[UserRole] = Field(min_length=1, max_length=3)
 
 
-class UserChange(Request):
+class UserChange(RequestModel):
     """What changes for a user; None stays. A new password or role ends the user's sessions."""
 
     password: Password | None = None
@@ -247,18 +247,18 @@ class UserChange(Request):
     disabled: bool | None = None
 
 
-class PasswordChange(Request):
+class PasswordChange(RequestModel):
     """One's own password."""
 
     old: str = Field(max_length=200)
     new: Password
 
 
-class NewToken(Request):
+class NewToken(RequestModel):
     """A token to create; `robot` is required by, and only for, the scope `guard`."""
 
     name: Annotated[Name, StringConstraints(max_length=80)]
-    scopes: list[Scope] = Field(min_length=1, max_length=6)
+    scopes: list[AccessScope] = Field(min_length=1, max_length=6)
     robot: Name | None = None
     days: int | None = Field(default=None, ge=1, le=3650)
 
@@ -267,7 +267,7 @@ class TokenView(BaseModel):
     """A token, without its secret."""
 
     name: str
-    scopes: list[Scope]
+    scopes: list[AccessScope]
     robot: str | None
     by: str
     created: int
@@ -282,11 +282,11 @@ class CreatedToken(TokenView):
     secret: str
 
 
-class NewWebhook(Request):
+class NewWebhook(RequestModel):
     """Where events of at least `level` go by POST, signed with HMAC-SHA256 of `secret`."""
 
     url: str = Field(max_length=1000, pattern=r"^https?://")
-    level: Level = Level.WARNING
+    level: GuardEventLevel = GuardEventLevel.WARNING
 
 
 class WebhookView(BaseModel):
@@ -294,7 +294,7 @@ class WebhookView(BaseModel):
 
     id: int
     url: str
-    level: Level
+    level: GuardEventLevel
     created: int
     failing: str
 
@@ -311,14 +311,14 @@ class Health(BaseModel):
     status: Literal["ok"] = "ok"
 
 
-class Problem(BaseModel):
+class ErrorResponse(BaseModel):
     """An error: what is wrong, and what to do about it."""
 
     error: str
     help: str = ""
 
 
-class Overtaken(Problem):
+class RevisionConflict(ErrorResponse):
     """A change that was for older settings than the newest ones."""
 
     newest: SettingsView

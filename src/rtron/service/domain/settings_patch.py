@@ -12,167 +12,198 @@ from typing import Any, NoReturn, TypeVar
 
 from rtron.errors import InputError
 from rtron.planning.plan_file.durations import parse_duration, write_duration
-from rtron.planning.plan_file.fields import Key, keys
-from rtron.planning.plan_file.problems import shown, suggestion
+from rtron.planning.plan_file.fields import PlanField, plan_fields
+from rtron.planning.plan_file.problems import quoted, suggestion
 from rtron.vocabulary import (
     GRCN,
     RSRCN,
     Flow,
     FlowSettings,
+    MissionRule,
     NodeSettings,
     Plan,
-    Rule,
     RuleSettings,
     Settings,
-    coordination_ids,
+    coordination_node_ids,
 )
 
 T = TypeVar("T")
 Patch = Mapping[str, Any]
-MOST_OWN_RULES = 50
+MAX_USER_RULES = 50
 """The most rules that the end user may add."""
-MOST_BLOCKED = 1000
+MAX_BLOCKED = 1000
 """The most aflows and topics that one rule may block."""
 
-_NODE: Mapping[str, Key] = {
-    **{name: keys(GRCN)[name] for name in ("policy", "release_after", "max_age", "max_hold")},
-    **{name: keys(RSRCN)[name] for name in ("threshold", "max_vel_limit")},
+_NODE_KEYS: Mapping[str, PlanField] = {
+    **{
+        name: plan_fields(GRCN)[name] for name in ("policy", "release_after", "max_age", "max_hold")
+    },
+    **{name: plan_fields(RSRCN)[name] for name in ("threshold", "max_vel_limit")},
 }
-_FLOW: Mapping[str, Key] = {name: keys(Flow)[name] for name in ("priority", "block", "timeout")}
-_SELECTED = Key(name="selected", item=bool, many=False, optional=True, required=False, default=None)
-_RULE: Mapping[str, Key] = {
-    "selected": _SELECTED,
-    **{name: keys(Rule)[name] for name in ("block", "when")},
+_FLOW_KEYS: Mapping[str, PlanField] = {
+    name: plan_fields(Flow)[name] for name in ("priority", "block", "timeout")
 }
-_RULE_NAME = keys(Rule)["name"].text
+_SELECTED_KEY = PlanField(
+    name="selected",
+    item_type=bool,
+    is_list=False,
+    is_optional=True,
+    is_required=False,
+    default=None,
+)
+_RULE_KEYS: Mapping[str, PlanField] = {
+    "selected": _SELECTED_KEY,
+    **{name: plan_fields(MissionRule)[name] for name in ("block", "when")},
+}
+_RULE_NAME = plan_fields(MissionRule)["name"].text
 
 
-def merged(plan: Plan, before: Settings, nodes: Mapping[str, Patch]) -> Settings:
+def merge_patch(plan: Plan, before: Settings, nodes: Mapping[str, Patch]) -> Settings:
     """Return the settings with a change merged in, their revision as it was.
 
     InputError, with the nearest word, for what is unknown, and for values that are none.
     """
     after = dict(before.nodes)
     for id, patch in nodes.items():
-        _known(id, coordination_ids(plan), "coordination node")
-        after[id] = _node(id, after.get(id, NodeSettings()), patch)
-    _count_own(plan, after)
-    return replace(before, nodes=_told(after, NodeSettings()))
+        _check_name(id, coordination_node_ids(plan), "coordination node")
+        after[id] = _merge_node(id, after.get(id, NodeSettings()), patch)
+    _check_rule_count(plan, after)
+    return replace(before, nodes=_without_empty(after, NodeSettings()))
 
 
-def _node(id: str, before: NodeSettings, patch: Patch) -> NodeSettings:
+def _merge_node(id: str, before: NodeSettings, patch: Patch) -> NodeSettings:
     for name in patch:
-        _known(name, [*_NODE, "flows", "rules"], f"setting of {id}")
-    plain = {name: value for name, value in patch.items() if name in _NODE}
-    node = _merge(id, before, plain, _NODE)
+        _check_name(name, [*_NODE_KEYS, "flows", "rules"], f"setting of {id}")
+    scalars = {name: value for name, value in patch.items() if name in _NODE_KEYS}
+    node = _merge_fields(id, before, scalars, _NODE_KEYS)
     if "flows" in patch:
-        node = replace(node, flows=_flows(id, before.flows, patch["flows"]))
+        node = replace(node, flows=_merge_flows(id, before.flows, patch["flows"]))
     if "rules" in patch:
-        node = replace(node, rules=_rules(id, before.rules, patch["rules"]))
+        node = replace(node, rules=_merge_rules(id, before.rules, patch["rules"]))
     return node
 
 
-def _flows(
-    id: str, before: Mapping[str, FlowSettings], given: object
+def _merge_flows(
+    id: str, before: Mapping[str, FlowSettings], patches: object
 ) -> Mapping[str, FlowSettings]:
-    return _each(f"{id}.flows", before, given, FlowSettings(), _FLOW)
+    return _merge_named(f"{id}.flows", before, patches, FlowSettings(), _FLOW_KEYS)
 
 
-def _rules(
-    id: str, before: Mapping[str, RuleSettings], given: object
+def _merge_rules(
+    id: str, before: Mapping[str, RuleSettings], patches: object
 ) -> Mapping[str, RuleSettings]:
-    rules = _each(f"{id}.rules", before, given, RuleSettings(), _RULE)
+    rules = _merge_named(f"{id}.rules", before, patches, RuleSettings(), _RULE_KEYS)
     for name in rules:
-        if not _RULE_NAME.fits(name):
-            raise InputError(f"{id}.rules: {shown(name)} is not {_RULE_NAME.words}")
+        if not _RULE_NAME.matches(name):
+            raise InputError(f"{id}.rules: {quoted(name)} is not {_RULE_NAME.description}")
     return rules
 
 
-def _each(
-    where: str, before: Mapping[str, T], given: object, none: T, form: Mapping[str, Key]
+def _merge_named(
+    location: str,
+    before: Mapping[str, T],
+    patches: object,
+    empty: T,
+    keys_by_name: Mapping[str, PlanField],
 ) -> Mapping[str, T]:
     """Merge flows or rules, each by its name; null takes one of them back, or all."""
-    if given is None:
+    if patches is None:
         return {}
     after = dict(before)
-    for name, patch in _mapping(where, given).items():
-        place = f"{where}.{shown(name)[1:-1]}"
+    for name, patch in _check_mapping(location, patches).items():
+        item_location = f"{location}.{quoted(name)[1:-1]}"
         if patch is None:
-            after[name] = none
+            after[name] = empty
         else:
-            after[name] = _merge(place, after.get(name, none), _mapping(place, patch), form)
-    return _told(after, none)
+            after[name] = _merge_fields(
+                item_location,
+                after.get(name, empty),
+                _check_mapping(item_location, patch),
+                keys_by_name,
+            )
+    return _without_empty(after, empty)
 
 
-def _merge(where: str, before: T, patch: Patch, form: Mapping[str, Key]) -> T:
+def _merge_fields(
+    location: str, before: T, patch: Patch, keys_by_name: Mapping[str, PlanField]
+) -> T:
     for name in patch:
-        _known(name, form, f"setting of {where}")
-    values = {name: _value(f"{where}.{name}", value, form[name]) for name, value in patch.items()}
+        _check_name(name, keys_by_name, f"setting of {location}")
+    values = {
+        name: _parse_value(f"{location}.{name}", value, keys_by_name[name])
+        for name, value in patch.items()
+    }
     return replace(before, **values)  # type: ignore[type-var]
 
 
-def _told(items: Mapping[str, T], none: T) -> dict[str, T]:
+def _without_empty(items: Mapping[str, T], empty: T) -> dict[str, T]:
     """Leave out what differs in nothing from the plan."""
-    return {name: item for name, item in items.items() if item != none}
+    return {name: item for name, item in items.items() if item != empty}
 
 
-def _mapping(where: str, value: object) -> Mapping[str, Any]:
+def _check_mapping(location: str, value: object) -> Mapping[str, Any]:
     if not isinstance(value, dict):
-        raise InputError(f"{where} is an object", help=f"{_last(where)}: {{name: …}}, or null")
+        raise InputError(
+            f"{location} is an object", help=f"{_last_key(location)}: {{name: …}}, or null"
+        )
     return value
 
 
-def _last(where: str) -> str:
-    return where.rpartition(".")[2]
+def _last_key(location: str) -> str:
+    return location.rpartition(".")[2]
 
 
-def _known(name: str, known: Collection[str], what: str) -> None:
-    if name not in known:
-        raise InputError(f"no {what} is called {shown(name)}", help=suggestion(name, known))
+def _check_name(name: str, names: Collection[str], kind: str) -> None:
+    if name not in names:
+        raise InputError(f"no {kind} is called {quoted(name)}", help=suggestion(name, names))
 
 
-def _count_own(plan: Plan, nodes: Mapping[str, NodeSettings]) -> None:
+def _check_rule_count(plan: Plan, nodes: Mapping[str, NodeSettings]) -> None:
     planned = {rule.name for rule in plan.msrcn.rules} if plan.msrcn else set()
-    own = [name for node in nodes.values() for name in node.rules if name not in planned]
-    if len(own) > MOST_OWN_RULES:
+    user_rules = [name for node in nodes.values() for name in node.rules if name not in planned]
+    if len(user_rules) > MAX_USER_RULES:
         help = "delete some, or put them into the plan"
-        raise InputError(f"more than {MOST_OWN_RULES} rules of your own", help=help)
+        raise InputError(f"more than {MAX_USER_RULES} rules of your own", help=help)
 
 
-def _value(where: str, value: object, key: Key) -> Any:  # noqa: ANN401 - as the key says
+def _parse_value(location: str, value: object, key: PlanField) -> Any:  # noqa: ANN401 - as the key says
     if value is None:
         return None
     try:
-        return _many(value, key) if key.many else _one(value, key)
+        return _parse_list(value, key) if key.is_list else _parse_item(value, key)
     except ValueError as error:
-        raise InputError(f"{where}: {error}") from None
+        raise InputError(f"{location}: {error}") from None
 
 
-def _many(value: object, key: Key) -> tuple[Any, ...]:
+def _parse_list(value: object, key: PlanField) -> tuple[Any, ...]:
     if not isinstance(value, list) or not value:
         raise ValueError("a list of at least one aflow or topic")
-    if len(value) > MOST_BLOCKED:
-        raise ValueError(f"more than {MOST_BLOCKED} of them")
-    return tuple(dict.fromkeys(_one(item, key) for item in value))
+    if len(value) > MAX_BLOCKED:
+        raise ValueError(f"more than {MAX_BLOCKED} of them")
+    return tuple(dict.fromkeys(_parse_item(item, key) for item in value))
 
 
-def _one(value: object, key: Key) -> Any:  # noqa: ANN401 - as the key says
-    if key.duration:
-        return _duration(value, key.range)
+def _parse_item(value: object, key: PlanField) -> Any:  # noqa: ANN401 - as the key says
+    if key.is_duration:
+        return _parse_duration_value(value, key.range)
     if key.quantity:
-        return _positive(key.quantity.parse(value if isinstance(value, str) else repr(value)))
-    if key.item is bool:
-        return value if isinstance(value, bool) else _refuse(value, "neither true nor false")
-    if key.item is int:
-        return _whole(value, key.range)
+        return _check_positive(key.quantity.parse(value if isinstance(value, str) else repr(value)))
+    if key.item_type is bool:
+        return value if isinstance(value, bool) else _reject(value, "neither true nor false")
+    if key.item_type is int:
+        return _parse_integer(value, key.range)
     if not isinstance(value, str):
-        return _refuse(value, "no text")
-    return _word(value, key.item) if issubclass(key.item, Enum) else _text(value, key)
+        return _reject(value, "no text")
+    return (
+        _parse_enum(value, key.item_type)
+        if issubclass(key.item_type, Enum)
+        else _check_text(value, key)
+    )
 
 
-def _duration(value: object, limits: tuple[int, int]) -> int:
+def _parse_duration_value(value: object, limits: tuple[int, int]) -> int:
     if isinstance(value, bool) or not isinstance(value, (int, str)):
-        _refuse(value, "no duration: write a whole number of ns, or a unit, like 200 ms")
+        _reject(value, "no duration: write a whole number of ns, or a unit, like 200 ms")
     duration = value if isinstance(value, int) else parse_duration(value)
     least, greatest = limits
     if not least <= duration <= greatest:
@@ -180,35 +211,35 @@ def _duration(value: object, limits: tuple[int, int]) -> int:
     return duration
 
 
-def _positive(number: float) -> float:
+def _check_positive(number: float) -> float:
     if number <= 0:
         raise ValueError("0 would stop the robot: use a block bit or the emergency stop")
     return number
 
 
-def _whole(value: object, limits: tuple[int, int]) -> int:
+def _parse_integer(value: object, limits: tuple[int, int]) -> int:
     if isinstance(value, bool) or not isinstance(value, int):
-        _refuse(value, "no whole number")
+        _reject(value, "no whole number")
     least, greatest = limits
-    return value if least <= value <= greatest else _refuse(value, f"not {least} to {greatest}")
+    return value if least <= value <= greatest else _reject(value, f"not {least} to {greatest}")
 
 
-def _text(value: str, key: Key) -> str:
-    return value if key.text.fits(value) else _refuse(value, f"not {key.text.words}")
+def _check_text(value: str, key: PlanField) -> str:
+    return value if key.text.matches(value) else _reject(value, f"not {key.text.description}")
 
 
-def _refuse(value: object, what: str) -> NoReturn:
-    raise ValueError(f"{_said(value)} is {what}")
+def _reject(value: object, problem: str) -> NoReturn:
+    raise ValueError(f"{_display(value)} is {problem}")
 
 
-def _said(value: object) -> str:
+def _display(value: object) -> str:
     if isinstance(value, (dict, list)):
         return "an object" if isinstance(value, dict) else "a list"
-    return shown(value if isinstance(value, str) else repr(value))
+    return quoted(value if isinstance(value, str) else repr(value))
 
 
-def _word(value: str, words: type[Enum]) -> Enum:
-    known = {str(word.value): word for word in words}
-    if value not in known:
-        raise ValueError(f"unknown word {shown(value)}: {suggestion(value, known)}")
-    return known[value]
+def _parse_enum(value: str, enum: type[Enum]) -> Enum:
+    members = {str(member.value): member for member in enum}
+    if value not in members:
+        raise ValueError(f"unknown word {quoted(value)}: {suggestion(value, members)}")
+    return members[value]

@@ -9,13 +9,13 @@ from typing import Protocol
 
 from pydantic import TypeAdapter
 
-from rtron.service.live.listener import Listener, Live
+from rtron.service.live.listener import Listener, LiveMessage
 from rtron.vocabulary import GuardState, Settings
 
 _STATE = TypeAdapter(GuardState)
 
 
-class Link(Protocol):
+class GuardLink(Protocol):
     """The connection of one guard, as the hub uses it; both may be called from any thread."""
 
     def push(self, settings: Settings) -> None:
@@ -26,15 +26,15 @@ class Link(Protocol):
 
 
 @dataclass(slots=True)
-class _Robot:
-    link: Link | None = None
+class _LiveRobot:
+    link: GuardLink | None = None
     state: GuardState | None = None
     dropped: int = 0
     dry_run: bool = False
     pushed: Settings = Settings()  # noqa: RUF009 - frozen
 
 
-_UNSEEN = _Robot()
+_NO_ROBOT = _LiveRobot()
 
 
 class Hub:
@@ -42,15 +42,15 @@ class Hub:
 
     def __init__(self) -> None:
         self._lock = Lock()
-        self._robots: dict[str, _Robot] = {}
+        self._robots: dict[str, _LiveRobot] = {}
         self._listeners: set[Listener] = set()
 
-    def connected(self, robot: str) -> bool:
+    def is_connected(self, robot: str) -> bool:
         """Tell whether the robot's guard is connected."""
         with self._lock:
-            return self._seen(robot).link is not None
+            return self._robot(robot).link is not None
 
-    def connections(self) -> int:
+    def connection_count(self) -> int:
         """Return how many guards are connected."""
         with self._lock:
             return sum(each.link is not None for each in self._robots.values())
@@ -58,92 +58,92 @@ class Hub:
     def state(self, robot: str) -> GuardState | None:
         """Return what the robot's guard last said it is at; None while it is not connected."""
         with self._lock:
-            return self._seen(robot).state
+            return self._robot(robot).state
 
-    def dropped(self, robot: str) -> int:
+    def lost_event_count(self, robot: str) -> int:
         """Return how many events of the robot are known to be lost."""
         with self._lock:
-            return self._seen(robot).dropped
+            return self._robot(robot).dropped
 
-    def dry_run(self, robot: str) -> bool:
+    def is_dry_run(self, robot: str) -> bool:
         """Tell whether the robot's guard only says what it would do."""
         with self._lock:
-            return self._seen(robot).dry_run
+            return self._robot(robot).dry_run
 
-    def pushed(self, robot: str) -> Settings:
+    def last_pushed_settings(self, robot: str) -> Settings:
         """Return the newest settings that were pushed to the robot, connected or not."""
         with self._lock:
-            return self._seen(robot).pushed
+            return self._robot(robot).pushed
 
     def push(self, robot: str, settings: Settings) -> None:
         """Send settings to the robot's guard if it is connected; if not, it asks when it is."""
         with self._lock:
-            known = self._robots.setdefault(robot, _Robot())
-            known.pushed = max(known.pushed, settings, key=_revision)
-            link = known.link
+            robot_state = self._robots.setdefault(robot, _LiveRobot())
+            robot_state.pushed = max(robot_state.pushed, settings, key=_revision)
+            link = robot_state.link
         if link is not None:
             link.push(settings)
 
-    def tell(self, live: Live) -> None:
+    def broadcast(self, message: LiveMessage) -> None:
         """Tell a live message to everyone who listens."""
         with self._lock:
             listeners = tuple(self._listeners)
         for listener in listeners:
-            listener.put(live)
+            listener.put(message)
 
     def listen(self) -> Listener:
         """Return an async iterator of what is live from now on; close it, or use it in `with`."""
-        listener = Listener(self._forget)
+        listener = Listener(self._remove_listener)
         with self._lock:
             self._listeners.add(listener)
         return listener
 
     @property
-    def listened(self) -> bool:
+    def has_listeners(self) -> bool:
         """Whether anyone listens."""
         return bool(self._listeners)
 
-    def join(self, robot: str, link: Link, *, dry_run: bool) -> bool:
+    def register(self, robot: str, link: GuardLink, *, dry_run: bool) -> bool:
         """Take a guard's connection; return whether it replaces another one of the robot."""
         with self._lock:
-            before = self._seen(robot)
-            old = before.link
-            self._robots[robot] = _Robot(link, None, before.dropped, dry_run, before.pushed)
-        replaced = old is not None and old is not link
-        if old is not None and replaced:
-            old.replace()
-        self.tell(_connection(robot, connected=True))
-        return replaced
+            previous = self._robot(robot)
+            previous_link = previous.link
+            self._robots[robot] = _LiveRobot(link, None, previous.dropped, dry_run, previous.pushed)
+        is_replacing = previous_link is not None and previous_link is not link
+        if previous_link is not None and is_replacing:
+            previous_link.replace()
+        self.broadcast(_connection_message(robot, connected=True))
+        return is_replacing
 
-    def leave(self, robot: str, link: Link) -> None:
+    def unregister(self, robot: str, link: GuardLink) -> None:
         """Take note that a connection has ended, unless another has replaced it."""
         with self._lock:
-            known = self._seen(robot)
-            if known.link is not link:
+            robot_state = self._robot(robot)
+            if robot_state.link is not link:
                 return
-            known.link, known.state = None, None
-        self.tell(_connection(robot, connected=False))
+            robot_state.link, robot_state.state = None, None
+        self.broadcast(_connection_message(robot, connected=False))
 
-    def update(self, robot: str, link: Link, state: GuardState) -> None:
+    def set_state(self, robot: str, link: GuardLink, state: GuardState) -> None:
         """Take what a guard is at, unless its connection has been replaced."""
         with self._lock:
-            known = self._seen(robot)
-            if known.link is not link:
+            robot_state = self._robot(robot)
+            if robot_state.link is not link:
                 return
-            known.state = state
-        if self.listened:
-            now = _STATE.dump_python(state, mode="json")
-            self.tell({"type": "state", "robot": robot, "state": now})
+            robot_state.state = state
+        if self.has_listeners:
+            document = _STATE.dump_python(state, mode="json")
+            self.broadcast({"type": "state", "robot": robot, "state": document})
 
-    def lose(self, robot: str, events: int) -> None:
+    def add_lost_events(self, robot: str, events: int) -> None:
         """Count events of a robot that are lost for ever."""
         with self._lock:
-            self._robots.setdefault(robot, _Robot()).dropped += events
+            self._robots.setdefault(robot, _LiveRobot()).dropped += events
 
-    def _seen(self, name: str) -> _Robot:
-        return self._robots.get(name, _UNSEEN)
+    def _robot(self, name: str) -> _LiveRobot:
+        return self._robots.get(name, _NO_ROBOT)
 
-    def _forget(self, listener: Listener) -> None:
+    def _remove_listener(self, listener: Listener) -> None:
         with self._lock:
             self._listeners.discard(listener)
 
@@ -152,5 +152,5 @@ def _revision(settings: Settings) -> int:
     return settings.revision
 
 
-def _connection(robot: str, *, connected: bool) -> Live:
+def _connection_message(robot: str, *, connected: bool) -> LiveMessage:
     return {"type": "connection", "robot": robot, "connected": connected}

@@ -7,10 +7,10 @@ from contextlib import suppress
 from threading import Lock
 from typing import Any
 
-Live = dict[str, Any]
+LiveMessage = dict[str, Any]
 """A live message, as JSON has it."""
 
-MOST_WAITING = 2000
+MAX_QUEUED = 2000
 """So many live messages wait for a listener; with one more it is closed."""
 
 
@@ -20,43 +20,43 @@ class Listener:
     Made in the event loop that iterates over it; everything else may come from any thread.
     """
 
-    def __init__(self, forget: Callable[["Listener"], None]) -> None:
+    def __init__(self, on_close: Callable[["Listener"], None]) -> None:
         self._loop = asyncio.get_running_loop()
         self._wake = asyncio.Event()
-        self._waiting: deque[Live] = deque()
+        self._queue: deque[LiveMessage] = deque()
         self._lock = Lock()
-        self._closed = False
-        self._forget = forget
+        self._is_closed = False
+        self._on_close = on_close
 
-    def put(self, live: Live) -> None:
+    def put(self, message: LiveMessage) -> None:
         """Add a message; one too many closes the listener."""
         with self._lock:
-            self._waiting.append(live)
-            first, full = len(self._waiting) == 1, len(self._waiting) > MOST_WAITING
-        if full:
+            self._queue.append(message)
+            was_empty, is_full = len(self._queue) == 1, len(self._queue) > MAX_QUEUED
+        if is_full:
             self.close()
-        elif first:
-            self._rouse()
+        elif was_empty:
+            self._wake_loop()
 
     def close(self) -> None:
         """End the iteration at once; what waited is forgotten."""
-        self._forget(self)
+        self._on_close(self)
         with self._lock:
-            self._closed = True
-            self._waiting.clear()
-        self._rouse()
+            self._is_closed = True
+            self._queue.clear()
+        self._wake_loop()
 
     def __aiter__(self) -> "Listener":
         return self
 
-    async def __anext__(self) -> Live:
+    async def __anext__(self) -> LiveMessage:
         while True:
             self._wake.clear()
             with self._lock:
-                if self._closed:
+                if self._is_closed:
                     raise StopAsyncIteration
-                if self._waiting:
-                    return self._waiting.popleft()
+                if self._queue:
+                    return self._queue.popleft()
             await self._wake.wait()
 
     def __enter__(self) -> "Listener":  # noqa: PYI034 - Self is not in Python 3.10
@@ -65,6 +65,6 @@ class Listener:
     def __exit__(self, *_error: object) -> None:
         self.close()
 
-    def _rouse(self) -> None:
+    def _wake_loop(self) -> None:
         with suppress(RuntimeError):  # its loop has ended
             self._loop.call_soon_threadsafe(self._wake.set)

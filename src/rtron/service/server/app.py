@@ -8,14 +8,14 @@ from prometheus_client import CollectorRegistry
 from starlette.middleware import Middleware
 
 from rtron import __version__
-from rtron.service.alerts.dispatcher import Alerts
-from rtron.service.api.context import Service
-from rtron.service.api.error_responses import PROBLEMS, handle_problems
-from rtron.service.api.middleware.failures import Failures
-from rtron.service.api.middleware.hosts import Hosts
-from rtron.service.api.middleware.nuls import Nuls
-from rtron.service.api.middleware.request_body import Bodies
-from rtron.service.api.middleware.request_checks import Origins
+from rtron.service.alerts.dispatcher import AlertDispatcher
+from rtron.service.api.context import ServiceContext
+from rtron.service.api.error_responses import ERROR_RESPONSES, install_error_handlers
+from rtron.service.api.middleware.failures import InternalErrorHandler
+from rtron.service.api.middleware.hosts import HostCheck
+from rtron.service.api.middleware.nuls import NulCheck
+from rtron.service.api.middleware.request_body import RequestBodyLimit
+from rtron.service.api.middleware.request_checks import OriginCheck
 from rtron.service.api.middleware.responses import SecurityHeaders
 from rtron.service.api.routes import (
     audit,
@@ -30,24 +30,24 @@ from rtron.service.api.routes import (
     users,
     webhooks,
 )
-from rtron.service.api.routes.monitoring import ServiceFigures
+from rtron.service.api.routes.monitoring import ServiceMetrics
 from rtron.service.collector import websocket_endpoint
-from rtron.service.collector.data_collector import Collector
-from rtron.service.config import Config
+from rtron.service.collector.data_collector import DataCollector
+from rtron.service.config import ServiceConfig
 from rtron.service.console import routes as console
-from rtron.service.controller.risk_controller import Controller
-from rtron.service.domain.clock import Clock, wall
-from rtron.service.domain.login_throttle import Attempts
+from rtron.service.controller.risk_controller import RiskController
+from rtron.service.domain.clock import Clock, wall_clock
+from rtron.service.domain.login_throttle import LoginThrottle
 from rtron.service.live.hub import Hub
 from rtron.service.server.database_setup import open_database
-from rtron.service.store.accounts.last_use import note_use
-from rtron.service.store.accounts.tokens import find_guard
+from rtron.service.store.accounts.last_use import record_use
+from rtron.service.store.accounts.tokens import find_guard_token
 
 API = "/api/v1"
-_OF_API = (logins, robots, graphs, events, audit, users, tokens, webhooks, live)
+_API_ROUTES = (logins, robots, graphs, events, audit, users, tokens, webhooks, live)
 
 
-def create_app(config: Config, clock: Clock = wall) -> FastAPI:
+def create_app(config: ServiceConfig, clock: Clock = wall_clock) -> FastAPI:
     """Return the service on its database, which is opened here; InputError if that fails."""
     service = create_service(config, clock)
     app = FastAPI(
@@ -56,76 +56,78 @@ def create_app(config: Config, clock: Clock = wall) -> FastAPI:
         docs_url=None,
         redoc_url=None,
         redirect_slashes=False,
-        middleware=_gates(config),
-        lifespan=_running,
+        middleware=_middleware(config),
+        lifespan=_lifespan,
     )
     app.state.service = service
-    app.state.attempts = Attempts()
+    app.state.attempts = LoginThrottle()
     app.state.sockets = set()
-    app.state.collector = _collector(service)
+    app.state.collector = _data_collector(service)
     app.state.registry = CollectorRegistry(auto_describe=False)
-    figures = ServiceFigures(service, app.state.collector.tally, app.state.attempts)
-    app.state.registry.register(figures)
-    handle_problems(app)
+    service_metrics = ServiceMetrics(service, app.state.collector.tally, app.state.attempts)
+    app.state.registry.register(service_metrics)
+    install_error_handlers(app)
     _include(app)
     return app
 
 
-def create_service(config: Config, clock: Clock = wall) -> Service:
+def create_service(config: ServiceConfig, clock: Clock = wall_clock) -> ServiceContext:
     """Return the parts of the service."""
     database, hub = open_database(config.database), Hub()
-    controller = Controller(database, hub, clock)
-    return Service(database=database, hub=hub, controller=controller, clock=clock, config=config)
+    controller = RiskController(database, hub, clock)
+    return ServiceContext(
+        database=database, hub=hub, controller=controller, clock=clock, config=config
+    )
 
 
-def _collector(service: Service) -> Collector:
+def _data_collector(service: ServiceContext) -> DataCollector:
     def authenticate(secret: str) -> str | None:
         now = service.clock()
         with service.database.session() as session:
-            token = find_guard(session, now, secret)
+            token = find_guard_token(session, now, secret)
         if token is None:
             return None
-        note_use(service.database, token, now)
+        record_use(service.database, token, now)
         return token.robot
 
-    return Collector(
+    return DataCollector(
         database=service.database,
         hub=service.hub,
-        greeting=service.controller,
+        handshake=service.controller,
         authenticate=authenticate,
         clock=service.clock,
-        bounds=service.config.retention,
+        retention=service.config.retention,
     )
 
 
 def _include(app: FastAPI) -> None:
-    api = APIRouter(prefix=API, responses=PROBLEMS)
-    for part in _OF_API:
+    api = APIRouter(prefix=API, responses=ERROR_RESPONSES)
+    for part in _API_ROUTES:
         api.include_router(part.router)
     app.include_router(api)
-    for outside in (health, monitoring):
-        app.include_router(outside.router, responses=PROBLEMS)
+    for unversioned in (health, monitoring):
+        app.include_router(unversioned.router, responses=ERROR_RESPONSES)
     app.include_router(websocket_endpoint.router)
     app.include_router(console.router)
 
 
-def _gates(config: Config) -> list[Middleware]:
+def _middleware(config: ServiceConfig) -> list[Middleware]:
     """Return what each request goes through, the outermost first."""
     schemes = frozenset({"https"} if config.tls else {"http", "https"})
     return [
         Middleware(SecurityHeaders, is_tls=config.is_secure),
-        Middleware(Failures),
-        Middleware(Hosts, names=config.names),
-        Middleware(Origins, schemes=schemes),
-        Middleware(Nuls),
-        Middleware(Bodies),
+        Middleware(InternalErrorHandler),
+        Middleware(HostCheck, names=config.host_names),
+        Middleware(OriginCheck, schemes=schemes),
+        Middleware(NulCheck),
+        Middleware(RequestBodyLimit),
     ]
 
 
 @asynccontextmanager
-async def _running(app: FastAPI) -> AsyncIterator[None]:
-    service: Service = app.state.service
-    alerts = Alerts(service.database, service.hub, service.clock)
+async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
+    service: ServiceContext = app.state.service
+    alerts = AlertDispatcher(service.database, service.hub, service.clock)
     try:
         async with app.state.collector.running(), alerts.running():
             yield

@@ -4,37 +4,39 @@ from collections import Counter
 from collections.abc import Sequence
 from ipaddress import ip_address, ip_network
 
-from rtron.service.domain.login_throttle import network
+from rtron.service.domain.login_throttle import network_prefix
 
-MOST = 100
+MAX_PER_ADDRESS = 100
 """The most connections of one address that have not become WebSockets."""
-MOST_NEAR = 500
+MAX_PER_TRUSTED_ADDRESS = 500
 """Those of this machine, and of a reverse proxy."""
 
 
-class Crowd:
+class ConnectionLimit:
     """Counts connections by address, of IPv6 by the /64; used in the event loop."""
 
     def __init__(self, proxies: Sequence[str]) -> None:
         self._proxies = tuple(ip_network(proxy, strict=False) for proxy in proxies)
         self._counts: Counter[str] = Counter()
 
-    def enter(self, address: str) -> bool:
+    def acquire(self, address: str) -> bool:
         """Count a connection, unless there are too many already."""
-        key = network(address)
-        if self._counts[key] >= (MOST_NEAR if self._is_near(address) else MOST):
+        key = network_prefix(address)
+        if self._counts[key] >= (
+            MAX_PER_TRUSTED_ADDRESS if self._is_trusted(address) else MAX_PER_ADDRESS
+        ):
             return False
         self._counts[key] += 1
         return True
 
-    def leave(self, address: str) -> None:
+    def release(self, address: str) -> None:
         """Count a connection no more."""
-        key = network(address)
+        key = network_prefix(address)
         self._counts[key] -= 1
         if not self._counts[key]:
             del self._counts[key]
 
-    def _is_near(self, address: str) -> bool:
+    def _is_trusted(self, address: str) -> bool:
         try:
             parsed = ip_address(address.partition("%")[0])
         except ValueError:

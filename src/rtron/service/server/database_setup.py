@@ -8,25 +8,25 @@ from rtron.service.domain.schemas import UserRole
 from rtron.service.store.accounts.passwords import hash_password
 from rtron.service.store.accounts.secrets import new_password
 from rtron.service.store.accounts.users import add_user, all_users
-from rtron.service.store.audit import Deed, record
+from rtron.service.store.audit import AuditEvent, record_event
 from rtron.service.store.database import Database
 
 FIRST_ADMIN = "admin"
 
 
-def open_database(where: str | Path) -> Database:
+def open_database(location: str | Path) -> Database:
     """Open the database, made if it is not there; InputError if it is no place for one."""
-    if "://" not in str(where):
-        _make_private(Path(where))
-    return Database(where)
+    if "://" not in str(location):
+        _create_private_file(Path(location))
+    return Database(location)
 
 
-def open_known_database(where: str | Path) -> Database:
+def open_existing_database(location: str | Path) -> Database:
     """Open the database; InputError for a file that is not there: it would be the wrong one."""
-    if "://" not in str(where) and not Path(where).exists():
+    if "://" not in str(location) and not Path(location).exists():
         help = "give --database as `rtron serve` has it"
-        raise InputError("there is no such database", path=str(where), help=help)
-    return Database(where)
+        raise InputError("there is no such database", path=str(location), help=help)
+    return Database(location)
 
 
 def add_first_admin(database: Database, now: int) -> str | None:
@@ -36,11 +36,11 @@ def add_first_admin(database: Database, now: int) -> str | None:
         if all_users(session):
             return None
         add_user(session, now, FIRST_ADMIN, hash_password(password), UserRole)
-        record(session, now, Deed(who="rtron", action="add user", target=FIRST_ADMIN))
+        record_event(session, now, AuditEvent(who="rtron", action="add user", target=FIRST_ADMIN))
     return password
 
 
-def _make_private(path: Path) -> None:
+def _create_private_file(path: Path) -> None:
     """Make the file for its owner only; SQLite gives those beside it the same mode."""
     try:
         os.close(os.open(path, os.O_RDWR | os.O_CREAT, 0o600))

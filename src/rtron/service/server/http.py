@@ -14,111 +14,113 @@ from fastapi import FastAPI
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from rtron.errors import InputError, SourceError
-from rtron.service.config import Config, Tls
-from rtron.service.server.connection_limit import Crowd
-from rtron.wire.common.link_protocol import LONGEST
+from rtron.service.config import ServiceConfig, Tls
+from rtron.service.server.connection_limit import ConnectionLimit
+from rtron.wire.common.link_protocol import MAX_MESSAGE_BYTES
 
-_MOST_CONNECTIONS = 1000
-_PATIENCE_S = 10.0
-_BODY_S = 25.0
+_MAX_CONNECTIONS = 1000
+_HEAD_TIMEOUT_S = 10.0
+_BODY_TIMEOUT_S = 25.0
 """Longer than the API waits for a body, so that it can say that it was too slow."""
-_IDLE_S = 5
-_LONGEST_HEAD = 1 << 15
-_LINGER_S = 5
+_KEEP_ALIVE_S = 5
+_MAX_HEAD_BYTES = 1 << 15
+_SHUTDOWN_TIMEOUT_S = 5
 
 
-class PatientProtocol(H11Protocol):
+class LimitedHttpProtocol(H11Protocol):
     """HTTP, where a request arrives in time or the connection ends, and no address has too many.
 
     uvicorn's own would wait for ever, and who opens many connections would hold them all.
     """
 
-    def __init__(self, *arguments: Any, crowd: Crowd, **options: Any) -> None:  # noqa: ANN401 - uvicorn's
+    def __init__(self, *arguments: Any, connection_limit: ConnectionLimit, **options: Any) -> None:  # noqa: ANN401 - uvicorn's
         """Make the protocol of one connection as uvicorn does, one of a crowd."""
         super().__init__(*arguments, **options)
-        self._crowd = crowd
-        self._counted = ""
-        self._waits_for: object = None
+        self._connection_limit = connection_limit
+        self._counted_address = ""
+        self._awaited_state: object = None
         self._deadline: asyncio.TimerHandle | None = None
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         """Begin to wait for a request, if the address has place for one more."""
         super().connection_made(transport)
         address = self.client[0] if self.client else ""
-        if not self._crowd.enter(address):
+        if not self._connection_limit.acquire(address):
             transport.abort()
             return
-        self._counted = address
-        self._wait()
+        self._counted_address = address
+        self._restart_deadline()
 
     def data_received(self, data: bytes) -> None:
         """Go on waiting for what is not there yet."""
         super().data_received(data)
-        self._wait()
+        self._restart_deadline()
 
     def on_response_complete(self) -> None:
         """Wait for the rest of the body, or for the next request."""
         super().on_response_complete()
-        self._wait()
+        self._restart_deadline()
 
     def connection_lost(self, exc: Exception | None) -> None:
         """Wait for nothing more."""
-        self._leave()
+        self._release()
         super().connection_lost(exc)
 
     def handle_websocket_upgrade(self, event: h11.Request) -> None:
         """Leave the connection to the WebSocket, which has limits of its own."""
-        self._leave()
+        self._release()
         super().handle_websocket_upgrade(event)
 
-    def _wait(self) -> None:
+    def _restart_deadline(self) -> None:
         """Wait for a head, or for a body: each has its time from its beginning on."""
         state = self.conn.their_state
         if state not in (h11.IDLE, h11.SEND_BODY) or self.transport.get_protocol() is not self:
-            self._stop_waiting()
-        elif self._waits_for is not state:
-            self._stop_waiting()
-            self._waits_for = state
+            self._cancel_deadline()
+        elif self._awaited_state is not state:
+            self._cancel_deadline()
+            self._awaited_state = state
             is_idle = state is h11.IDLE
             seconds, end = (
-                (_PATIENCE_S, self.transport.close) if is_idle else (_BODY_S, self.transport.abort)
+                (_HEAD_TIMEOUT_S, self.transport.close)
+                if is_idle
+                else (_BODY_TIMEOUT_S, self.transport.abort)
             )
             self._deadline = self.loop.call_later(seconds, end)
 
-    def _leave(self) -> None:
-        self._stop_waiting()
-        if self._counted:
-            self._crowd.leave(self._counted)
-            self._counted = ""
+    def _release(self) -> None:
+        self._cancel_deadline()
+        if self._counted_address:
+            self._connection_limit.release(self._counted_address)
+            self._counted_address = ""
 
-    def _stop_waiting(self) -> None:
-        self._waits_for = None
+    def _cancel_deadline(self) -> None:
+        self._awaited_state = None
         if self._deadline is not None:
             self._deadline.cancel()
             self._deadline = None
 
 
-class _Server(uvicorn.Server):
+class _NotifyingServer(uvicorn.Server):
     """Says when it listens."""
 
-    def __init__(self, config: uvicorn.Config, ready: Callable[[], None]) -> None:
+    def __init__(self, config: uvicorn.Config, on_ready: Callable[[], None]) -> None:
         super().__init__(config)
-        self._ready = ready
+        self._on_ready = on_ready
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         await super().startup(sockets)
         if self.started:
-            await asyncio.to_thread(self._ready)
+            await asyncio.to_thread(self._on_ready)
 
 
-def serve(app: FastAPI, config: Config, ready: Callable[[], None]) -> None:
+def serve(app: FastAPI, config: ServiceConfig, on_ready: Callable[[], None]) -> None:
     """Serve until told to end (Ctrl-C, SIGTERM); SourceError if the port cannot be had.
 
-    `ready` is called once it listens.
+    `on_ready` is called once it listens.
     """
     for each in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(each, _end)  # uvicorn raises it once more when it has ended
-    server = _Server(uvicorn.Config(app, **settings(config)), ready)
+        signal.signal(each, _ignore_signal)  # uvicorn raises it once more when it has ended
+    server = _NotifyingServer(uvicorn.Config(app, **uvicorn_options(config)), on_ready)
     try:
         server.run()
     except SystemExit:
@@ -126,33 +128,33 @@ def serve(app: FastAPI, config: Config, ready: Callable[[], None]) -> None:
         raise SourceError(f"cannot listen on {config.host} port {config.port}", help=help) from None
 
 
-def _end(_signal: int, _frame: object) -> None:
+def _ignore_signal(_signal: int, _frame: object) -> None:
     """Do nothing: the server has ended in order."""
 
 
-def settings(config: Config) -> dict[str, Any]:
+def uvicorn_options(config: ServiceConfig) -> dict[str, Any]:
     """Return what uvicorn is told. It logs no requests: their addresses may hold secrets."""
     return {
         "host": config.host,
         "port": config.port,
-        "http": partial(PatientProtocol, crowd=Crowd(config.proxies)),
+        "http": partial(LimitedHttpProtocol, connection_limit=ConnectionLimit(config.proxies)),
         "ws": "websockets-sansio",
-        "ws_max_size": LONGEST + 1,
+        "ws_max_size": MAX_MESSAGE_BYTES + 1,
         "ws_per_message_deflate": False,
-        "h11_max_incomplete_event_size": _LONGEST_HEAD,
-        "limit_concurrency": _MOST_CONNECTIONS,
-        "timeout_keep_alive": _IDLE_S,
-        "timeout_graceful_shutdown": _LINGER_S,
+        "h11_max_incomplete_event_size": _MAX_HEAD_BYTES,
+        "limit_concurrency": _MAX_CONNECTIONS,
+        "timeout_keep_alive": _KEEP_ALIVE_S,
+        "timeout_graceful_shutdown": _SHUTDOWN_TIMEOUT_S,
         "log_level": "warning",
         "server_header": False,
         "log_config": None,
         "proxy_headers": bool(config.proxies),
         "forwarded_allow_ips": list(config.proxies),
-        **(_tls(config.tls) if config.tls else {}),
+        **(_tls_options(config.tls) if config.tls else {}),
     }
 
 
-def _tls(tls: Tls) -> dict[str, Any]:
+def _tls_options(tls: Tls) -> dict[str, Any]:
     try:
         ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER).load_cert_chain(tls.cert, tls.key)
     except (OSError, ssl.SSLError) as error:

@@ -15,28 +15,28 @@ from sqlalchemy.exc import SQLAlchemyError
 from rtron.errors import InputError
 from rtron.service.store.database import Database
 
-_KEY = 0x5254726F6E
+_ADVISORY_LOCK_KEY = 0x5254726F6E
 """The advisory lock of the service in a PostgreSQL database ("RTron")."""
 
 
 @contextmanager
-def alone(database: Database) -> Iterator[None]:
+def hold_instance_lock(database: Database) -> Iterator[None]:
     """Hold the database's lock until the end of the block; InputError if another service has it."""
     if not database.is_sqlite:
-        with _locked_server(database):
+        with _database_lock(database):
             yield
         return
-    with _locked_file(Path(f"{database.url.database}.lock")):
+    with _file_lock(Path(f"{database.url.database}.lock")):
         yield
 
 
 @contextmanager
-def _locked_server(database: Database) -> Iterator[None]:
+def _database_lock(database: Database) -> Iterator[None]:
     with database.engine.connect() as connection:
         connection.execution_options(isolation_level="AUTOCOMMIT")
         lock = text("SELECT pg_try_advisory_lock(:key)")
-        if not connection.scalar(lock, {"key": _KEY}):
-            raise _taken("the database")
+        if not connection.scalar(lock, {"key": _ADVISORY_LOCK_KEY}):
+            raise _lock_held_error("the database")
         try:
             yield
         finally:
@@ -46,12 +46,12 @@ def _locked_server(database: Database) -> Iterator[None]:
 def _unlock(connection: Connection) -> None:
     """Let the next one begin at once; a server that is gone has forgotten the lock with us."""
     with suppress(SQLAlchemyError):
-        connection.execute(text("SELECT pg_advisory_unlock(:key)"), {"key": _KEY})
+        connection.execute(text("SELECT pg_advisory_unlock(:key)"), {"key": _ADVISORY_LOCK_KEY})
     connection.invalidate()
 
 
 @contextmanager
-def _locked_file(path: Path) -> Iterator[None]:
+def _file_lock(path: Path) -> Iterator[None]:
     """Lock a file (flock(2)), which stays: a second one of the same name would be another lock."""
     try:
         file = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
@@ -59,19 +59,19 @@ def _locked_file(path: Path) -> Iterator[None]:
         help = "give a database in a folder that may be written"
         raise InputError(error.strerror or "cannot be opened", path=str(path), help=help) from None
     try:
-        _lock(file, path)
+        _lock_file(file, path)
         yield
     finally:
         os.close(file)
 
 
-def _lock(file: int, path: Path) -> None:
+def _lock_file(file: int, path: Path) -> None:
     try:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
-        raise _taken(str(path)) from None
+        raise _lock_held_error(str(path)) from None
 
 
-def _taken(where: str) -> InputError:
+def _lock_held_error(location: str) -> InputError:
     help = "end that one first, or give another --database"
-    return InputError("another `rtron serve` works on this database", path=where, help=help)
+    return InputError("another `rtron serve` works on this database", path=location, help=help)

@@ -6,63 +6,67 @@ from typing import TypeVar
 from pydantic import BaseModel, ValidationError
 
 from rtron.errors import InputError
-from rtron.service.domain.clock import wall
+from rtron.service.domain.clock import wall_clock
 from rtron.service.domain.schemas import NewToken, NewUser
 from rtron.service.store.accounts.passwords import hash_password
 from rtron.service.store.accounts.secrets import new_password
-from rtron.service.store.accounts.tokens import TokenWish, create_token, revoke_token
-from rtron.service.store.accounts.users import add_user, set_disabled, set_password, the_user
-from rtron.service.store.audit import Deed, record
+from rtron.service.store.accounts.tokens import TokenSpec, create_token, revoke_token
+from rtron.service.store.accounts.users import add_user, get_user, set_disabled, set_password
+from rtron.service.store.audit import AuditEvent, record_event
 from rtron.service.store.database import Database
 
 _Model = TypeVar("_Model", bound=BaseModel)
 
 
-def make_token(database: Database, who: str, wanted: Mapping[str, object]) -> str:
+def create_token_record(database: Database, actor: str, request: Mapping[str, object]) -> str:
     """Make a token as NewToken says; return its secret. ConflictError if it is there already."""
-    new = _checked(NewToken, wanted)
-    wish = TokenWish(name=new.name, scopes=new.scopes, robot=new.robot, days=new.days)
-    deed = Deed(who=who, action="create token", target=new.name, detail=wanted)
+    new = _validated(NewToken, request)
+    spec = TokenSpec(name=new.name, scopes=new.scopes, robot=new.robot, days=new.days)
+    event = AuditEvent(who=actor, action="create token", target=new.name, detail=request)
     with database.session() as session:
-        _, secret = create_token(session, wall(), who, wish)
-        record(session, wall(), deed)
+        _, secret = create_token(session, wall_clock(), actor, spec)
+        record_event(session, wall_clock(), event)
     return secret
 
 
-def end_token(database: Database, who: str, name: str) -> None:
+def revoke_token_record(database: Database, actor: str, name: str) -> None:
     """Revoke a token; NotFoundError if there is none."""
     with database.session() as session:
-        revoke_token(session, wall(), name)
-        record(session, wall(), Deed(who=who, action="revoke token", target=name))
+        revoke_token(session, wall_clock(), name)
+        record_event(
+            session, wall_clock(), AuditEvent(who=actor, action="revoke token", target=name)
+        )
 
 
-def make_user(database: Database, who: str, name: str, roles: Sequence[str]) -> str:
+def create_user_record(database: Database, actor: str, name: str, roles: Sequence[str]) -> str:
     """Add a user; return the password. InputError, or ConflictError if the name is taken."""
     secret = new_password()
-    new = _checked(NewUser, {"name": name, "password": secret, "roles": roles})
-    deed = Deed(who=who, action="add user", target=name, detail={"roles": list(roles)})
+    new = _validated(NewUser, {"name": name, "password": secret, "roles": roles})
+    event = AuditEvent(who=actor, action="add user", target=name, detail={"roles": list(roles)})
     with database.session() as session:
-        add_user(session, wall(), new.name, hash_password(secret), new.roles)
-        record(session, wall(), deed)
+        add_user(session, wall_clock(), new.name, hash_password(secret), new.roles)
+        record_event(session, wall_clock(), event)
     return secret
 
 
-def reset_password(database: Database, who: str, name: str) -> str:
+def reset_password(database: Database, actor: str, name: str) -> str:
     """Give a user a new password and let the user log in; return it. NotFoundError if none."""
     secret = new_password()
     with database.session() as session:
-        user = the_user(session, name)
+        user = get_user(session, name)
         set_password(session, user, hash_password(secret))
         set_disabled(session, user, disabled=False)
-        record(session, wall(), Deed(who=who, action="reset password", target=name))
+        record_event(
+            session, wall_clock(), AuditEvent(who=actor, action="reset password", target=name)
+        )
     return secret
 
 
-def _checked(model: type[_Model], values: Mapping[str, object]) -> _Model:
+def _validated(model: type[_Model], values: Mapping[str, object]) -> _Model:
     try:
         return model.model_validate(values)
     except ValidationError as error:
-        fault = error.errors(include_input=False)[0]
-        place = ".".join(map(str, fault["loc"]))
+        problem = error.errors(include_input=False)[0]
+        location = ".".join(map(str, problem["loc"]))
         help = "names are letters, digits and . _ @ -"
-        raise InputError(f"{place}: {fault['msg']}", help=help) from None
+        raise InputError(f"{location}: {problem['msg']}", help=help) from None

@@ -13,20 +13,20 @@ from sqlalchemy.orm import Session
 from rtron.errors import InputError
 from rtron.service.store.schema_migration import migrate
 
-_BUSY_S = 30
-_ANSWER_S = 60
+_BUSY_TIMEOUT_S = 30
+_ANSWER_TIMEOUT_S = 60
 
 
 class Database:
     """Sessions on one database, whose schema is brought up to date when it is opened.
 
-    `where` is a file, or a URL like `postgresql://user@host/name`; InputError if it is neither,
+    `location` is a file, or a URL like `postgresql://user@host/name`; InputError if it is neither,
     SourceError if the server does not answer. What a session has committed outlives a kill of the
     process; with SQLite a power cut may cost the last commits that are not durable, never the file.
     """
 
-    def __init__(self, where: str | Path) -> None:
-        self.url = _url(where)
+    def __init__(self, location: str | Path) -> None:
+        self.url = _url(location)
         self.engine = _engine(self.url)
         self._writer = RLock() if self.is_sqlite else nullcontext()
         try:
@@ -47,7 +47,7 @@ class Database:
             yield session
 
     @contextmanager
-    def writing(self, *, durable: bool = False) -> Iterator[Session]:
+    def write_session(self, *, durable: bool = False) -> Iterator[Session]:
         """Give a transaction that is going to write, and has nobody to wait for when it begins.
 
         A durable one, once committed, outlives a power cut too: SQLite waits for the disk.
@@ -65,11 +65,11 @@ class Database:
         self.engine.dispose()
 
 
-def _url(where: str | Path) -> URL:
-    if isinstance(where, Path) or "://" not in where:
-        return URL.create("sqlite", database=str(where))
+def _url(location: str | Path) -> URL:
+    if isinstance(location, Path) or "://" not in location:
+        return URL.create("sqlite", database=str(location))
     try:
-        url = make_url(where)
+        url = make_url(location)
     except (ArgumentError, ValueError):  # neither says where the password was, nor do we
         help = "for example postgresql://me@host/rtron"
         raise InputError("the URL of the database cannot be read", help=help) from None
@@ -81,20 +81,20 @@ def _url(where: str | Path) -> URL:
 def _engine(url: URL) -> Engine:
     quiet = {"hide_parameters": True}  # an error must not tell what was to be stored
     if url.get_backend_name() != "sqlite":
-        timeout = {"timeout": _ANSWER_S}
+        timeout = {"timeout": _ANSWER_TIMEOUT_S}
         return create_engine(url, pool_pre_ping=True, connect_args=timeout, **quiet)
-    engine = create_engine(url, connect_args={"timeout": _BUSY_S}, **quiet)
-    event.listen(engine, "connect", _prepare)
-    event.listen(engine, "checkin", _no_longer_durable)
+    engine = create_engine(url, connect_args={"timeout": _BUSY_TIMEOUT_S}, **quiet)
+    event.listen(engine, "connect", _set_pragmas)
+    event.listen(engine, "checkin", _reset_durability)
     return engine
 
 
-def _prepare(connection: Any, _record: object) -> None:  # noqa: ANN401 - sqlite3's own
+def _set_pragmas(connection: Any, _record: object) -> None:  # noqa: ANN401 - sqlite3's own
     """Readers and the one writer do not wait for each other (SQLite: Write-Ahead Logging)."""
     for pragma in ("journal_mode=WAL", "synchronous=NORMAL", "foreign_keys=ON"):
         connection.execute(f"PRAGMA {pragma}")
 
 
-def _no_longer_durable(connection: Any, _record: object) -> None:  # noqa: ANN401 - sqlite3's own
+def _reset_durability(connection: Any, _record: object) -> None:  # noqa: ANN401 - sqlite3's own
     if connection is not None:
         connection.execute("PRAGMA synchronous=NORMAL")

@@ -9,17 +9,17 @@ from sqlalchemy import ColumnElement, Select, func, select, text
 from sqlalchemy.orm import Session
 
 from rtron.service.domain.schemas import EventPage, EventView
-from rtron.service.store.event_rows import view
+from rtron.service.store.event_rows import event_view
 from rtron.service.store.tables import EventRow, RobotRow
-from rtron.vocabulary import EventKind, Level
+from rtron.vocabulary import EventKind, GuardEventLevel
 
-MOST = 1000
+MAX_PAGE_EVENTS = 1000
 """The most events on one page."""
-SPAN = 100_000
+MAX_SEARCHED_EVENTS = 100_000
 """The most events that one page looks through."""
-_LARGEST = (1 << 63) - 1
+_MAX_INT64 = (1 << 63) - 1
 _COLUMNS = tuple(EventRow.__table__.columns)
-_ABOVE = {Level.WARNING: ("warning", "error"), Level.ERROR: ("error",)}
+_LEVELS_FROM = {GuardEventLevel.WARNING: ("warning", "error"), GuardEventLevel.ERROR: ("error",)}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -33,7 +33,7 @@ class EventFilter:
 
     robot: str | None = None
     kind: EventKind | None = None
-    level: Level | None = None
+    level: GuardEventLevel | None = None
     node: str | None = None
     topic: str | None = None
     text: str | None = None
@@ -44,76 +44,88 @@ class EventFilter:
     counts: bool = True
 
 
-def event_page(session: Session, wanted: EventFilter, limit: int = 100) -> EventPage:
+def event_page(session: Session, event_filter: EventFilter, limit: int = 100) -> EventPage:
     """Return at most `limit` events, newest first; of robots nobody knows there are none.
 
-    A page that no index serves looks through `SPAN` events at most: it may hold few events, or
+    A page that no index serves looks through `MAX_SEARCHED_EVENTS` events at most: it may hold few events, or
     none, and yet have a `next`.
     """
-    limit = max(1, min(limit, MOST))
-    end = _searched(session, wanted)
-    query = select(*_COLUMNS).where(EventRow.id >= end, *_conditions(wanted))
+    limit = max(1, min(limit, MAX_PAGE_EVENTS))
+    end = _search_end(session, event_filter)
+    query = select(*_COLUMNS).where(EventRow.id >= end, *_conditions(event_filter))
     query = query.order_by(EventRow.id.desc()).limit(limit + 1)
-    found = nlargest(limit + 1, _of_each(session, wanted, query), key=_id)
-    events = found[:limit]
-    last = events[-1].id if len(found) > limit else end or None
+    candidates = nlargest(limit + 1, _newest_of_each_robot(session, event_filter, query), key=_id)
+    events = candidates[:limit]
+    last = events[-1].id if len(candidates) > limit else end or None
     return EventPage(events=events, next=last)
 
 
-def _searched(session: Session, wanted: EventFilter) -> int:
+def _search_end(session: Session, event_filter: EventFilter) -> int:
     """Return the id at which a page that no index serves stops to look; 0 if none is left out."""
-    asked = (wanted.text, wanted.node, wanted.topic, wanted.since, wanted.until)
-    if wanted.after is not None or not any(asked):
+    unindexed = (
+        event_filter.text,
+        event_filter.node,
+        event_filter.topic,
+        event_filter.since,
+        event_filter.until,
+    )
+    if event_filter.after is not None or not any(unindexed):
         return 0
     oldest, newest = session.execute(select(func.min(EventRow.id), func.max(EventRow.id))).one()
     if newest is None:
         return 0
-    begin = newest + 1 if wanted.before is None else min(_long(wanted.before), newest + 1)
-    return begin - SPAN if begin - SPAN > oldest else 0
+    begin = (
+        newest + 1
+        if event_filter.before is None
+        else min(_clamp_int64(event_filter.before), newest + 1)
+    )
+    return begin - MAX_SEARCHED_EVENTS if begin - MAX_SEARCHED_EVENTS > oldest else 0
 
 
-def _of_each(session: Session, wanted: EventFilter, query: Select[Any]) -> Iterator[EventView]:
+def _newest_of_each_robot(
+    session: Session, event_filter: EventFilter, query: Select[Any]
+) -> Iterator[EventView]:
     """Yield the newest of each robot: so the indexes, which begin with the robot, serve all."""
     robots = select(RobotRow.id, RobotRow.name)
-    if wanted.robot is not None:
-        robots = robots.where(RobotRow.name == wanted.robot)
+    if event_filter.robot is not None:
+        robots = robots.where(RobotRow.name == event_filter.robot)
     for id, name in session.execute(robots).all():
         for row in session.execute(query.where(EventRow.robot_id == id)).mappings():
-            yield view(name, row)  # type: ignore[arg-type]  # by the names of its columns
+            yield event_view(name, row)  # type: ignore[arg-type]  # by the names of its columns
 
 
-def _conditions(wanted: EventFilter) -> Iterator[ColumnElement[bool]]:
+def _conditions(event_filter: EventFilter) -> Iterator[ColumnElement[bool]]:
     for column, value in (
-        (EventRow.kind, wanted.kind and wanted.kind.value),
-        (EventRow.node, wanted.node),
-        (EventRow.topic, wanted.topic),
+        (EventRow.kind, event_filter.kind and event_filter.kind.value),
+        (EventRow.node, event_filter.node),
+        (EventRow.topic, event_filter.topic),
     ):
         if value is not None:
             yield column == value
-    if not wanted.counts:
+    if not event_filter.counts:
         yield text("kind <> 'counts'")  # type: ignore[misc]  # as the index has it
-    if wanted.level in _ABOVE:
+    if event_filter.level in _LEVELS_FROM:
         yield text("level <> 'info'")  # type: ignore[misc]  # as the index has it
-        yield EventRow.level.in_(_ABOVE[wanted.level])
-    if wanted.text:
-        yield EventRow.reason.icontains(wanted.text, autoescape=True)
-    yield from _bounds(wanted)
+        yield EventRow.level.in_(_LEVELS_FROM[event_filter.level])
+    if event_filter.text:
+        yield EventRow.reason.icontains(event_filter.text, autoescape=True)
+    yield from _range_conditions(event_filter)
 
 
-def _bounds(wanted: EventFilter) -> Iterator[ColumnElement[bool]]:
-    if wanted.since is not None:
-        yield EventRow.at >= _long(wanted.since)
-    if wanted.until is not None:
-        yield EventRow.at < _long(wanted.until)
-    if wanted.before is not None:
-        yield EventRow.id < _long(wanted.before)
-    if wanted.after is not None:
-        yield EventRow.id > _long(wanted.after)
+def _range_conditions(event_filter: EventFilter) -> Iterator[ColumnElement[bool]]:
+    if event_filter.since is not None:
+        yield EventRow.at >= _clamp_int64(event_filter.since)
+    if event_filter.until is not None:
+        yield EventRow.at < _clamp_int64(event_filter.until)
+    if event_filter.before is not None:
+        yield EventRow.id < _clamp_int64(event_filter.before)
+    if event_filter.after is not None:
+        yield EventRow.id > _clamp_int64(event_filter.after)
 
 
-def _long(value: int) -> int:
+def _clamp_int64(value: int) -> int:
     """Return the nearest number that a database knows."""
-    return max(-_LARGEST, min(value, _LARGEST))
+    return max(-_MAX_INT64, min(value, _MAX_INT64))
 
 
 def _id(event: EventView) -> int:

@@ -13,24 +13,24 @@ from rtron.errors import WireError
 from rtron.service.domain.schemas import EventView
 from rtron.vocabulary import GuardEvent
 
-LONGEST_VALUES = 1 << 16
+MAX_VALUES_LENGTH = 1 << 16
 """The longest `values` of an event, characters of JSON."""
-LONGEST_RUN = 40
-_LARGEST = (1 << 63) - 1
-_VIEWED = EventView.model_fields.keys() - {"robot"}
+MAX_RUN_LENGTH = 40
+_MAX_INT64 = (1 << 63) - 1
+_VIEW_COLUMNS = EventView.model_fields.keys() - {"robot"}
 
 
-def check(event: GuardEvent) -> None:
+def check_event(event: GuardEvent) -> None:
     """Raise WireError for an event that cannot be told from others, or of no possible time."""
-    if not 0 < len(event.run) <= LONGEST_RUN or "\0" in event.run:
-        raise WireError(f"a run has 1 to {LONGEST_RUN} characters")
-    if not 0 < event.number <= _LARGEST:
+    if not 0 < len(event.run) <= MAX_RUN_LENGTH or "\0" in event.run:
+        raise WireError(f"a run has 1 to {MAX_RUN_LENGTH} characters")
+    if not 0 < event.number <= _MAX_INT64:
         raise WireError(f"event {event.number}: they count from 1")
-    if not (0 <= event.at <= _LARGEST and 0 <= event.revision <= _LARGEST):
+    if not (0 <= event.at <= _MAX_INT64 and 0 <= event.revision <= _MAX_INT64):
         raise WireError(f"event {event.number}: its time or revision is out of range")
 
 
-def row(robot_id: int, now: int, event: GuardEvent) -> dict[str, Any]:
+def event_row(robot_id: int, now: int, event: GuardEvent) -> dict[str, Any]:
     """Return the row of a checked event that is stored at `now` (ns), without its id."""
     return {
         "robot_id": robot_id,
@@ -40,33 +40,33 @@ def row(robot_id: int, now: int, event: GuardEvent) -> dict[str, Any]:
         "stored": now,
         "kind": event.kind.value,
         "level": event.level.value,
-        "node": _text(event.node, 200),
-        "topic": _text(event.topic, 300),
-        "flow": _text(event.flow, 200),
-        "publisher": _text(event.publisher, 300),
+        "node": _clean_text(event.node, 200),
+        "topic": _clean_text(event.topic, 300),
+        "flow": _clean_text(event.flow, 200),
+        "publisher": _clean_text(event.publisher, 300),
         "policy": event.policy.value if event.policy else "",
         "decision": event.decision.value if event.decision else "",
-        "reason": _text(event.reason, 1000),
+        "reason": _clean_text(event.reason, 1000),
         "revision": event.revision,
-        "values": _values(event.values) if event.values else {},
+        "values": _json_values(event.values) if event.values else {},
     }
 
 
-def view(robot: str, row: Mapping[str, Any]) -> EventView:
+def event_view(robot: str, row: Mapping[str, Any]) -> EventView:
     """Return a stored event, with its id, as the API says it."""
-    return EventView(robot=robot, **{name: row[name] for name in _VIEWED})
+    return EventView(robot=robot, **{name: row[name] for name in _VIEW_COLUMNS})
 
 
-def _text(text: str, longest: int) -> str:
-    return text[:longest].replace("\0", "\ufffd")
+def _clean_text(text: str, max_length: int) -> str:
+    return text[:max_length].replace("\0", "\ufffd")
 
 
-def _values(values: Mapping[str, Any]) -> Mapping[str, Any]:
+def _json_values(values: Mapping[str, Any]) -> Mapping[str, Any]:
     try:
         written = json.dumps(values, allow_nan=False)
     except ValueError:
-        return _values(_finite(values))
-    return values if len(written) <= LONGEST_VALUES else {"left_out": len(written)}
+        return _json_values(_finite(values))
+    return values if len(written) <= MAX_VALUES_LENGTH else {"left_out": len(written)}
 
 
 def _finite(value: Any) -> Any:  # noqa: ANN401 - any JSON value

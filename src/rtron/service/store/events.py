@@ -9,26 +9,26 @@ from sqlalchemy.dialects import postgresql, sqlite
 from sqlalchemy.orm import Session
 
 from rtron.service.domain.schemas import EventView
-from rtron.service.store.event_rows import row, view
+from rtron.service.store.event_rows import event_row, event_view
 from rtron.service.store.tables import CoordinationNodeRow, EventRow, RobotRow
-from rtron.vocabulary import Decision, EventKind, GuardEvent, Level
+from rtron.vocabulary import Decision, EventKind, GuardEvent, GuardEventLevel
 
 _EVENTS: Table = EventRow.__table__  # type: ignore[assignment]  # a table, not a join
 _KEY = (_EVENTS.c.robot_id, _EVENTS.c.run, _EVENTS.c.number)
-_REFUSED = frozenset({Decision.DROP, Decision.MODIFY})
+_VIOLATING_DECISIONS = frozenset({Decision.DROP, Decision.MODIFY})
 
 
 @dataclass(frozen=True, slots=True)
-class Batch:
+class EventBatch:
     """Checked events of one robot, in the order of their numbers."""
 
     robot_id: int
-    robot: str
+    robot_name: str
     events: Sequence[GuardEvent]
 
 
 @dataclass(frozen=True, slots=True)
-class Added:
+class StoredEvent:
     """An event that is stored now and was not before: the columns of its row."""
 
     robot: str
@@ -39,40 +39,43 @@ class Added:
         """Whether a coordination node has refused or changed something, or stops the robot."""
         kind = self.row["kind"]
         if kind == EventKind.VERDICT:
-            return self.row["decision"] in _REFUSED
-        blocks = kind == EventKind.RULE and self.row["level"] != Level.INFO
+            return self.row["decision"] in _VIOLATING_DECISIONS
+        blocks = kind == EventKind.RULE and self.row["level"] != GuardEventLevel.INFO
         return bool(blocks or kind == EventKind.STOP)
 
     def view(self) -> EventView:
         """Return it as the API says it."""
-        return view(self.robot, self.row)
+        return event_view(self.robot, self.row)
 
 
-def add_events(session: Session, now: int, batches: Sequence[Batch]) -> Sequence[Added]:
+def add_events(session: Session, now: int, batches: Sequence[EventBatch]) -> Sequence[StoredEvent]:
     """Store what is not stored yet, at `now` (ns); return it in the order of storing."""
-    rows = [row(batch.robot_id, now, event) for batch in batches for event in batch.events]
+    rows = [event_row(batch.robot_id, now, event) for batch in batches for event in batch.events]
     if not rows:
         return ()
     by_key = {(each["robot_id"], each["run"], each["number"]): each for each in rows}
     insert = _insert(session).returning(_EVENTS.c.id, *_KEY)
-    stored = session.execute(insert, list(by_key.values()))
-    robots = {batch.robot_id: batch.robot for batch in batches}
-    added = [Added(robots[key[0]], {"id": id, **by_key[tuple(key)]}) for id, *key in sorted(stored)]
-    _keep_violations(session, added)
+    returned = session.execute(insert, list(by_key.values()))
+    robots = {batch.robot_id: batch.robot_name for batch in batches}
+    added = [
+        StoredEvent(robots[key[0]], {"id": id, **by_key[tuple(key)]})
+        for id, *key in sorted(returned)
+    ]
+    _store_violations(session, added)
     return added
 
 
-def lost_events(session: Session) -> Mapping[str, int]:
+def lost_events_by_robot(session: Session) -> Mapping[str, int]:
     """Return how many events are known to be lost, by robot."""
     query = select(RobotRow.name, EventRow.values).join_from(EventRow, RobotRow)
-    found: dict[str, int] = {}
+    counts: dict[str, int] = {}
     for robot, values in session.execute(query.where(EventRow.kind == EventKind.LOST.value)):
-        found[robot] = found.get(robot, 0) + lost(values)
-    return found
+        counts[robot] = counts.get(robot, 0) + lost_event_count(values)
+    return counts
 
 
-def lost(values: Mapping[str, Any]) -> int:
-    """Return how many events an event of the kind `lost` speaks of; a guard may say anything."""
+def lost_event_count(values: Mapping[str, Any]) -> int:
+    """Return how many events an event of the kind `lost_event_count` speaks of; a guard may say anything."""
     events = values.get("events")
     return events if type(events) is int and 0 <= events < 1 << 53 else 0
 
@@ -84,15 +87,15 @@ def _insert(session: Session) -> Insert:
     return postgresql.insert(_EVENTS).on_conflict_do_nothing()
 
 
-def _keep_violations(session: Session, added: Sequence[Added]) -> None:
+def _store_violations(session: Session, added: Sequence[StoredEvent]) -> None:
     """Keep the newest violation with its coordination node."""
     violations = [each for each in added if each.row["node"] and each.is_violation]
     newest = {(each.robot, each.row["node"]): each for each in violations}
     for violation in newest.values():
-        _violated(session, violation)
+        _store_violation(session, violation)
 
 
-def _violated(session: Session, violation: Added) -> None:
+def _store_violation(session: Session, violation: StoredEvent) -> None:
     """Keep it in the robot's current app, unless a newer one is there."""
     node, row = CoordinationNodeRow, violation.row
     app = select(RobotRow.app_id).where(RobotRow.id == row["robot_id"]).scalar_subquery()

@@ -13,33 +13,33 @@ from sqlalchemy.orm import Session
 from rtron.service.store.database import Database
 from rtron.service.store.tables import EventRow
 
-SLICE = 1000
+BATCH_EVENTS = 1000
 """So many events are deleted in one transaction."""
 _DAY = 86_400_000_000_000
-_KEPT = 0.95
+_TARGET_SHARE = 0.95
 """What is left of the allowed size once it was too much: not each new event deletes one."""
 _NO_OBJECTS = {"synchronize_session": False}
-_INDEXED = 200
+_INDEX_BYTES = 200
 """Bytes of an event in PostgreSQL's indexes, about."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Bounds:
-    """What is kept: events of the last `days`, of `size` bytes altogether at most."""
+class RetentionLimits:
+    """What is kept: events of the last `max_days`, of `max_bytes` bytes altogether at most."""
 
-    days: float = 30.0
-    size: int = 4 << 30
+    max_days: float = 30.0
+    max_bytes: int = 4 << 30
 
 
-def forget(database: Database, bounds: Bounds, now: int) -> Iterator[int]:
+def prune_events(database: Database, limits: RetentionLimits, now: int) -> Iterator[int]:
     """Delete what is out of bounds at `now` (ns); yield how many events after each transaction.
 
     Too many bytes take `counts` events first, the oldest first.
     """
-    yield from _aged(database, now - int(bounds.days * _DAY))
-    excess = _excess(database, bounds.size)
+    yield from _prune_old(database, now - int(limits.max_days * _DAY))
+    excess = _excess_count(database, limits.max_bytes)
     for condition in ("kind = 'counts'", "kind <> 'counts'"):
-        for deleted in _oldest(database, condition, excess):
+        for deleted in _prune_matching(database, condition, excess):
             excess -= deleted
             yield deleted
 
@@ -52,29 +52,29 @@ def used_bytes(session: Session) -> int:
         return int(session.scalar(text(f"SELECT ({pages}) * ({size})")) or 0)
     newest = "SELECT events.*::text AS row FROM events ORDER BY id DESC LIMIT 1000"
     mean = session.scalar(text(f"SELECT avg(length(row)) FROM ({newest}) AS newest"))  # noqa: S608
-    return int(_count(session) * (float(mean or 0) + _INDEXED))
+    return int(_event_count(session) * (float(mean or 0) + _INDEX_BYTES))
 
 
-def _aged(database: Database, cutoff: int) -> Iterator[int]:
+def _prune_old(database: Database, cutoff: int) -> Iterator[int]:
     """Delete what was stored before `cutoff` (ns); ids are in the order of storing."""
-    query = select(EventRow.id, EventRow.stored).order_by(EventRow.id).limit(SLICE)
-    old = SLICE
-    while old == SLICE:
-        with database.writing() as session:
+    query = select(EventRow.id, EventRow.stored).order_by(EventRow.id).limit(BATCH_EVENTS)
+    old = BATCH_EVENTS
+    while old == BATCH_EVENTS:
+        with database.write_session() as session:
             ids = [id for id, stored in session.execute(query) if stored < cutoff]
             old = _delete(session, ids)
         yield old
 
 
-def _oldest(database: Database, condition: str, most: int) -> Iterator[int]:
-    """Delete the `most` oldest events that fit a condition."""
+def _prune_matching(database: Database, condition: str, max_events: int) -> Iterator[int]:
+    """Delete the `max_events` oldest events that fit a condition."""
     query = select(EventRow.id).where(text(condition)).order_by(EventRow.id)
     ids = [0]
-    while ids and most > 0:
-        behind = query.where(EventRow.id > ids[-1]).limit(min(SLICE, most))
-        with database.writing() as session:
-            ids = list(session.scalars(behind))
-            most -= _delete(session, ids)
+    while ids and max_events > 0:
+        query_after = query.where(EventRow.id > ids[-1]).limit(min(BATCH_EVENTS, max_events))
+        with database.write_session() as session:
+            ids = list(session.scalars(query_after))
+            max_events -= _delete(session, ids)
         yield len(ids)
 
 
@@ -83,14 +83,14 @@ def _delete(session: Session, ids: Sequence[int]) -> int:
     return len(ids)
 
 
-def _excess(database: Database, size: int) -> int:
+def _excess_count(database: Database, size: int) -> int:
     """Return how many events are too many."""
     with database.session() as session:
         used = used_bytes(session)
         if used <= size:
             return 0
-        return int(_count(session) * (1 - _KEPT * size / used))
+        return int(_event_count(session) * (1 - _TARGET_SHARE * size / used))
 
 
-def _count(session: Session) -> int:
+def _event_count(session: Session) -> int:
     return session.scalar(select(func.count()).select_from(EventRow)) or 0

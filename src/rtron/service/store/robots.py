@@ -33,7 +33,7 @@ def plan_json(plan: Plan) -> dict[str, Any]:
     return document
 
 
-def plan_of(app: AppRow) -> Plan:
+def load_plan(app: AppRow) -> Plan:
     """Return the plan of an app."""
     return _PLAN.validate_python(app.plan)
 
@@ -43,7 +43,7 @@ def plan_digest(document: dict[str, Any]) -> str:
     return sha256(json.dumps(document, sort_keys=True).encode()).hexdigest()
 
 
-def robots(session: Session) -> Sequence[tuple[RobotRow, AppRow | None]]:
+def list_robots(session: Session) -> Sequence[tuple[RobotRow, AppRow | None]]:
     """Return all robots by name, each with its current app."""
     query = (
         select(RobotRow, AppRow)
@@ -60,11 +60,11 @@ def find_robot(session: Session, name: str) -> tuple[RobotRow, AppRow | None] | 
         .outerjoin(AppRow, AppRow.id == RobotRow.app_id)
         .where(RobotRow.name == name)
     )
-    found = session.execute(query).first()
-    return (found[0], found[1]) if found else None
+    match = session.execute(query).first()
+    return (match[0], match[1]) if match else None
 
 
-def meet_robot(session: Session, name: str, now: int) -> RobotRow:
+def register_robot(session: Session, name: str, now: int) -> RobotRow:
     """Return the robot, made if it is new; it was seen at `now` (ns)."""
     robot = session.scalars(select(RobotRow).where(RobotRow.name == name)).one_or_none()
     if robot is None:
@@ -97,12 +97,12 @@ def coordination_nodes(session: Session, app_id: int) -> Sequence[CoordinationNo
     return session.scalars(query).all()
 
 
-def store_models(session: Session, app_id: int, models: Sequence[RiskModel]) -> None:
+def replace_risk_models(session: Session, app_id: int, models: Sequence[RiskModel]) -> None:
     """Make these the coordination nodes of an app; when they were triggered stays known."""
-    known = {row.node: row for row in coordination_nodes(session, app_id)}
-    _forget(session, app_id, known.keys() - {model.node for model in models})
+    rows_by_node = {row.node: row for row in coordination_nodes(session, app_id)}
+    _delete_nodes(session, app_id, rows_by_node.keys() - {model.node for model in models})
     for position, model in enumerate(models):
-        row = known.get(model.node) or _new(session, app_id, model.node)
+        row = rows_by_node.get(model.node) or _new_node(session, app_id, model.node)
         row.position = position
         row.type = model.type
         row.description = model.description
@@ -120,17 +120,17 @@ def store_policy_settings(
             row.policy_settings = settings[row.node]
 
 
-def _new(session: Session, app_id: int, node: str) -> CoordinationNodeRow:
+def _new_node(session: Session, app_id: int, node: str) -> CoordinationNodeRow:
     row = CoordinationNodeRow(app_id=app_id, node=node, triggered=None, violation=None)
     session.add(row)
     return row
 
 
-def _forget(session: Session, app_id: int, nodes: Iterable[str]) -> None:
-    gone = list(nodes)
-    if gone:
+def _delete_nodes(session: Session, app_id: int, nodes: Iterable[str]) -> None:
+    removed = list(nodes)
+    if removed:
         session.execute(
             delete(CoordinationNodeRow).where(
-                CoordinationNodeRow.app_id == app_id, CoordinationNodeRow.node.in_(gone)
+                CoordinationNodeRow.app_id == app_id, CoordinationNodeRow.node.in_(removed)
             )
         )

@@ -12,8 +12,8 @@ from sqlalchemy.exc import DBAPIError
 from rtron.errors import InputError, SourceError
 from rtron.service.store.tables import Table
 
-_SCRIPTS = Path(__file__).with_name("migrations")
-_LOCK = 0x7274726F6E
+_SCRIPT_FOLDER = Path(__file__).with_name("migrations")
+_ADVISORY_LOCK_KEY = 0x7274726F6E
 """Of PostgreSQL's advisory locks, ours: two services that start at once migrate in turn."""
 
 
@@ -23,23 +23,23 @@ def migrate(engine: Engine) -> None:
     InputError for what is no database of RTron's or one of a newer RTron, SourceError when the
     server does not answer.
     """
-    name = _name(engine)
+    name = _display_name(engine)
     try:
         with engine.connect() as connection, connection.begin():
             _begin(connection)
-            _check(connection, name)
+            _check_schema(connection, name)
             _upgrade(connection)
     except DBAPIError as error:
-        raise _unusable(engine, name, error) from None
+        raise _unusable_database(engine, name, error) from None
 
 
-def head() -> str:
+def head_revision() -> str:
     """Return the newest revision of the schema."""
     return _scripts().get_current_head() or ""
 
 
 def _scripts() -> ScriptDirectory:
-    return ScriptDirectory(_SCRIPTS)
+    return ScriptDirectory(_SCRIPT_FOLDER)
 
 
 def _begin(connection: Connection) -> None:
@@ -47,19 +47,21 @@ def _begin(connection: Connection) -> None:
     if connection.dialect.name == "sqlite":
         connection.exec_driver_sql("BEGIN IMMEDIATE")
     else:
-        connection.exec_driver_sql(f"SELECT pg_advisory_xact_lock({_LOCK})")
+        connection.exec_driver_sql(f"SELECT pg_advisory_xact_lock({_ADVISORY_LOCK_KEY})")
 
 
-def _check(connection: Connection, name: str) -> None:
-    found = MigrationContext.configure(connection).get_current_heads()
-    known = {script.revision for script in _scripts().walk_revisions()}
-    if unknown := set(found) - known:
+def _check_schema(connection: Connection, name: str) -> None:
+    heads = MigrationContext.configure(connection).get_current_heads()
+    known_revisions = {script.revision for script in _scripts().walk_revisions()}
+    if unknown := set(heads) - known_revisions:
         help = "start the newest RTron that has used it, or give another --database"
-        message = f"its schema {', '.join(sorted(unknown))} is newer than this RTron's {head()}"
+        message = (
+            f"its schema {', '.join(sorted(unknown))} is newer than this RTron's {head_revision()}"
+        )
         raise InputError(message, path=name, help=help)
-    foreign = Table.metadata.tables.keys() & set(inspect(connection).get_table_names())
-    if foreign and not found:
-        message = f"it has tables of another program: {', '.join(sorted(foreign))}"
+    foreign_tables = Table.metadata.tables.keys() & set(inspect(connection).get_table_names())
+    if foreign_tables and not heads:
+        message = f"it has tables of another program: {', '.join(sorted(foreign_tables))}"
         raise InputError(message, path=name, help="give another --database")
 
 
@@ -74,13 +76,13 @@ def _upgrade(connection: Connection) -> None:
         context.run_migrations()
 
 
-def _name(engine: Engine) -> str:
+def _display_name(engine: Engine) -> str:
     if engine.dialect.name == "sqlite":
         return str(engine.url.database)
     return engine.url.render_as_string(hide_password=True)
 
 
-def _unusable(engine: Engine, name: str, error: DBAPIError) -> InputError | SourceError:
+def _unusable_database(engine: Engine, name: str, error: DBAPIError) -> InputError | SourceError:
     if engine.dialect.name == "sqlite":
         return InputError(str(error.orig), path=name, help="give a file of RTron's, or a new one")
     return SourceError(f"{name}: {error.orig}", help="is the server there, and may we log in?")

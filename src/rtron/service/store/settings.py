@@ -13,11 +13,11 @@ from rtron.service.store.tables import SettingsRow
 from rtron.vocabulary import Settings
 
 _SETTINGS: TypeAdapter[Settings] = TypeAdapter(Settings)
-_LONGEST = 1000
+_MAX_LENGTH = 1000
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Author:
+class ChangeAuthor:
     """Who makes settings, why, and when (ns)."""
 
     by: str
@@ -25,18 +25,18 @@ class Author:
     at: int
 
 
-def newest(session: Session, app_id: int) -> SettingsRow | None:
+def newest_settings(session: Session, app_id: int) -> SettingsRow | None:
     """Return the newest settings of an app."""
     query = select(SettingsRow).where(SettingsRow.app_id == app_id)
     return session.scalars(query.order_by(SettingsRow.revision.desc()).limit(1)).one_or_none()
 
 
-def revision(session: Session, app_id: int, number: int) -> SettingsRow | None:
+def find_revision(session: Session, app_id: int, number: int) -> SettingsRow | None:
     """Return the settings of an app at a revision."""
     return session.get(SettingsRow, (app_id, number))
 
 
-def last_applied(session: Session, app_id: int) -> SettingsRow | None:
+def last_applied_settings(session: Session, app_id: int) -> SettingsRow | None:
     """Return the newest settings that the guard has put in force."""
     query = select(SettingsRow).where(
         SettingsRow.app_id == app_id, SettingsRow.outcome == SettingsOutcome.APPLIED
@@ -44,7 +44,9 @@ def last_applied(session: Session, app_id: int) -> SettingsRow | None:
     return session.scalars(query.order_by(SettingsRow.revision.desc()).limit(1)).one_or_none()
 
 
-def history(session: Session, app_id: int, before: int | None, limit: int) -> Sequence[SettingsRow]:
+def list_settings(
+    session: Session, app_id: int, before: int | None, limit: int
+) -> Sequence[SettingsRow]:
     """Return settings, newest first, those older than revision `before`."""
     query = select(SettingsRow).where(SettingsRow.app_id == app_id)
     if before is not None:
@@ -52,14 +54,16 @@ def history(session: Session, app_id: int, before: int | None, limit: int) -> Se
     return session.scalars(query.order_by(SettingsRow.revision.desc()).limit(limit)).all()
 
 
-def add(session: Session, app_id: int, settings: Settings, author: Author) -> SettingsRow:
+def add_settings(
+    session: Session, app_id: int, settings: Settings, author: ChangeAuthor
+) -> SettingsRow:
     """Write new settings; IntegrityError if the app has that revision already."""
     row = SettingsRow(
         app_id=app_id,
         revision=settings.revision,
         document=settings_json(settings),
         by=author.by,
-        reason=author.reason[:_LONGEST],
+        reason=author.reason[:_MAX_LENGTH],
         at=author.at,
         outcome=SettingsOutcome.PENDING,
         error="",
@@ -70,13 +74,13 @@ def add(session: Session, app_id: int, settings: Settings, author: Author) -> Se
     return row
 
 
-def answer(
+def record_answer(
     session: Session, row: SettingsRow, outcome: SettingsOutcome, error: str, now: int
 ) -> bool:
     """Note what the guard says to settings; those before that wait were overtaken. New or not."""
-    if (row.outcome, row.error) == (outcome, error[:_LONGEST]):
+    if (row.outcome, row.error) == (outcome, error[:_MAX_LENGTH]):
         return False
-    row.outcome, row.error, row.answered = outcome, error[:_LONGEST], now
+    row.outcome, row.error, row.answered = outcome, error[:_MAX_LENGTH], now
     session.execute(
         update(SettingsRow)
         .where(
@@ -90,7 +94,7 @@ def answer(
     return True
 
 
-def newest_of_all(session: Session) -> dict[int, SettingsRow]:
+def newest_settings_by_app(session: Session) -> dict[int, SettingsRow]:
     """Return the newest settings of every app."""
     last = (
         select(SettingsRow.app_id, func.max(SettingsRow.revision).label("revision"))
@@ -104,7 +108,7 @@ def newest_of_all(session: Session) -> dict[int, SettingsRow]:
     return {row.app_id: row for row in session.scalars(query)}
 
 
-def settings_of(row: SettingsRow) -> Settings:
+def load_settings(row: SettingsRow) -> Settings:
     """Return the settings of a row."""
     return _SETTINGS.validate_python(row.document)
 
@@ -119,7 +123,7 @@ def settings_view(row: SettingsRow) -> SettingsView:
     """Return settings as the API shows them."""
     return SettingsView(
         revision=row.revision,
-        settings=settings_of(row),
+        settings=load_settings(row),
         by=row.by,
         reason=row.reason,
         at=row.at,

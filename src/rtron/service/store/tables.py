@@ -21,7 +21,7 @@ from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column
 _Long = BigInteger().with_variant(Integer, "sqlite")
 
 
-def _partly(name: str, *columns: str, where: str) -> Index:
+def _partial_index(name: str, *columns: str, where: str) -> Index:
     condition = text(where)
     return Index(name, *columns, sqlite_where=condition, postgresql_where=condition)
 
@@ -115,9 +115,9 @@ class EventRow(Table):
         UniqueConstraint("robot_id", "run", "number"),
         Index("events_by_robot", "robot_id", "id", "at"),
         Index("events_by_kind", "robot_id", "kind", "id"),
-        _partly("events_of_note", "robot_id", "id", where="level <> 'info'"),
-        _partly("events_told", "robot_id", "id", where="kind <> 'counts'"),
-        _partly("events_counts", "robot_id", "at", where="kind = 'counts'"),
+        _partial_index("events_of_note", "robot_id", "id", where="level <> 'info'"),
+        _partial_index("events_told", "robot_id", "id", where="kind <> 'counts'"),
+        _partial_index("events_counts", "robot_id", "at", where="kind = 'counts'"),
         {"sqlite_autoincrement": True},
     )
 

@@ -12,13 +12,13 @@ from sqlalchemy.orm import Session
 
 from rtron.service.store.tables import EventRow, RobotRow
 
-MOST_POINTS = 600
-MOST_NAMES = 200
+MAX_POINTS = 600
+MAX_NAMES = 200
 """So many topics, flows and fps_monitors are told at a point; what is more is left out."""
 _SECOND = 1_000_000_000
-_READ = 20
+_SECONDS_PER_POINT = 20
 """So many seconds of each point are read."""
-Tally = tuple[int, int, int, int]
+FlowCounts = tuple[int, int, int, int]
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,14 +29,14 @@ class StreamCounts:
     `limit` the lowest (m/s), `latency` the mean and the worst (us).
     """
 
-    flows: dict[str, Tally]
+    flows: dict[str, FlowCounts]
     speed: float | None = None
     limit: float | None = None
     latency: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True, slots=True)
-class Point:
+class TimeSeriesPoint:
     """What happened from `at` (ns) on; `fps` is the lowest by fps_monitor."""
 
     at: int
@@ -45,7 +45,7 @@ class Point:
 
 
 @dataclass(frozen=True, slots=True)
-class Figures:
+class TimeSeries:
     """Points in the order of time, `width` ns each; where nothing was counted there is none.
 
     With `every` above 1 only every so many seconds were read, and the counts are multiplied by it.
@@ -53,7 +53,7 @@ class Figures:
 
     width: int
     every: int
-    points: list[Point]
+    points: list[TimeSeriesPoint]
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,24 +67,24 @@ class _Counts:
 _COUNTS = TypeAdapter(_Counts)
 
 
-def figures(session: Session, robot: str, since: int, until: int) -> Figures:
+def robot_time_series(session: Session, robot: str, since: int, until: int) -> TimeSeries:
     """Return the figures of a robot from `since` to `until` (ns, excluded)."""
     seconds = max(1, -(-(until - since) // _SECOND))
-    width = -(-seconds // MOST_POINTS)
-    every = -(-width // _READ)
-    read = _read(session, _query(robot, since, until, every))
-    grouped = groupby(read, lambda each: (each[0] - since) // (width * _SECOND))
+    width = -(-seconds // MAX_POINTS)
+    every = -(-width // _SECONDS_PER_POINT)
+    samples = _read_counts(session, _query(robot, since, until, every))
+    grouped = groupby(samples, lambda each: (each[0] - since) // (width * _SECOND))
     points = [
-        _point(since + place * width * _SECOND, [counts for _, counts in group], every)
-        for place, group in grouped
+        _point(since + index * width * _SECOND, [counts for _, counts in group], every)
+        for index, group in grouped
     ]
-    return Figures(width * _SECOND, every, points)
+    return TimeSeries(width * _SECOND, every, points)
 
 
 def _query(robot: str, since: int, until: int, every: int) -> Select[Any]:
-    known = select(RobotRow.id).where(RobotRow.name == robot).scalar_subquery()
+    robot_id = select(RobotRow.id).where(RobotRow.name == robot).scalar_subquery()
     query = select(EventRow.at, EventRow.values).where(
-        EventRow.robot_id == known,
+        EventRow.robot_id == robot_id,
         text("kind = 'counts'"),  # as the index has it
         EventRow.at >= since,
         EventRow.at < until,
@@ -94,7 +94,7 @@ def _query(robot: str, since: int, until: int, every: int) -> Select[Any]:
     return query.order_by(EventRow.at)
 
 
-def _read(session: Session, query: Select[Any]) -> Iterator[tuple[int, _Counts]]:
+def _read_counts(session: Session, query: Select[Any]) -> Iterator[tuple[int, _Counts]]:
     for at, values in session.execute(query.execution_options(yield_per=500)):
         counts = _counts(values)
         if counts:
@@ -109,40 +109,43 @@ def _counts(values: Mapping[str, Any]) -> _Counts | None:
         return None
 
 
-def _point(at: int, read: Sequence[_Counts], every: int) -> Point:
-    topics = _first(topic for counts in read for topic in counts.streams)
-    monitors = _first(name for counts in read for name in counts.fps)
+def _point(at: int, samples: Sequence[_Counts], every: int) -> TimeSeriesPoint:
+    topics = _first_names(topic for counts in samples for topic in counts.streams)
+    monitors = _first_names(name for counts in samples for name in counts.fps)
     by_topic = {
-        topic: [each.streams[topic] for each in read if topic in each.streams] for topic in topics
+        topic: [each.streams[topic] for each in samples if topic in each.streams]
+        for topic in topics
     }
-    return Point(
+    return TimeSeriesPoint(
         at,
-        {topic: _stream(found, every) for topic, found in by_topic.items()},
-        {name: min(each.fps[name] for each in read if name in each.fps) for name in monitors},
+        {topic: _stream(streams, every) for topic, streams in by_topic.items()},
+        {name: min(each.fps[name] for each in samples if name in each.fps) for name in monitors},
     )
 
 
-def _stream(read: Sequence[StreamCounts], every: int) -> StreamCounts:
-    names = _first(name for counts in read for name in counts.flows)
+def _stream(samples: Sequence[StreamCounts], every: int) -> StreamCounts:
+    names = _first_names(name for counts in samples for name in counts.flows)
     return StreamCounts(
         {
-            name: _sum([each.flows[name] for each in read if name in each.flows], every)
+            name: _sum([each.flows[name] for each in samples if name in each.flows], every)
             for name in names
         },
-        max((each.speed for each in read if each.speed is not None), default=None),
-        min((each.limit for each in read if each.limit is not None), default=None),
-        _latency([each.latency for each in read if each.latency]),
+        max((each.speed for each in samples if each.speed is not None), default=None),
+        min((each.limit for each in samples if each.limit is not None), default=None),
+        _latency([each.latency for each in samples if each.latency]),
     )
 
 
-def _sum(read: Sequence[Tally], every: int) -> Tally:
-    passed, held, dropped, modified = (every * sum(column) for column in zip(*read, strict=True))
+def _sum(samples: Sequence[FlowCounts], every: int) -> FlowCounts:
+    passed, held, dropped, modified = (every * sum(column) for column in zip(*samples, strict=True))
     return passed, held, dropped, modified
 
 
-def _latency(read: Sequence[tuple[float, float]]) -> tuple[float, float] | None:
-    return (fmean(each[0] for each in read), max(each[1] for each in read)) if read else None
+def _latency(samples: Sequence[tuple[float, float]]) -> tuple[float, float] | None:
+    return (
+        (fmean(each[0] for each in samples), max(each[1] for each in samples)) if samples else None
+    )
 
 
-def _first(names: Iterable[str]) -> list[str]:
-    return list(islice(dict.fromkeys(names), MOST_NAMES))
+def _first_names(names: Iterable[str]) -> list[str]:
+    return list(islice(dict.fromkeys(names), MAX_NAMES))

@@ -8,10 +8,10 @@ from sqlalchemy.orm import Session
 from rtron.service.domain.errors import ConflictError, NotFoundError
 from rtron.service.store.accounts.secrets import new_secret
 from rtron.service.store.tables import WebhookRow
-from rtron.vocabulary import Level
+from rtron.vocabulary import GuardEventLevel
 
-_MOST = 20
-_LONGEST = 300
+_MAX_WEBHOOKS = 20
+_MAX_REASON = 300
 
 
 def all_webhooks(session: Session) -> Sequence[WebhookRow]:
@@ -19,10 +19,10 @@ def all_webhooks(session: Session) -> Sequence[WebhookRow]:
     return session.scalars(select(WebhookRow).order_by(WebhookRow.id)).all()
 
 
-def add_webhook(session: Session, now: int, url: str, level: Level) -> WebhookRow:
+def add_webhook(session: Session, now: int, url: str, level: GuardEventLevel) -> WebhookRow:
     """Add a webhook with a secret of its own; ConflictError if there are too many."""
-    if len(all_webhooks(session)) >= _MOST:
-        raise ConflictError(f"there are {_MOST} webhooks, no more are served")
+    if len(all_webhooks(session)) >= _MAX_WEBHOOKS:
+        raise ConflictError(f"there are {_MAX_WEBHOOKS} webhooks, no more are served")
     row = WebhookRow(url=url, level=str(level), secret=new_secret(), created=now, failing="")
     session.add(row)
     session.flush()
@@ -38,7 +38,7 @@ def remove_webhook(session: Session, id: int) -> WebhookRow:
     return row
 
 
-def note_failing(session: Session, id: int, why: str) -> None:
+def store_failure(session: Session, id: int, reason: str) -> None:
     """Note why the last call failed, "" if it did not."""
     query = update(WebhookRow).where(WebhookRow.id == id)
-    session.execute(query.values(failing=why[:_LONGEST]))
+    session.execute(query.values(failing=reason[:_MAX_REASON]))

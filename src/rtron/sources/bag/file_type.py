@@ -5,9 +5,9 @@ from pathlib import Path
 from rtron.folders import is_folder
 
 METADATA = "metadata.yaml"
-ROOT = "rosbag2_bagfile_information"
+METADATA_KEY = "rosbag2_bagfile_information"
 SUFFIXES = frozenset({".bag", ".mcap", ".db3"})
-_HEAD = 4096
+_HEAD_BYTES = 4096
 
 
 def is_bag(path: Path) -> bool:
@@ -22,6 +22,6 @@ def _is_bag_folder(path: Path) -> bool:
     metadata = path / METADATA
     try:
         with metadata.open("rb") as stream:
-            return ROOT.encode() in stream.read(_HEAD)
+            return METADATA_KEY.encode() in stream.read(_HEAD_BYTES)
     except OSError:
         return False

@@ -4,9 +4,9 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from rtron.sources.bag.common.reader import BagConnection, BagReading
-from rtron.sources.bag.formats import read_messages
-from rtron.sources.bag.silent_actions import actions_in_bag
+from rtron.sources.bag.common.reader import BagConnection, BagReader
+from rtron.sources.bag.formats import open_bag
+from rtron.sources.bag.silent_actions import find_recorded_actions
 from rtron.vocabulary import (
     Direction,
     Durability,
@@ -17,15 +17,15 @@ from rtron.vocabulary import (
     QoS,
     Resolution,
     Topic,
-    Unresolved,
+    UnresolvedItem,
 )
 
-_LOGS = frozenset({"/rosout", "/rosout_agg"})
-_LATCHED = QoS(durability=Durability.TRANSIENT_LOCAL)
+_LOG_TOPICS = frozenset({"/rosout", "/rosout_agg"})
+_LATCHED_QOS = QoS(durability=Durability.TRANSIENT_LOCAL)
 
 
 @dataclass(frozen=True, slots=True)
-class Bag:
+class BagSource:
     """A Source that reads a bag's index: a ROS 1 .bag, a .mcap, a .db3, or a ROS 2 bag's folder.
 
     A topic whose publisher the bag does not name (ROS 2 never does) has no endpoint, since no node
@@ -36,17 +36,17 @@ class Bag:
 
     def read(self) -> InteractionGraph:
         """Return the graph of what was recorded; InputError if the bag cannot be read."""
-        reading = read_messages(self.path)
+        reader = open_bag(self.path)
         evidence = (Evidence(file=str(self.path)),)
-        endpoints = tuple(dict.fromkeys(_endpoints(reading.connections, evidence)))
+        endpoints = tuple(dict.fromkeys(_endpoints(reader.connections, evidence)))
         return InteractionGraph(
             app=self.path.resolve().name,
-            ros=1 if any(each.encoding == "ros1" for each in reading.connections) else 2,
+            ros=1 if any(each.encoding == "ros1" for each in reader.connections) else 2,
             nodes=tuple(Node(name=name) for name in dict.fromkeys(e.node for e in endpoints)),
-            topics=_topics(reading.connections),
+            topics=_topics(reader.connections),
             endpoints=endpoints,
-            actions=actions_in_bag(endpoints),
-            unresolved=tuple(_unresolved(reading, evidence)),
+            actions=find_recorded_actions(endpoints),
+            unresolved=tuple(_unresolved(reader, evidence)),
         )
 
 
@@ -60,9 +60,9 @@ def _endpoints(
                 topic=each.topic,
                 direction=Direction.PUBLISH,
                 type=each.type,
-                implicit=each.topic in _LOGS,
+                implicit=each.topic in _LOG_TOPICS,
                 resolution=Resolution.OBSERVED,
-                qos=_LATCHED if each.latching else None,
+                qos=_LATCHED_QOS if each.latching else None,
                 evidence=evidence,
             )
 
@@ -76,17 +76,17 @@ def _topics(connections: Iterable[BagConnection]) -> tuple[Topic, ...]:
     )
 
 
-def _unresolved(reading: BagReading, evidence: tuple[Evidence, ...]) -> Iterator[Unresolved]:
+def _unresolved(reader: BagReader, evidence: tuple[Evidence, ...]) -> Iterator[UnresolvedItem]:
     why = "a bag records who publishes, not who subscribes: read the app's launch files for that"
-    yield Unresolved(what="subscribers", why=why, evidence=evidence)
-    unnamed = {each.topic: each for each in reading.connections if not each.callerid}
+    yield UnresolvedItem(what="subscribers", why=why, evidence=evidence)
+    unnamed = {each.topic: each for each in reader.connections if not each.callerid}
     for topic, connection in sorted(unnamed.items()):
-        yield Unresolved(what=topic, why=_unnamed(connection), evidence=evidence)
-    for topic, why in reading.left_out:
-        yield Unresolved(what=topic, why=why, evidence=evidence)
+        yield UnresolvedItem(what=topic, why=_unnamed_publisher(connection), evidence=evidence)
+    for topic, why in reader.skipped:
+        yield UnresolvedItem(what=topic, why=why, evidence=evidence)
 
 
-def _unnamed(connection: BagConnection) -> str:
+def _unnamed_publisher(connection: BagConnection) -> str:
     number = len(connection.offered_qos)
     known = f", only that there were {number}" if number > 1 else ""
     return f"the bag does not name its publisher{'s' if known else ''}{known}"

@@ -4,26 +4,26 @@ from collections.abc import Iterator
 
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     ClassValue,
-    Foreign,
+    ExternalSymbol,
     FunctionValue,
-    Hole,
     Instance,
-    NativeClass,
+    LibraryClass,
+    Unknown,
     Value,
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import (
-    Machine,
+    AbstractMachine,
     StepsExceededError,
     ThrownError,
 )
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.calls import dispatch
-from rtron.sources.code.interpreter.execution.stack_frame import Frame
+from rtron.sources.code.interpreter.execution.stack_frame import StackFrame
 from rtron.sources.code.ir import Class, Function
-from rtron.sources.code.ir.references import called_words, written_names
+from rtron.sources.code.ir.references import called_names, written_names
 from rtron.vocabulary import Evidence
 
-API = frozenset(
+ROS1_API = frozenset(
     [
         "advertise",
         "subscribe",
@@ -65,7 +65,7 @@ API = frozenset(
         "SimpleActionServer<>",
     ]
 )
-_BOTH = frozenset(
+_ROS2_API = frozenset(
     [
         *("create_publisher", "create_subscription", "create_service", "create_client"),
         *("create_generic_publisher", "create_generic_subscription", "create_generic_client"),
@@ -74,7 +74,7 @@ _BOTH = frozenset(
         *("subscribe", "advertise", "configure"),
     ]
 )
-API2_CPP = _BOTH | {
+ROS2_CPP_API = _ROS2_API | {
     *("create_server", "create_sub_node", "rclcpp::Node", "rclcpp_lifecycle::LifecycleNode"),
     *("create_camera_publisher", "create_camera_subscription", "advertiseCamera"),
     *("subscribeCamera", "SubscriberFilter", "message_filters::Subscriber", "bond::Bond"),
@@ -84,12 +84,12 @@ API2_CPP = _BOTH | {
     *("SyncParametersClient", "popen"),
 }
 """The same for ROS 2; parameters decide names there, so declaring one counts."""
-API2_PYTHON = _BOTH | {
+ROS2_PYTHON_API = _ROS2_API | {
     *("ActionServer", "ActionClient", "Subscriber", "Node", "LifecycleNode", "create_node"),
     "create_lifecycle_publisher",
     *("Buffer", "Popen", "check_call", "create_sub_node", "ParameterEventHandler"),
 }
-_OF_CONTAINERS = frozenset(
+_CONTAINER_METHODS = frozenset(
     [
         *("get", "size", "begin", "end", "empty", "push_back", "emplace_back", "emplace", "clear"),
         *("front", "back", "at", "find", "insert", "erase", "c_str", "str", "reset", "lock"),
@@ -99,125 +99,134 @@ _OF_CONTAINERS = frozenset(
 """Called of containers and pointers, most often: that a class has one says nothing."""
 MAX_RUNS = 400
 MAX_STEPS = 100_000
-MAX_STEPS_2 = 400_000
+MAX_ROS2_STEPS = 400_000
 """A lifecycle node of ROS 2 makes all that it has in one callback."""
 
 
-def run_transitions(machine: Machine) -> None:
+def run_transitions(machine: AbstractMachine) -> None:
     """Run the virtual methods that a library calls of a program's objects, before anything else."""
-    for waiting in _called(machine):
-        machine.ran.add(_key(waiting.function))
-        _run(machine, waiting)
+    for waiting in _library_callbacks(machine):
+        machine.executed_functions.add(_key(waiting.function))
+        _run_callback(machine, waiting)
 
 
-def run_pending(machine: Machine) -> None:
+def run_pending(machine: AbstractMachine) -> None:
     """Run what was handed to a library, and the methods that an unknown base class may call."""
     for _ in range(MAX_RUNS):
-        waiting = next(_waiting(machine), None)
-        if waiting is None and not machine.deferred:
+        waiting = next(_runnable_callbacks(machine), None)
+        if waiting is None and not machine.deferred_actions:
             return
         if waiting is None:
-            _make_deferred(machine)
+            _run_deferred(machine)
             continue
-        machine.ran.add(_key(waiting.function))
-        _run(machine, waiting)
+        machine.executed_functions.add(_key(waiting.function))
+        _run_callback(machine, waiting)
 
 
-def _make_deferred(machine: Machine) -> None:
+def _run_deferred(machine: AbstractMachine) -> None:
     """Make what a library makes once the program is set up."""
-    make = machine.deferred.pop(0)
+    make = machine.deferred_actions.pop(0)
     try:
-        with machine.budget(MAX_STEPS):
+        with machine.step_budget(MAX_STEPS):
             make()
     except (StepsExceededError, ThrownError) as error:
         what = f"what a library makes: {type(error).__name__}"
-        machine.recorder.unresolved(what, "not all of it is run", Evidence(file=""))
+        machine.recorder.add_unresolved(what, "not all of it is run", Evidence(file=""))
 
 
-def _run(machine: Machine, waiting: FunctionValue) -> None:
+def _run_callback(machine: AbstractMachine, waiting: FunctionValue) -> None:
     function = waiting.function
-    machine.recorder.setting = any(function is setter for setter in machine.setters)
-    place = Evidence(file=function.file, line=function.line)
+    machine.recorder.in_parameter_callback = any(
+        function is setter for setter in machine.parameter_callbacks
+    )
+    location = Evidence(file=function.file, line=function.line)
     try:
-        with machine.budget(MAX_STEPS if machine.recorder.site.ros == 1 else MAX_STEPS_2):
-            dispatch(machine, waiting, Arguments(frame=Frame(file=function.file)))
+        with machine.step_budget(MAX_STEPS if machine.recorder.site.ros == 1 else MAX_ROS2_STEPS):
+            dispatch(machine, waiting, Arguments(frame=StackFrame(file=function.file)))
     except StepsExceededError:
-        machine.recorder.unresolved(function.name, "too large to be run whole", place)
+        machine.recorder.add_unresolved(function.name, "too large to be run whole", location)
     except ThrownError as error:
-        machine.recorder.unresolved(
-            function.name, f"{error.name} ends it before all of it is run", place
+        machine.recorder.add_unresolved(
+            function.name, f"{error.name} ends it before all of it is run", location
         )
 
 
-def _waiting(machine: Machine) -> Iterator[FunctionValue]:
-    while machine.called_back < len(machine.pending):
-        callback = machine.pending[machine.called_back]
-        machine.called_back += 1
+def _runnable_callbacks(machine: AbstractMachine) -> Iterator[FunctionValue]:
+    while machine.next_callback < len(machine.pending_callbacks):
+        callback = machine.pending_callbacks[machine.next_callback]
+        machine.next_callback += 1
         if joins_nodes(machine, callback.function):
             yield callback
-    for handed in machine.handed:
-        if _counts(machine, handed.function):
+    for handed in machine.passed_functions:
+        if _is_unexecuted(machine, handed.function):
             yield handed
-    yield from _called(machine)
+    yield from _library_callbacks(machine)
     for instance in list(machine.instances):
         if isinstance(instance, Instance):
-            yield from _of_instance(machine, instance)
+            yield from _instance_methods(machine, instance)
     if machine.recorder.site.ros > 1:
-        yield from _asked(machine)
+        yield from _unknown_receiver_methods(machine)
 
 
-def _of_instance(machine: Machine, instance: Instance) -> Iterator[FunctionValue]:
+def _instance_methods(machine: AbstractMachine, instance: Instance) -> Iterator[FunctionValue]:
     """Yield an object's destructor, and the methods that an unknown base class may call."""
     yield from _destructor(machine, instance)
     if _has_unknown_base(machine, instance):
         for method in _methods(machine, instance):
-            if _counts(machine, method.function):
+            if _is_unexecuted(machine, method.function):
                 yield method
 
 
-def _asked(machine: Machine) -> Iterator[FunctionValue]:
+def _unknown_receiver_methods(machine: AbstractMachine) -> Iterator[FunctionValue]:
     """Yield methods of a program's objects that are called of an object which is not known."""
     for instance in list(machine.instances):
-        for name in sorted(_own_names(machine, instance) & machine.asked):
-            found = machine.world.attribute(instance, name, ())
-            if isinstance(found, FunctionValue) and _counts(machine, found.function):
+        for name in sorted(_method_names(machine, instance) & machine.unknown_method_names):
+            found = machine.runtime.attribute(instance, name, ())
+            if isinstance(found, FunctionValue) and _is_unexecuted(machine, found.function):
                 yield found
 
 
-def _own_names(machine: Machine, instance: Value) -> set[str]:
-    lineage = machine.world.lineage(instance.type) if isinstance(instance, Instance) else ()
+def _method_names(machine: AbstractMachine, instance: Value) -> set[str]:
+    lineage = machine.runtime.lineage(instance.type) if isinstance(instance, Instance) else ()
     classes = [cls.definition for cls in lineage if isinstance(cls, ClassValue)]
-    return {name for cls in classes for name in machine.world.method_names(cls)}
+    return {name for cls in classes for name in machine.runtime.method_names(cls)}
 
 
-def _called(machine: Machine) -> Iterator[FunctionValue]:
+def _library_callbacks(machine: AbstractMachine) -> Iterator[FunctionValue]:
     """Yield the virtual methods that a library calls of objects, each once for each object.
 
     One that joins no nodes counts if one behind it does, which may ask what it has set.
     """
     for instance in list(machine.instances):
         waiting: list[FunctionValue] = []
-        for name in _library_calls(machine, instance):
-            if (id(instance), name) in machine.transitions:
+        for name in _virtual_callbacks(machine, instance):
+            if (id(instance), name) in machine.started_callbacks:
                 continue
-            machine.transitions.add((id(instance), name))
-            found = machine.world.attribute(instance, name, ())
+            machine.started_callbacks.add((id(instance), name))
+            found = machine.runtime.attribute(instance, name, ())
             waiting += [found] if isinstance(found, FunctionValue) else []
             if waiting and joins_nodes(machine, waiting[-1].function):
                 yield from waiting
                 waiting = []
 
 
-def _library_calls(machine: Machine, instance: Value) -> tuple[str, ...]:
-    lineage = machine.world.lineage(instance.type) if isinstance(instance, Instance) else ()
-    return next((cls.called for cls in lineage if isinstance(cls, NativeClass) and cls.called), ())
+def _virtual_callbacks(machine: AbstractMachine, instance: Value) -> tuple[str, ...]:
+    lineage = machine.runtime.lineage(instance.type) if isinstance(instance, Instance) else ()
+    return next(
+        (
+            cls.virtual_callbacks
+            for cls in lineage
+            if isinstance(cls, LibraryClass) and cls.virtual_callbacks
+        ),
+        (),
+    )
 
 
-def _destructor(machine: Machine, instance: Instance) -> Iterator[FunctionValue]:
+def _destructor(machine: AbstractMachine, instance: Instance) -> Iterator[FunctionValue]:
     plain = instance.type.name.rpartition("::")[2]
-    name = f"~{plain}" if machine.world.by_reference else "__del__"
-    found = machine.world.attribute(instance, name, ())
-    if isinstance(found, FunctionValue) and _counts(machine, found.function):
+    name = f"~{plain}" if machine.runtime.passes_by_reference else "__del__"
+    found = machine.runtime.attribute(instance, name, ())
+    if isinstance(found, FunctionValue) and _is_unexecuted(machine, found.function):
         yield found
 
 
@@ -225,83 +234,87 @@ def _key(function: Function) -> tuple[str, int, str]:
     return function.file, function.line, function.name
 
 
-def _counts(machine: Machine, function: Function) -> bool:
-    return _key(function) not in machine.ran and joins_nodes(machine, function)
+def _is_unexecuted(machine: AbstractMachine, function: Function) -> bool:
+    return _key(function) not in machine.executed_functions and joins_nodes(machine, function)
 
 
-def joins_nodes(machine: Machine, function: Function) -> bool:
+def joins_nodes(machine: AbstractMachine, function: Function) -> bool:
     """Tell whether a function, or what it may call by name, declares anything."""
-    known = machine.joining
-    size = machine.world.size()
-    if machine.joining_at != size:
-        machine.joining_at = size
+    known = machine.joins_cache
+    size = machine.runtime.version()
+    if machine.joins_cache_version != size:
+        machine.joins_cache_version = size
         for key in [key for key, joins in known.items() if not joins]:
             del known[key]
     key = _key(function)
     if key not in known:
-        known[key] = _joins_nodes(machine, function)
+        known[key] = _reaches_client_library(machine, function)
     return known[key]
 
 
-def _joins_nodes(machine: Machine, function: Function) -> bool:
+def _reaches_client_library(machine: AbstractMachine, function: Function) -> bool:
     """Look for a call of a client library; what was looked through in vain needs no second look."""
-    api, known, seen = _api(machine), machine.joining, list[Function]()
-    for reached in _reached(machine, [function]):
-        if known.get(_key(reached)) or called_words(reached) & api:
+    api, known, seen = _client_library_api(machine), machine.joins_cache, list[Function]()
+    for reached in _reachable_functions(machine, [function]):
+        if known.get(_key(reached)) or called_names(reached) & api:
             return True
         seen.append(reached)
     known.update((_key(reached), False) for reached in seen)
     return False
 
 
-def _api(machine: Machine) -> frozenset[str]:
+def _client_library_api(machine: AbstractMachine) -> frozenset[str]:
     if machine.recorder.site.ros == 1:
-        return API
-    return API2_CPP if machine.world.by_reference else API2_PYTHON
+        return ROS1_API
+    return ROS2_CPP_API if machine.runtime.passes_by_reference else ROS2_PYTHON_API
 
 
-def changed_at_any_time(machine: Machine) -> frozenset[str]:
+def names_written_by_callbacks(machine: AbstractMachine) -> frozenset[str]:
     """Return the members and globals that callbacks may change while the program runs."""
-    reached = _reached(machine, list(machine.escaped), whole=True)
+    reached = _reachable_functions(machine, list(machine.escaped_functions), include_unrelated=True)
     return frozenset(name for function in reached for name in written_names(function))
 
 
-def _reached(machine: Machine, queue: list[Function], *, whole: bool = False) -> Iterator[Function]:
+def _reachable_functions(
+    machine: AbstractMachine, queue: list[Function], *, include_unrelated: bool = False
+) -> Iterator[Function]:
     """Yield functions and what they may call, by plain names.
 
-    Without `whole`, those that are known to join no nodes are left out.
+    Without `include_unrelated`, those that are known to join no nodes are left out.
     """
     seen: set[tuple[str, int, str]] = set()
-    left_out = frozenset[str]() if machine.recorder.site.ros == 1 else _OF_CONTAINERS
+    left_out = frozenset[str]() if machine.recorder.site.ros == 1 else _CONTAINER_METHODS
     while queue:
         current = queue.pop()
         if _key(current) in seen:
             continue
         seen.add(_key(current))
-        if machine.joining.get(_key(current)) is False and not whole:
+        if machine.joins_cache.get(_key(current)) is False and not include_unrelated:
             continue
         yield current
-        words = called_words(current) - left_out
-        queue.extend(other for word in words for other in machine.world.named(word))
+        words = called_names(current) - left_out
+        queue.extend(other for word in words for other in machine.runtime.functions_named(word))
 
 
-def _has_unknown_base(machine: Machine, instance: Instance) -> bool:
-    lineage = list(machine.world.lineage(instance.type))
-    return any(isinstance(cls, (Foreign, Hole)) and not _is_object(cls) for cls in lineage)
+def _has_unknown_base(machine: AbstractMachine, instance: Instance) -> bool:
+    lineage = list(machine.runtime.lineage(instance.type))
+    return any(
+        isinstance(cls, (ExternalSymbol, Unknown)) and not _is_object(cls) for cls in lineage
+    )
 
 
 def _is_object(cls: Value) -> bool:
-    return isinstance(cls, Foreign) and cls.name == "object"
+    return isinstance(cls, ExternalSymbol) and cls.name == "object"
 
 
-def _methods(machine: Machine, instance: Instance) -> Iterator[FunctionValue]:
-    for cls in machine.world.lineage(instance.type):
+def _methods(machine: AbstractMachine, instance: Instance) -> Iterator[FunctionValue]:
+    for cls in machine.runtime.lineage(instance.type):
         if isinstance(cls, ClassValue):
-            for name in _names(machine, cls.definition):
-                found = machine.world.attribute(instance, name, ())
+            for name in _class_method_names(machine, cls.definition):
+                found = machine.runtime.attribute(instance, name, ())
                 if isinstance(found, FunctionValue):
                     yield found
 
 
-def _names(machine: Machine, definition: Class) -> list[str]:
-    return machine.world.method_names(definition)
+def _class_method_names(machine: AbstractMachine, definition: Class) -> list[str]:
+    return machine.runtime.method_names(definition)

@@ -3,12 +3,12 @@
 from collections import defaultdict
 from collections.abc import Iterable
 
-from rtron.sources.code.interpreter.execution.abstract_machine import Machine
+from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.ir import Function
-from rtron.sources.code.ir.references import called_words
+from rtron.sources.code.ir.references import called_names
 from rtron.vocabulary import Evidence
 
-JOINS = frozenset(
+ENDPOINT_CALLS = frozenset(
     [
         "advertise",
         "advertiseCamera",
@@ -30,16 +30,16 @@ JOINS = frozenset(
 )
 
 
-def note_unreached(machine: Machine, functions: Iterable[tuple[str, Function]]) -> None:
+def note_unreached(machine: AbstractMachine, functions: Iterable[tuple[str, Function]]) -> None:
     """Note the functions that would declare something and never ran, one note a file."""
     unreached: dict[str, list[tuple[str, Function]]] = defaultdict(list)
     for name, function in functions:
-        ran = (function.file, function.line, function.name) in machine.ran
-        if function.body is not None and not ran and called_words(function) & JOINS:
+        ran = (function.file, function.line, function.name) in machine.executed_functions
+        if function.body is not None and not ran and called_names(function) & ENDPOINT_CALLS:
             unreached[function.file].append((name, function))
     for file, found in unreached.items():
         more = f" and {len(found) - 1} more" if len(found) > 1 else ""
         name, first = found[0]
-        place = Evidence(file=file, line=first.line)
+        location = Evidence(file=file, line=first.line)
         why = "joins nodes, but nothing that is seen calls it"
-        machine.recorder.unresolved(f"{name}(){more}", why, place)
+        machine.recorder.add_unresolved(f"{name}(){more}", why, location)

@@ -7,47 +7,47 @@ from pathlib import Path
 
 from rtron.errors import InputError
 from rtron.messages.common.definition_registry import standard_names
-from rtron.sources.bounded_file import read_found
-from rtron.sources.code.defining import Texts, defining
+from rtron.sources.bounded_file import read_regular_file
+from rtron.sources.code.defining import SourceTexts, sources_by_definition
 from rtron.sources.code.frontends.cpp import lower_cpp
 from rtron.sources.code.frontends.python import lower_python
-from rtron.sources.code.interpreter.execution.source_provider import Plugin
-from rtron.sources.code.ir import Language, Problem, Unit
+from rtron.sources.code.interpreter.execution.source_provider import PluginSource
+from rtron.sources.code.ir import SourceLanguage, SourceProblem, Unit
 from rtron.sources.workspace import Workspace
 from rtron.sources.workspace.package_contents import TargetKind
 from rtron.sources.workspace.package_files import is_inside
 
 MAX_DATA = 2**20
 _MAX_SOURCE = 16 * 2**20
-_TESTING = re.compile("(^|_)tests?($|_)")
+_TEST_PACKAGE = re.compile("(^|_)tests?($|_)")
 
 
 @dataclass(eq=False, slots=True)
-class WorkspaceFiles:
+class WorkspaceSources:
     """Answers the interpreter from a Workspace."""
 
     workspace: Workspace
     definitions: tuple[str, ...] = ()
     _sources: dict[str, Mapping[str, tuple[Path, ...]]] = field(default_factory=dict)
-    _texts: Texts = field(default_factory=Texts)
+    _texts: SourceTexts = field(default_factory=SourceTexts)
     _folders: tuple[Path, ...] = ()
-    _units: dict[tuple[Path, Language, tuple[str, ...]], Unit] = field(default_factory=dict)
+    _units: dict[tuple[Path, SourceLanguage, tuple[str, ...]], Unit] = field(default_factory=dict)
 
-    def defining(self, definitions: tuple[str, ...]) -> "WorkspaceFiles":
+    def with_macros(self, definitions: tuple[str, ...]) -> "WorkspaceSources":
         """Return the same files for a target that defines macros, `NAME` or `NAME=value`."""
         return replace(self, definitions=definitions)
 
-    def unit(self, path: Path, language: Language) -> Unit:
+    def lowered_unit(self, path: Path, language: SourceLanguage) -> Unit:
         """Return a file, lowered; one that cannot be read is empty, with a Problem."""
         try:
-            text = read_found(path, _MAX_SOURCE)
+            text = read_regular_file(path, _MAX_SOURCE)
         except InputError as error:
-            problem = Problem(0, f"cannot be read: {error.why}")
+            problem = SourceProblem(0, f"cannot be read: {error.reason}")
             return Unit(file=str(path), language=language, problems=(problem,))
-        definitions = tuple(one for one in self.definitions if _may_mean(text, one))
+        definitions = tuple(one for one in self.definitions if _may_use_macro(text, one))
         key = (path, language, definitions)
         if key not in self._units:
-            self._units[key] = _lowered(path, text, language, definitions)
+            self._units[key] = _lower(path, text, language, definitions)
         return self._units[key]
 
     def header(self, include: str, includer: Path) -> Path | None:
@@ -57,12 +57,12 @@ class WorkspaceFiles:
     def python_module(self, dotted: str, importer: Path) -> Path | None:
         """Return the file of a module; a relative one is looked up beside the importing file."""
         if dotted.startswith("."):
-            found = _beside(dotted, importer)
+            found = _relative_module_file(dotted, importer)
             return found if found and self.workspace.package_of(found) else None
         package = self.workspace.package_of(importer) or ""
         return self.workspace.python_module(dotted, package, importer)
 
-    def has_message(self, package: str, name: str) -> bool | None:
+    def has_message_type(self, package: str, name: str) -> bool | None:
         """Tell whether a package, of the workspace or a standard one, defines a message type."""
         known = self.workspace.messages(package) or standard_names(package)
         return name in known if known else None
@@ -71,74 +71,76 @@ class WorkspaceFiles:
         """Return where a package lies."""
         return self.workspace.packages.get(package)
 
-    def lies_in(self, path: Path) -> bool:
+    def is_in_package(self, path: Path) -> bool:
         """Tell whether a path exists and lies in a package, links followed."""
         if not self._folders:
             self._folders = tuple(each.resolve() for each in self.workspace.packages.values())
         return is_inside(path, self._folders)
 
-    def text(self, path: Path) -> str | None:
+    def read_text(self, path: Path) -> str | None:
         """Return a data file that lies in a package, links followed."""
-        if not self.lies_in(path) or not path.is_file():
+        if not self.is_in_package(path) or not path.is_file():
             return None
         try:
-            return read_found(path, MAX_DATA).decode("utf-8", "replace")
+            return read_regular_file(path, MAX_DATA).decode("utf-8", "replace")
         except InputError:
             return None
 
-    def plugin(self, name: str, base: str) -> Plugin | None:
+    def find_plugin(self, name: str, base: str) -> PluginSource | None:
         """Return the class that pluginlib knows by a name or type."""
         found = self.workspace.plugin(name, base)
         if found is None or found.program is None:
             return None
-        return Plugin(found.declared.type, found.program.sources)
+        return PluginSource(found.plugin_class.type, found.program.sources)
 
-    def plugins(self, base: str) -> tuple[str, ...]:
+    def plugin_names(self, base: str) -> tuple[str, ...]:
         """Return the names of all plugins of a base class, but for those of packages for tests."""
         found = self.workspace.plugins(base)
-        names = (one.name for one in found if not _TESTING.search(one.package))
+        names = (one.name for one in found if not _TEST_PACKAGE.search(one.package))
         return tuple(dict.fromkeys(names))
 
-    def library(self, name: str) -> tuple[Path, ...]:
+    def library_sources(self, name: str) -> tuple[Path, ...]:
         """Return the sources of the library that a file name means."""
         found = self.workspace.library(name)
         return found.sources if found is not None else ()
 
-    def libraries_naming(self, word: str) -> tuple[tuple[Path, ...], ...]:
+    def libraries_containing(self, word: str) -> tuple[tuple[Path, ...], ...]:
         """Return the sources of each library that has a word in one of them."""
         packages = (self.workspace.contents(package) for package in self.workspace.packages)
         targets = (target for contents in packages if contents for target in contents.targets)
         libraries = [target.sources for target in targets if target.kind is TargetKind.LIBRARY]
-        return tuple(sources for sources in libraries if self._texts.naming(sources, word))
+        return tuple(
+            sources for sources in libraries if self._texts.sources_containing(sources, word)
+        )
 
-    def naming(self, sources: tuple[Path, ...], word: str) -> tuple[Path, ...]:
+    def sources_containing(self, sources: tuple[Path, ...], word: str) -> tuple[Path, ...]:
         """Return those of some sources whose text has a word."""
-        return self._texts.naming(sources, word)
+        return self._texts.sources_containing(sources, word)
 
-    def implementing(self, header: Path, word: str) -> tuple[Path, ...]:
+    def sources_defining(self, header: Path, word: str) -> tuple[Path, ...]:
         """Return the sources of a header's package that may define a class or function."""
         package = self.workspace.package_of(header)
         if package is None:
             return ()
         if package not in self._sources:
             contents = self.workspace.contents(package)
-            self._sources[package] = defining(contents.targets if contents else ())
+            self._sources[package] = sources_by_definition(contents.targets if contents else ())
         return self._sources[package].get(word, ())
 
 
-def _lowered(path: Path, text: bytes, language: Language, definitions: tuple[str, ...]) -> Unit:
-    if language is Language.PYTHON:
+def _lower(path: Path, text: bytes, language: SourceLanguage, definitions: tuple[str, ...]) -> Unit:
+    if language is SourceLanguage.PYTHON:
         return lower_python(str(path), text)
     pairs = (definition.partition("=") for definition in definitions)
     return lower_cpp(str(path), text, {name: value or "1" for name, _, value in pairs})
 
 
-def _may_mean(text: bytes, definition: str) -> bool:
+def _may_use_macro(text: bytes, definition: str) -> bool:
     """Tell whether a macro can matter to a file: by its name, or one that is pasted together."""
     return b"##" in text or definition.partition("=")[0].encode() in text
 
 
-def _beside(dotted: str, importer: Path) -> Path | None:
+def _relative_module_file(dotted: str, importer: Path) -> Path | None:
     level = len(dotted) - len(dotted.lstrip("."))
     folder = importer.parents[min(level, len(importer.parents)) - 1]
     names = [name for name in dotted.split(".") if name]

@@ -13,23 +13,23 @@ from rtron.sources.gazebo.plugins import (
     PluginValue,
     Sensor,
     plugin_library,
-    plugins_of,
+    read_plugins,
 )
-from rtron.sources.gazebo.world import World, model_folders, read_world
+from rtron.sources.gazebo.world import GazeboWorld, model_folders, read_world
 
 __all__ = [
     "GazeboPlugin",
+    "GazeboWorld",
     "Joint",
     "PluginScope",
     "PluginValue",
     "Sensor",
     "Transmission",
     "TransmittedJoint",
-    "World",
     "joints_of",
     "model_folders",
     "plugin_library",
-    "plugins_of",
+    "read_plugins",
     "read_world",
     "transmissions_of",
 ]

@@ -8,15 +8,15 @@ from rtron.vocabulary import Evidence
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Joint:
-    """A joint of a URDF; `type` is one of urdf's, `mimics` the joint that it follows."""
+    """A joint of a URDF; `type` is one of urdf's, `mimicked_joint` the joint that it follows."""
 
     name: str
     type: str
-    mimics: str = ""
+    mimicked_joint: str = ""
     evidence: Evidence
 
     @property
-    def moves(self) -> bool:
+    def has_position(self) -> bool:
         """Whether the joint has a position that joint_states can tell."""
         return self.type not in {"fixed", "floating", "planar"}
 
@@ -41,7 +41,7 @@ class Transmission:
 
 def joints_of(root: XmlElement) -> tuple[Joint, ...]:
     """Return the joints of a URDF, in document order."""
-    return tuple(_joint(element) for element in root.elements("joint"))
+    return tuple(_read_joint(element) for element in root.elements("joint"))
 
 
 def transmissions_of(root: XmlElement) -> tuple[Transmission, ...]:
@@ -50,25 +50,27 @@ def transmissions_of(root: XmlElement) -> tuple[Transmission, ...]:
     Before Indigo a transmission's interfaces stood in its actuator; that counts where the joint
     names none.
     """
-    return tuple(_transmission(element) for element in root.elements("transmission"))
+    return tuple(_read_transmission(element) for element in root.elements("transmission"))
 
 
-def _joint(element: XmlElement) -> Joint:
+def _read_joint(element: XmlElement) -> Joint:
     mimic = element.find("mimic")
     return Joint(
         name=element.attributes.get("name", ""),
         type=element.attributes.get("type", ""),
-        mimics=mimic.attributes.get("joint", "") if mimic else "",
+        mimicked_joint=mimic.attributes.get("joint", "") if mimic else "",
         evidence=element.evidence,
     )
 
 
-def _transmission(element: XmlElement) -> Transmission:
-    actuated = [name for each in element.elements("actuator") for name in _interfaces(each)]
+def _read_transmission(element: XmlElement) -> Transmission:
+    actuated = [
+        name for each in element.elements("actuator") for name in _hardware_interfaces(each)
+    ]
     joints = (
         TransmittedJoint(
             name=joint.attributes.get("name", ""),
-            interfaces=_interfaces(joint) or tuple(dict.fromkeys(actuated)),
+            interfaces=_hardware_interfaces(joint) or tuple(dict.fromkeys(actuated)),
         )
         for joint in element.elements("joint")
     )
@@ -81,6 +83,6 @@ def _transmission(element: XmlElement) -> Transmission:
     )
 
 
-def _interfaces(element: XmlElement) -> tuple[str, ...]:
+def _hardware_interfaces(element: XmlElement) -> tuple[str, ...]:
     texts = (interface.text for interface in element.elements("hardwareInterface"))
     return tuple(text.removeprefix("hardware_interface/") for text in texts)

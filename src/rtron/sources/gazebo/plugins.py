@@ -10,12 +10,12 @@ from pathlib import PurePosixPath
 from typing import TypeAlias
 
 from rtron.sources.xacro import XmlElement
-from rtron.vocabulary import Evidence, Word
+from rtron.vocabulary import Evidence, StringEnum
 
 PluginValue: TypeAlias = "str | dict[str, PluginValue] | list[PluginValue]"
 
 
-class PluginScope(Word):
+class PluginScope(StringEnum):
     """What a plugin is attached to."""
 
     SYSTEM = "system"
@@ -58,7 +58,7 @@ class GazeboPlugin:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Surrounding:
+class PluginContext:
     """What stands around an element: model, link, sensor, and what a plugin there belongs to."""
 
     scope: PluginScope = PluginScope.SYSTEM
@@ -66,16 +66,16 @@ class Surrounding:
     link: str = ""
     sensor: Sensor | None = None
 
-    def entered(self, element: XmlElement) -> "Surrounding":
+    def child_context(self, element: XmlElement) -> "PluginContext":
         """Return what stands around the contents of `element`."""
         name = element.attributes.get("name", "")
         if element.tag == "model":
             model = f"{self.model}::{name}" if self.model else name
-            return Surrounding(scope=PluginScope.MODEL, model=model)
+            return PluginContext(scope=PluginScope.MODEL, model=model)
         if element.tag == "link":
             return replace(self, link=name)
         if element.tag == "sensor":
-            return replace(self, scope=PluginScope.SENSOR, sensor=_sensor(element))
+            return replace(self, scope=PluginScope.SENSOR, sensor=_read_sensor(element))
         if element.tag in _SCOPES:
             return replace(self, scope=_SCOPES[element.tag])
         return self
@@ -88,42 +88,42 @@ _SCOPES: Mapping[str, PluginScope] = {
 }
 
 
-def plugins_of(root: XmlElement) -> tuple[GazeboPlugin, ...]:
+def read_plugins(root: XmlElement) -> tuple[GazeboPlugin, ...]:
     """Return the plugins in the `<gazebo>` elements of a URDF, or in an SDF without its includes.
 
     They come in document order.
     """
     if root.tag != "robot":
-        return tuple(plugins_below(root, Surrounding().entered(root)))
+        return tuple(read_plugins_below(root, PluginContext().child_context(root)))
     return tuple(
         plugin
         for gazebo in root.elements("gazebo")
-        for plugin in plugins_below(gazebo, _of_gazebo_element(gazebo))
+        for plugin in read_plugins_below(gazebo, _gazebo_element_context(gazebo))
     )
 
 
-def plugins_below(element: XmlElement, around: Surrounding) -> Iterator[GazeboPlugin]:
+def read_plugins_below(element: XmlElement, context: PluginContext) -> Iterator[GazeboPlugin]:
     """Yield the plugins within an element, in document order."""
-    waiting = [(child, around) for child in reversed(list(element.elements()))]
+    waiting = [(child, context) for child in reversed(list(element.elements()))]
     while waiting:
-        child, place = waiting.pop()
+        child, child_context = waiting.pop()
         if child.tag == "plugin":
-            yield read_plugin(child, place)
+            yield read_plugin(child, child_context)
             continue
-        inner = place.entered(child)
+        inner = child_context.child_context(child)
         waiting.extend((below, inner) for below in reversed(list(child.elements())))
 
 
-def read_plugin(element: XmlElement, around: Surrounding) -> GazeboPlugin:
+def read_plugin(element: XmlElement, context: PluginContext) -> GazeboPlugin:
     """Return what a `<plugin>` says."""
     return GazeboPlugin(
         filename=plugin_library(element.attributes.get("filename", "")),
         name=element.attributes.get("name", ""),
-        scope=around.scope,
-        values=_values(element),
-        sensor=around.sensor,
-        link=around.link,
-        model=around.model,
+        scope=context.scope,
+        values=_read_values(element),
+        sensor=context.sensor,
+        link=context.link,
+        model=context.model,
         evidence=element.evidence,
     )
 
@@ -133,11 +133,11 @@ def plugin_library(filename: str) -> str:
     return PurePosixPath(filename.strip()).name.removesuffix(".so").removeprefix("lib")
 
 
-def _of_gazebo_element(gazebo: XmlElement) -> Surrounding:
-    return Surrounding(scope=PluginScope.MODEL, link=gazebo.attributes.get("reference", ""))
+def _gazebo_element_context(gazebo: XmlElement) -> PluginContext:
+    return PluginContext(scope=PluginScope.MODEL, link=gazebo.attributes.get("reference", ""))
 
 
-def _sensor(element: XmlElement) -> Sensor:
+def _read_sensor(element: XmlElement) -> Sensor:
     cameras = (camera.attributes.get("name", "") for camera in element.elements("camera"))
     return Sensor(
         type=element.attributes.get("type", ""),
@@ -154,10 +154,10 @@ def _number(element: XmlElement | None) -> float | None:
         return None
 
 
-def _values(element: XmlElement) -> dict[str, PluginValue]:
+def _read_values(element: XmlElement) -> dict[str, PluginValue]:
     values: dict[str, PluginValue] = {}
     for child in element.elements():
-        value = _values(child) if any(child.elements()) else child.text
+        value = _read_values(child) if any(child.elements()) else child.text
         known = values.get(child.tag)
         if known is None:
             values[child.tag] = value

@@ -3,7 +3,7 @@
 import re
 from pathlib import Path
 
-from rtron.sources.bounded_file import read_found
+from rtron.sources.bounded_file import read_regular_file
 from rtron.sources.launch.common.xml_document import MAX_BYTES
 from rtron.sources.xacro import XmlElement, parse_element, read_element
 
@@ -12,7 +12,7 @@ _BEFORE = re.compile(r"\s+|<!--.*?-->", re.DOTALL)
 
 def read_sdf(path: Path) -> XmlElement:
     """Return a file's root element; raise InputError as `read_element` does."""
-    text, at = read_found(path, MAX_BYTES).decode(errors="replace"), 0
+    text, at = read_regular_file(path, MAX_BYTES).decode(errors="replace"), 0
     while found := _BEFORE.match(text, at):
         at = found.end()
     if not at or not text.startswith("<?xml", at):

@@ -6,33 +6,33 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from rtron.errors import InputError
-from rtron.folders import is_there
-from rtron.sources.gazebo.plugins import GazeboPlugin, PluginScope, Surrounding, read_plugin
+from rtron.folders import path_exists
+from rtron.sources.gazebo.plugins import GazeboPlugin, PluginContext, PluginScope, read_plugin
 from rtron.sources.gazebo.sdf import read_sdf
 from rtron.sources.launch.common.packages import PackageIndex
 from rtron.sources.workspace.package_files import is_inside
 from rtron.sources.xacro import XmlElement
-from rtron.vocabulary import Evidence, Unresolved
+from rtron.vocabulary import Evidence, UnresolvedItem
 
 MAX_INCLUDES = 1000
 MAX_DEPTH = 20
 
 _SCHEMES = ("model://", "file://")
-_PLAIN = frozenset({"model://sun", "model://ground_plane"})
+_BUILT_IN_MODELS = frozenset({"model://sun", "model://ground_plane"})
 """Gazebo's own, which have no plugin: one that is not found is not missed."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class World:
+class GazeboWorld:
     """What a world file holds: its plugins, and the includes that were not found."""
 
     plugins: tuple[GazeboPlugin, ...] = ()
-    unresolved: tuple[Unresolved, ...] = ()
+    unresolved: tuple[UnresolvedItem, ...] = ()
 
 
 def read_world(
     path: Path, packages: PackageIndex, environ: Mapping[str, str] = os.environ
-) -> World:
+) -> GazeboWorld:
     """Return the plugins of a `.world` or `.sdf` file and of the models it includes.
 
     `model://` is looked for in GAZEBO_MODEL_PATH, then in the packages' `models` folders. What lies
@@ -41,12 +41,14 @@ def read_world(
     """
     folders = model_folders(packages, environ)
     around = (*folders, *map(Path, packages.values()), path.parent)
-    reading = _Reading(folders=folders, around=tuple(each.resolve() for each in around))
+    reading = _WorldReader(
+        folders=folders, allowed_folders=tuple(each.resolve() for each in around)
+    )
     try:
-        plugins = tuple(reading.below(read_sdf(path), Surrounding(), (str(path),)))
+        plugins = tuple(reading.read_plugins_below(read_sdf(path), PluginContext(), (str(path),)))
     except RecursionError:
         raise InputError("is nested too deep", path=str(path)) from None
-    return World(plugins=plugins, unresolved=tuple(reading.unresolved))
+    return GazeboWorld(plugins=plugins, unresolved=tuple(reading.unresolved))
 
 
 def model_folders(packages: PackageIndex, environ: Mapping[str, str]) -> tuple[Path, ...]:
@@ -57,54 +59,54 @@ def model_folders(packages: PackageIndex, environ: Mapping[str, str]) -> tuple[P
 
 
 @dataclass(slots=True, kw_only=True)
-class _Reading:
+class _WorldReader:
     folders: tuple[Path, ...]
-    around: tuple[Path, ...]
+    allowed_folders: tuple[Path, ...]
     included: int = 0
-    unresolved: list[Unresolved] = field(default_factory=list)
+    unresolved: list[UnresolvedItem] = field(default_factory=list)
     _roots: dict[str, XmlElement] = field(default_factory=dict)
 
-    def below(
-        self, element: XmlElement, around: Surrounding, files: tuple[str, ...]
+    def read_plugins_below(
+        self, element: XmlElement, context: PluginContext, files: tuple[str, ...]
     ) -> Iterator[GazeboPlugin]:
         """Yield the plugins within an element; `files` are those being read, the innermost last."""
         for child in element.elements():
             if child.tag == "plugin":
-                yield read_plugin(child, around)
+                yield read_plugin(child, context)
             elif child.tag == "include":
-                yield from self._include(child, around, files)
+                yield from self._include(child, context, files)
             else:
-                yield from self.below(child, around.entered(child), files)
+                yield from self.read_plugins_below(child, context.child_context(child), files)
 
     def _include(
-        self, include: XmlElement, around: Surrounding, files: tuple[str, ...]
+        self, include: XmlElement, context: PluginContext, files: tuple[str, ...]
     ) -> Iterator[GazeboPlugin]:
         found = include.find("uri")
         uri = found.text if found else ""
         try:
-            path = self._found(uri, files)
+            path = self._find_included(uri, files)
             root = self._root(path)
         except InputError as error:
-            if uri not in _PLAIN:
+            if uri not in _BUILT_IN_MODELS:
                 self._note(f"include {uri}".strip(), str(error), include.evidence)
             return
         name = include.find("name")
-        named = _renamed(root, name.text if name else "")
-        yield from self.below(named, around, (*files, str(path)))
-        own = replace(around, scope=PluginScope.MODEL, model=name.text if name else "")
+        named = _with_model_name(root, name.text if name else "")
+        yield from self.read_plugins_below(named, context, (*files, str(path)))
+        own = replace(context, scope=PluginScope.MODEL, model=name.text if name else "")
         for plugin in include.elements("plugin"):
             yield read_plugin(plugin, own)
 
-    def _found(self, uri: str, files: tuple[str, ...]) -> Path:
+    def _find_included(self, uri: str, files: tuple[str, ...]) -> Path:
         self.included += 1
         if self.included > MAX_INCLUDES or len(files) > MAX_DEPTH:
             raise InputError(f"more than {MAX_INCLUDES} includes, or {MAX_DEPTH} deep")
-        path = next((path for path in self._candidates(uri, files[-1]) if is_there(path)), None)
+        path = next((path for path in self._candidates(uri, files[-1]) if path_exists(path)), None)
         if path is None:
             help = "add its folder to GAZEBO_MODEL_PATH"
             raise InputError(f"'{uri}' is not found", help=help)
         path = _model_file(path) if path.is_dir() else path
-        if not is_inside(path, self.around):
+        if not is_inside(path, self.allowed_folders):
             raise InputError("is not in the folders that are read", path=str(path))
         if str(path) in files:
             raise InputError("includes itself", path=str(path))
@@ -126,7 +128,7 @@ class _Reading:
         return self._roots[str(path)]
 
     def _note(self, what: str, why: str, evidence: Evidence) -> None:
-        self.unresolved.append(Unresolved(what=what, why=why, evidence=(evidence,)))
+        self.unresolved.append(UnresolvedItem(what=what, why=why, evidence=(evidence,)))
 
 
 def _model_file(folder: Path) -> Path:
@@ -139,7 +141,7 @@ def _model_file(folder: Path) -> Path:
     return folder / (named[-1] if named and named[-1] else "model.sdf")
 
 
-def _renamed(root: XmlElement, name: str) -> XmlElement:
+def _with_model_name(root: XmlElement, name: str) -> XmlElement:
     """Return an included file's root with its model named as the include wants."""
     if not name:
         return root

@@ -3,18 +3,18 @@
 from rtron.vocabulary import Durability, QoS, Reliability
 
 
-def qos_of(words: str) -> QoS | None:
+def parse_qos(text: str) -> QoS | None:
     """Return what words say, None for none; raise ValueError for what is no policy."""
-    if not words:
+    if not text:
         return None
     depth, reliability, durability = 0, Reliability.RELIABLE, Durability.VOLATILE
-    for word in words.split():
-        if word.isdecimal():
-            depth = int(word)
-        elif word in set(Reliability):
-            reliability = Reliability(word)
-        elif word in set(Durability):
-            durability = Durability(word)
+    for token in text.split():
+        if token.isdecimal():
+            depth = int(token)
+        elif token in set(Reliability):
+            reliability = Reliability(token)
+        elif token in set(Durability):
+            durability = Durability(token)
         else:
-            raise ValueError(f"{word[:80]!r} is no quality of service")
+            raise ValueError(f"{token[:80]!r} is no quality of service")
     return QoS(depth=depth, reliability=reliability, durability=durability)

@@ -1,19 +1,19 @@
 """What the packages of a catkin workspace build and install, without building them."""
 
 from rtron.sources.workspace.catalog import Workspace, read_workspace
-from rtron.sources.workspace.package_contents import PackageContents, Target, TargetKind
+from rtron.sources.workspace.package_contents import BuildTarget, PackageContents, TargetKind
 from rtron.sources.workspace.plugin_description import Plugin, PluginClass
-from rtron.sources.workspace.program import Language, Program, digest
+from rtron.sources.workspace.program import Program, ProgramLanguage, program_digest
 
 __all__ = [
-    "Language",
+    "BuildTarget",
     "PackageContents",
     "Plugin",
     "PluginClass",
     "Program",
-    "Target",
+    "ProgramLanguage",
     "TargetKind",
     "Workspace",
-    "digest",
+    "program_digest",
     "read_workspace",
 ]

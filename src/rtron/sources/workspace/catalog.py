@@ -9,24 +9,24 @@ from pathlib import Path
 
 from rtron.errors import InputError
 from rtron.sources.launch.common.packages import PackageIndex, find_packages, package_trust
-from rtron.sources.workspace.cmake.evaluator import evaluate
+from rtron.sources.workspace.cmake.evaluator import evaluate_package
 from rtron.sources.workspace.entry_points import entry_points
-from rtron.sources.workspace.headers import find_header, folders_by_entry
-from rtron.sources.workspace.manifest import Export, Manifest, read_manifest
+from rtron.sources.workspace.headers import find_header, index_folders
+from rtron.sources.workspace.manifest import Manifest, PluginExport, read_manifest
 from rtron.sources.workspace.messages import message_names
-from rtron.sources.workspace.package_contents import PackageContents, Target, TargetKind
+from rtron.sources.workspace.package_contents import BuildTarget, PackageContents, TargetKind
 from rtron.sources.workspace.package_files import PackageFiles, is_inside, list_files
 from rtron.sources.workspace.plugin_description import (
     Plugin,
     PluginClass,
     library_name,
-    read_plugins,
+    read_plugin_description,
 )
-from rtron.sources.workspace.program import Language, Program
+from rtron.sources.workspace.program import Program, ProgramLanguage
 from rtron.sources.workspace.program_builder import script_program, target_program
 from rtron.sources.workspace.python_package import module_file, module_folder
 from rtron.sources.workspace.scripts import find_script
-from rtron.vocabulary import Evidence, Trust, Unresolved
+from rtron.vocabulary import Evidence, Trust, UnresolvedItem
 
 NODELET = "nodelet"
 
@@ -47,9 +47,9 @@ class Workspace:
         self._manifests: dict[str, Manifest] = {}
         self._headers: dict[tuple[str, Path], Path | None] = {}
         self._messages: dict[str, frozenset[str]] = {}
-        self._of_folder: dict[Path, str | None] = {}
-        self._entries: dict[str, Mapping[str, tuple[str, str]]] = {}
-        self._faults: list[Unresolved] = []
+        self._package_by_folder: dict[Path, str | None] = {}
+        self._entry_points: dict[str, Mapping[str, tuple[str, str]]] = {}
+        self._problems: list[UnresolvedItem] = []
 
     def trust(self, package: str) -> Trust:
         """Return how far a package is trusted; unknown if it is not found."""
@@ -61,7 +61,7 @@ class Workspace:
         if package not in self.packages:
             return None
         if package not in self._contents:
-            self._contents[package] = evaluate(package, self.files(package))
+            self._contents[package] = evaluate_package(package, self.files(package))
         return self._contents[package]
 
     def files(self, package: str) -> PackageFiles:
@@ -83,13 +83,13 @@ class Workspace:
             return None
         target = contents.target(type, TargetKind.EXECUTABLE)
         if target is not None:
-            return self._program(target, contents)
+            return self._target_program(target, contents)
         made = next((c for c in contents.components if c.executable == type), None)
         if made is not None:
-            return self.component(package, made.cls)
+            return self.component(package, made.class_name)
         entry = self.entry_points(package).get(type)
         if entry is not None:
-            return self._entered(package, *entry)
+            return self._entry_point_program(package, *entry)
         script = find_script(type, contents, self.files(package))
         if script is None:
             return None
@@ -98,25 +98,29 @@ class Workspace:
     def component(self, package: str, cls: str) -> Program | None:
         """Return the library that holds a component's class, with that class as `entry` (ROS 2)."""
         contents = self.contents(package)
-        found = next((c for c in contents.components if c.cls == cls), None) if contents else None
+        found = (
+            next((c for c in contents.components if c.class_name == cls), None)
+            if contents
+            else None
+        )
         if contents is None or found is None:
             return None
         target = contents.target(found.library, TargetKind.LIBRARY)
-        return replace(self._program(target, contents), entry=cls) if target else None
+        return replace(self._target_program(target, contents), entry=cls) if target else None
 
     def entry_points(self, package: str) -> Mapping[str, tuple[str, str]]:
         """Return the module and function of each program that a Python package installs."""
-        if package not in self._entries:
-            self._entries[package] = entry_points(self.packages[package])
-        return self._entries[package]
+        if package not in self._entry_points:
+            self._entry_points[package] = entry_points(self.packages[package])
+        return self._entry_points[package]
 
-    def _entered(self, package: str, module: str, function: str) -> Program | None:
-        path = module_file(self._modules[package], module)
+    def _entry_point_program(self, package: str, module: str, function: str) -> Program | None:
+        path = module_file(self._module_folders[package], module)
         contents = self.contents(package)
-        if path is None or contents is None or not is_inside(path, self._inside):
+        if path is None or contents is None or not is_inside(path, self._allowed_folders):
             return None
         made = script_program(path, contents, self.manifest(package), self.packages.keys())
-        return replace(made, language=Language.PYTHON, entry=function)
+        return replace(made, language=ProgramLanguage.PYTHON, entry=function)
 
     def library(self, filename: str, package: str = "") -> Program | None:
         """Return the library of a file name (`libx.so`, `lib/libx`, `x`), `package`'s first."""
@@ -124,9 +128,9 @@ class Workspace:
         contents = self.contents(package)
         target = contents and contents.target(name, TargetKind.LIBRARY)
         if contents and target:
-            return self._program(target, contents)
+            return self._target_program(target, contents)
         owner, found = self._libraries.get(name, (None, None))
-        return self._program(found, owner) if owner and found else None
+        return self._target_program(found, owner) if owner and found else None
 
     def nodelet(self, class_name: str) -> Plugin | None:
         """Return the nodelet of a name or type, as `nodelet load` takes it."""
@@ -140,27 +144,27 @@ class Workspace:
         if declared is None:
             return None
         program = self.library(declared.library, declared.package)
-        return Plugin(declared=declared, program=program)
+        return Plugin(plugin_class=declared, program=program)
 
     def plugins(self, base: str) -> tuple[PluginClass, ...]:
         """Return all plugins of a base class, or of the package that they are exported for."""
-        return tuple(found for found in self._classes if base in {found.tag, found.base})
+        return tuple(found for found in self._plugin_classes if base in {found.tag, found.base})
 
     def header(self, text: str, from_file: Path) -> Path | None:
         """Return the file that `#include` means in a file; None for one that is not ours."""
         key = (text, from_file.parent)
         if key not in self._headers:
             path = find_header(text, self._header_folders(text, from_file))
-            self._headers[key] = path if path and is_inside(path, self._inside) else None
+            self._headers[key] = path if path and is_inside(path, self._allowed_folders) else None
         return self._headers[key]
 
     def python_module(self, dotted: str, from_package: str, from_file: Path) -> Path | None:
         """Return the file of a module as a script imports it: its folder first, then packages."""
-        ours = [self._modules[from_package]] if from_package in self._modules else []
-        others = self._module_tops.get(dotted.partition(".")[0], ())
+        ours = [self._module_folders[from_package]] if from_package in self._module_folders else []
+        others = self._module_folders_by_name.get(dotted.partition(".")[0], ())
         found = (module_file(folder, dotted) for folder in (from_file.parent, *ours, *others))
         path = next(filter(None, found), None)
-        return path if path and is_inside(path, self._inside) else None
+        return path if path and is_inside(path, self._allowed_folders) else None
 
     def messages(self, package: str) -> frozenset[str]:
         """Return the names that a package's message files bring; none if it is not found."""
@@ -171,82 +175,82 @@ class Workspace:
     def package_of(self, path: Path) -> str | None:
         """Return the package that a file lies in."""
         folder = path.parent
-        if folder not in self._of_folder:
-            found = (self._names.get(parent) for parent in path.parents)
-            self._of_folder[folder] = next(filter(None, found), None)
-        return self._of_folder[folder]
+        if folder not in self._package_by_folder:
+            found = (self._names_by_path.get(parent) for parent in path.parents)
+            self._package_by_folder[folder] = next(filter(None, found), None)
+        return self._package_by_folder[folder]
 
-    def unresolved(self) -> tuple[Unresolved, ...]:
+    def unresolved(self) -> tuple[UnresolvedItem, ...]:
         """Return what could not be resolved in the packages and descriptions read so far."""
         noted = (contents.unresolved for contents in self._contents.values())
         manifests = (manifest.unresolved for manifest in self._manifests.values())
-        return (*chain.from_iterable(noted), *chain.from_iterable(manifests), *self._faults)
+        return (*chain.from_iterable(noted), *chain.from_iterable(manifests), *self._problems)
 
-    def _program(self, target: Target, contents: PackageContents) -> Program:
+    def _target_program(self, target: BuildTarget, contents: PackageContents) -> Program:
         manifest = self.manifest(contents.name)
         return target_program(target, contents, manifest, self.packages.keys())
 
     def _header_folders(self, text: str, from_file: Path) -> list[Path]:
         contents = self.contents(self.package_of(from_file) or "")
         ours = (*contents.include_dirs, contents.path / "include") if contents else ()
-        return [from_file.parent, *ours, *self._include_tops.get(text.partition("/")[0], ())]
+        return [from_file.parent, *ours, *self._include_folders.get(text.partition("/")[0], ())]
 
     @cached_property
-    def _names(self) -> Mapping[Path, str]:
+    def _names_by_path(self) -> Mapping[Path, str]:
         return {path: name for name, path in self.packages.items()}
 
     @cached_property
-    def _inside(self) -> tuple[Path, ...]:
+    def _allowed_folders(self) -> tuple[Path, ...]:
         outside = (path.resolve() for path in self.packages.values())
         return (*self._roots, *(p for p in outside if not is_inside(p, self._roots)))
 
     @cached_property
-    def _include_tops(self) -> Mapping[str, tuple[Path, ...]]:
-        return folders_by_entry(path / "include" for path in self.packages.values())
+    def _include_folders(self) -> Mapping[str, tuple[Path, ...]]:
+        return index_folders(path / "include" for path in self.packages.values())
 
     @cached_property
-    def _modules(self) -> Mapping[str, Path]:
+    def _module_folders(self) -> Mapping[str, Path]:
         return {name: module_folder(path, name) for name, path in self.packages.items()}
 
     @cached_property
-    def _module_tops(self) -> Mapping[str, tuple[Path, ...]]:
-        return folders_by_entry(dict.fromkeys(self._modules.values()))
+    def _module_folders_by_name(self) -> Mapping[str, tuple[Path, ...]]:
+        return index_folders(dict.fromkeys(self._module_folders.values()))
 
     @cached_property
-    def _libraries(self) -> Mapping[str, tuple[PackageContents, Target]]:
-        found: dict[str, tuple[PackageContents, Target]] = {}
+    def _libraries(self) -> Mapping[str, tuple[PackageContents, BuildTarget]]:
+        found: dict[str, tuple[PackageContents, BuildTarget]] = {}
         for contents in filter(None, map(self.contents, self.packages)):
             for target in contents.targets:
                 if target.kind is TargetKind.LIBRARY:
-                    found.setdefault(library_name(target.output), (contents, target))
+                    found.setdefault(library_name(target.output_name), (contents, target))
         return found
 
     @cached_property
-    def _classes(self) -> tuple[PluginClass, ...]:
+    def _plugin_classes(self) -> tuple[PluginClass, ...]:
         return tuple(
             found
             for package in self.packages
-            for export in (*self.manifest(package).exports, *self._exported(package))
-            for found in self._described(export, package)
+            for export in (*self.manifest(package).exports, *self._cmake_exports(package))
+            for found in self._read_export(export, package)
         )
 
-    def _exported(self, package: str) -> Iterator[Export]:
+    def _cmake_exports(self, package: str) -> Iterator[PluginExport]:
         """Yield the descriptions of plugins that a package's CMake files export (ROS 2)."""
         contents = self.contents(package)
-        for tag, path in contents.exports if contents else ():
-            yield Export(tag=tag, path=path)
+        for tag, path in contents.plugin_descriptions if contents else ():
+            yield PluginExport(tag=tag, path=path)
 
-    def _described(self, export: Export, package: str) -> Iterator[PluginClass]:
+    def _read_export(self, export: PluginExport, package: str) -> Iterator[PluginClass]:
         try:
-            yield from read_plugins(self._checked(export.path), package, export.tag)
+            yield from read_plugin_description(self._check_path(export.path), package, export.tag)
         except InputError as error:
-            place = Evidence(file=str(export.path), line=error.line)
-            self._faults.append(
-                Unresolved(what=export.path.name, why=str(error), evidence=(place,))
+            location = Evidence(file=str(export.path), line=error.line)
+            self._problems.append(
+                UnresolvedItem(what=export.path.name, why=str(error), evidence=(location,))
             )
 
-    def _checked(self, path: Path) -> Path:
-        if not is_inside(path, self._inside):
+    def _check_path(self, path: Path) -> Path:
+        if not is_inside(path, self._allowed_folders):
             raise InputError("is not there, or not in a package", path=str(path))
         return path
 

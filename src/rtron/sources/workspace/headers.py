@@ -7,11 +7,11 @@ from pathlib import Path
 from rtron.sources.workspace.package_files import is_regular
 
 
-def folders_by_entry(folders: Iterable[Path]) -> Mapping[str, tuple[Path, ...]]:
+def index_folders(folders: Iterable[Path]) -> Mapping[str, tuple[Path, ...]]:
     """Return, for each name (of a module without its ending), the folders that hold it."""
     found: dict[str, list[Path]] = defaultdict(list)
     for folder in folders:
-        for name in _entries(folder):
+        for name in _entry_names(folder):
             found[name].append(folder)
     return {name: tuple(holding) for name, holding in found.items()}
 
@@ -23,7 +23,7 @@ def find_header(text: str, folders: Sequence[Path]) -> Path | None:
     return next(filter(is_regular, (folder / text for folder in folders)), None)
 
 
-def _entries(folder: Path) -> list[str]:
+def _entry_names(folder: Path) -> list[str]:
     try:
         return sorted({entry.name.removesuffix(".py") for entry in folder.iterdir()})
     except OSError:

@@ -8,16 +8,16 @@ from pathlib import Path
 
 from rtron.errors import InputError
 from rtron.sources.launch.common.xml_document import Element, parse_xml
-from rtron.vocabulary import Evidence, Unresolved
+from rtron.vocabulary import Evidence, UnresolvedItem
 
 MAX_DESCRIPTION = 4096
-_DEPENDING = frozenset(
+_DEPENDENCY_TAGS = frozenset(
     {"depend", "build_depend", "build_export_depend", "exec_depend", "run_depend", "test_depend"}
 )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Export:
+class PluginExport:
     """A plugin description that a package exports under the tag of the package that loads it."""
 
     tag: str
@@ -33,8 +33,8 @@ class Manifest:
 
     description: str = ""
     depends: tuple[str, ...] = ()
-    exports: tuple[Export, ...] = ()
-    unresolved: tuple[Unresolved, ...] = ()
+    exports: tuple[PluginExport, ...] = ()
+    unresolved: tuple[UnresolvedItem, ...] = ()
 
 
 def read_manifest(package: Path) -> Manifest:
@@ -44,12 +44,14 @@ def read_manifest(package: Path) -> Manifest:
     try:
         root = parse_xml(path)
     except InputError as error:
-        place = Evidence(file=error.path, line=error.line)
-        return Manifest(unresolved=(Unresolved(what=path.name, why=str(error), evidence=(place,)),))
-    return as_manifest(root, package)
+        location = Evidence(file=error.path, line=error.line)
+        return Manifest(
+            unresolved=(UnresolvedItem(what=path.name, why=str(error), evidence=(location,)),)
+        )
+    return parse_manifest(root, package)
 
 
-def as_manifest(root: Element, package: Path) -> Manifest:
+def parse_manifest(root: Element, package: Path) -> Manifest:
     """Return what a manifest's root element says of a package."""
     return Manifest(
         description=_description(root),
@@ -68,15 +70,15 @@ def _depends(root: Element) -> tuple[str, ...]:
     named = (
         child.get("package") or child.text or ""
         for child in root.iterchildren("*")
-        if child.tag in _DEPENDING
+        if child.tag in _DEPENDENCY_TAGS
     )
     return tuple(dict.fromkeys(name.strip() for name in named if name.strip()))
 
 
-def _exports(root: Element, package: Path) -> list[Export]:
+def _exports(root: Element, package: Path) -> list[PluginExport]:
     tags = (tag for export in root.iterchildren("export") for tag in export.iterchildren("*"))
     return [
-        Export(tag=str(tag.tag), path=Path(text.replace("${prefix}", str(package))))
+        PluginExport(tag=str(tag.tag), path=Path(text.replace("${prefix}", str(package))))
         for tag in tags
         if (text := tag.get("plugin"))
     ]

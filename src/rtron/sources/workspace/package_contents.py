@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from rtron.vocabulary import Evidence, Unresolved, Word
+from rtron.vocabulary import Evidence, StringEnum, UnresolvedItem
 
 
-class TargetKind(Word):
+class TargetKind(StringEnum):
     """What a target becomes."""
 
     EXECUTABLE = "executable"
@@ -14,11 +14,11 @@ class TargetKind(Word):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Target:
+class BuildTarget:
     """A target of CMake.
 
     `sources` are the files that exist, without headers; `links` names libraries and, for
-    `${x_LIBRARIES}`, packages; `definitions` are macros, `NAME` or `NAME=value`; `output` is the
+    `${x_LIBRARIES}`, packages; `definitions` are macros, `NAME` or `NAME=value`; `output_name` is the
     file's name without `lib` and `.so`.
     """
 
@@ -27,18 +27,18 @@ class Target:
     sources: tuple[Path, ...] = ()
     links: tuple[str, ...] = ()
     definitions: tuple[str, ...] = ()
-    output: str = ""
+    output_name: str = ""
     evidence: Evidence
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Component:
+class ComponentClass:
     """A class of ROS 2 that a container can load: the library target that holds it.
 
     `executable` is the program that rclcpp_components makes of it, empty where none is asked for.
     """
 
-    cls: str
+    class_name: str
     library: str
     executable: str = ""
     evidence: Evidence
@@ -48,23 +48,23 @@ class Component:
 class PackageContents:
     """What a package's CMake files build and install.
 
-    `found` names what find_package() asks for, catkin's components among it; `installed` are
-    scripts with the name under which they are installed; `exports` are descriptions of plugins
+    `required_packages` names what find_package() asks for, catkin's components among it; `installed_scripts` are
+    scripts with the name under which they are installed; `plugin_descriptions` are descriptions of plugins
     with the package of their base class (ROS 2).
     """
 
     name: str
     path: Path
-    targets: tuple[Target, ...] = ()
+    targets: tuple[BuildTarget, ...] = ()
     include_dirs: tuple[Path, ...] = ()
-    found: tuple[str, ...] = ()
-    installed: tuple[tuple[str, Path], ...] = ()
-    components: tuple[Component, ...] = ()
-    exports: tuple[tuple[str, Path], ...] = ()
-    unresolved: tuple[Unresolved, ...] = ()
+    required_packages: tuple[str, ...] = ()
+    installed_scripts: tuple[tuple[str, Path], ...] = ()
+    components: tuple[ComponentClass, ...] = ()
+    plugin_descriptions: tuple[tuple[str, Path], ...] = ()
+    unresolved: tuple[UnresolvedItem, ...] = ()
 
-    def target(self, name: str, kind: TargetKind) -> Target | None:
+    def target(self, name: str, kind: TargetKind) -> BuildTarget | None:
         """Return the target of a kind with this name, or whose file has it."""
         ours = [target for target in self.targets if target.kind is kind]
-        named = (target for target in ours if name in {target.name, target.output})
+        named = (target for target in ours if name in {target.name, target.output_name})
         return next(named, None)

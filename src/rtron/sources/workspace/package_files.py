@@ -19,17 +19,17 @@ class PackageFiles:
     """The files below a package's folder, relative to it, sorted; hidden folders are left out.
 
     `roots` are the real folders that a file may lie in; a link that leads out of them is no file.
-    `complete` is False where there are more than MAX_FILES, or some folder cannot be read.
+    `is_complete` is False where there are more than MAX_FILES, or some folder cannot be read.
     """
 
     folder: Path
     roots: tuple[Path, ...]
     names: tuple[str, ...] = ()
-    complete: bool = True
+    is_complete: bool = True
     _by_name: Mapping[str, list[str]] = field(default_factory=dict, repr=False)
     _by_folder: Mapping[str, list[str]] = field(default_factory=dict, repr=False)
 
-    def called(self, name: str) -> tuple[Path, ...]:
+    def files_named(self, name: str) -> tuple[Path, ...]:
         """Return the files with this name, in whatever folder."""
         return tuple(self.folder / found for found in self._by_name.get(name, ()))
 
@@ -52,7 +52,7 @@ class PackageFiles:
         return tuple(
             self.folder / below / name
             for below, names in self._by_folder.items()
-            if _fits(below.split("/") if below else [], parts, recursive=recursive)
+            if _matches_folder(below.split("/") if below else [], parts, recursive=recursive)
             for name in names
             if _pattern(last).match(name)
         )
@@ -76,9 +76,11 @@ def list_files(folder: Path, roots: tuple[Path, ...]) -> PackageFiles:
         folder=folder,
         roots=(*roots, folder.resolve()),
         names=tuple(names),
-        complete=complete,
-        _by_name=_grouped((last, name) for name, (_, _, last) in zip(names, split, strict=True)),
-        _by_folder=_grouped((parent, last) for parent, _, last in split),
+        is_complete=complete,
+        _by_name=_group_by_key(
+            (last, name) for name, (_, _, last) in zip(names, split, strict=True)
+        ),
+        _by_folder=_group_by_key((parent, last) for parent, _, last in split),
     )
 
 
@@ -100,7 +102,7 @@ def is_inside(path: Path, folders: tuple[Path, ...]) -> bool:
     return any(real.is_relative_to(folder) for folder in folders)
 
 
-def _fits(folder: Sequence[str], patterns: Sequence[str], *, recursive: bool) -> bool:
+def _matches_folder(folder: Sequence[str], patterns: Sequence[str], *, recursive: bool) -> bool:
     enough = len(folder) >= len(patterns) if recursive else len(folder) == len(patterns)
     return enough and all(
         _pattern(pattern).match(part) for part, pattern in zip(folder, patterns, strict=False)
@@ -112,7 +114,7 @@ def _pattern(part: str) -> re.Pattern[str]:
     return re.compile(translate(part))
 
 
-def _grouped(pairs: Iterable[tuple[str, str]]) -> Mapping[str, list[str]]:
+def _group_by_key(pairs: Iterable[tuple[str, str]]) -> Mapping[str, list[str]]:
     groups: dict[str, list[str]] = defaultdict(list)
     for key, value in pairs:
         groups[key].append(value)

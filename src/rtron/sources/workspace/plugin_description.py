@@ -11,7 +11,7 @@ from pathlib import Path
 from lxml import etree
 
 from rtron.errors import InputError
-from rtron.sources.bounded_file import read_found
+from rtron.sources.bounded_file import read_regular_file
 from rtron.sources.launch.common.xml_document import MAX_BYTES, Element, line_of, parse_xml
 from rtron.sources.workspace.program import Program
 from rtron.vocabulary import Evidence
@@ -39,11 +39,11 @@ class PluginClass:
 class Plugin:
     """A plugin's class, and the library that holds it: None if the library is not built here."""
 
-    declared: PluginClass
+    plugin_class: PluginClass
     program: Program | None = None
 
 
-def read_plugins(path: Path, package: str, tag: str) -> Iterator[PluginClass]:
+def read_plugin_description(path: Path, package: str, tag: str) -> Iterator[PluginClass]:
     """Yield the classes of a plugin description; raise InputError where it cannot be read."""
     for library in _root(path).iter("library"):
         for element in library.iterchildren("class"):
@@ -70,7 +70,7 @@ def _root(path: Path) -> Element:
     try:
         return parse_xml(path)
     except InputError:
-        text = _DECLARATION.sub(b"", read_found(path, MAX_BYTES))
+        text = _DECLARATION.sub(b"", read_regular_file(path, MAX_BYTES))
         parser = etree.XMLParser(resolve_entities=False, no_network=True, huge_tree=False)
         try:
             return etree.fromstring(b"<class_libraries>%b</class_libraries>" % text, parser)

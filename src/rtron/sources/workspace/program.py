@@ -5,10 +5,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rtron.sources.bounded_file import content_hash
-from rtron.vocabulary import Word
+from rtron.vocabulary import StringEnum
 
 
-class Language(Word):
+class ProgramLanguage(StringEnum):
     """What a program is written in."""
 
     CPP = "cpp"
@@ -29,7 +29,7 @@ class Program:
 
     name: str
     package: str
-    language: Language
+    language: ProgramLanguage
     sources: tuple[Path, ...] = ()
     definitions: tuple[str, ...] = ()
     links: tuple[str, ...] = ()
@@ -37,14 +37,14 @@ class Program:
     reachable_packages: tuple[str, ...] = ()
 
 
-def digest(program: Program) -> str:
+def program_digest(program: Program) -> str:
     """Return a hash over a program's files, definitions and language, in hexadecimal.
 
     A file that cannot be read counts by its name alone.
     """
-    whole = hashlib.sha256()
+    digest = hashlib.sha256()
     for text in (program.language, program.package, program.name, *program.definitions):
-        whole.update(f"{text}\0".encode("utf-8", "surrogateescape"))
+        digest.update(f"{text}\0".encode("utf-8", "surrogateescape"))
     for path in program.sources:
-        whole.update(str(path).encode("utf-8", "surrogateescape") + content_hash(path).encode())
-    return whole.hexdigest()
+        digest.update(str(path).encode("utf-8", "surrogateescape") + content_hash(path).encode())
+    return digest.hexdigest()

@@ -5,28 +5,28 @@ from pathlib import Path
 from typing import TypeVar
 
 from rtron.sources.workspace.manifest import Manifest
-from rtron.sources.workspace.package_contents import PackageContents, Target, TargetKind
-from rtron.sources.workspace.program import Language, Program
-from rtron.sources.workspace.scripts import language
+from rtron.sources.workspace.package_contents import BuildTarget, PackageContents, TargetKind
+from rtron.sources.workspace.program import Program, ProgramLanguage
+from rtron.sources.workspace.scripts import script_language
 
 _T = TypeVar("_T")
 
 
 def target_program(
-    target: Target, contents: PackageContents, manifest: Manifest, packages: Container[str]
+    target: BuildTarget, contents: PackageContents, manifest: Manifest, packages: Container[str]
 ) -> Program:
     """Return a target as a program, with the libraries of its package that it links."""
-    targets = _with_libraries(target, contents)
-    links = _unique(name for part in targets for name in part.links)
-    reachable = _unique((*links, *contents.found, *manifest.depends))
+    targets = _target_and_libraries(target, contents)
+    links = _without_duplicates(name for part in targets for name in part.links)
+    reachable = _without_duplicates((*links, *contents.required_packages, *manifest.depends))
     return Program(
         name=target.name,
         package=contents.name,
-        language=Language.CPP,
-        sources=_unique(path for part in targets for path in part.sources),
-        definitions=_unique(name for part in targets for name in part.definitions),
+        language=ProgramLanguage.CPP,
+        sources=_without_duplicates(path for part in targets for path in part.sources),
+        definitions=_without_duplicates(name for part in targets for name in part.definitions),
         links=links,
-        reachable_packages=_others(reachable, contents, packages),
+        reachable_packages=_other_packages(reachable, contents, packages),
     )
 
 
@@ -37,18 +37,22 @@ def script_program(
     return Program(
         name=path.name,
         package=contents.name,
-        language=language(path),
+        language=script_language(path),
         sources=(path,),
-        reachable_packages=_others(
-            _unique((*contents.found, *manifest.depends)), contents, packages
+        reachable_packages=_other_packages(
+            _without_duplicates((*contents.required_packages, *manifest.depends)),
+            contents,
+            packages,
         ),
     )
 
 
-def _with_libraries(target: Target, contents: PackageContents) -> list[Target]:
+def _target_and_libraries(target: BuildTarget, contents: PackageContents) -> list[BuildTarget]:
     """Return a target and the libraries of its package that it links, also through others."""
     libraries = {part.name: part for part in contents.targets if part.kind is TargetKind.LIBRARY}
-    libraries |= {part.output: part for part in libraries.values() if part.output not in libraries}
+    libraries |= {
+        part.output_name: part for part in libraries.values() if part.output_name not in libraries
+    }
     found = {target.name: target}
     waiting = [target]
     while waiting:
@@ -60,11 +64,11 @@ def _with_libraries(target: Target, contents: PackageContents) -> list[Target]:
     return list(found.values())
 
 
-def _others(
+def _other_packages(
     names: Iterable[str], contents: PackageContents, packages: Container[str]
 ) -> tuple[str, ...]:
     return tuple(name for name in names if name in packages and name != contents.name)
 
 
-def _unique(values: Iterable[_T]) -> tuple[_T, ...]:
+def _without_duplicates(values: Iterable[_T]) -> tuple[_T, ...]:
     return tuple(dict.fromkeys(values))

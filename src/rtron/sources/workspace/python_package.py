@@ -4,7 +4,7 @@ import ast
 from pathlib import Path
 
 from rtron.errors import InputError
-from rtron.sources.bounded_file import read_found
+from rtron.sources.bounded_file import read_regular_file
 from rtron.sources.workspace.package_files import is_regular
 
 MAX_BYTES = 1024 * 1024
@@ -37,16 +37,16 @@ def module_file(folder: Path, dotted: str) -> Path | None:
 
 def _package_dir(setup: Path) -> str | None:
     try:
-        tree = ast.parse(read_found(setup, MAX_BYTES) if setup.is_file() else b"")
+        tree = ast.parse(read_regular_file(setup, MAX_BYTES) if setup.is_file() else b"")
     except (InputError, SyntaxError, ValueError, RecursionError, MemoryError):
         return None
     calls = (node for node in ast.walk(tree) if isinstance(node, ast.Call))
     named = (call for call in calls if getattr(call.func, "id", "") in _SETUP_CALLS)
     words = (word for call in named for word in call.keywords if word.arg == "package_dir")
-    return next(filter(None, (_first_text(word.value) for word in words)), None)
+    return next(filter(None, (_root_folder(word.value) for word in words)), None)
 
 
-def _first_text(node: ast.expr) -> str | None:
+def _root_folder(node: ast.expr) -> str | None:
     """Return the folder of the root, or the one around the first package, in a literal dict."""
     if not isinstance(node, ast.Dict):
         return None

@@ -5,10 +5,14 @@ from pathlib import Path
 
 from rtron.sources.workspace.package_contents import PackageContents
 from rtron.sources.workspace.package_files import PackageFiles
-from rtron.sources.workspace.program import Language
+from rtron.sources.workspace.program import ProgramLanguage
 
 _PREFERRED = ("scripts", "nodes", "bin", "src")
-_SUFFIXES = {".py": Language.PYTHON, ".sh": Language.SHELL, ".bash": Language.SHELL}
+_SUFFIXES = {
+    ".py": ProgramLanguage.PYTHON,
+    ".sh": ProgramLanguage.SHELL,
+    ".bash": ProgramLanguage.SHELL,
+}
 _SHEBANG = re.compile(rb"#![^\n]*?\b(python|bash|zsh|sh)[\d.]*\b")
 _SHEBANG_BYTES = 256
 
@@ -18,17 +22,17 @@ def find_script(name: str, contents: PackageContents, files: PackageFiles) -> Pa
 
     Files must be executable, unless the package keeps no modes: then no file of it is.
     """
-    installed = dict(contents.installed).get(name)
+    installed = dict(contents.installed_scripts).get(name)
     if installed is not None:
         return installed
-    found = [path for path in files.called(name) if files.is_file(path)]
+    found = [path for path in files.files_named(name) if files.is_file(path)]
     runnable = [path for path in found if is_executable(path)]
-    if not runnable and found and not keeps_modes(files):
-        runnable = [path for path in found if language(path) is not Language.OTHER]
-    return min(runnable, key=lambda path: _rank(path, files.folder), default=None)
+    if not runnable and found and not has_executable_files(files):
+        runnable = [path for path in found if script_language(path) is not ProgramLanguage.OTHER]
+    return min(runnable, key=lambda path: _folder_rank(path, files.folder), default=None)
 
 
-def keeps_modes(files: PackageFiles) -> bool:
+def has_executable_files(files: PackageFiles) -> bool:
     """Return whether any file of a package is executable."""
     return any(is_executable(files.folder / name) for name in files.names)
 
@@ -41,20 +45,20 @@ def is_executable(path: Path) -> bool:
         return False
 
 
-def language(path: Path) -> Language:
+def script_language(path: Path) -> ProgramLanguage:
     """Return what a script is written in, by its first line or its name's ending."""
     try:
         with path.open("rb") as stream:
             start = stream.read(_SHEBANG_BYTES)
     except OSError:
-        return Language.OTHER
+        return ProgramLanguage.OTHER
     shebang = _SHEBANG.match(start)
     if shebang is None:
-        return _SUFFIXES.get(path.suffix, Language.OTHER)
-    return Language.PYTHON if shebang[1] == b"python" else Language.SHELL
+        return _SUFFIXES.get(path.suffix, ProgramLanguage.OTHER)
+    return ProgramLanguage.PYTHON if shebang[1] == b"python" else ProgramLanguage.SHELL
 
 
-def _rank(path: Path, folder: Path) -> tuple[int, int, str]:
+def _folder_rank(path: Path, folder: Path) -> tuple[int, int, str]:
     parts = path.relative_to(folder).parts
-    places = [place for place, name in enumerate(_PREFERRED) if name in parts]
-    return (min(places, default=len(_PREFERRED)), len(parts), str(path))
+    ranks = [rank for rank, name in enumerate(_PREFERRED) if name in parts]
+    return (min(ranks, default=len(_PREFERRED)), len(parts), str(path))

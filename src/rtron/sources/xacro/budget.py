@@ -14,37 +14,37 @@ MAX_WEIGHT = 20_000
 
 
 @dataclass(slots=True)
-class Budget:
-    """What is spent of each bound; past one of them `exhausted` says which, and it stays so."""
+class EvaluationBudget:
+    """What is spent of each bound; past one of them `exceeded_bound` says which, and it stays so."""
 
     elements: int = 0
     steps: int = 0
     characters: int = 0
     files: int = 0
-    exhausted: str = ""
+    exceeded_bound: str = ""
 
-    def element(self) -> None:
+    def count_element(self) -> None:
         """Count an element that is evaluated."""
         self.elements += 1
         if self.elements > MAX_ELEMENTS:
-            self.exhausted = f"more than {MAX_ELEMENTS} elements are evaluated"
+            self.exceeded_bound = f"more than {MAX_ELEMENTS} elements are evaluated"
 
-    def step(self, weight: int = 1) -> None:
+    def count_steps(self, weight: int = 1) -> None:
         """Count a step of an expression; raise UnresolvableError past the bound."""
         self.steps += weight
         if self.steps > MAX_STEPS:
-            self.exhausted = f"expressions take more than {MAX_STEPS} steps"
-            raise UnresolvableError(self.exhausted)
+            self.exceeded_bound = f"expressions take more than {MAX_STEPS} steps"
+            raise UnresolvableError(self.exceeded_bound)
 
-    def text(self, length: int) -> None:
+    def count_text(self, length: int) -> None:
         """Count text that is written; raise UnresolvableError past a bound."""
         self.characters += length
         if self.characters > MAX_CHARACTERS:
-            self.exhausted = f"more than {MAX_CHARACTERS} characters are made"
-        if self.exhausted or length > MAX_TEXT:
-            raise UnresolvableError(self.exhausted or f"a text is longer than {MAX_TEXT}")
+            self.exceeded_bound = f"more than {MAX_CHARACTERS} characters are made"
+        if self.exceeded_bound or length > MAX_TEXT:
+            raise UnresolvableError(self.exceeded_bound or f"a text is longer than {MAX_TEXT}")
 
-    def file(self) -> None:
+    def count_file(self) -> None:
         """Count a file that is read; raise UnresolvableError past the bound."""
         self.files += 1
         if self.files > MAX_FILES:

@@ -25,17 +25,17 @@ class RobotDescriptions:
 
     def describe(self, path: str | Path, args: Mapping[str, str]) -> str | UnknownValue:
         """Return what `xacro PATH name:=value …` would print, or why that is not known."""
-        result = self.evaluated(path, args)
+        result = self.evaluate_file(path, args)
         return UnknownValue(str(result)) if isinstance(result, InputError) else result.text
 
-    def evaluated(self, path: str | Path, args: Mapping[str, str]) -> XacroResult | InputError:
+    def evaluate_file(self, path: str | Path, args: Mapping[str, str]) -> XacroResult | InputError:
         """Return the description of a file, or what is wrong with the file."""
         key = (str(path), tuple(sorted(args.items())))
         if key not in self._results:
             self._results[key] = self._evaluate(Path(path), args)
         return self._results[key]
 
-    def of_text(self, text: str) -> XacroResult | None:
+    def result_of_text(self, text: str) -> XacroResult | None:
         """Return the description whose text `describe` gave, None if it was another's."""
         return self._by_text.get(text)
 

@@ -11,16 +11,16 @@ from collections.abc import Callable, Iterator, Mapping
 from functools import partial, singledispatchmethod
 
 from rtron.sources.launch.common.errors import UnresolvableError
-from rtron.sources.launch.common.expression import Walk
+from rtron.sources.launch.common.expression import ExpressionEvaluator
 from rtron.sources.launch.common.expression_library import (
     FUNCTIONS,
     MAX_LENGTH,
     Function,
     Value,
-    bounded,
+    check_size,
 )
-from rtron.sources.xacro.budget import MAX_WEIGHT, Budget
-from rtron.sources.xacro.scopes import Namespace
+from rtron.sources.xacro.budget import MAX_WEIGHT, EvaluationBudget
+from rtron.sources.xacro.scopes import NamespaceView
 
 _CONSTANTS: Mapping[str, Value] = {
     "e": math.e,
@@ -32,21 +32,24 @@ _CONSTANTS: Mapping[str, Value] = {
 _DICT_METHODS = frozenset({"get", "items", "keys", "values"})
 
 
-class XacroWalk(Walk):
+class XacroExpressionEvaluator(ExpressionEvaluator):
     """Evaluates one expression of a description; `name` gives a property and raises KeyError."""
 
     def __init__(
-        self, functions: Mapping[str, Function], name: Callable[[str], Value], budget: Budget
+        self,
+        functions: Mapping[str, Function],
+        name: Callable[[str], Value],
+        budget: EvaluationBudget,
     ) -> None:
-        known = {**FUNCTIONS, **OWN_FUNCTIONS, **functions}
+        known = {**FUNCTIONS, **XACRO_FUNCTIONS, **functions}
         super().__init__(known, name)
         self._known, self._name, self._budget = known, name, budget
         self._locals: dict[str, Value] = {}
 
     def value(self, node: ast.expr) -> Value:
         """Return a value; raise UnresolvableError if it is too large to go on with."""
-        value = bounded(self._value(node))
-        self._budget.step(weight(value))
+        value = check_size(self._value(node))
+        self._budget.count_steps(value_weight(value))
         return value
 
     @singledispatchmethod
@@ -65,9 +68,9 @@ class XacroWalk(Walk):
     @_value.register
     def _(self, node: ast.Attribute) -> Value:
         owner = self._module(node) or self.value(node.value)
-        if isinstance(owner, (Mapping, Namespace)):
+        if isinstance(owner, (Mapping, NamespaceView)):
             return owner[node.attr]
-        return self._unknown(node)
+        return self._unsupported(node)
 
     @_value.register
     def _(self, node: ast.ListComp) -> Value:
@@ -83,7 +86,7 @@ class XacroWalk(Walk):
         arguments = [self.value(argument) for argument in node.args]
         function = self._function(node.func)
         if keywords and function is not dict:
-            self._unknown(node)
+            self._unsupported(node)
         return function(*arguments, **keywords)
 
     def _function(self, node: ast.expr) -> Function:
@@ -91,11 +94,11 @@ class XacroWalk(Walk):
             return super()._function(node)
         module = self._module(node)
         if module is not None:
-            return module[node.attr] if callable(module.get(node.attr)) else self._unknown(node)
+            return module[node.attr] if callable(module.get(node.attr)) else self._unsupported(node)
         if node.attr in _DICT_METHODS:
             owner = self.value(node.value)
             if isinstance(owner, dict):
-                return partial(_listed, getattr(owner, node.attr))
+                return partial(_call_dict_method, getattr(owner, node.attr))
         return super()._function(node)
 
     def _module(self, node: ast.Attribute) -> Mapping[str, Value] | None:
@@ -116,7 +119,7 @@ class XacroWalk(Walk):
             yield
             return
         for item in _iterable(self.value(generators[0].iter)):
-            self._budget.step()
+            self._budget.count_steps()
             self._bind(generators[0].target, item)
             if all(self.value(condition) for condition in generators[0].ifs):
                 yield from self._rounds(generators[1:])
@@ -128,10 +131,10 @@ class XacroWalk(Walk):
             for part, value in zip(target.elts, _iterable(item), strict=True):
                 self._bind(part, value)
         else:
-            self._unknown(target)
+            self._unsupported(target)
 
 
-def weight(value: Value) -> int:
+def value_weight(value: Value) -> int:
     """Return how many values stand in a value; raise UnresolvableError if too many.
 
     What is shared counts as often as it would be printed.
@@ -150,7 +153,7 @@ def weight(value: Value) -> int:
     return total
 
 
-def _listed(method: Function, *arguments: Value) -> Value:
+def _call_dict_method(method: Function, *arguments: Value) -> Value:
     result = method(*arguments)
     return result if arguments else list(result)
 
@@ -184,7 +187,7 @@ def _zip(*values: Value) -> list[tuple[Value, ...]]:
     return list(zip(*map(_iterable, values), strict=False))
 
 
-OWN_FUNCTIONS: Mapping[str, Function] = {
+XACRO_FUNCTIONS: Mapping[str, Function] = {
     "all": all,
     "any": any,
     "dict": dict,

@@ -13,20 +13,20 @@ _PLAIN = re.compile(r"\s*(\S+)\s*")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Default:
-    """A parameter's default: the caller's property of the same name (`forward`), or a text."""
+class ParameterDefault:
+    """A parameter's default: the caller's property of the same name (`is_forwarded`), or a text."""
 
     text: str | None
-    forward: bool = False
+    is_forwarded: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Macro:
+class XacroMacro:
     """A macro; its block parameters are those whose names begin with `*`."""
 
     body: XmlElement
     parameters: tuple[str, ...]
-    defaults: dict[str, Default] = field(default_factory=dict)
+    defaults: dict[str, ParameterDefault] = field(default_factory=dict)
 
     @property
     def blocks(self) -> tuple[str, ...]:
@@ -34,20 +34,22 @@ class Macro:
         return tuple(name for name in self.parameters if name.startswith("*"))
 
 
-def read_macro(body: XmlElement) -> Macro:
+def read_macro(body: XmlElement) -> XacroMacro:
     """Return what a `<xacro:macro>` defines."""
     names: list[str] = []
-    defaults: dict[str, Default] = {}
+    defaults: dict[str, ParameterDefault] = {}
     text = body.attributes.get("params", "")
-    place = 0
-    while text[place:].strip():
-        match = _DEFAULT.match(text, place) or _PLAIN.match(text, place)
+    position = 0
+    while text[position:].strip():
+        match = _DEFAULT.match(text, position) or _PLAIN.match(text, position)
         if match is None:
             break
         names.append(match[1])
         if match.re is _DEFAULT:
             forward = match["forward"] is not None
             if match["default"] or forward:
-                defaults[match[1]] = Default(text=match["default"] or None, forward=forward)
-        place = match.end()
-    return Macro(body=body, parameters=tuple(names), defaults=defaults)
+                defaults[match[1]] = ParameterDefault(
+                    text=match["default"] or None, is_forwarded=forward
+                )
+        position = match.end()
+    return XacroMacro(body=body, parameters=tuple(names), defaults=defaults)

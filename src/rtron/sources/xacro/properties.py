@@ -1,19 +1,19 @@
 """`<xacro:property>`: a value, a default, a block, or the removal of one (ROS wiki: xacro)."""
 
-from rtron.sources.xacro.evaluation_context import Surroundings
-from rtron.sources.xacro.scopes import Scope, truth
+from rtron.sources.xacro.evaluation_context import EvaluationContext
+from rtron.sources.xacro.scopes import PropertyScope, truth_value
 from rtron.sources.xacro.xml_element import XmlElement
 
 
-def define_property(around: Surroundings, element: XmlElement, symbols: Scope) -> None:
+def define_property(around: EvaluationContext, element: XmlElement, symbols: PropertyScope) -> None:
     """Set what a `<xacro:property>` says in the scope it says it for.
 
     Raise ValueError if it is none, and what evaluating it raises.
     """
-    name = str(around.value(element.attributes.get("name", ""), symbols))
+    name = str(around.evaluate_text(element.attributes.get("name", ""), symbols))
     if not name.isidentifier() or name.startswith("__"):
         raise ValueError(f"'{name}' is no name of a property")
-    if truth(around.value(element.attributes.get("remove", "false"), symbols)):
+    if truth_value(around.evaluate_text(element.attributes.get("remove", "false"), symbols)):
         symbols.remove(name)
         return
     value, default = element.attributes.get("value"), element.attributes.get("default")
@@ -24,18 +24,18 @@ def define_property(around: Surroundings, element: XmlElement, symbols: Scope) -
     if text is None:
         target.set(f"**{name}", element, lazy=False)
         return
-    lazy = target is symbols and truth(
-        around.value(element.attributes.get("lazy_eval", "true"), symbols)
+    lazy = target is symbols and truth_value(
+        around.evaluate_text(element.attributes.get("lazy_eval", "true"), symbols)
     )
-    target.set(name, text if lazy else around.value(text, symbols), lazy=lazy)
+    target.set(name, text if lazy else around.evaluate_text(text, symbols), lazy=lazy)
 
 
-def _target(element: XmlElement, symbols: Scope) -> Scope:
+def _target(element: XmlElement, symbols: PropertyScope) -> PropertyScope:
     scope = element.attributes.get("scope")
     if scope == "global":
-        return list(symbols.chain())[-1]
+        return list(symbols.enclosing_scopes())[-1]
     if scope == "parent":
-        caller = symbols.caller()
+        caller = symbols.caller_scope()
         if caller is None:
             raise ValueError("has no parent scope")
         return caller

@@ -10,16 +10,16 @@ from typing import TypeAlias
 
 from rtron.sources.launch.common.expression_library import Value
 
-Evaluate: TypeAlias = Callable[[str, "Scope"], Value]
+Evaluate: TypeAlias = Callable[[str, "PropertyScope"], Value]
 
 _BOOLEANS = {"true": True, "True": True, "false": False, "False": False}
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
-class Scope:
+class PropertyScope:
     """Names and their values; what is not here is looked for in `parent`."""
 
-    parent: "Scope | None" = None
+    parent: "PropertyScope | None" = None
     is_namespace: bool = False
     values: dict[str, Value] = field(default_factory=dict)
     lazy: set[str] = field(default_factory=set)
@@ -27,7 +27,7 @@ class Scope:
 
     def set(self, name: str, value: Value, *, lazy: bool) -> None:
         """Give a name its value; a text that is no literal waits for its first use if `lazy`."""
-        self.values[name] = literal(value)
+        self.values[name] = literal_value(value)
         if lazy and isinstance(self.values[name], str):
             self.lazy.add(name)
         else:
@@ -35,41 +35,41 @@ class Scope:
 
     def get(self, name: str, evaluate: Evaluate) -> Value:
         """Return a value; raise KeyError if there is none, ValueError if it needs itself."""
-        for scope in self.chain():
+        for scope in self.enclosing_scopes():
             if name in scope.values:
-                return scope._resolved(name, evaluate)  # noqa: SLF001 - one of us
+                return scope._resolve(name, evaluate)  # noqa: SLF001 - one of us
         raise KeyError(name)
 
     def __contains__(self, name: str) -> bool:
-        return any(name in scope.values for scope in self.chain())
+        return any(name in scope.values for scope in self.enclosing_scopes())
 
     def remove(self, name: str) -> None:
         """Take a name out of this scope and those around it."""
-        for scope in self.chain():
+        for scope in self.enclosing_scopes():
             scope.values.pop(name, None)
             scope.lazy.discard(name)
 
-    def chain(self) -> "Iterator[Scope]":
+    def enclosing_scopes(self) -> "Iterator[PropertyScope]":
         """Yield this scope and those around it, innermost first."""
-        scope: Scope | None = self
+        scope: PropertyScope | None = self
         while scope is not None:
             yield scope
             scope = scope.parent
 
-    def caller(self) -> "Scope | None":
+    def caller_scope(self) -> "PropertyScope | None":
         """Return the scope that `scope="parent"` means; None at the top."""
         scope = self.parent
         while scope is not None and scope.is_namespace and not self.is_namespace:
             scope = scope.parent
         return scope
 
-    def _resolved(self, name: str, evaluate: Evaluate) -> Value:
+    def _resolve(self, name: str, evaluate: Evaluate) -> Value:
         if name in self.lazy:
             if name in self._resolving:
                 raise ValueError("circular property: " + " -> ".join((*self._resolving, name)))
             self._resolving.append(name)
             try:
-                self.values[name] = literal(evaluate(self.values[name], self))
+                self.values[name] = literal_value(evaluate(self.values[name], self))
             finally:
                 self._resolving.remove(name)
             self.lazy.discard(name)
@@ -77,17 +77,17 @@ class Scope:
 
 
 @dataclass(frozen=True, slots=True)
-class Namespace:
+class NamespaceView:
     """An included file's scope as an expression sees it: `namespace.property`."""
 
-    scope: Scope
+    scope: PropertyScope
     evaluate: Evaluate
 
     def __getitem__(self, name: str) -> Value:
         return self.scope.get(name, self.evaluate)
 
 
-def literal(value: Value) -> Value:
+def literal_value(value: Value) -> Value:
     """Return a number or truth that a text spells, without the quotes of a quoted text."""
     if not isinstance(value, str):
         return value
@@ -100,7 +100,7 @@ def literal(value: Value) -> Value:
     return _BOOLEANS.get(value, value) if number is None else number
 
 
-def truth(value: Value) -> bool:
+def truth_value(value: Value) -> bool:
     """Return what a condition's value says; raise ValueError if it says neither."""
     if isinstance(value, str):
         return _BOOLEANS[value] if value in _BOOLEANS else bool(int(value))

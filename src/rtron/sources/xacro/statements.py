@@ -19,7 +19,7 @@ _WITHOUT_PREFIX: Mapping[str, frozenset[str]] = {
 _STATEMENTS = _WITHOUT_PREFIX.keys() | {"attribute", "call", "element"}
 
 
-def statement(element: XmlElement) -> str:
+def statement_name(element: XmlElement) -> str:
     """Return which of xacro's statements an element is, "" if none; macro calls are none."""
     name = element.tag.removeprefix(PREFIX)
     if name != element.tag:

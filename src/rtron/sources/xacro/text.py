@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from rtron.sources.launch.common.expression_library import Value
-from rtron.sources.xacro.budget import Budget
+from rtron.sources.xacro.budget import EvaluationBudget
 
 Part: TypeAlias = tuple[str, str]
 
@@ -17,41 +17,41 @@ _TOKEN = re.compile(
 
 
 @dataclass(frozen=True, slots=True)
-class Text:
+class TextEvaluator:
     """Evaluates texts: `expression` and `command` say what stands in `${…}` and in `$(…)`.
 
-    Both raise ValueError, UnresolvableError or MissingArgumentError; so does `value`.
+    Both raise ValueError, UnresolvableError or MissingArgumentError; so does `evaluate`.
     """
 
     expression: Callable[[str], Value]
     command: Callable[[str], str]
-    budget: Budget
+    budget: EvaluationBudget
 
-    def value(self, text: str) -> Value:
+    def evaluate(self, text: str) -> Value:
         """Return a text's value: a single expression keeps its type, everything else is joined."""
         if "$" not in text:
             return text
-        values = [self._part(kind, part) for kind, part in _parts(text)]
-        self.budget.step(len(values))
+        values = [self._evaluate_part(kind, part) for kind, part in _split_parts(text)]
+        self.budget.count_steps(len(values))
         if len(values) == 1:
             return values[0]
         pieces = [str(value) for value in values]
-        self.budget.text(sum(map(len, pieces)))
+        self.budget.count_text(sum(map(len, pieces)))
         return "".join(pieces)
 
-    def _part(self, kind: str, part: str) -> Value:
+    def _evaluate_part(self, kind: str, part: str) -> Value:
         if kind == "expression":
-            return self.expression(str(self.value(part)))
+            return self.expression(str(self.evaluate(part)))
         if kind == "command":
-            return self.command(f"$({self.value(part)})")
+            return self.command(f"$({self.evaluate(part)})")
         return part
 
 
-def _parts(text: str) -> Iterator[Part]:
-    place = 0
-    while place < len(text):
-        match = _TOKEN.match(text, place)
+def _split_parts(text: str) -> Iterator[Part]:
+    position = 0
+    while position < len(text):
+        match = _TOKEN.match(text, position)
         if match is None:
-            raise ValueError(f"`{text[place : place + 40]}` is no expression")
+            raise ValueError(f"`{text[position : position + 40]}` is no expression")
         yield str(match.lastgroup), str(match[str(match.lastgroup)])
-        place = match.end()
+        position = match.end()

@@ -63,7 +63,7 @@ def read_element(path: Path) -> XmlElement:
 
     Raise InputError if it is no XML, too large, nested too deep, or has a document type.
     """
-    return _rooted(parse_xml(path), str(path))
+    return _with_namespaces(parse_xml(path), str(path))
 
 
 def parse_element(text: str, path: str) -> XmlElement:
@@ -71,12 +71,12 @@ def parse_element(text: str, path: str) -> XmlElement:
     data = text.encode(errors="replace")
     if len(data) > MAX_BYTES:
         raise InputError("a description is too large", path=path)
-    return _rooted(parse_xml_bytes(_DECLARATION.sub(b"", data), path), path)
+    return _with_namespaces(parse_xml_bytes(_DECLARATION.sub(b"", data), path), path)
 
 
-def _rooted(source: Element, path: str) -> XmlElement:
+def _with_namespaces(source: Element, path: str) -> XmlElement:
     try:
-        root = _converted(source, path)
+        root = _convert(source, path)
     except RecursionError:
         raise InputError("is nested too deep", path=path) from None
     return XmlElement(
@@ -94,14 +94,14 @@ def xml_text(root: XmlElement) -> str:
     return "".join(pieces)
 
 
-def _converted(source: Element, path: str) -> XmlElement:
+def _convert(source: Element, path: str) -> XmlElement:
     children: list[XmlNode] = [source.text or ""]
     for child in source:
         if isinstance(child.tag, str):
-            children.append(_converted(child, path))
+            children.append(_convert(child, path))
         children.append(child.tail or "")
     return XmlElement(
-        tag=_spelled(str(source.tag), source.prefix),
+        tag=_prefixed_name(str(source.tag), source.prefix),
         evidence=Evidence(file=path, line=line_of(source)),
         attributes={_attribute(source, str(k)): str(v) for k, v in source.attrib.items()},
         children=tuple(child for child in children if child != ""),
@@ -111,10 +111,10 @@ def _converted(source: Element, path: str) -> XmlElement:
 def _attribute(source: Element, name: str) -> str:
     uri = name[1:].partition("}")[0] if name.startswith("{") else None
     prefixes = (prefix for prefix, known in source.nsmap.items() if known == uri and prefix)
-    return _spelled(name, next(prefixes, "xml") if uri else None)
+    return _prefixed_name(name, next(prefixes, "xml") if uri else None)
 
 
-def _spelled(name: str, prefix: str | None) -> str:
+def _prefixed_name(name: str, prefix: str | None) -> str:
     local = name.rpartition("}")[2]
     return f"{prefix}:{local}" if prefix else local
 

@@ -53,9 +53,9 @@ class _Loader(yaml.SafeLoader):
                 raise yaml.YAMLError("merges too much")
         super().flatten_mapping(node)
 
-    def in_radians_or_metres(self, node: yaml.ScalarNode) -> float:
+    def construct_quantity(self, node: yaml.ScalarNode) -> float:
         return float(self._number(str(node.value))) * UNITS[node.tag]
 
 
 for _unit in UNITS:
-    _Loader.add_constructor(_unit, _Loader.in_radians_or_metres)
+    _Loader.add_constructor(_unit, _Loader.construct_quantity)

@@ -15,9 +15,9 @@ from rtron.errors import WireError
 from rtron.vocabulary import GuardEvent, GuardState, Plan, Settings
 
 PROTOCOL = 1
-MOST_EVENTS = 1000
+MAX_EVENTS = 1000
 """The most events in one message."""
-LONGEST = 1 << 22
+MAX_MESSAGE_BYTES = 1 << 22
 """The longest message, bytes."""
 
 
@@ -54,7 +54,7 @@ class Events:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class State:
+class StateReport:
     """What the guard is at now; not kept, and not answered."""
 
     state: GuardState
@@ -88,7 +88,9 @@ class NewSettings:
     type: Literal["settings"] = "settings"
 
 
-FromGuard: TypeAlias = Annotated[Hello | Events | State | Applied, Field(discriminator="type")]
+FromGuard: TypeAlias = Annotated[
+    Hello | Events | StateReport | Applied, Field(discriminator="type")
+]
 ToGuard: TypeAlias = Annotated[Stored | NewSettings, Field(discriminator="type")]
 
 _FROM_GUARD: TypeAdapter[Any] = TypeAdapter(FromGuard)
@@ -96,46 +98,46 @@ _TO_GUARD: TypeAdapter[Any] = TypeAdapter(ToGuard)
 _EVENT: TypeAdapter[GuardEvent] = TypeAdapter(GuardEvent)
 
 
-def from_guard(data: bytes | str) -> Hello | Events | State | Applied:
+def decode_from_guard(data: bytes | str) -> Hello | Events | StateReport | Applied:
     """Read what a guard says."""
-    return _read(_FROM_GUARD, data)  # type: ignore[no-any-return]
+    return _decode(_FROM_GUARD, data)  # type: ignore[no-any-return]
 
 
-def to_guard(data: bytes | str) -> Stored | NewSettings:
+def decode_to_guard(data: bytes | str) -> Stored | NewSettings:
     """Read what is said to a guard."""
-    return _read(_TO_GUARD, data)  # type: ignore[no-any-return]
+    return _decode(_TO_GUARD, data)  # type: ignore[no-any-return]
 
 
-def guard_bytes(message: Hello | Events | State | Applied) -> bytes:
+def encode_from_guard(message: Hello | Events | StateReport | Applied) -> bytes:
     """Write what a guard says, on one line without its end."""
     return _FROM_GUARD.dump_json(message)
 
 
-def service_bytes(message: Stored | NewSettings) -> bytes:
+def encode_to_guard(message: Stored | NewSettings) -> bytes:
     """Write what is said to a guard, on one line without its end."""
     return _TO_GUARD.dump_json(message)
 
 
-def event_bytes(event: GuardEvent) -> bytes:
+def encode_event(event: GuardEvent) -> bytes:
     """Write one event."""
     return _EVENT.dump_json(event)
 
 
-def events_bytes(written: Iterable[bytes]) -> bytes:
+def encode_events(encoded: Iterable[bytes]) -> bytes:
     """Write the message `Events` of events that are written already."""
-    return b'{"type":"events","events":[' + b",".join(written) + b"]}"
+    return b'{"type":"events","events":[' + b",".join(encoded) + b"]}"
 
 
-def _read(adapter: TypeAdapter[Any], data: bytes | str) -> Any:  # noqa: ANN401 - as the adapter says
-    if len(data) > LONGEST:
-        raise WireError(f"a message of {len(data)} bytes, the most is {LONGEST}")
+def _decode(adapter: TypeAdapter[Any], data: bytes | str) -> Any:  # noqa: ANN401 - as the adapter says
+    if len(data) > MAX_MESSAGE_BYTES:
+        raise WireError(f"a message of {len(data)} bytes, the most is {MAX_MESSAGE_BYTES}")
     try:
         return adapter.validate_json(data)
     except (ValidationError, RecursionError) as error:
-        raise WireError(f"not a message of the link: {_short(error)}") from None
+        raise WireError(f"not a message of the link: {_error_text(error)}") from None
 
 
-def _short(error: ValidationError | RecursionError) -> str:
+def _error_text(error: ValidationError | RecursionError) -> str:
     if isinstance(error, RecursionError):
         return "too deep"
     first = error.errors(include_url=False, include_input=False)[0]

@@ -12,7 +12,7 @@ def master_uri(environ: Mapping[str, str] = os.environ) -> str:
     return environ.get("ROS_MASTER_URI") or DEFAULT_MASTER
 
 
-def own_host(environ: Mapping[str, str] = os.environ) -> str:
+def advertised_host(environ: Mapping[str, str] = os.environ) -> str:
     """Return the host that others are told: ROS_HOSTNAME, ROS_IP, or this machine's name."""
     override = environ.get("ROS_HOSTNAME") or environ.get("ROS_IP")
     if override:
@@ -21,7 +21,7 @@ def own_host(environ: Mapping[str, str] = os.environ) -> str:
     return name if _resolves(name) else "127.0.0.1"
 
 
-def bind_host(host: str) -> str:
+def bind_address(host: str) -> str:
     """Return the address to listen on: loopback if that is where we are known, else all."""
     return "127.0.0.1" if host == "localhost" or host.startswith("127.") else ""
 

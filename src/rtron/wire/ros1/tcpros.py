@@ -77,7 +77,7 @@ class FrameReader:
         buffer += data
         frames = []
         at = 0
-        while (end := self._end(at)) and end <= len(buffer):
+        while (end := self._frame_end(at)) and end <= len(buffer):
             frames.append(bytes(memoryview(buffer)[at:end]))
             at = end
         self.missing = max(0, end - len(buffer))
@@ -89,7 +89,7 @@ class FrameReader:
         prefixed = len(data) >= LENGTH.size
         return prefixed and frame_length(data, self._limit) + LENGTH.size == len(data)
 
-    def _end(self, at: int) -> int:
+    def _frame_end(self, at: int) -> int:
         """Return where the frame at `at` ends, or 0 while its prefix is not there."""
         if at + LENGTH.size > len(self._buffer):
             return 0

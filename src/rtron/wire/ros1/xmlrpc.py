@@ -20,10 +20,10 @@ MAX_BODY = 1 << 24
 """The longest XML-RPC document accepted, bytes; a master's system state is the long one."""
 MAX_DEPTH = 200
 """How deep the elements of a document may be nested."""
-_MAX_SAID = 500
+_MAX_TEXT = 500
 _CHUNK = 1 << 16
 _ROS_SUCCESS = 1
-_TRIPLE = 3
+_RESPONSE_PARTS = 3
 
 
 def encode_response(value: Any) -> bytes:  # noqa: ANN401
@@ -75,14 +75,14 @@ def _parse(body: bytes) -> tuple[tuple[Any, ...], str | None]:
         parser.close()
         return target.close(), target.getmethodname()
     except Fault as fault:
-        raise WireError(f"XML-RPC fault: {_said(fault.faultString)}") from fault
+        raise WireError(f"XML-RPC fault: {_shortened(fault.faultString)}") from fault
     except Exception as error:  # the standard parser raises whatever a bad document provokes
-        raise WireError(f"malformed XML-RPC: {_said(error)}") from error
+        raise WireError(f"malformed XML-RPC: {_shortened(error)}") from error
 
 
-def _said(words: object) -> str:
+def _shortened(text: object) -> str:
     """Return what a stranger says, short enough for a log."""
-    return str(words)[:_MAX_SAID]
+    return str(text)[:_MAX_TEXT]
 
 
 def ros_call(uri: str, method: str, *params: Any, timeout: float) -> Any:  # noqa: ANN401
@@ -92,11 +92,11 @@ def ros_call(uri: str, method: str, *params: Any, timeout: float) -> Any:  # noq
     answer in time or says no; WireError if its answer is not one.
     """
     answer = call(uri, method, *params, timeout=timeout)
-    if not isinstance(answer, list) or len(answer) != _TRIPLE:
+    if not isinstance(answer, list) or len(answer) != _RESPONSE_PARTS:
         raise WireError(f"{method} at {uri}: the answer is not [code, message, value]")
     code, message, value = answer
     if code != _ROS_SUCCESS:
-        raise SourceError(f"{method} at {uri}: {_said(message)}")
+        raise SourceError(f"{method} at {uri}: {_shortened(message)}")
     return value
 
 

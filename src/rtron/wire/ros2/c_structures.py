@@ -13,13 +13,13 @@ class Allocator(Structure):
     _fields_ = (("calls", c_void_p * 5),)
 
 
-class Time(Structure):
+class RmwTime(Structure):
     """rmw_time_t."""
 
     _fields_ = (("sec", c_uint64), ("nsec", c_uint64))
 
 
-class Profile(Structure):
+class QosProfile(Structure):
     """rmw_qos_profile_t; `raw_name` is avoid_ros_namespace_conventions."""
 
     _fields_ = (
@@ -27,24 +27,24 @@ class Profile(Structure):
         ("depth", c_size_t),
         ("reliability", c_int),
         ("durability", c_int),
-        ("deadline", Time),
-        ("lifespan", Time),
+        ("deadline", RmwTime),
+        ("lifespan", RmwTime),
         ("liveliness", c_int),
-        ("lease", Time),
+        ("lease", RmwTime),
         ("raw_name", c_bool),
     )
 
 
-def function(function: Any, result: Any, *arguments: Any) -> Any:  # noqa: ANN401 - ctypes
+def typed_function(function: Any, result: Any, *arguments: Any) -> Any:  # noqa: ANN401 - ctypes
     """Return a C function that knows its types."""
     function.restype, function.argtypes = result, arguments
     return function
 
 
-def address_in(capsule: object) -> int:
+def capsule_pointer(capsule: object) -> int:
     """Return the pointer in a capsule of Python, as rosidl's generated classes keep theirs."""
-    name = function(ctypes.pythonapi.PyCapsule_GetName, c_char_p, py_object)
-    pointer = function(ctypes.pythonapi.PyCapsule_GetPointer, c_void_p, py_object, c_char_p)
+    name = typed_function(ctypes.pythonapi.PyCapsule_GetName, c_char_p, py_object)
+    pointer = typed_function(ctypes.pythonapi.PyCapsule_GetPointer, c_void_p, py_object, c_char_p)
     found: int = pointer(capsule, name(capsule))
     return found
 
@@ -52,5 +52,5 @@ def address_in(capsule: object) -> int:
 def default_allocator() -> Allocator:
     """Return what rcl and rmw get their memory from."""
     utils = ctypes.CDLL("librcutils.so")
-    found: Allocator = function(utils.rcutils_get_default_allocator, Allocator)()
+    found: Allocator = typed_function(utils.rcutils_get_default_allocator, Allocator)()
     return found

@@ -27,11 +27,11 @@ from rclpy.serialization import deserialize_message
 
 from rtron.errors import SourceError, WireError
 from rtron.messages.common.definition_parser import parse_definition
-from rtron.messages.ros2.cdr_validator import whole
-from rtron.wire.ros2.c_structures import Profile, address_in, function
+from rtron.messages.ros2.cdr_validator import cdr_validator
+from rtron.wire.ros2.c_structures import QosProfile, capsule_pointer, typed_function
 from rtron.wire.ros2.endpoints import GID_SIZE
-from rtron.wire.ros2.interfaces import interface
-from rtron.wire.ros2.serialized_message import Room
+from rtron.wire.ros2.interfaces import find_interface
+from rtron.wire.ros2.serialized_message import MessageBuffer
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -42,11 +42,11 @@ log = logging.getLogger(__name__)
 
 _TOPIC = b"ros_discovery_info"
 _TYPE = "rmw_dds_common/ParticipantEntitiesInfo"
-_MOST_PARTICIPANTS = 4096
-_MOST_AT_ONCE = 4096
+_MAX_PARTICIPANTS = 4096
+_MAX_MESSAGES_AT_ONCE = 4096
 _KEEP_LAST, _RELIABLE, _TRANSIENT_LOCAL = 1, 1, 1
 _DEPTH = 1000
-_ASKED = c_void_p, c_void_p, c_char_p, c_void_p, c_void_p
+_CREATE_ARGUMENTS = c_void_p, c_void_p, c_char_p, c_void_p, c_void_p
 
 
 class _Options(Structure):
@@ -55,88 +55,94 @@ class _Options(Structure):
     _fields_ = (("words", c_uint64 * 16),)
 
 
-class Claims:
+class DiscoveryInfoReader:
     """The newest word of every participant; nobody's with an RMW that has no such topic."""
 
     def __init__(self, node: Node) -> None:
-        self._told: dict[bytes, frozenset[bytes]] = {}
-        self._taken = c_bool()
-        self._room = Room()
+        self._gids_by_participant: dict[bytes, frozenset[bytes]] = {}
+        self._is_taken = c_bool()
+        self._buffer = MessageBuffer()
         self._rmw = ctypes.CDLL(f"lib{rclpy.get_rmw_implementation_identifier()}.so")
         pointers = c_void_p, c_void_p
-        self._take = function(self._rmw.rmw_take_serialized_message, c_int, *pointers, *pointers)
-        self._destroy = function(self._rmw.rmw_destroy_subscription, c_int, *pointers)
-        handle = function(ctypes.CDLL("librcl.so").rcl_node_get_rmw_handle, c_void_p, c_void_p)
+        self._take = typed_function(
+            self._rmw.rmw_take_serialized_message, c_int, *pointers, *pointers
+        )
+        self._destroy = typed_function(self._rmw.rmw_destroy_subscription, c_int, *pointers)
+        handle = typed_function(
+            ctypes.CDLL("librcl.so").rcl_node_get_rmw_handle, c_void_p, c_void_p
+        )
         self._node = handle(node.handle.pointer)
-        self._subscription = self._subscribed()
+        self._subscription = self._create_subscription()
 
     def gids(self) -> frozenset[bytes]:
         """Return the GIDs of all endpoints that anybody's nodes are said to have now."""
-        for _ in range(_MOST_AT_ONCE if self._subscription else 0):
-            code = self._take(self._subscription, self._room.at, byref(self._taken), None)
-            if code or not self._taken.value:
+        for _ in range(_MAX_MESSAGES_AT_ONCE if self._subscription else 0):
+            code = self._take(self._subscription, self._buffer.address, byref(self._is_taken), None)
+            if code or not self._is_taken.value:
                 break
-            self._hear(self._room.taken())
-        return frozenset().union(*self._told.values())
+            self._store(self._buffer.message_bytes())
+        return frozenset().union(*self._gids_by_participant.values())
 
     def close(self) -> None:
         """Hear no more; before the node is destroyed."""
         if self._subscription:
             self._destroy(self._node, self._subscription)
             self._subscription = None
-        self._room.close()
+        self._buffer.close()
 
-    def _subscribed(self) -> int | None:
+    def _create_subscription(self) -> int | None:
         """Return the subscription's pointer, None if there can be none."""
         try:
-            found = interface(_TYPE)
+            found = find_interface(_TYPE)
         except SourceError as error:
             log.debug("nobody tells which endpoints its nodes have: %s", error)
             return None
-        defaults = function(ctypes.CDLL("librmw.so").rmw_get_default_subscription_options, _Options)
-        profile = Profile(
+        defaults = typed_function(
+            ctypes.CDLL("librmw.so").rmw_get_default_subscription_options, _Options
+        )
+        profile = QosProfile(
             history=_KEEP_LAST,
             depth=_DEPTH,
             reliability=_RELIABLE,
             durability=_TRANSIENT_LOCAL,
             raw_name=True,
         )
-        asked, options = byref(profile), defaults()
-        create = function(self._rmw.rmw_create_subscription, c_void_p, *_ASKED)
-        made: int | None = create(
-            self._node, _type_support(found.cls), _TOPIC, asked, byref(options)
+        profile_pointer, options = byref(profile), defaults()
+        create = typed_function(self._rmw.rmw_create_subscription, c_void_p, *_CREATE_ARGUMENTS)
+        subscription: int | None = create(
+            self._node, _type_support(found.cls), _TOPIC, profile_pointer, byref(options)
         )
-        return made
+        return subscription
 
-    def _hear(self, message: bytes) -> None:
+    def _store(self, message: bytes) -> None:
         """Take a participant's word in place of its former one; strangers may say anything."""
         try:
-            who, gids = read_claim(message)
+            who, gids = parse_discovery_info(message)
         except WireError as error:
             log.debug("a participant tells its nodes in no message: %s", error)
             return
-        if who in self._told or len(self._told) < _MOST_PARTICIPANTS:
-            self._told[who] = gids
+        if who in self._gids_by_participant or len(self._gids_by_participant) < _MAX_PARTICIPANTS:
+            self._gids_by_participant[who] = gids
 
 
-def read_claim(message: bytes) -> tuple[bytes, frozenset[bytes]]:
+def parse_discovery_info(message: bytes) -> tuple[bytes, frozenset[bytes]]:
     """Return whose word a message is, and the GIDs in it; WireError if it is none."""
-    cls, check = _reading()
+    cls, check = _discovery_info_type()
     check(message)
-    word = deserialize_message(message, cls)
-    ends = (
-        _gid(end)
-        for node in word.node_entities_info_seq
-        for end in (*node.reader_gid_seq, *node.writer_gid_seq)
+    info = deserialize_message(message, cls)
+    gids = (
+        _gid(gid)
+        for node in info.node_entities_info_seq
+        for gid in (*node.reader_gid_seq, *node.writer_gid_seq)
     )
-    return _gid(word.gid), frozenset(ends)
+    return _gid(info.gid), frozenset(gids)
 
 
 @cache
-def _reading() -> tuple[Any, Callable[[bytes], object]]:
+def _discovery_info_type() -> tuple[Any, Callable[[bytes], object]]:
     """Return the message's class, and what refuses bytes that are none."""
-    found = interface(_TYPE)
-    return found.cls, whole(parse_definition(found.name, found.definition))
+    found = find_interface(_TYPE)
+    return found.cls, cdr_validator(parse_definition(found.name, found.definition))
 
 
 def _type_support(cls: Any) -> int:  # noqa: ANN401 - a generated class
@@ -144,8 +150,8 @@ def _type_support(cls: Any) -> int:  # noqa: ANN401 - a generated class
     meta = cls.__class__
     if meta._TYPE_SUPPORT is None:  # noqa: SLF001 - so named by rosidl's generator
         meta.__import_type_support__()
-    return address_in(meta._TYPE_SUPPORT)  # noqa: SLF001
+    return capsule_pointer(meta._TYPE_SUPPORT)  # noqa: SLF001
 
 
-def _gid(told: Any) -> bytes:  # noqa: ANN401 - a generated class
-    return bytes(told.data)[:GID_SIZE]
+def _gid(gid: Any) -> bytes:  # noqa: ANN401 - a generated class
+    return bytes(gid.data)[:GID_SIZE]

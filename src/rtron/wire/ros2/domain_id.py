@@ -11,12 +11,12 @@ LAST_DOMAIN = 232
 _DIGITS = re.compile("[0-9]{1,3}")
 
 
-def domain_id(given: int | None = None) -> int:
+def domain_id(requested: int | None = None) -> int:
     """Return the domain that is given, or that of the environment; InputError if there is none.
 
     The middleware would end the process over a wrong one.
     """
-    text = os.environ.get("ROS_DOMAIN_ID") or "0" if given is None else str(given)
+    text = os.environ.get("ROS_DOMAIN_ID") or "0" if requested is None else str(requested)
     if not _DIGITS.fullmatch(text) or int(text) > LAST_DOMAIN:
         help = f"ROS_DOMAIN_ID is a number from 0 to {LAST_DOMAIN}, the same for the whole app"
         raise InputError(f"there is no ROS 2 domain {text[:20]!r}", help=help)

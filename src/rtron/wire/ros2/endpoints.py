@@ -21,11 +21,11 @@ if TYPE_CHECKING:
     from rclpy.qos import QoSProfile
     from rclpy.topic_endpoint_info import TopicEndpointInfo
 
-PARTICIPANT = 12
+PARTICIPANT_SIZE = 12
 """How many bytes of a GID name the participant."""
 GID_SIZE = 16
 _UNKNOWN = "_NODE_NAME_UNKNOWN_"
-_NEVER = 1 << 62
+_INFINITE = 1 << 62
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -46,7 +46,7 @@ class Ros2Endpoint:
     @property
     def participant(self) -> bytes:
         """The participant that the endpoint belongs to."""
-        return self.gid[:PARTICIPANT]
+        return self.gid[:PARTICIPANT_SIZE]
 
 
 def publishers_of(node: Node, topic: str) -> list[Ros2Endpoint]:
@@ -68,7 +68,7 @@ def _endpoints(
             direction=direction,
             node=node_name(info.node_name, info.node_namespace),
             type=info.topic_type,
-            type_hash=_hash(info),
+            type_hash=_type_hash(info),
             gid=gid_of(info),
             qos=qos_of(info.qos_profile),
         )
@@ -86,10 +86,10 @@ def gid_of(info: TopicEndpointInfo) -> bytes:
     return bytes(info.endpoint_gid)[:GID_SIZE]
 
 
-def _hash(info: TopicEndpointInfo) -> str:
+def _type_hash(info: TopicEndpointInfo) -> str:
     """Return the type's hash; distributions before Iron have none."""
-    told = getattr(info, "topic_type_hash", None)
-    return "" if told is None or told.version < 1 else str(told)
+    type_hash = getattr(info, "topic_type_hash", None)
+    return "" if type_hash is None or type_hash.version < 1 else str(type_hash)
 
 
 def qos_of(profile: QoSProfile) -> QoS:
@@ -101,13 +101,13 @@ def qos_of(profile: QoSProfile) -> QoS:
         reliability=Reliability.BEST_EFFORT if best_effort else Reliability.RELIABLE,
         durability=Durability.TRANSIENT_LOCAL if latched else Durability.VOLATILE,
         depth=profile.depth,
-        deadline=_bounded(profile.deadline),
-        lifespan=_bounded(profile.lifespan),
+        deadline=_finite_nanoseconds(profile.deadline),
+        lifespan=_finite_nanoseconds(profile.lifespan),
         liveliness=Liveliness.MANUAL_BY_TOPIC if by_topic else Liveliness.AUTOMATIC,
-        lease=_bounded(profile.liveliness_lease_duration),
+        lease=_finite_nanoseconds(profile.liveliness_lease_duration),
     )
 
 
-def _bounded(duration: Duration) -> int:
+def _finite_nanoseconds(duration: Duration) -> int:
     """Return a duration in ns, 0 for one without end."""
-    return int(duration.nanoseconds) if 0 < duration.nanoseconds < _NEVER else 0
+    return int(duration.nanoseconds) if 0 < duration.nanoseconds < _INFINITE else 0

@@ -12,9 +12,14 @@ from importlib import import_module
 
 from rtron.errors import InputError, SourceError
 from rtron.messages.common.definition_parser import parse_definition
-from rtron.messages.ros2.installed_types import MOST_READ, Place, place_of, read_text
+from rtron.messages.ros2.installed_types import (
+    MAX_FILE_BYTES,
+    InstalledType,
+    get_installed_type,
+    read_text,
+)
 
-_MOST_TYPES = 256
+_MAX_TYPES = 256
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -35,46 +40,48 @@ class Interface:
     type_hash: str
 
 
-@lru_cache(maxsize=_MOST_TYPES)
-def interface(type: str) -> Interface:
+@lru_cache(maxsize=_MAX_TYPES)
+def find_interface(type: str) -> Interface:
     """Return an installed type, asked for in either ROS's spelling.
 
     SourceError, whose help names the package, if it is not installed or cannot be read.
     """
-    place = place_of(type)
-    text = place.definition()
+    installed = get_installed_type(type)
+    text = installed.definition()
     try:
-        md5sum = parse_definition(place.defined, text).md5sum
+        md5sum = parse_definition(installed.definition_name, text).md5sum
     except InputError as error:
-        raise SourceError(f"the definition of {place.type}: {error}", help=error.help) from error
+        raise SourceError(
+            f"the definition of {installed.type}: {error}", help=error.help
+        ) from error
     return Interface(
-        cls=_class(place),
-        type=place.type,
-        name=place.defined,
+        cls=_message_class(installed),
+        type=installed.type,
+        name=installed.definition_name,
         definition=text,
         md5sum=md5sum,
-        type_hash=_type_hash(place),
+        type_hash=_type_hash(installed),
     )
 
 
-def _class(place: Place) -> type:
+def _message_class(installed: InstalledType) -> type:
     try:
-        found = getattr(import_module(f"{place.package}.{place.kind}"), place.name)
+        found = getattr(import_module(f"{installed.package}.{installed.kind}"), installed.name)
     except (ImportError, AttributeError) as error:
         raise SourceError(
-            f"{place.type} is listed, but Python cannot import it: {error}",
-            help=f"source the workspace that has {place.package}",
+            f"{installed.type} is listed, but Python cannot import it: {error}",
+            help=f"source the workspace that has {installed.package}",
         ) from error
     if not isinstance(found, type):
-        raise SourceError(f"{place.type} is no class")
+        raise SourceError(f"{installed.type} is no class")
     return found
 
 
-def _type_hash(place: Place) -> str:
+def _type_hash(installed: InstalledType) -> str:
     """Return what the installed description says; distributions before Iron have none."""
     try:
-        told = json.loads(read_text(place.file("json"), MOST_READ))
-        hashes = {each["type_name"]: each["hash_string"] for each in told["type_hashes"]}
-        return str(hashes.get(place.type, ""))
+        description = json.loads(read_text(installed.file("json"), MAX_FILE_BYTES))
+        hashes = {each["type_name"]: each["hash_string"] for each in description["type_hashes"]}
+        return str(hashes.get(installed.type, ""))
     except (OSError, ValueError, LookupError, TypeError):
         return ""

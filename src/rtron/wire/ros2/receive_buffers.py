@@ -20,36 +20,36 @@ if TYPE_CHECKING:
 
 log = logging.getLogger(__name__)
 
-ROOM = 1 << 22
+RECEIVE_BUFFER_BYTES = 1 << 22
 """What is asked for, bytes; the kernel gives no more than net.core.rmem_max."""
-_OURS = Path("/proc/self/fd")
+_DESCRIPTORS = Path("/proc/self/fd")
 
 
 @contextmanager
-def roomy_sockets() -> Iterator[None]:
+def large_receive_buffers() -> Iterator[None]:
     """Give every datagram socket that is opened in this block room for a crowd of messages."""
     before = _sockets()
     yield
     for inode, descriptor in _sockets().items():
         if inode not in before:
-            _widen(descriptor)
+            _enlarge_buffer(descriptor)
 
 
 def _sockets() -> dict[str, int]:
     """Return the descriptors of all our sockets, by what they are."""
     found: dict[str, int] = {}
     with suppress(OSError):
-        for each in _OURS.iterdir():
+        for each in _DESCRIPTORS.iterdir():
             with suppress(OSError):
                 found[str(each.readlink())] = int(each.name)
     return {what: descriptor for what, descriptor in found.items() if what.startswith("socket:")}
 
 
-def _widen(descriptor: int) -> None:
+def _enlarge_buffer(descriptor: int) -> None:
     """Give a datagram socket room; it stays its owner's."""
     try:
         with socket.socket(fileno=os.dup(descriptor)) as sock:
             if sock.type == socket.SOCK_DGRAM:
-                sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, ROOM)
+                sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVE_BUFFER_BYTES)
     except OSError as error:
         log.debug("a socket keeps the room it has: %s", error)

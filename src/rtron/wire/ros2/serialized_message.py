@@ -6,13 +6,13 @@ import ctypes
 from ctypes import Structure, addressof, c_char_p, c_int, c_size_t, c_ssize_t, c_void_p, py_object
 from typing import Any
 
-from rtron.wire.ros2.c_structures import Allocator, default_allocator, function
+from rtron.wire.ros2.c_structures import Allocator, default_allocator, typed_function
 
 _FIRST_CAPACITY = 1 << 16
-_LARGEST_KEPT = 1 << 24
+_MAX_REUSED_CAPACITY = 1 << 24
 
 
-class Serialized(Structure):
+class SerializedMessage(Structure):
     """rcutils_uint8_array_t."""
 
     _fields_ = (
@@ -23,38 +23,40 @@ class Serialized(Structure):
     )
 
 
-class Room:
+class MessageBuffer:
     """A buffer, of rcutils' own memory, that messages are taken into again and again."""
 
     def __init__(self) -> None:
         utils = ctypes.CDLL("librcutils.so")
-        self._init = function(utils.rcutils_uint8_array_init, c_int, c_void_p, c_size_t, c_void_p)
-        self._fini = function(utils.rcutils_uint8_array_fini, c_int, c_void_p)
+        self._init = typed_function(
+            utils.rcutils_uint8_array_init, c_int, c_void_p, c_size_t, c_void_p
+        )
+        self._fini = typed_function(utils.rcutils_uint8_array_fini, c_int, c_void_p)
         self.allocator = default_allocator()
-        self._message = Serialized()
-        self.at = addressof(self._message)
+        self._message = SerializedMessage()
+        self.address = addressof(self._message)
         """Where rcl and rmw are to put a message."""
-        self._buffer = c_void_p.from_address(self.at)
-        self._bytes = _bytes_at()
+        self._buffer = c_void_p.from_address(self.address)
+        self._copy_bytes = _bytes_copier()
         self._grow()
 
     def close(self) -> None:
         """Give the memory back."""
-        self._fini(self.at)
+        self._fini(self.address)
 
-    def taken(self) -> bytes:
+    def message_bytes(self) -> bytes:
         """Return the message that was put here last."""
-        message: bytes = self._bytes(self._buffer.value, self._message.length)
-        if self._message.capacity > _LARGEST_KEPT:
-            self._fini(self.at)
+        message: bytes = self._copy_bytes(self._buffer.value, self._message.length)
+        if self._message.capacity > _MAX_REUSED_CAPACITY:
+            self._fini(self.address)
             self._grow()
         return message
 
     def _grow(self) -> None:
-        self._init(self.at, _FIRST_CAPACITY, addressof(self.allocator))
+        self._init(self.address, _FIRST_CAPACITY, addressof(self.allocator))
 
 
-def _bytes_at() -> Any:  # noqa: ANN401 - ctypes
+def _bytes_copier() -> Any:  # noqa: ANN401 - ctypes
     """Return what copies bytes from an address; ctypes' own `string_at` is two calls more."""
     copy = ctypes.PyDLL(None).PyBytes_FromStringAndSize
-    return function(copy, py_object, c_void_p, c_ssize_t)
+    return typed_function(copy, py_object, c_void_p, c_ssize_t)

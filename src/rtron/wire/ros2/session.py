@@ -17,11 +17,11 @@ from rtron.errors import SourceError
 from rtron.vocabulary import PRIVATE_ROOT
 from rtron.wire.ros2.domain_id import domain_id
 from rtron.wire.ros2.endpoints import publishers_of
-from rtron.wire.ros2.interfaces import interface
-from rtron.wire.ros2.receive_buffers import roomy_sockets
+from rtron.wire.ros2.interfaces import find_interface
+from rtron.wire.ros2.receive_buffers import large_receive_buffers
 
 
-class Session:
+class Ros2Session:
     """One participant of the domain; `close` ends it with all of its nodes.
 
     InputError if there is no such domain.
@@ -40,11 +40,11 @@ class Session:
         """
         if name not in self._nodes:
             space, _, base = name.rpartition("/")
-            with nullcontext() if self._nodes else roomy_sockets():
-                self._nodes[name] = self._made(base, space)
+            with nullcontext() if self._nodes else large_receive_buffers():
+                self._nodes[name] = self._create_node(base, space)
         return self._nodes[name]
 
-    def _made(self, base: str, space: str) -> Node:
+    def _create_node(self, base: str, space: str) -> Node:
         return Node(
             base,
             context=self.context,
@@ -54,7 +54,7 @@ class Session:
             start_parameter_services=False,
         )
 
-    def drop(self, name: str) -> None:
+    def destroy_node(self, name: str) -> None:
         """Take a node out of the graph."""
         node = self._nodes.pop(name, None)
         if node:
@@ -66,7 +66,7 @@ class Session:
         It is seen at a publisher whose topic nobody else can know.
         """
         node, topic = self.node(name), f"{PRIVATE_ROOT}/self_{uuid.uuid4().hex}"
-        publisher = node.create_publisher(interface("std_msgs/Empty").cls, topic, 1)
+        publisher = node.create_publisher(find_interface("std_msgs/Empty").cls, topic, 1)
         try:
             found = {each.participant for each in publishers_of(node, topic)}
         finally:
@@ -78,7 +78,7 @@ class Session:
     def close(self) -> None:
         """Leave the domain."""
         for name in list(self._nodes):
-            self.drop(name)
+            self.destroy_node(name)
         self.context.try_shutdown()
 
 

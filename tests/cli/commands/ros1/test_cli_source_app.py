@@ -5,9 +5,9 @@ from types import SimpleNamespace
 import pytest
 
 from rtron.sources.declaration import NodeSite
-from rtron.sources.models import Model, interface
-from rtron.sources.models.common.yaml_model import read_form
-from rtron.vocabulary import Evidence, Parameter, Parameters
+from rtron.sources.models import Model, node_interface
+from rtron.sources.models.common.yaml_model import read_model
+from rtron.vocabulary import Evidence, Parameter, ParameterTree
 from rtron.workflows.launch_listing import complete_launch
 
 LAUNCH = """<launch><arg name="speed"/><arg name="topic" default="cmd_vel"/>
@@ -199,11 +199,11 @@ def test_a_drafted_model_is_a_model(rtron, folder, tmp_path):
     (folder / "scripts/talk.py").write_text(SCRIPT)
     ran = rtron("model", "draft", folder / "scripts/talk.py", "-o", tmp_path / "talk.yaml")
     assert (ran.code, ran.out) == (0, "")
-    model = read_form(tmp_path / "talk.yaml", Model)
+    model = read_model(tmp_path / "talk.yaml", Model)
     assert model.node == ("robot/talk.py",)
-    parameters = Parameters()
+    parameters = ParameterTree()
     parameters.set("/x/talk/prefix", Parameter(value="mine", evidence=Evidence(file="")))
-    found = interface(model, NodeSite(name="/x/talk", parameters=parameters))
+    found = node_interface(model, NodeSite(name="/x/talk", parameters=parameters))
     assert {(str(d.kind), d.name) for d in found.declarations} == {
         ("publish", "/x/mine/out"),
         ("publish", "/x/out"),

@@ -11,8 +11,8 @@ from shapely import LineString, Point, Polygon, box
 
 from rtron.demos.world.robot_base import PEDESTRIAN_RADIUS, RADIUS
 from rtron.demos.world.scenes import generator as drawn
-from rtron.demos.world.scenes.scene import Block
-from rtron.demos.world.shapes import solid
+from rtron.demos.world.scenes.scene import PolygonObstacle
+from rtron.demos.world.shapes import solid_area
 
 SEEDS = range(50)
 CASES = ("gr", "rsr", "msr")
@@ -29,7 +29,7 @@ def planned(scene, goal):
     columns, rows = (int(side / CELL) + 1 for side in scene.size)
     cells = [(i, j) for i in range(columns) for j in range(rows)]
     points = shapely.points([(i * CELL, j * CELL) for i, j in cells])
-    far = shapely.distance(solid(scene), points)
+    far = shapely.distance(solid_area(scene), points)
     free = {cell for cell, clear in zip(cells, far, strict=True) if clear > RADIUS + MARGIN}
     begin, end = (tuple(round(x / CELL) for x in place) for place in (scene.start[:2], goal))
     before, cost, queue = {begin: None}, {begin: 0.0}, [(0.0, begin)]
@@ -54,7 +54,7 @@ def planned(scene, goal):
 def test_the_right_way_has_room_on_both_sides(case):
     for seed in SEEDS:
         scene = make_scene(case, seed)
-        assert solid(scene).distance(LineString(scene.route)) > RADIUS + 0.2, seed
+        assert solid_area(scene).distance(LineString(scene.route)) > RADIUS + 0.2, seed
 
 
 @scenes
@@ -101,7 +101,7 @@ def test_all_is_inside_the_walls(case):
         for place in (scene.start[:2], scene.goal, *(scene.area or ()), *scene.route):
             assert room.contains(Point(place))
         for obstacle in scene.obstacles:
-            if isinstance(obstacle, Block):
+            if isinstance(obstacle, PolygonObstacle):
                 assert room.contains(Polygon(obstacle.polygon))
 
 
@@ -117,10 +117,10 @@ def test_pedestrians_come_from_behind_the_wall_into_the_way():
         assert scene.crossings
         way = LineString(scene.route)
         for crossing in scene.crossings:
-            outside = box(0, 0, *scene.size).distance(Point(crossing.door))
+            outside = box(0, 0, *scene.size).distance(Point(crossing.start))
             assert outside > PEDESTRIAN_RADIUS
             assert way.distance(Point(crossing.stand)) < 0.01
-            walk = LineString([crossing.door, crossing.stand])
+            walk = LineString([crossing.start, crossing.stand])
             things = [o for o in scene.as_json()["obstacles"] if "polygon" in o]
             assert all(Polygon(o["polygon"]).distance(walk) > PEDESTRIAN_RADIUS for o in things)
 
@@ -128,13 +128,13 @@ def test_pedestrians_come_from_behind_the_wall_into_the_way():
 def test_a_slow_robot_can_brake_for_a_pedestrian_and_a_fast_one_cannot():
     for seed in SEEDS:
         for crossing in make_scene("rsr", seed).crossings:
-            room = crossing.ahead - RADIUS - PEDESTRIAN_RADIUS
+            room = crossing.trigger_distance - RADIUS - PEDESTRIAN_RADIUS
             seen = 3 * 0.1
             assert 0.22 * (seen + 0.5) + 0.22**2 / 2 / 2.5 < 0.4 * room
             assert 2.0 * seen + 2.0**2 / 2 / 2.5 > room
-            in_the_way = dist(crossing.door, crossing.stand) - RADIUS - PEDESTRIAN_RADIUS
+            in_the_way = dist(crossing.start, crossing.stand) - RADIUS - PEDESTRIAN_RADIUS
             assert 2.0 * in_the_way / crossing.pace < room
-            assert 3.0 <= crossing.stays <= 5.0
+            assert 3.0 <= crossing.pause <= 5.0
 
 
 def test_the_light_stands_before_the_first_pedestrian_and_in_sight():
@@ -146,7 +146,7 @@ def test_the_light_stands_before_the_first_pedestrian_and_in_sight():
         assert 1.0 < light < first
         assert light / 0.22 < scene.green_after + 2.0
         view = LineString([way.interpolate(light - 0.9), scene.light])
-        assert solid(scene).intersection(view).length < 0.1
+        assert solid_area(scene).intersection(view).length < 0.1
 
 
 @scenes

@@ -4,10 +4,10 @@ import socket
 
 import pytest
 
-from rtron.demos.world.clock import Clock
-from rtron.demos.world.outbox import MAX_STALLED, MAX_WAITING, Outbox
+from rtron.demos.world.clock import StepClock
+from rtron.demos.world.outbox import MAX_REPLACED_STATES, MAX_WAITING, SendQueue
 from rtron.demos.world.robot_base import STEP
-from rtron.demos.world.server.unix_socket import listening
+from rtron.demos.world.server.unix_socket import listen_on_unix_socket
 from rtron.errors import SourceError, WireError
 
 
@@ -28,42 +28,42 @@ def steps(clock):
 
 def test_steps_come_at_the_speed_and_do_not_drift():
     wall = Wall()
-    clock = Clock(2.0, STEP, wall)
+    clock = StepClock(2.0, STEP, wall)
     count = 0
     for _ in range(3000):
         wall.now += 0.01 / 3
         count += steps(clock)
     assert count == pytest.approx(10.0 * 2.0 / STEP, abs=1)
-    assert clock.lost == 0.0
+    assert clock.lost_time == 0.0
 
 
 def test_a_clock_tells_how_long_to_wait_and_what_has_passed_of_a_step():
     wall = Wall()
-    clock = Clock(2.0, STEP, wall)
+    clock = StepClock(2.0, STEP, wall)
     assert clock.wait() == pytest.approx(0.025)
     wall.now += 0.020
     assert clock.wait() == pytest.approx(0.005)
-    assert clock.share() == pytest.approx(0.8)
+    assert clock.step_fraction() == pytest.approx(0.8)
     wall.now += 0.020
-    assert (clock.wait(), clock.share()) == (0.0, 1.0)
+    assert (clock.wait(), clock.step_fraction()) == (0.0, 1.0)
 
 
 def test_a_clock_catches_up_a_little_and_lets_time_go_slower_if_it_is_far_behind():
     wall = Wall()
-    clock = Clock(1.0, STEP, wall)
+    clock = StepClock(1.0, STEP, wall)
     wall.now += 0.3
     assert steps(clock) == pytest.approx(6, abs=1)
     wall.now += 60.0
     assert steps(clock) == 1
-    assert clock.lost == pytest.approx(60.0, abs=0.1)
+    assert clock.lost_time == pytest.approx(60.0, abs=0.1)
 
 
 def test_an_outbox_sends_in_order_however_little_is_taken():
-    box, sent = Outbox(), bytearray()
-    box.must(b"first")
-    box.state(b"old")
-    box.state(b"new")
-    box.must(b"second")
+    box, sent = SendQueue(), bytearray()
+    box.add(b"first")
+    box.replace_state(b"old")
+    box.replace_state(b"new")
+    box.add(b"second")
 
     def take(data):
         sent.extend(data[:2])
@@ -75,51 +75,51 @@ def test_an_outbox_sends_in_order_however_little_is_taken():
 
 
 def test_a_state_does_not_cut_a_frame_that_is_half_sent():
-    box, sent = Outbox(), bytearray()
-    box.state(b"abcdef")
+    box, sent = SendQueue(), bytearray()
+    box.replace_state(b"abcdef")
     box.flush(lambda data: sent.extend(data[:3]) or 3)
-    box.state(b"later")
+    box.replace_state(b"later")
     box.flush(lambda data: sent.extend(data) or len(data))
     assert sent == b"abcdeflater"
 
 
 def test_who_does_not_take_what_must_arrive_is_given_up():
-    box = Outbox()
+    box = SendQueue()
     for _ in range(MAX_WAITING):
-        box.must(b"x")
+        box.add(b"x")
     with pytest.raises(WireError):
-        box.must(b"x")
+        box.add(b"x")
 
 
 def test_who_takes_no_states_is_given_up():
-    box = Outbox()
-    for _ in range(MAX_STALLED + 2):
-        box.state(b"x")
+    box = SendQueue()
+    for _ in range(MAX_REPLACED_STATES + 2):
+        box.replace_state(b"x")
         box.flush(lambda _: 0)
     with pytest.raises(WireError):
-        box.state(b"x")
+        box.replace_state(b"x")
 
 
 def test_who_reads_slowly_is_kept():
-    box = Outbox()
-    for _ in range(3 * MAX_STALLED):
-        box.state(b"xy")
+    box = SendQueue()
+    for _ in range(3 * MAX_REPLACED_STATES):
+        box.replace_state(b"xy")
         box.flush(lambda _: 1)
     assert box
 
 
 def test_the_socket_is_private_and_goes_with_the_world(tmp_path):
     path = tmp_path / "world"
-    with listening(path):
+    with listen_on_unix_socket(path):
         assert path.stat().st_mode & 0o777 == 0o600
     assert not path.exists()
 
 
 def test_a_living_worlds_socket_is_not_replaced(tmp_path):
     path = tmp_path / "world"
-    with listening(path):
+    with listen_on_unix_socket(path):
         inode = path.stat().st_ino
-        with pytest.raises(SourceError, match="already lives"), listening(path):
+        with pytest.raises(SourceError, match="already lives"), listen_on_unix_socket(path):
             pass
         assert path.stat().st_ino == inode
 
@@ -128,7 +128,7 @@ def test_a_dead_worlds_socket_is_replaced(tmp_path):
     path = tmp_path / "world"
     with socket.socket(socket.AF_UNIX) as dead:
         dead.bind(str(path))
-    with listening(path) as listener, socket.socket(socket.AF_UNIX) as client:
+    with listen_on_unix_socket(path) as listener, socket.socket(socket.AF_UNIX) as client:
         client.connect(str(path))
         assert listener.getsockname() == str(path)
 
@@ -136,20 +136,20 @@ def test_a_dead_worlds_socket_is_replaced(tmp_path):
 def test_what_is_no_socket_is_left_alone(tmp_path):
     path = tmp_path / "world"
     path.write_text("precious")
-    with pytest.raises(SourceError, match="no socket"), listening(path):
+    with pytest.raises(SourceError, match="no socket"), listen_on_unix_socket(path):
         pass
     assert path.read_text() == "precious"
 
 
 def test_a_path_that_cannot_be_is_an_error_with_a_reason(tmp_path):
     for path in (tmp_path / "absent" / "world", tmp_path / ("x" * 200)):
-        with pytest.raises(SourceError, match="cannot listen"), listening(path):
+        with pytest.raises(SourceError, match="cannot listen"), listen_on_unix_socket(path):
             pass
 
 
 def test_another_worlds_socket_is_not_removed(tmp_path):
     path = tmp_path / "world"
-    with listening(path):
+    with listen_on_unix_socket(path):
         other = tmp_path / "other"
         other.write_text("another world's")
         other.replace(path)

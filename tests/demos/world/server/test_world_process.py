@@ -9,7 +9,7 @@ from contextlib import contextmanager
 import pytest
 from world_client import KEY, LIMIT
 
-from rtron.demos.world.client import Owner
+from rtron.demos.world.client import WorldClient
 from rtron.errors import SourceError
 
 
@@ -33,13 +33,13 @@ def process(path, *arguments, **environ):
 def test_the_process_ends_cleanly_and_says_nothing(tmp_path, number):
     path = tmp_path / "world"
     with process(path, "--speed", "2", DEMO_KEY=KEY) as world:
-        with Owner.connect(path, KEY, 60.0) as owner:
+        with WorldClient.connect(path, KEY, 60.0) as owner:
             assert owner.speed == 2.0
             assert owner.poll(LIMIT)
             world.send_signal(number)
             assert world.wait(LIMIT) == 0
             with pytest.raises(SourceError):
-                owner.devices()
+                owner.count_devices()
         assert world.communicate() == ("", "")
     assert not path.exists()
 
@@ -61,4 +61,4 @@ def test_a_world_that_cannot_be_says_why(tmp_path, arguments, environ, said):
 
 def test_no_world_is_an_error_after_the_limit(tmp_path):
     with pytest.raises(SourceError, match="no world at"):
-        Owner.connect(tmp_path / "absent", KEY, 0.0)
+        WorldClient.connect(tmp_path / "absent", KEY, 0.0)

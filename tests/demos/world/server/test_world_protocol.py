@@ -9,8 +9,20 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rtron.demos.world.server import requests
-from rtron.demos.world.server.protocol import MAX_BLOB, MAX_HEAD, Frame, Parser, encode
-from rtron.demos.world.server.requests import Devices, Rate, Reset, Role, Start
+from rtron.demos.world.server.protocol import (
+    MAX_BLOB,
+    MAX_HEAD,
+    DeviceFrame,
+    FrameParser,
+    encode_frame,
+)
+from rtron.demos.world.server.requests import (
+    ClientRole,
+    DevicesRequest,
+    RateRequest,
+    ResetRequest,
+    StartRequest,
+)
 from rtron.errors import WireError
 
 PLAIN = st.recursive(
@@ -24,7 +36,8 @@ PLAIN = st.recursive(
 )
 HEADS = st.dictionaries(
     st.sampled_from(["hello", "velocity", "order", "case", "seed", "rate", "camera_rate", "key"]),
-    PLAIN | st.sampled_from([*Role, "reset", "rate", "start", "gr", 10**400, [1, 2], [True, 0]]),
+    PLAIN
+    | st.sampled_from([*ClientRole, "reset", "rate", "start", "gr", 10**400, [1, 2], [True, 0]]),
 )
 
 
@@ -35,10 +48,12 @@ def framed(text, blob=b""):
 @settings(max_examples=40)
 @given(st.lists(st.tuples(st.dictionaries(st.text(max_size=5), st.integers()), st.binary())))
 def test_frames_come_out_as_they_went_in_however_they_are_cut(sent):
-    data = b"".join(encode(head, blob) for head, blob in sent)
-    parser = Parser()
+    data = b"".join(encode_frame(head, blob) for head, blob in sent)
+    parser = FrameParser()
     pieces = [data[i : i + 7] for i in range(0, len(data), 7)]
-    assert [f for piece in pieces for f in parser.feed(piece)] == [Frame(*one) for one in sent]
+    assert [f for piece in pieces for f in parser.feed(piece)] == [
+        DeviceFrame(*one) for one in sent
+    ]
 
 
 @pytest.mark.parametrize(
@@ -61,46 +76,48 @@ def test_frames_come_out_as_they_went_in_however_they_are_cut(sent):
 )
 def test_what_is_no_frame_is_refused(data):
     with pytest.raises(WireError):
-        list(Parser().feed(data))
+        list(FrameParser().feed(data))
 
 
 def test_a_client_may_not_send_a_blob():
     with pytest.raises(WireError):
-        list(Parser(max_blob=0).feed(encode({}, b"x")))
+        list(FrameParser(max_blob=0).feed(encode_frame({}, b"x")))
 
 
 def test_what_is_too_long_or_no_number_is_not_sent():
     for head, blob in (({"a": "x" * MAX_HEAD}, b""), ({}, bytes(MAX_BLOB + 1))):
         with pytest.raises(ValueError):
-            encode(head, blob)
+            encode_frame(head, blob)
     with pytest.raises(ValueError):
-        encode({"a": float("nan")})
+        encode_frame({"a": float("nan")})
 
 
 @given(st.binary(max_size=200))
 def test_bytes_of_any_kind_make_frames_or_a_wire_error(data):
     try:
-        frames = list(Parser().feed(data))
+        frames = list(FrameParser().feed(data))
     except WireError:
         return
     assert all(isinstance(frame.head, dict) for frame in frames)
 
 
-@given(HEADS, st.sampled_from([requests.role, requests.velocity, requests.order]))
+@given(
+    HEADS, st.sampled_from([requests.parse_role, requests.parse_velocity, requests.parse_request])
+)
 def test_a_message_of_any_kind_is_understood_or_refused(head, read):
     with suppress(WireError):
         assert read(head) is not None
 
 
 def test_messages_are_understood():
-    assert requests.role({"hello": "lidar"}) is Role.LIDAR
-    assert requests.velocity({"velocity": [1, -0.5]}) == (1.0, -0.5)
+    assert requests.parse_role({"hello": "lidar"}) is ClientRole.LIDAR
+    assert requests.parse_velocity({"velocity": [1, -0.5]}) == (1.0, -0.5)
     reset = {"order": "reset", "case": "rsr", "seed": 4}
-    assert requests.order(reset) == Reset("rsr", 4, 10.0)
-    assert requests.order(reset | {"camera_rate": 5}) == Reset("rsr", 4, 5.0)
-    assert requests.order({"order": "rate", "rate": 3.5}) == Rate(3.5)
-    assert requests.order({"order": "start"}) == Start()
-    assert requests.order({"order": "devices"}) == Devices()
+    assert requests.parse_request(reset) == ResetRequest("rsr", 4, 10.0)
+    assert requests.parse_request(reset | {"camera_rate": 5}) == ResetRequest("rsr", 4, 5.0)
+    assert requests.parse_request({"order": "rate", "rate": 3.5}) == RateRequest(3.5)
+    assert requests.parse_request({"order": "start"}) == StartRequest()
+    assert requests.parse_request({"order": "devices"}) == DevicesRequest()
 
 
 @pytest.mark.parametrize(
@@ -121,7 +138,7 @@ def test_messages_are_understood():
 )
 def test_orders_that_make_no_sense_are_refused(head):
     with pytest.raises(WireError):
-        requests.order(head)
+        requests.parse_request(head)
 
 
 @pytest.mark.parametrize(
@@ -129,4 +146,4 @@ def test_orders_that_make_no_sense_are_refused(head):
 )
 def test_velocities_that_make_no_sense_are_refused(text):
     with pytest.raises(WireError):
-        requests.velocity({"velocity": json.loads(text)})
+        requests.parse_velocity({"velocity": json.loads(text)})

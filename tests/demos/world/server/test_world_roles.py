@@ -5,7 +5,7 @@ from math import atan2, pi
 import pytest
 from world_client import KEY, LIMIT, SPEED, clients, serving, truth_when
 
-from rtron.demos.world.client import Owner
+from rtron.demos.world.client import WorldClient
 
 
 @pytest.fixture(scope="module")
@@ -22,16 +22,16 @@ def client(path):
 
 @pytest.fixture
 def owner(path):
-    with Owner.connect(path, KEY, LIMIT) as owner:
+    with WorldClient.connect(path, KEY, LIMIT) as owner:
         yield owner
 
 
-def off(pose, place):
+def heading_error(pose, place):
     """Return by how much a robot does not head for a place, rad."""
     return (atan2(place[1] - pose[1], place[0] - pose[0]) - pose[2] + pi) % (2 * pi) - pi
 
 
-def told(base, velocity, condition):
+def drive_until(base, velocity, condition):
     """Return a condition on truths that tells the base its velocity each time it is asked."""
 
     def asked(truth):
@@ -67,7 +67,7 @@ def test_a_run_from_reset_to_a_collision(client, owner):
     owner.start()
     goal = mission.next().head
     assert (goal["run"], goal["goal"]) == (begun.run, begun.scene["goal"])
-    hit = truth_when(owner, told(base, [0.5, 0.6], lambda truth: truth.collided))
+    hit = truth_when(owner, drive_until(base, [0.5, 0.6], lambda truth: truth.collided))
     assert hit.run == begun.run
     assert hit.commanded == (0.5, 0.6)
     assert base.until(lambda f: f.head["t"] >= hit.t).head["pose"] == pytest.approx(hit.pose)
@@ -96,9 +96,11 @@ def test_the_network_device_hears_of_the_area(client, owner):
     owner.start()
     (x, y, _), (gx, gy) = scene["start"], scene["bad_goal"]
     side = 1 if (gx - x) * (gy - y) > 0 else -1
-    heading = told(base, [0.0, 0.5 * side], lambda truth: abs(off(truth.pose, (gx, gy))) < 0.06)
+    heading = drive_until(
+        base, [0.0, 0.5 * side], lambda truth: abs(heading_error(truth.pose, (gx, gy))) < 0.06
+    )
     turned = truth_when(owner, heading)
-    lost = truth_when(owner, told(base, [0.5, 0.0], lambda truth: truth.in_area))
+    lost = truth_when(owner, drive_until(base, [0.5, 0.0], lambda truth: truth.in_area))
     assert network.next().head == {"connected": False}
     assert lost.t > turned.t
     owner.reset("msr", 3)
@@ -106,23 +108,23 @@ def test_the_network_device_hears_of_the_area(client, owner):
 
 
 def test_the_computer_hears_of_its_rate(client, owner):
-    owner.rate(10.0)
+    owner.set_image_rate(10.0)
     computer = client("computer")
     assert computer.next().head == {"rate": 10.0}
-    owner.rate(2.5)
+    owner.set_image_rate(2.5)
     assert computer.next().head == {"rate": 2.5}
-    owner.rate(10.0)
+    owner.set_image_rate(10.0)
 
 
 def test_the_owner_counts_devices(client, owner):
     two = [client("lidar"), client("lidar")]
-    assert owner.devices()["lidar"] == 2
+    assert owner.count_devices()["lidar"] == 2
     two[0].socket.close()
     for _ in range(100):
-        if owner.devices()["lidar"] == 1:
+        if owner.count_devices()["lidar"] == 1:
             break
         owner.poll(LIMIT)
-    counted = owner.devices()
+    counted = owner.count_devices()
     assert (counted["lidar"], counted["owner"], counted["camera"]) == (1, 1, 0)
 
 

@@ -7,10 +7,10 @@ from itertools import count
 import pytest
 from world_client import KEY, LIMIT, clients, serving
 
-from rtron.demos.world.client import Owner
-from rtron.demos.world.clock import Clock
+from rtron.demos.world.client import WorldClient
+from rtron.demos.world.clock import StepClock
 from rtron.demos.world.server import connection_registry, loop
-from rtron.demos.world.server.protocol import encode
+from rtron.demos.world.server.protocol import encode_frame
 from rtron.errors import SourceError
 
 
@@ -35,7 +35,7 @@ def test_who_has_no_key_is_no_owner(client, key):
 
 def test_a_wrong_key_is_told_to_the_caller(path):
     with pytest.raises(SourceError, match="log"):
-        Owner.connect(path, "wrong", LIMIT)
+        WorldClient.connect(path, "wrong", LIMIT)
 
 
 @pytest.mark.parametrize(
@@ -43,12 +43,13 @@ def test_a_wrong_key_is_told_to_the_caller(path):
     [
         b"GET / HTTP/1.1\r\nHost: robot\r\n\r\n",
         struct.pack("!II", 2, 5) + b"{}hello",
-        encode({"hello": "king"}),
-        encode({"velocity": [1, 0]}),
-        encode({"hello": "base"}) + encode({"velocity": [1e308, "x"]}),
-        encode({"hello": "lidar"}) + encode({"velocity": [0, 0]}),
-        encode({"hello": "owner", "key": KEY}) + encode({"order": "reset", "case": "x", "seed": 1}),
-        encode({"hello": "owner", "key": KEY}) + encode({"order": "fly"}),
+        encode_frame({"hello": "king"}),
+        encode_frame({"velocity": [1, 0]}),
+        encode_frame({"hello": "base"}) + encode_frame({"velocity": [1e308, "x"]}),
+        encode_frame({"hello": "lidar"}) + encode_frame({"velocity": [0, 0]}),
+        encode_frame({"hello": "owner", "key": KEY})
+        + encode_frame({"order": "reset", "case": "x", "seed": 1}),
+        encode_frame({"hello": "owner", "key": KEY}) + encode_frame({"order": "fly"}),
     ],
 )
 def test_whoever_breaks_the_protocol_is_let_go_and_the_world_goes_on(client, data):
@@ -78,7 +79,7 @@ def test_a_reader_that_sleeps_holds_nobody_up(client):
 
 
 def test_a_world_that_is_always_late_listens_all_the_same(tmp_path, monkeypatch):
-    monkeypatch.setattr(loop, "Clock", partial(Clock, wall=count().__next__))
+    monkeypatch.setattr(loop, "Clock", partial(StepClock, wall=count().__next__))
     with serving(tmp_path / "late") as late, clients(late) as connect:
         base, owner = connect("base"), connect("owner", key=KEY)
         base.send({"velocity": [0.1, 0.0]})

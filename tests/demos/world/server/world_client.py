@@ -4,9 +4,9 @@ import socket
 from contextlib import contextmanager
 from threading import Thread
 
-from rtron.demos.world.server.loop import Server
-from rtron.demos.world.server.protocol import Parser, encode
-from rtron.demos.world.server.unix_socket import listening
+from rtron.demos.world.server.loop import WorldServer
+from rtron.demos.world.server.protocol import FrameParser, encode_frame
+from rtron.demos.world.server.unix_socket import listen_on_unix_socket
 
 KEY = "the key"
 SPEED = 8.0
@@ -20,14 +20,14 @@ class Client:
         self.socket = socket.socket(socket.AF_UNIX)
         self.socket.settimeout(LIMIT)
         self.socket.connect(str(path))
-        self._parser = Parser()
+        self._parser = FrameParser()
         self._frames = []
         if role:
             self.send({"hello": role, **hello})
             self.welcome = self.next().head
 
     def send(self, head):
-        self.socket.sendall(encode(head))
+        self.socket.sendall(encode_frame(head))
 
     def next(self):
         while not self._frames:
@@ -53,8 +53,8 @@ class Client:
 @contextmanager
 def serving(path):
     """Serve a world until the end of the block."""
-    with listening(path) as listener:
-        server = Server(listener, SPEED, KEY)
+    with listen_on_unix_socket(path) as listener:
+        server = WorldServer(listener, SPEED, KEY)
         thread = Thread(target=server.run, daemon=True)
         thread.start()
         yield path

@@ -6,11 +6,11 @@ import pytest
 from plans import grcn, plan_of
 from streams import stage, stream
 
-from rtron.guard.core.coordinator import Host
-from rtron.guard.core.handover_state import Will
+from rtron.guard.core.coordinator import Coordinator
+from rtron.guard.core.handover_state import HandoverState
 from rtron.guard.core.message_types import standard_info
-from rtron.guard.replay.player import Player
-from rtron.guard.replay.recorded_streams import Recorded
+from rtron.guard.replay.player import RecordingPlayer
+from rtron.guard.replay.recorded_streams import RecordedStream
 from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.guard.transport.common.protocol import Peer, TypeInfo
 from rtron.messages.common.definition_parser import parse_definition
@@ -33,8 +33,8 @@ from rtron.messages.ros1.actions import (
     result_message,
     with_statuses,
 )
-from rtron.policies.goals.registry import AGAIN_AFTER, MOST_GOALS
-from rtron.policies.goals.status_list import LOST_AFTER
+from rtron.policies.goals.registry import ID_REUSE_DELAY, MAX_GOALS
+from rtron.policies.goals.status_list import LOST_TIMEOUT
 from rtron.vocabulary import SECOND, Flow, OnSilence, PolicyName, StreamKind
 
 GOAL_TYPE, RESULT_TYPE = "demo_msgs/GoActionGoal", "demo_msgs/GoActionResult"
@@ -105,9 +105,11 @@ class Act:
         )
         self.transport = MemoryTransport()
         dry_run = False
-        self.host = Host(self.transport, [self.stream, *streams], dry_run=dry_run, will=will)
+        self.host = Coordinator(
+            self.transport, [self.stream, *streams], dry_run=dry_run, handover=will
+        )
         self.host.open()
-        self.action = self.host.guarded[0]
+        self.action = self.host.streams[0]
         self.to_server = self.transport.listen("/rtron/act/goal/out")
         self.cancels = self.transport.listen("/rtron/act/cancel/out")
         self.results = self.transport.listen("/rtron/act/result/out")
@@ -266,7 +268,7 @@ def test_a_cancel_may_come_before_its_goal(act):
 
 def test_a_cancel_is_not_remembered_for_ever(act):
     act.cancel(ONE, b"a")
-    act.transport.advance(AGAIN_AFTER)
+    act.transport.advance(ID_REUSE_DELAY)
     act.ask(ONE, b"a")
     assert act.started() == [b"a"]
 
@@ -301,7 +303,7 @@ def test_an_id_may_be_used_again_by_its_client(act):
     for _ in range(2):
         act.ask(ONE, b"a")
         act.finish(b"a")
-        act.transport.advance(AGAIN_AFTER)
+        act.transport.advance(ID_REUSE_DELAY)
     assert act.started() == [b"a", b"a"]
 
 
@@ -311,7 +313,7 @@ def test_a_latched_goal_does_not_run_again_over_a_new_connection(act, latching, 
         say = act.transport.publisher("/rtron/act/goal/flow1", Peer(ONE, GOAL, latching))
         say(goal_message(b"a"))
         act.finish(b"a")
-        act.transport.advance(AGAIN_AFTER)
+        act.transport.advance(ID_REUSE_DELAY)
     assert act.started() == [b"a"] * runs
 
 
@@ -350,7 +352,7 @@ def test_without_a_server_goals_are_rejected():
 def test_clients_see_the_server_once_it_hears_the_guard(deaf):
     act = Act()
     if deaf:
-        act.transport.deaf.add(SERVER)
+        act.transport.unreachable.add(SERVER)
     act.serve()
     assert (act.statuses == []) == deaf
     act.ask(ONE, b"a")
@@ -361,7 +363,7 @@ def test_goals_are_aborted_when_their_server_is_gone(act):
     act.ask(ONE, b"a")
     act.serve(*active(b"a"))
     act.transport.leave("/rtron/act/status/server", Peer(SERVER, STATUSES))
-    act.transport.advance(LOST_AFTER - 1)
+    act.transport.advance(LOST_TIMEOUT - 1)
     assert act.answers() == []
     act.transport.advance(1)
     assert act.answers() == [(b"a", ABORTED)]
@@ -373,7 +375,7 @@ def test_goals_are_aborted_when_a_new_server_does_not_know_them(act):
     act.ask(ONE, b"a")
     act.ask(TWO, b"b")
     act.serve(*active(b"a"))
-    act.transport.advance(LOST_AFTER)
+    act.transport.advance(LOST_TIMEOUT)
     act.serve()
     assert act.answers() == [(b"a", ABORTED)]
     assert act.started() == [b"a", b"b"]
@@ -383,7 +385,7 @@ def test_a_result_that_does_not_come_is_made_good_from_the_status(act):
     act.ask(ONE, b"a")
     over = GoalStatus(GoalID(b"a", 0), SUCCEEDED)
     act.serve(over)
-    act.transport.advance(LOST_AFTER - 1)
+    act.transport.advance(LOST_TIMEOUT - 1)
     act.serve(over)
     assert act.answers() == []
     act.transport.advance(1)
@@ -397,7 +399,7 @@ def test_a_goal_that_was_answered_for_a_lost_server_is_cancelled_when_it_is_back
     act.ask(ONE, b"a")
     act.serve(*active(b"a"))
     act.transport.leave("/rtron/act/status/server", Peer(SERVER, STATUSES))
-    act.transport.advance(LOST_AFTER)
+    act.transport.advance(LOST_TIMEOUT)
     act.transport.publisher("/rtron/act/status/server", Peer(SERVER, STATUSES))
     assert act.answers() == [(b"a", ABORTED)]
     act.serve(*active(b"a"))
@@ -432,7 +434,7 @@ def test_goals_wait_for_a_server_that_is_gone(act):
     act.ask(ONE, b"a")
     act.ask(TWO, b"b")
     act.transport.leave("/rtron/act/status/server", Peer(SERVER, STATUSES))
-    act.transport.advance(LOST_AFTER)
+    act.transport.advance(LOST_TIMEOUT)
     assert (act.answers(), act.started()) == ([(b"a", ABORTED)], [b"a"])
     act.transport.advance(SECOND)
     act.serving_again()
@@ -467,7 +469,7 @@ def test_a_goal_that_is_over_stays_listed_until_its_result_has_surely_come(act):
     act.finish(b"a")
     act.serve()
     assert act.told() == {b"a": SUCCEEDED}
-    act.transport.advance(AGAIN_AFTER)
+    act.transport.advance(ID_REUSE_DELAY)
     act.serve()
     assert act.told() == {}
 
@@ -475,9 +477,9 @@ def test_a_goal_that_is_over_stays_listed_until_its_result_has_surely_come(act):
 def test_goals_that_are_not_over_are_bounded():
     act = Act(queue_size=2000)
     act.serve()
-    for number in range(MOST_GOALS + 1):
+    for number in range(MAX_GOALS + 1):
         act.ask(ONE, b"%d" % number)
-    assert act.answers() == [(b"%d" % MOST_GOALS, REJECTED)]
+    assert act.answers() == [(b"%d" % MAX_GOALS, REJECTED)]
 
 
 def test_the_highest_goes_next():
@@ -513,7 +515,7 @@ def test_a_block_that_rises_cancels_the_goal_and_stops_what_it_moves():
     go = framed(struct.pack("<6d", 1, 0, 0, 0, 0, 0))
     act.say("/rtron/cmd_vel/flow1", SERVER, twist, go)
     act.action.pipeline.bar("a test", ["flow1"], "an area is closed")
-    act.host.attend()
+    act.host.recheck()
     assert [read_cancel(message).id for message in act.cancels] == [b"a"]
     act.say("/rtron/cmd_vel/flow1", SERVER, twist, go)
     act.transport.advance(2 * SECOND)
@@ -527,12 +529,12 @@ def test_a_block_that_rises_cancels_the_goal_and_stops_what_it_moves():
 
 def test_the_next_guard_knows_whose_goals_there_are():
     written = []
-    act = Act(will=Will(write=written.append))
+    act = Act(will=HandoverState(write=written.append))
     act.serve()
     act.ask(ONE, b"a")
     act.ask(TWO, b"b")
     act.transport.advance(SECOND // 100)
-    again = Act(will=Will(written[-1]))
+    again = Act(will=HandoverState(written[-1]))
     again.serve(*active(b"a"))
     assert again.told() == {b"a": ACTIVE, b"b": PENDING}
     again.ask(ONE, b"c")
@@ -549,7 +551,7 @@ def test_the_next_guard_knows_whose_goals_there_are():
 def test_a_recording_of_the_app_without_a_guard_is_judged_as_a_whole():
     act = Act()
     goal, cancel, result = (
-        Recorded(f"/act/{part}", info.type, info.md5sum, info.definition, node)
+        RecordedStream(f"/act/{part}", info.type, info.md5sum, info.definition, node)
         for part, info, node in (
             ("goal", GOAL, ONE),
             ("cancel", CANCEL, ONE),
@@ -566,21 +568,21 @@ def test_a_recording_of_the_app_without_a_guard_is_judged_as_a_whole():
     flows = tuple(act.stream.flows[:1])
     settings = {"type": GOAL_TYPE, "kind": StreamKind.ACTION, "policy": PolicyName.FIFO_QUEUE}
     plan = plan_of(grcn("/act/goal", (), [SERVER], flows=flows, max_age=60 * SECOND, **settings))
-    found = Player(plan).play(((n, *row) for n, row in enumerate(rows)), lambda _: None)
+    found = RecordingPlayer(plan).play(((n, *row) for n, row in enumerate(rows)), lambda _: None)
     ((count, _),) = (stream.flows for stream in found.streams)
     assert (count.passed, count.held, count.dropped) == (2, 2, 1)
 
 
 def test_a_goal_that_was_answered_is_not_again_by_the_next_guard():
     written = []
-    act = Act(will=Will(write=written.append))
+    act = Act(will=HandoverState(write=written.append))
     act.serve()
     act.ask(ONE, b"a")
     act.transport.advance(SECOND)
     act.finish(b"a")
-    again = Act(will=Will(written[-1]))
+    again = Act(will=HandoverState(written[-1]))
     again.serve()
-    again.transport.advance(LOST_AFTER)
+    again.transport.advance(LOST_TIMEOUT)
     again.serve()
     again.finish(b"a")
     assert again.answers() == []
@@ -588,11 +590,11 @@ def test_a_goal_that_was_answered_is_not_again_by_the_next_guard():
 
 def test_the_next_guard_knows_the_stamp_of_the_last_goal():
     written = []
-    act = Act(will=Will(write=written.append))
+    act = Act(will=HandoverState(write=written.append))
     act.serve()
     act.ask(ONE, b"a", stamp=9 * SECOND)
     act.finish(b"a")
-    again = Act(will=Will(written[-1]))
+    again = Act(will=HandoverState(written[-1]))
     again.serve()
     again.ask(ONE, b"b", stamp=5 * SECOND)
     assert read_goal(again.to_server[0]).stamp == 9 * SECOND
@@ -690,8 +692,8 @@ def test_a_followed_goal_that_is_cancelled_gives_its_turn_to_the_next():
     act.give(ONE, b"first")
     act.give(TWO, b"second")
     act.serve(*active(b"s1"))
-    act.host.guarded[1].pipeline.bar("a test", ["flow1"], "an area is closed")
-    act.host.attend()
+    act.host.streams[1].pipeline.bar("a test", ["flow1"], "an area is closed")
+    act.host.recheck()
     act.finish(b"s1", PREEMPTED)
     assert act.simple == [b"first", b"second"]
 
@@ -700,15 +702,15 @@ def test_a_block_cancels_the_goal_that_was_followed():
     act = Simple()
     act.give(ONE, b"first")
     act.serve(*active(b"s1"))
-    act.host.guarded[1].pipeline.bar("a test", ["flow1"], "an area is closed")
-    act.host.attend()
-    act.host.attend()
+    act.host.streams[1].pipeline.bar("a test", ["flow1"], "an area is closed")
+    act.host.recheck()
+    act.host.recheck()
     assert [read_cancel(message).id for message in act.cancels] == [b"s1"]
 
 
 def test_without_a_guarded_action_the_public_topics_tell():
     transport = MemoryTransport()
-    host = Host(transport, [simple_stream()])
+    host = Coordinator(transport, [simple_stream()])
     host.open()
     out, cancels = transport.listen("/rtron/act_simple/goal/out"), transport.listen("/act/cancel")
     give = transport.publisher("/rtron/act_simple/goal/flow1", Peer(ONE, POSE))
@@ -727,6 +729,6 @@ def test_without_a_guarded_action_the_public_topics_tell():
     give(b"third")
     assert out == [b"first", b"second", b"third"]
     tell(status_message(*active(b"s3")))
-    host.guarded[0].pipeline.bar("a test", ["flow1"], "an area is closed")
-    host.attend()
+    host.streams[0].pipeline.bar("a test", ["flow1"], "an area is closed")
+    host.recheck()
     assert [read_cancel(message).id for message in cancels] == [b"s3"]

@@ -3,7 +3,7 @@
 from contextlib import ExitStack, suppress
 
 import pytest
-from harness import TooLateError
+from harness import WaitTimeoutError
 
 TRIES = 3
 
@@ -20,7 +20,7 @@ def app2(monkeypatch, domains):
     """Have a guarded action in a domain of the test's own."""
     pytest.importorskip("rclpy")
     from ros2_action_app import App2  # noqa: PLC0415 - needs rclpy
-    from ros2_harness import own_domain  # noqa: PLC0415
+    from ros2_harness import reserve_domain  # noqa: PLC0415
 
     monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     monkeypatch.delenv("ROS_LOCALHOST_ONLY", raising=False)
@@ -29,9 +29,9 @@ def app2(monkeypatch, domains):
         def found(*policy, kind=App2, **settings):
             """Start an app whose parts find each other: Fast DDS does not always succeed."""
             for _ in range(TRIES - 1):
-                with suppress(TooLateError):
-                    return kind(domains.enter_context(own_domain()), *policy, **settings)
-            return kind(domains.enter_context(own_domain()), *policy, **settings)
+                with suppress(WaitTimeoutError):
+                    return kind(domains.enter_context(reserve_domain()), *policy, **settings)
+            return kind(domains.enter_context(reserve_domain()), *policy, **settings)
 
         def start(*policy, **settings):
             app = found(*policy, **settings)

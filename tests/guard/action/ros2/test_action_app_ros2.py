@@ -13,19 +13,19 @@ from rclpy.qos import qos_profile_action_status_default
 from ros2_action_app import ACTION, ONE, SERVER, TWO, TYPE, Client, Guard, Liar, Server, settle
 
 from rtron.guard.audit.ros2.auditor import Ros2Auditor
-from rtron.guard.core.handover_state import Will
+from rtron.guard.core.handover_state import HandoverState
 from rtron.vocabulary import (
     MSRCN,
-    ActionEnd,
     AlarmKind,
     Flow,
     GuardedTopic,
     MessageDefinition,
+    MissionRule,
     Mode,
     PolicyName,
-    Rule,
-    end_name,
+    Ros2ActionEntity,
     output_topic,
+    ros2_entity_name,
 )
 
 pytestmark = pytest.mark.ros2
@@ -191,9 +191,9 @@ def test_a_guard_that_is_restarted_answers_the_goals_of_the_one_before(app2):
     wait_for(lambda: app.server.started, what="the goal")
     app.two.ask(2)
     wait_for(lambda: 2 in app.two.handles, what="a goal that waits")
-    wait_for(lambda: goals_in_will(app) == 2, what="the will")
+    wait_for(lambda: goals_in_handover(app) == 2, what="the will")
     app.end(app.guard)
-    app.guard = app.keep(Guard(app.domain, app.plan, Will(app.wills[-1])))
+    app.guard = app.keep(Guard(app.domain, app.plan, HandoverState(app.wills[-1])))
     wait_for(lambda: app.two.answers[2], what="the answer to the goal that waited")
     assert app.two.answers[2] == [("aborted", [])]
     cancel = app.two.cancel_raw(goal_info=GoalInfo(goal_id=app.one.handles[1].goal_id))
@@ -215,10 +215,10 @@ def test_the_goals_of_the_guard_before_are_answered_though_the_server_comes_late
     wait_for(lambda: app.server.started, what="the goal")
     app.two.ask(2)
     wait_for(lambda: 2 in app.two.handles, what="a goal that waits")
-    wait_for(lambda: goals_in_will(app) == 2, what="the will")
+    wait_for(lambda: goals_in_handover(app) == 2, what="the will")
     app.end(app.guard)
     app.end(app.server)
-    app.guard = app.keep(Guard(app.domain, app.plan, Will(app.wills[-1])))
+    app.guard = app.keep(Guard(app.domain, app.plan, HandoverState(app.wills[-1])))
     over = app.guard.action._results.flow
     wait_for(lambda: over(id_of(app.two, 2)), what="the end of the goal that waited")
     app.keep(Server(app.domain))
@@ -276,7 +276,7 @@ def test_who_only_tells_a_status_does_not_keep_a_goal_from_being_cancelled(app2)
     app.one.ask(1)
     wait_for(lambda: app.server.started, what="the goal")
     stranger = app.keep(Client(app.domain, "/mallory", ACTION))
-    name = end_name(output_topic(ACTION), ActionEnd.STATUS)
+    name = ros2_entity_name(output_topic(ACTION), Ros2ActionEntity.STATUS)
     stranger.node.create_publisher(GoalStatusArray, name, qos_profile_action_status_default)
     wait_for(lambda: app.guard.action.doubt, what="the stranger to be noticed")
     app.guard.do(lambda: app.guard.action.brake("a test", "a person is there"))
@@ -311,10 +311,10 @@ def test_a_guard_that_comes_after_a_second_server_follows_the_goal_of_the_first(
     app = app2()
     app.one.ask(1)
     wait_for(lambda: app.server.started, what="the goal")
-    wait_for(lambda: goals_in_will(app) == 1, what="the will")
+    wait_for(lambda: goals_in_handover(app) == 1, what="the will")
     app.end(app.guard)
     app.keep(Server(app.domain, "/mallory"))
-    app.guard = app.keep(Guard(app.domain, app.plan, Will(app.wills[-1])))
+    app.guard = app.keep(Guard(app.domain, app.plan, HandoverState(app.wills[-1])))
     action = app.guard.action
     wait_for(lambda: action.server and action.doubt, what="the first and the second")
     app.guard.do(lambda: action.brake("a test", "a person is there"))
@@ -325,10 +325,10 @@ def test_who_only_answers_for_results_ends_no_goal(app2):
     app = app2()
     app.one.ask(1)
     wait_for(lambda: app.server.started, what="the goal")
-    wait_for(lambda: goals_in_will(app) == 1, what="the will")
+    wait_for(lambda: goals_in_handover(app) == 1, what="the will")
     app.end(app.guard)
     app.keep(Liar(app.domain, "/mallory"))
-    app.guard = app.keep(Guard(app.domain, app.plan, Will(app.wills[-1])))
+    app.guard = app.keep(Guard(app.domain, app.plan, HandoverState(app.wills[-1])))
     action = app.guard.action
     wait_for(lambda: action.server, what="the server")
     wait_for(lambda: action.doubt == "/mallory answers in its place", what="the liar")
@@ -336,7 +336,7 @@ def test_who_only_answers_for_results_ends_no_goal(app2):
     wait_for(lambda: app.server.cancels, what="the cancel")
 
 
-def goals_in_will(app):
+def goals_in_handover(app):
     return len(json.loads(app.wills[-1]).get("results /fib", ())) if app.wills else 0
 
 
@@ -345,7 +345,7 @@ OWN = MessageDefinition(type=TYPE, definition="int32 order\n")
 
 @pytest.mark.parametrize("messages", [(OWN,), ()], ids=["told", "installed"])
 def test_a_rule_looks_into_the_goal(app2, messages):
-    rule = Rule(name="small", block=(ACTION,), action="action.order > 100")
+    rule = MissionRule(name="small", block=(ACTION,), action="action.order > 100")
     aflows = (
         GuardedTopic(
             topic=ACTION, type=TYPE, flows=flows((ONE, 0), (TWO, 0)), successors=(SERVER,)

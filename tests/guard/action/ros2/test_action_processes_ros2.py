@@ -9,7 +9,7 @@ import pytest
 pytest.importorskip("rclpy")
 from harness import wait_for
 
-from rtron.vocabulary import ActionEnd, end_name
+from rtron.vocabulary import Ros2ActionEntity, ros2_entity_name
 
 pytestmark = pytest.mark.ros2
 
@@ -28,7 +28,10 @@ grcn:
 
 
 def remaps(private):
-    return [f"{end_name('/fib', end)}:={end_name(private, end)}" for end in ActionEnd]
+    return [
+        f"{ros2_entity_name('/fib', end)}:={ros2_entity_name(private, end)}"
+        for end in Ros2ActionEntity
+    ]
 
 
 LONG_LEASE = """\

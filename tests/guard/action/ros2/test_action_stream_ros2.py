@@ -6,16 +6,16 @@ from collections import defaultdict
 import pytest
 from plans import grcn, plan_of
 
-from rtron.guard.action.ros2.endpoints import Cancelled, GoalMessage
-from rtron.guard.action.ros2.observed import ObservedAction
-from rtron.guard.core.coordinator import Host
-from rtron.guard.core.handover_state import Will
+from rtron.guard.action.ros2.endpoints import CancelResponse, GoalMessage
+from rtron.guard.action.ros2.observed import ObservedActionStream
+from rtron.guard.core.coordinator import Coordinator
+from rtron.guard.core.handover_state import HandoverState
 from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.guard.transport.common.protocol import Peer, TypeInfo
 from rtron.messages.common.encoding import Encoding
 from rtron.messages.ros2.actions import GoalStatus, read_statuses, status_array
-from rtron.policies.goals.status_list import LOST_AFTER
-from rtron.vocabulary import SECOND, ActionEnd, Mode, PolicyName, StreamKind, streams
+from rtron.policies.goals.status_list import LOST_TIMEOUT
+from rtron.vocabulary import SECOND, Mode, PolicyName, Ros2ActionEntity, StreamKind, build_streams
 
 TYPE = "demo_msgs/action/Go"
 INFO = TypeInfo("demo_msgs/Go_Goal", "0" * 32)
@@ -35,7 +35,7 @@ class Answer:
         self.given.append(given if len(given) > 1 else given[0])
 
 
-class MemoryEnds:
+class MemoryActionEndpoints:
     """Keeps what the guard asks of the server, for a test to answer, and what clients are told."""
 
     info = INFO
@@ -66,13 +66,13 @@ class MemoryEnds:
         return self.places.setdefault(token, Answer(token))
 
 
-class Requesting(MemoryTransport):
+class MemoryActionTransport(MemoryTransport):
     """A transport in memory that carries requests."""
 
     encoding = Encoding.CDR
 
     def action_ends(self, _stream, _node, hears):
-        self.ends = MemoryEnds(hears)
+        self.ends = MemoryActionEndpoints(hears)
         return self.ends
 
 
@@ -84,39 +84,41 @@ class Act:
     ):
         made = {"type": TYPE, "kind": StreamKind.ACTION, "policy": policy, "max_age": 60 * SECOND}
         self.plan = plan_of(grcn("/go", [ONE, TWO], [SERVER], **made | settings), ros=2)
-        self.transport = Requesting()
-        self.host = Host(self.transport, streams(self.plan), will=will, dry_run=dry_run)
+        self.transport = MemoryActionTransport()
+        self.host = Coordinator(
+            self.transport, build_streams(self.plan), handover=will, dry_run=dry_run
+        )
         self.host.open()
-        (self.action,) = self.host.guarded
+        (self.action,) = self.host.streams
         self.ends = self.transport.ends
         if served:
             self.serve()
 
     def doubt(self, why="2 nodes serve it"):
-        self.action.server_doubted(why)
+        self.action.on_server_doubt(why)
 
     def serve(self, incarnation=b"first"):
-        self.action.server_came(SERVER, incarnation)
+        self.action.on_server_available(SERVER, incarnation)
 
     def ask(self, node, id, *, flow="", verified=True, goal=b"\0\1\0\0goal"):
         """Send a goal; return the answers."""
         answer = Answer()
         peer = Peer(node, INFO, verified=verified)
         message = GoalMessage.of(of(id), goal)
-        self.action.goal_asked(flow or FLOW[node], peer, lambda: message, answer)
+        self.action.on_goal_request(flow or FLOW[node], peer, lambda: message, answer)
         return answer.given
 
     def want(self, node, id, *, flow=""):
         """Ask for a result; return the answers."""
         answer = Answer(f"{node} {id}")
-        self.action.result_asked(flow or FLOW[node], Peer(node, INFO), of(id), answer)
+        self.action.on_result_request(flow or FLOW[node], Peer(node, INFO), of(id), answer)
         return answer.given
 
     def cancel(self, node, id=0, stamp=0, *, flow="", verified=True):
         """Send a cancel; return the answers as (code, ids)."""
         answer = Answer()
         peer = Peer(node, INFO, verified=verified)
-        self.action.cancel_asked(flow or FLOW[node], peer, of(id), stamp, answer)
+        self.action.on_cancel_request(flow or FLOW[node], peer, of(id), stamp, answer)
         return answer.given
 
     def accept(self, id, stamp=5):
@@ -130,7 +132,7 @@ class Act:
 
     def tell(self, *statuses):
         told = status_array(GoalStatus(of(id), 5, status) for id, status in statuses)
-        self.action.server_told(ActionEnd.STATUS, told)
+        self.action.on_server_message(Ros2ActionEntity.STATUS, told)
 
     def started(self):
         return [id[0] for id in self.ends.goals]
@@ -138,7 +140,7 @@ class Act:
     def listed(self):
         """Return the states that clients were told last."""
         self.transport.advance(SECOND // 10)
-        message, flows = self.ends.told[ActionEnd.STATUS][-1]
+        message, flows = self.ends.told[Ros2ActionEntity.STATUS][-1]
         assert flows is None
         return {told.id[0]: told.status for told in read_statuses(message)}
 
@@ -255,10 +257,10 @@ def test_a_cancel_asks_the_server_for_each_goal_and_lists_those_that_end():
     act.accept(3)
     told = act.cancel(ONE)
     assert (told, set(act.ends.cancels)) == ([], {(of(1), 0), (of(2), 0)})
-    act.ends.cancels[of(1), 0](Cancelled(0, [(of(1), 5)]))
+    act.ends.cancels[of(1), 0](CancelResponse(0, [(of(1), 5)]))
     assert told == []
-    act.ends.cancels[of(2), 0](Cancelled(1))
-    assert told == [Cancelled(0, ((of(1), 5),))]
+    act.ends.cancels[of(2), 0](CancelResponse(1))
+    assert told == [CancelResponse(0, ((of(1), 5),))]
 
 
 def test_a_cancel_that_the_server_does_not_answer_is_answered():
@@ -269,7 +271,7 @@ def test_a_cancel_that_the_server_does_not_answer_is_answered():
     act.transport.advance(5 * SECOND - 1)
     assert told == []
     act.transport.advance(1)
-    assert told == [Cancelled(1)]
+    assert told == [CancelResponse(1)]
 
 
 @pytest.mark.parametrize(
@@ -290,11 +292,11 @@ def test_what_a_cancel_means(id, stamp, ended):
 def test_a_cancel_of_what_is_not_there_says_so():
     act = Act()
     act.ask(ONE, 1)
-    assert act.cancel(TWO, 1) == act.cancel(ONE, 2) == [Cancelled(2)]
-    assert act.cancel(TWO) == [Cancelled(0)]
+    assert act.cancel(TWO, 1) == act.cancel(ONE, 2) == [CancelResponse(2)]
+    assert act.cancel(TWO) == [CancelResponse(0)]
     act.accept(1)
     act.finish(1)
-    assert act.cancel(ONE, 1) == [Cancelled(3)]
+    assert act.cancel(ONE, 1) == [CancelResponse(3)]
     assert act.ends.cancels == {}
 
 
@@ -304,8 +306,8 @@ def test_a_cancel_waits_until_the_server_has_the_goal():
     told = act.cancel(ONE)
     assert act.ends.cancels == {}
     act.accept(1)
-    act.ends.cancels[of(1), 0](Cancelled(0, [(of(1), 5)]))
-    assert told == [Cancelled(0, ((of(1), 5),))]
+    act.ends.cancels[of(1), 0](CancelResponse(0, [(of(1), 5)]))
+    assert told == [CancelResponse(0, ((of(1), 5),))]
 
 
 @pytest.mark.parametrize(
@@ -322,7 +324,7 @@ def test_strangers_are_shut_out(node, flow, verified):
     act.ask(ONE, 1)
     act.accept(1)
     assert act.ask(node, 2, flow=flow, verified=verified) == [None]
-    assert act.cancel(node, flow=flow, verified=verified) == [Cancelled(1)]
+    assert act.cancel(node, flow=flow, verified=verified) == [CancelResponse(1)]
     assert (act.started(), act.ends.cancels) == ([1], {})
     assert act.action.pipeline.tallies["unapproved"].dropped == 1
 
@@ -330,7 +332,7 @@ def test_strangers_are_shut_out(node, flow, verified):
 def test_a_strangers_goal_is_not_even_read():
     act, answer, read = Act(), Answer(), []
     peer = Peer("/eve", INFO, verified=False)
-    act.action.goal_asked("flow1", peer, lambda: read.append(1), answer)
+    act.action.on_goal_request("flow1", peer, lambda: read.append(1), answer)
     assert (answer.given, read) == ([None], [])
     assert act.action.pipeline.tallies["unapproved"].dropped == 1
 
@@ -351,7 +353,7 @@ def test_a_stranger_that_the_plan_lets_through_has_goals_of_its_own():
     act = Act(block_unapproved=False)
     act.ask(ONE, 1)
     assert act.ask(ONE, 2, flow="unapproved") != [None]
-    assert act.cancel(ONE, 2) == [Cancelled(2)]
+    assert act.cancel(ONE, 2) == [CancelResponse(2)]
     (told,) = act.cancel(ONE, flow="unapproved")
     assert [id for id, _ in told.goals] == [of(2)]
     assert act.ends.cancels == {}
@@ -370,8 +372,8 @@ def test_goals_of_a_server_that_is_gone_are_answered_after_a_while():
     act.accept(1)
     act.ask(TWO, 2)
     waiting = act.want(ONE, 1)
-    act.action.server_left()
-    act.transport.advance(LOST_AFTER - 1)
+    act.action.on_server_lost()
+    act.transport.advance(LOST_TIMEOUT - 1)
     assert (first, waiting) == ([5], [])
     act.transport.advance(1)
     assert waiting == [(ABORTED, None)]
@@ -386,9 +388,9 @@ def test_a_server_that_is_back_is_asked_again():
     act.accept(1)
     waiting = act.want(ONE, 1)
     act.ends.results.clear()
-    act.action.server_left()
+    act.action.on_server_lost()
     act.serve()
-    act.transport.advance(LOST_AFTER)
+    act.transport.advance(LOST_TIMEOUT)
     assert waiting == []
     act.finish(1)
     assert waiting == [(SUCCEEDED, "result")]
@@ -399,7 +401,7 @@ def test_another_server_knows_none_of_the_goals():
     act.ask(ONE, 1)
     act.accept(1)
     waiting = act.want(ONE, 1)
-    act.action.server_left()
+    act.action.on_server_lost()
     act.serve(b"second")
     assert waiting == [(ABORTED, None)]
 
@@ -417,8 +419,8 @@ def test_a_goal_that_the_server_does_not_know_is_aborted():
 def test_a_goal_that_was_given_up_and_is_accepted_late_is_cancelled():
     act = Act()
     answer = act.ask(ONE, 1)
-    act.action.server_left()
-    act.transport.advance(LOST_AFTER)
+    act.action.on_server_lost()
+    act.transport.advance(LOST_TIMEOUT)
     act.serve()
     act.accept(1)
     assert answer == [None]
@@ -429,8 +431,8 @@ def test_a_goal_that_was_answered_and_goes_on_is_cancelled():
     act = Act()
     act.ask(ONE, 1)
     act.accept(1)
-    act.action.server_left()
-    act.transport.advance(LOST_AFTER)
+    act.action.on_server_lost()
+    act.transport.advance(LOST_TIMEOUT)
     act.serve()
     act.tell((1, EXECUTING))
     assert set(act.ends.cancels) == {(of(1), 0)}
@@ -442,13 +444,13 @@ def test_what_was_answered_is_cancelled_at_once_when_the_server_is_back():
     act.ask(ONE, 1)
     act.accept(1)
     act.ask(ONE, 2)
-    act.action.server_left()
-    act.transport.advance(LOST_AFTER)
+    act.action.on_server_lost()
+    act.transport.advance(LOST_TIMEOUT)
     assert act.ends.cancels == {}
     act.serve()
     assert set(act.ends.cancels) == {(of(1), 0), (of(2), 0)}
     act.ends.cancels.clear()
-    act.action.server_left()
+    act.action.on_server_lost()
     act.serve()
     assert act.ends.cancels == {}
 
@@ -457,10 +459,10 @@ def test_another_server_is_asked_to_cancel_nothing():
     act = Act()
     act.ask(ONE, 1)
     act.accept(1)
-    act.action.server_left()
-    act.transport.advance(LOST_AFTER)
+    act.action.on_server_lost()
+    act.transport.advance(LOST_TIMEOUT)
     act.serve(b"second")
-    act.action.server_left()
+    act.action.on_server_lost()
     act.serve(b"second")
     assert act.ends.cancels == {}
 
@@ -475,7 +477,7 @@ def test_a_goal_goes_on_while_the_server_is_in_doubt_and_no_other_is_sent():
     assert act.action.details["server"] == SERVER
     assert act.action.details["server in doubt"] == "2 nodes serve it"
     assert act.ask(TWO, 3) == [None]
-    act.transport.advance(10 * LOST_AFTER)
+    act.transport.advance(10 * LOST_TIMEOUT)
     assert (waiting, other) == ([], [])
     act.tell((1, SUCCEEDED))
     act.finish(1)
@@ -496,7 +498,7 @@ def test_a_goal_whose_end_is_told_in_doubt_gets_its_result_in_time():
     waiting = act.want(ONE, 1)
     act.doubt()
     act.tell((1, CANCELED))
-    act.transport.advance(LOST_AFTER)
+    act.transport.advance(LOST_TIMEOUT)
     assert waiting == [(CANCELED, None)]
 
 
@@ -530,7 +532,7 @@ def test_goals_wait_although_the_one_in_progress_ends_in_doubt_and_the_server_go
     act.accept(1)
     act.ask(TWO, 2)
     act.doubt()
-    act.action.server_left()
+    act.action.on_server_lost()
     act.serve(b"second")
     assert act.started() == [1]
     act.doubt("")
@@ -544,7 +546,7 @@ def test_a_goal_that_is_let_go_in_doubt_is_aborted():
     act.ask(TWO, 2)
     waiting = act.want(TWO, 2)
     act.doubt()
-    act.action.pipeline.done(act.transport.now())
+    act.action.pipeline.finish_action(act.transport.now())
     act.transport.advance(1)
     assert (act.started(), waiting) == ([1], [(ABORTED, None)])
 
@@ -565,12 +567,12 @@ def test_doubt_while_nothing_goes_on_lets_goals_go_afterwards(caplog):
 def test_a_brake_cancels_and_halts_whatever_is_known_of_the_server(away, accepted):
     halted = []
     act = Act()
-    act.action.halted = lambda node, why: halted.append((node, why))
+    act.action.on_goal_stopped = lambda node, why: halted.append((node, why))
     act.ask(ONE, 1)
     if accepted:
         act.accept(1)
     if away == "gone":
-        act.action.server_left()
+        act.action.on_server_lost()
     else:
         act.doubt()
     act.action.brake("a test", "a person is there")
@@ -581,12 +583,12 @@ def test_a_brake_cancels_and_halts_whatever_is_known_of_the_server(away, accepte
 def test_who_comes_in_the_place_of_the_server_is_halted_too():
     halted = []
     act = Act()
-    act.action.halted = lambda node, why: halted.append((node, why))
+    act.action.on_goal_stopped = lambda node, why: halted.append((node, why))
     act.ask(ONE, 1)
     act.accept(1)
     act.action.brake("a test", "a person is there")
-    act.action.server_left()
-    act.action.server_came("/server2", b"first")
+    act.action.on_server_lost()
+    act.action.on_server_available("/server2", b"first")
     assert halted == [(SERVER, "a person is there"), ("/server2", "a person is there")]
 
 
@@ -629,7 +631,7 @@ def test_a_result_that_does_not_come_is_asked_for_again_and_then_done_without():
     assert act.ends.results == {}
     act.transport.advance(1)
     assert set(act.ends.results) == {of(1)}
-    act.transport.advance(LOST_AFTER - SECOND - 1)
+    act.transport.advance(LOST_TIMEOUT - SECOND - 1)
     assert waiting == []
     act.transport.advance(1)
     assert waiting == [(CANCELED, None)]
@@ -646,8 +648,8 @@ def test_clients_are_told_what_the_server_lists_and_what_waits_here():
     assert act.listed() == {1: EXECUTING, 2: ACCEPTED}
     act.cancel(TWO, 2)
     assert act.listed() == {1: EXECUTING, 2: CANCELED}
-    act.action.server_left()
-    act.transport.advance(LOST_AFTER)
+    act.action.on_server_lost()
+    act.transport.advance(LOST_TIMEOUT)
     assert act.listed() == {1: ABORTED, 2: CANCELED}
     act.transport.advance(10 * SECOND)
     act.serve()
@@ -659,27 +661,27 @@ def test_feedback_goes_to_the_client_and_under_the_public_name():
     act.ask(TWO, 1)
     act.accept(1)
     message = b"\0\1\0\0" + of(1) + b"more"
-    act.action.server_told(ActionEnd.FEEDBACK, message)
+    act.action.on_server_message(Ros2ActionEntity.FEEDBACK, message)
     act.finish(1)
-    act.action.server_told(ActionEnd.FEEDBACK, message)
+    act.action.on_server_message(Ros2ActionEntity.FEEDBACK, message)
     other = b"\0\1\0\0" + of(2)
-    act.action.server_told(ActionEnd.FEEDBACK, other)
-    act.action.server_told(ActionEnd.FEEDBACK, other[:-1])
-    assert act.ends.told[ActionEnd.FEEDBACK] == [(message, ["flow2"])] * 2 + [(other, [])]
+    act.action.on_server_message(Ros2ActionEntity.FEEDBACK, other)
+    act.action.on_server_message(Ros2ActionEntity.FEEDBACK, other[:-1])
+    assert act.ends.told[Ros2ActionEntity.FEEDBACK] == [(message, ["flow2"])] * 2 + [(other, [])]
 
 
 def test_a_bar_that_rises_cancels_the_goal_once_and_halts_the_server():
     halted = []
     act = Act()
-    act.action.halted = lambda node, why: halted.append((node, why))
+    act.action.on_goal_stopped = lambda node, why: halted.append((node, why))
     act.ask(ONE, 1)
     act.action.pipeline.bar("a test", ["flow1"], "an area is closed")
-    act.host.attend()
+    act.host.recheck()
     assert (act.ends.cancels, halted) == ({}, [(SERVER, "an area is closed")])
     act.accept(1)
-    act.host.attend()
-    act.ends.cancels.pop((of(1), 0))(Cancelled(1))
-    act.host.attend()
+    act.host.recheck()
+    act.ends.cancels.pop((of(1), 0))(CancelResponse(1))
+    act.host.recheck()
     assert act.ends.cancels == {}
     act.finish(1, CANCELED)
     assert halted[1:] == [(SERVER, "")]
@@ -699,17 +701,17 @@ def test_a_barred_goal_is_aborted_when_its_turn_comes():
 
 def test_the_next_guard_answers_what_was_asked_of_the_one_before():
     written = []
-    act = Act(will=Will(write=written.append))
+    act = Act(will=HandoverState(write=written.append))
     act.ask(ONE, 1)
     act.accept(1)
     act.ask(TWO, 2)
     act.want(ONE, 1)
     act.want(TWO, 2)
     act.transport.advance(SECOND // 100)
-    again = Act(will=Will(written[-1]), served=False)
+    again = Act(will=HandoverState(written[-1]), served=False)
     again.serve(b"another name")
     assert again.started() == []
-    assert again.cancel(TWO, 1) == [Cancelled(2)]
+    assert again.cancel(TWO, 1) == [CancelResponse(2)]
     again.finish(1)
     one, two = (again.ends.places[f"{node} {id}"] for node, id in ((ONE, 1), (TWO, 2)))
     assert (one.given, two.given) == ([(SUCCEEDED, "result")], [])
@@ -721,12 +723,12 @@ def test_the_next_guard_answers_what_was_asked_of_the_one_before():
 
 def test_the_next_guard_gives_up_on_a_server_that_it_does_not_find():
     written = []
-    act = Act(will=Will(write=written.append))
+    act = Act(will=HandoverState(write=written.append))
     act.ask(ONE, 1)
     act.accept(1)
     act.want(ONE, 1)
     act.transport.advance(SECOND // 100)
-    again = Act(will=Will(written[-1]), served=False)
+    again = Act(will=HandoverState(written[-1]), served=False)
     again.transport.advance(10 * SECOND - 1)
     assert again.ends.places[f"{ONE} 1"].given == []
     again.transport.advance(1)
@@ -741,8 +743,8 @@ def test_a_dry_run_lets_all_pass_and_counts():
         act.accept(id)
     assert answers == [[5], [5], [5]]
     told = act.cancel("/eve", flow="unapproved")
-    act.ends.cancels[of(0), 0](Cancelled(0, [(of(1), 5)]))
-    assert told == [Cancelled(0, [(of(1), 5)])]
+    act.ends.cancels[of(0), 0](CancelResponse(0, [(of(1), 5)]))
+    assert told == [CancelResponse(0, [(of(1), 5)])]
     tallies = act.action.pipeline.tallies
     assert (tallies["flow1"].passed, tallies["flow2"].held, tallies["unapproved"].dropped) == (
         1,
@@ -757,10 +759,10 @@ def test_a_dry_run_lets_all_pass_and_counts():
 
 def test_an_action_that_is_only_observed_stays_between_client_and_server():
     plan = plan_of(grcn("/go", [ONE], [SERVER], type=TYPE, mode=Mode.OBSERVE), ros=2)
-    transport = Requesting()
-    host = Host(transport, streams(plan))
+    transport = MemoryActionTransport()
+    host = Coordinator(transport, build_streams(plan))
     host.open()
-    assert isinstance(host.guarded[0], ObservedAction)
+    assert isinstance(host.streams[0], ObservedActionStream)
     assert not hasattr(transport, "ends")
 
 

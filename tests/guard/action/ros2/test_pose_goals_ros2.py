@@ -54,7 +54,7 @@ class PoseServer(Server):
         self._own.send_goal_async(Fibonacci.Goal(order=int(pose.pose.position.x)))
 
 
-class Giver(Participant):
+class PosePublisher(Participant):
     """Gives poses to the guard."""
 
     def __init__(self, domain, name, flow):
@@ -81,8 +81,8 @@ class PoseApp(App2):
         action = output_topic(ACTION) if self.guarded else ACTION
         self.server = self.keep(PoseServer(self.domain, action))
         self.guard = self.keep(Guard(self.domain, self.plan))
-        self.one = self.keep(Giver(self.domain, ONE, "flow1"))
-        self.two = self.keep(Giver(self.domain, TWO, "flow2"))
+        self.one = self.keep(PosePublisher(self.domain, ONE, "flow1"))
+        self.two = self.keep(PosePublisher(self.domain, TWO, "flow2"))
         wait_for(self._found, FOUND_S, "all to find each other")
 
     def _found(self):

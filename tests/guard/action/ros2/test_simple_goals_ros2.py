@@ -13,17 +13,25 @@ from test_action_stream_ros2 import (
     TWO,
     TYPE,
     Act,
-    Requesting,
+    MemoryActionTransport,
     of,
 )
 
-from rtron.guard.core.coordinator import Host
+from rtron.guard.core.coordinator import Coordinator
 from rtron.guard.core.message_types import standard_info
 from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.guard.transport.common.protocol import Peer
 from rtron.messages.common.encoding import Encoding
 from rtron.messages.ros2.actions import GoalStatus, status_array
-from rtron.vocabulary import SECOND, ActionEnd, Mode, PolicyName, StreamKind, end_name, streams
+from rtron.vocabulary import (
+    SECOND,
+    Mode,
+    PolicyName,
+    Ros2ActionEntity,
+    StreamKind,
+    build_streams,
+    ros2_entity_name,
+)
 
 POSE = standard_info("geometry_msgs/PoseStamped", Encoding.CDR)
 STATUSES = standard_info("action_msgs/GoalStatusArray", Encoding.CDR)
@@ -36,7 +44,7 @@ def pose_grcn(**more):
     return grcn("/goal_pose", [ONE, TWO], [SERVER], **settings)
 
 
-class Cancelling(MemoryTransport):
+class MemoryCancelTransport(MemoryTransport):
     """A transport in memory on which goals of an action without a guard can be cancelled."""
 
     def __init__(self):
@@ -51,18 +59,18 @@ class Poses:
     """Poses of two nodes to the server of an action that has no guard."""
 
     def __init__(self, *, dry_run=False, served=True, **settings):
-        self.transport = Cancelling()
+        self.transport = MemoryCancelTransport()
         plan = plan_of(pose_grcn(**settings), ros=2)
-        self.host = Host(self.transport, streams(plan), dry_run=dry_run)
+        self.host = Coordinator(self.transport, build_streams(plan), dry_run=dry_run)
         self.host.open()
-        (self.stream,) = self.host.guarded
+        (self.stream,) = self.host.streams
         self.out = self.transport.listen(OUT)
         self._tell = None
         if served:
             self.serve()
 
     def serve(self, node=SERVER, **more):
-        status = end_name("/go", ActionEnd.STATUS)
+        status = ros2_entity_name("/go", Ros2ActionEntity.STATUS)
         self._tell = self.transport.publisher(status, Peer(node, STATUSES, **more))
 
     def give(self, node, pose):
@@ -74,7 +82,7 @@ class Poses:
 
     def block(self):
         self.stream.pipeline.bar("a test", ["flow1"], "an area is closed")
-        self.host.attend()
+        self.host.recheck()
 
 
 @pytest.mark.parametrize("end", [SUCCEEDED, CANCELED, ABORTED])
@@ -151,7 +159,7 @@ def test_a_block_cancels_the_goal_that_was_followed_once():
     poses.give(ONE, b"first")
     poses.tell((1, EXECUTING))
     poses.block()
-    poses.host.attend()
+    poses.host.recheck()
     assert poses.transport.cancelled == [("/rtron/grcn_goal_pose", "/go", of(1))]
 
 
@@ -173,10 +181,10 @@ class Both(Act):
     def __init__(self, **poses):
         made = {"type": TYPE} | GOALS
         self.plan = plan_of(pose_grcn(**poses), grcn("/go", [ONE, TWO], [SERVER], **made), ros=2)
-        self.transport = Requesting(Encoding.CDR)
-        self.host = Host(self.transport, streams(self.plan))
+        self.transport = MemoryActionTransport(Encoding.CDR)
+        self.host = Coordinator(self.transport, build_streams(self.plan))
         self.host.open()
-        self.poses, self.action = self.host.guarded
+        self.poses, self.action = self.host.streams
         self.ends = self.transport.ends
         self.out = self.transport.listen(OUT)
         self.serve()
@@ -251,7 +259,7 @@ def test_a_block_cancels_the_pose_s_goal_at_the_guarded_action():
     both.give(ONE, b"first")
     both.tell((9, EXECUTING))
     both.poses.pipeline.bar("a test", ["flow1"], "an area is closed")
-    both.host.attend()
+    both.host.recheck()
     assert list(both.ends.cancels) == [(of(9), 0)]
 
 
@@ -267,7 +275,7 @@ def test_a_server_that_comes_back_frees_both():
     both.give(ONE, b"first")
     both.tell((9, EXECUTING))
     both.give(TWO, b"second")
-    both.action.server_left()
+    both.action.on_server_lost()
     both.transport.advance(SECOND)
     both.serve(b"second life")
     both.transport.advance(SECOND)

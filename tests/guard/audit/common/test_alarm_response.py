@@ -6,19 +6,27 @@ import pytest
 from plans import grcn, plan_of
 
 from bench.ros1.intruder import TWIST
-from rtron.guard.audit.common.alarm_response import Response
-from rtron.guard.core.coordinator import Host
+from rtron.guard.audit.common.alarm_response import AlarmResponse
+from rtron.guard.core.coordinator import Coordinator
 from rtron.guard.core.message_types import standard_info
 from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.guard.transport.common.protocol import Peer
 from rtron.messages.common.encoding import Encoding
-from rtron.vocabulary import SECOND, Alarm, AlarmKind, OnForeign, Stop, StreamKind, streams
+from rtron.vocabulary import (
+    SECOND,
+    Alarm,
+    AlarmKind,
+    OnForeign,
+    StopProfile,
+    StreamKind,
+    build_streams,
+)
 
 TOPIC, OUT, NAV = "/cmd_vel", "/rtron/cmd_vel/out", "/rtron/cmd_vel/flow1"
-STOP = Stop(period=SECOND // 20, repeat=SECOND)
+STOP = StopProfile(period=SECOND // 20, repeat=SECOND)
 PLAN = plan_of(grcn(TOPIC, ["/nav"], ["/driver"]), stop=STOP)
 TOLD = STOP.repeat // STOP.period
-GHOST = Alarm(kind=AlarmKind.GHOST, reason="a ghost", node="/driver")
+GHOST = Alarm(kind=AlarmKind.UNREGISTERED_PUBLISHER, reason="a ghost", node="/driver")
 ROGUE = Alarm(kind=AlarmKind.FOREIGN_PUBLISHER, reason="a rogue", node="/driver")
 LONG = 10 * SECOND
 GOAL = "actionlib/TestActionGoal"
@@ -35,14 +43,14 @@ def standard_peer(node, type):
 REST = twist(0)
 
 
-class Braked:
+class BrakedStream:
     """A guard whose audit finds what the test says."""
 
     def __init__(self, plan=PLAN, on_foreign=OnForeign.STOP):
         self.transport = MemoryTransport()
-        self.host = Host(self.transport, streams(plan))
+        self.host = Coordinator(self.transport, build_streams(plan))
         self.host.open()
-        self.response = Response(self.host, self.transport, on_foreign, dry_run=False)
+        self.response = AlarmResponse(self.host, self.transport, on_foreign, dry_run=False)
 
     def find(self, alarm=GHOST, topic=TOPIC):
         self.response.raise_(alarm, self.transport.now(), topic)
@@ -58,7 +66,7 @@ class Braked:
     def come(self, topic=TOPIC):
         """Let a node come that listens from now on; return what it hears."""
         heard = self.transport.listen(OUT)
-        self.response.listened(topic)
+        self.response.on_new_listener(topic)
         return heard
 
     def nav(self):
@@ -70,7 +78,7 @@ class Braked:
 
 @pytest.fixture
 def braked():
-    return Braked()
+    return BrakedStream()
 
 
 @pytest.mark.parametrize("lasts", [0, 1, STOP.repeat, LONG])
@@ -181,7 +189,7 @@ def test_who_comes_after_another_stop_is_told_nothing(braked):
 
 @pytest.mark.parametrize("on_foreign", OnForeign)
 def test_who_comes_when_nothing_was_stopped_is_told_nothing(on_foreign):
-    braked = Braked(on_foreign=on_foreign)
+    braked = BrakedStream(on_foreign=on_foreign)
     if on_foreign is OnForeign.ALARM:
         braked.intrude()
     heard = braked.come()
@@ -190,7 +198,9 @@ def test_who_comes_when_nothing_was_stopped_is_told_nothing(on_foreign):
 
 
 def test_a_stop_of_another_stream_is_not_told_here():
-    braked = Braked(plan_of(*PLAN.grcn, grcn("/arm", ["/planner"], ["/arm_driver"]), stop=STOP))
+    braked = BrakedStream(
+        plan_of(*PLAN.grcn, grcn("/arm", ["/planner"], ["/arm_driver"]), stop=STOP)
+    )
     braked.intrude(topic="/arm")
     braked.advance()
     heard = braked.come()
@@ -205,17 +215,17 @@ def say(braked, topic, node, type, body):
 
 def test_who_comes_to_an_action_ends_no_goal():
     act = grcn("/act/goal", ["/client"], ["/server"], type=GOAL, kind=StreamKind.ACTION)
-    braked = Braked(plan_of(act))
+    braked = BrakedStream(plan_of(act))
     goals = braked.transport.listen("/rtron/act/goal/out")
     cancels = braked.transport.listen("/rtron/act/cancel/out")
     braked.intrude(topic="/act/goal")
-    assert braked.host.guarded[0].braked == ""
+    assert braked.host.streams[0].brake_reason == ""
     say(braked, "/rtron/act/result/server", "/server", "actionlib/TestActionResult", b"")
     status = "actionlib_msgs/GoalStatusArray"
     say(braked, "/rtron/act/status/server", "/server", status, bytes(20))
     goal = bytes(24) + struct.pack("<I1si", 1, b"1", 0)
     say(braked, "/rtron/act/goal/flow1", "/client", GOAL, goal)
     assert len(goals) == 1
-    braked.response.listened("/act/goal")
+    braked.response.on_new_listener("/act/goal")
     braked.advance(0)
     assert cancels == []

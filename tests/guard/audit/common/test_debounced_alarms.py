@@ -4,8 +4,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from rtron.guard.audit.common.alarm_response import Response
-from rtron.guard.audit.common.debounced_alarms import Standing
+from rtron.guard.audit.common.alarm_response import AlarmResponse
+from rtron.guard.audit.common.debounced_alarms import DebouncedAlarms
 from rtron.guard.core.alarms import Alarms
 from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.vocabulary import SECOND, Alarm, AlarmKind, OnForeign
@@ -15,23 +15,23 @@ DRIFT = Alarm(kind=AlarmKind.DRIFT, reason="a remap is missing", node="/nav")
 OTHER = Alarm(kind=AlarmKind.DRIFT, reason="another one", node="/driver")
 
 
-class Looked:
+class DebouncedScene:
     """The alarms that stand after each look."""
 
     def __init__(self, patience=PATIENCE):
         self.alarms = Alarms()
         host = SimpleNamespace(alarms=self.alarms, guarded=[])
-        response = Response(host, MemoryTransport(), OnForeign.STOP, dry_run=False)
-        self._standing = Standing(response, patience)
+        response = AlarmResponse(host, MemoryTransport(), OnForeign.STOP, dry_run=False)
+        self._standing = DebouncedAlarms(response, patience)
 
-    def at(self, now, *found):
-        self._standing.found(found, now)
-        return self.alarms.standing
+    def at(self, now, *fake_study):
+        self._standing.update(fake_study, now)
+        return self.alarms.active
 
 
 @pytest.fixture
 def looked():
-    return Looked()
+    return DebouncedScene()
 
 
 def test_what_lasts_is_told_once_and_not_before_it_has_lasted(looked):
@@ -57,4 +57,4 @@ def test_what_is_gone_is_taken_back_and_the_rest_stays(looked):
 
 
 def test_without_patience_it_is_told_at_once():
-    assert Looked(patience=0).at(0, DRIFT) == (DRIFT,)
+    assert DebouncedScene(patience=0).at(0, DRIFT) == (DRIFT,)

@@ -3,7 +3,7 @@
 from driven_base import CMD_VEL, CMD_VEL_GUARD, Driven, drive_plan, start_guard
 from harness import NODES, ROS_PYTHON, wait_for
 
-from bench.common.log_watcher import Watched
+from bench.common.log_watcher import LogWatcher
 from bench.ros1.intruder import Intruder
 from rtron.vocabulary import AlarmKind
 
@@ -22,7 +22,7 @@ class Scene:
         self.ros1, self._program = ros1, program
         self.driven = Driven(ros1.folder / "driven.txt")
         self.guard = start_guard(ros1, plan or drive_plan(), CMD_VEL_GUARD)
-        self.log = Watched(self.guard.log_path)
+        self.log = LogWatcher(self.guard.log_path)
         if drives:
             self.drive()
 
@@ -79,7 +79,7 @@ class Scene:
         return [text for text in self.alarms(word) if any(kind in text for kind in KINDS)]
 
 
-class Visitor(Intruder):
+class ReturningIntruder(Intruder):
     """An intruder that comes by `way`, again when it was sent away before it was found.
 
     roscpp hangs up on whom the master does not list whenever the guard says its registrations
@@ -96,13 +96,13 @@ class Visitor(Intruder):
 
     def insist(self):
         """Come again if whom it told of itself has hung up."""
-        if self.first and not self.heard:
+        if self.first_connection and not self.has_subscriber:
             self._way(self)
 
 
 def ghost(node, *others):
     """Return an intruder that tells a node of itself and `others`, and nobody else."""
-    return Visitor(lambda each: each.invite(node, *others))
+    return ReturningIntruder(lambda each: each.announce_to(node, *others))
 
 
 def wait_until_found(scene, intruder, kind):

@@ -4,19 +4,29 @@ import pytest
 from plans import grcn, plan_of
 
 from rtron.errors import WireError
-from rtron.guard.audit.ros1.bus_info import Link, links_in
-from rtron.guard.audit.ros1.expected_graph import Expectations
-from rtron.guard.audit.ros1.foreign_connections import Identity, alarm_of, strangers_of
-from rtron.guard.audit.ros1.node_addresses import Addresses
-from rtron.guard.audit.ros1.registrations import Registered, drift, foreign, listeners, registered
-from rtron.guard.audit.ros1.verification import Answers, PathState, verify
+from rtron.guard.audit.ros1.bus_info import BusConnection, parse_bus_info
+from rtron.guard.audit.ros1.expected_graph import ExpectedGraph
+from rtron.guard.audit.ros1.foreign_connections import (
+    PeerIdentity,
+    foreign_connection_alarm,
+    foreign_connections,
+)
+from rtron.guard.audit.ros1.node_addresses import NodeAddresses
+from rtron.guard.audit.ros1.registrations import (
+    MasterRegistrations,
+    drift_alarms,
+    foreign_publisher_alarms,
+    guarded_subscribers,
+    parse_registrations,
+)
+from rtron.guard.audit.ros1.verification import ApiAnswers, PathState, verify
 from rtron.vocabulary import AlarmKind, Mode, StreamKind
 
 GUARD, PORT = "/rtron/grcn_cmd_vel", 4000
 OURS, THEIRS = "http://here:1", "http://there:2"
 OUT, FLOW = "/rtron/cmd_vel/out", "/rtron/cmd_vel/flow1"
 PLAN = plan_of(grcn("/cmd_vel", ["/nav", "/teleop_*"], ["/driver", "/wheel_*"]))
-EXPECTED = Expectations(PLAN)
+EXPECTED = ExpectedGraph(PLAN)
 ROSPY = "TCPROS connection on port 5 to [here:%d on socket 7]"
 ROSCPP = "TCPROS connection on port 5 to [127.0.0.1:%d on socket 7]"
 
@@ -26,15 +36,15 @@ def row(source=OURS, topic=OUT, direction="i", info=ROSCPP % PORT, transport="TC
 
 
 def known(**others):
-    found = Addresses({GUARD: f"{OURS}/"}, PORT)
+    found = NodeAddresses({GUARD: f"{OURS}/"}, PORT)
     for node, uri in others.items():
         found.learn(uri, f"/{node}")
     return found
 
 
 def strangers(*rows, node="/driver", addresses=None):
-    heard = EXPECTED.heard(node)
-    return strangers_of(node, links_in(list(rows)), heard, addresses or known())
+    heard = EXPECTED.audited_topics(node)
+    return foreign_connections(node, parse_bus_info(list(rows)), heard, addresses or known())
 
 
 @pytest.mark.parametrize(
@@ -53,15 +63,15 @@ def strangers(*rows, node="/driver", addresses=None):
     ],
 )
 def test_the_port_at_the_other_end_is_read_as_both_libraries_write_it(info, port):
-    (link,) = links_in([row(info=info)])
-    assert link == Link(OUT, OURS, port)
+    (link,) = parse_bus_info([row(info=info)])
+    assert link == BusConnection(OUT, OURS, port)
 
 
 def test_what_goes_out_and_old_rows_without_an_info_are_no_surprise():
-    assert links_in([row(direction="o")]) == frozenset()
-    assert links_in([row(direction="b")]) == frozenset()
-    assert links_in([row()[:6], row()[:5]]) == {Link(OUT, OURS)}
-    assert links_in([]) == frozenset()
+    assert parse_bus_info([row(direction="o")]) == frozenset()
+    assert parse_bus_info([row(direction="b")]) == frozenset()
+    assert parse_bus_info([row()[:6], row()[:5]]) == {BusConnection(OUT, OURS)}
+    assert parse_bus_info([]) == frozenset()
 
 
 @pytest.mark.parametrize(
@@ -80,7 +90,7 @@ def test_what_goes_out_and_old_rows_without_an_info_are_no_surprise():
 )
 def test_rows_of_another_shape_are_refused(rows):
     with pytest.raises(WireError):
-        links_in(rows)
+        parse_bus_info(rows)
 
 
 def test_the_guard_and_the_supervisor_are_no_strangers():
@@ -129,75 +139,77 @@ def test_a_node_that_is_meant_by_a_pattern_is_guarded():
 
 def test_a_publisher_that_also_listens_hears_itself_and_the_guard_only():
     plan = plan_of(grcn("/cmd_vel", ["/loop"], ["/loop"]))
-    heard = Expectations(plan).heard("/loop")
+    heard = ExpectedGraph(plan).audited_topics("/loop")
     addresses = known(loop=THEIRS)
-    rows = links_in([row(topic=FLOW), row(THEIRS, topic=FLOW), row("http://x:1", topic=FLOW)])
-    (found,) = strangers_of("/loop", rows, heard, addresses)
-    assert found.link.source == "http://x:1"
+    rows = parse_bus_info([row(topic=FLOW), row(THEIRS, topic=FLOW), row("http://x:1", topic=FLOW)])
+    (found,) = foreign_connections("/loop", rows, heard, addresses)
+    assert found.connection.source == "http://x:1"
 
 
 def test_where_the_plan_lets_strangers_through_the_public_name_is_open():
     plan = plan_of(grcn("/cmd_vel", ["/nav"], ["/driver"], block_unapproved=False))
-    heard = Expectations(plan).heard("/driver")
-    public, private = links_in([row(THEIRS, "/cmd_vel")]), links_in([row(THEIRS)])
-    assert not strangers_of("/driver", public, heard, known())
-    assert strangers_of("/driver", private, heard, known())
+    heard = ExpectedGraph(plan).audited_topics("/driver")
+    public, private = parse_bus_info([row(THEIRS, "/cmd_vel")]), parse_bus_info([row(THEIRS)])
+    assert not foreign_connections("/driver", public, heard, known())
+    assert foreign_connections("/driver", private, heard, known())
 
 
 def test_an_address_is_learned_and_forgotten_but_never_for_our_own_names():
     addresses = known()
     addresses.learn(THEIRS, GUARD)
-    assert addresses.node_of(Link(OUT, THEIRS)) == ""
+    assert addresses.node_of(BusConnection(OUT, THEIRS)) == ""
     addresses.learn(THEIRS, "/nav")
-    assert addresses.node_of(Link(OUT, THEIRS)) == "/nav"
+    assert addresses.node_of(BusConnection(OUT, THEIRS)) == "/nav"
     addresses.learn("http://new:3", "/nav")
-    assert addresses.node_of(Link(OUT, THEIRS)) == ""
-    assert addresses.was(THEIRS)
-    assert not addresses.was("http://new:3")
+    assert addresses.node_of(BusConnection(OUT, THEIRS)) == ""
+    assert addresses.is_former(THEIRS)
+    assert not addresses.is_former("http://new:3")
     addresses.learn(THEIRS, "/nav")
-    assert not addresses.was(THEIRS)
+    assert not addresses.is_former(THEIRS)
 
 
 @pytest.mark.parametrize(
     ("identity", "kind", "peer"),
     [
-        (Identity(), AlarmKind.GHOST, THEIRS),
-        (Identity(name="/rogue"), AlarmKind.FOREIGN_PUBLISHER, "/rogue"),
-        (Identity(name=GUARD), AlarmKind.IMPOSTOR, GUARD),
-        (Identity(name="/" + "x" * 9999), AlarmKind.FOREIGN_PUBLISHER, "/" + "x" * 199),
+        (PeerIdentity(), AlarmKind.UNREGISTERED_PUBLISHER, THEIRS),
+        (PeerIdentity(name="/rogue"), AlarmKind.FOREIGN_PUBLISHER, "/rogue"),
+        (PeerIdentity(name=GUARD), AlarmKind.IMPOSTOR, GUARD),
+        (PeerIdentity(name="/" + "x" * 9999), AlarmKind.FOREIGN_PUBLISHER, "/" + "x" * 199),
     ],
 )
 def test_an_alarm_says_what_kind_of_stranger_it_is(identity, kind, peer):
     (stranger,) = strangers(row(THEIRS))
-    alarm = alarm_of(stranger, identity, EXPECTED.own)
+    alarm = foreign_connection_alarm(stranger, identity, EXPECTED.guard_nodes)
     assert (alarm.kind, alarm.peer, alarm.node, alarm.topic) == (kind, peer, "/driver", OUT)
     assert len(alarm.reason) < 500
 
 
 def listed(publishers=(), subscribers=()):
     sides = [[[topic, [node]] for topic, node in side] for side in (publishers, subscribers)]
-    return registered([*sides, []], EXPECTED.topics)
+    return parse_registrations([*sides, []], EXPECTED.topics)
 
 
 def test_a_node_that_registers_on_a_private_topic_is_foreign():
     fine = [(OUT, GUARD), (OUT, "/rtron_supervisor"), (FLOW, "/nav"), ("/cmd_vel", "/rogue")]
-    assert not list(foreign(listed(fine), EXPECTED))
+    assert not list(foreign_publisher_alarms(listed(fine), EXPECTED))
     for topic in (OUT, FLOW):
-        (alarm,) = foreign(listed([*fine, (topic, "/rogue")]), EXPECTED)
+        (alarm,) = foreign_publisher_alarms(listed([*fine, (topic, "/rogue")]), EXPECTED)
         assert (alarm.kind, alarm.peer) == (AlarmKind.FOREIGN_PUBLISHER, "/rogue")
-    assert list(foreign(listed([(FLOW, "/teleop_1")]), EXPECTED))
+    assert list(foreign_publisher_alarms(listed([(FLOW, "/teleop_1")]), EXPECTED))
 
 
 def test_a_planned_node_on_the_public_name_has_drifted_and_a_stranger_there_has_not():
-    assert not list(drift(listed([("/cmd_vel", "/rogue")], [("/cmd_vel", "/rviz")]), EXPECTED))
-    assert not list(drift(listed([("/cmd_vel", GUARD)], [("/cmd_vel", GUARD)]), EXPECTED))
+    assert not list(
+        drift_alarms(listed([("/cmd_vel", "/rogue")], [("/cmd_vel", "/rviz")]), EXPECTED)
+    )
+    assert not list(drift_alarms(listed([("/cmd_vel", GUARD)], [("/cmd_vel", GUARD)]), EXPECTED))
     for publishers, subscribers in (
         ([("/cmd_vel", "/nav")], []),
         ([("/cmd_vel", "/teleop_3")], []),
         ([], [("/cmd_vel", "/driver")]),
         ([], [("/cmd_vel", "/wheel_1")]),
     ):
-        (alarm,) = drift(listed(publishers, subscribers), EXPECTED)
+        (alarm,) = drift_alarms(listed(publishers, subscribers), EXPECTED)
         assert alarm.kind is AlarmKind.DRIFT
         assert alarm.node == (publishers or subscribers)[0][1]
 
@@ -210,37 +222,37 @@ def test_an_action_is_closed_in_both_directions():
         type="actionlib/TestActionGoal",
         kind=StreamKind.ACTION,
     )
-    expected = Expectations(plan_of(goal))
-    assert {"/server", "/client"} <= set(expected.listeners())
-    assert "/rtron/act/cancel/out" in expected.heard("/server")
-    assert "/rtron/act/result/out" in expected.heard("/client")
+    expected = ExpectedGraph(plan_of(goal))
+    assert {"/server", "/client"} <= set(expected.listener_patterns())
+    assert "/rtron/act/cancel/out" in expected.audited_topics("/server")
+    assert "/rtron/act/result/out" in expected.audited_topics("/client")
     publishers = {"/act/status": frozenset({"/server"}), "/act/cancel": frozenset({"/client"})}
-    found = drift(Registered(publishers=publishers, subscribers={}), expected)
+    found = drift_alarms(MasterRegistrations(publishers=publishers, subscribers={}), expected)
     assert {alarm.topic for alarm in found} == {"/act/status", "/act/cancel"}
 
 
 def test_what_only_observes_expects_nothing():
-    expected = Expectations(plan_of(grcn("/tf", ["/a"], ["/b"], mode=Mode.OBSERVE)))
+    expected = ExpectedGraph(plan_of(grcn("/tf", ["/a"], ["/b"], mode=Mode.OBSERVE)))
     assert not expected.topics
-    assert not list(expected.listeners())
+    assert not list(expected.listener_patterns())
 
 
 @pytest.mark.parametrize("state", [None, [], [[], []], "x", [[], [], [], []]])
 def test_a_state_of_another_shape_is_refused(state):
     with pytest.raises(WireError):
-        registered(state, EXPECTED.topics)
+        parse_registrations(state, EXPECTED.topics)
 
 
 def test_malformed_rows_of_a_state_are_left_out():
     rows = [None, [], [OUT], [OUT, "x"], [7, []], [OUT, ["/a", 7, ""]], ["/other", ["/b"]]]
-    state = registered([rows, None, 7], EXPECTED.topics)
+    state = parse_registrations([rows, None, 7], EXPECTED.topics)
     assert state.publishers == {OUT: frozenset({"/a"})}
     assert state.subscribers == {}
 
 
 def test_those_who_listen_are_guarded_and_others_are_not():
     state = listed(subscribers=[(OUT, "/driver"), ("/cmd_vel", "/rviz"), (FLOW, GUARD)])
-    assert listeners(state, EXPECTED) == {"/driver"}
+    assert guarded_subscribers(state, EXPECTED) == {"/driver"}
 
 
 def answers(rows, publishers=(), subscribers=((OUT, "/driver"),), **more):
@@ -248,14 +260,14 @@ def answers(rows, publishers=(), subscribers=((OUT, "/driver"),), **more):
     given = {
         "state": listed([(OUT, GUARD), *publishers], subscribers),
         "uris": uris,
-        "links": {"/driver": links_in(rows)},
+        "links": {"/driver": parse_bus_info(rows)},
         "pids": {"/rtron_guard": 9, GUARD: 9},
     }
-    return Answers(**given | more)
+    return ApiAnswers(**given | more)
 
 
-def state_of(found, node="/driver"):
-    (path,) = (path for path in found.paths if path.node == node)
+def state_of(fake_study, node="/driver"):
+    (path,) = (path for path in fake_study.paths if path.node == node)
     return path.state, path.foreign
 
 
@@ -264,8 +276,8 @@ def test_a_closed_app_is_verified_and_what_does_not_run_is_no_fault():
     assert state_of(found) == (PathState.CLOSED, ())
     assert state_of(found, "/nav") == (PathState.CLOSED, ())
     assert state_of(found, "/wheel_*") == (PathState.NOT_RUNNING, ())
-    assert found.closed
-    assert found.told
+    assert found.is_closed
+    assert found.is_conclusive
 
 
 @pytest.mark.parametrize(
@@ -281,14 +293,14 @@ def test_a_closed_app_is_verified_and_what_does_not_run_is_no_fault():
 def test_a_path_that_is_open_or_has_drifted_names_who_is_there(given, state):
     found = verify(PLAN, given)
     assert state_of(found) == state
-    assert not found.closed
-    assert found.told
+    assert not found.is_closed
+    assert found.is_conclusive
 
 
 def test_a_node_that_does_not_answer_cannot_be_told():
     found = verify(PLAN, answers([], links={}))
     assert state_of(found) == (PathState.UNKNOWN, ())
-    assert (found.closed, found.told) == (False, False)
+    assert (found.is_closed, found.is_conclusive) == (False, False)
 
 
 @pytest.mark.parametrize(
@@ -303,7 +315,7 @@ def test_a_node_that_does_not_answer_cannot_be_told():
 def test_what_is_wrong_beside_the_paths_is_told(more, said):
     found = verify(PLAN, answers([row()], **more))
     assert any(said in problem for problem in found.problems)
-    assert not found.closed
+    assert not found.is_closed
 
 
 def test_what_is_not_guarded_is_listed():

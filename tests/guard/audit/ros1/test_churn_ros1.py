@@ -9,7 +9,7 @@ from xmlrpc.server import SimpleXMLRPCServer
 import pytest
 from audit_scene import OUT, Scene, ghost, wait_until_found
 from driven_base import CMD_VEL, CMD_VEL_GUARD, drive_plan
-from faulty_nodes import garbage, say_nothing, saying, stranger
+from faulty_nodes import garbage, never_answer, saying, stranger
 from harness import wait_for
 
 from rtron.vocabulary import Plan
@@ -113,7 +113,7 @@ def with_wheels(number) -> Plan:
 
 BAD = {
     "garbage": garbage,
-    "silence": say_nothing,
+    "silence": never_answer,
     "no XML": saying(b"<" * 99),
     "a bomb": saying(b'<!DOCTYPE x [<!ENTITY a "b">]><methodResponse>&a;</methodResponse>'),
     "deep": saying(b"<value><array><data>" * 5000),

@@ -10,19 +10,19 @@ from xmlrpc.server import SimpleXMLRPCServer
 import pytest
 from plans import grcn, plan_of
 
-from rtron.guard.audit.common.alarm_response import Response
+from rtron.guard.audit.common.alarm_response import AlarmResponse
 from rtron.guard.audit.ros1 import intrusions, master_queries
-from rtron.guard.audit.ros1.audited_nodes import GuardedNodes
-from rtron.guard.audit.ros1.expected_graph import Expectations
-from rtron.guard.audit.ros1.intrusions import Intruders
-from rtron.guard.audit.ros1.poll_schedule import Rounds
+from rtron.guard.audit.ros1.audited_nodes import AuditedNodes
+from rtron.guard.audit.ros1.expected_graph import ExpectedGraph
+from rtron.guard.audit.ros1.intrusions import Intrusions
+from rtron.guard.audit.ros1.poll_schedule import PollSchedule
 from rtron.guard.core.alarms import Alarms
-from rtron.guard.core.event_loop import Loop
+from rtron.guard.core.event_loop import EventLoop
 from rtron.vocabulary import SECOND, OnForeign
 from rtron.wire.ros1.xmlrpc import encode_response
 
 OUT, DRIVER = "/rtron/cmd_vel/out", "/driver"
-EXPECTED = Expectations(plan_of(grcn("/cmd_vel", ["/nav"], [DRIVER])))
+EXPECTED = ExpectedGraph(plan_of(grcn("/cmd_vel", ["/nav"], [DRIVER])))
 LIMIT_S = 10
 PATIENT_S = 0.6
 NEVER_S = 60
@@ -58,18 +58,18 @@ def closed():
         return f"http://127.0.0.1:{server.getsockname()[1]}/"
 
 
-class Audited:
+class AuditedDriver:
     """The driver, whose answers the tests give; `alarms` are those that stand."""
 
     def __init__(self, master, stack):
-        self._loop = Loop()
+        self._loop = EventLoop()
         stack.callback(self._loop.close)
         host = SimpleNamespace(alarms=Alarms(), guarded=[])
         transport = SimpleNamespace(addresses=dict, port=0)
-        nodes = GuardedNodes(self._loop, master, EXPECTED, Rounds(self._loop, SECOND))
-        response = Response(host, transport, OnForeign.ALARM, dry_run=False)
-        intruders = Intruders(self._loop, master, transport, EXPECTED, nodes, response, {})
-        nodes.heard = intrusions.look
+        nodes = AuditedNodes(self._loop, master, EXPECTED, PollSchedule(self._loop, SECOND))
+        response = AlarmResponse(host, transport, OnForeign.ALARM, dry_run=False)
+        intruders = Intrusions(self._loop, master, transport, EXPECTED, nodes, response, {})
+        nodes.on_change = intrusions.update
         nodes.watch([DRIVER])
         self._nodes, self._alarms = nodes, host.alarms
         for part in (nodes, intrusions):
@@ -83,8 +83,8 @@ class Audited:
         """Let the driver answer that it hears these; wait until that was read."""
         rows = [[n, uri, "i", "TCPROS", OUT, True, ""] for n, uri in enumerate(sources)]
         body = encode_response([1, "", rows])
-        self.node.asked.answered(body)
-        self._run(lambda: self.node.body == body, 5)
+        self.node.poll_target.on_response(body)
+        self._run(lambda: self.node.last_body == body, 5)
 
     def told_within(self, limit_s):
         self._run(lambda: self._alarms.standing, limit_s)
@@ -114,12 +114,12 @@ def audited(stack, monkeypatch):
     """Audit with a master that is waited for, however slow the machine is."""
     monkeypatch.setattr(intrusions, "_PATIENCE_S", NEVER_S)
     monkeypatch.setattr(intrusions, "_EXCUSED", NEVER_S * SECOND)
-    return Audited(stack.enter_context(empty_master()), stack)
+    return AuditedDriver(stack.enter_context(empty_master()), stack)
 
 
 def test_an_alarm_does_not_wait_for_a_master_that_hangs(stack, monkeypatch):
     monkeypatch.setattr(master_queries, "_CALL_S", NEVER_S)
-    audited = Audited(stack.enter_context(hanging_master()), stack)
+    audited = AuditedDriver(stack.enter_context(hanging_master()), stack)
     audited.answer()
     audited.answer(closed())
     assert audited.told_within(LIMIT_S)
@@ -150,6 +150,6 @@ def test_a_living_stranger_is_not_excused_although_it_was_there_first(stack, aud
 
 def test_a_node_that_has_moved_answers_for_the_first_time_again(audited):
     audited.answer()
-    audited.node.moved()
+    audited.node.reset_address()
     audited.answer(closed())
     assert not audited.told_within(PATIENT_S)

@@ -6,7 +6,7 @@ How soon it is found is measured by `python -m bench audit`, on a machine with n
 from dataclasses import replace
 
 import pytest
-from audit_scene import OUT, Scene, Visitor, ghost, wait_until_found
+from audit_scene import OUT, ReturningIntruder, Scene, ghost, wait_until_found
 from driven_base import CMD_VEL_GUARD, drive_plan
 from harness import Ros1, wait_for
 
@@ -51,7 +51,7 @@ def assert_found_and_stopped(scene, kind, intrude, runs=RUNS):
         wait_until_released(scene)
 
 
-class Registered(Visitor):
+class Registered(ReturningIntruder):
     """Registers at the master for as long as it is there."""
 
     def __init__(self, ros1):
@@ -63,7 +63,7 @@ class Registered(Visitor):
         super().leave()
 
 
-class Impostor(Visitor):
+class Impostor(ReturningIntruder):
     """Takes a name, again when its owner has it back before anybody has asked who took it."""
 
     def __init__(self, ros1, name):
@@ -78,7 +78,7 @@ class Impostor(Visitor):
 def bridged(scene, other):
     """Return an intruder of another master, which believes that the driver belongs to it."""
     driver = scene.driver_uri()
-    return Visitor(lambda each: each.invite_through(other.uri, "/driver", driver))
+    return ReturningIntruder(lambda each: each.announce_through(other.uri, "/driver", driver))
 
 
 def test_a_rogue_that_registers(ros1, program):

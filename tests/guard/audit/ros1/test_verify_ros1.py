@@ -31,8 +31,8 @@ def verified(ros1, code, *more):
     return json.loads(process.log) if process.log.startswith("{") else process.log
 
 
-def states(found):
-    return {path["node"]: path["state"] for path in found["paths"]}
+def states(fake_study):
+    return {path["node"]: path["state"] for path in fake_study["paths"]}
 
 
 def test_a_closed_app_is_0(ros1, scene):
@@ -45,8 +45,8 @@ def test_a_closed_app_is_0(ros1, scene):
 
 def test_a_ghost_is_1_and_named(ros1, scene):
     with Intruder("/ghost", OUT) as ghost:
-        ghost.invite(scene.driver_uri(), ros1.uri_of(CMD_VEL_GUARD))
-        wait_for(lambda: ghost.first, what="the ghost's connection")
+        ghost.announce_to(scene.driver_uri(), ros1.uri_of(CMD_VEL_GUARD))
+        wait_for(lambda: ghost.first_connection, what="the ghost's connection")
         found = verified(ros1, 1, "--format", "json")
     (path,) = (path for path in found["paths"] if path["node"] == "/driver")
     assert (path["state"], path["foreign"]) == ("open", [ghost.uri.rstrip("/")])

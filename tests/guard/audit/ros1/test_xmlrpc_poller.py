@@ -8,10 +8,15 @@ from faulty_nodes import garbage, saying, stranger
 from harness import wait_for
 
 from rtron.errors import WireError
-from rtron.guard.audit.ros1.master_queries import place_at, refuses
-from rtron.guard.audit.ros1.poll_schedule import Asked, Rounds
-from rtron.guard.audit.ros1.xmlrpc_poller import Asker, Place, body_of, request
-from rtron.guard.core.event_loop import Loop
+from rtron.guard.audit.ros1.master_queries import refuses_connections, resolve_uri
+from rtron.guard.audit.ros1.poll_schedule import PollSchedule, PollTarget
+from rtron.guard.audit.ros1.xmlrpc_poller import (
+    ServerAddress,
+    XmlRpcPoller,
+    encode_call,
+    response_body,
+)
+from rtron.guard.core.event_loop import EventLoop
 from rtron.vocabulary import SECOND
 from rtron.wire.ros1.xmlrpc import decode_call
 
@@ -20,11 +25,11 @@ HEAD = b"HTTP/1.1 200 OK\r\nContent-Type: text/xml\r\nContent-length: 5\r\n\r\n"
 
 
 def body(data, *, ended=False):
-    return body_of(bytearray(data), MOST, ended=ended)
+    return response_body(bytearray(data), MOST, closed=ended)
 
 
 def test_the_question_is_a_call_that_keeps_its_connection():
-    head, _, xml = request("getBusInfo", "/me").partition(b"\r\n\r\n")
+    head, _, xml = encode_call("getBusInfo", "/me").partition(b"\r\n\r\n")
     assert decode_call(xml) == ("getBusInfo", ("/me",))
     assert f"Content-Length: {len(xml)}".encode() in head
     assert b"close" not in head
@@ -70,12 +75,14 @@ def test_a_length_that_is_none_does_not_count(length):
     assert body(HEAD.replace(b"5", length) + b"hello") is None
 
 
-def asked_of(loop, place):
+def poll_target_at(loop, place):
     """Return a question in rounds of 20 ms, and what came of it."""
     came = []
-    asked = Asked(asker=Asker(request("x"), MOST), answered=came.append, failed=came.append)
-    asked.place = place
-    rounds = Rounds(loop, SECOND // 50)
+    asked = PollTarget(
+        poller=XmlRpcPoller(encode_call("x"), MOST), on_response=came.append, on_failure=came.append
+    )
+    asked.server = place
+    rounds = PollSchedule(loop, SECOND // 50)
     rounds.add(asked)
     rounds.start()
     return came, rounds
@@ -90,7 +97,7 @@ def run_until(loop, condition, limit_s=30.0):
 
 @pytest.fixture
 def loop():
-    made = Loop()
+    made = EventLoop()
     yield made
     made.close()
 
@@ -104,7 +111,7 @@ def kept(connection):
 
 def test_the_same_answer_is_the_same_object(loop):
     with stranger(kept) as uri:
-        came, rounds = asked_of(loop, place_at(uri))
+        came, rounds = poll_target_at(loop, resolve_uri(uri))
         run_until(loop, lambda: len(came) >= 4)
         rounds.close()
     assert came[:4] == [b"hello", b"hello", b"world", b"world"]
@@ -114,7 +121,7 @@ def test_the_same_answer_is_the_same_object(loop):
 
 def test_a_server_that_closes_after_each_answer_is_asked_again(loop):
     with stranger(saying(b"hello")) as uri:
-        came, rounds = asked_of(loop, place_at(uri))
+        came, rounds = poll_target_at(loop, resolve_uri(uri))
         run_until(loop, lambda: len(came) >= 3)
         rounds.close()
     assert came[:3] == [b"hello"] * 3
@@ -129,8 +136,8 @@ def slowly(connection):
 @pytest.mark.parametrize("answer", [garbage, slowly, lambda connection: None])
 def test_who_does_not_answer_well_fails_and_delays_nobody(loop, answer):
     with stranger(answer) as bad, stranger(kept) as good:
-        failed, rounds = asked_of(loop, place_at(bad))
-        came, others = asked_of(loop, place_at(good))
+        failed, rounds = poll_target_at(loop, resolve_uri(bad))
+        came, others = poll_target_at(loop, resolve_uri(good))
         run_until(loop, lambda: len(came) >= 4)
         run_until(loop, lambda: failed)
         rounds.close()
@@ -141,17 +148,17 @@ def test_who_does_not_answer_well_fails_and_delays_nobody(loop, answer):
 def test_nobody_at_an_address_is_a_refusal(loop):
     with socket.create_server(("127.0.0.1", 0)) as free:
         port = free.getsockname()[1]
-    place = Place("", (socket.AF_INET, ("127.0.0.1", port)))
-    failed, rounds = asked_of(loop, place)
+    place = ServerAddress("", (socket.AF_INET, ("127.0.0.1", port)))
+    failed, rounds = poll_target_at(loop, place)
     run_until(loop, lambda: failed)
     rounds.close()
     assert isinstance(failed[0], ConnectionRefusedError)
-    wait_for(lambda: refuses(f"http://127.0.0.1:{port}/"), what="the refusal")
+    wait_for(lambda: refuses_connections(f"http://127.0.0.1:{port}/"), what="the refusal")
 
 
 @pytest.mark.parametrize(
     "uri", ["", "x", "http://", f"http://{'x' * 70}.example:1/", "http://h:99999/"]
 )
 def test_an_address_that_is_none_leads_nowhere_and_refuses_nothing(uri):
-    assert place_at(uri) is None
-    assert not refuses(uri)
+    assert resolve_uri(uri) is None
+    assert not refuses_connections(uri)

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field, replace
 
 from plans import grcn, plan_of
 
-from rtron.guard.audit.ros2.observed_graph import Seen
+from rtron.guard.audit.ros2.observed_graph import ObservedGraph
 from rtron.guard.audit.ros2.verification import verify_ros2
 from rtron.vocabulary import GUARD_NODE, Direction, Flow, QoS
 
@@ -76,18 +76,18 @@ GUARDS = (
     subscriber(FLOW2, GRCN, GUARD),
     subscriber(CMD_VEL, GRCN, GUARD),
 )
-NAV_SPEAKS = publisher(FLOW1, "/nav", NAV)
-DRIVER_LISTENS = subscriber(OUT, "/driver", DRIVER)
-CLOSED = (*GUARDS, NAV_SPEAKS, DRIVER_LISTENS)
+NAV_PUBLISHES = publisher(FLOW1, "/nav", NAV)
+DRIVER_SUBSCRIBES = subscriber(OUT, "/driver", DRIVER)
+CLOSED = (*GUARDS, NAV_PUBLISHES, DRIVER_SUBSCRIBES)
 NODES = (GUARD_NODE, GRCN, "/nav", "/driver")
 
 
-def calls(action, part, node, of):
+def client_endpoint(action, part, node, of):
     """Return a client's end of one of an action's services."""
     return publisher(f"rq{action}{part}Request", node, of, type="x")
 
 
-def serves(action, part, node, of):
+def server_endpoints(action, part, node, of):
     """Return a server's two ends of one of an action's services."""
     return (
         subscriber(f"rq{action}{part}Request", node, of, type="x"),
@@ -96,9 +96,9 @@ def serves(action, part, node, of):
 
 
 def verified(ends=CLOSED, nodes=NODES, services=(), plan=None):
-    return verify_ros2(plan or base_plan(), Seen(ends, nodes, services))
+    return verify_ros2(plan or base_plan(), ObservedGraph(ends, nodes, services))
 
 
-def path_of(found, node):
-    (path,) = (path for path in found.paths if path.node == node)
+def path_of(fake_study, node):
+    (path,) = (path for path in fake_study.paths if path.node == node)
     return path

@@ -13,7 +13,7 @@ OUT, FLOW1 = f"/rtron{CMD_VEL}/out", f"/rtron{CMD_VEL}/nav"
 GRCN = "/rtron/grcn_cmd_vel"
 
 
-class Base2:
+class GuardedBase2:
     """A driver, navigation and the guard; everything that is started ends with the domain."""
 
     def __init__(self, ros2, on_foreign="alarm"):

@@ -7,12 +7,12 @@ import pytest
 from harness import wait_for
 
 pytest.importorskip("rclpy")
-from guarded_base2 import CMD_VEL, FLOW1, GRCN, OUT, Base2
+from guarded_base2 import CMD_VEL, FLOW1, GRCN, OUT, GuardedBase2
 
-from rtron.guard.transport.ros2.participants import Life, Lives
-from rtron.guard.transport.ros2.process_table import Processes
+from rtron.guard.transport.ros2.participants import ParticipantLiveness, ParticipantState
+from rtron.guard.transport.ros2.process_table import ProcessTable
 from rtron.wire.ros2.endpoints import publishers_of
-from rtron.wire.ros2.session import Session
+from rtron.wire.ros2.session import Ros2Session
 
 pytestmark = pytest.mark.ros2
 LEASE_S = 60.0
@@ -20,11 +20,11 @@ LEASE_S = 60.0
 
 @pytest.fixture
 def base(ros2):
-    return Base2(ros2)
+    return GuardedBase2(ros2)
 
 
-def states(found):
-    return {path["node"]: path["state"] for path in found["paths"]}
+def states(fake_study):
+    return {path["node"]: path["state"] for path in fake_study["paths"]}
 
 
 def test_verify_and_the_audit_tell_what_comes_and_goes(base):
@@ -69,7 +69,7 @@ def test_a_publisher_that_was_killed_and_started_anew_is_no_impostor(base):
 
 
 def test_a_stranger_brakes_where_the_plan_says_so(ros2):
-    base = Base2(ros2, "stop")
+    base = GuardedBase2(ros2, "stop")
     base.start()
     rogue = base.speaker("/rogue", OUT, "7.0")
     wait_for(lambda: base.speeds("0.0") > 3, what="the stop")
@@ -82,19 +82,21 @@ def test_a_stranger_brakes_where_the_plan_says_so(ros2):
 def test_a_killed_process_is_known_to_be_gone_while_the_domain_still_lists_it(ros2):
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-        session = Session(ros2.domain)
+        session = Ros2Session(ros2.domain)
     looker = session.node("/looker")
-    processes = Processes()
-    lives = Lives(session.participant("/looker"), processes)
+    processes = ProcessTable()
+    lives = ParticipantLiveness(session.participant("/looker"), processes)
     node = ros2.node("speaker2.py", FLOW1, "1.0", "10", name="/nav")
     wait_for(lambda: publishers_of(looker, FLOW1), what="the node")
     (found,) = publishers_of(looker, FLOW1)
-    lives.look([found.participant, session.participant("/looker")], 0)
-    assert lives.process(found.participant) == processes.of(node.pid)
-    assert lives.of(found.participant) is Life.RUNS
-    assert lives.process(session.participant("/looker")) == processes.of(os.getpid())
+    lives.update([found.participant, session.participant("/looker")], 0)
+    assert lives.process(found.participant) == processes.process(node.pid)
+    assert lives.state(found.participant) is ParticipantState.RUNNING
+    assert lives.process(session.participant("/looker")) == processes.process(os.getpid())
     node.tell(signal.SIGKILL)
-    wait_for(lambda: lives.of(found.participant) is Life.GONE, what="the end of the node")
+    wait_for(
+        lambda: lives.state(found.participant) is ParticipantState.ENDED, what="the end of the node"
+    )
     assert publishers_of(looker, FLOW1)
     session.close()
 

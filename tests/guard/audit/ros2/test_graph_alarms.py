@@ -16,7 +16,7 @@ from domain_scene import (
     GUARD,
     GUARDS,
     NAV,
-    NAV_SPEAKS,
+    NAV_PUBLISHES,
     NAVIGATE,
     OUT,
     ROGUE,
@@ -24,21 +24,26 @@ from domain_scene import (
     TELEOP,
     action_plan,
     base_plan,
-    calls,
+    client_endpoint,
     publisher,
-    serves,
+    server_endpoints,
     subscriber,
 )
-from proc_folder import Machine
+from proc_folder import ProcFolder
 
-from rtron.guard.audit.common.alarm_response import Response
-from rtron.guard.audit.common.braking_alarms import Cases
-from rtron.guard.audit.ros2.expected_graph import Wanted
-from rtron.guard.audit.ros2.graph_alarms import AWAIT_NAME, doubles, drifts, strangers
-from rtron.guard.audit.ros2.observed_graph import Seen
+from rtron.guard.audit.common.alarm_response import AlarmResponse
+from rtron.guard.audit.common.braking_alarms import BrakingAlarms
+from rtron.guard.audit.ros2.expected_graph import ExpectedGraph
+from rtron.guard.audit.ros2.graph_alarms import (
+    NAME_TIMEOUT,
+    drift_alarms,
+    duplicate_name_alarms,
+    foreign_endpoint_alarms,
+)
+from rtron.guard.audit.ros2.observed_graph import ObservedGraph
 from rtron.guard.core.alarms import Alarms
 from rtron.guard.transport.common.memory import MemoryTransport
-from rtron.guard.transport.ros2.participants import LEASE, Lives
+from rtron.guard.transport.ros2.participants import MAX_LEASE, ParticipantLiveness
 from rtron.vocabulary import (
     GUARD_NODE,
     SUPERVISOR_NODE,
@@ -55,37 +60,37 @@ ACTION_STATUS = f"{ACTION_OUT}/_action/status"
 RUNNING = {1000, 2000, 3000, 4000, 5000}
 
 
-class Look:
+class GraphAudit:
     """What the audit makes of endpoints, look by look."""
 
     folder = ""
 
     def __init__(self, plan=None, running=RUNNING, own=GUARD):
-        self.wanted = Wanted(plan or base_plan())
-        self.machine = Machine(Path(mkdtemp(dir=self.folder)))
+        self.wanted = ExpectedGraph(plan or base_plan())
+        self.machine = ProcFolder(Path(mkdtemp(dir=self.folder)))
         for pid in running:
             self.machine.start(pid)
-        self.lives = Lives(own, self.machine.processes())
+        self.lives = ParticipantLiveness(own, self.machine.processes())
 
     def at(self, now, *ends):
-        seen = Seen(ends)
-        self.lives.look((end.participant for end in ends), now)
-        found = strangers(self.wanted, seen, OURS, self.lives, now)
-        return [*found, *doubles(self.wanted, seen, self.lives, now)]
+        seen = ObservedGraph(ends)
+        self.lives.update((end.participant for end in ends), now)
+        found = foreign_endpoint_alarms(self.wanted, seen, OURS, self.lives, now)
+        return [*found, *duplicate_name_alarms(self.wanted, seen, self.lives, now)]
 
 
 @pytest.fixture(autouse=True)
 def _machines(tmp_path, monkeypatch):
-    monkeypatch.setattr(Look, "folder", tmp_path)
+    monkeypatch.setattr(GraphAudit, "folder", tmp_path)
 
 
 def found(*ends, plan=None):
-    return Look(plan).at(0, *ends)
+    return GraphAudit(plan).at(0, *ends)
 
 
 def test_a_closed_app_gives_no_alarm():
     assert found(*CLOSED) == []
-    assert list(drifts(Wanted(base_plan()), Seen(CLOSED), OURS)) == []
+    assert list(drift_alarms(ExpectedGraph(base_plan()), ObservedGraph(CLOSED), OURS)) == []
 
 
 def test_a_stranger_on_the_private_output_is_told_and_braked_at_once():
@@ -99,14 +104,14 @@ def test_a_stranger_on_the_private_output_is_told_and_braked_at_once():
 
 def test_a_nameless_one_on_the_private_output_is_a_ghost_at_once():
     ((alarm, braked),) = found(*CLOSED, publisher(OUT, "", ROGUE))
-    assert (alarm.kind, braked) == (AlarmKind.GHOST, (CMD_VEL,))
+    assert (alarm.kind, braked) == (AlarmKind.UNREGISTERED_PUBLISHER, (CMD_VEL,))
 
 
 def test_where_gids_tell_no_process_a_nameless_one_may_be_the_supervisor_for_a_moment():
-    look, nameless = Look(own=b"\x01\x10" + GUARD[2:]), publisher(OUT, "", ROGUE)
+    look, nameless = GraphAudit(own=b"\x01\x10" + GUARD[2:]), publisher(OUT, "", ROGUE)
     assert look.at(0, *CLOSED, nameless) == []
-    ((alarm, braked),) = look.at(AWAIT_NAME + 1, *CLOSED, nameless)
-    assert (alarm.kind, braked) == (AlarmKind.GHOST, (CMD_VEL,))
+    ((alarm, braked),) = look.at(NAME_TIMEOUT + 1, *CLOSED, nameless)
+    assert (alarm.kind, braked) == (AlarmKind.UNREGISTERED_PUBLISHER, (CMD_VEL,))
 
 
 def test_a_planned_publisher_is_a_stranger_on_the_output():
@@ -121,11 +126,11 @@ def test_a_stranger_on_a_flow_is_told_and_brakes_nothing_since_the_guard_refuses
 
 
 def test_a_nameless_one_on_a_flow_has_a_moment_to_be_named():
-    look, nameless = Look(), publisher(FLOW1, "", ROGUE)
+    look, nameless = GraphAudit(), publisher(FLOW1, "", ROGUE)
     assert look.at(0, *CLOSED, nameless) == []
-    assert look.at(AWAIT_NAME, *CLOSED, nameless) == []
-    ((alarm, braked),) = look.at(AWAIT_NAME + 1, *CLOSED, nameless)
-    assert (alarm.kind, braked) == (AlarmKind.GHOST, ())
+    assert look.at(NAME_TIMEOUT, *CLOSED, nameless) == []
+    ((alarm, braked),) = look.at(NAME_TIMEOUT + 1, *CLOSED, nameless)
+    assert (alarm.kind, braked) == (AlarmKind.UNREGISTERED_PUBLISHER, ())
 
 
 def test_strangers_on_the_public_name_matter_only_where_a_successor_listens_there():
@@ -154,8 +159,11 @@ def test_the_guards_and_the_supervisors_names_are_ours_too():
 def test_the_supervisors_own_participant_may_speak_named_or_not():
     ours = OURS | {TELEOP}
     for name in ("", SUPERVISOR_NODE):
-        seen = Seen([*CLOSED, publisher(OUT, name, TELEOP)])
-        assert strangers(Wanted(base_plan()), seen, ours, Look().lives, 0) == []
+        seen = ObservedGraph([*CLOSED, publisher(OUT, name, TELEOP)])
+        assert (
+            foreign_endpoint_alarms(ExpectedGraph(base_plan()), seen, ours, GraphAudit().lives, 0)
+            == []
+        )
 
 
 def test_listeners_and_nodes_outside_the_plan_are_no_alarm():
@@ -181,7 +189,7 @@ class TestDoubles:
     SECOND_NAV = publisher("/rosout", "/nav", ROGUE)
 
     def test_a_second_one_beside_one_that_runs_is_an_impostor_and_brakes_nothing(self):
-        look = Look()
+        look = GraphAudit()
         look.at(0, *CLOSED)
         ((alarm, braked),) = look.at(1, *CLOSED, self.SECOND_NAV)
         assert (alarm.kind, alarm.node, braked) == (AlarmKind.IMPOSTOR, "/nav", ())
@@ -189,20 +197,20 @@ class TestDoubles:
         assert ROGUE.hex() in alarm.reason
 
     def test_one_that_was_killed_and_started_anew_is_no_impostor(self):
-        look = Look()
+        look = GraphAudit()
         look.at(0, *CLOSED)
         look.machine.end(2000)
-        for now in (1, LEASE, 3 * LEASE):
+        for now in (1, MAX_LEASE, 3 * MAX_LEASE):
             assert look.at(now, *CLOSED, self.SECOND_NAV) == []
 
     def test_one_elsewhere_has_a_lease_to_leave(self):
-        look = Look(running=RUNNING - {2000})
+        look = GraphAudit(running=RUNNING - {2000})
         look.at(0, *CLOSED)
         assert look.at(5, *CLOSED, self.SECOND_NAV) == []
-        assert len(look.at(5 + LEASE, *CLOSED, self.SECOND_NAV)) == 1
+        assert len(look.at(5 + MAX_LEASE, *CLOSED, self.SECOND_NAV)) == 1
 
     def test_a_second_successor_is_told_too(self):
-        look = Look()
+        look = GraphAudit()
         look.at(0, *CLOSED)
         ((alarm, _),) = look.at(1, *CLOSED, subscriber(OUT, "/driver", ROGUE))
         assert alarm.node == "/driver"
@@ -210,7 +218,10 @@ class TestDoubles:
 
 class TestDrift:
     def drifts(self, *ends):
-        return [alarm.reason for alarm in drifts(Wanted(base_plan()), Seen(ends), OURS)]
+        return [
+            alarm.reason
+            for alarm in drift_alarms(ExpectedGraph(base_plan()), ObservedGraph(ends), OURS)
+        ]
 
     def test_missing_remaps(self):
         told = self.drifts(
@@ -222,7 +233,7 @@ class TestDrift:
         ]
 
     def test_a_type_that_is_not_the_plans(self):
-        (told,) = self.drifts(*GUARDS, replace(NAV_SPEAKS, type="std_msgs/msg/String"))
+        (told,) = self.drifts(*GUARDS, replace(NAV_PUBLISHES, type="std_msgs/msg/String"))
         assert told.startswith("the guard does not hear /nav: its type is std_msgs/String")
 
     def test_quality_that_does_not_fit(self):
@@ -238,17 +249,19 @@ class TestDrift:
 
 class TestAction:
     def test_a_client_beside_the_guard_is_told_and_braked(self):
-        rogue = calls(f"/rtron{NAVIGATE}/out", SEND_GOAL, "/rogue", ROGUE)
+        rogue = client_endpoint(f"/rtron{NAVIGATE}/out", SEND_GOAL, "/rogue", ROGUE)
         ((alarm, braked),) = found(rogue, plan=action_plan())
         assert alarm.reason.endswith(f"publishes /rtron{NAVIGATE}/out{SEND_GOAL}, past the guard")
         assert braked == (NAVIGATE,)
 
     def test_a_client_of_the_public_name_is_the_guards_business(self):
-        assert found(calls(NAVIGATE, SEND_GOAL, "/rogue", ROGUE), plan=action_plan()) == []
+        assert (
+            found(client_endpoint(NAVIGATE, SEND_GOAL, "/rogue", ROGUE), plan=action_plan()) == []
+        )
 
     def test_a_second_server_is_told_once_and_braked(self):
         status = publisher(ACTION_STATUS, "/rogue", ROGUE)
-        service = serves(ACTION_OUT, SEND_GOAL, "/rogue", ROGUE)
+        service = server_endpoints(ACTION_OUT, SEND_GOAL, "/rogue", ROGUE)
         for ends in ([status], service, [status, *service]):
             assert set(found(*ends, plan=action_plan())) == {
                 (
@@ -264,10 +277,10 @@ class TestAction:
             }
 
     def test_a_second_server_without_a_name_has_a_moment_to_be_named(self):
-        look, nameless = Look(action_plan()), publisher(ACTION_STATUS, "", ROGUE)
-        assert look.at(0, nameless) == look.at(AWAIT_NAME, nameless) == []
-        ((alarm, braked),) = look.at(AWAIT_NAME + 1, nameless)
-        assert (alarm.kind, braked) == (AlarmKind.GHOST, (NAVIGATE,))
+        look, nameless = GraphAudit(action_plan()), publisher(ACTION_STATUS, "", ROGUE)
+        assert look.at(0, nameless) == look.at(NAME_TIMEOUT, nameless) == []
+        ((alarm, braked),) = look.at(NAME_TIMEOUT + 1, nameless)
+        assert (alarm.kind, braked) == (AlarmKind.UNREGISTERED_PUBLISHER, (NAVIGATE,))
 
     def test_feedback_of_a_stranger_brakes_nothing(self):
         rogue = publisher(f"{ACTION_OUT}/_action/feedback", "/rogue", ROGUE)
@@ -275,7 +288,7 @@ class TestAction:
         assert (alarm.peer, braked) == ("/rogue", ())
 
     def test_the_server_and_one_started_in_its_place_are_no_alarm(self):
-        look = Look(action_plan())
+        look = GraphAudit(action_plan())
         old, new = (publisher(ACTION_STATUS, "/server", each) for each in (NAV, ROGUE))
         assert look.at(0, old) == []
         look.machine.end(2000)
@@ -298,16 +311,16 @@ class TestCases:
     @pytest.fixture
     def cases(self, alarms):
         host = SimpleNamespace(alarms=alarms, guarded=[])
-        return Cases(Response(host, MemoryTransport(), OnForeign.STOP, dry_run=False))
+        return BrakingAlarms(AlarmResponse(host, MemoryTransport(), OnForeign.STOP, dry_run=False))
 
     def test_what_is_found_stands_until_it_is_found_no_more(self, cases, alarms):
-        one, other = (Alarm(kind=AlarmKind.GHOST, reason=text) for text in "ab")
-        cases.found([(one, ()), (other, (CMD_VEL,))], 1)
-        assert alarms.standing == (one, other)
-        cases.found([(other, (CMD_VEL,))], 2)
-        assert alarms.standing == (other,)
-        cases.found([], 3)
-        assert alarms.standing == ()
+        one, other = (Alarm(kind=AlarmKind.UNREGISTERED_PUBLISHER, reason=text) for text in "ab")
+        cases.update([(one, ()), (other, (CMD_VEL,))], 1)
+        assert alarms.active == (one, other)
+        cases.update([(other, (CMD_VEL,))], 2)
+        assert alarms.active == (other,)
+        cases.update([], 3)
+        assert alarms.active == ()
         assert alarms.raised == 2
 
 

@@ -4,11 +4,11 @@ import os
 
 import pytest
 from domain_scene import publisher, subscriber
-from proc_folder import ANOTHER, FIRST_NAMESPACE, Machine
+from proc_folder import ANOTHER, FIRST_NAMESPACE, ProcFolder
 
-from rtron.guard.audit.ros2.observed_graph import Seen
-from rtron.guard.audit.ros2.supervisor_participants import Kin
-from rtron.guard.transport.ros2.participants import Lives
+from rtron.guard.audit.ros2.observed_graph import ObservedGraph
+from rtron.guard.audit.ros2.supervisor_participants import SupervisorParticipants
+from rtron.guard.transport.ros2.participants import ParticipantLiveness
 from rtron.vocabulary import GUARD_NODE, SUPERVISOR_NODE
 
 OUT = "/rtron/cmd_vel/out"
@@ -27,16 +27,16 @@ ELSEWHERE = participant(PARENT, chance=b"\1\1")
 
 class Audit:
     def __init__(self, folder, namespace):
-        self.machine = Machine(folder, namespace=namespace)
+        self.machine = ProcFolder(folder, namespace=namespace)
         for pid in (os.getpid(), PARENT):
             self.machine.start(pid)
         self._processes = self.machine.processes()
-        self.lives = Lives(OURS, self._processes)
-        self._kin = Kin(self.lives, self._processes)
+        self.lives = ParticipantLiveness(OURS, self._processes)
+        self._kin = SupervisorParticipants(self.lives, self._processes)
 
     def found(self, *ends):
-        self.lives.look((end.participant for end in ends), 0)
-        return self._kin.found(Seen(ends))
+        self.lives.update((end.participant for end in ends), 0)
+        return self._kin.update(ObservedGraph(ends))
 
 
 @pytest.fixture(params=[FIRST_NAMESPACE, ANOTHER], ids=["machine", "container"])
@@ -92,7 +92,7 @@ def test_in_a_container_who_gets_another_name_is_kin_no_more(contained):
 
 
 def test_where_gids_tell_no_process_the_only_one_with_the_name_is_kin(audit):
-    audit.lives.tells = False
+    audit.lives.has_process_ids = False
     found = [speaks(participant(4711)), subscriber("/rosout", SUPERVISOR_NODE, participant(4711))]
     assert audit.found(*found) == {participant(4711)}
     assert audit.found(*found, speaks(SUPERVISOR)) == {participant(4711)}

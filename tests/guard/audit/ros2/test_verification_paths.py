@@ -8,14 +8,14 @@ from domain_scene import (
     CLOSED,
     CMD_VEL,
     DRIVER,
-    DRIVER_LISTENS,
+    DRIVER_SUBSCRIBES,
     FLOW1,
     FLOW2,
     GRCN,
     GUARD,
     GUARDS,
     NAV,
-    NAV_SPEAKS,
+    NAV_PUBLISHES,
     NAVIGATE,
     NAVIGATE_GRCN,
     NODES,
@@ -25,10 +25,10 @@ from domain_scene import (
     TELEOP,
     action_plan,
     base_plan,
-    calls,
+    client_endpoint,
     path_of,
     publisher,
-    serves,
+    server_endpoints,
     subscriber,
     verified,
 )
@@ -49,8 +49,8 @@ OPEN, DRIFT = PathState.OPEN, PathState.DRIFT
 SPEAKS_OUT = publisher(OUT, "/rogue", ROGUE)
 
 
-def states(found):
-    return {path.node: path.state for path in found.paths}
+def states(fake_study):
+    return {path.node: path.state for path in fake_study.paths}
 
 
 def test_a_closed_app():
@@ -60,7 +60,7 @@ def test_a_closed_app():
         "/nav": PathState.CLOSED,
         "/teleop_*": PathState.NOT_RUNNING,
     }
-    assert (found.closed, found.told, found.problems) == (True, True, ())
+    assert (found.is_closed, found.is_conclusive, found.problems) == (True, True, ())
     assert {(path.topic, path.private) for path in found.paths} == {
         (CMD_VEL, OUT),
         (CMD_VEL, FLOW1),
@@ -70,7 +70,7 @@ def test_a_closed_app():
 
 def test_a_guard_that_has_not_spoken_yet_is_closed():
     ends = [end for end in CLOSED if end != GUARDS[0]]
-    assert verified(ends).closed
+    assert verified(ends).is_closed
 
 
 def test_a_pattern_means_each_node_of_its_kind():
@@ -96,17 +96,17 @@ def test_who_speaks_on_the_private_output_beside_the_guard_opens_it(more, who):
     assert path.state is OPEN
     assert len(path.foreign) == 1
     assert path.foreign[0].startswith(who)
-    assert not found.closed
-    assert found.told
+    assert not found.is_closed
+    assert found.is_conclusive
 
 
 def test_an_endpoint_of_the_guard_is_its_own_whatever_node_it_is_given_to():
-    assert verified([*CLOSED, replace(publisher(OUT, "", GUARD), gid=GUARD + b"late")]).closed
+    assert verified([*CLOSED, replace(publisher(OUT, "", GUARD), gid=GUARD + b"late")]).is_closed
 
 
 def test_the_supervisor_may_speak_and_a_second_one_not():
     one = publisher(OUT, SUPERVISOR_NODE, TELEOP)
-    assert verified([*CLOSED, one]).closed
+    assert verified([*CLOSED, one]).is_closed
     found = verified([*CLOSED, one, publisher(OUT, SUPERVISOR_NODE, ROGUE)])
     assert path_of(found, "/driver").state is OPEN
     assert [SUPERVISOR_NODE in problem for problem in found.problems] == [True]
@@ -115,20 +115,20 @@ def test_the_supervisor_may_speak_and_a_second_one_not():
 def test_a_second_guard_is_named_as_a_problem_although_nobody_hears_it():
     found = verified([*GUARDS, publisher("/rosout", GRCN, ROGUE)])
     assert found.problems == (f"{ROGUE.hex()} has the name of the guard's node {GRCN}",)
-    assert not found.closed
+    assert not found.is_closed
 
 
 def test_a_second_node_of_the_guard_without_an_endpoint_is_found_by_the_list_of_nodes():
     found = verified(nodes=[*NODES, GUARD_NODE])
     assert found.problems == (f"2 nodes have the name of the guard's node {GUARD_NODE}",)
     supervised = [*NODES, GUARD_NODE, SUPERVISOR_NODE]
-    assert verified(nodes=supervised).closed
-    assert not verified(nodes=[*supervised, GUARD_NODE]).closed
-    assert not verified(nodes=[*supervised, GRCN]).closed
+    assert verified(nodes=supervised).is_closed
+    assert not verified(nodes=[*supervised, GUARD_NODE]).is_closed
+    assert not verified(nodes=[*supervised, GRCN]).is_closed
 
 
 def test_a_guard_that_is_not_there_is_a_problem():
-    found = verified([NAV_SPEAKS, DRIVER_LISTENS], ["/nav", "/driver"])
+    found = verified([NAV_PUBLISHES, DRIVER_SUBSCRIBES], ["/nav", "/driver"])
     assert found.problems == (
         f"the guard's node {GRCN} is not running",
         f"the guard's node {GUARD_NODE} is not running",
@@ -142,11 +142,11 @@ def test_a_stranger_on_an_output_that_nobody_hears_is_a_problem():
 
 
 def test_a_stranger_on_the_public_name_is_the_guards_business():
-    assert verified([*CLOSED, publisher(CMD_VEL, "/rogue", ROGUE)]).closed
+    assert verified([*CLOSED, publisher(CMD_VEL, "/rogue", ROGUE)]).is_closed
 
 
 def test_a_successor_on_the_public_name_has_drifted():
-    for ends in (GUARDS, (*GUARDS, DRIVER_LISTENS)):
+    for ends in (GUARDS, (*GUARDS, DRIVER_SUBSCRIBES)):
         path = path_of(verified([*ends, subscriber(CMD_VEL, "/driver", DRIVER)]), "/driver")
         assert path.state is DRIFT
         assert path.reason == f"listens to {CMD_VEL}: its remap is missing"
@@ -161,7 +161,7 @@ def test_a_successor_on_the_public_name_hears_strangers_there():
 
 
 def test_a_publisher_on_the_public_name_has_drifted():
-    found = verified([*GUARDS, publisher(CMD_VEL, "/nav", NAV), DRIVER_LISTENS])
+    found = verified([*GUARDS, publisher(CMD_VEL, "/nav", NAV), DRIVER_SUBSCRIBES])
     assert states(found) == {
         "/driver": PathState.CLOSED,
         "/nav": DRIFT,
@@ -190,7 +190,7 @@ def test_two_participants_of_a_publishers_name_open_its_flow(topic):
 
 def test_who_only_listens_is_noted():
     found = verified([*CLOSED, *(subscriber(t, "/rosbag", ROGUE) for t in (OUT, FLOW1))])
-    assert found.closed
+    assert found.is_closed
     assert path_of(found, "/driver").reason == "/rosbag listens, too"
     assert path_of(found, "/nav").reason == "/rosbag listens, too"
 
@@ -198,7 +198,7 @@ def test_who_only_listens_is_noted():
 def test_a_nameless_listener_may_be_the_successor():
     path = path_of(verified([*GUARDS, subscriber(OUT, "", DRIVER)]), "/driver")
     assert path.state is PathState.UNKNOWN
-    assert not verified([*GUARDS, subscriber(OUT, "", DRIVER)]).told
+    assert not verified([*GUARDS, subscriber(OUT, "", DRIVER)]).is_conclusive
 
 
 def test_a_node_that_runs_and_has_nothing_of_the_plan_is_told_so():
@@ -221,8 +221,14 @@ def test_a_node_that_runs_and_has_nothing_of_the_plan_is_told_so():
         (QoS(lease=2 * 10**6), QoS(lease=10**6), "a lease of the liveliness of 1 ms is asked"),
     ],
 )
-def test_a_successor_that_asks_for_more_than_the_guard_offers_has_drifted(offered, asked, why):
-    ends = [*GUARDS[1:], replace(GUARDS[0], qos=offered), replace(DRIVER_LISTENS, qos=asked)]
+def test_a_successor_that_asks_for_more_than_the_guard_offers_has_drifted(
+    offered, opened_sources, why
+):
+    ends = [
+        *GUARDS[1:],
+        replace(GUARDS[0], qos=offered),
+        replace(DRIVER_SUBSCRIBES, qos=opened_sources),
+    ]
     path = path_of(verified(ends), "/driver")
     assert path.state is DRIFT
     assert path.reason.startswith(f"does not hear the guard: {why}")
@@ -239,25 +245,29 @@ def test_a_successor_that_asks_for_more_than_the_guard_offers_has_drifted(offere
         (QoS(depth=1, lifespan=1), QoS(depth=9)),
     ],
 )
-def test_a_successor_that_asks_for_less_is_served(offered, asked):
-    ends = [*GUARDS[1:], replace(GUARDS[0], qos=offered), replace(DRIVER_LISTENS, qos=asked)]
-    assert verified(ends).closed
+def test_a_successor_that_asks_for_less_is_served(offered, opened_sources):
+    ends = [
+        *GUARDS[1:],
+        replace(GUARDS[0], qos=offered),
+        replace(DRIVER_SUBSCRIBES, qos=opened_sources),
+    ]
+    assert verified(ends).is_closed
 
 
 def test_another_type_is_drift_on_both_sides():
     other = "std_msgs/msg/String"
-    path = path_of(verified([*GUARDS, replace(DRIVER_LISTENS, type=other)]), "/driver")
+    path = path_of(verified([*GUARDS, replace(DRIVER_SUBSCRIBES, type=other)]), "/driver")
     assert path.reason.endswith("geometry_msgs/Twist is published, std_msgs/String is asked for")
-    silent = [*GUARDS[1:], replace(DRIVER_LISTENS, type=other)]
+    silent = [*GUARDS[1:], replace(DRIVER_SUBSCRIBES, type=other)]
     assert path_of(verified(silent), "/driver").state is DRIFT
-    path = path_of(verified([*GUARDS, replace(NAV_SPEAKS, type=other)]), "/nav")
+    path = path_of(verified([*GUARDS, replace(NAV_PUBLISHES, type=other)]), "/nav")
     assert path.state is DRIFT
     assert path.reason.endswith("its type is std_msgs/String, the plan's is geometry_msgs/Twist")
 
 
 def test_one_subscription_of_two_that_hears_nothing_is_drift():
-    other = replace(DRIVER_LISTENS, gid=DRIVER + b"more", type="std_msgs/msg/String")
-    for ends in ([DRIVER_LISTENS, other], [other, DRIVER_LISTENS]):
+    other = replace(DRIVER_SUBSCRIBES, gid=DRIVER + b"more", type="std_msgs/msg/String")
+    for ends in ([DRIVER_SUBSCRIBES, other], [other, DRIVER_SUBSCRIBES]):
         assert path_of(verified([*GUARDS, *ends]), "/driver").state is DRIFT
 
 
@@ -271,11 +281,11 @@ SERVED = tuple(
     end
     for part in (SEND_GOAL, CANCEL_GOAL)
     for end in (
-        *serves(NAVIGATE, part, NAVIGATE_GRCN, GUARD),
-        *serves(f"/rtron{NAVIGATE}/flow1", part, NAVIGATE_GRCN, GUARD),
-        *serves(f"/rtron{NAVIGATE}/out", part, "/server", DRIVER),
-        calls(f"/rtron{NAVIGATE}/out", part, NAVIGATE_GRCN, GUARD),
-        calls(f"/rtron{NAVIGATE}/flow1", part, "/mission", NAV),
+        *server_endpoints(NAVIGATE, part, NAVIGATE_GRCN, GUARD),
+        *server_endpoints(f"/rtron{NAVIGATE}/flow1", part, NAVIGATE_GRCN, GUARD),
+        *server_endpoints(f"/rtron{NAVIGATE}/out", part, "/server", DRIVER),
+        client_endpoint(f"/rtron{NAVIGATE}/out", part, NAVIGATE_GRCN, GUARD),
+        client_endpoint(f"/rtron{NAVIGATE}/flow1", part, "/mission", NAV),
     )
 )
 ACTORS = (GUARD_NODE, NAVIGATE_GRCN, "/mission", "/server")
@@ -288,7 +298,7 @@ def acting(*more, without=()):
 
 def test_a_closed_action_is_shown_by_its_services_names():
     found = acting()
-    assert found.closed
+    assert found.is_closed
     assert found.problems == ()
     private = f"/rtron{NAVIGATE}/out{SEND_GOAL}"
     assert (f"{NAVIGATE}{SEND_GOAL}", private) in {(p.topic, p.private) for p in found.paths}
@@ -297,23 +307,23 @@ def test_a_closed_action_is_shown_by_its_services_names():
 
 @pytest.mark.parametrize("part", [SEND_GOAL, CANCEL_GOAL])
 def test_a_client_beside_the_guard_opens_the_servers_path(part):
-    found = acting(calls(f"/rtron{NAVIGATE}/out", part, "/rogue", ROGUE))
+    found = acting(client_endpoint(f"/rtron{NAVIGATE}/out", part, "/rogue", ROGUE))
     (path,) = (path for path in found.paths if path.state is OPEN)
     assert (path.node, path.foreign) == ("/server", ("/rogue",))
 
 
 def test_a_client_of_the_public_name_is_the_guards_business_unless_the_server_is_there():
-    outside = calls(NAVIGATE, SEND_GOAL, "/rogue", ROGUE)
-    assert acting(outside).closed
-    found = acting(outside, *serves(NAVIGATE, SEND_GOAL, "/server", DRIVER))
+    outside = client_endpoint(NAVIGATE, SEND_GOAL, "/rogue", ROGUE)
+    assert acting(outside).is_closed
+    found = acting(outside, *server_endpoints(NAVIGATE, SEND_GOAL, "/server", DRIVER))
     (path,) = (path for path in found.paths if path.state is OPEN)
     assert (path.node, path.topic) == ("/server", f"{NAVIGATE}{SEND_GOAL}")
-    alone = acting(*serves(NAVIGATE, SEND_GOAL, "/server", DRIVER))
+    alone = acting(*server_endpoints(NAVIGATE, SEND_GOAL, "/server", DRIVER))
     assert {path.state for path in alone.paths} == {PathState.CLOSED, DRIFT}
 
 
 def test_a_stranger_that_answers_in_the_servers_place_is_a_problem():
-    found = acting(*serves(f"/rtron{NAVIGATE}/out", SEND_GOAL, "/rogue", ROGUE))
+    found = acting(*server_endpoints(f"/rtron{NAVIGATE}/out", SEND_GOAL, "/rogue", ROGUE))
     assert found.problems == (f"/rogue speaks on the private /rtron{NAVIGATE}/out{SEND_GOAL}",)
     told = acting(publisher(f"/rtron{NAVIGATE}/out/_action/status", "/rogue", ROGUE))
     assert len(told.problems) == 1

@@ -13,7 +13,7 @@ LATCHED = QoS(durability=Durability.TRANSIENT_LOCAL)
 STRING, FLOAT64 = "std_msgs/String", "std_msgs/Float64"
 
 
-class Ear:
+class PublisherLog:
     """Accepts the publishers that are named, or all; knows whom it was offered and whom it lost."""
 
     def __init__(self, *accepted):
@@ -34,7 +34,7 @@ class Ear:
 
 
 def listening(world, *accepted, topic=TOPIC, type=STRING, node=A):
-    ear = Ear(*accepted)
+    ear = PublisherLog(*accepted)
     world.transport.subscribe(node, topic, type, ear.connect, ear.lost.append)
     return ear
 
@@ -42,11 +42,11 @@ def listening(world, *accepted, topic=TOPIC, type=STRING, node=A):
 def talking(world, ear, node=TALKER, **kind):
     """Return a publisher whose first word was heard; what it said until then is forgotten."""
     publisher = world.publisher(node, TOPIC, **kind)
-    say_until(world, publisher.say, lambda: (node, world.text("hello")) in ear.heard)
+    publish_until(world, publisher.say, lambda: (node, world.text("hello")) in ear.heard)
     return publisher
 
 
-def say_until(world, say, condition):
+def publish_until(world, say, condition):
     """Say hello again and again until it is noticed: connections take their time."""
 
     def noticed():
@@ -57,7 +57,7 @@ def say_until(world, say, condition):
     world.until(noticed)
 
 
-def let_pass(world, duration):
+def advance(world, duration):
     """Let so much time (ns) pass."""
     over = []
     world.transport.call_at(world.transport.now() + duration, lambda: over.append(True))
@@ -69,7 +69,7 @@ def said(world, count=None):
     return [world.text(f"{number} " + "x" * size) for number, size in enumerate(sizes)]
 
 
-def without_hello(world, messages):
+def without_first(world, messages):
     return [each for each in messages if each != world.text("hello")]
 
 
@@ -79,18 +79,18 @@ def test_what_comes_in_is_what_was_sent(world):
     for message in said(world):
         publisher.say(message)
     world.until(lambda: ear.messages and ear.messages[-1] == said(world)[-1])
-    assert without_hello(world, ear.messages) == said(world)
+    assert without_first(world, ear.messages) == said(world)
 
 
 def test_what_goes_out_is_what_was_given(world):
     output = world.transport.advertise(A, TOPIC, STRING)
     assert output.learn(world.info())
     heard = world.listener(LISTENER, TOPIC)
-    say_until(world, output.publish, lambda: heard)
+    publish_until(world, output.publish, lambda: heard)
     for message in said(world):
         output.publish(message)
     world.until(lambda: heard[-1] == said(world)[-1])
-    assert without_hello(world, heard) == said(world)
+    assert without_first(world, heard) == said(world)
 
 
 def test_what_waits_while_the_guard_is_busy_is_the_newest_and_bounded(world):
@@ -100,7 +100,7 @@ def test_what_waits_while_the_guard_is_busy_is_the_newest_and_bounded(world):
     for message in words:
         publisher.say(message)
     world.until(lambda: ear.messages[-1] == words[-1])
-    heard = without_hello(world, ear.messages)
+    heard = without_first(world, ear.messages)
     assert heard == words[-len(heard) :]
     assert len(heard) <= world.most_waiting
 
@@ -116,7 +116,7 @@ def test_a_publisher_is_offered_once_with_its_name_and_type(world):
 def test_a_publisher_that_is_refused_is_not_heard(world):
     ear = listening(world, TALKER)
     refused = world.publisher("/stranger", TOPIC)
-    say_until(world, refused.say, lambda: ear.offered)
+    publish_until(world, refused.say, lambda: ear.offered)
     publisher = talking(world, ear)
     refused.say(world.text("no"))
     publisher.say(world.text("last"))
@@ -218,15 +218,15 @@ def test_what_was_meant_for_the_moment_is_not_told_to_who_comes_late(world):
     output.learn(world.info())
     output.offer("one", LATCHED)
     here = world.listener(LISTENER, TOPIC, latched=True)
-    say_until(world, output.publish, lambda: here)
+    publish_until(world, output.publish, lambda: here)
     words = said(world, 20)
     for word in words:
         output.publish(word)
     world.until(lambda: here[-1] == words[-1])
-    assert without_hello(world, here) == words
-    let_pass(world, 2 * SECOND)
+    assert without_first(world, here) == words
+    advance(world, 2 * SECOND)
     late = world.listener("/late", TOPIC, latched=True)
-    say_until(world, lambda _: output.publish(world.text("new")), lambda: late)
+    publish_until(world, lambda _: output.publish(world.text("new")), lambda: late)
     assert set(late) == {world.text("new")}
 
 
@@ -237,7 +237,7 @@ def test_what_is_forgotten_is_not_told(world):
     output.publish(world.text("old"), latched_by="one")
     output.forget()
     heard = world.listener(LISTENER, TOPIC, latched=True)
-    say_until(world, partial(output.publish, latched_by="one"), lambda: heard)
+    publish_until(world, partial(output.publish, latched_by="one"), lambda: heard)
     assert world.text("old") not in heard
 
 
@@ -263,7 +263,7 @@ def test_two_nodes_of_the_guard(world):
     output.learn(world.info())
     heard = world.listener(LISTENER, "/third")
     publisher = talking(world, one)
-    say_until(world, output.publish, lambda: heard)
+    publish_until(world, output.publish, lambda: heard)
     publisher.say(world.text("last"))
     world.until(lambda: world.text("last") in one.messages)
     assert other.heard == []
@@ -274,7 +274,7 @@ def test_the_guard_never_hears_itself(world):
     output = world.transport.advertise(B, TOPIC, STRING)
     output.learn(world.info())
     heard = world.listener(LISTENER, TOPIC)
-    say_until(world, lambda _: output.publish(world.text("own")), lambda: heard)
+    publish_until(world, lambda _: output.publish(world.text("own")), lambda: heard)
     talking(world, ear)
     assert set(ear.heard) == {(TALKER, world.text("hello"))}
     assert {peer.node for peer in ear.offered} == {TALKER}

@@ -6,8 +6,8 @@ import pytest
 
 pytest.importorskip("rclpy")
 from rtron.guard.transport.common.protocol import TypeInfo
-from rtron.guard.transport.ros2.client_resolver import Callers
-from rtron.guard.transport.ros2.owners import Owners
+from rtron.guard.transport.ros2.client_resolver import ClientResolver
+from rtron.guard.transport.ros2.owners import NameOwners
 
 pytestmark = pytest.mark.ros2
 ONE, GIDS = b"participant1", (b"participant1:001", b"participant1:002")
@@ -19,8 +19,8 @@ class Domain:
 
     def __init__(self):
         self.changed, self._names = [], {}
-        self.owners = Owners()
-        self.callers = Callers("/fib", "/one", TypeInfo("t", "m"), self._shared())
+        self.owners = NameOwners()
+        self.callers = ClientResolver("/fib", "/one", TypeInfo("t", "m"), self._shared())
 
     def watch(self, topic):
         pass
@@ -33,14 +33,14 @@ class Domain:
     def tells(self, **names):
         """Tell the names of endpoints from now on."""
         self._names = {GIDS[int(end[-1]) - 1]: name for end, name in names.items()}
-        self.owners.look([(name, ONE) for name in names.values()])
+        self.owners.update([(name, ONE) for name in names.values()])
         for changed in self.changed:
             changed()
 
     def peer(self):
         """Return whose a request is."""
         peers = []
-        self.callers.name(PLACE, peers.append)
+        self.callers.resolve(PLACE, peers.append)
         return [(peer.node, peer.verified) for peer in peers]
 
     def _shared(self):

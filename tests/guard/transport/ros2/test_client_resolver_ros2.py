@@ -8,8 +8,8 @@ from ros2_world import OnRos2
 from test_msgs.action import Fibonacci
 
 from rtron.guard.transport.common.protocol import TypeInfo
-from rtron.guard.transport.ros2.client_resolver import Callers
-from rtron.wire.ros2.endpoints import PARTICIPANT
+from rtron.guard.transport.ros2.client_resolver import ClientResolver
+from rtron.wire.ros2.endpoints import PARTICIPANT_SIZE
 
 pytestmark = pytest.mark.ros2
 NOBODY, NOBODY_ELSE = b"\x01\x0f" + b"\x01" * 10, b"\x01\x0f" + b"\x02" * 10
@@ -25,7 +25,7 @@ def world(ros2, monkeypatch):
 @pytest.fixture
 def callers(world):
     """Name the callers of an action whose client is /one."""
-    return Callers("/fib", "/one", TypeInfo("t", "m"), world.transport._shared)
+    return ClientResolver("/fib", "/one", TypeInfo("t", "m"), world.transport._shared)
 
 
 def place(participant, number=0):
@@ -36,7 +36,7 @@ def place(participant, number=0):
 def test_strangers_without_a_name_are_told_apart(world, callers):
     peers = []
     for each in (NOBODY, NOBODY_ELSE):
-        callers.name(place(each), peers.append)
+        callers.resolve(place(each), peers.append)
     assert peers == []
     world.until(lambda: len(peers) == 2)
     assert [peer.node for peer in peers] == [
@@ -48,10 +48,10 @@ def test_strangers_without_a_name_are_told_apart(world, callers):
 def test_a_crowd_of_one_nameless_stranger_does_not_hurry_who_is_named_soon(world, callers):
     strangers, peers = [], []
     for number in range(300):
-        callers.name(place(NOBODY, number), strangers.append)
+        callers.resolve(place(NOBODY, number), strangers.append)
     one = world.session.participant("/one")
-    assert len(one) == PARTICIPANT
-    callers.name(place(one), peers.append)
+    assert len(one) == PARTICIPANT_SIZE
+    callers.resolve(place(one), peers.append)
     assert peers == []
     client = ActionClient(world.session.node("/one"), Fibonacci, "/fib")
     world.until(lambda: peers and len(strangers) == 300)

@@ -2,7 +2,7 @@
 
 from itertools import chain
 
-from rtron.guard.transport.ros2.crowd import MOST, MOST_OF_ONE, to_know
+from rtron.guard.transport.ros2.crowd import MAX_ENDPOINTS, MAX_PER_PARTICIPANT, select_endpoints
 
 
 def ends(participant, count):
@@ -19,44 +19,44 @@ NAV = ends(1 << 40, 3)
 
 
 def test_all_are_known_while_they_are_few_by_their_gids():
-    few = [*NAV, *crowd(MOST - 3)]
-    assert to_know(few, ()) == [*crowd(MOST - 3), *NAV]
+    few = [*NAV, *crowd(MAX_ENDPOINTS - 3)]
+    assert select_endpoints(few, ()) == [*crowd(MAX_ENDPOINTS - 3), *NAV]
 
 
 def test_a_crowd_is_cut():
-    assert to_know(crowd(5000), ()) == crowd(MOST)
+    assert select_endpoints(crowd(5000), ()) == crowd(MAX_ENDPOINTS)
 
 
 def test_who_is_known_stays_whoever_comes():
     for others in (crowd(1, 5000), crowd(5000), crowd(100, 50)):
-        found = to_know([*others, *NAV], NAV)
-        assert len(found) == MOST
+        found = select_endpoints([*others, *NAV], NAV)
+        assert len(found) == MAX_ENDPOINTS
         assert set(NAV) <= set(found)
 
 
 def test_who_is_known_stays_look_by_look():
-    known = to_know(NAV, ())
+    known = select_endpoints(NAV, ())
     for number in range(1, 20):
-        known = to_know([*crowd(40 * number), *NAV], known)
+        known = select_endpoints([*crowd(40 * number), *NAV], known)
     assert set(NAV) <= set(known)
 
 
 def test_a_single_participant_keeps_nobody_out_though_it_came_first():
     flood = ends(0, 5000)
-    known = to_know(flood, ())
-    assert len(known) == MOST
-    found = to_know([*flood, *NAV], known)
+    known = select_endpoints(flood, ())
+    assert len(known) == MAX_ENDPOINTS
+    found = select_endpoints([*flood, *NAV], known)
     assert set(NAV) <= set(found)
-    assert set(flood[:MOST_OF_ONE]) <= set(found)
+    assert set(flood[:MAX_PER_PARTICIPANT]) <= set(found)
 
 
 def test_the_share_of_a_participant_is_of_those_that_are_known_first():
     mine = ends(0, 50)
-    late = mine[20 : 20 + MOST_OF_ONE]
-    found = to_know([*mine, *crowd(MOST, first=1)], late)
+    late = mine[20 : 20 + MAX_PER_PARTICIPANT]
+    found = select_endpoints([*mine, *crowd(MAX_ENDPOINTS, first=1)], late)
     assert set(late) <= set(found)
-    assert len(set(mine) & set(found)) == MOST_OF_ONE
+    assert len(set(mine) & set(found)) == MAX_PER_PARTICIPANT
 
 
 def test_who_has_left_is_known_no_more():
-    assert to_know(crowd(300), NAV) == crowd(MOST)
+    assert select_endpoints(crowd(300), NAV) == crowd(MAX_ENDPOINTS)

@@ -7,9 +7,9 @@ import pytest
 pytest.importorskip("rclpy")
 from ros2_world import OnRos2
 
-from rtron.guard.transport.ros2.crowd import MOST
-from rtron.wire.ros2.interfaces import interface
-from rtron.wire.ros2.session import Session
+from rtron.guard.transport.ros2.crowd import MAX_ENDPOINTS
+from rtron.wire.ros2.interfaces import find_interface
+from rtron.wire.ros2.session import Ros2Session
 
 pytestmark = [
     pytest.mark.ros2,
@@ -22,7 +22,7 @@ TOPIC = "/words"
 def stranger(ros2, monkeypatch):
     """Be a participant that comes first by its GID."""
     monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-    with closing(Session(domain=ros2.domain)) as session:
+    with closing(Ros2Session(domain=ros2.domain)) as session:
         session.node("/mallory")
         yield session
 
@@ -48,11 +48,11 @@ def test_who_is_known_is_heard_whatever_crowd_comes(world, stranger):
         return world.text(word) in heard
 
     world.until(lambda: says("before"))
-    cls = interface("std_msgs/String").cls
-    for _ in range(MOST + 50):
+    cls = find_interface("std_msgs/String").cls
+    for _ in range(MAX_ENDPOINTS + 50):
         stranger.node("/mallory").create_publisher(cls, TOPIC, 1)
     ends = world.transport.graph.ends
-    world.until(lambda: len(ends(TOPIC).publishers) == MOST)
+    world.until(lambda: len(ends(TOPIC).publishers) == MAX_ENDPOINTS)
     participants = [each.participant for each in ends(TOPIC).publishers]
     assert participants == sorted(participants)
     assert participants[0] == stranger.participant("/mallory")

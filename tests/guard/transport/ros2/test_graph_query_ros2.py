@@ -12,12 +12,12 @@ from rclpy.qos import DurabilityPolicy, LivelinessPolicy, QoSProfile, Reliabilit
 from ros2_harness import NODES2
 
 from rtron.errors import SourceError
-from rtron.guard.transport.ros2.crowd import MOST
-from rtron.guard.transport.ros2.graph_query import Listing
+from rtron.guard.transport.ros2.crowd import MAX_ENDPOINTS
+from rtron.guard.transport.ros2.graph_query import GraphQuery
 from rtron.vocabulary import Direction
 from rtron.wire.ros2.endpoints import publishers_of, subscribers_of
-from rtron.wire.ros2.interfaces import interface
-from rtron.wire.ros2.session import Session
+from rtron.wire.ros2.interfaces import find_interface
+from rtron.wire.ros2.session import Ros2Session
 
 pytestmark = [
     pytest.mark.ros2,
@@ -40,7 +40,7 @@ PROFILES = [
 @pytest.fixture
 def session(ros2, monkeypatch):
     monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-    with closing(Session(domain=ros2.domain)) as session:
+    with closing(Ros2Session(domain=ros2.domain)) as session:
         yield session
 
 
@@ -50,44 +50,47 @@ def by_gid(ends):
 
 def test_it_tells_what_rclpy_tells(session):
     nodes = [session.node(f"/space/node{n}") for n in range(3)]
-    kind = interface("geometry_msgs/Twist").cls
+    kind = find_interface("geometry_msgs/Twist").cls
     for profile in PROFILES:
         nodes[0].create_publisher(kind, "/topic", profile)
         nodes[1].create_subscription(kind, "/topic", lambda _message: None, profile)
-    listing = Listing(nodes[2])
-    told = {side: listing.ends("/topic", side, ()) for side in Direction}
+    listing = GraphQuery(nodes[2])
+    told = {side: listing.endpoints("/topic", side, ()) for side in Direction}
     assert told[Direction.PUBLISH] == by_gid(publishers_of(nodes[2], "/topic"))
     assert told[Direction.SUBSCRIBE] == by_gid(subscribers_of(nodes[2], "/topic"))
     assert [len(each) for each in told.values()] == [4, 4]
     assert len({end.qos for end in told[Direction.PUBLISH]}) == 4
-    assert listing.ends("/nothing", Direction.PUBLISH, ()) == ()
+    assert listing.endpoints("/nothing", Direction.PUBLISH, ()) == ()
     own = session.participant("/space/node2")
-    assert listing.ends("/topic", Direction.PUBLISH, (), own) == ()
+    assert listing.endpoints("/topic", Direction.PUBLISH, (), own) == ()
 
 
 def test_the_ends_of_services_are_told_by_their_middlewares_names(session):
     node, trigger = session.node("/server"), pytest.importorskip("std_srvs.srv").Trigger
     node.create_service(trigger, "/go", lambda _request, response: response)
-    (end,) = Listing(node, raw=True).ends("rq/goRequest", Direction.SUBSCRIBE, ())
+    (end,) = GraphQuery(node, raw=True).endpoints("rq/goRequest", Direction.SUBSCRIBE, ())
     assert (end.node, end.type) == ("/server", "std_srvs::srv::dds_::Trigger_Request_")
-    assert Listing(node).ends("rq/goRequest", Direction.SUBSCRIBE, ()) == ()
+    assert GraphQuery(node).endpoints("rq/goRequest", Direction.SUBSCRIBE, ()) == ()
 
 
 def test_of_a_crowd_it_tells_of_some_and_of_those_that_are_known(session):
-    node, kind = session.node("/crowd"), interface("std_msgs/String").cls
-    listing, crowd = Listing(node), [node.create_publisher(kind, "/t", 1) for _ in range(MOST)]
-    first = listing.ends("/t", Direction.PUBLISH, ())
-    crowd += [node.create_publisher(kind, "/t", 1) for _ in range(MOST)]
+    node, kind = session.node("/crowd"), find_interface("std_msgs/String").cls
+    listing, crowd = (
+        GraphQuery(node),
+        [node.create_publisher(kind, "/t", 1) for _ in range(MAX_ENDPOINTS)],
+    )
+    first = listing.endpoints("/t", Direction.PUBLISH, ())
+    crowd += [node.create_publisher(kind, "/t", 1) for _ in range(MAX_ENDPOINTS)]
     last = by_gid(publishers_of(node, "/t"))[-9:]
-    found = listing.ends("/t", Direction.PUBLISH, last)
-    assert len(first) == len(found) == MOST
+    found = listing.endpoints("/t", Direction.PUBLISH, last)
+    assert len(first) == len(found) == MAX_ENDPOINTS
     assert set(last) <= set(found)
 
 
 def test_a_version_with_another_layout_is_refused(session, monkeypatch):
     monkeypatch.setattr("rtron.guard.transport.ros2.graph_query.GID_SIZE", 12)
     with pytest.raises(SourceError, match="does not know this version"):
-        Listing(session.node("/node"))
+        GraphQuery(session.node("/node"))
 
 
 PROFILE = """<dds xmlns="http://www.eprosima.com"><profiles>
@@ -102,10 +105,10 @@ def test_who_chooses_an_odd_id_is_told_like_anybody(ros2, session, tmp_path):
     files = dict.fromkeys(("FASTDDS", "FASTRTPS"), str(profile))
     environ = {f"{name}_DEFAULT_PROFILES_FILE": file for name, file in files.items()}
     ros2.spawn(sys.executable, NODES2 / "nodes2.py", "/odd", ">/t:std_msgs/String", **environ)
-    listing = Listing(session.node("/node"))
+    listing = GraphQuery(session.node("/node"))
 
     def told():
-        return [end.gid[:1] for end in listing.ends("/t", Direction.PUBLISH, ())]
+        return [end.gid[:1] for end in listing.endpoints("/t", Direction.PUBLISH, ())]
 
     wait_for(told, what="the publisher")
     assert told() == [b"\xff"]

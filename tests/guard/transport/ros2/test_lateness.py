@@ -2,7 +2,7 @@
 
 import pytest
 
-from rtron.guard.transport.ros2.lateness import Lateness
+from rtron.guard.transport.ros2.lateness import LatenessDetector
 from rtron.vocabulary import SECOND
 
 MS = SECOND // 1000
@@ -12,10 +12,10 @@ CLOCKS = [0, 3600 * SECOND, -3600 * SECOND]
 
 
 class Watch:
-    """Hands messages that took so long to a `Lateness`; `skew` is how much our clock is ahead."""
+    """Hands messages that took so long to a `LatenessDetector`; `skew` is how much our clock is ahead."""
 
     def __init__(self, skew=0):
-        self.lateness = Lateness()
+        self.lateness = LatenessDetector()
         self.skew = skew
         self.now = 10**18
         self.steady = 0
@@ -105,4 +105,4 @@ def test_a_crowd_makes_it_forget_but_no_bigger():
     watch = Watch()
     for number in range(1000):
         watch.late(MS, number.to_bytes(16, "big"))
-    assert len(watch.lateness._usual) <= 256
+    assert len(watch.lateness._typical_delays) <= 256

@@ -5,10 +5,10 @@ import subprocess
 import sys
 
 import pytest
-from proc_folder import ANOTHER, LIBC, THEIR_NETWORK, Machine
+from proc_folder import ANOTHER, LIBC, THEIR_NETWORK, ProcFolder
 
-from rtron.guard.transport.ros2.participants import LEASE, Life, Lives
-from rtron.guard.transport.ros2.process_table import Processes
+from rtron.guard.transport.ros2.participants import MAX_LEASE, ParticipantLiveness, ParticipantState
+from rtron.guard.transport.ros2.process_table import ProcessTable
 from rtron.vocabulary import SECOND
 
 SOON = SECOND // 50
@@ -29,7 +29,7 @@ OLD, NEW, FAR = participant(1002), participant(1003), participant(1004, ELSEWHER
 
 @pytest.fixture
 def machine(tmp_path):
-    machine = Machine(tmp_path)
+    machine = ProcFolder(tmp_path)
     for pid in (1001, 1002, 1003):
         machine.start(pid)
     return machine
@@ -37,29 +37,35 @@ def machine(tmp_path):
 
 @pytest.fixture
 def lives(machine):
-    return Lives(OWN, machine.processes())
+    return ParticipantLiveness(OWN, machine.processes())
 
 
 def test_a_process_that_was_seen_here_and_has_ended_is_gone(machine, lives):
-    lives.look([OLD, NEW], 0)
-    assert (lives.of(OLD), lives.of(NEW)) == (Life.RUNS, Life.RUNS)
+    lives.update([OLD, NEW], 0)
+    assert (lives.state(OLD), lives.state(NEW)) == (
+        ParticipantState.RUNNING,
+        ParticipantState.RUNNING,
+    )
     machine.end(1002)
-    assert (lives.of(OLD), lives.of(NEW)) == (Life.GONE, Life.RUNS)
-    assert lives.living([OLD, NEW]) == {NEW}
+    assert (lives.state(OLD), lives.state(NEW)) == (
+        ParticipantState.ENDED,
+        ParticipantState.RUNNING,
+    )
+    assert lives.not_ended([OLD, NEW]) == {NEW}
 
 
 def test_another_process_with_the_same_id_is_not_the_one_that_was_seen(machine, lives):
-    lives.look([OLD], 0)
+    lives.update([OLD], 0)
     machine.start(1002, began=8)
-    assert lives.of(OLD) is Life.GONE
+    assert lives.state(OLD) is ParticipantState.ENDED
 
 
 def test_of_a_process_id_only_the_lower_half_is_told(machine, lives):
     machine.start(0x30000 + 2002)
-    lives.look([participant(2002)], 0)
+    lives.update([participant(2002)], 0)
     assert lives.process(participant(2002)) == (0x30000 + 2002, 7)
     machine.end(0x30000 + 2002)
-    assert lives.of(participant(2002)) is Life.GONE
+    assert lives.state(participant(2002)) is ParticipantState.ENDED
 
 
 @pytest.mark.parametrize(
@@ -67,10 +73,10 @@ def test_of_a_process_id_only_the_lower_half_is_told(machine, lives):
     [FAR, participant(1002, OTHER_VENDOR), participant(9), participant(1002, b"\0\0\x78\xfd")],
 )
 def test_who_was_never_seen_running_here_is_not_said_to_be_gone(machine, lives, unseen):
-    lives.look([unseen], 0)
+    lives.update([unseen], 0)
     machine.end(1002)
-    assert lives.of(unseen) is Life.UNTOLD
-    assert lives.living([unseen, NEW]) == {unseen, NEW}
+    assert lives.state(unseen) is ParticipantState.UNKNOWN
+    assert lives.not_ended([unseen, NEW]) == {unseen, NEW}
 
 
 class TestCertainty:
@@ -78,180 +84,180 @@ class TestCertainty:
 
     def told(self, machine, *others, pid=1002, processes=None):
         """Return what is said of an old participant when a process has ended."""
-        lives = Lives(OWN, processes or machine.processes())
-        lives.look([OLD, *others], 0)
+        lives = ParticipantLiveness(OWN, processes or machine.processes())
+        lives.update([OLD, *others], 0)
         machine.end(pid)
-        return lives.of(OLD)
+        return lives.state(OLD)
 
     def test_a_process_in_a_container_that_calls_itself_the_same(self, machine):
         machine.start(4711, own=(1002,))
-        assert self.told(machine) is Life.UNTOLD
+        assert self.told(machine) is ParticipantState.UNKNOWN
 
     def test_a_process_of_a_container_is_known_by_its_own_id(self, machine):
         machine.end(1002)
         machine.start(4711, own=(25, 1002))
-        assert self.told(machine, pid=4711) is Life.GONE
+        assert self.told(machine, pid=4711) is ParticipantState.ENDED
 
     def test_a_process_whose_id_ends_in_the_same_bits(self, machine):
         machine.start(0x10000 + 1002, maps=LIBC)
-        assert self.told(machine) is Life.UNTOLD
+        assert self.told(machine) is ParticipantState.UNKNOWN
 
     def test_a_container_of_our_own_in_which_we_see_nobody_else(self, tmp_path):
-        machine = Machine(tmp_path, namespace=ANOTHER)
+        machine = ProcFolder(tmp_path, namespace=ANOTHER)
         machine.start(1002)
-        assert self.told(machine) is Life.UNTOLD
+        assert self.told(machine) is ParticipantState.UNKNOWN
 
     def test_processes_that_are_hidden_from_us(self, machine):
         machine.end(1)
-        assert self.told(machine) is Life.UNTOLD
+        assert self.told(machine) is ParticipantState.UNKNOWN
 
     def test_a_process_without_fast_dds(self, machine):
         machine.start(1002, maps=LIBC)
-        assert self.told(machine) is Life.UNTOLD
+        assert self.told(machine) is ParticipantState.UNKNOWN
 
     def test_a_process_in_another_network_which_has_another_host_id(self, machine):
         machine.start(1002, network=THEIR_NETWORK)
-        assert self.told(machine) is Life.UNTOLD
+        assert self.told(machine) is ParticipantState.UNKNOWN
 
     def test_two_with_different_chances_which_cannot_be_one_process(self, machine):
         other = participant(1002, chance=1)
-        assert self.told(machine, other) is Life.UNTOLD
+        assert self.told(machine, other) is ParticipantState.UNKNOWN
 
     def test_who_contradicts_later_counts_as_much(self, machine, lives):
-        lives.look([OLD], 0)
+        lives.update([OLD], 0)
         assert lives.is_certain(OLD)
-        lives.look([OLD, participant(1002, chance=1)], SOON)
-        lives.look([OLD], 2 * SOON)
+        lives.update([OLD, participant(1002, chance=1)], SOON)
+        lives.update([OLD], 2 * SOON)
         machine.end(1002)
-        assert lives.of(OLD) is Life.UNTOLD
+        assert lives.state(OLD) is ParticipantState.UNKNOWN
 
     def test_two_participants_of_one_process_do_not_contradict(self, machine):
-        assert self.told(machine, participant(1002, number=1)) is Life.GONE
+        assert self.told(machine, participant(1002, number=1)) is ParticipantState.ENDED
 
     def test_who_came_after_the_last_look_is_found(self, machine, lives):
-        lives.look([], 0)
+        lives.update([], 0)
         machine.start(2002)
-        lives.look([participant(2002)], SOON)
+        lives.update([participant(2002)], SOON)
         machine.start(4711, own=(2003,))
         machine.start(2003)
-        lives.look([participant(2002), participant(2003)], 2 * SOON)
+        lives.update([participant(2002), participant(2003)], 2 * SOON)
         assert lives.is_certain(participant(2002))
         assert lives.process(participant(2003)) is None
 
     def test_an_id_that_has_come_round_is_read_again(self, machine, lives):
-        lives.look([], 0)
+        lives.update([], 0)
         machine.start(4711)
-        lives.look([], SOON)
+        lives.update([], SOON)
         machine.start(4711, own=(1002,), began=9)
-        lives.look([OLD], 2 * SECOND)
+        lives.update([OLD], 2 * SECOND)
         assert lives.process(OLD) is None
 
 
 def test_a_process_whose_first_thread_has_ended_lives_with_the_others(machine, lives):
-    lives.look([OLD], 0)
+    lives.update([OLD], 0)
     machine.start(1002, state="Z", threads=2)
-    assert lives.of(OLD) is Life.RUNS
+    assert lives.state(OLD) is ParticipantState.RUNNING
     machine.start(1002, state="Z", threads=1)
-    assert lives.of(OLD) is Life.GONE
+    assert lives.state(OLD) is ParticipantState.ENDED
 
 
 def test_nobody_is_gone_where_it_cannot_be_read(machine, lives):
-    lives.look([OLD], 0)
+    lives.update([OLD], 0)
     (machine.proc / "1002/stat").unlink()
     (machine.proc / "1002/stat").mkdir()
-    assert lives.of(OLD) is Life.RUNS
+    assert lives.state(OLD) is ParticipantState.RUNNING
     machine.proc.rename(machine.proc.with_name("elsewhere"))
-    assert lives.of(OLD) is Life.UNTOLD
-    lives.look([OLD, NEW], SOON)
-    assert lives.of(NEW) is Life.UNTOLD
+    assert lives.state(OLD) is ParticipantState.UNKNOWN
+    lives.update([OLD, NEW], SOON)
+    assert lives.state(NEW) is ParticipantState.UNKNOWN
 
 
 def test_a_crowd_of_newcomers_is_looked_for_bit_by_bit(machine, lives):
     crowd = [participant(n) for n in range(40)]
-    lives.look([*crowd, OLD], 0)
-    assert lives.of(OLD) is Life.UNTOLD
-    lives.look([*crowd, OLD], 1)
-    assert lives.of(OLD) is Life.RUNS
+    lives.update([*crowd, OLD], 0)
+    assert lives.state(OLD) is ParticipantState.UNKNOWN
+    lives.update([*crowd, OLD], 1)
+    assert lives.state(OLD) is ParticipantState.RUNNING
 
 
 def test_nothing_is_known_beside_another_middleware(machine):
-    lives = Lives(participant(1001, OTHER_VENDOR), machine.processes())
-    lives.look([participant(1002, OTHER_VENDOR)], 0)
-    assert lives.of(participant(1002, OTHER_VENDOR)) is Life.UNTOLD
+    lives = ParticipantLiveness(participant(1001, OTHER_VENDOR), machine.processes())
+    lives.update([participant(1002, OTHER_VENDOR)], 0)
+    assert lives.state(participant(1002, OTHER_VENDOR)) is ParticipantState.UNKNOWN
 
 
 def test_who_has_left_the_graph_is_forgotten_and_seen_anew(lives):
-    lives.look([OLD], 5)
-    lives.look([], 6)
-    assert (lives.since(OLD), lives.of(OLD)) == (0, Life.UNTOLD)
-    lives.look([OLD], 7)
+    lives.update([OLD], 5)
+    lives.update([], 6)
+    assert (lives.since(OLD), lives.state(OLD)) == (0, ParticipantState.UNKNOWN)
+    lives.update([OLD], 7)
     assert lives.since(OLD) == 7
 
 
 def test_a_single_one_has_its_name_even_when_its_process_has_ended(machine, lives):
-    lives.look([OLD], 0)
+    lives.update([OLD], 0)
     machine.end(1002)
-    assert lives.living([OLD]) == {OLD}
+    assert lives.not_ended([OLD]) == {OLD}
 
 
 class TestClash:
     def test_two_that_run_clash_at_once(self, lives):
-        lives.look([OLD], 0)
-        assert not lives.clash([OLD], 0)
-        lives.look([OLD, NEW], SECOND)
-        assert lives.clash([OLD, NEW], SECOND)
+        lives.update([OLD], 0)
+        assert not lives.has_conflict([OLD], 0)
+        lives.update([OLD, NEW], SECOND)
+        assert lives.has_conflict([OLD, NEW], SECOND)
 
     def test_one_that_was_killed_and_its_successor_do_not(self, machine, lives):
-        lives.look([OLD], 0)
+        lives.update([OLD], 0)
         machine.end(1002)
-        lives.look([OLD, NEW], SECOND)
-        assert not lives.clash([OLD, NEW], SECOND)
-        assert not lives.clash([OLD, NEW], SECOND + 2 * LEASE)
+        lives.update([OLD, NEW], SECOND)
+        assert not lives.has_conflict([OLD, NEW], SECOND)
+        assert not lives.has_conflict([OLD, NEW], SECOND + 2 * MAX_LEASE)
 
     def test_one_elsewhere_that_comes_beside_one_that_runs_does(self, lives):
-        lives.look([OLD], 0)
-        lives.look([OLD, FAR], SECOND)
-        assert lives.clash([OLD, FAR], SECOND)
+        lives.update([OLD], 0)
+        lives.update([OLD, FAR], SECOND)
+        assert lives.has_conflict([OLD, FAR], SECOND)
 
     def test_one_that_comes_in_the_place_of_one_elsewhere_does_when_a_lease_is_over(self, lives):
-        lives.look([FAR], 0)
-        lives.look([FAR, NEW], SECOND)
-        assert not lives.clash([FAR, NEW], SECOND + LEASE - 1)
-        assert lives.clash([FAR, NEW], SECOND + LEASE)
+        lives.update([FAR], 0)
+        lives.update([FAR, NEW], SECOND)
+        assert not lives.has_conflict([FAR, NEW], SECOND + MAX_LEASE - 1)
+        assert lives.has_conflict([FAR, NEW], SECOND + MAX_LEASE)
 
     def test_a_third_one_makes_no_difference_to_two_that_run(self, lives):
-        lives.look([OLD, FAR], 0)
-        lives.look([OLD, FAR, NEW], SECOND)
-        assert lives.clash([OLD, FAR, NEW], SECOND)
+        lives.update([OLD, FAR], 0)
+        lives.update([OLD, FAR, NEW], SECOND)
+        assert lives.has_conflict([OLD, FAR, NEW], SECOND)
 
 
 SLEEPS = "import sys, time; print('ready', flush=True); sys.stdin.read()"
 
 
 def test_a_process_without_fast_dds_is_nobodys_participant():
-    processes = Processes()
-    processes.look(0)
+    processes = ProcessTable()
+    processes.update(0)
     assert processes.find(os.getpid() & 0xFFFF) is None or "rclpy" in sys.modules
 
 
 def test_a_process_that_was_killed_lives_no_more_although_nobody_has_waited_for_it():
-    processes = Processes()
+    processes = ProcessTable()
     lines = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
     with subprocess.Popen([sys.executable, "-c", SLEEPS], **lines) as process:
         process.stdout.readline()
-        found = processes.of(process.pid)
+        found = processes.process(process.pid)
         assert found
-        assert processes.lives(found)
-        assert processes.is_kin(process.pid)
-        assert not processes.lives((process.pid, found[1] + 1))
+        assert processes.is_running(found)
+        assert processes.is_related(process.pid)
+        assert not processes.is_running((process.pid, found[1] + 1))
         process.kill()
         os.waitid(os.P_PID, process.pid, os.WEXITED | os.WNOWAIT)
-        assert not processes.lives(found)
-    assert not processes.lives(found)
+        assert not processes.is_running(found)
+    assert not processes.is_running(found)
 
 
 def test_who_supervises_us_is_kin_whoever_started_it():
-    processes = Processes()
-    assert not processes.is_kin(1) or os.getppid() == 1
+    processes = ProcessTable()
+    assert not processes.is_related(1) or os.getppid() == 1
     processes.supervisor = lambda: 1
-    assert processes.is_kin(1)
+    assert processes.is_related(1)

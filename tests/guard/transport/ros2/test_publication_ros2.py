@@ -58,7 +58,7 @@ def test_a_stop_is_offered_as_a_successor_asks_for_it_and_not_as_a_tool_does(wor
     output = world.transport.advertise("/rtron/a", TOPIC, "std_msgs/String")
     output.learn(world.info())
     output.offer("one", QoS())
-    output.suit((DRIVER,))
+    output.match_subscribers((DRIVER,))
     made = output._writer
     world.listener(TOOL, TOPIC, latched=True)
     world.until(lambda: output.reaches(TOOL))

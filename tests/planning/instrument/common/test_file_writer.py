@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from rtron.errors import InputError
-from rtron.planning.instrument import Instrumented, write_instrumented
+from rtron.planning.instrument import GuardedLaunch, write_guarded_launch
 from rtron.planning.instrument.common.guard_files import guard_script
 
 
@@ -15,7 +15,7 @@ def guarded(folder, **more):
     launch, beside = folder / "out.launch", folder / "out.d"
     files = {beside / "guard": "#!/bin/sh\n", beside / "rtron.yaml": "plan", launch: "<launch/>"}
     more_files = {beside / name: text for name, text in more.items()}
-    return Instrumented(launch=launch, folder=beside, files=files | more_files)
+    return GuardedLaunch(launch=launch, folder=beside, files=files | more_files)
 
 
 def written(folder):
@@ -23,7 +23,7 @@ def written(folder):
 
 
 def test_every_file_is_written_and_only_the_script_can_be_run(tmp_path):
-    write_instrumented(guarded(tmp_path / "new" / "folder", sub="<launch>é</launch>"))
+    write_guarded_launch(guarded(tmp_path / "new" / "folder", sub="<launch>é</launch>"))
     folder = tmp_path / "new" / "folder"
     assert written(folder)["out.d/sub"] == "<launch>é</launch>"
     assert len(written(folder)) == 4
@@ -34,8 +34,8 @@ def test_every_file_is_written_and_only_the_script_can_be_run(tmp_path):
 
 
 def test_an_earlier_guarded_launch_is_replaced_as_a_whole(tmp_path):
-    write_instrumented(guarded(tmp_path, old="x"))
-    write_instrumented(guarded(tmp_path, new="y"))
+    write_guarded_launch(guarded(tmp_path, old="x"))
+    write_guarded_launch(guarded(tmp_path, new="y"))
     assert set(written(tmp_path)) == {"out.launch", "out.d/guard", "out.d/rtron.yaml", "out.d/new"}
 
 
@@ -45,12 +45,12 @@ def test_scripts_are_copied_and_the_rest_is_linked(tmp_path):
     beside.mkdir()
     overlay = tmp_path / "out.d" / "overlay"
     more = {"copies": {overlay / "a/node": original}, "links": {overlay / "b/beside": beside}}
-    write_instrumented(replace(guarded(tmp_path), **more))
-    write_instrumented(replace(guarded(tmp_path), **more))
+    write_guarded_launch(replace(guarded(tmp_path), **more))
+    write_guarded_launch(replace(guarded(tmp_path), **more))
     assert (overlay / "a/node").read_bytes() == original.read_bytes()
     assert os.access(overlay / "a/node", os.X_OK)
     assert (overlay / "b/beside").readlink() == beside
-    write_instrumented(guarded(tmp_path))
+    write_guarded_launch(guarded(tmp_path))
     assert beside.is_dir()
     assert not overlay.exists()
 
@@ -59,14 +59,14 @@ def test_a_folder_of_somebody_else_is_not_replaced(tmp_path):
     (tmp_path / "out.d").mkdir()
     (tmp_path / "out.d" / "mine").write_text("x")
     with pytest.raises(InputError, match="not RTron's"):
-        write_instrumented(guarded(tmp_path))
+        write_guarded_launch(guarded(tmp_path))
     assert written(tmp_path) == {"out.d/mine": "x"}
 
 
 def test_where_nothing_can_be_written_nothing_changes(tmp_path):
     (tmp_path / "file").write_text("x")
     with pytest.raises(InputError, match="cannot be written"):
-        write_instrumented(guarded(tmp_path / "file"))
+        write_guarded_launch(guarded(tmp_path / "file"))
     assert written(tmp_path) == {"file": "x"}
 
 

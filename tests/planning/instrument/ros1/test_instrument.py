@@ -381,7 +381,7 @@ def test_a_guarded_launch_is_not_guarded_again(tmp_path):
 def test_a_file_that_is_no_longer_what_it_was_is_an_error(tmp_path, text, message):
     path = tmp_path / "app.launch"
     path.write_text(text)
-    node = LaunchNode(name="/a", package="p", type="t", element=1)
+    node = LaunchNode(name="/a", package="p", type="t", element_index=1)
     tree = LaunchTree(root=LaunchFile(path=str(path), nodes=(node,)))
     with pytest.raises(InputError, match=message):
         instrument(tree, plan_of(grcn(T, ["/a"], [])), tmp_path / "out.launch", plan_text="")

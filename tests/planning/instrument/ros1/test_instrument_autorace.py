@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from rtron.planning.instrument import Started, instrument, write_instrumented
+from rtron.planning.instrument import RuntimeLaunchTree, instrument, write_guarded_launch
 from rtron.sources.launch.common.packages import find_packages
 from rtron.sources.static.ros1.app import scan_app
 
@@ -71,7 +71,7 @@ def app(folders, tmp_path_factory):
 @pytest.fixture(scope="module")
 def guarded(app, folders, tmp_path_factory):
     started = [
-        Started(tree=tree, by=file.by, evidence=(file.evidence,))
+        RuntimeLaunchTree(tree=tree, starter=file.started_by, evidence=(file.evidence,))
         for tree, file in zip(app.trees[1:], app.started, strict=True)
     ]
     result = instrument(
@@ -82,7 +82,7 @@ def guarded(app, folders, tmp_path_factory):
         started=started,
         packages=find_packages(folders, ENVIRON),
     )
-    write_instrumented(result)
+    write_guarded_launch(result)
     return result
 
 

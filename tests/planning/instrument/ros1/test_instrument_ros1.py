@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from rtron.planning.instrument import instrument, write_instrumented
+from rtron.planning.instrument import instrument, write_guarded_launch
 from rtron.sources.launch.ros1.reader import read_launch
 
 sys.path.append(str(Path(__file__).parents[1] / "ros1"))
@@ -92,7 +92,7 @@ def guard_and_load(ros, folder, case, plan):
     original, ours = both(ros, folder, case)
     out = folder / "guarded" / "app.launch"
     guarded = instrument(read_launch(*ours), plan, out, plan_text="plan", command=("sleep", "1000"))
-    write_instrumented(guarded)
+    write_guarded_launch(guarded)
     _, args, _, environ = ours
     return original, ros.load(out, args, environ), guarded
 
@@ -163,6 +163,6 @@ def test_a_launch_file_in_another_encoding_is_guarded_too(ros, tmp_path):
     path, out = tmp_path / "app.launch", tmp_path / "guarded.launch"
     path.write_bytes(text.encode("latin-1"))
     plan = plan_of(grcn("/a", ["/n"], []))
-    write_instrumented(instrument(read_launch(path, {}, {}, {}), plan, out, plan_text=""))
+    write_guarded_launch(instrument(read_launch(path, {}, {}, {}), plan, out, plan_text=""))
     assert_guarded(ros.load(path), ros.load(out), plan, ["/a"])
     assert "<!-- señal -->" in out.read_text()

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rtron.planning.instrument import instrument, write_instrumented
+from rtron.planning.instrument import instrument, write_guarded_launch
 from rtron.sources.launch.ros1.reader import read_launch
 
 sys.path.append(str(Path(__file__).parents[1] / "ros1"))
@@ -37,6 +37,6 @@ def test_any_guarded_launch_is_the_original_but_for_the_plans_remaps(ros, files,
         tree = read_launch(app, {}, {}, {})
         plan = data.draw(plans([node.name for node in tree.nodes()]))
         out = Path(folder, "elsewhere", "guarded.launch")
-        write_instrumented(instrument(tree, plan, out, plan_text="", command=COMMAND))
+        write_guarded_launch(instrument(tree, plan, out, plan_text="", command=COMMAND))
         original, guarded = ros.load(app), ros.load(out)
     assert_guarded(original, guarded, plan, TOPICS)

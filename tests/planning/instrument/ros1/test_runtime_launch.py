@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from rtron.errors import InputError
-from rtron.planning.instrument import Started, instrument, write_instrumented
+from rtron.planning.instrument import RuntimeLaunchTree, instrument, write_guarded_launch
 from rtron.planning.instrument.ros1 import mirror
 from rtron.planning.instrument.ros1.launch_prefix_script import starter_script
 from rtron.sources.launch.common.packages import find_packages
@@ -59,7 +59,7 @@ class App:
     def start(self, name, by="/start", program="ws/core/nodes/start", **args):
         tree = read_launch(self.folder / name, args, self.packages, {})
         place = Evidence(file=str(self.folder / program), line=1)
-        self.started.append(Started(tree=tree, by=by, evidence=(place,)))
+        self.started.append(RuntimeLaunchTree(tree=tree, starter=by, evidence=(place,)))
         return self
 
     @property
@@ -74,7 +74,7 @@ class App:
 
     def written(self, plan=PLAN):
         result = self.guard(plan)
-        write_instrumented(result)
+        write_guarded_launch(result)
         return result
 
     def lost(self):
@@ -88,7 +88,7 @@ def app(tmp_path):
 
 def targets(app, name):
     tree = read_launch(app.overlay / name, {}, app.packages, {})
-    return {node.name: [(r.written, r.target) for r in node.remaps] for node in tree.nodes()}
+    return {node.name: [(r.written_source, r.target) for r in node.remaps] for node in tree.nodes()}
 
 
 def test_a_started_launch_file_has_a_copy_with_remaps_and_the_rest_of_its_package(app):

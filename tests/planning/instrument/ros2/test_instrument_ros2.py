@@ -14,12 +14,12 @@ sys.path.append(str(Path(__file__).parent))
 from wrapped_launch import HEAD, launch, rules
 
 from rtron.errors import InputError
-from rtron.planning.instrument import write_instrumented
+from rtron.planning.instrument import write_guarded_launch
 from rtron.planning.instrument.ros2 import instrument_ros2
 from rtron.planning.instrument.ros2.arguments import arguments_text
 from rtron.planning.plan_file.loader import parse_plan
-from rtron.sources.launch.ros2.reader import read_launch2
-from rtron.vocabulary import LaunchChoice
+from rtron.sources.launch.ros2.reader import read_ros2_launch
+from rtron.vocabulary import LaunchInput
 
 PLAN = """\
 schema: rtron.plan/1
@@ -50,11 +50,11 @@ def guard(tmp_path):
     def guarded(text, kind="xml", *, topic="/cmd_vel", type="geometry_msgs/Twist", **arguments):
         app = tmp_path / f"app.launch.{kind}"
         app.write_text(text if kind != "xml" else f"<launch>{text}</launch>")
-        tree = read_launch2(app, arguments, {"WHERE": "nav"}, {"pkg": tmp_path})
+        tree = read_ros2_launch(app, arguments, {"WHERE": "nav"}, {"pkg": tmp_path})
         plan = PLAN.format(topic=topic, type=type)
         out = tmp_path / "out" / f"guarded.launch.{kind}"
         result = instrument_ros2(tree, parse_plan(plan), out, plan_text=plan, command=("g", "it's"))
-        write_instrumented(result)
+        write_guarded_launch(result)
         return result
 
     return guarded
@@ -63,11 +63,11 @@ def guard(tmp_path):
 def leads(path, tmp_path, **arguments):
     """Return where each node's names lead, the first rule for each."""
     found = {}
-    tree = read_launch2(path, arguments, {"WHERE": "nav"}, {"pkg": tmp_path})
+    tree = read_ros2_launch(path, arguments, {"WHERE": "nav"}, {"pkg": tmp_path})
     for node in tree.nodes():
         own = found.setdefault(node.name, {})
         for remap in node.remaps:
-            own.setdefault(remap.declared, remap.target)
+            own.setdefault(remap.source, remap.target)
     return found
 
 
@@ -400,25 +400,25 @@ def test_hostile_files_are_refused_with_their_place(tmp_path, kind, text, why):
     app = tmp_path / f"app.launch.{kind}"
     app.write_bytes(text)
     with pytest.raises(InputError, match=why) as caught:
-        read_launch2(app, {}, {}, {})
+        read_ros2_launch(app, {}, {}, {})
     assert str(app) in str(caught.value)
 
 
 def test_a_file_that_includes_itself_ends(tmp_path):
     app = tmp_path / "app.launch.xml"
     app.write_text('<launch><include file="$(filename)"/></launch>')
-    tree = read_launch2(app, {}, {}, {})
+    tree = read_ros2_launch(app, {}, {}, {})
     assert any("include each other" in one.why for one in tree.unresolved)
     app.write_text('<launch><include file="$(filename)"/><include file="$(filename)"/></launch>')
     with pytest.raises(InputError, match="includes itself"):
-        read_launch2(app, {}, {}, {})
+        read_ros2_launch(app, {}, {}, {})
 
 
 def test_a_missing_argument_is_named(tmp_path):
     app = tmp_path / "app.launch.xml"
     app.write_text('<launch><arg name="map"/></launch>')
     with pytest.raises(InputError) as caught:
-        read_launch2(app, {}, {}, {})
+        read_ros2_launch(app, {}, {}, {})
     assert caught.value.help == "add map:=…"
 
 
@@ -427,7 +427,7 @@ def test_what_cannot_be_the_output(tmp_path, out):
     app = tmp_path / "app.launch.xml"
     app.write_text(f"<launch>{BASE}</launch>")
     plan = PLAN.format(topic="/cmd_vel", type="geometry_msgs/Twist")
-    tree = read_launch2(app, {}, {}, {})
+    tree = read_ros2_launch(app, {}, {}, {})
     with pytest.raises(InputError):
         instrument_ros2(tree, parse_plan(plan), tmp_path / out, plan_text=plan)
 
@@ -435,7 +435,7 @@ def test_what_cannot_be_the_output(tmp_path, out):
 @pytest.mark.parametrize(("kind", "text"), [("xml", TELEOP), ("py", HEAD), ("yaml", YAML)])
 def test_a_guarded_launch_is_not_guarded_again(guard, tmp_path, kind, text):
     result = guard(text, kind)
-    tree = read_launch2(result.launch, {}, {}, {})
+    tree = read_ros2_launch(result.launch, {}, {}, {})
     plan = PLAN.format(topic="/cmd_vel", type="geometry_msgs/Twist")
     with pytest.raises(InputError, match="guard already"):
         instrument_ros2(tree, parse_plan(plan), tmp_path / f"g2.launch.{kind}", plan_text=plan)
@@ -468,7 +468,7 @@ def test_what_stands_in_a_value_stays_a_text():
     odd = {"a": "__ENVIRONMENT__", "b": "__ARGUMENTS__", "c": "'\"\\\n"}
     environ = {"+exit()+": "__ARGUMENTS__"}
     choices = [
-        LaunchChoice(name=name, values=(value,), environment=told is environ)
+        LaunchInput(name=name, values=(value,), environment=told is environ)
         for told in (odd, environ)
         for name, value in told.items()
     ]
@@ -506,6 +506,6 @@ def test_a_folder_whose_name_a_launch_file_cannot_say(tmp_path, kind, folder):
     }
     app.write_text(text[kind])
     plan = PLAN.format(topic="/cmd_vel", type="geometry_msgs/Twist")
-    tree = read_launch2(app, {}, {}, {})
+    tree = read_ros2_launch(app, {}, {}, {})
     with pytest.raises(InputError, match="cannot stand in a launch file"):
         instrument_ros2(tree, parse_plan(plan), tmp_path / f"g.launch.{kind}", plan_text=plan)

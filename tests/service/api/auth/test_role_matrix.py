@@ -4,11 +4,11 @@ import re
 
 import httpx
 import pytest
-from service_app import Clock, People, served
+from service_app import AccountFactory, ManualClock, serve_in_thread
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
-from rtron.service.config import Config
+from rtron.service.config import ServiceConfig
 from rtron.service.server.app import create_app
 
 ROLES = ("admin", "developer", "end_user")
@@ -68,17 +68,17 @@ NOT_IN_THE_API = {"/openapi.json", "/", "/console/{version}/{name:path}"}
 
 @pytest.fixture(scope="module")
 def site(tmp_path_factory):
-    config = Config(database=tmp_path_factory.mktemp("matrix") / "rtron.db")
-    app = create_app(config, Clock())
-    with served(app) as port, httpx.Client(base_url=f"http://127.0.0.1:{port}") as client:
-        yield client, People(app.state.service), app
+    config = ServiceConfig(database=tmp_path_factory.mktemp("matrix") / "rtron.db")
+    app = create_app(config, ManualClock())
+    with serve_in_thread(app) as port, httpx.Client(base_url=f"http://127.0.0.1:{port}") as client:
+        yield client, AccountFactory(app.state.service), app
 
 
 @pytest.fixture(scope="module")
 def tokens(site):
     people = site[1]
     robots = {"guard": "car1"}
-    return {scope: people.token(scope, scope, robot=robots.get(scope)) for scope in SCOPES}
+    return {scope: people.token_headers(scope, scope, robot=robots.get(scope)) for scope in SCOPES}
 
 
 @pytest.fixture
@@ -89,7 +89,7 @@ def headers(site, tokens):
         kind, _, word = who.partition(" ")
         if kind == "nobody":
             return {}
-        return tokens[word] if kind == "token" else site[1].session(f"the-{word}", word)
+        return tokens[word] if kind == "token" else site[1].session_headers(f"the-{word}", word)
 
     return of
 

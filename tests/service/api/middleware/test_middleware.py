@@ -6,18 +6,18 @@ import time
 
 import pytest
 from harness import wait_for
-from service_app import People, served
+from service_app import AccountFactory, serve_in_thread
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
 from rtron.service.api.middleware import request_body
-from rtron.service.api.middleware.hosts import host_name
-from rtron.service.api.middleware.nesting import DEEPEST, is_too_deep
-from rtron.service.api.middleware.request_body import MOST, MOST_OF_GRAPH
-from rtron.service.config import Config
+from rtron.service.api.middleware.hosts import parse_host_name
+from rtron.service.api.middleware.nesting import MAX_DEPTH, is_too_deep
+from rtron.service.api.middleware.request_body import MAX_BODY_BYTES, MAX_GRAPH_BYTES
+from rtron.service.config import ServiceConfig
 from rtron.service.server.app import create_app
-from rtron.service.server.connection_limit import MOST as MOST_OF_ONE
-from rtron.service.server.connection_limit import MOST_NEAR, Crowd
+from rtron.service.server.connection_limit import MAX_PER_ADDRESS as MOST_OF_ONE
+from rtron.service.server.connection_limit import MAX_PER_TRUSTED_ADDRESS, ConnectionLimit
 
 HEADERS = {
     "content-security-policy",
@@ -32,23 +32,23 @@ HEADERS = {
 
 @pytest.fixture(scope="module")
 def app(tmp_path_factory):
-    return create_app(Config(database=tmp_path_factory.mktemp("gates") / "rtron.db"))
+    return create_app(ServiceConfig(database=tmp_path_factory.mktemp("gates") / "rtron.db"))
 
 
 @pytest.fixture(scope="module")
 def port(app):
-    with served(app) as port:
+    with serve_in_thread(app) as port:
         yield port
 
 
 @pytest.fixture(scope="module")
 def people(app):
-    return People(app.state.service)
+    return AccountFactory(app.state.service)
 
 
 @pytest.fixture
 def own_app(tmp_path):
-    return create_app(Config(database=tmp_path / "rtron.db"))
+    return create_app(ServiceConfig(database=tmp_path / "rtron.db"))
 
 
 @pytest.fixture
@@ -110,7 +110,7 @@ def test_a_request_without_a_host_and_with_two(raw):
 
 
 def test_a_socket_needs_a_known_host_too(port, people):
-    headers = people.token("t", "read")
+    headers = people.token_headers("t", "read")
     with (
         socket.create_connection(("127.0.0.1", port)) as sock,
         pytest.raises(InvalidStatus) as refused,
@@ -121,8 +121,8 @@ def test_a_socket_needs_a_known_host_too(port, people):
 
 
 def test_more_names_can_be_allowed(tmp_path):
-    config = Config(database=tmp_path / "r.db", allowed_hosts=("Robots.example",))
-    with served(create_app(config)) as port:
+    config = ServiceConfig(database=tmp_path / "r.db", allowed_hosts=("Robots.example",))
+    with serve_in_thread(create_app(config)) as port:
         connection = http.client.HTTPConnection("127.0.0.1", port)
         for host, status in (("robots.example:1", 200), ("robots.example.org", 421)):
             connection.request("GET", "/healthz", headers={"Host": host})
@@ -146,7 +146,7 @@ def test_more_names_can_be_allowed(tmp_path):
     ],
 )
 def test_the_name_in_a_host_header(host, name):
-    assert host_name(host) == name
+    assert parse_host_name(host) == name
 
 
 # origins
@@ -192,7 +192,7 @@ def test_a_login_from_another_page_is_refused(client):
 
 @pytest.mark.parametrize("origin", ["http://evil.example", "null", "http://127.0.0.1:1", None])
 def test_a_socket_from_another_page_is_refused(port, people, origin):
-    headers = people.session("mary", "end_user")
+    headers = people.session_headers("mary", "end_user")
     given = {"origin": origin, "additional_headers": headers, "proxy": None}
     url = f"ws://127.0.0.1:{port}/api/v1/live"
     with pytest.raises(InvalidStatus) as refused, connect(url, **given):
@@ -207,10 +207,12 @@ def put(path="/api/v1/users"):
     return f"POST {path} HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n".encode()
 
 
-@pytest.mark.parametrize(("length", "status"), [(MOST, 422), (MOST + 1, 413), (1 << 40, 413)])
+@pytest.mark.parametrize(
+    ("length", "status"), [(MAX_BODY_BYTES, 422), (MAX_BODY_BYTES + 1, 413), (1 << 40, 413)]
+)
 def test_a_body_is_bounded_by_what_it_says(raw, length, status):
     head = put() + f"Content-Length: {length}\r\n\r\n".encode()
-    answer = raw(head, b"0" * min(length, MOST) if status == 422 else b"")
+    answer = raw(head, b"0" * min(length, MAX_BODY_BYTES) if status == 422 else b"")
     assert answer[0] == status
     if status == 413:
         assert json.loads(answer[2])["error"] == "more than 1 MiB"
@@ -218,7 +220,7 @@ def test_a_body_is_bounded_by_what_it_says(raw, length, status):
 
 @pytest.mark.parametrize(("more", "status"), [(0, 422), (1, 413)])
 def test_a_body_in_chunks_is_bounded_by_what_comes(raw, more, status):
-    chunks = [chunk(b"0" * (MOST // 16))] * 16
+    chunks = [chunk(b"0" * (MAX_BODY_BYTES // 16))] * 16
     head = put() + b"Transfer-Encoding: chunked\r\n\r\n"
     tail = (chunk(b"0") if more else b"") + b"0\r\n\r\n"
     assert raw(head, *chunks, tail)[0] == status
@@ -229,59 +231,64 @@ def test_a_body_without_end_is_refused_while_it_comes(port):
         sock.sendall(put() + b"Transfer-Encoding: chunked\r\n\r\n")
         sent = 0
         try:
-            while sent < 64 * MOST:
+            while sent < 64 * MAX_BODY_BYTES:
                 sock.sendall(chunk(b"0" * 65536))
                 sent += 65536
         except OSError:
             pass
-        assert sent < 64 * MOST
+        assert sent < 64 * MAX_BODY_BYTES
 
 
 def test_a_graph_may_be_larger(client, raw, people):
     """Who sends too much whole may find the connection closed before the answer has come."""
-    token = people.token("dev", "developer")
+    token = people.token_headers("dev", "developer")
     headers = token | {"Content-Type": "application/json"}
     path = "/api/v1/robots/car1/graph"
-    spaces = b"{}" + b" " * (MOST_OF_GRAPH - 2)
+    spaces = b"{}" + b" " * (MAX_GRAPH_BYTES - 2)
     assert client.put(path, content=spaces, headers=headers).status_code not in {413, 500}
     lines = "".join(f"{name}: {value}\r\n" for name, value in headers.items())
     for method, where, length in (
-        ("PUT", path, MOST_OF_GRAPH + 1),
-        ("POST", path, MOST_OF_GRAPH),
-        ("PUT", f"{path}/x", MOST_OF_GRAPH),
+        ("PUT", path, MAX_GRAPH_BYTES + 1),
+        ("POST", path, MAX_GRAPH_BYTES),
+        ("PUT", f"{path}/x", MAX_GRAPH_BYTES),
     ):
         head = f"{method} {where} HTTP/1.1\r\nHost: localhost\r\n{lines}"
         assert raw(f"{head}Content-Length: {length}\r\n\r\n".encode())[0] == 413
 
 
 def test_a_body_that_does_not_come_is_not_waited_for(own_app):
-    gate = next(each for each in own_app.user_middleware if each.cls is request_body.Bodies)
+    gate = next(
+        each for each in own_app.user_middleware if each.cls is request_body.RequestBodyLimit
+    )
     gate.kwargs["patience"] = 0.2
-    with served(own_app) as port, socket.create_connection(("127.0.0.1", port), timeout=30) as sock:
+    with (
+        serve_in_thread(own_app) as port,
+        socket.create_connection(("127.0.0.1", port), timeout=30) as sock,
+    ):
         sock.sendall(put() + b"Content-Length: 10\r\n\r\n12345")
         assert http_answer(sock)[0] == 408
 
 
 @pytest.mark.parametrize(
-    "headers", [{"Content-Length": MOST + 1}, {"Transfer-Encoding": "chunked"}]
+    "headers", [{"Content-Length": MAX_BODY_BYTES + 1}, {"Transfer-Encoding": "chunked"}]
 )
 @pytest.mark.parametrize(("role", "status"), [("", 401), ("end_user", 403), ("read", 403)])
 def test_a_large_body_is_not_read_from_who_may_not_upload(port, people, headers, role, status):
-    given = {"Host": "localhost", **(people.token("t", role) if role else {}), **headers}
+    given = {"Host": "localhost", **(people.token_headers("t", role) if role else {}), **headers}
     head = "".join(f"{name}: {value}\r\n" for name, value in given.items())
     with socket.create_connection(("127.0.0.1", port), timeout=30) as sock:
         sock.sendall(b"PUT /api/v1/robots/x/graph HTTP/1.1\r\n" + head.encode() + b"\r\n")
         if "Transfer-Encoding" in headers:
-            sock.sendall(chunk(b" " * (MOST + 1)))
+            sock.sendall(chunk(b" " * (MAX_BODY_BYTES + 1)))
         assert http_answer(sock)[0] == status
 
 
 def test_one_large_body_is_read_at_a_time(port, people):
-    token = people.token("dev", "developer")["Authorization"]
+    token = people.token_headers("dev", "developer")["Authorization"]
     head = (
         b"PUT /api/v1/robots/x/graph HTTP/1.1\r\nHost: localhost\r\n"
         b"Authorization: " + token.encode() + b"\r\n"
-        b"Content-Length: " + str(MOST_OF_GRAPH).encode() + b"\r\n\r\n"
+        b"Content-Length: " + str(MAX_GRAPH_BYTES).encode() + b"\r\n\r\n"
     )
     socks = [socket.create_connection(("127.0.0.1", port), timeout=30) for _ in range(2)]
     for sock in socks:
@@ -305,13 +312,13 @@ def _has_answer(sock):
 @pytest.mark.parametrize(
     ("document", "deep"),
     [
-        (b"[" * DEEPEST + b"]" * DEEPEST, False),
-        (b"[" * (DEEPEST + 1) + b"]" * (DEEPEST + 1), True),
-        (b'{"a":' * (DEEPEST + 1), True),
+        (b"[" * MAX_DEPTH + b"]" * MAX_DEPTH, False),
+        (b"[" * (MAX_DEPTH + 1) + b"]" * (MAX_DEPTH + 1), True),
+        (b'{"a":' * (MAX_DEPTH + 1), True),
         (b'"' + b"[" * 100 + b'"', False),
         (b'"\\"' + b"[" * 100 + b'"', False),
         (b'"\\\\"' + b"[" * 100, True),
-        (b'["' + b"]" * 50 + b'"' + b"[" * DEEPEST, True),
+        (b'["' + b"]" * 50 + b'"' + b"[" * MAX_DEPTH, True),
         (b"[]" * 1000, False),
         (b'"' + b"[" * 100, False),
         (b'"\\', False),
@@ -329,14 +336,19 @@ def test_nesting(document, deep):
 
 def test_nesting_takes_linear_time():
     began = time.process_time()
-    for document in (b'"\\"' * 350_000, b'"' + b'\\"' * 500_000, b"[" * MOST, b'"\\' * 500_000):
+    for document in (
+        b'"\\"' * 350_000,
+        b'"' + b'\\"' * 500_000,
+        b"[" * MAX_BODY_BYTES,
+        b'"\\' * 500_000,
+    ):
         is_too_deep(document)
     assert time.process_time() - began < 5
 
 
 def test_nesting_lets_other_threads_go_on():
     """The longest pause of another thread is short beside the whole, and beside a second."""
-    document = b'"",' * (MOST_OF_GRAPH // 3) + b"[]" * DEEPEST
+    document = b'"",' * (MAX_GRAPH_BYTES // 3) + b"[]" * MAX_DEPTH
     pauses, is_over = [0.0], threading.Event()
 
     def tick():
@@ -450,7 +462,7 @@ def test_no_page_loads_anything_from_elsewhere(client):
     ],
 )
 def test_no_path_leads_out(raw, people, path):
-    token = people.token("t", "admin")["Authorization"]
+    token = people.token_headers("t", "admin")["Authorization"]
     head = f"GET {path} HTTP/1.1\r\nHost: localhost\r\nAuthorization: {token}\r\n\r\n"
     status, _, body = raw(head.encode())
     assert status in {400, 404, 422}
@@ -461,7 +473,7 @@ def test_no_path_leads_out(raw, people, path):
     "name", ["x%0d%0aSet-Cookie:%20a=b", "x%0aX-Evil:1", "%0d%0a%0d%0a<script>"]
 )
 def test_no_header_is_injected(client, people, name):
-    headers = people.token("t", "admin")
+    headers = people.token_headers("t", "admin")
     for answer in (
         client.get(f"/api/v1/robots/{name}", headers=headers),
         client.delete(f"/api/v1/users/{name}", headers=headers),
@@ -482,8 +494,8 @@ def test_a_long_head_is_refused(raw):
 
 
 def test_a_head_that_does_not_come_ends_the_connection(own_app, monkeypatch):
-    monkeypatch.setattr("rtron.service.server.http._PATIENCE_S", 0.2)
-    with served(own_app) as port:
+    monkeypatch.setattr("rtron.service.server.http._HEAD_TIMEOUT_S", 0.2)
+    with serve_in_thread(own_app) as port:
         for said in (b"", b"GET / HTTP/1.1\r\nHost: loc"):
             with socket.create_connection(("127.0.0.1", port), timeout=30) as sock:
                 sock.sendall(said)
@@ -499,11 +511,11 @@ def test_a_head_that_does_not_come_ends_the_connection(own_app, monkeypatch):
 @pytest.mark.parametrize("method", ["GET", "POST"])
 def test_a_body_that_does_not_come_ends_the_connection(own_app, monkeypatch, method):
     """Also where it drips, and where the answer is there already."""
-    monkeypatch.setattr("rtron.service.server.http._BODY_S", 0.5)
-    monkeypatch.setattr("rtron.service.server.http._IDLE_S", 60)
+    monkeypatch.setattr("rtron.service.server.http._BODY_TIMEOUT_S", 0.5)
+    monkeypatch.setattr("rtron.service.server.http._KEEP_ALIVE_S", 60)
     head = f"{method} /healthz HTTP/1.1\r\nHost: localhost\r\nContent-Length: 100000\r\n\r\n"
     with (
-        served(own_app) as port,
+        serve_in_thread(own_app) as port,
         socket.create_connection(("127.0.0.1", port), timeout=30) as sock,
     ):
         sock.sendall(head.encode())
@@ -523,8 +535,11 @@ def _has_ended(sock):
 
 
 def test_an_idle_connection_ends(own_app, monkeypatch):
-    monkeypatch.setattr("rtron.service.server.http._IDLE_S", 0.2)
-    with served(own_app) as port, socket.create_connection(("127.0.0.1", port), timeout=30) as sock:
+    monkeypatch.setattr("rtron.service.server.http._KEEP_ALIVE_S", 0.2)
+    with (
+        serve_in_thread(own_app) as port,
+        socket.create_connection(("127.0.0.1", port), timeout=30) as sock,
+    ):
         sock.sendall(b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n")
         assert http_answer(sock)[0] == 200
         sock.settimeout(4)
@@ -532,8 +547,8 @@ def test_an_idle_connection_ends(own_app, monkeypatch):
 
 
 def test_no_address_has_all_connections(own_app, monkeypatch, people):
-    monkeypatch.setattr("rtron.service.server.connection_limit.MOST_NEAR", 3)
-    with served(own_app) as port:
+    monkeypatch.setattr("rtron.service.server.connection_limit.MAX_PER_TRUSTED_ADDRESS", 3)
+    with serve_in_thread(own_app) as port:
         place = ("127.0.0.1", port)
         socks = [socket.create_connection(place, timeout=30) for _ in range(3)]
         with socket.create_connection(place, timeout=30) as sock:
@@ -562,9 +577,9 @@ def _is_served(place):
 
 def test_websockets_are_not_of_the_crowd(own_app, monkeypatch):
     """Many guards may be behind one address; their tokens bound them."""
-    monkeypatch.setattr("rtron.service.server.connection_limit.MOST_NEAR", 1)
-    headers = People(own_app.state.service).token("t", "read")
-    with served(own_app) as port:
+    monkeypatch.setattr("rtron.service.server.connection_limit.MAX_PER_TRUSTED_ADDRESS", 1)
+    headers = AccountFactory(own_app.state.service).token_headers("t", "read")
+    with serve_in_thread(own_app) as port:
         options = {"additional_headers": headers, "proxy": None}
         url = f"ws://127.0.0.1:{port}/api/v1/live"
         with connect(url, **options), connect(url, **options):
@@ -574,26 +589,26 @@ def test_websockets_are_not_of_the_crowd(own_app, monkeypatch):
 @pytest.mark.parametrize(
     ("address", "most"),
     [
-        ("127.0.0.1", MOST_NEAR),
-        ("::1", MOST_NEAR),
-        ("::ffff:127.0.0.1", MOST_NEAR),
-        ("10.1.2.3", MOST_NEAR),
-        ("", MOST_NEAR),
+        ("127.0.0.1", MAX_PER_TRUSTED_ADDRESS),
+        ("::1", MAX_PER_TRUSTED_ADDRESS),
+        ("::ffff:127.0.0.1", MAX_PER_TRUSTED_ADDRESS),
+        ("10.1.2.3", MAX_PER_TRUSTED_ADDRESS),
+        ("", MAX_PER_TRUSTED_ADDRESS),
         ("192.168.1.1", MOST_OF_ONE),
         ("2001:db8::1", MOST_OF_ONE),
     ],
 )
 def test_how_many_connections_an_address_may_have(address, most):
-    crowd = Crowd(("10.0.0.0/8",))
-    assert all(crowd.enter(address) for _ in range(most))
-    assert not crowd.enter(address)
-    crowd.leave(address)
-    assert crowd.enter(address)
-    assert crowd.enter("203.0.113.1")
+    crowd = ConnectionLimit(("10.0.0.0/8",))
+    assert all(crowd.acquire(address) for _ in range(most))
+    assert not crowd.acquire(address)
+    crowd.release(address)
+    assert crowd.acquire(address)
+    assert crowd.acquire("203.0.113.1")
 
 
 def test_neighbours_of_ipv6_are_one():
-    crowd = Crowd(())
-    assert all(crowd.enter(f"2001:db8::{number:x}") for number in range(MOST_OF_ONE))
-    assert not crowd.enter("2001:db8::ffff")
-    assert crowd.enter("2001:db8:0:1::1")
+    crowd = ConnectionLimit(())
+    assert all(crowd.acquire(f"2001:db8::{number:x}") for number in range(MOST_OF_ONE))
+    assert not crowd.acquire("2001:db8::ffff")
+    assert crowd.acquire("2001:db8:0:1::1")

@@ -3,10 +3,10 @@ from threading import Thread
 
 import httpx
 import pytest
-from service_app import PASSWORD, People, served
+from service_app import PASSWORD, AccountFactory, serve_in_thread
 from sqlalchemy import create_engine, text
 
-from rtron.service.config import Config
+from rtron.service.config import ServiceConfig
 from rtron.service.server.app import create_app
 
 DAY = 86_400
@@ -81,18 +81,18 @@ def test_the_last_admin_stays(client, admin, people, audit, method, change):
 
     assert attempt(admin) == 409
     assert audit()[0][3].startswith("refused: root is the last admin")
-    sleeping = people.session("second", "admin")
+    sleeping = people.session_headers("second", "admin")
     client.patch(f"{USERS}/second", json={"disabled": True}, headers=admin)
     assert attempt(admin) == 409
     assert me(client, sleeping) == 401
     client.patch(f"{USERS}/second", json={"disabled": False}, headers=admin)
-    assert attempt(people.session("second")) in {200, 204}
+    assert attempt(people.session_headers("second")) in {200, 204}
 
 
 def test_two_admins_cannot_remove_each_other_at_once(client, people, port):
     for _ in range(5):
         names = ("one", "two")
-        headers = [people.session(name, "admin") for name in names]
+        headers = [people.session_headers(name, "admin") for name in names]
         statuses = []
 
         def remove(name, given, statuses=statuses):
@@ -105,10 +105,10 @@ def test_two_admins_cannot_remove_each_other_at_once(client, people, port):
         for thread in threads:
             thread.join()
         assert sorted(statuses) in ([204, 401], [204, 409])
-        (left,) = client.get(USERS, headers=people.token("t", "admin")).json()
+        (left,) = client.get(USERS, headers=people.token_headers("t", "admin")).json()
         for name in names:
             if name != left["name"]:
-                people.session(name, "admin")
+                people.session_headers(name, "admin")
 
 
 def test_of_two_who_add_the_same_user_at_once_one_is_told_so(client, admin):
@@ -126,8 +126,8 @@ def test_of_two_who_add_the_same_user_at_once_one_is_told_so(client, admin):
 
 
 def test_an_admins_new_password_for_a_user_ends_the_sessions(client, admin, people):
-    people.user("mary", "developer")
-    browser = people.session("mary")
+    people.add_user("mary", "developer")
+    browser = people.session_headers("mary")
     change = {"password": "another fine password"}
     assert client.patch(f"{USERS}/mary", json=change, headers=admin).status_code == 200
     assert me(client, browser) == 401
@@ -136,7 +136,10 @@ def test_an_admins_new_password_for_a_user_ends_the_sessions(client, admin, peop
 
 
 def test_nobody_changes_the_own_roles(client, people):
-    for headers in (people.session("dev", "developer"), people.token("dev", "developer")):
+    for headers in (
+        people.session_headers("dev", "developer"),
+        people.token_headers("dev", "developer"),
+    ):
         change = {"roles": ["admin"]}
         assert client.patch(f"{USERS}/dev", json=change, headers=headers).status_code == 403
 
@@ -214,8 +217,8 @@ def test_the_last_use_is_noted_once_a_minute(client, admin, clock):
 
 def test_a_guards_token_speaks_for_its_robot_alone(app, client, people):
     authenticate = app.state.collector.authenticate
-    guard = people.token("guard", "guard", robot="car1")["Authorization"].split()[1]
-    other = people.token("other", "admin")["Authorization"].split()[1]
+    guard = people.token_headers("guard", "guard", robot="car1")["Authorization"].split()[1]
+    other = people.token_headers("other", "admin")["Authorization"].split()[1]
     assert authenticate(guard) == "car1"
     assert authenticate(other) is None
     assert authenticate(guard + "x") is None
@@ -241,7 +244,7 @@ def test_every_change_is_written_down_and_no_secret(client, admin, audit, caplog
     client.delete(f"{USERS}/mary", headers=admin)
     client.post("/api/v1/login", json={"name": "root", "password": secrets[1]})
     client.get(f"/api/v1/events?text={secrets[4]}", headers=admin)
-    dev = people.session("dev", "developer")
+    dev = people.session_headers("dev", "developer")
     client.post(USERS, json=NEW, headers=dev)
     said = "".join(each.getMessage() for each in caplog.records if "http" not in each.name)
     log = client.get("/api/v1/audit", headers=admin)
@@ -279,7 +282,7 @@ def test_the_audit_log_has_pages_and_is_sifted(client, admin):
 
 
 def test_metrics_are_what_prometheus_reads(app, client, people):
-    headers = people.token("prometheus", "metrics")
+    headers = people.token_headers("prometheus", "metrics")
     client.post("/api/v1/login", json={"name": "x", "password": "y"})
     answer = client.get("/metrics", headers=headers)
     assert answer.headers["content-type"].startswith("text/plain; version=")
@@ -313,12 +316,12 @@ def test_a_database_that_fails_is_told_without_what_was_to_be_stored(
 
 
 def test_all_of_it_works_on_each_kind_of_database(where, clock):
-    app = create_app(Config(database=where), clock)
-    people = People(app.state.service)
-    admin = people.session("root", "admin", "developer")
-    people.user("mary", "end_user")
+    app = create_app(ServiceConfig(database=where), clock)
+    people = AccountFactory(app.state.service)
+    admin = people.session_headers("root", "admin", "developer")
+    people.add_user("mary", "end_user")
     with (
-        served(app) as port,
+        serve_in_thread(app) as port,
         httpx.Client(base_url=f"http://127.0.0.1:{port}", timeout=30) as client,
     ):
         login = {"name": "mary", "password": PASSWORD}

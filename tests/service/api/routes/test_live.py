@@ -8,7 +8,7 @@ from websockets.sync.client import connect
 
 from rtron.service.api.routes import live
 from rtron.service.store.accounts.tokens import revoke_token
-from rtron.service.store.accounts.users import set_disabled, the_user
+from rtron.service.store.accounts.users import get_user, set_disabled
 
 MOVE = {"type": "connection", "robot": "car1", "connected": True}
 
@@ -25,11 +25,11 @@ def listening(port, app):
     return opened
 
 
-def until_listened(app):
+def wait_for_listener(app):
     wait_for(lambda: len(app.state.sockets) == 1 and len(app.state.service.hub._listeners) == 2)
 
 
-def ended(socket):
+def close_code(socket):
     """Return the code that a socket is closed with."""
     with pytest.raises(ConnectionClosed) as closed:
         drain(socket)
@@ -42,8 +42,8 @@ def drain(socket):
 
 
 def test_what_is_live_is_told(app, people, listening):
-    with listening(people.session("mary", "end_user")) as socket:
-        until_listened(app)
+    with listening(people.session_headers("mary", "end_user")) as socket:
+        wait_for_listener(app)
         app.state.service.hub.tell(MOVE)
         assert json.loads(socket.recv(timeout=20)) == MOVE
     wait_for(lambda: not app.state.sockets)
@@ -51,36 +51,36 @@ def test_what_is_live_is_told(app, people, listening):
 
 
 def test_it_ends_with_the_session(app, client, people, listening):
-    headers = people.session("mary", "end_user")
+    headers = people.session_headers("mary", "end_user")
     with listening(headers) as socket:
-        until_listened(app)
+        wait_for_listener(app)
         assert client.post("/api/v1/logout", headers=headers).status_code == 204
-        assert ended(socket) == 1008
+        assert close_code(socket) == 1008
 
 
 def test_it_ends_when_the_user_is_disabled(app, admin, people, listening):
-    with listening(people.session("mary", "end_user")) as socket:
+    with listening(people.session_headers("mary", "end_user")) as socket:
         with app.state.service.database.session() as session:
-            set_disabled(session, the_user(session, "mary"), disabled=True)
-        assert ended(socket) == 1008
+            set_disabled(session, get_user(session, "mary"), disabled=True)
+        assert close_code(socket) == 1008
 
 
 def test_it_ends_when_the_session_is_too_old(app, clock, people, listening):
-    with listening(people.session("mary", "end_user")) as socket:
+    with listening(people.session_headers("mary", "end_user")) as socket:
         clock.sleep(13 * 3600)
-        assert ended(socket) == 1008
+        assert close_code(socket) == 1008
 
 
 def test_it_ends_with_the_token(app, clock, people, listening):
-    with listening(people.token("t", "read")) as socket:
+    with listening(people.token_headers("t", "read")) as socket:
         with app.state.service.database.session() as session:
             revoke_token(session, clock(), "t.0")
-        assert ended(socket) == 1008
+        assert close_code(socket) == 1008
 
 
 def test_a_console_that_talks_is_not_listened_to(app, people, listening):
-    with listening(people.session("mary", "end_user")) as socket:
-        until_listened(app)
+    with listening(people.session_headers("mary", "end_user")) as socket:
+        wait_for_listener(app)
         socket.send("x" * 1000)
         socket.send(b"\xff")
         app.state.service.hub.tell(MOVE)
@@ -89,7 +89,7 @@ def test_a_console_that_talks_is_not_listened_to(app, people, listening):
 
 def test_there_are_not_too_many(app, monkeypatch, people, listening):
     monkeypatch.setattr(live, "_MOST", 1)
-    headers = people.session("mary", "end_user")
+    headers = people.session_headers("mary", "end_user")
     with listening(headers), pytest.raises(InvalidStatus, match="403"), listening(headers):
         pass
     wait_for(lambda: not app.state.sockets)
@@ -99,11 +99,11 @@ def test_there_are_not_too_many(app, monkeypatch, people, listening):
 
 def test_an_open_console_is_no_use_of_the_session(app, clock, monkeypatch, people, listening):
     monkeypatch.setattr(live, "_LOOK_S", 0.01)
-    headers = people.session("mary", "end_user")
+    headers = people.session_headers("mary", "end_user")
     with listening(headers) as socket:
-        until_listened(app)
+        wait_for_listener(app)
         for _ in range(6):
             clock.sleep(0.4 * 3600)
             app.state.service.hub.tell(MOVE)
             time.sleep(0.1)
-        assert ended(socket) == 1008
+        assert close_code(socket) == 1008

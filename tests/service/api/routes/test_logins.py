@@ -3,16 +3,16 @@ from threading import BoundedSemaphore
 import pytest
 from service_app import PASSWORD
 
-from rtron.service.domain.login_throttle import ADDRESS
+from rtron.service.domain.login_throttle import ADDRESS_BACKOFF
 from rtron.service.store.accounts import passwords
-from rtron.service.store.accounts.users import remove_user, set_disabled, set_roles, the_user
+from rtron.service.store.accounts.users import get_user, remove_user, set_disabled, set_roles
 
 HOUR = 3600
 
 
 @pytest.fixture
 def mary(people):
-    return people.user("mary", "developer")
+    return people.add_user("mary", "developer")
 
 
 @pytest.fixture
@@ -84,7 +84,7 @@ def test_wrong_logins_are_all_alike(mary, login, name, password):
 
 
 def test_brute_force_has_to_wait_longer_and_longer(mary, login, clock):
-    for _ in range(ADDRESS.free):
+    for _ in range(ADDRESS_BACKOFF.free_failures):
         assert login(password="guess").status_code == 401
     waits = []
     for _ in range(4):
@@ -159,14 +159,16 @@ def test_the_old_password_is_needed_and_cannot_be_guessed(client, mary, login, a
     change = {"old": "guess", "new": "another fine password"}
     answers = [
         client.post("/api/v1/me/password", json=change, headers=headers).status_code
-        for _ in range(ADDRESS.free + 1)
+        for _ in range(ADDRESS_BACKOFF.free_failures + 1)
     ]
-    assert answers == [403] * ADDRESS.free + [429]
+    assert answers == [403] * ADDRESS_BACKOFF.free_failures + [429]
     assert login().status_code == 429
     refused = ("mary", "change password", "mary", "refused: the old password is wrong")
     assert audit().count(refused) == 1
     entries = client.get("/api/v1/audit", headers=admin).json()["entries"]
-    assert [e["detail"]["count"] for e in entries if "count" in e["detail"]] == [ADDRESS.free]
+    assert [e["detail"]["count"] for e in entries if "count" in e["detail"]] == [
+        ADDRESS_BACKOFF.free_failures
+    ]
 
 
 @pytest.mark.parametrize(
@@ -181,13 +183,13 @@ def test_the_old_password_is_needed_and_cannot_be_guessed(client, mary, login, a
 def test_who_is_disabled_demoted_or_removed_is_logged_out(client, app, admin, mary, login, end):
     headers = browser(login())
     with app.state.service.database.session() as session:
-        end(session, the_user(session, "mary"))
+        end(session, get_user(session, "mary"))
     assert me(client, headers) == 401
 
 
 def test_a_disabled_user_cannot_log_in(client, app, admin, mary, login):
     with app.state.service.database.session() as session:
-        set_disabled(session, the_user(session, "mary"), disabled=True)
+        set_disabled(session, get_user(session, "mary"), disabled=True)
     answer = login()
     assert answer.status_code == 401
     assert answer.json()["error"] == "the name or the password is wrong"
@@ -229,12 +231,12 @@ def test_old_sessions_make_room(client, mary, login, clock):
 
 
 def test_too_many_at_this_moment_are_no_failures(app, client, monkeypatch, people):
-    people.user("mary", "end_user")
+    people.add_user("mary", "end_user")
     login = {"name": "mary", "password": PASSWORD}
     with monkeypatch.context() as patched:
         patched.setattr(passwords, "_admitted", BoundedSemaphore(1))
-        passwords._admitted.acquire()
-        for _ in range(3 * ADDRESS.free):
+        passwords._admission_slots.acquire()
+        for _ in range(3 * ADDRESS_BACKOFF.free_failures):
             answer = client.post("/api/v1/login", json=login)
             assert answer.json()["error"] == "too many logins at this moment"
     assert app.state.attempts.failed == 0

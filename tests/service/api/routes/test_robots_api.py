@@ -3,14 +3,14 @@
 import httpx
 import pytest
 from controller_setup import hello, plan
-from service_app import served
+from service_app import serve_in_thread
 
-from rtron.service.config import Config
+from rtron.service.config import ServiceConfig
 from rtron.service.controller import graphs
-from rtron.service.domain.schemas import Scope
+from rtron.service.domain.schemas import AccessScope
 from rtron.service.server.app import create_app
-from rtron.service.store.accounts.tokens import TokenWish, create_token
-from rtron.service.store.events import Batch, add_events
+from rtron.service.store.accounts.tokens import TokenSpec, create_token
+from rtron.service.store.events import EventBatch, add_events
 from rtron.service.store.robots import find_robot
 from rtron.vocabulary import Decision, EventKind, GuardEvent, GuardState, PolicyName
 from rtron.wire.common.link_protocol import Applied
@@ -20,7 +20,7 @@ ROBOT = "/api/v1/robots/r2"
 
 @pytest.fixture
 def service(tmp_path):
-    app = create_app(Config(database=tmp_path / "rtron.db"))
+    app = create_app(ServiceConfig(database=tmp_path / "rtron.db"))
     found = app.state.service
     found.controller.greet("r2", hello(plan()))
     yield found, app
@@ -37,9 +37,9 @@ def tokens(parts):
     """The secret of a token for each scope."""
     made = {}
     with parts.database.session() as session:
-        for scope in Scope:
-            robot = "r2" if scope is Scope.GUARD else None
-            wish = TokenWish(name=scope.value, scopes=[scope], robot=robot, days=None)
+        for scope in AccessScope:
+            robot = "r2" if scope is AccessScope.GUARD else None
+            wish = TokenSpec(name=scope.value, scopes=[scope], robot=robot, days=None)
             made[scope.value] = create_token(session, parts.clock(), "test", wish)[1]
     return made
 
@@ -53,11 +53,14 @@ def call(service, tokens):
         answer = client.request(method, base + path, headers=headers, **keys)
         return answer.status_code, answer.json()
 
-    with served(service[1]) as port, httpx.Client(base_url=f"http://127.0.0.1:{port}") as client:
+    with (
+        serve_in_thread(service[1]) as port,
+        httpx.Client(base_url=f"http://127.0.0.1:{port}") as client,
+    ):
         yield call
 
 
-class Link:
+class FakeLink:
     def push(self, settings):
         self.settings = settings
 
@@ -66,7 +69,7 @@ class Link:
 
 
 def test_robots_in_short(call, parts):
-    link = Link()
+    link = FakeLink()
     parts.hub.join("r2", link, dry_run=True)
     parts.hub.lose("r2", 3)
     parts.hub.update("r2", link, GuardState(at=5, revision=0))
@@ -85,7 +88,7 @@ def test_robots_in_short(call, parts):
 
 
 def test_a_change_goes_to_the_guard_that_is_connected(call, parts):
-    link = Link()
+    link = FakeLink()
     parts.hub.join("r2", link, dry_run=False)
     change = {"revision": 0, "nodes": {"drive": {"policy": "Block"}}, "reason": "why"}
     status, view = call("PATCH", "/settings", json=change)
@@ -173,9 +176,9 @@ def test_a_node_has_what_the_console_shows(call):
 
 
 def test_policies_that_would_deselect_a_mandatory_one_are_not_offered(call, parts):
-    from controller_setup import swapped  # noqa: PLC0415 - only here
+    from controller_setup import plan_with  # noqa: PLC0415 - only here
 
-    given = swapped("policy: Safe", "policy: Safe\n  mandatory: Safe")
+    given = plan_with("policy: Safe", "policy: Safe\n  mandatory: Safe")
     parts.controller.greet("r2", hello(given))
     node = call("GET", "/nodes/speed")[1]
     assert (node["policies"], node["mandatory"]) == (["Safe", "Safe+Constrain"], ["Safe"])
@@ -196,7 +199,7 @@ def violate(parts, node, **keys):
     )
     with parts.database.session() as session:
         robot = find_robot(session, "r2")[0]
-        add_events(session, parts.clock(), [Batch(robot.id, "r2", [event])])
+        add_events(session, parts.clock(), [EventBatch(robot.id, "r2", [event])])
 
 
 @pytest.mark.parametrize(
@@ -256,10 +259,10 @@ def test_an_unknown_robot_is_not_found(call, path):
 
 
 def test_a_robot_without_an_app(call, parts):
-    from rtron.service.store.robots import meet_robot  # noqa: PLC0415 - only here
+    from rtron.service.store.robots import register_robot  # noqa: PLC0415 - only here
 
     with parts.database.session() as session:
-        meet_robot(session, "bare", 5)
+        register_robot(session, "bare", 5)
     base = "/api/v1/robots/bare"
     assert call("GET", base=base)[1]["app"] is None
     assert call("GET", "/settings", base=base)[0] == 404
@@ -321,10 +324,10 @@ def test_a_second_upload_replaces_the_first(call):
 
 
 def test_risks_stay_under_a_new_plan(call, parts):
-    from controller_setup import swapped  # noqa: PLC0415 - only here
+    from controller_setup import plan_with  # noqa: PLC0415 - only here
 
     call("PUT", "/graph", json=GRAPH)
-    parts.controller.greet("r2", hello(swapped("id: drive", "id: wheels")))
+    parts.controller.greet("r2", hello(plan_with("id: drive", "id: wheels")))
     risks = call("GET", "/nodes/wheels")[1]["risk_information"]["risks"]
     assert "GR-ST:/cmd_vel" in [risk["id"] for risk in risks]
 

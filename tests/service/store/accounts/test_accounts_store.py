@@ -2,24 +2,24 @@
 
 import pytest
 
-from rtron.service.domain.errors import ConflictError, NotFoundError, TooManyError
-from rtron.service.domain.schemas import Scope, UserRole
+from rtron.service.domain.errors import ConflictError, NotFoundError, TooManyRequestsError
+from rtron.service.domain.schemas import AccessScope, UserRole
 from rtron.service.server.database_setup import add_first_admin
 from rtron.service.store.accounts import passwords
-from rtron.service.store.accounts.logins import Lifetime, begin_login, find_login
-from rtron.service.store.accounts.secrets import digest
-from rtron.service.store.accounts.tokens import TokenWish, create_token, find_token, revoke_token
-from rtron.service.store.accounts.users import add_user, all_users, remove_user, set_roles, the_user
-from rtron.service.store.audit import Deed, record
+from rtron.service.store.accounts.logins import SessionLifetime, begin_session, find_session
+from rtron.service.store.accounts.secrets import secret_digest
+from rtron.service.store.accounts.tokens import TokenSpec, create_token, find_token, revoke_token
+from rtron.service.store.accounts.users import add_user, all_users, get_user, remove_user, set_roles
+from rtron.service.store.audit import AuditEvent, record_event
 from rtron.service.store.webhooks import (
     add_webhook,
     all_webhooks,
-    note_failing,
     remove_webhook,
+    store_failure,
 )
-from rtron.vocabulary import Level
+from rtron.vocabulary import GuardEventLevel
 
-LIFETIME = Lifetime(idle=100, longest=1000)
+LIFETIME = SessionLifetime(idle=100, maximum=1000)
 
 
 def test_users_and_the_last_admin(database):
@@ -28,9 +28,9 @@ def test_users_and_the_last_admin(database):
     with database.session() as session:
         mary = add_user(session, 3, "mary", "hash", [UserRole.ADMIN, UserRole.ADMIN])
         assert mary.roles == ["admin"]
-        set_roles(session, the_user(session, "admin"), [UserRole.END_USER])
+        set_roles(session, get_user(session, "admin"), [UserRole.END_USER])
     with pytest.raises(ConflictError), database.session() as session:
-        set_roles(session, the_user(session, "mary"), [UserRole.DEVELOPER])
+        set_roles(session, get_user(session, "mary"), [UserRole.DEVELOPER])
     with pytest.raises(ConflictError), database.session() as session:
         add_user(session, 3, "mary", "hash", [UserRole.ADMIN])
     with database.session() as session:
@@ -38,29 +38,29 @@ def test_users_and_the_last_admin(database):
             ("admin", ["end_user"]),
             ("mary", ["admin"]),
         ]
-        remove_user(session, the_user(session, "admin"))
+        remove_user(session, get_user(session, "admin"))
     with pytest.raises(NotFoundError), database.session() as session:
-        the_user(session, "admin")
+        get_user(session, "admin")
 
 
 def test_sessions(database):
     with database.session() as session:
         mary = add_user(session, 0, "mary", "hash", [UserRole.ADMIN])
-        login = begin_login(session, 10, mary, LIFETIME)
-    hashed = digest(login.secret)
+        login = begin_session(session, 10, mary, LIFETIME)
+    hashed = secret_digest(login.secret)
     with database.session() as session:
-        found = find_login(session, 110, hashed, LIFETIME)
+        found = find_session(session, 110, hashed, LIFETIME)
         assert found is not None
         assert (found[0].csrf, found[1].name) == (login.csrf, "mary")
-        assert find_login(session, 111, hashed, LIFETIME) is None
-        assert find_login(session, 10, login.secret, LIFETIME) is None
+        assert find_session(session, 111, hashed, LIFETIME) is None
+        assert find_session(session, 10, login.secret, LIFETIME) is None
         found[1].disabled = True
         session.flush()
-        assert find_login(session, 110, hashed, LIFETIME) is None
+        assert find_session(session, 110, hashed, LIFETIME) is None
 
 
 def test_tokens(database):
-    wish = TokenWish(name="car1", scopes=[Scope.GUARD], robot="car1", days=1)
+    wish = TokenSpec(name="car1", scopes=[AccessScope.GUARD], robot="car1", days=1)
     with database.session() as session:
         _, secret = create_token(session, 5, "admin", wish)
     with database.session() as session:
@@ -75,9 +75,9 @@ def test_tokens(database):
 
 def test_webhooks_and_the_audit_log(database):
     with database.session() as session:
-        hook = add_webhook(session, 1, "https://example.org/", Level.ERROR)
-        note_failing(session, hook.id, "x" * 1000)
-        record(session, 1, Deed(who="a", action="b", target="t" * 1000), "o" * 1000)
+        hook = add_webhook(session, 1, "https://example.org/", GuardEventLevel.ERROR)
+        store_failure(session, hook.id, "x" * 1000)
+        record_event(session, 1, AuditEvent(who="a", action="b", target="t" * 1000), "o" * 1000)
     with database.session() as session:
         (row,) = all_webhooks(session)
         assert len(row.failing) == 300
@@ -89,13 +89,13 @@ def test_webhooks_and_the_audit_log(database):
 @pytest.mark.usefixtures("full_effort")
 def test_a_crowd_does_not_get_all_the_memory(monkeypatch):
     """Each hash takes 64 MiB; who comes when all places are taken comes again."""
-    for _ in range(passwords._WAITING):
-        assert passwords._admitted.acquire(blocking=False)
+    for _ in range(passwords._MAX_ADMITTED):
+        assert passwords._admission_slots.acquire(blocking=False)
     try:
-        with pytest.raises(TooManyError):
-            passwords.matches("x", None)
+        with pytest.raises(TooManyRequestsError):
+            passwords.verify_password("x", None)
     finally:
-        for _ in range(passwords._WAITING):
-            passwords._admitted.release()
-    assert not passwords.matches("nobody", None)
+        for _ in range(passwords._MAX_ADMITTED):
+            passwords._admission_slots.release()
+    assert not passwords.verify_password("nobody", None)
     assert passwords.hash_password("x").startswith("$argon2id$v=19$m=65536,t=3,p=4$")

@@ -3,7 +3,7 @@
 import pytest
 
 from rtron.sources.launch.common.errors import UnresolvableError
-from rtron.sources.launch.common.expression import evaluate, typed
+from rtron.sources.launch.common.expression import evaluate, typed_argument
 
 ARGUMENTS = {"s": "text", "i": 3, "long": "x" * 4000}
 
@@ -119,5 +119,5 @@ def test_the_surroundings_functions_are_called():
     ],
 )
 def test_arguments_are_typed_as_roslaunch_types_them(text, expected):
-    assert typed(text) == expected
-    assert type(typed(text)) is type(expected)
+    assert typed_argument(text) == expected
+    assert type(typed_argument(text)) is type(expected)

@@ -37,13 +37,15 @@ def test_a_node_knows_its_element_and_line(launch):
 def test_elements_count_from_the_root_of_the_document(tmp_path):
     path = tmp_path / "app.launch"
     path.write_text(f"<a><b/><launch>{NODE.format('n')}</launch></a>")
-    assert read_launch(path, {}, {}, {}).nodes()[0].element == 3
+    assert read_launch(path, {}, {}, {}).nodes()[0].element_index == 3
 
 
 def test_a_remap_keeps_its_spelling(launch):
     node = '<node pkg="p" type="t" name="n" ns="g"><remap from="~a//b/" to="c"/></node>'
     (remap,) = launch(node).nodes()[0].remaps
-    assert remap == Remap(written="~a/b", written_target="c", declared="/g/n/a/b", target="/g/c")
+    assert remap == Remap(
+        written_source="~a/b", written_target="c", source="/g/n/a/b", target="/g/c"
+    )
 
 
 def test_an_anonymous_name_is_a_pattern(launch):

@@ -8,7 +8,7 @@ import pytest
 from rtron.errors import InputError
 from rtron.sources.launch.common.packages import find_packages
 from rtron.sources.launch.ros1 import file_search
-from rtron.sources.launch.ros1.file_search import ListedLaunch, launch_files
+from rtron.sources.launch.ros1.file_search import LaunchFileInfo, find_launch_files
 from rtron.sources.launch.ros1.reader import read_launch
 
 
@@ -27,12 +27,12 @@ def test_launch_files_are_listed_with_package_and_arguments(tmp_path):
     other = write(tmp_path / "y.launch.xml")
     write(tmp_path / "src/p/launch/x.xml")
     write(tmp_path / ".git/z.launch")
-    assert launch_files([tmp_path]) == (
-        ListedLaunch(path=launch, package="q", required=("b", "a"), optional=("c",)),
-        ListedLaunch(path=other),
+    assert find_launch_files([tmp_path]) == (
+        LaunchFileInfo(path=launch, package="q", required=("b", "a"), optional=("c",)),
+        LaunchFileInfo(path=other),
     )
-    assert launch_files([tmp_path, tmp_path / "src"]) != ()
-    assert len(launch_files([tmp_path / "src", tmp_path / "src/p"])) == 1
+    assert find_launch_files([tmp_path, tmp_path / "src"]) != ()
+    assert len(find_launch_files([tmp_path / "src", tmp_path / "src/p"])) == 1
 
 
 @pytest.mark.parametrize(
@@ -48,13 +48,13 @@ def test_launch_files_are_listed_with_package_and_arguments(tmp_path):
 def test_launch_files_of_ros_2_are_left_out(tmp_path, body):
     write(tmp_path / "x.launch.xml", f"<launch>{body}</launch>")
     write(tmp_path / "x.launch.py", "raise SystemExit")
-    assert launch_files([tmp_path]) == ()
+    assert find_launch_files([tmp_path]) == ()
 
 
 def test_an_argument_with_a_default_under_one_condition_is_optional(tmp_path):
     args = '<arg name="a" if="$(arg b)"/><arg name="a" default="1" unless="$(arg b)"/>'
     write(tmp_path / "x.launch", f"<launch>{args}</launch>")
-    assert launch_files([tmp_path])[0].optional == ("a",)
+    assert find_launch_files([tmp_path])[0].optional == ("a",)
 
 
 @pytest.mark.parametrize(
@@ -62,23 +62,23 @@ def test_an_argument_with_a_default_under_one_condition_is_optional(tmp_path):
 )
 def test_a_broken_file_is_listed_with_its_fault(tmp_path, text):
     path = write(tmp_path / "x.launch", text)
-    (found,) = launch_files([tmp_path])
-    assert found.fault.startswith(str(path))
+    (found,) = find_launch_files([tmp_path])
+    assert found.error.startswith(str(path))
 
 
 def test_links_that_go_in_circles_end(tmp_path):
     write(tmp_path / "a/x.launch")
     (tmp_path / "a/loop").symlink_to(tmp_path)
-    assert len(launch_files([tmp_path])) == 1
+    assert len(find_launch_files([tmp_path])) == 1
 
 
 def test_a_deep_folder_is_listed_with_its_fault(tmp_path, deep_folder):
     deep_folder(tmp_path)
     write(tmp_path / "x.launch")
-    good, deep = launch_files([tmp_path])
-    assert (good.path, good.fault) == (tmp_path / "x.launch", "")
+    good, deep = find_launch_files([tmp_path])
+    assert (good.path, good.error) == (tmp_path / "x.launch", "")
     assert deep.path == tmp_path.joinpath(*["d"] * 101)
-    assert deep.fault == f"{deep.path}: lies more than 100 folders deep"
+    assert deep.error == f"{deep.path}: lies more than 100 folders deep"
 
 
 def test_a_folder_without_end_is_an_error(tmp_path, monkeypatch):
@@ -86,7 +86,7 @@ def test_a_folder_without_end_is_an_error(tmp_path, monkeypatch):
     for name in "abc":
         (tmp_path / name).mkdir()
     with pytest.raises(InputError, match="more than 3 folders"):
-        launch_files([tmp_path])
+        find_launch_files([tmp_path])
 
 
 def read(launch, packages):
@@ -103,7 +103,7 @@ def test_launch_files_of_real_apps_are_read():
     faults = []
     for repo in sorted(Path(os.environ["RTRON_APPS"]).glob("*/*")):
         packages = find_packages([repo], {})
-        faults += [read(launch, packages) for launch in launch_files([repo])]
+        faults += [read(launch, packages) for launch in find_launch_files([repo])]
     own = [fault for fault in faults if fault and "needs a value" not in fault]
     assert faults
     assert len(own) <= 0.01 * len(faults)

@@ -7,7 +7,7 @@ from launch_cases import NODE, included
 
 from rtron.errors import InputError
 from rtron.sources.launch.common import yaml_tree
-from rtron.sources.launch.common.commands import Cat, Xacro, recognise
+from rtron.sources.launch.common.commands import CatCommand, XacroCommand, recognise_command
 from rtron.sources.launch.ros1 import file_reader, load_state, parameter_server
 from rtron.sources.launch.ros1.parameter_server import ParameterServer
 from rtron.sources.launch.ros1.reader import read_launch, read_launches
@@ -65,16 +65,19 @@ def test_evidence_is_the_element_or_the_line_of_the_key(launch, tmp_path):
 @pytest.mark.parametrize(
     ("command", "expected"),
     [
-        ("/opt/xacro/xacro.py a.xacro", Xacro(file="a.xacro")),
-        ("xacro/xacro --inorder 'a b.xacro'", Xacro(file="a b.xacro")),
+        ("/opt/xacro/xacro.py a.xacro", XacroCommand(file="a.xacro")),
+        ("xacro/xacro --inorder 'a b.xacro'", XacroCommand(file="a b.xacro")),
         (
             "xacro a.xacro --inorder x:=1 y:=' z '",
-            Xacro(file="a.xacro", mappings={"x": "1", "y": "z"}),
+            XacroCommand(file="a.xacro", mappings={"x": "1", "y": "z"}),
         ),
-        ("rosrun xacro xacro a.xacro x:=", Xacro(file="a.xacro", mappings={"x": ""})),
-        ("python3 /opt/xacro.py a.xacro u:=a:=b", Xacro(file="a.xacro", mappings={"u": "a:=b"})),
-        ("cat 'a b'", Cat(file="a b")),
-        ("/bin/cat a", Cat(file="a")),
+        ("rosrun xacro xacro a.xacro x:=", XacroCommand(file="a.xacro", mappings={"x": ""})),
+        (
+            "python3 /opt/xacro.py a.xacro u:=a:=b",
+            XacroCommand(file="a.xacro", mappings={"u": "a:=b"}),
+        ),
+        ("cat 'a b'", CatCommand(file="a b")),
+        ("/bin/cat a", CatCommand(file="a")),
         ("cat a b", None),
         ("cat -", None),
         ("cat", None),
@@ -91,7 +94,7 @@ def test_evidence_is_the_element_or_the_line_of_the_key(launch, tmp_path):
     ],
 )
 def test_commands_are_recognised(command, expected):
-    assert recognise(command) == expected
+    assert recognise_command(command) == expected
 
 
 @pytest.mark.parametrize(
@@ -310,7 +313,7 @@ def test_values_are_bounded(monkeypatch, extra, is_yaml):
     monkeypatch.setattr(yaml_tree, "MAX_VALUES", 10)
     text = f"[{', '.join('1' * (9 + extra))}]"
     if is_yaml:
-        assert yaml_tree.parse_yaml(text, "p").faults == ()
+        assert yaml_tree.parse_yaml(text, "p").errors == ()
     else:
         with pytest.raises(InputError, match="more than 10 values"):
             yaml_tree.parse_yaml(text, "p")

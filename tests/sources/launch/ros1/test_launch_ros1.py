@@ -11,7 +11,7 @@ from rtron.errors import InputError
 from rtron.sources.launch.ros1.reader import read_launch
 
 sys.path.append(str(Path(__file__).parents[1] / "ros1"))
-from roslaunch_oracle import both, started, started_by_tree
+from roslaunch_oracle import both, nodes_of_tree, started
 
 pytestmark = pytest.mark.ros1
 
@@ -22,7 +22,7 @@ def test_nodes_and_remaps_are_those_of_ros(ros, tmp_path, case):
     tree = read_launch(*ours)
     assert "error" not in dump, dump
     assert tree.unresolved == ()
-    assert started_by_tree(tree) == started(dump)
+    assert nodes_of_tree(tree) == started(dump)
 
 
 @pytest.mark.parametrize("expression", EXPRESSIONS)
@@ -30,7 +30,7 @@ def test_expressions_have_the_value_they_have_in_ros(ros, tmp_path, expression):
     args = escape(f"$(eval {expression})", {'"': "&quot;"})
     case = Case("", f'<node pkg="p" type="t" name="n" args="{args}"/>', args=ARGUMENTS)
     dump, ours = both(ros, tmp_path, case)
-    assert started_by_tree(read_launch(*ours)) == started(dump)
+    assert nodes_of_tree(read_launch(*ours)) == started(dump)
 
 
 @pytest.mark.parametrize("case", REFUSED, ids=lambda case: case.name)

@@ -11,11 +11,11 @@ from test_launch_ros1_parameters import leaves, our_leaves
 from rtron.errors import InputError
 from rtron.sources.launch.common.packages import find_packages
 from rtron.sources.launch.ros1 import param_tag
-from rtron.sources.launch.ros1.file_search import launch_files
+from rtron.sources.launch.ros1.file_search import find_launch_files
 from rtron.sources.launch.ros1.reader import read_launch
 
 sys.path.append(str(Path(__file__).parents[1] / "ros1"))
-from roslaunch_oracle import RosLoader, package, started, started_by_tree, write_files
+from roslaunch_oracle import RosLoader, nodes_of_tree, package, started, write_files
 
 pytestmark = [
     pytest.mark.ros1,
@@ -39,7 +39,7 @@ def difference(tree, dump):
         return tree
     if tree.unresolved:
         return str(tree.unresolved)
-    if started_by_tree(tree) != started(dump):
+    if nodes_of_tree(tree) != started(dump):
         return "nodes"
     return "" if our_leaves(tree) == leaves(dump["server"]) else "parameters"
 
@@ -52,7 +52,7 @@ def test_apps_start_and_set_what_they_do_in_ros(tmp_path, monkeypatch):
         for repo in sorted(Path(os.environ["RTRON_APPS"]).glob("*/*")):
             environ = {**ENVIRON, "ROS_PACKAGE_PATH": f"{repo}:{tmp_path}"}
             packages = find_packages([], environ)
-            for launch in launch_files([repo]):
+            for launch in find_launch_files([repo]):
                 args = dict.fromkeys(launch.required, "1")
                 request = {"path": str(launch.path), "args": args, "environ": environ}
                 dump = ros.ask({**request, "output": OUTPUT})

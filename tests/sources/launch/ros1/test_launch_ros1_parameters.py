@@ -16,7 +16,7 @@ from rtron.sources.launch.ros1.reader import read_launch, read_launches
 from rtron.vocabulary import UnknownValue
 
 sys.path.append(str(Path(__file__).parents[1] / "ros1"))
-from roslaunch_oracle import both, started, started_by_tree, write_files
+from roslaunch_oracle import both, nodes_of_tree, started, write_files
 
 pytestmark = pytest.mark.ros1
 
@@ -54,7 +54,7 @@ def test_parameters_are_those_of_ros(ros, tmp_path, case):
     assert "error" not in dump, dump
     assert tree.unresolved == ()
     assert our_leaves(tree) == leaves(dump["server"])
-    assert started_by_tree(tree) == started(dump)
+    assert nodes_of_tree(tree) == started(dump)
 
 
 @pytest.mark.parametrize("case", [*PARAMETERS, *INCLUDES], ids=lambda case: case.name)
@@ -139,7 +139,7 @@ def test_any_launch_sets_the_parameters_that_ros_sets(ros, files):
     assert "error" not in dump, dump
     assert tree.unresolved == ()
     assert our_leaves(tree) == leaves(dump["server"])
-    assert started_by_tree(tree) == started(dump)
+    assert nodes_of_tree(tree) == started(dump)
 
 
 def test_cases_differ():

@@ -12,7 +12,7 @@ from rtron.sources.launch.ros1.reader import read_launch
 
 sys.path.append(str(Path(__file__).parents[1] / "ros1"))
 from launch_strategies import BOOLEANS, VALUES, launches
-from roslaunch_oracle import started, started_by_tree, write_files
+from roslaunch_oracle import nodes_of_tree, started, write_files
 
 ARGS = st.fixed_dictionaries(
     {}, optional={"flag": st.sampled_from(BOOLEANS[:4]), "x": st.sampled_from(VALUES)}
@@ -29,4 +29,4 @@ def test_any_launch_starts_the_nodes_that_ros_starts(ros, files, args):
         tree = read_launch(path, args, {}, {})
     assert "error" not in dump, dump
     assert tree.unresolved == ()
-    assert started_by_tree(tree) == started(dump)
+    assert nodes_of_tree(tree) == started(dump)

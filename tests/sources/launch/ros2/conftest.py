@@ -2,7 +2,7 @@
 
 import pytest
 
-from rtron.sources.code.workspace_sources import WorkspaceFiles
+from rtron.sources.code.workspace_sources import WorkspaceSources
 from rtron.sources.launch.ros2.app import read_app_launch
 from rtron.sources.workspace import read_workspace
 
@@ -42,7 +42,7 @@ def read(package):
     def app(text, suffix="py", environ=None, **arguments):
         path = package / "launch" / f"app.launch.{suffix}"
         path.write_text(text)
-        files = WorkspaceFiles(read_workspace([package.parent], {}))
+        files = WorkspaceSources(read_workspace([package.parent], {}))
         return read_app_launch(path, arguments, environ or {}, files)
 
     return app

@@ -62,7 +62,7 @@ def test_the_nodes_are_composed_by_default(bringup):
     assert names(app) == ["/box", "/controller", "/smoother"]
     assert [start.container for start in app.starts] == ["", "/box", "/box"]
     assert [start.program for start in app.starts[1:]] == ["c::Controller", "s::Smoother"]
-    assert not any(start.doubtful for start in app.starts)
+    assert not any(start.is_uncertain for start in app.starts)
     assert app.unresolved == ()
 
 
@@ -84,4 +84,4 @@ def test_remaps_and_parameters_are_the_same_in_both(bringup, composed, namespace
 def test_it_is_not_known_whether_the_nodes_are_composed(bringup, program):
     app = program(BRINGUP.replace("default_value='True'", "default_value=Command('which gz')"))
     assert len(app.starts) == 5
-    assert all(start.doubtful for start in app.starts)
+    assert all(start.is_uncertain for start in app.starts)

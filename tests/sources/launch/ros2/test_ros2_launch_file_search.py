@@ -2,7 +2,7 @@
 
 import pytest
 
-from rtron.sources.launch.ros2.file_search import ros2_launches
+from rtron.sources.launch.ros2.file_search import list_ros2_launch_files
 
 FILE = """from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument
@@ -22,7 +22,7 @@ def listed(tmp_path):
 
     def read(lines):
         (tmp_path / "app.launch.py").write_text(FILE.format(lines=lines))
-        (found,) = ros2_launches([tmp_path])
+        (found,) = list_ros2_launch_files([tmp_path])
         return found.required, found.optional
 
     return read
@@ -66,5 +66,5 @@ def test_more_arguments_than_anybody_declares_are_a_fault(tmp_path):
     names, calls = "'x', " * 9000, "DeclareLaunchArgument(x), " * 9000
     lines = f"for x in [{names}]:\n    y = [{calls}]"
     (tmp_path / "app.launch.py").write_text(FILE.format(lines=lines))
-    (found,) = ros2_launches([tmp_path])
-    assert "declares over 2000 arguments" in found.fault
+    (found,) = list_ros2_launch_files([tmp_path])
+    assert "declares over 2000 arguments" in found.error

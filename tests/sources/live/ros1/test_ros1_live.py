@@ -6,12 +6,12 @@ from itertools import chain, repeat
 from xmlrpc.client import Fault, dumps
 
 import pytest
-from faulty_nodes import garbage, say_nothing, saying, stranger
+from faulty_nodes import garbage, never_answer, saying, stranger
 from harness import NODES, ROS_PYTHON, Ros1, free_port, named, wait_for
 from roslaunch_oracle import package, write_files
 
 from rtron.errors import SourceError
-from rtron.sources.live.ros1.source import Ros1Live
+from rtron.sources.live.ros1.source import Ros1LiveSource
 from rtron.vocabulary import Action, ActionRole, Direction, Resolution
 from rtron.wire.ros1.xmlrpc import ros_call
 
@@ -23,7 +23,7 @@ HONEST_S = 15.0
 
 
 def read(ros1, timeout=HONEST_S):
-    return Ros1Live(ros1.uri, timeout).read()
+    return Ros1LiveSource(ros1.uri, timeout).read()
 
 
 def join(ros1, name, *ends):
@@ -110,7 +110,7 @@ def test_strangers_cost_neither_the_graph_nor_the_time(ros1):
 
     rows = [[1, "/x", "i", "TCPROS", "/t", True], [2, 3, 4]]
     answers = {
-        "/silent": say_nothing,
+        "/silent": never_answer,
         "/garbage": garbage,
         "/shapeless": answer({"bus": "info"}),
         "/half_a_row": answer(rows),
@@ -135,7 +135,7 @@ def test_strangers_cost_neither_the_graph_nor_the_time(ros1):
 
 
 def test_many_silent_nodes_do_not_add_up(ros1):
-    with stranger(say_nothing) as uri:
+    with stranger(never_answer) as uri:
         nodes = [f"/silent{n}" for n in range(150)]
         for node in nodes:
             register(ros1, node, uri)
@@ -181,22 +181,22 @@ def test_a_publisher_that_only_the_subscriber_knows_is_told(ros1, tmp_path_facto
 
 def test_without_a_master_there_is_help():
     with pytest.raises(SourceError, match="no app can be read at http://localhost:") as raised:
-        Ros1Live(f"http://localhost:{free_port()}", TIMEOUT_S).read()
+        Ros1LiveSource(f"http://localhost:{free_port()}", TIMEOUT_S).read()
     assert "--master" in raised.value.help
 
 
 @pytest.mark.parametrize(
-    "answer", [say_nothing, garbage, saying(dumps(((1, "", 5),), methodresponse=True).encode())]
+    "answer", [never_answer, garbage, saying(dumps(((1, "", 5),), methodresponse=True).encode())]
 )
 def test_a_master_that_is_none_is_told(answer):
     with stranger(answer) as uri, pytest.raises(SourceError, match="no app can be read"):
-        Ros1Live(uri, TIMEOUT_S).read()
+        Ros1LiveSource(uri, TIMEOUT_S).read()
 
 
 def test_malformed_entries_of_the_system_state_are_counted():
     rows = [["/good", ["/node", 7]], ["/bad", "/node"], "/worse", [1, []]]
     state = saying(dumps(((1, "", [rows, [], []]),), methodresponse=True).encode())
     with stranger(state) as uri:
-        graph = Ros1Live(uri, TIMEOUT_S).read()
+        graph = Ros1LiveSource(uri, TIMEOUT_S).read()
     assert [(e.node, e.topic) for e in graph.endpoints] == [("/node", "/good")]
     assert unresolved(graph)["the master's system state"].startswith("has 4 malformed")

@@ -8,18 +8,18 @@ import time
 from contextlib import contextmanager, suppress
 
 import pytest
-from faulty_nodes import say_nothing, stranger
+from faulty_nodes import never_answer, stranger
 from hypothesis import given
 from hypothesis import strategies as st
 
 from rtron.errors import RTronError, SourceError, WireError
-from rtron.sources.in_time import in_time
+from rtron.sources.in_time import run_with_deadline
 from rtron.sources.live.ros1 import replies
-from rtron.sources.live.ros1.actions import actions_among
-from rtron.sources.live.ros1.process import Program, program_of
-from rtron.sources.live.ros1.queries import service_type
-from rtron.sources.ros1_ghosts import still_unlisted, suspects
-from rtron.sources.ros1_node import NodeAnswers
+from rtron.sources.live.ros1.actions import find_actions
+from rtron.sources.live.ros1.process import NodeProgram, find_program
+from rtron.sources.live.ros1.queries import query_service_type
+from rtron.sources.ros1_ghosts import ghost_publishers, unlisted_connections
+from rtron.sources.ros1_node import NodeReplies
 from rtron.vocabulary import Action, ActionRole, Direction, Endpoint
 from rtron.wire.ros1.tcpros import encode_header
 
@@ -28,11 +28,11 @@ VALUES = st.recursive(
     lambda inner: st.lists(inner, max_size=7) | st.dictionaries(st.text(max_size=2), inner),
 )
 READERS = {
-    replies.system_state: replies.SystemState,
-    replies.topic_types: dict,
-    replies.incoming: tuple,
-    replies.process_id: int,
-    replies.text: str,
+    replies.parse_system_state: replies.SystemState,
+    replies.parse_topic_types: dict,
+    replies.parse_bus_info: tuple,
+    replies.parse_process_id: int,
+    replies.parse_text: str,
 }
 
 
@@ -50,37 +50,37 @@ def test_a_connection_that_has_ended_brings_nothing():
         [3, "http://c:3/", "i", "TCPROS", "/t"],
         [4, "/d", "o", "TCPROS", "/t", True],
     ]
-    sources = [link.source for link in replies.incoming(rows)]
+    sources = [link.publisher_uri for link in replies.parse_bus_info(rows)]
     assert sources == ["http://b:2/", "http://c:3/"]
 
 
 def test_a_publisher_that_joined_meanwhile_is_no_ghost():
-    link = replies.Incoming("/t", "http://new:1/")
-    found = suspects({"/n": NodeAnswers("http://n:1/", (link, link))}, [("/t", "/old")])
-    assert [suspect.link for suspect in found] == [link]
-    assert not list(still_unlisted(found, [("/t", "/new")], {"/new": "http://NEW:1"}))
-    (ghost,) = still_unlisted(found, [("/t", "/new")], {"/new": "http://else:1"})
+    link = replies.IncomingConnection("/t", "http://new:1/")
+    found = unlisted_connections({"/n": NodeReplies("http://n:1/", (link, link))}, [("/t", "/old")])
+    assert [suspect.connection for suspect in found] == [link]
+    assert not list(ghost_publishers(found, [("/t", "/new")], {"/new": "http://NEW:1"}))
+    (ghost,) = ghost_publishers(found, [("/t", "/new")], {"/new": "http://else:1"})
     assert (ghost.what, ghost.evidence[0].file) == ("/n", "http://new:1/")
 
 
 def test_who_publishes_another_topic_may_still_be_a_ghost_on_this_one():
-    link = replies.Incoming("/t", "http://p:1/")
-    nodes = {"/n": NodeAnswers("http://n:1/", (link,)), "/p": NodeAnswers("http://p:1/")}
-    assert suspects(nodes, [("/other", "/p")])
-    assert not suspects(nodes, [("/t", "/p")])
+    link = replies.IncomingConnection("/t", "http://p:1/")
+    nodes = {"/n": NodeReplies("http://n:1/", (link,)), "/p": NodeReplies("http://p:1/")}
+    assert unlisted_connections(nodes, [("/other", "/p")])
+    assert not unlisted_connections(nodes, [("/t", "/p")])
 
 
 def test_a_job_that_hangs_delays_nobody_for_longer_than_the_limit():
     forever = threading.Event()
     jobs = {"quick": lambda: 1, "hangs": forever.wait}
     began = time.monotonic()
-    assert in_time(jobs, 2) == {"quick": 1}
+    assert run_with_deadline(jobs, 2) == {"quick": 1}
     assert time.monotonic() - began < 20
     forever.set()
 
 
 def test_no_jobs_take_no_time():
-    assert in_time({}, 60) == {}
+    assert run_with_deadline({}, 60) == {}
 
 
 def answering(data):
@@ -94,7 +94,7 @@ def answering(data):
 
 def probe(answer):
     with stranger(answer) as uri:
-        return service_type(uri.replace("http:", "rosrpc:"), "/s", "/scan", 0.3)
+        return query_service_type(uri.replace("http:", "rosrpc:"), "/s", "/scan", 0.3)
 
 
 def test_a_service_tells_its_type():
@@ -104,7 +104,7 @@ def test_a_service_tells_its_type():
 @pytest.mark.parametrize(
     "answer",
     [
-        say_nothing,
+        never_answer,
         answering(b""),
         answering(b"\xff\xff\xff\xff"),
         answering(b"\x08\x00\x00\x00\xff\xff\xff\xff0000"),
@@ -118,9 +118,9 @@ def test_a_service_that_does_not_is_an_error(answer):
 
 def test_nobody_at_a_service_is_an_error():
     with pytest.raises(SourceError):
-        service_type("rosrpc://localhost:1", "/s", "/scan", 0.3)
+        query_service_type("rosrpc://localhost:1", "/s", "/scan", 0.3)
     with pytest.raises(WireError):
-        service_type("http://localhost:1", "/s", "/scan", 0.3)
+        query_service_type("http://localhost:1", "/s", "/scan", 0.3)
 
 
 def test_four_topics_are_no_action():
@@ -129,17 +129,17 @@ def test_four_topics_are_no_action():
 
     parts = ["goal", "cancel", "status", "feedback"]
     topics = [end(f"/lift/{part}") for part in parts]
-    assert actions_among(topics) == ()
-    whole = actions_among([*topics, end("/lift/result", Direction.SUBSCRIBE)])
+    assert find_actions(topics) == ()
+    whole = find_actions([*topics, end("/lift/result", Direction.SUBSCRIBE)])
     client = Action(node="/n", name="/lift", type="p/LiftAction", role=ActionRole.CLIENT)
     assert whole == (client,)
 
 
 def test_a_process_that_does_not_listen_there_is_not_the_node():
-    with stranger(say_nothing) as uri:
-        assert program_of(uri, 1) == Program()
-        assert program_of(uri, 2**31) == Program()
-        assert program_of(uri.replace("localhost", "192.0.2.1"), os.getpid()) == Program()
+    with stranger(never_answer) as uri:
+        assert find_program(uri, 1) == NodeProgram()
+        assert find_program(uri, 2**31) == NodeProgram()
+        assert find_program(uri.replace("localhost", "192.0.2.1"), os.getpid()) == NodeProgram()
 
 
 LISTEN = "import socket; s = socket.create_server(('', 0)); print(s.getsockname()[1]); input()"
@@ -170,11 +170,11 @@ def test_a_script_is_known_by_where_it_lies(tmp_path):
         script.parent.mkdir(parents=True, exist_ok=True)
         script.write_text(LISTEN)
         with listening(place, cwd=tmp_path) as (pid, uri):
-            assert program_of(uri, pid) == Program(*program)
+            assert find_program(uri, pid) == NodeProgram(*program)
 
 
 def test_a_text_or_a_module_that_runs_is_no_script(tmp_path):
     (tmp_path / "module.py").write_text(LISTEN)
     for arguments in (["-c", LISTEN], ["-m", "module"]):
         with listening(*arguments, cwd=tmp_path) as (pid, uri):
-            assert program_of(uri, pid) == Program()
+            assert find_program(uri, pid) == NodeProgram()

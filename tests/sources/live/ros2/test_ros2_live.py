@@ -12,12 +12,12 @@ from harness import wait_for
 from ros2_harness import Ros2
 
 from rtron.errors import InputError, SourceError
-from rtron.planning.proposal.policy_defaults import left_out, propose_plan
-from rtron.risks import discover
+from rtron.planning.proposal.policy_defaults import propose_plan, unguardable_topics
+from rtron.risks import discover_risks
 from rtron.sources.graph_json import graph_to_json, parse_graph
 from rtron.sources.live.ros2 import domain as asking
-from rtron.sources.live.ros2.domain import Domain
-from rtron.sources.live.ros2.source import Ros2Live
+from rtron.sources.live.ros2.domain import DomainReader
+from rtron.sources.live.ros2.source import Ros2LiveSource
 from rtron.vocabulary import (
     Action,
     ActionRole,
@@ -28,8 +28,8 @@ from rtron.vocabulary import (
     Resolution,
     Service,
 )
-from rtron.wire.ros2.service_endpoints import clients_of, ends_by_node, servers_of
-from rtron.wire.ros2.session import Session
+from rtron.wire.ros2.service_endpoints import clients_of, servers_of, service_endpoints_of_node
+from rtron.wire.ros2.session import Ros2Session
 
 pytestmark = pytest.mark.ros2
 LONG_S = 60.0
@@ -72,12 +72,12 @@ def app(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def graph(app):
-    return Ros2Live(app.domain, LONG_S).read()
+    return Ros2LiveSource(app.domain, LONG_S).read()
 
 
 @pytest.fixture
 def session(app):
-    session = Session(app.domain)
+    session = Ros2Session(app.domain)
     yield session
     session.close()
 
@@ -158,7 +158,7 @@ def test_it_goes_through_json_unchanged(graph):
 
 
 def test_risks_and_a_plan_come_of_it(graph):
-    report = discover(graph)
+    report = discover_risks(graph)
     plan = propose_plan(graph, report)
     assert plan.ros == 2
     (velocity,) = (node for node in plan.grcn if node.topic == "/cmd_vel")
@@ -167,7 +167,7 @@ def test_risks_and_a_plan_come_of_it(graph):
     assert velocity.successors == ("/base",)
     assert "MSR-action:/go" in {risk.id for risk in report.risks}
     assert not [risk for risk in report.risks if "/parameter_events" in risk.topics]
-    assert left_out(graph, report) == ()
+    assert unguardable_topics(graph, report) == ()
 
 
 def test_the_names_lead_to_the_same_services_as_the_gids(session):
@@ -177,45 +177,49 @@ def test_the_names_lead_to_the_same_services_as_the_gids(session):
             lambda ends_now=ends_now: [e.node for e in ends_now(node, "/start") if e.node],
             what="the names of both ends",
         )
-    named = [end for end in ends_by_node(node, "nav", "/robot") if end.service == "/start"]
-    (end,) = servers_of(node, "/start")
-    assert [(e.service, e.serves, e.node, e.type) for e in named] == [
-        (end.service, end.serves, end.node, end.type)
+    named = [
+        end for end in service_endpoints_of_node(node, "nav", "/robot") if end.service == "/start"
     ]
-    assert [(e.node, e.serves) for e in clients_of(node, "/start")] == [("/teleop", False)]
+    (end,) = servers_of(node, "/start")
+    assert [(e.service, e.is_server, e.node, e.type) for e in named] == [
+        (end.service, end.is_server, end.node, end.type)
+    ]
+    assert [(e.node, e.is_server) for e in clients_of(node, "/start")] == [("/teleop", False)]
 
 
 def test_a_node_that_is_gone_is_not_there(app):
     leaving = app.node("nodes2.py", "/leaving", ">/left:std_msgs/String")
     wait_for(
-        lambda: ends(Ros2Live(app.domain, LONG_S).read(), "/left") == [("/leaving", ">")],
+        lambda: ends(Ros2LiveSource(app.domain, LONG_S).read(), "/left") == [("/leaving", ">")],
         what="the node",
     )
     leaving.tell(signal.SIGINT)
-    wait_for(lambda: not ends(Ros2Live(app.domain, LONG_S).read(), "/left"), what="the node's end")
+    wait_for(
+        lambda: not ends(Ros2LiveSource(app.domain, LONG_S).read(), "/left"), what="the node's end"
+    )
 
 
 @pytest.mark.parametrize(("limit", "what"), [("MOST_NAMES", "topics"), ("MOST_ENDS", "endpoints")])
 def test_a_domain_too_large_is_refused(app, monkeypatch, limit, what):
     monkeypatch.setattr(asking, limit, 6)
     with pytest.raises(SourceError, match=f"more than 6 ({what}|nodes)"):
-        Ros2Live(app.domain, LONG_S).read()
+        Ros2LiveSource(app.domain, LONG_S).read()
 
 
 @pytest.fixture
 def domain(session):
-    with closing(Domain(session, "/_asking")) as domain:
+    with closing(DomainReader(session, "/_asking")) as domain:
         yield domain
 
 
 def test_a_look_that_takes_too_long_is_ended(domain):
-    wait_for(lambda: domain.look(LONG_S).endpoints, what="an endpoint")
+    wait_for(lambda: domain.snapshot(LONG_S).endpoints, what="an endpoint")
     with pytest.raises(SourceError, match="more than there is time for"):
-        domain.look(0.0)
+        domain.snapshot(0.0)
 
 
 def test_names_that_are_none_are_counted_and_left_out(session, domain, monkeypatch):
-    wait_for(lambda: domain.look(LONG_S).endpoints, what="an endpoint")
+    wait_for(lambda: domain.snapshot(LONG_S).endpoints, what="an endpoint")
     bad = [("/{node}/x", ["a"]), ("/a b", ["b"]), ("", ["c"]), ("/é\n", ["d"])]
     node = session.node("/_asking")
     honest = node.get_topic_names_and_types
@@ -224,7 +228,7 @@ def test_names_that_are_none_are_counted_and_left_out(session, domain, monkeypat
         return honest(**options) if options else [*bad, *honest()]
 
     monkeypatch.setattr(node, "get_topic_names_and_types", lying)
-    assert domain.look(LONG_S).malformed == len(bad)
+    assert domain.snapshot(LONG_S).malformed == len(bad)
 
 
 def test_names_that_are_no_text_are_an_error(session, domain, monkeypatch):
@@ -233,18 +237,18 @@ def test_names_that_are_no_text_are_an_error(session, domain, monkeypatch):
 
     monkeypatch.setattr(session.node("/_asking"), "get_topic_names_and_types", undecodable)
     with pytest.raises(SourceError, match="no text"):
-        domain.sign()
+        domain.fingerprint()
     with pytest.raises(SourceError, match="no text"):
-        domain.look(LONG_S)
+        domain.snapshot(LONG_S)
 
 
 def test_a_stranger_with_our_nodes_name_is_seen(app, session):
     name = "/_asking"
     other = app.node("nodes2.py", name, ">/hidden_by_name:std_msgs/String")
-    with closing(Domain(session, name)) as domain:
-        wait_for(lambda: name in domain.look(LONG_S).nodes, what="the other of that name")
-        wait_for(lambda: domain.look(LONG_S).named, what="its name")
-        ends = domain.look(LONG_S).endpoints
+    with closing(DomainReader(session, name)) as domain:
+        wait_for(lambda: name in domain.snapshot(LONG_S).nodes, what="the other of that name")
+        wait_for(lambda: domain.snapshot(LONG_S).all_named, what="its name")
+        ends = domain.snapshot(LONG_S).endpoints
     assert {end.node for end in ends if end.topic == "/hidden_by_name"} == {name}
     other.tell(signal.SIGINT)
 
@@ -252,7 +256,7 @@ def test_a_stranger_with_our_nodes_name_is_seen(app, session):
 def test_nobody_is_an_error_with_help(ros2, monkeypatch):
     monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     with pytest.raises(SourceError, match=f"no node is seen in ROS 2 domain {ros2.domain}") as told:
-        Ros2Live(ros2.domain, 0.1).read()
+        Ros2LiveSource(ros2.domain, 0.1).read()
     assert "--domain" in told.value.help
 
 
@@ -260,19 +264,19 @@ def test_nobody_is_an_error_with_help(ros2, monkeypatch):
 def test_a_domain_that_is_none_is_an_error_and_no_end_of_the_process(monkeypatch, domain):
     monkeypatch.setenv("ROS_DOMAIN_ID", domain)
     with pytest.raises(InputError, match="there is no ROS 2 domain") as told:
-        Ros2Live(None, LONG_S).read()
+        Ros2LiveSource(None, LONG_S).read()
     assert len(str(told.value)) < 100
 
 
 def test_what_is_read_is_said(monkeypatch):
     monkeypatch.setenv("ROS_DOMAIN_ID", "7")
     monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-    assert Ros2Live(None, 1).surroundings.startswith("ROS 2 domain 7 (rmw_")
-    assert Ros2Live(3, 1).surroundings.endswith(", this machine only)")
+    assert Ros2LiveSource(None, 1).domain_description.startswith("ROS 2 domain 7 (rmw_")
+    assert Ros2LiveSource(3, 1).domain_description.endswith(", this machine only)")
     monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "SUBNET")
-    assert Ros2Live(0, 1).surroundings.endswith(", discovery range SUBNET)")
+    assert Ros2LiveSource(0, 1).domain_description.endswith(", discovery range SUBNET)")
     monkeypatch.setenv("ROS_LOCALHOST_ONLY", "1")
-    assert Ros2Live(0, 1).surroundings.endswith(", this machine only)")
+    assert Ros2LiveSource(0, 1).domain_description.endswith(", this machine only)")
 
 
 def test_the_command_line_reads_it(app):

@@ -7,17 +7,17 @@ pytest.importorskip("rclpy")
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rtron.planning.proposal.policy_defaults import left_out
-from rtron.risks import discover
+from rtron.planning.proposal.policy_defaults import unguardable_topics
+from rtron.risks import discover_risks
 from rtron.sources.graph_json import graph_to_json
 from rtron.sources.live.ros2 import discovery
-from rtron.sources.live.ros2.actions import part_of
-from rtron.sources.live.ros2.discovery import settled
+from rtron.sources.live.ros2.actions import action_member
+from rtron.sources.live.ros2.discovery import discover_graph
 from rtron.sources.live.ros2.domain import Snapshot
-from rtron.sources.live.ros2.source import graph_of
+from rtron.sources.live.ros2.source import graph_of_snapshot
 from rtron.vocabulary import ActionRole, Direction, QoS
 from rtron.wire.ros2.endpoints import Ros2Endpoint
-from rtron.wire.ros2.service_endpoints import Ros2ServiceEnd
+from rtron.wire.ros2.service_endpoints import Ros2ServiceEndpoint
 
 pytestmark = pytest.mark.ros2
 TWIST = "geometry_msgs/msg/Twist"
@@ -37,7 +37,9 @@ def end(node, topic, mark, type=TWIST, hash="h", participant=HERE):
 
 
 def side(node, service, type, *, serves):
-    return Ros2ServiceEnd(service=service, serves=serves, node=node, type=type, gid=HERE + bytes(4))
+    return Ros2ServiceEndpoint(
+        service=service, is_server=serves, node=node, type=type, gid=HERE + bytes(4)
+    )
 
 
 def told(graph):
@@ -47,24 +49,24 @@ def told(graph):
 def test_an_endpoint_of_nobody_is_told_and_counts_as_a_publisher():
     ends = (end("", "/cmd_vel", ">"), end("/a", "/cmd_vel", ">", participant=THERE))
     seen = Snapshot(nodes=("/a", "/b"), endpoints=(*ends, end("/b", "/cmd_vel", "<")))
-    graph = graph_of(seen)
+    graph = graph_of_snapshot(seen)
     name = f"{{participant {HERE.hex()}}}"
     assert told(graph)[name].startswith("has 1 endpoints and does not say whose")
-    report = discover(graph)
+    report = discover_risks(graph)
     assert "GR-ST:/cmd_vel" in {risk.id for risk in report.risks}
-    assert [p.where for p in left_out(graph, report)] == [name]
+    assert [p.location for p in unguardable_topics(graph, report)] == [name]
 
 
 def test_one_type_in_two_definitions_is_told():
     ends = (end("/a", "/t", ">", hash="x"), end("/b", "/t", "<", hash="y"))
-    assert "2 definitions here: /a, /b" in told(graph_of(Snapshot(endpoints=ends)))["/t"]
+    assert "2 definitions here: /a, /b" in told(graph_of_snapshot(Snapshot(endpoints=ends)))["/t"]
     unknown = (end("/a", "/t", ">", hash="x"), end("/b", "/t", "<", hash=""))
-    assert told(graph_of(Snapshot(endpoints=unknown))) == {}
+    assert told(graph_of_snapshot(Snapshot(endpoints=unknown))) == {}
 
 
 def test_many_types_are_told_in_short():
     ends = tuple(end(f"/n{n}", "/t", ">", type=f"a/msg/B{n}") for n in range(100))
-    why = told(graph_of(Snapshot(endpoints=ends)))["/t"]
+    why = told(graph_of_snapshot(Snapshot(endpoints=ends)))["/t"]
     assert why.startswith("has 100 types")
     assert why.endswith("and 92 more")
 
@@ -87,14 +89,14 @@ def test_many_types_are_told_in_short():
     ],
 )
 def test_what_is_a_part_of_an_action(name, type, action):
-    part = part_of(name, type)
+    part = action_member(name, type)
     assert (part.action if part else None) == action
 
 
 def test_who_only_cancels_or_only_tells_is_a_side_too():
     services = (side("/c", "/go/_action/cancel_goal", "action_msgs/srv/CancelGoal", serves=False),)
     ends = (end("/liar", "/go/_action/feedback", ">", type="p/action/Go_FeedbackMessage"),)
-    graph = graph_of(Snapshot(endpoints=ends, services=services))
+    graph = graph_of_snapshot(Snapshot(endpoints=ends, services=services))
     assert [(a.node, a.role, a.type) for a in graph.actions] == [
         ("/c", ActionRole.CLIENT, "p/action/Go"),
         ("/liar", ActionRole.SERVER, "p/action/Go"),
@@ -107,7 +109,7 @@ def test_two_types_of_one_action_are_told():
         side("/a", "/go/_action/send_goal", "p/action/Go_SendGoal", serves=True),
         side("/b", "/go/_action/send_goal", "p/action/Stop_SendGoal", serves=False),
     )
-    graph = graph_of(Snapshot(services=services))
+    graph = graph_of_snapshot(Snapshot(services=services))
     assert "p/action/Go (/a), p/action/Stop (/b)" in told(graph)["/go"]
 
 
@@ -122,14 +124,14 @@ SIDES = st.builds(side, NAMES, NAMES, TYPES, serves=st.booleans())
 @given(st.lists(NAMES), st.lists(ENDS, max_size=20), st.lists(SIDES, max_size=20))
 def test_whatever_they_are_called_there_is_a_graph(nodes, ends, sides):
     seen = Snapshot(nodes=tuple(nodes), endpoints=tuple(ends), services=tuple(sides))
-    graph = graph_of(seen)
+    graph = graph_of_snapshot(seen)
     assert graph_to_json(graph)["schema"] == "rtron.graph/1"
-    discover(graph)
-    parts = [e for e in ends if not part_of(e.topic, e.type)]
+    discover_risks(graph)
+    parts = [e for e in ends if not action_member(e.topic, e.type)]
     assert len(graph.endpoints) >= len(parts)
 
 
-class Telling:
+class SnapshotSequence:
     """Stands for a domain: tells one snapshot after the other, the last for ever."""
 
     def __init__(self, *snapshots):
@@ -159,16 +161,16 @@ NAMELESS = Snapshot(nodes=("/a",), endpoints=(end("", "/t", ">"),))
     "before", [[], [Snapshot()], [Snapshot(), Snapshot()], [NAMELESS, NAMELESS], [NAMELESS]]
 )
 def test_it_waits_for_two_looks_that_agree_with_all_names(before):
-    found = settled(Telling(*before, WHOLE), 60.0)
-    assert (found.seen, found.still) == (WHOLE, True)
+    found = discover_graph(SnapshotSequence(*before, WHOLE), 60.0)
+    assert (found.snapshot, found.is_stable) == (WHOLE, True)
 
 
 @pytest.mark.usefixtures("quick")
 @pytest.mark.parametrize("last", [Snapshot(), NAMELESS])
 def test_it_does_not_wait_for_ever(last):
-    assert settled(Telling(last), 0.05).seen == last
+    assert discover_graph(SnapshotSequence(last), 0.05).snapshot == last
 
 
 def test_a_graph_that_changes_to_the_end_is_not_still():
     changing = (Snapshot(nodes=(f"/n{n}",)) for n in range(1000))
-    assert not settled(Telling(*changing), 0.1).still
+    assert not discover_graph(SnapshotSequence(*changing), 0.1).is_stable

@@ -12,10 +12,10 @@ from rmw_dds_common.msg import Gid, NodeEntitiesInfo, ParticipantEntitiesInfo
 from ros2_harness import Ros2
 
 from rtron.errors import WireError
-from rtron.sources.live.ros2.domain import Domain
-from rtron.wire.ros2.discovery_info import Claims, read_claim
+from rtron.sources.live.ros2.domain import DomainReader
+from rtron.wire.ros2.discovery_info import DiscoveryInfoReader, parse_discovery_info
 from rtron.wire.ros2.endpoints import publishers_of, subscribers_of
-from rtron.wire.ros2.session import Session
+from rtron.wire.ros2.session import Ros2Session
 
 pytestmark = pytest.mark.ros2
 
@@ -49,20 +49,20 @@ def gids(*numbers):
     [((), gids()), ((((), ()),), gids()), ((((2,), (3, 4)), ((5,), ())), gids(2, 3, 4, 5))],
 )
 def test_a_word_tells_whose_it_is_and_all_the_ends(nodes, expected):
-    assert read_claim(word(*nodes)) == (bytes([1]) * 16, expected)
+    assert parse_discovery_info(word(*nodes)) == (bytes([1]) * 16, expected)
 
 
 @pytest.mark.parametrize("cut", range(0, 78, 7))
 def test_what_is_no_word_is_refused(cut):
     with pytest.raises(WireError):
-        read_claim(word(((2,), (3,)))[:cut])
+        parse_discovery_info(word(((2,), (3,)))[:cut])
 
 
 def test_a_word_that_claims_more_than_it_says_is_refused():
     message = bytearray(word())
     message[-4:] = b"\xff\xff\xff\x7f"
     with pytest.raises(WireError):
-        read_claim(bytes(message))
+        parse_discovery_info(bytes(message))
 
 
 @pytest.fixture(scope="module")
@@ -76,7 +76,7 @@ def app(tmp_path_factory):
 
 @pytest.fixture
 def session(app):
-    with closing(Session(app.domain)) as session:
+    with closing(Ros2Session(app.domain)) as session:
         yield session
 
 
@@ -87,18 +87,18 @@ def ends_of(session):
 
 
 def test_the_ends_of_an_app_are_claimed_by_it(session):
-    with closing(Claims(session.node("/_asking"))) as claims:
+    with closing(DiscoveryInfoReader(session.node("/_asking"))) as claims:
         wait_for(lambda: len(ends_of(session)) == 2 and ends_of(session) <= claims.gids())
 
 
 def test_when_all_is_shown_nothing_is_owed(session):
-    with closing(Domain(session, "/_asking")) as domain:
-        wait_for(lambda: len(ends_of(session)) == 2 and domain.look(60.0).whole)
+    with closing(DomainReader(session, "/_asking")) as domain:
+        wait_for(lambda: len(ends_of(session)) == 2 and domain.snapshot(60.0).is_complete)
 
 
 def test_what_is_claimed_and_not_shown_is_owed(session, monkeypatch):
-    with closing(Domain(session, "/_asking")) as domain:
-        wait_for(lambda: domain.look(60.0).whole)
-        monkeypatch.setattr(Claims, "gids", lambda _: gids(7))
-        seen = domain.look(60.0)
-    assert (seen.owed, seen.whole) == (1, False)
+    with closing(DomainReader(session, "/_asking")) as domain:
+        wait_for(lambda: domain.snapshot(60.0).is_complete)
+        monkeypatch.setattr(DiscoveryInfoReader, "gids", lambda _: gids(7))
+        seen = domain.snapshot(60.0)
+    assert (seen.missing_endpoints, seen.is_complete) == (1, False)

@@ -5,13 +5,13 @@ from pathlib import Path
 import pytest
 from model_cases import site
 
-from rtron.sources.models.common.functions import functions
-from rtron.sources.models.common.model_scope import scope_at
-from rtron.sources.models.common.schema import Declare, Model
+from rtron.sources.models.common.functions import model_functions
+from rtron.sources.models.common.model_scope import node_scope
+from rtron.sources.models.common.schema import Model, ModelEntry
 
 PAGE = (Path(__file__).parents[3] / "docs" / "models.md").read_text(encoding="utf-8")
 KEYS = {
-    field.alias or name for form in (Model, Declare) for name, field in form.model_fields.items()
+    field.alias or name for form in (Model, ModelEntry) for name, field in form.model_fields.items()
 }
 
 
@@ -20,6 +20,6 @@ def test_a_key_is_on_the_page(key):
     assert f"`{key}`" in PAGE
 
 
-@pytest.mark.parametrize("name", sorted(functions(scope_at(site()))))
+@pytest.mark.parametrize("name", sorted(model_functions(node_scope(site()))))
 def test_a_function_is_on_the_page(name):
     assert f"`{name}(" in PAGE

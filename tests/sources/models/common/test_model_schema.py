@@ -5,7 +5,7 @@ from model_cases import names, parameters, site, told
 
 from rtron.errors import InputError
 from rtron.sources.declaration import NodeSite
-from rtron.sources.models import interface, load_models
+from rtron.sources.models import load_models, node_interface
 from rtron.vocabulary import Resolution, UnknownValue
 
 HEAD = "node: my/node\nsource: github.com/me/my@1.0 src/node.cpp\n"
@@ -29,7 +29,7 @@ def library(tmp_path):
 def evaluated(library):
     def evaluate(declares: str, *parts: str, let: str = "", **at):
         models = library(HEAD + let + "declares:\n" + declares, *parts)
-        return interface(models.node("my", "node"), site(**at), models=models)
+        return node_interface(models.node("my", "node"), site(**at), models=models)
 
     return evaluate
 
@@ -295,7 +295,7 @@ def test_models_are_loaded_once():
 def test_a_node_of_the_root_namespace(library):
     models = library(HEAD + "declares:\n- {publish: a, type: p/T}\n- {publish: ~a, type: p/T}\n")
     node = NodeSite(name="/n", parameters=parameters({}))
-    assert names(interface(models.node("my", "node"), node, models=models), "publish") == {
+    assert names(node_interface(models.node("my", "node"), node, models=models), "publish") == {
         "/a",
         "/n/a",
     }

@@ -8,10 +8,15 @@ import pytest
 from model_cases import parameters, site
 from observed_systems import autorace, modelled, observed
 
-from rtron.sources.gazebo import plugins_of
-from rtron.sources.models import PluginElement, interface, load_models, plugin_interface
+from rtron.sources.gazebo import read_plugins
+from rtron.sources.models import (
+    PluginElement,
+    controller_interface,
+    load_models,
+    node_interface,
+    plugin_interface,
+)
 from rtron.sources.models.packages import known_packages
-from rtron.sources.models.ros1 import controllers
 from rtron.sources.xacro import evaluate_xacro
 
 KINETIC = (("ROS_DISTRO", "kinetic"),)
@@ -19,11 +24,11 @@ MELODIC = (("ROS_DISTRO", "melodic"),)
 
 
 def found_at(package, executable, **at):
-    return interface(load_models().node(package, executable), site(**at))
+    return node_interface(load_models().node(package, executable), site(**at))
 
 
 def nodelet_at(class_name, **at):
-    return interface(load_models().nodelet(class_name), site(**at))
+    return node_interface(load_models().nodelet(class_name), site(**at))
 
 
 def plugin_at(filename, values, environ=KINETIC, **more):
@@ -163,7 +168,7 @@ def described(path):
             sensor_name=plugin.sensor.name if plugin.sensor else "",
             sensor_type=plugin.sensor.type if plugin.sensor else "",
         )
-        for plugin in plugins_of(result.root)
+        for plugin in read_plugins(result.root)
     ]
 
 
@@ -212,7 +217,7 @@ def test_gazebo_with_autorally():
     imu = {"topicName": "imu/imu", "serviceName": "imu/calibrate"}
     found = (
         found_at("gazebo_ros", "gzserver", name="/gazebo", environ=MELODIC),
-        controllers(spawner, parameters(types)),
+        controller_interface(spawner, parameters(types)),
         plugin_at("libgazebo_ros_control.so", {"robotNamespace": "/"}),
         plugin_at("libgazebo_ros_p3d.so", {"topicName": "ground_truth/state_raw"}),
         plugin_at("libhector_gazebo_ros_imu.so", imu),

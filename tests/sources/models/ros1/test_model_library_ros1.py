@@ -6,10 +6,9 @@ import re
 import pytest
 from model_cases import names, parameters, site, told
 
-from rtron.sources.models import PluginElement, interface, load_models
+from rtron.sources.models import PluginElement, controller_interface, load_models, node_interface
 from rtron.sources.models import plugin_interface as plugin_at
-from rtron.sources.models.common.schema import texts
-from rtron.sources.models.ros1 import controllers
+from rtron.sources.models.common.schema import model_texts
 from rtron.vocabulary import UnknownValue
 
 MODELS = load_models()
@@ -119,7 +118,7 @@ def test_the_library_has_the_costmap_layer(layer):
 
 @pytest.mark.parametrize("key", sorted(MODELS.by_name), ids="/".join)
 def test_every_expression_parses(key):
-    for kind, text in texts(MODELS.by_name[key]):
+    for kind, text in model_texts(MODELS.by_name[key]):
         for expression in [text] if kind == "expression" else _BRACES.findall(text):
             assert ast.parse(expression.strip(), mode="eval").body
 
@@ -128,14 +127,14 @@ def test_every_expression_parses(key):
 def test_every_literal_use_leads_to_a_model_that_gets_what_it_needs(key):
     for entry in MODELS.by_name[key].walk():
         if entry.uses is not None and "{" not in entry.uses:
-            used = MODELS.named(entry.uses)
+            used = MODELS.find(entry.uses)
             assert used is not None, entry.uses
-            assert set(entry.given) == set(used.needs), entry.uses
+            assert set(entry.passed) == set(used.needs), entry.uses
 
 
 @pytest.mark.parametrize("key", sorted(k for k in MODELS.by_name if k[0] == "node"), ids="/".join)
 def test_every_node_is_evaluated_without_parameters(key):
-    found = interface(MODELS.by_name[key], site(name="/ns/node"))
+    found = node_interface(MODELS.by_name[key], site(name="/ns/node"))
     for declaration in found.declarations:
         assert declaration.name.startswith("/")
         assert "//" not in declaration.name
@@ -157,7 +156,9 @@ def test_costmap_layers_of_before_hydro():
         "/move_base/local_costmap/observation_sources": "scan",
         "/move_base/local_costmap/scan": {"data_type": "LaserScan", "topic": "/laser"},
     }
-    found = interface(MODELS.node("move_base", "move_base"), site(name="/move_base", values=values))
+    found = node_interface(
+        MODELS.node("move_base", "move_base"), site(name="/move_base", values=values)
+    )
     assert ("subscribe", "/other_map", "nav_msgs/OccupancyGrid") in told(found)
     assert ("subscribe", "/laser", "sensor_msgs/LaserScan") in told(found)
     layers = {name.split("/")[3] for name in names(found, "publish") if "layer/" in name}
@@ -170,14 +171,18 @@ def test_with_plugins_a_layer_reads_only_its_own_parameters():
         "/move_base/local_costmap/plugins": plugins,
         "/move_base/local_costmap/observation_sources": "scan",
     }
-    found = interface(MODELS.node("move_base", "move_base"), site(name="/move_base", values=values))
+    found = node_interface(
+        MODELS.node("move_base", "move_base"), site(name="/move_base", values=values)
+    )
     assert "/scan" not in names(found, "subscribe")
 
 
 def test_an_unknown_layer_type_is_unresolved():
     plugins = [{"name": "people", "type": "social_navigation_layers::ProxemicLayer"}]
     values = {"/move_base/local_costmap/plugins": plugins}
-    found = interface(MODELS.node("move_base", "move_base"), site(name="/move_base", values=values))
+    found = node_interface(
+        MODELS.node("move_base", "move_base"), site(name="/move_base", values=values)
+    )
     assert "costmap_layer:social_navigation_layers::ProxemicLayer" in {
         u.what for u in found.unresolved
     }
@@ -191,7 +196,9 @@ def test_twist_mux_as_its_parameters_say():
         ],
         "/twist_mux/locks": [{"name": "stop", "topic": "e_stop", "priority": 255}],
     }
-    found = interface(MODELS.node("twist_mux", "twist_mux"), site(name="/twist_mux", values=values))
+    found = node_interface(
+        MODELS.node("twist_mux", "twist_mux"), site(name="/twist_mux", values=values)
+    )
     assert told(found) == {
         ("publish", "/cmd_vel_out", "geometry_msgs/Twist"),
         ("publish", "/diagnostics", "diagnostic_msgs/DiagnosticArray"),
@@ -211,7 +218,7 @@ def test_twist_mux_as_its_parameters_say():
     ],
 )
 def test_rostopic(args, expected):
-    found = interface(MODELS.node("rostopic", "rostopic"), site(name="/ns/pub", args=args))
+    found = node_interface(MODELS.node("rostopic", "rostopic"), site(name="/ns/pub", args=args))
     assert told(found) == {expected}
 
 
@@ -224,7 +231,7 @@ def test_rostopic(args, expected):
     ],
 )
 def test_rosbag_record(args, subscribed, unresolved):
-    found = interface(MODELS.node("rosbag", "record"), site(name="/ns/record", args=args))
+    found = node_interface(MODELS.node("rosbag", "record"), site(name="/ns/record", args=args))
     assert names(found, "subscribe") == subscribed
     assert len(found.unresolved) == unresolved
 
@@ -243,20 +250,20 @@ def test_rosbag_record(args, subscribed, unresolved):
     ],
 )
 def test_topic_tools(executable, args, subscribed, published):
-    found = interface(MODELS.node("topic_tools", executable), site(name="/ns/tool", args=args))
+    found = node_interface(MODELS.node("topic_tools", executable), site(name="/ns/tool", args=args))
     assert names(found, "subscribe") == {subscribed}
     assert names(found, "publish") - {"/ns/mux/selected", "/ns/demux/selected"} == {published}
 
 
 def test_rosserial_and_rosbridge_say_what_they_cannot_know():
     for name in ("rosserial_python/serial_node.py", "rosbridge_server/rosbridge_websocket"):
-        assert interface(MODELS.node(*name.split("/")), site()).unresolved
+        assert node_interface(MODELS.node(*name.split("/")), site()).unresolved
 
 
 def test_image_transport_of_a_subscriber():
     model = MODELS.nodelet("image_proc/debayer")
     values = {"/camera/debayer/image_transport": "compressed"}
-    found = interface(model, site(name="/camera/debayer", values=values))
+    found = node_interface(model, site(name="/camera/debayer", values=values))
     assert ("subscribe", "/camera/image_raw/compressed", "sensor_msgs/CompressedImage") in told(
         found
     )
@@ -265,7 +272,7 @@ def test_image_transport_of_a_subscriber():
 
 def test_disabled_image_transports():
     values = {"/cam/image_raw/disable_pub_plugins": ["image_transport/theora"]}
-    found = interface(MODELS.node("usb_cam", "usb_cam_node"), site(name="/cam", values=values))
+    found = node_interface(MODELS.node("usb_cam", "usb_cam_node"), site(name="/cam", values=values))
     published = names(found, "publish")
     assert "/cam/image_raw/compressed" in published
     assert "/cam/image_raw/theora" not in published
@@ -318,7 +325,7 @@ def test_a_controller_lives_below_the_spawners_namespace():
         }
     )
     spawner = site(name="/arm/spawner", args="--stopped --timeout 10 traj js odd late gone")
-    found = controllers(spawner, types)
+    found = controller_interface(spawner, types)
     assert told(found) == {
         ("subscribe", "/arm/traj/command", "trajectory_msgs/JointTrajectory"),
         ("publish", "/arm/traj/state", "control_msgs/JointTrajectoryControllerState"),
@@ -340,7 +347,7 @@ def test_a_controller_lives_below_the_spawners_namespace():
 @pytest.mark.parametrize("args", ["spawn js", "--namespace=/arm js", "--namespace /arm js"])
 def test_ways_to_load_a_controller(args):
     types = parameters({"/arm/js/type": "joint_state_controller/JointStateController"})
-    found = controllers(site(name="/arm/x", args=args), types)
+    found = controller_interface(site(name="/arm/x", args=args), types)
     assert names(found, "publish") == {"/arm/joint_states"}
 
 
@@ -365,7 +372,7 @@ Visualization Manager:
 
 def test_rviz_as_its_configuration_says(tmp_path):
     (tmp_path / "my.rviz").write_text(RVIZ, encoding="utf-8")
-    found = interface(
+    found = node_interface(
         MODELS.node("rviz", "rviz"), site(name="/rviz", args=f"-d {tmp_path}/my.rviz")
     )
     explicit = {(str(d.kind), d.name) for d in found.declarations if not d.implicit}
@@ -382,7 +389,7 @@ def test_rviz_as_its_configuration_says(tmp_path):
 @pytest.mark.parametrize("text", ["[1, 2]", "a: &x 1", "{", "Visualization Manager: 3", ""])
 def test_rviz_survives_any_configuration(tmp_path, text):
     (tmp_path / "my.rviz").write_text(text, encoding="utf-8")
-    found = interface(
+    found = node_interface(
         MODELS.node("rviz", "rviz"), site(name="/rviz", args=f"-d {tmp_path}/my.rviz")
     )
     assert "/tf" in names(found, "subscribe")
@@ -391,6 +398,6 @@ def test_rviz_survives_any_configuration(tmp_path, text):
 @pytest.mark.parametrize("path", ["/nonexistent/mux.yaml", "/dev/zero", "/"])
 def test_a_yaml_file_that_cannot_be_read_leaves_holes(path):
     model = MODELS.nodelet("yocs_cmd_vel_mux/CmdVelMuxNodelet")
-    found = interface(model, site(name="/mux", values={"/mux/yaml_cfg_file": path}))
+    found = node_interface(model, site(name="/mux", values={"/mux/yaml_cfg_file": path}))
     assert any("{" in name for name in names(found, "subscribe"))
     assert any("{" in name for name in names(found, "publish"))

@@ -4,13 +4,13 @@ import ast
 import re
 
 import pytest
-from model_cases import names, site2, told
+from model_cases import names, ros2_node_site, told
 
-from rtron.sources.models import LIBRARY2, interface, load_models
-from rtron.sources.models.common.schema import texts
+from rtron.sources.models import ROS2_LIBRARY, load_models, node_interface
+from rtron.sources.models.common.schema import model_texts
 from rtron.vocabulary import QoS, Reliability, UnknownValue
 
-MODELS = load_models(LIBRARY2)
+MODELS = load_models(ROS2_LIBRARY)
 _BRACES = re.compile(r"\{([^{}]*)\}")
 _FOLDERS = {"publish": "msg", "subscribe": "msg", "service": "srv", "service_client": "srv"}
 NODES = [
@@ -85,7 +85,7 @@ CONTROLLERS = [
 
 
 def modelled(type, /, **at):
-    return interface(MODELS.node(*type.split("/")), site2(**at), models=MODELS)
+    return node_interface(MODELS.node(*type.split("/")), ros2_node_site(**at), models=MODELS)
 
 
 @pytest.mark.parametrize("name", NODES)
@@ -100,7 +100,7 @@ def test_the_library_of_ros2_has_the_controller(name):
 
 @pytest.mark.parametrize("name", sorted(n for kind, n in MODELS.by_name if kind == "controller"))
 def test_a_controller_has_no_services_of_its_lifecycle(name):
-    found = interface(MODELS.controller(name), site2(name="/arm"), models=MODELS)
+    found = node_interface(MODELS.controller(name), ros2_node_site(name="/arm"), models=MODELS)
     names = {declared.name for declared in found.declarations}
     assert "/arm/transition_event" in names
     assert "/arm/change_state" not in names
@@ -108,7 +108,7 @@ def test_a_controller_has_no_services_of_its_lifecycle(name):
 
 @pytest.mark.parametrize("key", sorted(MODELS.by_name), ids="/".join)
 def test_every_expression_parses_in_ros2(key):
-    for kind, text in texts(MODELS.by_name[key]):
+    for kind, text in model_texts(MODELS.by_name[key]):
         for expression in [text] if kind == "expression" else _BRACES.findall(text):
             assert ast.parse(expression.strip(), mode="eval").body
 
@@ -117,16 +117,16 @@ def test_every_expression_parses_in_ros2(key):
 def test_every_literal_use_in_ros2_leads_to_a_model_that_gets_what_it_needs(key):
     for entry in MODELS.by_name[key].walk():
         if entry.uses is not None and "{" not in entry.uses:
-            used = MODELS.named(entry.uses)
+            used = MODELS.find(entry.uses)
             assert used is not None, entry.uses
-            assert set(entry.given) == set(used.needs), entry.uses
+            assert set(entry.passed) == set(used.needs), entry.uses
 
 
 @pytest.mark.parametrize("distribution", ["humble", "jazzy", "kilted", "rolling"])
 @pytest.mark.parametrize("key", sorted(k for k in MODELS.by_name if k[0] == "node"), ids="/".join)
 def test_every_node_of_ros2_is_evaluated_without_parameters(key, distribution):
-    at = site2(name="/ns/node", environ=[("ROS_DISTRO", distribution)])
-    found = interface(MODELS.by_name[key], at, models=MODELS)
+    at = ros2_node_site(name="/ns/node", environ=[("ROS_DISTRO", distribution)])
+    found = node_interface(MODELS.by_name[key], at, models=MODELS)
     assert all("value" not in note.why for note in found.unresolved), found.unresolved
     for declaration in found.declarations:
         assert declaration.name.startswith("/")
@@ -256,12 +256,12 @@ def test_a_velocity_is_stamped_as_the_distribution_and_the_parameters_say(
 def test_a_parameter_of_older_releases_counts_where_the_distribution_may_be_one(
     distribution, topic
 ):
-    at = site2(
+    at = ros2_node_site(
         name="/n",
         settings={"/**": {"use_stamped_vel": False}},
         environ=[("ROS_DISTRO", distribution)] if distribution else [],
     )
-    found = interface(
+    found = node_interface(
         MODELS.controller("diff_drive_controller/DiffDriveController"), at, models=MODELS
     )
     assert names(found, "subscribe") == {topic}
@@ -435,7 +435,9 @@ def test_arguments_that_the_client_library_takes_are_not_the_nodes():
 def test_a_spawner_is_called_like_its_first_controller():
     words = "--controller-manager-timeout 10 -c /cm arm hand"
     model = MODELS.node("controller_manager", "spawner")
-    found = interface(model, site2("/ns/spawner", args=words, named=False), models=MODELS)
+    found = node_interface(
+        model, ros2_node_site("/ns/spawner", args=words, named=False), models=MODELS
+    )
     assert [node.name for node in found.nodes] == ["/ns/spawner_arm"]
 
 
@@ -444,7 +446,7 @@ def test_a_spawner_is_called_like_its_first_controller():
 )
 def test_a_static_transform_publisher_names_itself_anew_each_time(named, name):
     model = MODELS.node("tf2_ros", "static_transform_publisher")
-    found = interface(model, site2("/ns/n", named=named), models=MODELS)
+    found = node_interface(model, ros2_node_site("/ns/n", named=named), models=MODELS)
     assert [node.name for node in found.nodes] == [f"/ns/{name}"]
 
 
@@ -468,15 +470,15 @@ GIVEN = {"input_topic": "/given", "output_topic": "/sent"}
 LISTED = {"input_topics": ("/a", "b"), "output_topics": ("/a", "b"), "initial_topic": "/c"}
 
 
-def ends_of(found):
-    heard, sent = names(found, "subscribe"), names(found, "publish")
+def ends_of(fake_study):
+    heard, sent = names(fake_study, "subscribe"), names(fake_study, "publish")
     return sorted(heard), sorted(sent)
 
 
 @pytest.mark.parametrize(("tool", "words"), TOOLS)
 def test_the_words_of_a_topic_tool_count_before_its_parameters(tool, words):
-    site = site2("/ns/tool", {"/**": GIVEN | LISTED | {"initial_topic": ""}}, args=words)
-    found = interface(MODELS.node("topic_tools", tool), site, models=MODELS)
+    site = ros2_node_site("/ns/tool", {"/**": GIVEN | LISTED | {"initial_topic": ""}}, args=words)
+    found = node_interface(MODELS.node("topic_tools", tool), site, models=MODELS)
     heard, sent = ends_of(found)
     assert sorted([*heard, *sent]) == sorted(TOOLS[tool, words])
     assert found.unresolved == ()
@@ -487,27 +489,33 @@ def test_the_words_of_a_topic_tool_count_before_its_parameters(tool, words):
 def test_a_topic_tool_has_the_topics_of_its_parameters(tool, words):
     words = words if tool == "throttle" else ""
     model = MODELS.node("topic_tools", tool)
-    found = interface(model, site2("/ns/tool", {"/**": GIVEN}, args=words), models=MODELS)
+    found = node_interface(
+        model, ros2_node_site("/ns/tool", {"/**": GIVEN}, args=words), models=MODELS
+    )
     assert ends_of(found) == (["/given"], ["/sent"])
-    unset = interface(model, site2("/ns/tool"), models=MODELS)
+    unset = node_interface(model, ros2_node_site("/ns/tool"), models=MODELS)
     assert [note.why for note in unset.unresolved] == ["the parameter input_topic is not set"]
 
 
 def test_a_topic_tool_names_its_output_after_itself_where_nothing_else_does():
-    found = interface(MODELS.node("topic_tools", "drop"), site2("/d", args="in 1 2"), models=MODELS)
+    found = node_interface(
+        MODELS.node("topic_tools", "drop"), ros2_node_site("/d", args="in 1 2"), models=MODELS
+    )
     assert ends_of(found) == (["/in"], ["/in_drop"])
 
 
 def test_a_mux_hears_and_a_demux_sends_what_it_is_set_to():
-    found = interface(MODELS.node("topic_tools", "mux"), site2("/m", {"/**": LISTED}))
+    found = node_interface(MODELS.node("topic_tools", "mux"), ros2_node_site("/m", {"/**": LISTED}))
     assert ends_of(found) == (["/a", "/b", "/c"], ["/m/selected"])
-    found = interface(MODELS.node("topic_tools", "demux"), site2("/d", {"/**": LISTED}))
+    found = node_interface(
+        MODELS.node("topic_tools", "demux"), ros2_node_site("/d", {"/**": LISTED})
+    )
     assert ends_of(found) == (["/d/input"], ["/a", "/b", "/c"])
 
 
 def test_a_transform_has_a_name_that_ends_in_its_number():
     words = "/in /out std_msgs/Float64 m --field x"
-    site = site2("/ns/transform", args=words, named=False)
-    found = interface(MODELS.node("topic_tools", "transform"), site, models=MODELS)
+    site = ros2_node_site("/ns/transform", args=words, named=False)
+    found = node_interface(MODELS.node("topic_tools", "transform"), site, models=MODELS)
     assert [node.name for node in found.nodes] == ["/ns/transform_{pid}"]
     assert ("publish", "/out", "std_msgs/msg/Float64") in told(found)

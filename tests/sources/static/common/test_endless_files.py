@@ -7,7 +7,7 @@ import sys
 import pytest
 
 from rtron.errors import InputError
-from rtron.sources.bounded_file import content_hash, read_found
+from rtron.sources.bounded_file import content_hash, read_regular_file
 
 LAUNCH = '<launch><node pkg="p" exec="talker" name="talker"/></launch>'
 MANIFEST = """<package format="3"><name>p</name>
@@ -71,7 +71,7 @@ def test_what_never_ends_is_not_read(tmp_path, endless):
     endless(path)
     assert content_hash(path) == ""
     with pytest.raises(InputError, match="is a pipe or a device"):
-        read_found(path, 10)
+        read_regular_file(path, 10)
 
 
 def test_the_hash_of_a_file_tells_its_length_past_what_is_read(tmp_path):

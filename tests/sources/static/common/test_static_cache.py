@@ -4,12 +4,12 @@ import pytest
 
 from rtron.sources.bounded_file import content_hash
 from rtron.sources.declaration import NodeInterface, NodeSite
-from rtron.sources.static.common.cache import Cache, open_cache, user_cache
-from rtron.sources.static.common.launch_paths import find_launch
+from rtron.sources.static.common.cache import InterfaceCache, open_cache, user_cache_folder
+from rtron.sources.static.common.launch_paths import find_launch_file
 from rtron.sources.static.common.scan_options import ScanOptions
-from rtron.sources.static.common.task import Task, TaskKind, TaskResult
-from rtron.sources.static.common.worker_pool import Pool
-from rtron.sources.static.common.workspace_hash import workspace_state
+from rtron.sources.static.common.task import InterpretationTask, TaskKind, TaskResult
+from rtron.sources.static.common.worker_pool import WorkerPool
+from rtron.sources.static.common.workspace_hash import hash_workspace
 from rtron.sources.static.ros1.app import scan_app
 from rtron.sources.workspace import read_workspace
 
@@ -18,19 +18,19 @@ from rtron.sources.workspace import read_workspace
 def ran(monkeypatch):
     """Return the names of the nodes whose programs were interpreted."""
     names = []
-    run = Pool.run
+    run = WorkerPool.run_tasks
 
     def watched(self, tasks):
         names.extend(task.site.name for task in tasks)
         return run(self, tasks)
 
-    monkeypatch.setattr(Pool, "run", watched)
+    monkeypatch.setattr(WorkerPool, "run", watched)
     return names
 
 
 def scan(folder, cache, **args):
     workspace = read_workspace([folder], {})
-    launches = [(find_launch("robot/app.launch", workspace), args)]
+    launches = [(find_launch_file("robot/app.launch", workspace), args)]
     return scan_app([folder], launches, {}, ScanOptions(workers=1, cache=cache))
 
 
@@ -87,7 +87,9 @@ def test_a_spoilt_entry_is_no_entry(folder, tmp_path, ran, content):
 
 def task_in(folder):
     source = folder / "robot/scripts/teleop.py"
-    return Task(kind=TaskKind.PYTHON, sources=(source,), site=NodeSite(name="/teleop"))
+    return InterpretationTask(
+        kind=TaskKind.PYTHON, sources=(source,), site=NodeSite(name="/teleop")
+    )
 
 
 def result_of(task):
@@ -134,13 +136,13 @@ def test_the_oldest_entries_go_when_there_are_too_many(tmp_path, monkeypatch):
     for age, name in enumerate(("new", "middle", "old")):
         (tmp_path / name).write_bytes(b"x" * 10)
         os.utime(tmp_path / name, (1000 - age, 1000 - age))
-    Cache(tmp_path, "state").trim()
+    InterfaceCache(tmp_path, "state").trim()
     assert {path.name for path in tmp_path.iterdir()} == {"new", "middle"}
 
 
 def test_the_state_is_the_structure_not_the_code(folder):
     def state():
-        return workspace_state(read_workspace([folder], {}))
+        return hash_workspace(read_workspace([folder], {}))
 
     before = state()
     (folder / "robot/src/driver.cpp").write_text("int main() {}\n")
@@ -150,5 +152,5 @@ def test_the_state_is_the_structure_not_the_code(folder):
 
 
 def test_where_the_cache_lies():
-    assert str(user_cache({"XDG_CACHE_HOME": "/x"})) == "/x/rtron/scan"
-    assert user_cache({"XDG_CACHE_HOME": "relative"}) == user_cache({})
+    assert str(user_cache_folder({"XDG_CACHE_HOME": "/x"})) == "/x/rtron/scan"
+    assert user_cache_folder({"XDG_CACHE_HOME": "relative"}) == user_cache_folder({})

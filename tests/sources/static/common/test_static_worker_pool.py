@@ -2,15 +2,17 @@ import os
 import signal
 
 from rtron.sources.declaration import NodeSite
-from rtron.sources.static.common.task import Task, TaskKind
-from rtron.sources.static.common.worker_pool import Pool
+from rtron.sources.static.common.task import InterpretationTask, TaskKind
+from rtron.sources.static.common.worker_pool import WorkerPool
 from rtron.sources.workspace import read_workspace
 
 
 def tasks_in(folder, count):
     source = folder / "robot/scripts/teleop.py"
     return [
-        Task(kind=TaskKind.PYTHON, sources=(source,), site=NodeSite(name=f"/n{number}"))
+        InterpretationTask(
+            kind=TaskKind.PYTHON, sources=(source,), site=NodeSite(name=f"/n{number}")
+        )
         for number in range(count)
     ]
 
@@ -20,9 +22,9 @@ def names(result):
 
 
 def test_processes_that_end_cost_no_result(folder):
-    pool = Pool(read_workspace([folder], {}), 1, 60)
+    pool = WorkerPool(read_workspace([folder], {}), 1, 60)
     found = {}
-    for task, result in pool.run(tasks_in(folder, 3)):
+    for task, result in pool.run_tasks(tasks_in(folder, 3)):
         if not found:
             for process in list(pool._executor._processes):
                 os.kill(process, signal.SIGKILL)
@@ -33,30 +35,30 @@ def test_processes_that_end_cost_no_result(folder):
 
 def test_no_more_processes_are_started_than_there_are_cores(folder, monkeypatch):
     monkeypatch.setattr("rtron.sources.static.common.worker_pool.default_workers", lambda: 2)
-    pool = Pool(read_workspace([folder], {}), 100_000, 60)
-    assert sum(1 for _ in pool.run(tasks_in(folder, 3))) == 3
+    pool = WorkerPool(read_workspace([folder], {}), 100_000, 60)
+    assert sum(1 for _ in pool.run_tasks(tasks_in(folder, 3))) == 3
     assert len(pool._executor._processes) == 2
     pool.close()
 
 
 def test_no_tasks_start_no_process(folder):
-    pool = Pool(read_workspace([folder], {}), 2, 60)
-    assert list(pool.run([])) == []
+    pool = WorkerPool(read_workspace([folder], {}), 2, 60)
+    assert list(pool.run_tasks([])) == []
     assert pool._executor is None
 
 
 def test_a_pool_works_again_after_it_was_closed(folder):
-    pool = Pool(read_workspace([folder], {}), 2, 60)
+    pool = WorkerPool(read_workspace([folder], {}), 2, 60)
     for _ in range(2):
-        ((_, result),) = pool.run(tasks_in(folder, 1))
+        ((_, result),) = pool.run_tasks(tasks_in(folder, 1))
         pool.close()
         assert names(result) == {"/cmd_vel", "/go"}
 
 
 def test_the_files_that_count_are_told(folder):
-    pool = Pool(read_workspace([folder], {}), 1, 60)
+    pool = WorkerPool(read_workspace([folder], {}), 1, 60)
     source = folder / "robot/src/driver.cpp"
-    task = Task(kind=TaskKind.CPP, sources=(source,), site=NodeSite(name="/driver"))
-    ((_, result),) = pool.run([task])
+    task = InterpretationTask(kind=TaskKind.CPP, sources=(source,), site=NodeSite(name="/driver"))
+    ((_, result),) = pool.run_tasks([task])
     pool.close()
     assert {path.rpartition("/")[2] for path, _ in result.files} >= {"driver.cpp", "names.h"}

@@ -3,7 +3,7 @@ import shutil
 import pytest
 
 from rtron.errors import InputError
-from rtron.sources.static.common.launch_paths import find_launch
+from rtron.sources.static.common.launch_paths import find_launch_file
 from rtron.sources.static.common.scan_options import ScanOptions
 from rtron.sources.static.ros1.app import scan_app
 from rtron.sources.workspace import read_workspace
@@ -14,7 +14,7 @@ ONE = ScanOptions(workers=1)
 
 def scan(folder, *launches, args=None, options=ONE, environ=None):
     workspace = read_workspace([folder], {})
-    wanted = [(find_launch(f"robot/{name}", workspace), args or {}) for name in launches]
+    wanted = [(find_launch_file(f"robot/{name}", workspace), args or {}) for name in launches]
     return scan_app([folder], wanted, environ or {}, options)
 
 
@@ -140,19 +140,20 @@ def test_a_deeply_nested_source_does_not_end_the_scan(folder):
 def test_launch_files_are_found_as_roslaunch_finds_them(folder):
     workspace = read_workspace([folder], {})
     path = folder / "robot/launch/app.launch"
-    assert find_launch("robot/app.launch", workspace) == path
-    assert find_launch("robot/launch/app.launch", workspace) == path
-    assert find_launch(str(path), workspace) == path
+    assert find_launch_file("robot/app.launch", workspace) == path
+    assert find_launch_file("robot/launch/app.launch", workspace) == path
+    assert find_launch_file(str(path), workspace) == path
     shutil.copy(path, folder / "robot/app.launch")
     assert (
-        find_launch("robot/app.launch", read_workspace([folder], {})) == path.parents[1] / path.name
+        find_launch_file("robot/app.launch", read_workspace([folder], {}))
+        == path.parents[1] / path.name
     )
     with pytest.raises(InputError) as raised:
-        find_launch("robot/ap.launch", workspace)
+        find_launch_file("robot/ap.launch", workspace)
     assert "robot/app.launch" in raised.value.help
     for missing in ("", "/", "robot/", "nowhere/app.launch", "robot/../robot/package.xml/"):
         with pytest.raises(InputError):
-            find_launch(missing, workspace)
+            find_launch_file(missing, workspace)
 
 
 def test_a_missing_argument_is_the_users_to_give(folder):

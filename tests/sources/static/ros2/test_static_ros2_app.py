@@ -4,7 +4,7 @@ import pytest
 from ros2_robot import write_robot
 
 from rtron.errors import InputError
-from rtron.sources.launch.common.generation import generation_of
+from rtron.sources.launch.common.generation import launch_generation
 from rtron.sources.static.common.scan_options import ScanOptions
 from rtron.sources.static.ros2.app import scan_ros2_app
 from rtron.vocabulary import ActionRole, Direction, Reliability, Trust
@@ -161,8 +161,8 @@ def test_the_ros_of_xml_is_told_by_its_elements_then_by_its_package(tmp_path, te
     manifest = f"<package><name>a</name><export><build_type>{build}</build_type></export></package>"
     (tmp_path / "package.xml").write_text(manifest)
     (tmp_path / "app.launch.xml").write_text(text)
-    assert generation_of(tmp_path / "app.launch.xml") == ros
-    assert generation_of(tmp_path / "app.launch.py") == 2
+    assert launch_generation(tmp_path / "app.launch.xml") == ros
+    assert launch_generation(tmp_path / "app.launch.py") == 2
 
 
 HIDING = """import rclpy

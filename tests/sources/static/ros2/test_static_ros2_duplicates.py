@@ -33,29 +33,29 @@ def noted(tmp_path):
 
 
 @pytest.mark.parametrize("name", ["", 'name="keys"'])
-def test_a_node_that_two_includes_start_is_noted(noted, name):
-    ((what, why),) = noted(NODE.format(name))
+def test_a_node_that_two_includes_start_is_noted(skipped_entries, name):
+    ((what, why),) = skipped_entries(NODE.format(name))
     assert what == ("node /keys" if name else "node /teleop_twist_keyboard")
     assert why.startswith("started 2 times")
 
 
-def test_a_node_whose_name_is_another_each_time_is_not(noted):
-    assert noted(NODE.format('name="$(var which)"')) == []
-    assert noted(NODE.format('namespace="$(var which)"')) == []
-    assert noted(LOAD) == []
+def test_a_node_whose_name_is_another_each_time_is_not(skipped_entries):
+    assert skipped_entries(NODE.format('name="$(var which)"')) == []
+    assert skipped_entries(NODE.format('namespace="$(var which)"')) == []
+    assert skipped_entries(LOAD) == []
 
 
-def test_a_node_that_may_start_once_only_is_not(noted):
+def test_a_node_that_may_start_once_only_is_not(skipped_entries):
     unknown = '<let name="both" value="$(command date)"/>'
-    assert noted(NODE.format(""), unknown, ' if="$(var both)"') == []
+    assert skipped_entries(NODE.format(""), unknown, ' if="$(var both)"') == []
 
 
-def test_a_node_that_names_itself_at_random_is_not(noted):
+def test_a_node_that_names_itself_at_random_is_not(skipped_entries):
     frames = 'pkg="tf2_ros" exec="static_transform_publisher"'
-    assert noted(f'<node {frames} args="0 0 0 0 0 0 a b"/>') == []
+    assert skipped_entries(f'<node {frames} args="0 0 0 0 0 0 a b"/>') == []
 
 
-def test_what_it_calls_itself_is_said_and_remaps_tell_it_apart(noted):
+def test_what_it_calls_itself_is_said_and_remaps_tell_it_apart(skipped_entries):
     joy = '<node pkg="joy_linux" exec="joy_linux_node"{}</node>'
-    assert [what for what, _ in noted(joy.format(">"))] == ["node /joy_node"]
-    assert noted(joy.format('><remap from="joy" to="$(var which)"/>')) == []
+    assert [what for what, _ in skipped_entries(joy.format(">"))] == ["node /joy_node"]
+    assert skipped_entries(joy.format('><remap from="joy" to="$(var which)"/>')) == []

@@ -9,7 +9,7 @@ pytest.importorskip("rclpy")
 from harness import wait_for
 from ros2_harness import Ros2
 
-from rtron.sources.live.ros2.source import Ros2Live
+from rtron.sources.live.ros2.source import Ros2LiveSource
 from rtron.sources.static.common.scan_options import ScanOptions
 from rtron.sources.static.ros2.app import scan_ros2_app
 
@@ -133,7 +133,7 @@ def test_the_graph_of_the_source_is_that_of_the_running_app(package, tmp_path, m
             process = ros2.spawn(sys.executable, "-c", run, *words(*rest), PYTHONPATH=str(package))
             wait_for(lambda p=process: "ready" in p.log or p.ended, what=program)
             assert not process.ended, process.log
-        live = Ros2Live(ros2.domain, LONG_S).read()
+        live = Ros2LiveSource(ros2.domain, LONG_S).read()
     launched = [(package / "app.launch.py", {})]
     static = scan_ros2_app([package], launched, {}, ScanOptions(workers=1))
     assert static.unresolved == ()

@@ -6,7 +6,7 @@ from rtron.sources.declaration import NodeSite
 from rtron.sources.static.common.scan_options import ScanOptions
 from rtron.sources.static.common.task import TaskKind
 from rtron.sources.static.ros2.programs import component_task, executable_task, ros2_programs
-from rtron.sources.static.ros2_scan import ros2_workspace, scan_programs
+from rtron.sources.static.ros2_scan import read_ros2_workspace, scan_programs
 
 NODE = """#include <rclcpp/rclcpp.hpp>
 namespace app {{ class {cls} : public rclcpp::Node {{ public:
@@ -60,7 +60,7 @@ def folder(tmp_path):
 
 
 def test_each_program_once_and_no_test(folder):
-    tasks = list(ros2_programs(ros2_workspace([folder]), folder))
+    tasks = list(ros2_programs(read_ros2_workspace([folder]), folder))
     assert [(package, task.kind, task.site.name) for package, task in tasks] == [
         ("p", TaskKind.CPP, "/made"),
         ("p", TaskKind.PYTHON, "/tool.py"),
@@ -71,7 +71,7 @@ def test_each_program_once_and_no_test(folder):
 
 def test_each_program_is_a_node_of_its_own_name(folder):
     options = ScanOptions(workers=1)
-    scanned = list(scan_programs(ros2_workspace([folder]), folder, options))
+    scanned = list(scan_programs(read_ros2_workspace([folder]), folder, options))
     found = {
         (declared.node, declared.name)
         for one in scanned
@@ -88,17 +88,17 @@ def test_each_program_is_a_node_of_its_own_name(folder):
 
 def test_a_full_cache_gives_the_same(folder, tmp_path):
     options = ScanOptions(workers=1, cache=tmp_path / "cache")
-    both = [list(scan_programs(ros2_workspace([folder]), folder, options)) for _ in range(2)]
+    both = [list(scan_programs(read_ros2_workspace([folder]), folder, options)) for _ in range(2)]
     cold, warm = ({one.task.site.name: one.result for one in scanned} for scanned in both)
     assert cold == warm
     assert len(warm) == 4
 
 
 def test_a_launch_gives_a_program_its_site(folder):
-    found, site = ros2_workspace([folder]), NodeSite(name="/cell/n", ros=2)
+    found, site = read_ros2_workspace([folder]), NodeSite(name="/cell/n", ros=2)
     assert executable_task(found, "p", "made", site).kind is TaskKind.CPP
-    assert executable_task(found, "q", "run", site).cls == "main"
+    assert executable_task(found, "q", "run", site).class_name == "main"
     assert executable_task(found, "q", "gone", site) is None
     task = component_task(found, "p", "app::Loaded", site)
-    assert (task.kind, task.cls, task.site) == (TaskKind.COMPONENT, "app::Loaded", site)
+    assert (task.kind, task.class_name, task.site) == (TaskKind.COMPONENT, "app::Loaded", site)
     assert component_task(found, "p", "app::Gone", site) is None

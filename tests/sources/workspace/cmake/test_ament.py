@@ -1,9 +1,9 @@
 """Packages of ROS 2: components, entry points, plugins, targets of ament_cmake_auto."""
 
 import pytest
-from workspace_tree import evaluated, package, sources, workspace
+from workspace_tree import evaluate_cmake, package, sources, workspace
 
-from rtron.sources.workspace import Language, Workspace
+from rtron.sources.workspace import ProgramLanguage, Workspace
 from rtron.sources.workspace.entry_points import entry_points
 
 
@@ -11,8 +11,8 @@ def test_components_have_their_class_library_and_executable(tmp_path):
     cmake = """add_library(parts a.cpp)
     rclcpp_components_register_nodes(parts "ns::One" "ns::Two")
     rclcpp_components_register_node(parts PLUGIN "::ns::Three" EXECUTABLE three_node)"""
-    found = evaluated(tmp_path, cmake).components
-    assert [(c.cls, c.library, c.executable) for c in found] == [
+    found = evaluate_cmake(tmp_path, cmake).components
+    assert [(c.class_name, c.library, c.executable) for c in found] == [
         ("ns::One", "parts", ""),
         ("ns::Two", "parts", ""),
         ("ns::Three", "parts", "three_node"),
@@ -37,7 +37,7 @@ def test_auto_targets_take_the_files_of_a_folder_and_link_the_libraries(tmp_path
     (tmp_path / "src").mkdir()
     (tmp_path / "src" / "one.cpp").write_text("")
     (tmp_path / "src" / "two.cc").write_text("")
-    contents = evaluated(tmp_path, cmake)
+    contents = evaluate_cmake(tmp_path, cmake)
     found = sources(contents)
     assert sorted(found["lib"]) == ["src/one.cpp", "src/two.cc"]
     assert found["exe"] == ["a.cpp"]
@@ -46,7 +46,7 @@ def test_auto_targets_take_the_files_of_a_folder_and_link_the_libraries(tmp_path
 
 def test_dependencies_of_ament_are_links(tmp_path):
     cmake = "add_executable(n a.cpp)\nament_target_dependencies(n PUBLIC rclcpp q)"
-    (target,) = evaluated(tmp_path, cmake).targets
+    (target,) = evaluate_cmake(tmp_path, cmake).targets
     assert target.links == ("rclcpp", "q")
 
 
@@ -87,7 +87,7 @@ def test_an_entry_point_is_a_program(tmp_path):
     files = {"setup.py": SETUP, "p/__init__.py": "", "p/talker.py": "def main(): pass"}
     package(tmp_path / "p", files)
     program = workspace(tmp_path).executable("p", "talk")
-    assert (program.language, program.entry) == (Language.PYTHON, "main")
+    assert (program.language, program.entry) == (ProgramLanguage.PYTHON, "main")
     assert [path.name for path in program.sources] == ["talker.py"]
     assert workspace(tmp_path).executable("p", "listen") is None
 

@@ -5,9 +5,9 @@ import time
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from workspace_tree import evaluated, sources, write
+from workspace_tree import evaluate_cmake, sources, write
 
-from rtron.sources.workspace.cmake.evaluator import evaluate
+from rtron.sources.workspace.cmake.evaluator import evaluate_package
 from rtron.sources.workspace.package_contents import TargetKind
 from rtron.sources.workspace.package_files import list_files
 
@@ -71,13 +71,13 @@ SOURCES_OF_X = [
 
 @pytest.mark.parametrize(("cmake", "expected"), SOURCES_OF_X)
 def test_sources(tmp_path, cmake, expected):
-    contents = evaluated(tmp_path, cmake, "a.cpp b.cpp c.cpp sub/d.cpp")
+    contents = evaluate_cmake(tmp_path, cmake, "a.cpp b.cpp c.cpp sub/d.cpp")
     assert sources(contents)["x"] == [f"{name}.cpp" for name in expected.split()]
     assert not contents.unresolved
 
 
 def test_a_target_has_kind_links_definitions_and_place(tmp_path):
-    contents = evaluated(
+    contents = evaluate_cmake(
         tmp_path,
         "add_definitions(-DALL=1 -Wall)\nfind_package(catkin REQUIRED COMPONENTS roscpp tf)\n"
         "add_library(core a.cpp)\nset_target_properties(core PROPERTIES OUTPUT_NAME other)\n"
@@ -85,7 +85,7 @@ def test_a_target_has_kind_links_definitions_and_place(tmp_path):
         "target_link_libraries(core PUBLIC base ${catkin_LIBRARIES})",
     )
     (core,) = contents.targets
-    assert (core.kind, core.output) == (TargetKind.LIBRARY, "other")
+    assert (core.kind, core.output_name) == (TargetKind.LIBRARY, "other")
     assert core.links == ("base", "roscpp", "tf")
     assert core.definitions == ("ONE", "TWO", "ALL=1")
     assert (core.evidence.file, core.evidence.line) == (str(tmp_path / "CMakeLists.txt"), 4)
@@ -97,25 +97,25 @@ def test_subfolders_and_included_files_are_carried_out(tmp_path):
     write(tmp_path / "sub", {"CMakeLists.txt": "add_library(s d.cpp)\nset(S a.cpp)", "d.cpp": ""})
     write(tmp_path / "cmake", {"m.cmake": "set(T b.cpp)"})
     cmake = "add_subdirectory(sub)\ninclude(cmake/m.cmake)\nadd_executable(x c.cpp ${T})"
-    assert sources(evaluated(tmp_path, cmake)) == {"s": ["sub/d.cpp"], "x": ["c.cpp", "b.cpp"]}
+    assert sources(evaluate_cmake(tmp_path, cmake)) == {"s": ["sub/d.cpp"], "x": ["c.cpp", "b.cpp"]}
 
 
 def test_modules_are_found_by_the_module_path(tmp_path):
     write(tmp_path / "cmake", {"m.cmake": "add_executable(x a.cpp)"})
     cmake = "list(APPEND CMAKE_MODULE_PATH ${PROJECT_SOURCE_DIR}/cmake)\ninclude(m)\ninclude(no)"
-    assert sources(evaluated(tmp_path, cmake)) == {"x": ["a.cpp"]}
+    assert sources(evaluate_cmake(tmp_path, cmake)) == {"x": ["a.cpp"]}
 
 
 def test_include_folders_and_installed_scripts(tmp_path):
     write(tmp_path, {"include/x.h": "", "s.py": ""})
-    contents = evaluated(
+    contents = evaluate_cmake(
         tmp_path,
         "include_directories(BEFORE include ${catkin_INCLUDE_DIRS} /usr/include)\n"
         "install(PROGRAMS s.py RENAME run DESTINATION bin)\n"
         "catkin_install_python(PROGRAMS s.py none.py DESTINATION bin)",
     )
     assert contents.include_dirs == (tmp_path / "include",)
-    assert contents.installed == (("run", tmp_path / "s.py"), ("s.py", tmp_path / "s.py"))
+    assert contents.installed_scripts == (("run", tmp_path / "s.py"), ("s.py", tmp_path / "s.py"))
 
 
 @pytest.mark.parametrize(
@@ -136,7 +136,7 @@ def test_include_folders_and_installed_scripts(tmp_path):
 )  # fmt: skip
 def test_what_is_not_resolved_is_noted_with_its_place(tmp_path, cmake, line, why):
     begun = time.process_time()
-    (note,) = evaluated(tmp_path, cmake).unresolved
+    (note,) = evaluate_cmake(tmp_path, cmake).unresolved
     assert why in note.why
     assert note.evidence[0].line == line
     assert time.process_time() - begun < 20
@@ -148,16 +148,16 @@ def test_links_out_of_the_package_are_no_files(tmp_path):
     folder.mkdir()
     (folder / "e.cpp").symlink_to(outside / "e.cpp")
     (folder / "loop").symlink_to(folder)
-    contents = evaluated(folder, "file(GLOB_RECURSE S *.cpp)\nadd_executable(x ${S})")
+    contents = evaluate_cmake(folder, "file(GLOB_RECURSE S *.cpp)\nadd_executable(x ${S})")
     assert sources(contents)["x"] == ["a.cpp", "b.cpp", "c.cpp"]
 
 
 def test_a_large_file_is_noted(tmp_path):
-    assert "larger than" in evaluated(tmp_path, "#" * 2**20).unresolved[0].why
+    assert "larger than" in evaluate_cmake(tmp_path, "#" * 2**20).unresolved[0].why
 
 
 def test_a_package_without_cmake_has_nothing(tmp_path):
-    assert evaluate("pkg", list_files(tmp_path, ())).targets == ()
+    assert evaluate_package("pkg", list_files(tmp_path, ())).targets == ()
 
 
 WORDS = st.sampled_from(
@@ -176,4 +176,4 @@ WORDS = st.sampled_from(
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)
 @given(st.lists(WORDS, max_size=25).map("".join))
 def test_any_file_is_evaluated(tmp_path, text):
-    assert evaluated(tmp_path, text).name == "pkg"
+    assert evaluate_cmake(tmp_path, text).name == "pkg"

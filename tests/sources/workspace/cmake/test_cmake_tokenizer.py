@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rtron.sources.workspace.cmake.blocks import nest
-from rtron.sources.workspace.cmake.tokenizer import MAX_ARGUMENTS, MAX_FAULTS, read_commands
+from rtron.sources.workspace.cmake.blocks import nest_blocks
+from rtron.sources.workspace.cmake.tokenizer import MAX_ARGUMENTS, MAX_PROBLEMS, read_commands
 
 
 def arguments(text):
@@ -58,7 +58,7 @@ def test_after_a_fault_reading_goes_on_in_the_next_line(text, line):
 def test_faults_are_bounded_and_quick():
     begun = time.process_time()
     _, faults = read_commands("a([[\n" * 100_000)
-    assert len(faults) == MAX_FAULTS
+    assert len(faults) == MAX_PROBLEMS
     assert time.process_time() - begun < 5
 
 
@@ -69,7 +69,7 @@ def test_arguments_are_bounded(count, faults):
 
 @pytest.mark.parametrize("text", ["endif()", "else()", "if(a)", "if(a)\nendforeach()\nendif()"])
 def test_blocks_that_do_not_fit_are_faults(text):
-    assert len(nest(read_commands(text)[0])[1]) == 1
+    assert len(nest_blocks(read_commands(text)[0])[1]) == 1
 
 
 SIGNS = st.sampled_from([*list('a(){}[]=#"\\$; \n\r\tA_1'), "if(", "endif()", "[[", "]]", "${"])
@@ -78,7 +78,7 @@ SIGNS = st.sampled_from([*list('a(){}[]=#"\\$; \n\r\tA_1'), "if(", "endif()", "[
 @given(st.lists(SIGNS, max_size=60).map("".join))
 def test_any_text_is_read(text):
     commands, faults = read_commands(text)
-    nest(commands)
+    nest_blocks(commands)
     lines = text.count("\n") + 1
     assert all(1 <= command.line <= lines for command in commands)
     assert all(1 <= fault.line <= lines for fault in faults)

@@ -8,10 +8,10 @@ from shapely import MultiPoint, Point
 from shapely.geometry.base import BaseGeometry
 from shapely.ops import unary_union
 
-from rtron.demos.world.ground_truth import Place
+from rtron.demos.world.ground_truth import Position
 from rtron.demos.world.robot_base import RADIUS
-from rtron.demos.world.scenes.scene import Block, Disc, Obstacle
-from rtron.demos.world.shapes import shape
+from rtron.demos.world.scenes.scene import Obstacle, PolygonObstacle, RoundObstacle
+from rtron.demos.world.shapes import obstacle_shape
 
 CLEARANCE = 0.22
 """Free space on each side of the robot on the right way, m."""
@@ -20,17 +20,19 @@ WIDE = 0.5
 _TRIES = 40
 
 
-def length(chance: Random) -> float:
+def mission_length(chance: Random) -> float:
     """Return how long a mission is, m."""
     return round(chance.uniform(3.6, 4.9), 2)
 
 
-def rectangle(x: float, y: float, width: float, height: float) -> Block:
+def rectangle(x: float, y: float, width: float, height: float) -> PolygonObstacle:
     """Return a block whose lowest corner is at x, y (m)."""
-    return Block(((x, y), (x + width, y), (x + width, y + height), (x, y + height)))
+    return PolygonObstacle(((x, y), (x + width, y), (x + width, y + height), (x, y + height)))
 
 
-def ring(center: Place, radii: Sequence[Place], turned: float) -> tuple[Place, ...]:
+def polygon_around(
+    center: Position, radii: Sequence[Position], turned: float
+) -> tuple[Position, ...]:
     """Return a polygon around a place, whose corners have these radii along x and y (m)."""
     angles = [turned + 2 * pi * k / len(radii) for k in range(len(radii))]
     return tuple(
@@ -39,39 +41,39 @@ def ring(center: Place, radii: Sequence[Place], turned: float) -> tuple[Place, .
     )
 
 
-def lane(way: BaseGeometry) -> BaseGeometry:
+def clear_corridor(path: BaseGeometry) -> BaseGeometry:
     """Return the space that a robot needs on a way, with what is to be free on its sides."""
-    return way.buffer(RADIUS + CLEARANCE)
+    return path.buffer(RADIUS + CLEARANCE)
 
 
-def scatter(
-    chance: Random, size: tuple[float, float], kept_free: BaseGeometry, count: int
+def place_obstacles(
+    chance: Random, size: tuple[float, float], free_area: BaseGeometry, count: int
 ) -> tuple[Obstacle, ...]:
     """Return up to `count` obstacles in a room, away from what is kept free and each other."""
     found: list[Obstacle] = []
     taken: BaseGeometry = Point()
     for _ in range(_TRIES):
-        candidate = _thing(chance, size)
-        there = shape(candidate)
-        if there.intersects(kept_free) or there.distance(taken) < WIDE:
+        candidate = _random_obstacle(chance, size)
+        area = obstacle_shape(candidate)
+        if area.intersects(free_area) or area.distance(taken) < WIDE:
             continue
         found.append(candidate)
-        taken = unary_union([taken, there])
+        taken = unary_union([taken, area])
         if len(found) == count:
             break
     return tuple(found)
 
 
-def _thing(chance: Random, size: tuple[float, float]) -> Obstacle:
+def _random_obstacle(chance: Random, size: tuple[float, float]) -> Obstacle:
     """Return a thing that stands free, or a shelf at the upper wall."""
     if chance.choice((True, False)):
         radius = chance.uniform(0.1, 0.22)
         x, y = (chance.uniform(WIDE + radius, side - WIDE - radius) for side in size)
-        return Disc((x, y), radius)
+        return RoundObstacle((x, y), radius)
     width, depth = chance.uniform(0.3, 0.8), chance.uniform(0.2, 0.4)
     return rectangle(chance.uniform(0.0, size[0] - width), size[1] - depth, width, depth)
 
 
-def hull(*places: Place) -> BaseGeometry:
+def convex_hull(*positions: Position) -> BaseGeometry:
     """Return the smallest convex shape with these places."""
-    return MultiPoint(places).convex_hull
+    return MultiPoint(positions).convex_hull

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Any
 
-from rtron.demos.world.ground_truth import Place
+from rtron.demos.world.ground_truth import Position
 
 OVERSPEED = 0.26
 """Above this the robot is too fast, m/s: the cruise of a TurtleBot3 burger, and some spare."""
@@ -13,10 +13,10 @@ Segment = tuple[float, float, float, float]
 
 
 @dataclass(frozen=True, slots=True)
-class Disc:
+class RoundObstacle:
     """A round obstacle, m."""
 
-    center: Place
+    center: Position
     radius: float
 
     def as_json(self) -> dict[str, Any]:
@@ -25,31 +25,31 @@ class Disc:
 
 
 @dataclass(frozen=True, slots=True)
-class Block:
+class PolygonObstacle:
     """An obstacle with corners, m; convex."""
 
-    polygon: tuple[Place, ...]
+    polygon: tuple[Position, ...]
 
     def as_json(self) -> dict[str, Any]:
         """Return the obstacle as the protocol has it."""
         return {"polygon": self.polygon}
 
 
-Obstacle = Disc | Block
+Obstacle = RoundObstacle | PolygonObstacle
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Crossing:
     """A pedestrian's walk: out of a door, into the robot's way, and back.
 
-    The walk begins when the robot is `ahead` m of the way before the place `stand`; it goes at
-    `pace` m/s, and the pedestrian stands still for `stays` s.
+    The walk begins when the robot is `trigger_distance` m of the way before the place `stand`; it goes at
+    `pace` m/s, and the pedestrian stands still for `pause` s.
     """
 
-    door: Place
-    stand: Place
-    ahead: float
-    stays: float
+    start: Position
+    stand: Position
+    trigger_distance: float
+    pause: float
     pace: float
 
 
@@ -66,11 +66,11 @@ class Scene:
     walls: tuple[Segment, ...]
     obstacles: tuple[Obstacle, ...]
     start: Pose
-    goal: Place
-    route: tuple[Place, ...]
-    area: tuple[Place, ...] | None = None
-    bad_goal: Place | None = None
-    light: Place | None = None
+    goal: Position
+    route: tuple[Position, ...]
+    area: tuple[Position, ...] | None = None
+    bad_goal: Position | None = None
+    light: Position | None = None
     green_after: float = 0.0
     crossings: tuple[Crossing, ...] = ()
 
@@ -84,7 +84,7 @@ class Scene:
             "obstacles": [obstacle.as_json() for obstacle in self.obstacles],
             "area": self.area,
             "light": self.light,
-            "pedestrian_paths": [[crossing.door, crossing.stand] for crossing in self.crossings],
+            "pedestrian_paths": [[crossing.start, crossing.stand] for crossing in self.crossings],
             "start": self.start,
             "goal": self.goal,
             "bad_goal": self.bad_goal,
@@ -93,7 +93,7 @@ class Scene:
         }
 
 
-def box(width: float, height: float) -> tuple[Segment, ...]:
+def room_walls(width: float, height: float) -> tuple[Segment, ...]:
     """Return the four walls around a room, m."""
     corners = ((0.0, 0.0), (width, 0.0), (width, height), (0.0, height))
     return tuple(a + b for a, b in zip(corners, corners[1:] + corners[:1], strict=True))

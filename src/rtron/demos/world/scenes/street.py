@@ -6,9 +6,14 @@ from shapely import LineString
 from shapely.geometry.base import BaseGeometry
 from shapely.ops import unary_union
 
-from rtron.demos.world.ground_truth import Place
-from rtron.demos.world.scenes.geometry import hull, lane, length, scatter
-from rtron.demos.world.scenes.scene import Crossing, Disc, Scene
+from rtron.demos.world.ground_truth import Position
+from rtron.demos.world.scenes.geometry import (
+    clear_corridor,
+    convex_hull,
+    mission_length,
+    place_obstacles,
+)
+from rtron.demos.world.scenes.scene import Crossing, RoundObstacle, Scene
 
 _BESIDE = 0.42
 """So far from the way the light stands, m."""
@@ -24,20 +29,20 @@ _FROM_WALL = (0.55, 0.7)
 
 def street(seed: int, chance: Random) -> Scene:
     """Draw a room with a straight way along a wall that has doors."""
-    far = length(chance)
+    far = mission_length(chance)
     start = (chance.uniform(0.5, 0.7), chance.uniform(*_FROM_WALL))
     goal = (start[0] + far, chance.uniform(*_FROM_WALL))
     size = (round(goal[0] + chance.uniform(0.5, 0.8), 2), round(chance.uniform(2.2, 3.0), 2))
     light = _light(chance, start, goal)
     crossings = _crossings(chance, start, goal)
-    free = _kept_free(start, goal, light, crossings)
-    pole = Disc(light, _POLE)
+    free = _free_area(start, goal, light, crossings)
+    pole = RoundObstacle(light, _POLE)
     return Scene(
         case="rsr",
         seed=seed,
         size=size,
         walls=(),
-        obstacles=(pole, *scatter(chance, size, free, chance.randint(2, 4))),
+        obstacles=(pole, *place_obstacles(chance, size, free, chance.randint(2, 4))),
         start=(*start, chance.uniform(-0.1, 0.1)),
         goal=goal,
         route=(start, goal),
@@ -47,37 +52,39 @@ def street(seed: int, chance: Random) -> Scene:
     )
 
 
-def _at(start: Place, goal: Place, x: float) -> Place:
+def _point_on_path(start: Position, goal: Position, x: float) -> Position:
     """Return the place on the way from the start to the goal that has this x."""
     share = (x - start[0]) / (goal[0] - start[0])
     return x, start[1] + share * (goal[1] - start[1])
 
 
-def _light(chance: Random, start: Place, goal: Place) -> Place:
-    x, y = _at(start, goal, start[0] + chance.uniform(1.4, 1.7))
+def _light(chance: Random, start: Position, goal: Position) -> Position:
+    x, y = _point_on_path(start, goal, start[0] + chance.uniform(1.4, 1.7))
     return x, y + _BESIDE
 
 
-def _crossings(chance: Random, start: Place, goal: Place) -> tuple[Crossing, ...]:
+def _crossings(chance: Random, start: Position, goal: Position) -> tuple[Crossing, ...]:
     first = start[0] + chance.uniform(2.3, 2.7)
-    wanted = [first, first + _SPAN + chance.uniform(0.0, 0.3)][: chance.randint(1, 2)]
-    return tuple(_crossing(chance, _at(start, goal, x)) for x in wanted if x <= goal[0] - _TO_GOAL)
+    xs = [first, first + _SPAN + chance.uniform(0.0, 0.3)][: chance.randint(1, 2)]
+    return tuple(
+        _crossing(chance, _point_on_path(start, goal, x)) for x in xs if x <= goal[0] - _TO_GOAL
+    )
 
 
-def _crossing(chance: Random, stand: Place) -> Crossing:
+def _crossing(chance: Random, stand: Position) -> Crossing:
     return Crossing(
-        door=(stand[0], -_BEHIND),
+        start=(stand[0], -_BEHIND),
         stand=stand,
-        ahead=round(chance.uniform(1.2, 1.45), 3),
-        stays=round(chance.uniform(3.5, 5.0), 2),
+        trigger_distance=round(chance.uniform(1.2, 1.45), 3),
+        pause=round(chance.uniform(3.5, 5.0), 2),
         pace=round(chance.uniform(1.5, 1.8), 2),
     )
 
 
-def _kept_free(
-    start: Place, goal: Place, light: Place, crossings: tuple[Crossing, ...]
+def _free_area(
+    start: Position, goal: Position, light: Position, crossings: tuple[Crossing, ...]
 ) -> BaseGeometry:
     """Return where nothing stands: the way, the walks, and before the light."""
-    seen = hull(start, (light[0], start[1]), light).buffer(0.1)
-    walks = [LineString([c.door, c.stand]).buffer(0.4) for c in crossings]
-    return unary_union([lane(LineString([start, goal])), seen, *walks])
+    line_of_sight = convex_hull(start, (light[0], start[1]), light).buffer(0.1)
+    walks = [LineString([c.start, c.stand]).buffer(0.4) for c in crossings]
+    return unary_union([clear_corridor(LineString([start, goal])), line_of_sight, *walks])

@@ -4,33 +4,33 @@ import socket
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from rtron.demos.world.outbox import Outbox
-from rtron.demos.world.server.protocol import Frame, Head, Parser, encode
+from rtron.demos.world.outbox import SendQueue
+from rtron.demos.world.server.protocol import DeviceFrame, FrameParser, Head, encode_frame
 
 if TYPE_CHECKING:
-    from rtron.demos.world.server.requests import Role
+    from rtron.demos.world.server.requests import ClientRole
 
 _CHUNK = 64 * 1024
 
 
-class Connection:
+class DeviceConnection:
     """Never blocks. Clients send no blobs, and are told nothing before they have said hello."""
 
     def __init__(self, peer: socket.socket, hello_until: float) -> None:
         peer.settimeout(0)
         self.socket = peer
-        self.role: Role | None = None
-        self.hello_until = hello_until
+        self.role: ClientRole | None = None
+        self.hello_deadline = hello_until
         """Until when the client must have said hello, wall s."""
-        self._parser = Parser(max_blob=0)
-        self._outbox = Outbox()
+        self._parser = FrameParser(max_blob=0)
+        self._send_queue = SendQueue()
 
     @property
-    def has_more(self) -> bool:
+    def has_pending_data(self) -> bool:
         """Whether something waits to be sent."""
-        return bool(self._outbox)
+        return bool(self._send_queue)
 
-    def received(self) -> Iterator[Frame]:
+    def read_frames(self) -> Iterator[DeviceFrame]:
         """Yield what has come; EOFError at the connection's end, WireError for what is no frame."""
         try:
             data = self.socket.recv(_CHUNK)
@@ -42,25 +42,25 @@ class Connection:
             raise EOFError
         yield from self._parser.feed(data)
 
-    def must(self, head: Head) -> None:
+    def send(self, head: Head) -> None:
         """Send a frame that must arrive."""
-        self._outbox.must(encode(head))
+        self._send_queue.add(encode_frame(head))
         self.flush()
 
-    def state(self, frame: bytes) -> None:
+    def send_state(self, frame: bytes) -> None:
         """Send the bytes of a frame that a newer one may replace."""
-        self._outbox.state(frame)
+        self._send_queue.replace_state(frame)
         self.flush()
 
     def flush(self) -> None:
         """Send what the peer can take now; EOFError if it is gone."""
-        self._outbox.flush(self._send)
+        self._send_queue.flush(self._send_bytes)
 
     def close(self) -> None:
         """Close the connection."""
         self.socket.close()
 
-    def _send(self, data: memoryview) -> int:
+    def _send_bytes(self, data: memoryview) -> int:
         try:
             return self.socket.send(data)
         except BlockingIOError:

@@ -5,28 +5,28 @@ import selectors
 import socket
 from functools import partial
 
-from rtron.demos.world.clock import Clock
+from rtron.demos.world.clock import StepClock
 from rtron.demos.world.robot_base import STEP
-from rtron.demos.world.server.connection import Connection
-from rtron.demos.world.server.connection_registry import Crowd
-from rtron.demos.world.server.device_streams import Feeds
-from rtron.demos.world.server.request_handler import Desk
-from rtron.demos.world.simulation import World
+from rtron.demos.world.server.connection import DeviceConnection
+from rtron.demos.world.server.connection_registry import ConnectionRegistry
+from rtron.demos.world.server.device_streams import DeviceStreams
+from rtron.demos.world.server.request_handler import RequestHandler
+from rtron.demos.world.simulation import RobotSimulation
 
 _LOG = logging.getLogger(__name__)
 
 
-class Server:
+class WorldServer:
     """Serves a world on a listening socket. Only `stop` may be called from another thread."""
 
     def __init__(self, listener: socket.socket, speed: float, key: str) -> None:
         self._listener = listener
-        self._world = World()
+        self._world = RobotSimulation()
         self._selector = selectors.DefaultSelector()
-        self._crowd = Crowd(self._selector)
-        self._desk = Desk(self._world, self._crowd, speed, key)
-        self._feeds = Feeds(self._world)
-        self._clock = Clock(speed, STEP)
+        self._connections = ConnectionRegistry(self._selector)
+        self._requests = RequestHandler(self._world, self._connections, speed, key)
+        self._streams = DeviceStreams(self._world)
+        self._clock = StepClock(speed, STEP)
         self._stopped = False
 
     def stop(self) -> None:
@@ -39,32 +39,32 @@ class Server:
         self._clock.restart()
         try:
             while not self._stopped:
-                self._turn()
+                self._run_once()
         finally:
-            self._crowd.drop_all()
+            self._connections.drop_all()
             self._selector.close()
-        if self._clock.lost:
-            _LOG.warning("the world was %.1f s too slow in all", self._clock.lost)
+        if self._clock.lost_time:
+            _LOG.warning("the world was %.1f s too slow in all", self._clock.lost_time)
 
-    def _turn(self) -> None:
+    def _run_once(self) -> None:
         for key, _ in self._selector.select(self._clock.wait()):
             if key.data is None:
-                self._crowd.accept(self._listener)
+                self._connections.accept(self._listener)
             else:
-                self._crowd.attend(key.data, partial(self._hear, key.data))
+                self._connections.serve(key.data, partial(self._read, key.data))
         if self._clock.is_due():  # no more than one: who is late must not be deaf as well
             self._step()
 
-    def _hear(self, connection: Connection) -> None:
+    def _read(self, connection: DeviceConnection) -> None:
         connection.flush()
-        for frame in connection.received():
-            self._desk.take(connection, frame, self._clock.share())
+        for frame in connection.read_frames():
+            self._requests.handle(connection, frame, self._clock.step_fraction())
 
     def _step(self) -> None:
-        self._desk.forget_base()
+        self._requests.stop_without_driver()
         self._world.step()
-        self._desk.announce()
-        self._crowd.drop_silent()
-        for role in self._feeds.due():
-            if self._crowd.of(role):
-                self._crowd.show(role, self._feeds.frame(role))
+        self._requests.announce_network()
+        self._connections.drop_unidentified()
+        for role in self._streams.due():
+            if self._connections.with_role(role):
+                self._connections.send_state(role, self._streams.frame(role))

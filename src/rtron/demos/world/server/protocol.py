@@ -18,14 +18,14 @@ Head = Mapping[str, Any]
 
 
 @dataclass(frozen=True, slots=True)
-class Frame:
+class DeviceFrame:
     """A message: a JSON object, and raw bytes that may be none."""
 
     head: dict[str, Any]
     blob: bytes = b""
 
 
-def encode(head: Head, blob: bytes = b"") -> bytes:
+def encode_frame(head: Head, blob: bytes = b"") -> bytes:
     """Return a frame's bytes; ValueError for NaN, infinity, or a part that is too long."""
     text = json.dumps(head, allow_nan=False, separators=(",", ":")).encode()
     if len(text) > MAX_HEAD or len(blob) > MAX_BLOB:
@@ -33,7 +33,7 @@ def encode(head: Head, blob: bytes = b"") -> bytes:
     return b"".join((_LENGTHS.pack(len(text), len(blob)), text, blob))
 
 
-class Parser:
+class FrameParser:
     """Makes frames of the bytes of one connection, however they are cut.
 
     A peer whose frames have no blobs is read with `max_blob` 0. After a WireError the parser is
@@ -44,7 +44,7 @@ class Parser:
         self._max_blob = max_blob
         self._bytes = bytearray()
 
-    def feed(self, data: bytes) -> Iterator[Frame]:
+    def feed(self, data: bytes) -> Iterator[DeviceFrame]:
         """Yield the frames that are complete with `data`."""
         self._bytes += data
         while (size := self._size()) is not None:
@@ -54,7 +54,7 @@ class Parser:
                 return
             taken = bytes(self._bytes[: start + blob])
             del self._bytes[: start + blob]
-            yield Frame(_object(taken[_LENGTHS.size : start]), taken[start:])
+            yield DeviceFrame(_parse_head(taken[_LENGTHS.size : start]), taken[start:])
 
     def _size(self) -> tuple[int, int] | None:
         if len(self._bytes) < _LENGTHS.size:
@@ -65,7 +65,7 @@ class Parser:
         return head, blob
 
 
-def _object(text: bytes) -> dict[str, Any]:
+def _parse_head(text: bytes) -> dict[str, Any]:
     try:
         value = json.loads(text.decode("utf-8"), parse_constant=_refused)
     except (ValueError, RecursionError) as error:

@@ -16,7 +16,7 @@ _CAMERA_RATES = (0.1, 20.0)
 _COMPUTER_RATES = (0.0, 1000.0)
 
 
-class Role(str, Enum):
+class ClientRole(str, Enum):
     """What a connection is: a device of the robot, or who runs the experiment."""
 
     BASE = "base"
@@ -33,7 +33,7 @@ class Role(str, Enum):
 
 
 @dataclass(frozen=True, slots=True)
-class Reset:
+class ResetRequest:
     """A wish for a new run: the robot at the start of the scene of a case and a seed."""
 
     case: str
@@ -42,34 +42,34 @@ class Reset:
 
 
 @dataclass(frozen=True, slots=True)
-class Start:
+class StartRequest:
     """A wish to hand the mission its goal."""
 
 
 @dataclass(frozen=True, slots=True)
-class Rate:
+class RateRequest:
     """A wish that the robot's computer gets through so many images a simulated second."""
 
     rate: float
 
 
 @dataclass(frozen=True, slots=True)
-class Devices:
+class DevicesRequest:
     """A question: how many connections each role has."""
 
 
-Order = Reset | Start | Rate | Devices
+OwnerRequest = ResetRequest | StartRequest | RateRequest | DevicesRequest
 
 
-def role(head: Head) -> Role:
+def parse_role(head: Head) -> ClientRole:
     """Return the role that a client's first frame names; WireError if none."""
     try:
-        return Role(head.get("hello"))
+        return ClientRole(head.get("hello"))
     except ValueError as error:
         raise WireError("the first frame names no role") from error
 
 
-def velocity(head: Head) -> tuple[float, float]:
+def parse_velocity(head: Head) -> tuple[float, float]:
     """Return the velocity (m/s, rad/s) in a frame of the base; WireError if there is none."""
     values = head.get("velocity")
     if not isinstance(values, list) or len(values) != len(("linear", "angular")):
@@ -77,42 +77,46 @@ def velocity(head: Head) -> tuple[float, float]:
     return _number(values[0], "velocity"), _number(values[1], "velocity")
 
 
-def order(head: Head) -> Order:
+def parse_request(head: Head) -> OwnerRequest:
     """Return the order in a frame of the owner; WireError if there is none."""
-    wanted = head.get("order")
-    if wanted == "reset":
-        return _reset(head)
-    if wanted == "start":
-        return Start()
-    if wanted == "rate":
-        return Rate(_between(head.get("rate"), "rate", _COMPUTER_RATES))
-    if wanted == "devices":
-        return Devices()
+    name = head.get("order")
+    if name == "reset":
+        return _parse_reset(head)
+    if name == "start":
+        return StartRequest()
+    if name == "rate":
+        return RateRequest(_bounded_number(head.get("rate"), "rate", _COMPUTER_RATES))
+    if name == "devices":
+        return DevicesRequest()
     raise WireError("a frame of the owner has no order that is known")
 
 
-def _reset(head: Head) -> Reset:
-    seed = _of(head.get("seed"), int, "seed")
+def _parse_reset(head: Head) -> ResetRequest:
+    seed = _typed_value(head.get("seed"), int, "seed")
     if not 0 <= seed <= MAX_SEED:
         raise WireError("the seed is out of its bounds")
-    case = _of(head.get("case"), str, "case")
+    case = _typed_value(head.get("case"), str, "case")
     if case not in CASES:
         raise WireError(f"no case is called {case[:20]!r}")
-    asked = head.get("camera_rate")
-    rate = CAMERA_RATE if asked is None else _between(asked, "camera_rate", _CAMERA_RATES)
-    return Reset(case, seed, rate)
+    requested_rate = head.get("camera_rate")
+    rate = (
+        CAMERA_RATE
+        if requested_rate is None
+        else _bounded_number(requested_rate, "camera_rate", _CAMERA_RATES)
+    )
+    return ResetRequest(case, seed, rate)
 
 
 _Kind = TypeVar("_Kind", int, str)
 
 
-def _of(value: Any, kind: type[_Kind], name: str) -> _Kind:  # noqa: ANN401 - a stranger's
+def _typed_value(value: Any, kind: type[_Kind], name: str) -> _Kind:  # noqa: ANN401 - a stranger's
     if not isinstance(value, kind) or isinstance(value, bool):
         raise WireError(f"{name} is no {kind.__name__}")
     return value
 
 
-def _between(value: Any, name: str, bounds: tuple[float, float]) -> float:  # noqa: ANN401
+def _bounded_number(value: Any, name: str, bounds: tuple[float, float]) -> float:  # noqa: ANN401
     number = _number(value, name)
     if not bounds[0] <= number <= bounds[1]:
         raise WireError(f"{name} is not within {bounds[0]:g} and {bounds[1]:g}")

@@ -13,25 +13,25 @@ _PRIVATE = 0o177
 
 
 @contextmanager
-def listening(path: Path) -> Iterator[socket.socket]:
+def listen_on_unix_socket(path: Path) -> Iterator[socket.socket]:
     """Listen on a Unix socket with mode 0600 until the end of the block, and remove its file.
 
     SourceError if another world lives there, if the file is no socket, or it cannot be made.
     """
     with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as listener:
         try:
-            _make_room(path)
+            _remove_stale_socket(path)
             _bind(listener, path)
         except OSError as error:
             raise SourceError(f"cannot listen on {path}: {error.strerror or error}") from error
-        made = path.stat().st_ino
+        inode = path.stat().st_ino
         try:
             yield listener
         finally:
-            _remove(path, made)
+            _remove(path, inode)
 
 
-def _make_room(path: Path) -> None:
+def _remove_stale_socket(path: Path) -> None:
     """Remove the socket of a world that is dead."""
     if not path.exists():
         return
@@ -64,7 +64,7 @@ def _bind(listener: socket.socket, path: Path) -> None:
     listener.settimeout(0)
 
 
-def _remove(path: Path, made: int) -> None:
+def _remove(path: Path, inode: int) -> None:
     with suppress(OSError):  # somebody else was faster
-        if path.stat().st_ino == made:
+        if path.stat().st_ino == inode:
             path.unlink()

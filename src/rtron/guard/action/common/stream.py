@@ -4,67 +4,67 @@ import logging
 from abc import abstractmethod
 from collections.abc import Sequence
 
-from rtron.guard.action.bequest import Bequest
-from rtron.guard.action.common.turns import SharingAction
-from rtron.guard.action.room import roomy
-from rtron.guard.core.handover_state import Will
-from rtron.guard.core.log_throttle import Seldom
-from rtron.guard.core.observations import Senses
+from rtron.guard.action.bequest import GoalHandover
+from rtron.guard.action.common.turns import TurnSharingStream
+from rtron.guard.action.room import with_queue_space
+from rtron.guard.core.handover_state import HandoverState
+from rtron.guard.core.log_throttle import LogThrottle
+from rtron.guard.core.observations import Observations
 from rtron.guard.transport.common.protocol import Peer, Transport
-from rtron.policies.goals.registry import MOST_GOALS, Goal, Where
-from rtron.vocabulary import SECOND, SERVER, Stream, Verdict
+from rtron.policies.goals.registry import MAX_GOALS, Goal, GoalStage
+from rtron.vocabulary import SECOND, SERVER_FLOW, Stream, Verdict
 
 log = logging.getLogger(__name__)
 
-ORPHANED = 3 * SECOND
+ORPHAN_TIMEOUT = 3 * SECOND
 """So long the clients of a guard that has ended may take to come to the next one."""
-LONGEST_NAME = 128
-_MOST_NAMES = 64
+MAX_NAME_LENGTH = 128
+_MAX_NAMES = 64
 
 
-class ActionStream(SharingAction):
+class ActionStream(TurnSharingStream):
     """A guarded stream of goals; how they are spoken of is each ROS's own."""
 
     def __init__(
         self,
         stream: Stream,
         transport: Transport,
-        senses: Senses,
-        will: Will,
+        observations: Observations,
+        handover: HandoverState,
         *,
         dry_run: bool = False,
     ) -> None:
-        super().__init__(stream, transport, senses, will, dry_run=dry_run)
-        self.pipeline.gave_up = self._gave_up
-        self._bequest = Bequest(self.name, self.goals, will, transport)
+        super().__init__(stream, transport, observations, handover, dry_run=dry_run)
+        self.pipeline.on_dropped = self._on_dropped_goal
+        self._goal_handover = GoalHandover(self.name, self.goals, handover, transport)
         self._most_waiting = stream.queue_size
-        self._seldom = Seldom()
+        self._log_throttle = LogThrottle()
 
-    def attend(self, now: int) -> None:
+    def recheck(self, now: int) -> None:
         """Cancel what may not go on, and stop what it moves."""
-        super().attend(now)
+        super().recheck(now)
         for goal in () if self.dry_run else self.goals:
-            if goal.where is Where.SENT and not goal.stopped:
-                self._stop(goal, self._why_stopped(goal, now))
+            if goal.stage is GoalStage.SENT and not goal.cancel_reason:
+                self._stop_goal(goal, self._stop_reason(goal, now))
         self._halt()
 
     @property
     def details(self) -> dict[str, str]:
         """What there is to tell beside the flows."""
-        waiting = sum(goal.where is Where.WAITING for goal in self.goals)
+        waiting = sum(goal.stage is GoalStage.WAITING for goal in self.goals)
         return {
             "goals": f"{waiting} waiting, {len(self.goals) - waiting} with the server",
-            "server": self._serving() if self._serves() else "not there",
+            "server": self._server_node() if self._is_server_visible() else "not there",
         }
 
     # What each ROS does its own way
 
     @abstractmethod
-    def _hears(self) -> bool:
+    def _is_server_ready(self) -> bool:
         """Tell whether the server is there, and hears us."""
 
     @abstractmethod
-    def _serves(self) -> bool:
+    def _is_server_visible(self) -> bool:
         """Tell whether clients may know that the server is there: they will get their answers."""
 
     @abstractmethod
@@ -72,92 +72,92 @@ class ActionStream(SharingAction):
         """Ask the server to cancel a goal."""
 
     @abstractmethod
-    def _gave_up(self, message: bytes, verdict: Verdict) -> None:
+    def _on_dropped_goal(self, message: bytes, verdict: Verdict) -> None:
         """Answer a goal that was held and will not go."""
 
     @abstractmethod
-    def _said(self, goal: Goal) -> str:
+    def _goal_label(self, goal: Goal) -> str:
         """Return what to call a goal."""
 
     # Goals that come and go
 
-    def _complete(self, stream: Stream) -> Stream:
+    def _with_defaults(self, stream: Stream) -> Stream:
         """Let the queue have room for every flow's share, which is bounded before it."""
-        return roomy(super()._complete(stream))
+        return with_queue_space(super()._with_defaults(stream))
 
-    def _inherited(self) -> Sequence[Goal]:
+    def _inherit_goals(self) -> Sequence[Goal]:
         """Go on with the goals of the guard before, and return them all."""
-        inherited = list(self.goals) if self._bequest.take_over() else []
+        inherited = list(self.goals) if self._goal_handover.restore() else []
         for goal in inherited:
-            if goal.where is Where.SENT:
-                self._current = goal
+            if goal.stage is GoalStage.SENT:
+                self._current_goal = goal
                 self.pipeline.occupy(goal.flow, self._transport.now())
         return inherited
 
-    def _why_refused(self, goal: Goal) -> str:
+    def _refusal_reason(self, goal: Goal) -> str:
         """Return why a goal cannot be taken, whatever the policies say."""
         if self.dry_run:
             return ""
-        if not self._hears():
+        if not self._is_server_ready():
             return "the action server is not there"
-        if len(self.goals) > MOST_GOALS:
-            return f"{MOST_GOALS} goals are not over"
-        full = self.goals.waiting(goal.flow) > self._most_waiting
+        if len(self.goals) > MAX_GOALS:
+            return f"{MAX_GOALS} goals are not over"
+        full = self.goals.waiting_count(goal.flow) > self._most_waiting
         return f"{self._most_waiting} goals wait" if full else ""
 
-    def _found(self, goal: Goal, now: int) -> None:
+    def _on_foreign_goal(self, goal: Goal, now: int) -> None:
         """Let others wait for a goal that did not come through here."""
-        self._current, self._expecting = goal, False
-        self.pipeline.occupy(SERVER, now)
-        self._bequest.keep()
-        for appeared in self.appeared:
+        self._current_goal, self._expects_server_goal = goal, False
+        self.pipeline.occupy(SERVER_FLOW, now)
+        self._goal_handover.store_soon()
+        for appeared in self.on_server_goal:
             appeared(goal.id)
-        if self.braked:
-            self.attend(now)
+        if self.brake_reason:
+            self.recheck(now)
 
     def _end(self, goal: Goal, now: int) -> None:
         """Know that a goal is over."""
-        self.goals.end(goal, now)
+        self.goals.finish(goal, now)
         self._halt()
-        for ended in () if goal.client else self.ended:
+        for ended in () if goal.client else self.on_server_goal_end:
             ended(goal.id)
-        self._bequest.keep()
+        self._goal_handover.store_soon()
 
     # What may not go on
 
-    def _why_stopped(self, goal: Goal, now: int) -> str:
+    def _stop_reason(self, goal: Goal, now: int) -> str:
         """Return why a goal may not go on; one of the server's own unless all is stopped."""
         if goal.flow not in self.pipeline.tallies:
-            return self.braked
+            return self.brake_reason
         return self.pipeline.refusal(goal.flow, now, goal.message or None)
 
-    def _stop(self, goal: Goal, why: str) -> None:
-        goal.stopped = why
+    def _stop_goal(self, goal: Goal, why: str) -> None:
+        goal.cancel_reason = why
         if why:
-            log.warning("%s: %s is cancelled: %s", self.name, self._said(goal), why)
+            log.warning("%s: %s is cancelled: %s", self.name, self._goal_label(goal), why)
             self._cancel_at_server(goal.id)
 
     # A server that goes and comes back
 
     def _await_server(self, now: int) -> None:
         """Let goals wait for a server that is gone."""
-        self._absent, self._current, self._expecting = True, None, False
-        self.pipeline.occupy(SERVER, now)
+        self._is_server_absent, self._current_goal, self._expects_server_goal = True, None, False
+        self.pipeline.occupy(SERVER_FLOW, now)
 
-    def _welcome(self) -> None:
+    def _resume_with_server(self) -> None:
         """Let goals go again that waited for a server which is back, if it has none of its own."""
-        if self._absent and self._hears():
-            self._absent = False
-            if self._current is None:
-                self._free()
+        if self._is_server_absent and self._is_server_ready():
+            self._is_server_absent = False
+            if self._current_goal is None:
+                self._free_turn()
 
     # What is told
 
-    def _complain(self, peer: Peer, why: str) -> None:
-        name = peer.node[:LONGEST_NAME]
-        if self._may_say("complaint", name):
+    def _log_problem(self, peer: Peer, why: str) -> None:
+        name = peer.node[:MAX_NAME_LENGTH]
+        if self._may_log("complaint", name):
             log.warning("%s: %s: %s", self.name, name, why)
 
-    def _may_say(self, what: str, name: str) -> bool:
+    def _may_log(self, kind: str, name: str) -> bool:
         """Tell whether to say something of a node: one that makes much of it hides no other."""
-        return self._seldom.may_say((what, hash(name) % _MOST_NAMES), self._transport.now())
+        return self._log_throttle.allows((kind, hash(name) % _MAX_NAMES), self._transport.now())

@@ -6,159 +6,168 @@ from functools import partial
 from typing import TypeVar
 
 from rtron.errors import WireError
-from rtron.guard.action.common.turns import SharingAction
-from rtron.guard.core.handover_state import Will
-from rtron.guard.core.log_throttle import Seldom
+from rtron.guard.action.common.turns import TurnSharingStream
+from rtron.guard.core.handover_state import HandoverState
+from rtron.guard.core.log_throttle import LogThrottle
 from rtron.guard.core.message_types import standard_info
-from rtron.guard.core.observations import Senses
+from rtron.guard.core.observations import Observations
 from rtron.guard.core.stream import GuardedStream
-from rtron.guard.transport.common.protocol import Output, Peer, Receive, Transport
+from rtron.guard.transport.common.protocol import MessageHandler, Output, Peer, Transport
 from rtron.messages.ros1.actions import cancel_message, read_result, read_statuses
-from rtron.policies.goals.goal_tracker import Following
-from rtron.policies.goals.status_list import TERMINAL
-from rtron.vocabulary import SECOND, SERVER, ActionPart, Stream, normalise_type, part_topic
+from rtron.policies.goals.goal_tracker import GoalTracker
+from rtron.policies.goals.status_list import TERMINAL_STATUSES
+from rtron.vocabulary import (
+    SECOND,
+    SERVER_FLOW,
+    Ros1ActionTopic,
+    Stream,
+    normalise_type,
+    ros1_topic_name,
+)
 
 log = logging.getLogger(__name__)
 
-_APPEARS_WITHIN = 5 * SECOND
+_APPEARANCE_TIMEOUT = 5 * SECOND
 
 T = TypeVar("T")
 
 _CANCEL, _STATUS = "actionlib_msgs/GoalID", "actionlib_msgs/GoalStatusArray"
 
 
-def followed_action(stream: Stream) -> str:
+def action_of_result(stream: Stream) -> str:
     """Return the action whose result tells that a goal of the stream is done, or nothing."""
     if stream.action or not stream.done or not stream.done.endswith("/result"):
         return ""
     return stream.done.removesuffix("/result")
 
 
-class FollowedStream(GuardedStream):
+class SimpleGoalStream(GuardedStream):
     """A guarded stream whose messages become goals of an action that has a guard or has none."""
 
     def __init__(
         self,
         stream: Stream,
         transport: Transport,
-        senses: Senses,
-        will: Will,
+        observations: Observations,
+        handover: HandoverState,
         *,
         dry_run: bool = False,
     ) -> None:
-        super().__init__(stream, transport, senses, will, dry_run=dry_run)
-        self._following = Following()
-        self._guarded: SharingAction | None = None
-        self._cancelled: bytes | None = None
-        self._said = 0
-        self._cancels: Output | None = None
-        self._seldom = Seldom()
+        super().__init__(stream, transport, observations, handover, dry_run=dry_run)
+        self._goal_matcher = GoalTracker()
+        self._guarded_action: TurnSharingStream | None = None
+        self._cancelled_goal: bytes | None = None
+        self._sent_count = 0
+        self._cancel_output: Output | None = None
+        self._log_throttle = LogThrottle()
 
     @property
     def action(self) -> str:
         """The name of the action that the goals become."""
-        return followed_action(self.stream)
+        return action_of_result(self.spec)
 
-    def follow(self, action: SharingAction) -> None:
+    def attach(self, action: TurnSharingStream) -> None:
         """Hear of goals from the guard of the action, which nobody else hears first."""
-        self._guarded = action
-        action.began.append(self._wait)
-        action.appeared.append(self._appeared)
-        action.ended.append(self._ended)
-        action.freed.append(self._go_on)
+        self._guarded_action = action
+        action.on_goal_start.append(self._occupy_turn)
+        action.on_server_goal.append(self._on_server_goal)
+        action.on_server_goal_end.append(self._on_goal_end)
+        action.on_turn_free.append(self._on_turn_free)
 
-    def attend(self, now: int) -> None:
+    def recheck(self, now: int) -> None:
         """Cancel the goal in progress if what asked for it may not go on."""
-        super().attend(now)
-        goal, flow = self._following.goal, self._following.flow
-        if goal in (None, self._cancelled) or self.dry_run:
+        super().recheck(now)
+        goal, flow = self._goal_matcher.goal, self._goal_matcher.flow
+        if goal in (None, self._cancelled_goal) or self.dry_run:
             return
         if why := self.pipeline.refusal(flow, now):
-            self._cancelled = goal
-            log.warning("%s: goal %r is cancelled: %s", self.stream.topic, goal[:128], why)
-            self._cancel(goal, why)
+            self._cancelled_goal = goal
+            log.warning("%s: goal %r is cancelled: %s", self.spec.topic, goal[:128], why)
+            self._cancel_goal(goal, why)
 
-    def _cancel(self, goal: bytes, why: str) -> None:
-        if self._guarded:
-            self._guarded.stop(goal, why)
-        elif self._cancels:
-            self._cancels.publish(cancel_message(goal))
+    def _cancel_goal(self, goal: bytes, why: str) -> None:
+        if self._guarded_action:
+            self._guarded_action.stop_server_goal(goal, why)
+        elif self._cancel_output:
+            self._cancel_output.publish(cancel_message(goal))
 
-    def _open_done(self) -> None:
-        if not self._guarded:
-            super()._open_done()
-            self._open_action()
+    def _subscribe_done(self) -> None:
+        if not self._guarded_action:
+            super()._subscribe_done()
+            self._subscribe_action()
 
-    def _open_action(self) -> None:
+    def _subscribe_action(self) -> None:
         """Hear of goals from an action that has no guard."""
-        status = part_topic(self.action, ActionPart.STATUS)
-        self._hear_successors(status, _STATUS, self._connect_status)
-        topic = part_topic(self.action, ActionPart.CANCEL)
+        status = ros1_topic_name(self.action, Ros1ActionTopic.STATUS)
+        self._subscribe_successors(status, _STATUS, self._connect_status)
+        topic = ros1_topic_name(self.action, Ros1ActionTopic.CANCEL)
         info = standard_info(_CANCEL, self._transport.encoding)
-        self._cancels = self._transport.advertise(self.nodes[0], topic, _CANCEL)
+        self._cancel_output = self._transport.advertise(self.nodes[0], topic, _CANCEL)
         if info:
-            self._cancels.learn(info)
+            self._cancel_output.learn_type(info)
 
-    def _connect_done(self, peer: Peer) -> Receive | None:
+    def _connect_done(self, peer: Peer) -> MessageHandler | None:
         take = super()._connect_done(peer)
         is_result = normalise_type(peer.info.type).endswith("ActionResult")
-        return self._result if take and is_result else take
+        return self._on_result if take and is_result else take
 
-    def _connect_status(self, peer: Peer) -> Receive | None:
-        return self._status if super()._connect_done(peer) else None
+    def _connect_status(self, peer: Peer) -> MessageHandler | None:
+        return self._on_status if super()._connect_done(peer) else None
 
-    def _passed(self, flow: str, message: bytes, now: int) -> None:
-        super()._passed(flow, message, now)
-        self._following.said(flow)
-        self._said += 1
-        if self._guarded:
-            self._guarded.expect()
-        self._transport.call_at(now + _APPEARS_WITHIN, partial(self._look_for, self._said))
+    def _on_passed(self, flow: str, message: bytes, now: int) -> None:
+        super()._on_passed(flow, message, now)
+        self._goal_matcher.expect_goal(flow)
+        self._sent_count += 1
+        if self._guarded_action:
+            self._guarded_action.expect_server_goal()
+        self._transport.call_at(
+            now + _APPEARANCE_TIMEOUT, partial(self._check_goal_appeared, self._sent_count)
+        )
 
-    def _look_for(self, said: int) -> None:
+    def _check_goal_appeared(self, sent_count: int) -> None:
         """Let others go if the server has made no goal of what was said."""
-        if said == self._said and self._following.expecting:
-            log.warning("%s: no goal has appeared", self.stream.topic)
-            self._following.give_up()
-            if self._guarded:
-                self._guarded.give_up(partial(self._done, b""))
+        if sent_count == self._sent_count and self._goal_matcher.is_expecting:
+            log.warning("%s: no goal has appeared", self.spec.topic)
+            self._goal_matcher.stop_expecting()
+            if self._guarded_action:
+                self._guarded_action.stop_expecting(partial(self._on_action_done, b""))
             else:
-                self._done(b"")
+                self._on_action_done(b"")
 
-    def _appeared(self, id: bytes) -> None:
+    def _on_server_goal(self, id: bytes) -> None:
         """Take a goal that the server has given itself; nobody here may have asked for it."""
-        self._following.appears(id)
-        if id != self._following.goal:
-            self._wait()
+        self._goal_matcher.add_goal(id)
+        if id != self._goal_matcher.goal:
+            self._occupy_turn()
 
-    def _go_on(self) -> None:
+    def _on_turn_free(self) -> None:
         """Let goals go again that waited for one of the action."""
-        if self.pipeline.owner == SERVER:
-            self._done(b"")
+        if self.pipeline.owner == SERVER_FLOW:
+            self._on_action_done(b"")
 
-    def _wait(self) -> None:
+    def _occupy_turn(self) -> None:
         """Let goals wait for one of the action."""
-        self.pipeline.occupy(SERVER, self._transport.now())
+        self.pipeline.occupy(SERVER_FLOW, self._transport.now())
 
-    def _status(self, message: bytes) -> None:
-        statuses = self._read(read_statuses, message) or {}
-        self._following.sees(statuses)
-        for id in [id for id, status in statuses.items() if status in TERMINAL]:
-            self._ended(id)
+    def _on_status(self, message: bytes) -> None:
+        statuses = self._decode(read_statuses, message) or {}
+        self._goal_matcher.update_goals(statuses)
+        for id in [id for id, status in statuses.items() if status in TERMINAL_STATUSES]:
+            self._on_goal_end(id)
 
-    def _result(self, message: bytes) -> None:
-        result = self._read(read_result, message)
+    def _on_result(self, message: bytes) -> None:
+        result = self._decode(read_result, message)
         if result:
-            self._ended(result.goal.id)
+            self._on_goal_end(result.goal.id)
 
-    def _read(self, read: Callable[[bytes], T], message: bytes) -> T | None:
+    def _decode(self, read: Callable[[bytes], T], message: bytes) -> T | None:
         try:
             return read(message)
         except WireError as error:
-            if self._seldom.may_say("unreadable", self._transport.now()):
-                log.warning("%s: what the action says cannot be read: %s", self.stream.topic, error)
+            if self._log_throttle.allows("unreadable", self._transport.now()):
+                log.warning("%s: what the action says cannot be read: %s", self.spec.topic, error)
             return None
 
-    def _ended(self, id: bytes) -> None:
-        if self._following.over(id):
-            self._done(b"")
+    def _on_goal_end(self, id: bytes) -> None:
+        if self._goal_matcher.finish_goal(id):
+            self._on_action_done(b"")

@@ -8,111 +8,115 @@ from functools import partial
 from typing import Protocol
 
 from rtron.guard.core.message_types import standard_info
-from rtron.guard.transport.common.protocol import Output, Peer, Receive, Transport, TypeInfo
+from rtron.guard.transport.common.protocol import MessageHandler, Output, Peer, Transport, TypeInfo
 from rtron.messages.common.encoding import Encoding
 from rtron.vocabulary import (
-    ANSWERED,
-    SERVER,
+    ROS1_SERVER_TOPICS,
+    SERVER_FLOW,
     UNAPPROVED,
-    ActionPart,
+    Ros1ActionTopic,
     Stream,
     flow_topic,
-    names_node,
+    matches_node,
     output_topic,
-    part_topic,
+    ros1_topic_name,
 )
 
 CANCEL = "actionlib_msgs/GoalID"
 STATUS = "actionlib_msgs/GoalStatusArray"
 
 
-class Hears(Protocol):
+class ActionListener(Protocol):
     """Who is told what arrives on an action's topics."""
 
-    def cancels_of(self, flow: str, peer: Peer) -> Receive | None:
+    def cancel_receiver(self, flow: str, peer: Peer) -> MessageHandler | None:
         """Return what takes the cancels of a client."""
         ...
 
-    def answers_of(self, part: ActionPart, peer: Peer) -> Receive | None:
+    def server_receiver(self, part: Ros1ActionTopic, peer: Peer) -> MessageHandler | None:
         """Return what takes what the server says."""
         ...
 
-    def server_left(self, part: ActionPart, peer: Peer) -> None:
+    def on_server_lost(self, part: Ros1ActionTopic, peer: Peer) -> None:
         """Learn that the server does not publish a part any more."""
         ...
 
 
-class ActionEnds:
+class ActionTopics:
     """The cancels, statuses, feedback and results of one action."""
 
-    def __init__(self, stream: Stream, node: str, transport: Transport, hears: Hears) -> None:
+    def __init__(
+        self, stream: Stream, node: str, transport: Transport, listener: ActionListener
+    ) -> None:
         self._stream = stream
         self._node = node
         self._transport = transport
-        self._hears = hears
-        self._cancels: list[Output] = []
-        self._answers: dict[ActionPart, list[Output]] = {}
+        self._listener = listener
+        self._cancel_outputs: list[Output] = []
+        self._server_outputs: dict[Ros1ActionTopic, list[Output]] = {}
 
     def open(self) -> None:
         """Join the graph."""
-        self._open_cancels()
-        for part in ANSWERED:
-            self._open_answers(part)
+        self._open_cancel_topics()
+        for part in ROS1_SERVER_TOPICS:
+            self._open_server_topics(part)
 
-    def cancel(self, message: bytes) -> None:
+    def publish_cancel(self, message: bytes) -> None:
         """Send a cancel to the server."""
-        for output in self._cancels:
+        for output in self._cancel_outputs:
             output.publish(message)
 
-    def answer(self, part: ActionPart, message: bytes) -> None:
+    def publish(self, part: Ros1ActionTopic, message: bytes) -> None:
         """Send to the clients what the server said, or what is said in its place."""
-        latched_by = SERVER if part is ActionPart.STATUS else None
-        for output in self._answers[part]:
+        latched_by = SERVER_FLOW if part is Ros1ActionTopic.STATUS else None
+        for output in self._server_outputs[part]:
             output.publish(message, latched_by)
 
-    def learn(self, part: ActionPart, info: TypeInfo) -> bool:
+    def learn_type(self, part: Ros1ActionTopic, info: TypeInfo) -> bool:
         """Take the type of a part from the server; False if it is another than before."""
-        return all(output.learn(info) for output in self._answers[part])
+        return all(output.learn_type(info) for output in self._server_outputs[part])
 
-    def forget(self) -> None:
+    def clear_latched_status(self) -> None:
         """Keep no status for late clients: the server that told it is gone."""
-        for output in self._answers[ActionPart.STATUS]:
-            output.forget()
+        for output in self._server_outputs[Ros1ActionTopic.STATUS]:
+            output.clear_latched()
 
     def reaches_server(self, node: str) -> bool:
         """Tell whether cancels reach the server."""
-        return any(output.reaches(node) for output in self._cancels)
+        return any(output.is_subscribed_by(node) for output in self._cancel_outputs)
 
     def reaches_client(self, node: str) -> bool:
         """Tell whether results reach a client."""
-        return any(output.reaches(node) for output in self._answers[ActionPart.RESULT])
+        return any(
+            output.is_subscribed_by(node) for output in self._server_outputs[Ros1ActionTopic.RESULT]
+        )
 
-    def _open_cancels(self) -> None:
-        stream, topic = self._stream, part_topic(self._stream.action, ActionPart.CANCEL)
-        self._cancels = [
+    def _open_cancel_topics(self) -> None:
+        stream, topic = self._stream, ros1_topic_name(self._stream.action, Ros1ActionTopic.CANCEL)
+        self._cancel_outputs = [
             self._advertise(output_topic(topic), CANCEL),
             self._advertise(topic, CANCEL),
         ]
         for flow in stream.flows:
             private = flow_topic(topic, flow.name)
-            if any(names_node(flow.publisher, node) for node in stream.successors):
-                self._cancels.append(self._advertise(private, CANCEL))
+            if any(matches_node(flow.publisher, node) for node in stream.successors):
+                self._cancel_outputs.append(self._advertise(private, CANCEL))
             connect = partial(self._connect_client, flow.name, flow.publisher)
             self._transport.subscribe(self._node, private, CANCEL, connect)
         connect = partial(self._connect_client, UNAPPROVED, "*")
         self._transport.subscribe(self._node, topic, CANCEL, connect)
 
-    def _open_answers(self, part: ActionPart) -> None:
-        topic = part_topic(self._stream.action, part)
-        type = STATUS if part is ActionPart.STATUS else ""
+    def _open_server_topics(self, part: Ros1ActionTopic) -> None:
+        topic = ros1_topic_name(self._stream.action, part)
+        type = STATUS if part is Ros1ActionTopic.STATUS else ""
         names = (output_topic(topic), topic)
-        self._answers[part] = [self._advertise(name, type) for name in names]
+        self._server_outputs[part] = [self._advertise(name, type) for name in names]
         self._transport.subscribe(
             self._node,
-            flow_topic(topic, SERVER),
+            flow_topic(topic, SERVER_FLOW),
             type,
             partial(self._connect_server, part),
-            partial(self._hears.server_left, part),
+            partial(self._listener.on_server_lost, part),
         )
 
     def _advertise(self, topic: str, type: str) -> Output:
@@ -120,15 +124,15 @@ class ActionEnds:
         output = self._transport.advertise(self._node, topic, type, queue_size=size)
         info = standard_info(type, Encoding.ROS1) if type else None
         if info:
-            output.learn(info)
+            output.learn_type(info)
         return output
 
-    def _connect_client(self, flow: str, publisher: str, peer: Peer) -> Receive | None:
-        approved = peer.verified and names_node(publisher, peer.node)
-        return self._hears.cancels_of(flow if approved else UNAPPROVED, peer)
+    def _connect_client(self, flow: str, publisher: str, peer: Peer) -> MessageHandler | None:
+        approved = peer.verified and matches_node(publisher, peer.node)
+        return self._listener.cancel_receiver(flow if approved else UNAPPROVED, peer)
 
-    def _connect_server(self, part: ActionPart, peer: Peer) -> Receive | None:
-        serves = any(names_node(node, peer.node) for node in self._stream.successors)
-        if not (peer.verified and serves and self.learn(part, peer.info)):
+    def _connect_server(self, part: Ros1ActionTopic, peer: Peer) -> MessageHandler | None:
+        serves = any(matches_node(node, peer.node) for node in self._stream.successors)
+        if not (peer.verified and serves and self.learn_type(part, peer.info)):
             return None
-        return self._hears.answers_of(part, peer)
+        return self._listener.server_receiver(part, peer)

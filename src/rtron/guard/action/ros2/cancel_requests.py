@@ -2,70 +2,70 @@
 
 from collections import defaultdict
 
-from rtron.guard.action.ros2.endpoints import NONE, REJECTED, AnswerCancel, Cancelled
+from rtron.guard.action.ros2.endpoints import NONE, REJECTED, CancelReply, CancelResponse
 
 
-class Gathering:
+class CancelRequest:
     """Gathers the answers for the goals of one cancel, and answers when the last has come.
 
     A client's cancel never goes to the server as it is: by a stamp, or without an id, it would
     mean the goals of others too.
     """
 
-    def __init__(self, answer: AnswerCancel) -> None:
-        self._answer: AnswerCancel | None = answer
-        self._open: set[bytes] = set()
-        self._ending: list[tuple[bytes, int]] = []
-        self._meant = self._complete = False
+    def __init__(self, reply: CancelReply) -> None:
+        self._reply: CancelReply | None = reply
+        self._pending: set[bytes] = set()
+        self._canceling: list[tuple[bytes, int]] = []
+        self._has_goals = self._is_closed = False
 
-    def ends(self, id: bytes, stamp: int) -> None:
+    def add_canceling(self, id: bytes, stamp: int) -> None:
         """Note a goal that will end."""
-        self._meant = True
-        self._ending.append((id, stamp))
+        self._has_goals = True
+        self._canceling.append((id, stamp))
 
-    def await_(self, id: bytes) -> None:
+    def add_pending(self, id: bytes) -> None:
         """Wait for what becomes of a goal."""
-        self._meant = True
-        self._open.add(id)
+        self._has_goals = True
+        self._pending.add(id)
 
-    def told(self, id: bytes, stamp: int, *, ends: bool) -> None:
+    def resolve(self, id: bytes, stamp: int, *, is_canceling: bool) -> None:
         """Learn whether a goal that is waited for will end."""
-        if id in self._open:
-            self._open.discard(id)
-            if ends:
-                self.ends(id, stamp)
-            self._finish()
+        if id in self._pending:
+            self._pending.discard(id)
+            if is_canceling:
+                self.add_canceling(id, stamp)
+            self._reply_if_resolved()
 
-    def complete(self) -> None:
+    def close(self) -> None:
         """Know all goals of the cancel; answer as soon as none is open."""
-        self._complete = True
-        self._finish()
+        self._is_closed = True
+        self._reply_if_resolved()
 
-    def give_up(self) -> None:
+    def expire(self) -> None:
         """Answer with what is known."""
-        self._open.clear()
-        self._complete = True
-        self._finish()
+        self._pending.clear()
+        self._is_closed = True
+        self._reply_if_resolved()
 
-    def _finish(self) -> None:
-        if self._answer and self._complete and not self._open:
-            answer, self._answer = self._answer, None
-            refused = self._meant and not self._ending
-            answer(Cancelled(REJECTED if refused else NONE, tuple(self._ending)))
+    def _reply_if_resolved(self) -> None:
+        if self._reply and self._is_closed and not self._pending:
+            reply, self._reply = self._reply, None
+            is_rejected = self._has_goals and not self._canceling
+            reply(CancelResponse(REJECTED if is_rejected else NONE, tuple(self._canceling)))
 
 
-class Gatherings:
+class CancelRequests:
     """The gatherings that wait for what becomes of a goal."""
 
     def __init__(self) -> None:
-        self._waiting: dict[bytes, list[Gathering]] = defaultdict(list)
+        self._waiting: dict[bytes, list[CancelRequest]] = defaultdict(list)
 
-    def await_(self, id: bytes, gathering: Gathering) -> None:
+    def add(self, id: bytes, request: CancelRequest) -> None:
         """Let a gathering wait for what becomes of a goal."""
-        gathering.await_(id)
-        self._waiting[id].append(gathering)
+        request.add_pending(id)
+        self._waiting[id].append(request)
 
-    def told(self, id: bytes, stamp: int, *, ends: bool) -> None:
+    def resolve(self, id: bytes, stamp: int, *, is_canceling: bool) -> None:
         """Tell all that wait for a goal whether it will end."""
-        for gathering in self._waiting.pop(id, ()):
-            gathering.told(id, stamp, ends=ends)
+        for request in self._waiting.pop(id, ()):
+            request.resolve(id, stamp, is_canceling=is_canceling)

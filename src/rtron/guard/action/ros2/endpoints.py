@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
 from rtron.guard.transport.common.protocol import Peer, TypeInfo
-from rtron.vocabulary import ActionEnd, Stream
+from rtron.vocabulary import Ros2ActionEntity, Stream
 
-MOST_UNANSWERED = 8
+MAX_PENDING_RESULTS = 8
 """So many requests for one goal's result wait for it."""
 
 
@@ -23,19 +23,19 @@ class GoalMessage(bytes):
     @classmethod
     def of(cls, id: bytes, message: bytes) -> "GoalMessage":
         """Return a goal that knows its id."""
-        made = cls(message)
-        made.id = id
-        return made
+        goal = cls(message)
+        goal.id = id
+        return goal
 
 
-ReadGoal = Callable[[], GoalMessage]
+DecodeGoal = Callable[[], GoalMessage]
 """Reads a goal that was sent; WireError if it is none."""
-AnswerGoal = Callable[[int | None], None]
+GoalReply = Callable[[int | None], None]
 """Takes since when a goal is accepted, None if it is rejected."""
 
 
 @dataclass(frozen=True, slots=True)
-class Cancelled:
+class CancelResponse:
     """The answer to a cancel: a code of action_msgs/CancelGoal, and the goals that will end."""
 
     code: int
@@ -44,10 +44,10 @@ class Cancelled:
 
 NONE, REJECTED, UNKNOWN_GOAL, TERMINATED = range(4)
 """The codes."""
-AnswerCancel = Callable[[Cancelled], None]
+CancelReply = Callable[[CancelResponse], None]
 
 
-class AnswerResult(Protocol):
+class ResultReply(Protocol):
     """The place of a request for a result; a later guard answers there by its `token`."""
 
     token: str
@@ -57,79 +57,83 @@ class AnswerResult(Protocol):
         ...
 
 
-class HearsServer(Protocol):
+class ServerListener(Protocol):
     """Who is told what the server says, and whether it is there."""
 
-    def server_told(self, end: ActionEnd, message: bytes) -> None:
+    def on_server_message(self, end: Ros2ActionEntity, message: bytes) -> None:
         """Take a feedback message or a status array of the server, as CDR."""
         ...
 
-    def server_came(self, node: str, incarnation: bytes) -> None:
+    def on_server_available(self, node: str, incarnation: bytes) -> None:
         """Learn that the server is there and answers; `incarnation` is another after a restart."""
         ...
 
-    def server_left(self) -> None:
+    def on_server_lost(self) -> None:
         """Learn that the server is not there any more."""
         ...
 
-    def server_doubted(self, why: str) -> None:
+    def on_server_doubt(self, reason: str) -> None:
         """Learn that not only the server may answer, and why; "" when it is alone again."""
         ...
 
 
-class Hears(HearsServer, Protocol):
+class ActionListener(ServerListener, Protocol):
     """Who is told what clients ask, too."""
 
-    def goal_asked(self, flow: str, peer: Peer, read: ReadGoal, answer: AnswerGoal) -> None:
+    def on_goal_request(self, flow: str, peer: Peer, decode: DecodeGoal, reply: GoalReply) -> None:
         """Take a goal that was sent under the name of a flow; a stranger's need not be read."""
         ...
 
-    def result_asked(self, flow: str, peer: Peer, id: bytes, answer: AnswerResult) -> None:
+    def on_result_request(self, flow: str, peer: Peer, id: bytes, reply: ResultReply) -> None:
         """Take a request for a goal's result."""
         ...
 
-    def cancel_asked(
-        self, flow: str, peer: Peer, id: bytes, stamp: int, answer: AnswerCancel
+    def on_cancel_request(
+        self, flow: str, peer: Peer, id: bytes, stamp: int, reply: CancelReply
     ) -> None:
         """Take a cancel; `NO_ID` and 0 mean every goal, a stamp all goals up to then."""
         ...
 
 
-class Ends(Protocol):
+class ActionEndpoints(Protocol):
     """The services and topics of one action: towards its clients, and towards its server."""
 
-    info: TypeInfo
+    type_info: TypeInfo
     """What goals look like."""
 
     def open(self) -> None:
         """Join the graph."""
         ...
 
-    def send_goal(self, goal: GoalMessage, answered: AnswerGoal) -> None:
+    def send_goal(self, goal: GoalMessage, on_reply: GoalReply) -> None:
         """Send a goal to the server."""
         ...
 
-    def cancel(self, id: bytes, stamp: int, answered: AnswerCancel) -> None:
+    def cancel(self, id: bytes, stamp: int, on_reply: CancelReply) -> None:
         """Send a cancel to the server."""
         ...
 
-    def get_result(self, id: bytes, answered: Callable[[int, object], None]) -> None:
+    def get_result(self, id: bytes, on_reply: Callable[[int, object], None]) -> None:
         """Ask the server for a result; the answer comes when the goal is over."""
         ...
 
-    def tell(self, end: ActionEnd, message: bytes, flows: Sequence[str] | None = None) -> None:
+    def publish(
+        self, end: Ros2ActionEntity, message: bytes, flows: Sequence[str] | None = None
+    ) -> None:
         """Tell the clients of some flows, or all, and whoever listens under the public name."""
         ...
 
-    def place(self, token: str) -> AnswerResult | None:
+    def restore_reply(self, token: str) -> ResultReply | None:
         """Return the place of a request that came to the guard before; None if it is none."""
         ...
 
 
 @runtime_checkable
-class CarriesRequests(Protocol):
+class ActionTransport(Protocol):
     """A transport on which an action of ROS 2 can be guarded."""
 
-    def action_ends(self, stream: Stream, node: str, hears: Hears) -> Ends:
+    def action_endpoints(
+        self, stream: Stream, node: str, listener: ActionListener
+    ) -> ActionEndpoints:
         """Return the ends of a stream's action, of one of the guard's nodes; not open yet."""
         ...

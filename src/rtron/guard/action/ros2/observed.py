@@ -7,13 +7,13 @@ from rtron.guard.core.stream import GuardedStream
 log = logging.getLogger(__name__)
 
 
-class ObservedAction(GuardedStream):
+class ObservedActionStream(GuardedStream):
     """Stands in the reports of the guard, and sees nothing: goals go from client to server."""
 
     def open(self) -> None:
         """Stay out of the graph."""
-        told = "%s: its goals are requests, which only a guard that enforces sees"
-        log.warning(told, self.stream.topic)
+        text = "%s: its goals are requests, which only a guard that enforces sees"
+        log.warning(text, self.spec.topic)
 
     @property
     def details(self) -> dict[str, str]:

@@ -2,19 +2,19 @@
 
 from collections.abc import Callable, Mapping
 
-from rtron.guard.action.ros2.endpoints import MOST_UNANSWERED, AnswerResult
-from rtron.guard.action.ros2.task import Task
-from rtron.guard.core.handover_state import Will
+from rtron.guard.action.ros2.endpoints import MAX_PENDING_RESULTS, ResultReply
+from rtron.guard.action.ros2.task import GoalTask
+from rtron.guard.core.handover_state import HandoverState
 from rtron.guard.transport.common.protocol import Transport
 from rtron.vocabulary import SECOND
 
-_KEEP_AFTER = SECOND // 100
-_MOST_KEPT = 256
+_STORE_DELAY = SECOND // 100
+_MAX_STORED = 256
 
-Place = Callable[[str], AnswerResult | None]
+RestoreReply = Callable[[str], ResultReply | None]
 
 
-class Places:
+class ResultRequestHandover:
     """Keeps the open requests for results in the will.
 
     A client asks for a result once and waits, whoever serves it: a guard that takes the place of
@@ -22,32 +22,38 @@ class Places:
     """
 
     def __init__(
-        self, name: str, tasks: Mapping[bytes, Task], will: Will, transport: Transport
+        self,
+        name: str,
+        tasks: Mapping[bytes, GoalTask],
+        handover: HandoverState,
+        transport: Transport,
     ) -> None:
         self._key = f"results {name}"
         self._tasks = tasks
-        self._will = will
+        self._handover = handover
         self._transport = transport
-        self._keeping = False
+        self._store_scheduled = False
 
-    def take_over(self, place: Place) -> None:
+    def restore(self, restore_reply: RestoreReply) -> None:
         """Let the requests to the guard before wait here."""
-        found = self._will.found(self._key)
-        for id, tokens in found.items() if isinstance(found, dict) else ():
+        inherited = self._handover.inherited(self._key)
+        for id, tokens in inherited.items() if isinstance(inherited, dict) else ():
             task = self._tasks.get(bytes.fromhex(id))
-            for token in tokens[:MOST_UNANSWERED] if task else ():
-                answer = place(token)
+            for token in tokens[:MAX_PENDING_RESULTS] if task else ():
+                answer = restore_reply(token)
                 if task and answer:
-                    task.wait(answer)
+                    task.add_result_request(answer)
 
-    def keep(self) -> None:
+    def store_soon(self) -> None:
         """Leave to the next guard who waits, soon: many may do so at once."""
-        if not self._keeping:
-            self._keeping = True
-            self._transport.call_at(self._transport.now() + _KEEP_AFTER, self._keep_now)
+        if not self._store_scheduled:
+            self._store_scheduled = True
+            self._transport.call_at(self._transport.now() + _STORE_DELAY, self._store)
 
-    def _keep_now(self) -> None:
-        self._keeping = False
-        waiting = [task for task in self._tasks.values() if task.waiting][:_MOST_KEPT]
-        tokens = {task.goal.id.hex(): [each.token for each in task.waiting] for task in waiting}
-        self._will.keep(self._key, tokens)
+    def _store(self) -> None:
+        self._store_scheduled = False
+        waiting = [task for task in self._tasks.values() if task.result_replies][:_MAX_STORED]
+        tokens = {
+            task.goal.id.hex(): [each.token for each in task.result_replies] for task in waiting
+        }
+        self._handover.store(self._key, tokens)

@@ -5,13 +5,13 @@ from dataclasses import dataclass
 
 from rtron.vocabulary import SECOND
 
-KEPT_FOR = 10 * SECOND
+RESULT_TIMEOUT = 10 * SECOND
 """As long as rcl_action's servers keep them."""
-MOST_KEPT = 256
+MAX_RESULTS = 256
 
 
 @dataclass(frozen=True, slots=True)
-class Result:
+class GoalResult:
     """How a goal of a client has ended; no result is an empty one."""
 
     client: str
@@ -19,29 +19,29 @@ class Result:
     stamp: int
     status: int
     result: object | None
-    until: int
+    expires_at: int
 
 
-class Results:
+class ResultCache:
     """The newest results by the goal's id."""
 
     def __init__(self) -> None:
-        self._kept: OrderedDict[bytes, Result] = OrderedDict()
+        self._results: OrderedDict[bytes, GoalResult] = OrderedDict()
 
-    def keep(self, id: bytes, result: Result) -> None:
+    def add(self, id: bytes, result: GoalResult) -> None:
         """Keep a result until its time."""
-        self._kept[id] = result
-        if len(self._kept) > MOST_KEPT:
-            self._kept.popitem(last=False)
+        self._results[id] = result
+        if len(self._results) > MAX_RESULTS:
+            self._results.popitem(last=False)
 
-    def flow(self, id: bytes) -> str:
+    def flow_of(self, id: bytes) -> str:
         """Return the flow of a goal that is over, or nothing."""
-        found = self._kept.get(id)
-        return found.flow if found else ""
+        result = self._results.get(id)
+        return result.flow if result else ""
 
-    def find(self, id: bytes, client: str, now: int) -> Result | None:
+    def find(self, id: bytes, client: str, now: int) -> GoalResult | None:
         """Return the result of a client's goal; what has been kept long enough is forgotten."""
-        while self._kept and next(iter(self._kept.values())).until <= now:
-            self._kept.popitem(last=False)
-        found = self._kept.get(id)
-        return found if found and found.client == client else None
+        while self._results and next(iter(self._results.values())).expires_at <= now:
+            self._results.popitem(last=False)
+        result = self._results.get(id)
+        return result if result and result.client == client else None

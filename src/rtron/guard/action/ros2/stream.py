@@ -9,226 +9,231 @@ import time
 from collections.abc import Iterator
 from functools import partial
 
-from rtron.guard.action.common.stream import LONGEST_NAME, ORPHANED
-from rtron.guard.action.ros2.cancel_requests import Gathering
+from rtron.guard.action.common.stream import MAX_NAME_LENGTH, ORPHAN_TIMEOUT
+from rtron.guard.action.ros2.cancel_requests import CancelRequest
 from rtron.guard.action.ros2.endpoints import (
     REJECTED,
     TERMINATED,
     UNKNOWN_GOAL,
-    AnswerCancel,
-    AnswerGoal,
-    AnswerResult,
-    Cancelled,
-    CarriesRequests,
+    ActionTransport,
+    CancelReply,
+    CancelResponse,
+    DecodeGoal,
     GoalMessage,
-    ReadGoal,
+    GoalReply,
+    ResultReply,
 )
-from rtron.guard.action.ros2.places import Places
-from rtron.guard.action.ros2.server_tracker import ServedRequests
-from rtron.guard.action.ros2.task import Task
-from rtron.guard.core.handover_state import Will
-from rtron.guard.core.observations import Senses
+from rtron.guard.action.ros2.places import ResultRequestHandover
+from rtron.guard.action.ros2.server_tracker import ServerTracker
+from rtron.guard.action.ros2.task import GoalTask
+from rtron.guard.core.handover_state import HandoverState
+from rtron.guard.core.observations import Observations
 from rtron.guard.transport.common.protocol import Peer, Transport
 from rtron.messages.ros2.actions import ABORTED, CANCELED, NO_ID, UNKNOWN
-from rtron.policies.goals.registry import Goal, Where
-from rtron.vocabulary import SECOND, UNAPPROVED, Decision, Stream, Verdict, names_node
+from rtron.policies.goals.registry import Goal, GoalStage
+from rtron.vocabulary import SECOND, UNAPPROVED, Decision, Stream, Verdict, matches_node
 
 log = logging.getLogger(__name__)
 
-_FOUND_WITHIN = 10 * SECOND
-_CANCEL_PATIENCE = 5 * SECOND
-_MOST_STRANGERS = 32
+_SERVER_TIMEOUT = 10 * SECOND
+_CANCEL_TIMEOUT = 5 * SECOND
+_MAX_STRANGERS = 32
 
 
-class RequestedAction(ServedRequests):
+class Ros2ActionStream(ServerTracker):
     """A guarded stream of goals that come as requests, with all else of the action beside it."""
 
     def __init__(
         self,
         stream: Stream,
         transport: Transport,
-        senses: Senses,
-        will: Will,
-        requests: CarriesRequests,
+        observations: Observations,
+        handover: HandoverState,
+        action_transport: ActionTransport,
         *,
         dry_run: bool = False,
     ) -> None:
-        super().__init__(stream, transport, senses, will, requests, dry_run=dry_run)
-        self._places = Places(self.name, self._tasks, will, transport)
+        super().__init__(
+            stream, transport, observations, handover, action_transport, dry_run=dry_run
+        )
+        self._result_handover = ResultRequestHandover(self.name, self._tasks, handover, transport)
 
     def open(self) -> None:
         """Join the graph."""
-        self._info = self._ways.info
-        self._ways.open()
+        self._type_info = self._action_endpoints.type_info
+        self._action_endpoints.open()
         self._is_open = True
-        for why in self._braked_by.values():
-            self._hold(why)
-        self._take_over()
-        self.attend(self._transport.now())
+        for why in self._brake_reasons.values():
+            self._stop_robot(why)
+        self._restore_goals()
+        self.recheck(self._transport.now())
 
-    def _take_over(self) -> None:
+    def _restore_goals(self) -> None:
         """Go on with the goals of the guard before; those that waited went with it."""
         now = self._transport.now()
-        for goal in self._inherited():
+        for goal in self._inherit_goals():
             if goal.client:
-                self._tasks[goal.id] = Task(goal, accepted=goal.where is Where.SENT)
-        self._places.take_over(self._ways.place)
-        self._transport.call_at(now + ORPHANED, self._answer_orphans)
-        self._transport.call_at(now + _FOUND_WITHIN, self._answer_unfound)
+                self._tasks[goal.id] = GoalTask(goal, is_accepted=goal.stage is GoalStage.SENT)
+        self._result_handover.restore(self._action_endpoints.restore_reply)
+        self._transport.call_at(now + ORPHAN_TIMEOUT, self._reply_to_orphans)
+        self._transport.call_at(now + _SERVER_TIMEOUT, self._reply_without_server)
 
-    def _answer_orphans(self) -> None:
+    def _reply_to_orphans(self) -> None:
         """Answer the goals that waited with a guard that has ended."""
         for task in list(self._tasks.values()):
             goal = task.goal
-            if goal.client and goal.where is Where.WAITING and not goal.message:
-                self._finish(task, ABORTED, why="the guard was restarted")
+            if goal.client and goal.stage is GoalStage.WAITING and not goal.message:
+                self._finish(task, ABORTED, reason="the guard was restarted")
 
     # Whose a request is
 
-    def _caller(self, flow: str, peer: Peer) -> tuple[str, str]:
+    def _identify_client(self, flow: str, peer: Peer) -> tuple[str, str]:
         """Return the flow that a request counts for, and what its client is called here."""
-        named = next((each for each in self.stream.flows if each.name == flow), None)
-        if named and peer.verified and names_node(named.publisher, peer.node):
+        planned_flow = next((each for each in self.spec.flows if each.name == flow), None)
+        if planned_flow and peer.verified and matches_node(planned_flow.publisher, peer.node):
             return flow, peer.node
-        place = f"on the private name of {flow}" if named else "under the public name"
-        name = peer.node[:LONGEST_NAME]
-        if self._may_say("stranger", name):
-            log.warning("%s: unapproved client %s %s", self.name, name, place)
-        if name in self.strangers or len(self.strangers) < _MOST_STRANGERS:
+        location = f"on the private name of {flow}" if planned_flow else "under the public name"
+        name = peer.node[:MAX_NAME_LENGTH]
+        if self._may_log("stranger", name):
+            log.warning("%s: unapproved client %s %s", self.name, name, location)
+        if name in self.strangers or len(self.strangers) < _MAX_STRANGERS:
             self.strangers[name] = self.strangers.get(name, 0) + 1
         return UNAPPROVED, f"{UNAPPROVED} {peer.node}"
 
-    def _shuts_out(self, flow: str) -> bool:
-        return flow == UNAPPROVED and self.stream.block_unapproved and not self.dry_run
+    def _is_shut_out(self, flow: str) -> bool:
+        return flow == UNAPPROVED and self.spec.block_unapproved and not self.dry_run
 
     # Goals
 
-    def goal_asked(self, flow: str, peer: Peer, read: ReadGoal, answer: AnswerGoal) -> None:
+    def on_goal_request(self, flow: str, peer: Peer, decode: DecodeGoal, reply: GoalReply) -> None:
         """Take a goal that was sent under the name of a flow; a stranger's is not even read."""
-        flow, client = self._caller(flow, peer)
-        if self._shuts_out(flow):
+        flow, client = self._identify_client(flow, peer)
+        if self._is_shut_out(flow):
             self._receive(flow, b"")
-            answer(None)
+            reply(None)
         else:
-            self._take_goal(flow, client, peer, read(), answer)
+            self._accept_goal(flow, client, peer, decode(), reply)
 
-    def _take_goal(
-        self, flow: str, client: str, peer: Peer, message: GoalMessage, answer: AnswerGoal
+    def _accept_goal(
+        self, flow: str, client: str, peer: Peer, message: GoalMessage, reply: GoalReply
     ) -> None:
         id, now = message.id, self._transport.now()
-        if why := self._misfit() or self.goals.why_not(id, client, now):
-            self._complain(peer, why)
-            answer(None)
+        if why := self._type_mismatch() or self.goals.rejection_reason(id, client, now):
+            self._log_problem(peer, why)
+            reply(None)
             return
-        goal = Goal(id, time.time_ns(), flow, client, message, seen=now)
+        goal = Goal(id, time.time_ns(), flow, client, message, last_seen=now)
         self.goals.add(goal)
-        task = self._tasks[id] = Task(goal, answer)
-        self._decide(task)
-        self._bequest.keep()
+        task = self._tasks[id] = GoalTask(goal, reply)
+        self._decide_goal(task)
+        self._goal_handover.store_soon()
 
-    def _misfit(self) -> str:
+    def _type_mismatch(self) -> str:
         """Return why no goal can be judged, or nothing."""
-        fits = self.dry_run or self._md5sum in ("", self._ways.info.md5sum)
-        told = "goals of this type are not what the plan's rules are written for"
-        return "" if fits else told
+        matches = self.dry_run or self._rules_md5sum in (
+            "",
+            self._action_endpoints.type_info.md5sum,
+        )
+        text = "goals of this type are not what the plan's rules are written for"
+        return "" if matches else text
 
-    def _decide(self, task: Task) -> None:
+    def _decide_goal(self, task: GoalTask) -> None:
         goal = task.goal
         if self.dry_run:
-            self._send(goal)
-        if why := self._why_refused(goal):
-            self._finish(task, ABORTED, why=why)
+            self._send_goal(goal)
+        if why := self._refusal_reason(goal):
+            self._finish(task, ABORTED, reason=why)
             return
         verdict = self._receive(goal.flow, goal.message)
         if self.dry_run:
             return
         if verdict is None or verdict.decision is Decision.DROP:
-            self._finish(task, ABORTED, why=verdict.reason if verdict else "internal error")
-        elif verdict.decision is Decision.HOLD and goal.where is Where.WAITING:
-            task.admit(goal.stamp)
-            self._desk.tell_soon()
+            self._finish(task, ABORTED, reason=verdict.reason if verdict else "internal error")
+        elif verdict.decision is Decision.HOLD and goal.stage is GoalStage.WAITING:
+            task.accept(goal.stamp)
+            self._status_publisher.publish_soon()
 
-    def _passed(self, flow: str, message: bytes, now: int) -> None:
+    def _on_passed(self, flow: str, message: bytes, now: int) -> None:
         goal = self.goals.find(message.id) if isinstance(message, GoalMessage) else None
-        self._current = goal or self._current
-        super()._passed(flow, message, now)
+        self._current_goal = goal or self._current_goal
+        super()._on_passed(flow, message, now)
         if goal is None:
-            self._transport.call_at(now, partial(self._done, b""))
+            self._transport.call_at(now, partial(self._on_action_done, b""))
         elif not self.dry_run:
-            self._send(goal)
-        for began in self.began if goal else ():
-            began()
+            self._send_goal(goal)
+        for notify in self.on_goal_start if goal else ():
+            notify()
 
-    def _say(self, flow: str, message: bytes) -> None:
+    def _send_message(self, flow: str, message: bytes) -> None:
         """Say nothing on topics: goals are sent one by one."""
 
-    def _gave_up(self, message: bytes, verdict: Verdict) -> None:
+    def _on_dropped_goal(self, message: bytes, verdict: Verdict) -> None:
         task = self._tasks.get(message.id) if isinstance(message, GoalMessage) else None
-        if task and task.goal.where is Where.WAITING:
-            status = CANCELED if task.cancelled else ABORTED
-            self._finish(task, status, why=verdict.reason)
+        if task and task.goal.stage is GoalStage.WAITING:
+            status = CANCELED if task.is_cancelled else ABORTED
+            self._finish(task, status, reason=verdict.reason)
 
     # Results and cancels
 
-    def result_asked(self, flow: str, peer: Peer, id: bytes, answer: AnswerResult) -> None:
+    def on_result_request(self, flow: str, peer: Peer, id: bytes, reply: ResultReply) -> None:
         """Take a request for a goal's result; nobody but its client gets it."""
         now = self._transport.now()
-        _, client = self._caller(flow, peer)
+        _, client = self._identify_client(flow, peer)
         task = self._tasks.get(id)
         if task and task.goal.client == client:
-            if task.wait(answer):
-                self._places.keep()
+            if task.add_result_request(reply):
+                self._result_handover.store_soon()
             else:
-                answer(UNKNOWN, None)
-        elif kept := self._results.find(id, client, now):
-            answer(kept.status, kept.result)
+                reply(UNKNOWN, None)
+        elif cached := self._results.find(id, client, now):
+            reply(cached.status, cached.result)
         else:
-            answer(UNKNOWN, None)
+            reply(UNKNOWN, None)
 
-    def cancel_asked(
-        self, flow: str, peer: Peer, id: bytes, stamp: int, answer: AnswerCancel
+    def on_cancel_request(
+        self, flow: str, peer: Peer, id: bytes, stamp: int, reply: CancelReply
     ) -> None:
         """Take a cancel: it means goals of the client that sends it, and no others."""
-        flow, client = self._caller(flow, peer)
+        flow, client = self._identify_client(flow, peer)
         if self.dry_run:
-            self._ways.cancel(id, stamp, answer)
-        elif self._shuts_out(flow):
-            self._complain(peer, "not approved, its cancels are rejected")
-            answer(Cancelled(REJECTED))
+            self._action_endpoints.cancel(id, stamp, reply)
+        elif self._is_shut_out(flow):
+            self._log_problem(peer, "not approved, its cancels are rejected")
+            reply(CancelResponse(REJECTED))
         else:
-            self._cancel(client, id, stamp, answer)
+            self._cancel_goals(client, id, stamp, reply)
 
-    def _cancel(self, client: str, id: bytes, stamp: int, answer: AnswerCancel) -> None:
+    def _cancel_goals(self, client: str, id: bytes, stamp: int, reply: CancelReply) -> None:
         now = self._transport.now()
-        meant = list(self._meant(client, id, stamp))
-        if not meant and id != NO_ID:
-            over = self._results.find(id, client, now)
-            answer(Cancelled(TERMINATED if over else UNKNOWN_GOAL))
+        tasks = list(self._tasks_to_cancel(client, id, stamp))
+        if not tasks and id != NO_ID:
+            ended = self._results.find(id, client, now)
+            reply(CancelResponse(TERMINATED if ended else UNKNOWN_GOAL))
             return
-        gathering = Gathering(answer)
-        for task in meant:
-            self._cancel_one(task, gathering, now)
-        gathering.complete()
-        self._transport.call_at(now + _CANCEL_PATIENCE, gathering.give_up)
+        request = CancelRequest(reply)
+        for task in tasks:
+            self._cancel_task(task, request, now)
+        request.close()
+        self._transport.call_at(now + _CANCEL_TIMEOUT, request.expire)
 
-    def _meant(self, client: str, id: bytes, stamp: int) -> Iterator[Task]:
+    def _tasks_to_cancel(self, client: str, id: bytes, stamp: int) -> Iterator[GoalTask]:
         """Yield the goals of a client that its cancel means (action_msgs/CancelGoal)."""
         for task in self._tasks.values():
             goal = task.goal
             all_of_them = id == NO_ID and not stamp
-            meant = all_of_them or goal.id == id or (stamp and goal.stamp <= stamp)
-            if meant and goal.client == client:
+            is_selected = all_of_them or goal.id == id or (stamp and goal.stamp <= stamp)
+            if is_selected and goal.client == client:
                 yield task
 
-    def _cancel_one(self, task: Task, gathering: Gathering, now: int) -> None:
+    def _cancel_task(self, task: GoalTask, request: CancelRequest, now: int) -> None:
         goal = task.goal
-        if goal.where is Where.WAITING:
-            task.cancelled = True
-            gathering.ends(goal.id, goal.stamp)
+        if goal.stage is GoalStage.WAITING:
+            task.is_cancelled = True
+            request.add_canceling(goal.id, goal.stamp)
             if goal.message:
                 self.pipeline.withdraw(goal.message, "cancelled by its client", now)
             else:
-                self._finish(task, CANCELED, why="cancelled by its client")
+                self._finish(task, CANCELED, reason="cancelled by its client")
         else:
-            self._gatherings.await_(goal.id, gathering)
+            self._cancel_requests.add(goal.id, request)
             self._cancel_at_server(goal.id)

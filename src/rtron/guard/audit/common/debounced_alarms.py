@@ -5,29 +5,29 @@ What nodes do while they come and go looks wrong for a moment; only what lasts i
 
 from collections.abc import Iterable
 
-from rtron.guard.audit.common.alarm_response import Response
+from rtron.guard.audit.common.alarm_response import AlarmResponse
 from rtron.vocabulary import Alarm
 
 
-class Standing:
-    """The alarms of one kind of look; each must last for `patience` (ns) before it is raised."""
+class DebouncedAlarms:
+    """The alarms of one kind of look; each must last for `delay` (ns) before it is raised."""
 
-    def __init__(self, response: Response, patience: int) -> None:
+    def __init__(self, response: AlarmResponse, delay: int) -> None:
         self._response = response
-        self._patience = patience
+        self._delay = delay
         self._since: dict[Alarm, int] = {}
         self._raised: set[Alarm] = set()
 
-    def found(self, alarms: Iterable[Alarm], now: int) -> None:
+    def update(self, alarms: Iterable[Alarm], now: int) -> None:
         """Take all that is wrong at `now`; what was wrong before and is not here is settled."""
-        found = dict.fromkeys(alarms)
-        for alarm in [each for each in self._since if each not in found]:
+        active = dict.fromkeys(alarms)
+        for alarm in [each for each in self._since if each not in active]:
             del self._since[alarm]
             if alarm in self._raised:
                 self._raised.discard(alarm)
                 self._response.settle(alarm)
-        for alarm in found:
+        for alarm in active:
             since = self._since.setdefault(alarm, now)
-            if alarm not in self._raised and now - since >= self._patience:
+            if alarm not in self._raised and now - since >= self._delay:
                 self._raised.add(alarm)
                 self._response.raise_(alarm, now)

@@ -2,69 +2,69 @@
 
 from dataclasses import dataclass, field, replace
 
-from rtron.guard.audit.ros1.bus_info import Link
-from rtron.guard.audit.ros1.foreign_connections import Stranger
-from rtron.guard.audit.ros1.poll_schedule import Asked
-from rtron.guard.audit.ros1.xmlrpc_poller import Asker, request
-from rtron.vocabulary import GUARD_NODE, SECOND, PlannedTopic
+from rtron.guard.audit.ros1.bus_info import BusConnection
+from rtron.guard.audit.ros1.foreign_connections import ForeignConnection
+from rtron.guard.audit.ros1.poll_schedule import PollTarget
+from rtron.guard.audit.ros1.xmlrpc_poller import XmlRpcPoller, encode_call
+from rtron.vocabulary import GUARD_NODE, SECOND, TopicAccess
 
-_QUESTION = request("getBusInfo", GUARD_NODE)
+_REQUEST = encode_call("getBusInfo", GUARD_NODE)
 _FIRST_RETRY, _LAST_RETRY = SECOND // 10, 2 * SECOND
 _SHARE = 20
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
-class GuardedNode:
-    """A node that hears the guard; `heard` are the topics on which it matters whom it hears.
+class AuditedNode:
+    """A node that hears the guard; `audited_topics` are the topics on which it matters whom it hears.
 
-    `body` is the answer that `links` were read from, `first` what the first answer from where the
-    node lives now told, None before there is one; its links have no ports. `seen` is when it last
-    answered well (ns), `fault` why it does not; `refused` tells that nothing listens at its
+    `last_body` is the answer that `connections` were read from, `first_connections` what the first answer from where the
+    node lives now told, None before there is one; its links have no ports. `last_response_at` is when it last
+    answered well (ns), `failure` why it does not; `is_refused` tells that nothing listens at its
     address.
     """
 
     name: str
-    heard: dict[str, PlannedTopic]
-    asked: Asked
-    seen: int
-    body: bytes = b""
-    links: frozenset[Link] = frozenset()
-    first: frozenset[Link] | None = None
-    strangers: frozenset[Stranger] = frozenset()
-    fault: str = "the master does not tell where it lives"
-    refused: bool = False
-    reading: bool = False
-    looking: bool = False
-    _retry: int = field(default=_FIRST_RETRY)
+    audited_topics: dict[str, TopicAccess]
+    poll_target: PollTarget
+    last_response_at: int
+    last_body: bytes = b""
+    connections: frozenset[BusConnection] = frozenset()
+    first_connections: frozenset[BusConnection] | None = None
+    foreign_connections: frozenset[ForeignConnection] = frozenset()
+    failure: str = "the master does not tell where it lives"
+    is_refused: bool = False
+    is_parsing: bool = False
+    is_resolving: bool = False
+    _retry_delay: int = field(default=_FIRST_RETRY)
 
-    def answered_well(self, now: int) -> None:
+    def note_success(self, now: int) -> None:
         """Note that the node has answered, and how."""
-        self.seen, self.fault, self.refused = now, "", False
-        self._retry = _FIRST_RETRY
+        self.last_response_at, self.failure, self.is_refused = now, "", False
+        self._retry_delay = _FIRST_RETRY
 
-    def said(self, links: frozenset[Link]) -> None:
+    def note_first_connections(self, connections: frozenset[BusConnection]) -> None:
         """Keep what the first answer told."""
-        if self.first is None:
-            self.first = frozenset(replace(link, port=None) for link in links)
+        if self.first_connections is None:
+            self.first_connections = frozenset(replace(link, port=None) for link in connections)
 
-    def failed(self, why: str, now: int, *, refused: bool = False) -> None:
+    def note_failure(self, failure: str, now: int, *, is_refused: bool = False) -> None:
         """Note that it has not; it is asked again after a while, each time a longer one."""
-        self.fault, self.refused = why, refused
-        self.asked.not_before = now + self._retry
-        self._retry = min(2 * self._retry, _LAST_RETRY)
+        self.failure, self.is_refused = failure, is_refused
+        self.poll_target.not_before = now + self._retry_delay
+        self._retry_delay = min(2 * self._retry_delay, _LAST_RETRY)
 
-    def took(self, work: int, now: int) -> None:
+    def limit_rate(self, work: int, now: int) -> None:
         """Ask the node less often if its answers are much work (ns): a twentieth of the time."""
-        self.asked.not_before = max(self.asked.not_before, now + _SHARE * work)
+        self.poll_target.not_before = max(self.poll_target.not_before, now + _SHARE * work)
 
-    def moved(self) -> None:
+    def reset_address(self) -> None:
         """Ask at another address at once."""
-        self.asked.asker.close()
-        self.asked.not_before = 0
-        self.body = b""
-        self.first = None
+        self.poll_target.poller.close()
+        self.poll_target.not_before = 0
+        self.last_body = b""
+        self.first_connections = None
 
 
-def asker() -> Asker:
+def bus_info_poller() -> XmlRpcPoller:
     """Return what asks a node for its connections."""
-    return Asker(_QUESTION)
+    return XmlRpcPoller(_REQUEST)

@@ -5,117 +5,125 @@ from collections.abc import Callable, Iterable
 from functools import partial
 
 from rtron.errors import WireError
-from rtron.guard.audit.ros1.audited_node import GuardedNode, asker
-from rtron.guard.audit.ros1.bus_info import Link, links_of
-from rtron.guard.audit.ros1.expected_graph import Expectations
-from rtron.guard.audit.ros1.master_queries import Threads, place_of
-from rtron.guard.audit.ros1.poll_schedule import Asked, Rounds
-from rtron.guard.audit.ros1.xmlrpc_poller import Place
-from rtron.guard.core.event_loop import Loop
-from rtron.guard.core.printable import shown
+from rtron.guard.audit.ros1.audited_node import AuditedNode, bus_info_poller
+from rtron.guard.audit.ros1.bus_info import BusConnection, parse_bus_info_response
+from rtron.guard.audit.ros1.expected_graph import ExpectedGraph
+from rtron.guard.audit.ros1.master_queries import WorkerThreads, resolve_node
+from rtron.guard.audit.ros1.poll_schedule import PollSchedule, PollTarget
+from rtron.guard.audit.ros1.xmlrpc_poller import ServerAddress
+from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.core.printable import printable
 
-_MOST = 512
-_Read = tuple[frozenset[Link] | None, str, int]
+_MAX_NODES = 512
+_ParseResult = tuple[frozenset[BusConnection] | None, str, int]
 
 
-class GuardedNodes:
+class AuditedNodes:
     """Asks each guarded node who speaks to it; `heard` is told when a node's answer has changed.
 
     An answer that is the same, byte by byte, is not read again; others are read in a thread.
     """
 
-    def __init__(self, loop: Loop, master: str, expected: Expectations, rounds: Rounds) -> None:
-        self.by_name: dict[str, GuardedNode] = {}
-        self.heard: Callable[[GuardedNode], None] = lambda node: None
+    def __init__(
+        self, loop: EventLoop, master: str, expected: ExpectedGraph, schedule: PollSchedule
+    ) -> None:
+        self.by_name: dict[str, AuditedNode] = {}
+        self.on_change: Callable[[AuditedNode], None] = lambda node: None
         self._loop = loop
         self._master = master
         self._expected = expected
-        self._rounds = rounds
-        self._readers = Threads(loop, "audit-read")
-        self._finders = Threads(loop, "audit-find")
+        self._schedule = schedule
+        self._parser_threads = WorkerThreads(loop, "audit-read")
+        self._resolver_threads = WorkerThreads(loop, "audit-find")
 
     def watch(self, names: Iterable[str]) -> None:
         """Audit these nodes from now on."""
         for name in names:
-            if name not in self.by_name and len(self.by_name) < _MOST:
+            if name not in self.by_name and len(self.by_name) < _MAX_NODES:
                 self._add(name)
 
-    def forget(self, node: GuardedNode) -> None:
+    def forget(self, node: AuditedNode) -> None:
         """Audit a node no more."""
-        self._rounds.remove(node.asked)
+        self._schedule.remove(node.poll_target)
         del self.by_name[node.name]
-        self._hear(node, frozenset())
+        self._update_connections(node, frozenset())
 
-    def find(self, node: GuardedNode) -> None:
+    def resolve(self, node: AuditedNode) -> None:
         """Ask the master where a node lives now."""
-        if not node.looking:
-            work = partial(place_of, self._master, node.name)
-            node.looking = self._finders.submit(work, partial(self._found, node))
+        if not node.is_resolving:
+            work = partial(resolve_node, self._master, node.name)
+            node.is_resolving = self._resolver_threads.submit(
+                work, partial(self._on_resolved, node)
+            )
 
     def close(self) -> None:
         """Ask nobody any more."""
-        self._readers.close()
-        self._finders.close()
+        self._parser_threads.close()
+        self._resolver_threads.close()
 
     def _add(self, name: str) -> None:
-        asked = Asked(asker=asker(), answered=lambda body: None, failed=lambda error: None)
-        heard = self._expected.heard(name)
-        node = GuardedNode(name=name, heard=heard, asked=asked, seen=self._loop.now())
-        asked.answered = partial(self._answered, node)
-        asked.failed = partial(self._failed, node)
+        target = PollTarget(
+            poller=bus_info_poller(), on_response=lambda body: None, on_failure=lambda error: None
+        )
+        topics = self._expected.audited_topics(name)
+        node = AuditedNode(
+            name=name, audited_topics=topics, poll_target=target, last_response_at=self._loop.now()
+        )
+        target.on_response = partial(self._on_response, node)
+        target.on_failure = partial(self._on_failure, node)
         self.by_name[name] = node
-        self._rounds.add(asked)
-        self.find(node)
+        self._schedule.add(target)
+        self.resolve(node)
 
-    def _found(self, node: GuardedNode, place: Place | None) -> None:
-        node.looking = False
-        if place is not None and place != node.asked.place:
-            node.asked.place = place
-            node.moved()
+    def _on_resolved(self, node: AuditedNode, server: ServerAddress | None) -> None:
+        node.is_resolving = False
+        if server is not None and server != node.poll_target.server:
+            node.poll_target.server = server
+            node.reset_address()
 
-    def _answered(self, node: GuardedNode, body: bytes) -> None:
-        if body is node.body and not node.fault:
-            node.seen = self._loop.now()
-        elif body == node.body:
-            node.answered_well(self._loop.now())
-        elif not node.reading:
-            done = partial(self._read, node, body)
-            node.reading = self._readers.submit(partial(_links, body), done)
+    def _on_response(self, node: AuditedNode, body: bytes) -> None:
+        if body is node.last_body and not node.failure:
+            node.last_response_at = self._loop.now()
+        elif body == node.last_body:
+            node.note_success(self._loop.now())
+        elif not node.is_parsing:
+            done = partial(self._on_parsed, node, body)
+            node.is_parsing = self._parser_threads.submit(partial(_parse, body), done)
 
-    def _read(self, node: GuardedNode, body: bytes, read: _Read) -> None:
-        links, fault, took = read
-        node.reading = False
+    def _on_parsed(self, node: AuditedNode, body: bytes, result: _ParseResult) -> None:
+        connections, failure, duration = result
+        node.is_parsing = False
         now = self._loop.now()
         if self.by_name.get(node.name) is not node:
             return
-        if links is None:
-            node.failed(fault, now)
+        if connections is None:
+            node.note_failure(failure, now)
             return
-        node.body = body
-        node.answered_well(now)
-        node.took(took, now)
-        node.said(links)
-        self._hear(node, links)
+        node.last_body = body
+        node.note_success(now)
+        node.limit_rate(duration, now)
+        node.note_first_connections(connections)
+        self._update_connections(node, connections)
 
-    def _failed(self, node: GuardedNode, error: Exception) -> None:
-        refused = isinstance(error, ConnectionRefusedError)
-        node.failed(shown(str(error)), self._loop.now(), refused=refused)
-        self.find(node)
-        if refused:
-            node.body = b""
-            self._hear(node, frozenset())
+    def _on_failure(self, node: AuditedNode, error: Exception) -> None:
+        is_refused = isinstance(error, ConnectionRefusedError)
+        node.note_failure(printable(str(error)), self._loop.now(), is_refused=is_refused)
+        self.resolve(node)
+        if is_refused:
+            node.last_body = b""
+            self._update_connections(node, frozenset())
 
-    def _hear(self, node: GuardedNode, links: frozenset[Link]) -> None:
-        if links != node.links:
-            node.links = links
-            self.heard(node)
+    def _update_connections(self, node: AuditedNode, connections: frozenset[BusConnection]) -> None:
+        if connections != node.connections:
+            node.connections = connections
+            self.on_change(node)
 
 
-def _links(body: bytes) -> _Read:
+def _parse(body: bytes) -> _ParseResult:
     """Read an answer; return the connections or what is wrong, and how long it took (ns)."""
     began = time.thread_time_ns()
     try:
-        links, fault = links_of(body), ""
+        connections, failure = parse_bus_info_response(body), ""
     except WireError as error:
-        links, fault = None, shown(str(error))
-    return links, fault, time.thread_time_ns() - began
+        connections, failure = None, printable(str(error))
+    return connections, failure, time.thread_time_ns() - began

@@ -8,71 +8,79 @@ from collections.abc import Callable, Iterator
 from functools import partial
 
 from rtron.errors import WireError
-from rtron.guard.audit.common.alarm_response import Response
-from rtron.guard.audit.common.debounced_alarms import Standing
-from rtron.guard.audit.ros1.audited_node import GuardedNode
-from rtron.guard.audit.ros1.audited_nodes import GuardedNodes
-from rtron.guard.audit.ros1.bus_info import plain, value_of
-from rtron.guard.audit.ros1.expected_graph import Expectations
+from rtron.guard.audit.common.alarm_response import AlarmResponse
+from rtron.guard.audit.common.debounced_alarms import DebouncedAlarms
+from rtron.guard.audit.ros1.audited_node import AuditedNode
+from rtron.guard.audit.ros1.audited_nodes import AuditedNodes
+from rtron.guard.audit.ros1.bus_info import normalise_uri, parse_ros_response
+from rtron.guard.audit.ros1.expected_graph import ExpectedGraph
 from rtron.guard.audit.ros1.foreign_connections import planned_sources
-from rtron.guard.audit.ros1.guard_names import OwnNames
-from rtron.guard.audit.ros1.intrusions import Intruders
-from rtron.guard.audit.ros1.master_queries import Threads, place_at, uri_of
-from rtron.guard.audit.ros1.poll_schedule import Asked, Rounds
-from rtron.guard.audit.ros1.registrations import Registered, drift, foreign, listeners, registered
-from rtron.guard.audit.ros1.xmlrpc_poller import Asker, Place, request
-from rtron.guard.core.coordinator import Host
-from rtron.guard.core.event_loop import Loop
+from rtron.guard.audit.ros1.guard_names import GuardNames
+from rtron.guard.audit.ros1.intrusions import Intrusions
+from rtron.guard.audit.ros1.master_queries import WorkerThreads, look_up_uri, resolve_uri
+from rtron.guard.audit.ros1.poll_schedule import PollSchedule, PollTarget
+from rtron.guard.audit.ros1.registrations import (
+    MasterRegistrations,
+    drift_alarms,
+    foreign_publisher_alarms,
+    guarded_subscribers,
+    parse_registrations,
+)
+from rtron.guard.audit.ros1.xmlrpc_poller import ServerAddress, XmlRpcPoller, encode_call
+from rtron.guard.core.coordinator import Coordinator
+from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.transport.ros1.middleware import Ros1Transport
 from rtron.vocabulary import GUARD_NODE, SECOND, Alarm, AlarmKind, Plan
 
-_STATE = request("getSystemState", GUARD_NODE)
-_MOST_STATE = 1 << 22
-_STATE_EVERY = SECOND // 2
-_LOOK_S = 0.5
-_NAMES_EVERY = 10
-_DRIFT_PATIENCE = 3 * SECOND
-_UNSEEN = 3 * SECOND
+_STATE = encode_call("getSystemState", GUARD_NODE)
+_MAX_STATE_BYTES = 1 << 22
+_STATE_PERIOD = SECOND // 2
+_TICK_S = 0.5
+_TICKS_PER_NAME_CHECK = 10
+_DRIFT_DELAY = 3 * SECOND
+_UNSEEN_DELAY = 3 * SECOND
 
 
-class Auditor:
+class Ros1Auditor:
     """Audits the plan's enforced streams on the loop; does nothing for a plan without one."""
 
     def __init__(
         self,
         plan: Plan,
         master: str,
-        host: Host,
+        host: Coordinator,
         transport: Ros1Transport,
-        loop: Loop,
+        loop: EventLoop,
         *,
         dry_run: bool = False,
     ) -> None:
         self._loop = loop
         self._transport = transport
         self._master = master
-        self._expected = Expectations(plan)
-        self._state: Registered | None = None
+        self._expected = ExpectedGraph(plan)
+        self._state: MasterRegistrations | None = None
         self._state_body = b""
-        self._looks = 0
-        self._told: dict[str, str] = {}
-        self._named = frozenset(n for n in self._expected.listeners() if "*" not in n)
+        self._tick_count = 0
+        self._first_reasons: dict[str, str] = {}
+        self._named_nodes = frozenset(n for n in self._expected.listener_patterns() if "*" not in n)
         on_foreign = plan.audit.on_foreign
-        response = self._response = Response(host, transport, on_foreign, dry_run=dry_run)
-        self._rounds = Rounds(loop, plan.audit.period)
-        self._nodes = GuardedNodes(loop, master, self._expected, self._rounds)
+        response = self._response = AlarmResponse(host, transport, on_foreign, dry_run=dry_run)
+        self._schedule = PollSchedule(loop, plan.audit.period)
+        self._audited_nodes = AuditedNodes(loop, master, self._expected, self._schedule)
         claimed: dict[str, str] = {}
-        expected, nodes = self._expected, self._nodes
-        self._intruders = Intruders(loop, master, transport, expected, nodes, response, claimed)
-        self._names = OwnNames(loop, master, transport, expected, response, claimed)
-        self._readers = Threads(loop, "audit-state")
-        self._askers = Threads(loop, "audit-meet")
-        self._registered_wrongly = Standing(response, 0)
-        self._drifted = Standing(response, _DRIFT_PATIENCE)
-        self._unseen = Standing(response, 0)
-        self._nodes.heard = self._intruders.look
-        self._asked = Asked(
-            asker=Asker(_STATE, _MOST_STATE), answered=self._answered, failed=self._failed
+        expected, nodes = self._expected, self._audited_nodes
+        self._intrusions = Intrusions(loop, master, transport, expected, nodes, response, claimed)
+        self._guard_names = GuardNames(loop, master, transport, expected, response, claimed)
+        self._parser_threads = WorkerThreads(loop, "audit-state")
+        self._lookup_threads = WorkerThreads(loop, "audit-meet")
+        self._foreign_registrations = DebouncedAlarms(response, 0)
+        self._drift_alarms = DebouncedAlarms(response, _DRIFT_DELAY)
+        self._unseen_alarms = DebouncedAlarms(response, 0)
+        self._audited_nodes.on_change = self._intrusions.update
+        self._state_poll = PollTarget(
+            poller=XmlRpcPoller(_STATE, _MAX_STATE_BYTES),
+            on_response=self._on_state,
+            on_failure=self._on_state_failure,
         )
 
     def start(self) -> None:
@@ -80,147 +88,161 @@ class Auditor:
         if not self._expected.topics:
             return
         self._response.prepare(self._transport.encoding)
-        self._transport.listened = self._listened
-        self._nodes.watch(sorted(self._named))
-        self._rounds.add(self._asked)
-        self._rounds.start()
-        self._find_master()
-        self._look()
+        self._transport.on_subscriber = self._on_new_listener
+        self._audited_nodes.watch(sorted(self._named_nodes))
+        self._schedule.add(self._state_poll)
+        self._schedule.start()
+        self._resolve_master()
+        self._tick()
 
-    def shut(self, node: str, reason: str, obey: Callable[[], None]) -> None:
+    def handle_shutdown(self, node: str, reason: str, shut_down: Callable[[], None]) -> None:
         """Decide whether a call to shut one of our nodes down is obeyed: not if it was replaced."""
         if self._expected.topics:
-            self._names.shut(node, reason, obey)
+            self._guard_names.handle_shutdown(node, reason, shut_down)
         else:
-            obey()
+            shut_down()
 
     def close(self) -> None:
         """Audit no more."""
-        self._rounds.close()
-        for part in (self._nodes, self._intruders, self._names, self._readers, self._askers):
+        self._schedule.close()
+        for part in (
+            self._audited_nodes,
+            self._intrusions,
+            self._guard_names,
+            self._parser_threads,
+            self._lookup_threads,
+        ):
             part.close()
 
-    def _listened(self, topic: str, name: str) -> None:
+    def _on_new_listener(self, topic: str, name: str) -> None:
         """Look for a node that has just begun to listen to us: it may have come, or come back."""
         planned = self._expected.topics.get(topic)
-        if planned is None or not self._expected.heard(name):
+        if planned is None or not self._expected.audited_topics(name):
             return
-        self._nodes.watch([name])
-        if name in self._nodes.by_name:
-            self._nodes.find(self._nodes.by_name[name])
-        self._response.listened(planned.guarded)
+        self._audited_nodes.watch([name])
+        if name in self._audited_nodes.by_name:
+            self._audited_nodes.resolve(self._audited_nodes.by_name[name])
+        self._response.on_new_listener(planned.stream_topic)
 
-    def _find_master(self) -> None:
-        self._readers.submit(partial(place_at, self._master), self._found_master)
+    def _resolve_master(self) -> None:
+        self._parser_threads.submit(partial(resolve_uri, self._master), self._on_master_resolved)
 
-    def _found_master(self, place: Place | None) -> None:
-        if place is not None:
-            self._asked.place = place
+    def _on_master_resolved(self, server: ServerAddress | None) -> None:
+        if server is not None:
+            self._state_poll.server = server
         else:
-            self._loop.call_later(1.0, self._find_master)
+            self._loop.call_later(1.0, self._resolve_master)
 
-    def _answered(self, body: bytes) -> None:
-        self._asked.not_before = self._loop.now() + _STATE_EVERY
+    def _on_state(self, body: bytes) -> None:
+        self._state_poll.not_before = self._loop.now() + _STATE_PERIOD
         if body != self._state_body:
-            work = partial(_registered, body, self._expected)
-            self._readers.submit(work, partial(self._read, body))
+            work = partial(_parse_state, body, self._expected)
+            self._parser_threads.submit(work, partial(self._on_state_parsed, body))
 
-    def _failed(self, error: Exception) -> None:
+    def _on_state_failure(self, error: Exception) -> None:
         del error  # the guard's registrar tells that the master does not answer
-        self._asked.not_before = self._loop.now() + _STATE_EVERY
+        self._state_poll.not_before = self._loop.now() + _STATE_PERIOD
 
-    def _read(self, body: bytes, state: Registered | None) -> None:
+    def _on_state_parsed(self, body: bytes, state: MasterRegistrations | None) -> None:
         if state is None:
             return
         self._state, self._state_body = state, body
-        self._nodes.watch(listeners(state, self._expected))
-        self._names.check()
-        self._meet(state)
-        self._judge(state)
+        self._audited_nodes.watch(guarded_subscribers(state, self._expected))
+        self._guard_names.check()
+        self._learn_publishers(state)
+        self._update_alarms(state)
 
-    def _meet(self, state: Registered) -> None:
+    def _learn_publishers(self, state: MasterRegistrations) -> None:
         """Learn where the planned publishers live, before they are asked for."""
         for private in self._expected.outputs.values():
-            for name in state.publishers.get(private, frozenset()) - self._expected.own:
+            for name in state.publishers.get(private, frozenset()) - self._expected.guard_nodes:
                 if self._expected.topics[private].may_publish(name):
-                    self._met(name)
+                    self._look_up_publisher(name)
 
-    def _met(self, name: str) -> None:
+    def _look_up_publisher(self, name: str) -> None:
         def met(uri: str) -> None:
             if uri:
-                self._intruders.meet(name, plain(uri))
+                self._intrusions.learn_publisher(name, normalise_uri(uri))
 
-        self._askers.submit(partial(uri_of, self._master, name), met)
+        self._lookup_threads.submit(partial(look_up_uri, self._master, name), met)
 
-    def _judge(self, state: Registered) -> None:
+    def _update_alarms(self, state: MasterRegistrations) -> None:
         now = self._loop.now()
-        self._registered_wrongly.found(foreign(state, self._expected), now)
-        unheard = self._unheard(state)
-        self._drifted.found([*drift(state, self._expected), *unheard], now)
+        self._foreign_registrations.update(foreign_publisher_alarms(state, self._expected), now)
+        disconnected = self._disconnected_alarms(state)
+        self._drift_alarms.update([*drift_alarms(state, self._expected), *disconnected], now)
 
-    def _look(self) -> None:
+    def _tick(self) -> None:
         """Look at what time alone changes."""
-        self._loop.call_later(_LOOK_S, self._look)
-        self._looks += 1
-        if self._names.taken or self._looks % _NAMES_EVERY == 0:
-            self._names.check()
+        self._loop.call_later(_TICK_S, self._tick)
+        self._tick_count += 1
+        if self._guard_names.has_takeover or self._tick_count % _TICKS_PER_NAME_CHECK == 0:
+            self._guard_names.check()
         if self._state is not None:
-            self._judge(self._state)
-        for node in list(self._nodes.by_name.values()):
-            self._look_after(node)
-        self._unseen.found(self._silent(), self._loop.now())
+            self._update_alarms(self._state)
+        for node in list(self._audited_nodes.by_name.values()):
+            self._maintain_node(node)
+        self._unseen_alarms.update(self._unseen_node_alarms(), self._loop.now())
 
-    def _look_after(self, node: GuardedNode) -> None:
+    def _maintain_node(self, node: AuditedNode) -> None:
         """Find a node that does not answer; forget one that has gone and that no plan names."""
-        gone = node.refused or node.asked.place is None
-        if gone and node.name not in self._named and not self._is_there(node):
-            self._nodes.forget(node)
-        elif node.fault:
-            self._nodes.find(node)
+        is_absent = node.is_refused or node.poll_target.server is None
+        if is_absent and node.name not in self._named_nodes and not self._is_present(node):
+            self._audited_nodes.forget(node)
+        elif node.failure:
+            self._audited_nodes.resolve(node)
 
-    def _is_there(self, node: GuardedNode) -> bool:
+    def _is_present(self, node: AuditedNode) -> bool:
         """Tell whether the master or our own connections know of a node that listens."""
-        listed = self._state is not None and node.name in listeners(self._state, self._expected)
-        return listed or self._listens(node)
+        listed = self._state is not None and node.name in guarded_subscribers(
+            self._state, self._expected
+        )
+        return listed or self._is_listening(node)
 
-    def _listens(self, node: GuardedNode) -> bool:
-        return any(node.name in self._transport.listeners(topic) for topic in node.heard)
+    def _is_listening(self, node: AuditedNode) -> bool:
+        return any(node.name in self._transport.subscribers(topic) for topic in node.audited_topics)
 
-    def _silent(self) -> Iterator[Alarm]:
+    def _unseen_node_alarms(self) -> Iterator[Alarm]:
         """Yield an alarm for each node that is there and does not say who speaks to it."""
         now = self._loop.now()
         late = [
             node
-            for node in self._nodes.by_name.values()
-            if node.fault and now - node.seen > _UNSEEN and self._could_answer(node)
+            for node in self._audited_nodes.by_name.values()
+            if node.failure
+            and now - node.last_response_at > _UNSEEN_DELAY
+            and self._can_answer(node)
         ]
         # The first fault is told: another one, later, is no other alarm.
-        told, self._told = self._told, {}
+        former, self._first_reasons = self._first_reasons, {}
         for node in late:
-            reason = told.get(node.name, f"{node.name} cannot be audited: {node.fault}")
-            self._told[node.name] = reason
-            yield Alarm(kind=AlarmKind.UNSEEN, reason=reason, node=node.name)
+            reason = former.get(node.name, f"{node.name} cannot be audited: {node.failure}")
+            self._first_reasons[node.name] = reason
+            yield Alarm(kind=AlarmKind.UNREACHABLE, reason=reason, node=node.name)
 
-    def _could_answer(self, node: GuardedNode) -> bool:
-        reachable = node.asked.place is not None and not node.refused
-        return reachable or self._listens(node)
+    def _can_answer(self, node: AuditedNode) -> bool:
+        is_reachable = node.poll_target.server is not None and not node.is_refused
+        return is_reachable or self._is_listening(node)
 
-    def _unheard(self, state: Registered) -> Iterator[Alarm]:
+    def _disconnected_alarms(self, state: MasterRegistrations) -> Iterator[Alarm]:
         """Yield an alarm for each node that subscribes a private output and does not hear us."""
-        known = self._intruders.addresses
+        addresses = self._intrusions.addresses
         for private in self._expected.outputs.values():
             planned = self._expected.topics[private]
-            if not state.publishers.get(private, frozenset()) & self._expected.own:
+            if not state.publishers.get(private, frozenset()) & self._expected.guard_nodes:
                 continue
             for name in sorted(state.subscribers.get(private, ())):
-                node = self._nodes.by_name.get(name)
-                if node and not node.fault and not planned_sources(planned, node.links, known):
+                node = self._audited_nodes.by_name.get(name)
+                if (
+                    node
+                    and not node.failure
+                    and not planned_sources(planned, node.connections, addresses)
+                ):
                     reason = f"{name} subscribes {private} and is not connected to the guard"
                     yield Alarm(kind=AlarmKind.DRIFT, reason=reason, topic=private, node=name)
 
 
-def _registered(body: bytes, expected: Expectations) -> Registered | None:
+def _parse_state(body: bytes, expected: ExpectedGraph) -> MasterRegistrations | None:
     try:
-        return registered(value_of(body), expected.topics)
+        return parse_registrations(parse_ros_response(body), expected.topics)
     except WireError:
         return None

@@ -15,14 +15,14 @@ from rtron.errors import WireError
 from rtron.wire.ros1.xmlrpc import decode_response
 
 _SUCCESS = 1
-_ANSWER = 3
-_LEAST, _TO_TOPIC, _INFO = 5, 5, 6
+_RESPONSE_PARTS = 3
+_MIN_COLUMNS, _TOPIC_END, _INFO_COLUMN = 5, 5, 6
 _PORT = re.compile(r" to \[.{0,255}:(\d{1,5})(?: on socket \d{1,10})?\]$")
 _INCOMING = "i"
 
 
 @dataclass(frozen=True, slots=True)
-class Link:
+class BusConnection:
     """A connection that brings messages; `port` is the other end's, None if that is not told."""
 
     topic: str
@@ -30,45 +30,45 @@ class Link:
     port: int | None = None
 
 
-def links_of(body: bytes) -> frozenset[Link]:
+def parse_bus_info_response(body: bytes) -> frozenset[BusConnection]:
     """Read the answer to getBusInfo; WireError if it has another shape or the node says no."""
-    return links_in(value_of(body))
+    return parse_bus_info(parse_ros_response(body))
 
 
-def links_in(rows: object) -> frozenset[Link]:
+def parse_bus_info(rows: object) -> frozenset[BusConnection]:
     """Read the value of such an answer; WireError if it has another shape."""
     if not isinstance(rows, list):
         raise WireError("the bus info is not a list")
-    return frozenset(_links(rows))
+    return frozenset(_connections(rows))
 
 
-def value_of(body: bytes) -> object:
+def parse_ros_response(body: bytes) -> object:
     """Read the answer of a ROS API, `[code, message, value]`; WireError if it is none, or no."""
     answer = decode_response(body)
-    if not isinstance(answer, list) or len(answer) != _ANSWER:
+    if not isinstance(answer, list) or len(answer) != _RESPONSE_PARTS:
         raise WireError("the answer is not [code, message, value]")
     if answer[0] != _SUCCESS:
         raise WireError("the answer is no")
     return answer[2]
 
 
-def plain(uri: str) -> str:
+def normalise_uri(uri: str) -> str:
     """Return a URI as it is compared: a slash at the end does not count."""
     return uri.rstrip("/")
 
 
-def _links(rows: list[object]) -> Iterator[Link]:
+def _connections(rows: list[object]) -> Iterator[BusConnection]:
     for row in rows:
-        if not isinstance(row, list) or len(row) < _LEAST:
+        if not isinstance(row, list) or len(row) < _MIN_COLUMNS:
             raise WireError("the bus info has a malformed entry")
-        if not all(isinstance(part, str) for part in row[1:_TO_TOPIC]):
+        if not all(isinstance(part, str) for part in row[1:_TOPIC_END]):
             raise WireError("the bus info has a malformed entry")
         _, source, direction, _, topic, *_ = row
         if direction == _INCOMING:
-            yield Link(topic, plain(source), _port(row))
+            yield BusConnection(topic, normalise_uri(source), _port(row))
 
 
 def _port(row: list[object]) -> int | None:
-    told = row[_INFO] if len(row) > _INFO else ""
-    found = _PORT.search(told) if isinstance(told, str) else None
+    info = row[_INFO_COLUMN] if len(row) > _INFO_COLUMN else ""
+    found = _PORT.search(info) if isinstance(info, str) else None
     return int(found[1]) if found else None

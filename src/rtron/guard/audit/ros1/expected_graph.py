@@ -8,22 +8,22 @@ from rtron.vocabulary import (
     PRIVATE_ROOT,
     Mode,
     Plan,
-    PlannedTopic,
     Stream,
+    TopicAccess,
+    build_streams,
     flow_topic,
-    names_node,
+    list_topic_access,
+    matches_node,
     output_topic,
-    part_topic,
-    planned_topics,
+    ros1_topic_name,
     stage_nodes,
-    streams,
 )
-from rtron.vocabulary.action import ANSWERED, ASKED, SERVER
-from rtron.vocabulary.topic_access import ANYBODY
+from rtron.vocabulary.action import ROS1_CLIENT_TOPICS, ROS1_SERVER_TOPICS, SERVER_FLOW
+from rtron.vocabulary.topic_access import ANY_NODE
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Entrance:
+class GuardInput:
     """A way into the guard: who speaks there, under which public name, and on which private topic.
 
     `publishers` are node names or patterns.
@@ -34,48 +34,50 @@ class Entrance:
     publishers: tuple[str, ...]
 
 
-class Expectations:
+class ExpectedGraph:
     """Who may speak to each guarded node on each topic that an enforced stream has closed.
 
-    `guarding` are the guard's nodes on these streams, `own` all of them. `outputs` are the private
+    `enforcing_nodes` are the guard's nodes on these streams, `guard_nodes` all of them. `outputs` are the private
     outputs by their public names.
     """
 
     def __init__(self, plan: Plan) -> None:
-        self.topics = {topic.topic: topic for topic in planned_topics(plan)}
-        enforced = [stream for stream in streams(plan) if stream.mode is Mode.ENFORCE]
-        self.entrances = tuple(way for stream in enforced for way in _entrances(stream))
-        self.guarding = frozenset(
+        self.topics = {topic.topic: topic for topic in list_topic_access(plan)}
+        enforced = [stream for stream in build_streams(plan) if stream.mode is Mode.ENFORCE]
+        self.inputs = tuple(way for stream in enforced for way in _inputs(stream))
+        self.enforcing_nodes = frozenset(
             {GUARD_NODE, *(n for each in enforced for n in stage_nodes(each))}
         )
-        self.own = self.guarding.union(*map(stage_nodes, streams(plan)))
+        self.guard_nodes = self.enforcing_nodes.union(*map(stage_nodes, build_streams(plan)))
         self.outputs = {
             public: private
             for public in self.topics
             if (private := output_topic(public)) in self.topics
         }
-        self._heard: dict[str, dict[str, PlannedTopic]] = {}
+        self._topics_by_node: dict[str, dict[str, TopicAccess]] = {}
 
-    def heard(self, node: str) -> dict[str, PlannedTopic]:
+    def audited_topics(self, node: str) -> dict[str, TopicAccess]:
         """Return the topics on which it matters who speaks to a node; none for the guard's own.
 
         A node that listens to a private output must not hear strangers on the public name either.
         """
-        if node not in self._heard:
-            self._heard[node] = {} if node in self.own else dict(self._topics_of(node))
-        return self._heard[node]
+        if node not in self._topics_by_node:
+            self._topics_by_node[node] = (
+                {} if node in self.guard_nodes else dict(self._topics_of(node))
+            )
+        return self._topics_by_node[node]
 
-    def listeners(self) -> Iterator[str]:
+    def listener_patterns(self) -> Iterator[str]:
         """Yield the nodes, by name or pattern, that listen to a private topic of the guard."""
-        listed = {name for topic in self.private() for name in topic.subscribers}
-        yield from sorted(listed - self.own)
+        listed = {name for topic in self.private_topics() for name in topic.subscribers}
+        yield from sorted(listed - self.guard_nodes)
 
-    def private(self) -> Iterator[PlannedTopic]:
+    def private_topics(self) -> Iterator[TopicAccess]:
         """Yield the topics that only the guard and those whom it stands between know."""
         return (t for t in self.topics.values() if t.topic.startswith(PRIVATE_ROOT + "/"))
 
-    def _topics_of(self, node: str) -> Iterator[tuple[str, PlannedTopic]]:
-        for topic in self.private():
+    def _topics_of(self, node: str) -> Iterator[tuple[str, TopicAccess]]:
+        for topic in self.private_topics():
             if topic.may_subscribe(node):
                 yield topic.topic, topic
         for public, private in self.outputs.items():
@@ -83,23 +85,27 @@ class Expectations:
                 yield public, self.topics[public]
 
 
-def is_open(topic: PlannedTopic) -> bool:
+def allows_anybody(topic: TopicAccess) -> bool:
     """Tell whether the plan lets anybody speak on a topic."""
-    return ANYBODY in topic.publishers
+    return ANY_NODE in topic.publishers
 
 
-def _entrances(stream: Stream) -> Iterator[Entrance]:
-    parts = [part_topic(stream.action, part) for part in ASKED] if stream.action else [stream.topic]
+def _inputs(stream: Stream) -> Iterator[GuardInput]:
+    parts = (
+        [ros1_topic_name(stream.action, part) for part in ROS1_CLIENT_TOPICS]
+        if stream.action
+        else [stream.topic]
+    )
     for public in parts:
         for flow in stream.flows:
             private = flow_topic(public, flow.name)
-            yield Entrance(public=public, private=private, publishers=(flow.publisher,))
-    for part in ANSWERED if stream.action else ():
-        public = part_topic(stream.action, part)
-        private = flow_topic(public, SERVER)
-        yield Entrance(public=public, private=private, publishers=stream.successors)
+            yield GuardInput(public=public, private=private, publishers=(flow.publisher,))
+    for part in ROS1_SERVER_TOPICS if stream.action else ():
+        public = ros1_topic_name(stream.action, part)
+        private = flow_topic(public, SERVER_FLOW)
+        yield GuardInput(public=public, private=private, publishers=stream.successors)
 
 
-def meant(patterns: tuple[str, ...], node: str) -> bool:
+def matches_any(patterns: tuple[str, ...], node: str) -> bool:
     """Tell whether one of a plan's names or patterns means a node."""
-    return any(names_node(pattern, node) for pattern in patterns)
+    return any(matches_node(pattern, node) for pattern in patterns)

@@ -5,20 +5,25 @@ from dataclasses import dataclass, replace
 from functools import partial
 from itertools import islice
 
-from rtron.guard.audit.common.alarm_response import Response
-from rtron.guard.audit.ros1.audited_node import GuardedNode
-from rtron.guard.audit.ros1.audited_nodes import GuardedNodes
-from rtron.guard.audit.ros1.expected_graph import Expectations, meant
+from rtron.guard.audit.common.alarm_response import AlarmResponse
+from rtron.guard.audit.ros1.audited_node import AuditedNode
+from rtron.guard.audit.ros1.audited_nodes import AuditedNodes
+from rtron.guard.audit.ros1.expected_graph import ExpectedGraph, matches_any
 from rtron.guard.audit.ros1.foreign_connections import (
-    Identity,
-    Stranger,
-    alarm_of,
+    ForeignConnection,
+    PeerIdentity,
+    foreign_connection_alarm,
+    foreign_connections,
     planned_sources,
-    strangers_of,
 )
-from rtron.guard.audit.ros1.master_queries import Threads, identify, refuses, tell
-from rtron.guard.audit.ros1.node_addresses import Addresses
-from rtron.guard.core.event_loop import Loop
+from rtron.guard.audit.ros1.master_queries import (
+    WorkerThreads,
+    identify_peer,
+    refuses_connections,
+    send_call,
+)
+from rtron.guard.audit.ros1.node_addresses import NodeAddresses
+from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.transport.ros1.middleware import Ros1Transport
 from rtron.vocabulary import SECOND, Alarm
 
@@ -26,22 +31,22 @@ _PATIENCE_S = 0.03
 """How long an alarm waits for the master to say who it is."""
 _EXCUSED = 5 * SECOND
 """How long a dead guard's or supervisor's address may still stand in a subscriber's list."""
-_AGAIN_S = 0.2
-_REVOKE_S = 1.0
-_MOST_DOUBLED = 64
-_MOST_AT_A_NODE = 16
+_RETRY_S = 0.2
+_DISCONNECT_PERIOD_S = 1.0
+_MAX_DUPLICATES = 64
+_MAX_PER_NODE = 16
 """How many strangers at one node are dealt with at a time; the others when these are gone."""
 
 
 @dataclass(slots=True, eq=False)
-class _Case:
+class _Intrusion:
     since: int
-    identity: Identity | None = None
+    identity: PeerIdentity | None = None
     alarm: Alarm | None = None
-    waits: bool = False
+    is_retry_scheduled: bool = False
 
 
-class Intruders:
+class Intrusions:
     """Keeps a case for each stranger, from when a node's answer shows it until it does no more.
 
     A subscriber may keep the address of a guard or supervisor that is dead, until the master tells
@@ -52,184 +57,212 @@ class Intruders:
 
     def __init__(
         self,
-        loop: Loop,
+        loop: EventLoop,
         master: str,
         transport: Ros1Transport,
-        expected: Expectations,
-        nodes: GuardedNodes,
-        response: Response,
-        claimed: Mapping[str, str],
+        expected: ExpectedGraph,
+        audited_nodes: AuditedNodes,
+        response: AlarmResponse,
+        takeover_uris: Mapping[str, str],
     ) -> None:
-        """`claimed` are the addresses of nodes that had one of the guard's names, and which."""
+        """`takeover_uris` are the addresses of nodes that had one of the guard's names, and which."""
         self._loop = loop
         self._master = master
         self._transport = transport
         self._expected = expected
-        self._nodes = nodes
+        self._audited_nodes = audited_nodes
         self._response = response
-        self._claimed = claimed
-        self._addresses = Addresses({})
-        self._cases: dict[Stranger, _Case] = {}
-        self._doubled: set[str] = set()
-        self._began = loop.now()
-        self._askers = Threads(loop, "audit-ask", 2)
-        self._tellers = Threads(loop, "audit-tell", 2)
+        self._takeover_uris = takeover_uris
+        self._addresses = NodeAddresses({})
+        self._intrusions: dict[ForeignConnection, _Intrusion] = {}
+        self._duplicate_uris: set[str] = set()
+        self._started_at = loop.now()
+        self._query_threads = WorkerThreads(loop, "audit-ask", 2)
+        self._call_threads = WorkerThreads(loop, "audit-tell", 2)
 
     @property
-    def addresses(self) -> Addresses:
+    def addresses(self) -> NodeAddresses:
         """Whose an address is; the guard's own are what they are at this moment."""
-        self._addresses.own = {
-            uri.rstrip("/"): node for node, uri in self._transport.addresses().items()
+        self._addresses.guard_addresses = {
+            uri.rstrip("/"): node for node, uri in self._transport.node_uris().items()
         }
         self._addresses.port = self._transport.port
         return self._addresses
 
-    def look(self, node: GuardedNode) -> None:
+    def update(self, node: AuditedNode) -> None:
         """Look at whom a node hears; what it hears no more is settled."""
-        found = strangers_of(node.name, node.links, node.heard, self.addresses)
-        gone, stay = node.strangers - found, node.strangers & found
-        come = list(islice(found - stay, _MOST_AT_A_NODE - len(stay)))
-        node.strangers = stay.union(come)
-        for stranger in gone:
-            self._leave(stranger)
-        for stranger in come:
-            self._suspect(stranger)
+        found = foreign_connections(
+            node.name, node.connections, node.audited_topics, self.addresses
+        )
+        ended, known = node.foreign_connections - found, node.foreign_connections & found
+        new = list(islice(found - known, _MAX_PER_NODE - len(known)))
+        node.foreign_connections = known.union(new)
+        for foreign in ended:
+            self._close_intrusion(foreign)
+        for foreign in new:
+            self._open_intrusion(foreign)
 
     def close(self) -> None:
         """Begin nothing any more."""
-        self._askers.close()
-        self._tellers.close()
+        self._query_threads.close()
+        self._call_threads.close()
 
-    def _leave(self, stranger: Stranger) -> None:
-        case = self._cases.pop(stranger, None)
-        if case and case.alarm:
-            self._response.settle(case.alarm)
+    def _close_intrusion(self, foreign: ForeignConnection) -> None:
+        intrusion = self._intrusions.pop(foreign, None)
+        if intrusion and intrusion.alarm:
+            self._response.settle(intrusion.alarm)
 
-    def _suspect(self, stranger: Stranger) -> None:
-        case = self._cases[stranger] = _Case(self._loop.now())
-        self._ask(stranger, case)
-        self._loop.call_later(_PATIENCE_S, partial(self._impatient, stranger, case))
+    def _open_intrusion(self, foreign: ForeignConnection) -> None:
+        intrusion = self._intrusions[foreign] = _Intrusion(self._loop.now())
+        self._identify(foreign, intrusion)
+        self._loop.call_later(_PATIENCE_S, partial(self._on_identify_timeout, foreign, intrusion))
 
-    def _ask(self, stranger: Stranger, case: _Case) -> None:
-        if self._cases.get(stranger) is not case:
+    def _identify(self, foreign: ForeignConnection, intrusion: _Intrusion) -> None:
+        if self._intrusions.get(foreign) is not intrusion:
             return
-        topic = self._expected.topics[stranger.link.topic]
+        topic = self._expected.topics[foreign.connection.topic]
         names = [name for name in topic.publishers if "*" not in name]
-        source = stranger.link.source
-        work = partial(identify, self._master, topic.topic, source, names)
-        self._askers.submit(work, partial(self._identified, stranger, case))
+        source = foreign.connection.source
+        work = partial(identify_peer, self._master, topic.topic, source, names)
+        self._query_threads.submit(work, partial(self._on_identified, foreign, intrusion))
 
-    def _impatient(self, stranger: Stranger, case: _Case) -> None:
+    def _on_identify_timeout(self, foreign: ForeignConnection, intrusion: _Intrusion) -> None:
         """Raise the alarm although the master has not said who it is, unless it may be old."""
-        if self._cases.get(stranger) is not case or case.identity or case.alarm:
+        if self._intrusions.get(foreign) is not intrusion or intrusion.identity or intrusion.alarm:
             return
-        if self._excused(stranger, case):
-            self._loop.call_later(_PATIENCE_S, partial(self._impatient, stranger, case))
+        if self._is_excused(foreign, intrusion):
+            self._loop.call_later(
+                _PATIENCE_S, partial(self._on_identify_timeout, foreign, intrusion)
+            )
         else:
-            self._tell(stranger, case, Identity())
+            self._raise_alarm(foreign, intrusion, PeerIdentity())
 
-    def _identified(self, stranger: Stranger, case: _Case, identity: Identity) -> None:
-        if self._cases.get(stranger) is not case:
+    def _on_identified(
+        self, foreign: ForeignConnection, intrusion: _Intrusion, identity: PeerIdentity
+    ) -> None:
+        if self._intrusions.get(foreign) is not intrusion:
             return
-        case.identity = identity
-        if self._is_planned(stranger, identity.name):
-            self.meet(identity.name, stranger.link.source)
-        elif identity.refused and self._excused(stranger, case):
-            self._loop.call_later(_AGAIN_S, partial(self._ask, stranger, case))
+        intrusion.identity = identity
+        if self._is_planned(foreign, identity.name):
+            self.learn_publisher(identity.name, foreign.connection.source)
+        elif identity.is_refused and self._is_excused(foreign, intrusion):
+            self._loop.call_later(_RETRY_S, partial(self._identify, foreign, intrusion))
         else:
-            self._tell(stranger, case, identity)
+            self._raise_alarm(foreign, intrusion, identity)
 
-    def meet(self, name: str, uri: str) -> None:
+    def learn_publisher(self, name: str, uri: str) -> None:
         """Take a planned publisher's address from the master.
 
         If it had another one, where somebody still listens, there are two of that name.
         """
-        before = self._addresses.of(name)
+        before = self._addresses.address_of(name)
         if before in ("", uri):
-            self._learn(name, uri)
+            self._learn_address(name, uri)
         else:
-            met = partial(self._met, name, uri)
-            self._askers.submit(partial(refuses, before), met)
+            on_checked = partial(self._on_former_address_checked, name, uri)
+            self._query_threads.submit(partial(refuses_connections, before), on_checked)
 
-    def _met(self, name: str, uri: str, refused: bool) -> None:  # noqa: FBT001 - an answer
-        if refused:
-            self._learn(name, uri)
+    def _on_former_address_checked(self, name: str, uri: str, is_refused: bool) -> None:  # noqa: FBT001 - an answer
+        if is_refused:
+            self._learn_address(name, uri)
             return
-        for stranger, case in list(self._cases.items()):
-            if stranger.link.source == uri:
-                self._doubled = {*list(self._doubled)[:_MOST_DOUBLED], uri}
-                self._tell(stranger, case, Identity(name=name, answered=True))
+        for foreign, intrusion in list(self._intrusions.items()):
+            if foreign.connection.source == uri:
+                self._duplicate_uris = {*list(self._duplicate_uris)[:_MAX_DUPLICATES], uri}
+                self._raise_alarm(foreign, intrusion, PeerIdentity(name=name, is_answered=True))
 
-    def _learn(self, name: str, uri: str) -> None:
+    def _learn_address(self, name: str, uri: str) -> None:
         self._addresses.learn(uri, name)
-        self._doubled.discard(uri)
-        for node in list(self._nodes.by_name.values()):
-            self.look(node)
+        self._duplicate_uris.discard(uri)
+        for node in list(self._audited_nodes.by_name.values()):
+            self.update(node)
 
-    def _is_planned(self, stranger: Stranger, name: str) -> bool:
-        topic = self._expected.topics[stranger.link.topic]
-        return bool(name) and name not in self._expected.own and topic.may_publish(name)
+    def _is_planned(self, foreign: ForeignConnection, name: str) -> bool:
+        topic = self._expected.topics[foreign.connection.topic]
+        return bool(name) and name not in self._expected.guard_nodes and topic.may_publish(name)
 
-    def _excused(self, stranger: Stranger, case: _Case) -> bool:
+    def _is_excused(self, foreign: ForeignConnection, intrusion: _Intrusion) -> bool:
         now = self._loop.now()
-        begins = now - self._began < _EXCUSED and self._was_there(stranger)
-        was = self._addresses.was(stranger.link.source) and now - case.since < _EXCUSED
-        return case.alarm is None and (begins or was)
+        was_first = now - self._started_at < _EXCUSED and self._was_in_first_response(foreign)
+        was_publisher = (
+            self._addresses.is_former(foreign.connection.source)
+            and now - intrusion.since < _EXCUSED
+        )
+        return intrusion.alarm is None and (was_first or was_publisher)
 
-    def _was_there(self, stranger: Stranger) -> bool:
+    def _was_in_first_response(self, foreign: ForeignConnection) -> bool:
         """Tell whether the node had this connection when it was asked for the first time."""
-        node = self._nodes.by_name.get(stranger.node)
-        return node is not None and stranger.link in (node.first or ())
+        node = self._audited_nodes.by_name.get(foreign.node)
+        return node is not None and foreign.connection in (node.first_connections or ())
 
-    def _tell(self, stranger: Stranger, case: _Case, identity: Identity) -> None:
-        source = stranger.link.source
+    def _raise_alarm(
+        self, foreign: ForeignConnection, intrusion: _Intrusion, identity: PeerIdentity
+    ) -> None:
+        source = foreign.connection.source
         if not identity.name:
-            identity = replace(identity, name=self._claimed.get(source, ""))
-        doubled = {identity.name} if source in self._doubled else set()
-        alarm = alarm_of(stranger, identity, self._expected.own | doubled)
-        before, case.alarm = case.alarm, alarm
+            identity = replace(identity, name=self._takeover_uris.get(source, ""))
+        duplicates = {identity.name} if source in self._duplicate_uris else set()
+        alarm = foreign_connection_alarm(foreign, identity, self._expected.guard_nodes | duplicates)
+        before, intrusion.alarm = intrusion.alarm, alarm
         if alarm != before:
-            self._response.raise_(alarm, self._loop.now(), stranger.guarded)
+            self._response.raise_(alarm, self._loop.now(), foreign.guarded)
         if before and alarm != before:
             self._response.settle(before)
-        if self._response.stops and identity.answered:
-            self._revoke(stranger, case)
-        if not case.waits:
-            case.waits = True
-            self._loop.call_later(_REVOKE_S, partial(self._ask_again, stranger, case))
+        if self._response.stops_streams and identity.is_answered:
+            self._disconnect(foreign, intrusion)
+        if not intrusion.is_retry_scheduled:
+            intrusion.is_retry_scheduled = True
+            self._loop.call_later(
+                _DISCONNECT_PERIOD_S, partial(self._identify_again, foreign, intrusion)
+            )
 
-    def _ask_again(self, stranger: Stranger, case: _Case) -> None:
+    def _identify_again(self, foreign: ForeignConnection, intrusion: _Intrusion) -> None:
         """Ask again who it is: it may have registered since, or the master answer by now."""
-        case.waits = False
-        self._ask(stranger, case)
+        intrusion.is_retry_scheduled = False
+        self._identify(foreign, intrusion)
 
-    def _revoke(self, stranger: Stranger, case: _Case) -> None:
+    def _disconnect(self, foreign: ForeignConnection, intrusion: _Intrusion) -> None:
         """Try to end the connection: roscpp obeys the first call, an honest intruder the second."""
-        node = self._nodes.by_name.get(stranger.node)
-        if self._cases.get(stranger) is not case or node is None or node.asked.place is None:
+        node = self._audited_nodes.by_name.get(foreign.node)
+        if (
+            self._intrusions.get(foreign) is not intrusion
+            or node is None
+            or node.poll_target.server is None
+        ):
             return
-        topic = stranger.link.topic
-        update = (node.asked.place.uri, "publisherUpdate", topic, self._rightful(node, topic))
-        self._tellers.submit(partial(tell, *update), lambda _: None)
-        if not self._spared(stranger, case, node):
+        topic = foreign.connection.topic
+        update = (
+            node.poll_target.server.uri,
+            "publisherUpdate",
+            topic,
+            self._allowed_sources(node, topic),
+        )
+        self._call_threads.submit(partial(send_call, *update), lambda _: None)
+        if not self._is_spared(foreign, intrusion, node):
             why = f"the plan lets nobody but the guard publish {topic}"
-            end = partial(tell, stranger.link.source, "shutdown", why)
-            self._tellers.submit(end, lambda _: None)
+            end = partial(send_call, foreign.connection.source, "shutdown", why)
+            self._call_threads.submit(end, lambda _: None)
 
-    def _rightful(self, node: GuardedNode, topic: str) -> list[str]:
+    def _allowed_sources(self, node: AuditedNode, topic: str) -> list[str]:
         """Return the addresses from which a node may hear a topic."""
         planned = self._expected.topics[topic]
-        own = [
-            uri for name, uri in self._transport.addresses().items() if planned.may_publish(name)
+        guard_uris = [
+            uri for name, uri in self._transport.node_uris().items() if planned.may_publish(name)
         ]
-        heard = planned_sources(planned, node.links, self.addresses)
-        return [*own, *(f"{uri}/" for uri in heard if f"{uri}/" not in own)]
+        connected = planned_sources(planned, node.connections, self.addresses)
+        return [*guard_uris, *(f"{uri}/" for uri in connected if f"{uri}/" not in guard_uris)]
 
-    def _spared(self, stranger: Stranger, case: _Case, node: GuardedNode) -> bool:
+    def _is_spared(
+        self, foreign: ForeignConnection, intrusion: _Intrusion, node: AuditedNode
+    ) -> bool:
         """Tell whether the intruder is a node of the app, which may have other work to do."""
-        name = case.identity.name if case.identity else ""
+        name = intrusion.identity.name if intrusion.identity else ""
         named = {n for t in self._expected.topics.values() for n in (*t.publishers, *t.subscribers)}
-        app = tuple(sorted(named - self._expected.own - {"*"}))
-        own = node.asked.place is not None and node.asked.place.uri.rstrip("/")
-        ours = stranger.link.source in self.addresses.own
-        return ours or stranger.link.source == own or bool(name and meant(app, name))
+        app = tuple(sorted(named - self._expected.guard_nodes - {"*"}))
+        node_uri = node.poll_target.server is not None and node.poll_target.server.uri.rstrip("/")
+        is_guard_address = foreign.connection.source in self.addresses.guard_addresses
+        return (
+            is_guard_address
+            or foreign.connection.source == node_uri
+            or bool(name and matches_any(app, name))
+        )

@@ -8,10 +8,10 @@ from functools import partial
 from typing import TypeVar
 
 from rtron.errors import RTronError, SourceError
-from rtron.guard.audit.ros1.bus_info import Link, links_in
-from rtron.guard.audit.ros1.expected_graph import Expectations
-from rtron.guard.audit.ros1.registrations import listeners, registered
-from rtron.guard.audit.ros1.verification import Answers, Verification, asked_nodes, verify
+from rtron.guard.audit.ros1.bus_info import BusConnection, parse_bus_info
+from rtron.guard.audit.ros1.expected_graph import ExpectedGraph
+from rtron.guard.audit.ros1.registrations import guarded_subscribers, parse_registrations
+from rtron.guard.audit.ros1.verification import ApiAnswers, Verification, queried_nodes, verify
 from rtron.vocabulary import Plan
 from rtron.wire.ros1.xmlrpc import ros_call
 
@@ -27,31 +27,31 @@ def verify_live(plan: Plan, master: str, timeout: float) -> Verification:
 
     SourceError if the master does not answer, or not as a master.
     """
-    expected = Expectations(plan)
+    expected = ExpectedGraph(plan)
     try:
         state = ros_call(master, "getSystemState", _CALLER, timeout=timeout)
-        listed = registered(state, expected.topics)
+        listed = parse_registrations(state, expected.topics)
     except RTronError as error:
         raise SourceError(f"nothing can be verified at {master}: {error}", help=_HELP) from error
-    own = expected.own
-    uris = _each(asked_nodes(expected, listed), partial(_uri, master, timeout), timeout)
-    guarded = [(node, uris[node]) for node in listeners(listed, expected) if node in uris]
-    links = _each(guarded, partial(_links, timeout), timeout)
-    pids = _each([(n, uris[n]) for n in own if n in uris], partial(_pid, timeout), timeout)
-    answers = Answers(
+    own = expected.guard_nodes
+    uris = _query_all(queried_nodes(expected, listed), partial(_uri, master, timeout), timeout)
+    guarded = [(node, uris[node]) for node in guarded_subscribers(listed, expected) if node in uris]
+    links = _query_all(guarded, partial(_links, timeout), timeout)
+    pids = _query_all([(n, uris[n]) for n in own if n in uris], partial(_pid, timeout), timeout)
+    answers = ApiAnswers(
         state=listed,
         services=tuple(_services(state[2])),
         uris=uris,
-        links={node: found for (node, _), found in links.items()},
+        connections={node: found for (node, _), found in links.items()},
         pids={node: pid for (node, _), pid in pids.items()},
     )
     return verify(plan, answers)
 
 
-def _each(keys: Iterable[_K], ask: Callable[[_K], _T], timeout: float) -> dict[_K, _T]:
+def _query_all(keys: Iterable[_K], query: Callable[[_K], _T], timeout: float) -> dict[_K, _T]:
     """Return the answers of those who give one in time."""
     pool = ThreadPoolExecutor(_THREADS)
-    found = {key: pool.submit(ask, key) for key in keys}
+    found = {key: pool.submit(query, key) for key in keys}
     answers = {}
     for key, future in found.items():
         with suppress(RTronError, LateError, ValueError):
@@ -67,8 +67,8 @@ def _uri(master: str, timeout: float, node: str) -> str:
     return uri
 
 
-def _links(timeout: float, node: tuple[str, str]) -> frozenset[Link]:
-    return links_in(ros_call(node[1], "getBusInfo", _CALLER, timeout=timeout))
+def _links(timeout: float, node: tuple[str, str]) -> frozenset[BusConnection]:
+    return parse_bus_info(ros_call(node[1], "getBusInfo", _CALLER, timeout=timeout))
 
 
 def _pid(timeout: float, node: tuple[str, str]) -> int:

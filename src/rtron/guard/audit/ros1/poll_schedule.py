@@ -8,42 +8,42 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from rtron.errors import RTronError
-from rtron.guard.audit.ros1.xmlrpc_poller import Asker, Place
-from rtron.guard.core.event_loop import Loop
+from rtron.guard.audit.ros1.xmlrpc_poller import ServerAddress, XmlRpcPoller
+from rtron.guard.core.event_loop import EventLoop
 from rtron.vocabulary import SECOND
 
-TURNS = 2
+SLOTS = 2
 """How many turns a round has."""
-_LATE = SECOND
-_PARTS = 5
+_RESPONSE_TIMEOUT = SECOND
+_COLLECTIONS_PER_SLOT = 5
 """How often a turn may look for answers, the asking included."""
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
-class Asked:
+class PollTarget:
     """Whom to ask, and who takes the answer.
 
-    Nobody is asked while `place` is not known, nor before `not_before` (ns).
+    Nobody is asked while `server` is not known, nor before `not_before` (ns).
     """
 
-    asker: Asker
-    answered: Callable[[bytes], None]
-    failed: Callable[[Exception], None]
-    place: Place | None = None
+    poller: XmlRpcPoller
+    on_response: Callable[[bytes], None]
+    on_failure: Callable[[Exception], None]
+    server: ServerAddress | None = None
     not_before: int = 0
 
 
-class Rounds:
+class PollSchedule:
     """Asks everybody once in `period` (ns); an answer that takes longer than 1 s is none."""
 
-    def __init__(self, loop: Loop, period: int) -> None:
+    def __init__(self, loop: EventLoop, period: int) -> None:
         self._loop = loop
-        self._step = max(1, period // TURNS)
-        self._turns: list[list[Asked]] = [[] for _ in range(TURNS)]
-        self._turn = 0
-        self._waiting: list[Asked] = []
+        self._step = max(1, period // SLOTS)
+        self._slots: list[list[PollTarget]] = [[] for _ in range(SLOTS)]
+        self._slot = 0
+        self._pending: list[PollTarget] = []
         self._due = 0
-        self._looks = 0
+        self._collection_count = 0
         self._closed = False
 
     def start(self) -> None:
@@ -51,22 +51,22 @@ class Rounds:
         self._due = self._loop.now()
         self._tick()
 
-    def add(self, asked: Asked) -> None:
+    def add(self, target: PollTarget) -> None:
         """Ask one more."""
-        min(self._turns, key=len).append(asked)
+        min(self._slots, key=len).append(target)
 
-    def remove(self, asked: Asked) -> None:
+    def remove(self, target: PollTarget) -> None:
         """Ask one no more."""
-        for group in (*self._turns, self._waiting):
-            if asked in group:
-                group.remove(asked)
-        asked.asker.close()
+        for group in (*self._slots, self._pending):
+            if target in group:
+                group.remove(target)
+        target.poller.close()
 
     def close(self) -> None:
         """Ask nobody any more."""
         self._closed = True
-        for asked in [each for turn in self._turns for each in turn]:
-            self.remove(asked)
+        for target in [each for turn in self._slots for each in turn]:
+            self.remove(target)
 
     def _tick(self) -> None:
         if self._closed:
@@ -74,50 +74,50 @@ class Rounds:
         now = self._loop.now()
         self._due = max(self._due + self._step, now)
         self._loop.call_at(self._due, self._tick)
-        self._turn = (self._turn + 1) % TURNS
-        self._look(now)
-        for asked in list(self._turns[self._turn]):
-            self._ask(asked, now)
-        self._looks = 0
-        self._loop.call_at(now + self._step // _PARTS, self._look_soon)
+        self._slot = (self._slot + 1) % SLOTS
+        self._collect(now)
+        for target in list(self._slots[self._slot]):
+            self._send_request(target, now)
+        self._collection_count = 0
+        self._loop.call_at(now + self._step // _COLLECTIONS_PER_SLOT, self._collect_soon)
 
-    def _look_soon(self) -> None:
+    def _collect_soon(self) -> None:
         """Look for answers, and for the late ones a little later."""
         if self._closed:
             return
         now = self._loop.now()
-        self._look(now)
-        self._looks += 1
-        if self._waiting and self._looks < _PARTS - 1:
-            self._loop.call_at(now + self._step // _PARTS, self._look_soon)
+        self._collect(now)
+        self._collection_count += 1
+        if self._pending and self._collection_count < _COLLECTIONS_PER_SLOT - 1:
+            self._loop.call_at(now + self._step // _COLLECTIONS_PER_SLOT, self._collect_soon)
 
-    def _look(self, now: int) -> None:
-        waiting, self._waiting = self._waiting, []
-        self._waiting += [asked for asked in waiting if not self._looked(asked, now)]
+    def _collect(self, now: int) -> None:
+        waiting, self._pending = self._pending, []
+        self._pending += [asked for asked in waiting if not self._is_settled(asked, now)]
 
-    def _ask(self, asked: Asked, now: int) -> None:
-        if asked.place is None or asked.asker.since or now < asked.not_before:
+    def _send_request(self, target: PollTarget, now: int) -> None:
+        if target.server is None or target.poller.pending_since or now < target.not_before:
             return
         try:
-            asked.asker.ask(asked.place, now)
+            target.poller.send_request(target.server, now)
         except (OSError, RTronError) as error:
-            asked.asker.close()
-            asked.failed(error)
+            target.poller.close()
+            target.on_failure(error)
         else:
-            self._waiting.append(asked)
+            self._pending.append(target)
 
-    def _looked(self, asked: Asked, now: int) -> bool:
+    def _is_settled(self, target: PollTarget, now: int) -> bool:
         """Look whether an answer is there; tell whether there is nothing more to look for."""
-        since = asked.asker.since
+        pending_since = target.poller.pending_since
         try:
-            body = asked.asker.poll()
+            body = target.poller.poll()
         except (OSError, RTronError) as error:
-            asked.failed(error)
+            target.on_failure(error)
             return True
         if body is not None:
-            asked.answered(body)
-        elif since and now - since > _LATE:
-            asked.asker.close()
-            asked.failed(TimeoutError("no answer within 1 s"))
+            target.on_response(body)
+        elif pending_since and now - pending_since > _RESPONSE_TIMEOUT:
+            target.poller.close()
+            target.on_failure(TimeoutError("no answer within 1 s"))
             return True
-        return body is not None or not since
+        return body is not None or not pending_since

@@ -1,23 +1,23 @@
 """One audit as a result: every planned path, whether it is closed, and who is there beside it.
 
-Pure: what the master and the nodes have answered comes in as `Answers`.
+Pure: what the master and the nodes have answered comes in as `ApiAnswers`.
 """
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
-from rtron.guard.audit.ros1.bus_info import Link, plain
-from rtron.guard.audit.ros1.expected_graph import Entrance, Expectations, meant
-from rtron.guard.audit.ros1.foreign_connections import planned_sources, strangers_of
-from rtron.guard.audit.ros1.node_addresses import Addresses
-from rtron.guard.audit.ros1.registrations import Registered, foreign
-from rtron.vocabulary import GUARD_NODE, Mode, Plan, PlannedTopic, Word, streams
+from rtron.guard.audit.ros1.bus_info import BusConnection, normalise_uri
+from rtron.guard.audit.ros1.expected_graph import ExpectedGraph, GuardInput, matches_any
+from rtron.guard.audit.ros1.foreign_connections import foreign_connections, planned_sources
+from rtron.guard.audit.ros1.node_addresses import NodeAddresses
+from rtron.guard.audit.ros1.registrations import MasterRegistrations, foreign_publisher_alarms
+from rtron.vocabulary import GUARD_NODE, Mode, Plan, StringEnum, TopicAccess, build_streams
 
 _LOGGERS = ("/get_loggers", "/set_logger_level")
 _PARAMETERS = "/set_parameters"
 
 
-class PathState(Word):
+class PathState(StringEnum):
     """What is known of a planned path."""
 
     CLOSED = "closed"
@@ -28,11 +28,11 @@ class PathState(Word):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Path:
+class GuardedPath:
     """One way to a guarded node, or from a publisher into the guard.
 
     `node` is at the outer end, `topic` the public name, `private` what it should use instead.
-    `foreign` are those who are there and should not be: names or addresses.
+    `foreign_publisher_alarms` are those who are there and should not be: names or addresses.
     """
 
     topic: str
@@ -44,7 +44,7 @@ class Path:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Unguarded:
+class UnguardedPath:
     """A way to move the robot that the guard does not stand in."""
 
     what: str
@@ -52,16 +52,16 @@ class Unguarded:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Answers:
+class ApiAnswers:
     """What was answered: the master's list, addresses by node, connections and process ids.
 
-    `links` and `pids` lack a node that does not answer, `uris` one that the master does not know.
+    `connections` and `pids` lack a node that does not answer, `uris` one that the master does not know.
     """
 
-    state: Registered
+    state: MasterRegistrations
     services: tuple[tuple[str, str], ...] = ()
     uris: Mapping[str, str] = field(default_factory=dict)
-    links: Mapping[str, frozenset[Link]] = field(default_factory=dict)
+    connections: Mapping[str, frozenset[BusConnection]] = field(default_factory=dict)
     pids: Mapping[str, int] = field(default_factory=dict)
 
 
@@ -69,139 +69,155 @@ class Answers:
 class Verification:
     """The paths, what is wrong beside them, and what no path leads through."""
 
-    paths: tuple[Path, ...]
+    paths: tuple[GuardedPath, ...]
     problems: tuple[str, ...]
-    unguarded: tuple[Unguarded, ...]
+    unguarded: tuple[UnguardedPath, ...]
 
     @property
-    def closed(self) -> bool:
+    def is_closed(self) -> bool:
         """Tell whether the guard is in the way of everything that runs."""
         fine = (PathState.CLOSED, PathState.NOT_RUNNING)
         return not self.problems and all(path.state in fine for path in self.paths)
 
     @property
-    def told(self) -> bool:
+    def is_conclusive(self) -> bool:
         """Tell whether every path that runs could be looked at, or another one is known open."""
         states = {path.state for path in self.paths}
         wrong = bool(self.problems) or bool(states & {PathState.OPEN, PathState.DRIFT})
         return wrong or PathState.UNKNOWN not in states
 
 
-def verify(plan: Plan, answers: Answers) -> Verification:
+def verify(plan: Plan, answers: ApiAnswers) -> Verification:
     """Compare what runs with what the plan says."""
-    expected = Expectations(plan)
-    known = _addresses(expected, answers)
+    expected = ExpectedGraph(plan)
+    addresses = _addresses(expected, answers)
     return Verification(
-        paths=(*_exits(expected, answers, known), *_entrances(expected, answers)),
+        paths=(*_output_paths(expected, answers, addresses), *_input_paths(expected, answers)),
         problems=tuple(_problems(expected, answers)),
         unguarded=tuple(_unguarded(plan, expected, answers)),
     )
 
 
-def asked_nodes(expected: Expectations, state: Registered) -> frozenset[str]:
+def queried_nodes(expected: ExpectedGraph, state: MasterRegistrations) -> frozenset[str]:
     """Return the nodes whose address has to be known: all on planned topics, and the guard's."""
     listed = (nodes for side in (state.publishers, state.subscribers) for nodes in side.values())
-    return expected.own.union(*listed)
+    return expected.guard_nodes.union(*listed)
 
 
-def _addresses(expected: Expectations, answers: Answers) -> Addresses:
-    own = {node: uri for node, uri in answers.uris.items() if node in expected.own}
-    known = Addresses(own)
+def _addresses(expected: ExpectedGraph, answers: ApiAnswers) -> NodeAddresses:
+    guard_uris = {node: uri for node, uri in answers.uris.items() if node in expected.guard_nodes}
+    addresses = NodeAddresses(guard_uris)
     for node, uri in answers.uris.items():
-        known.learn(plain(uri), node)
-    return known
+        addresses.learn(normalise_uri(uri), node)
+    return addresses
 
 
-def _exits(expected: Expectations, answers: Answers, known: Addresses) -> Iterator[Path]:
+def _output_paths(
+    expected: ExpectedGraph, answers: ApiAnswers, addresses: NodeAddresses
+) -> Iterator[GuardedPath]:
     for public, private in expected.outputs.items():
         topic = expected.topics[private]
         for pattern in topic.subscribers:
-            if pattern in expected.own:
+            if pattern in expected.guard_nodes:
                 continue
-            nodes = [n for n in _running(answers, public, private) if meant((pattern,), n)]
+            nodes = [
+                n for n in _candidate_nodes(answers, public, private) if matches_any((pattern,), n)
+            ]
             if not nodes:
                 state = PathState.NOT_RUNNING
-                yield Path(topic=public, private=private, node=pattern, state=state)
+                yield GuardedPath(topic=public, private=private, node=pattern, state=state)
             for node in nodes:
-                yield _exit(expected, answers, known, public, node)
+                yield _output_path(expected, answers, addresses, public, node)
 
 
-def _running(answers: Answers, *topics: str) -> list[str]:
+def _candidate_nodes(answers: ApiAnswers, *topics: str) -> list[str]:
     """Return who listens to one of the topics, or could be asked."""
     listening = {n for topic in topics for n in answers.state.subscribers.get(topic, ())}
-    return sorted(listening | answers.links.keys())
+    return sorted(listening | answers.connections.keys())
 
 
-def _exit(
-    expected: Expectations, answers: Answers, known: Addresses, public: str, node: str
-) -> Path:
+def _output_path(
+    expected: ExpectedGraph, answers: ApiAnswers, addresses: NodeAddresses, public: str, node: str
+) -> GuardedPath:
     private = expected.outputs[public]
-    heard = {name: expected.topics[name] for name in (public, private)}
-    state, reason, strangers = _heard(answers, known, heard, node)
+    topics = {name: expected.topics[name] for name in (public, private)}
+    state, reason, foreign = _output_state(answers, addresses, topics, node)
     if state is PathState.CLOSED and node in answers.state.subscribers.get(public, ()):
         state, reason = PathState.DRIFT, f"listens to {public}: its remap is missing"
     elif state is PathState.CLOSED and not planned_sources(
-        heard[private], answers.links[node], known
+        topics[private], answers.connections[node], addresses
     ):
         state, reason = PathState.DRIFT, f"is not connected to {private}"
-    return Path(
-        topic=public, private=private, node=node, state=state, reason=reason, foreign=strangers
+    return GuardedPath(
+        topic=public, private=private, node=node, state=state, reason=reason, foreign=foreign
     )
 
 
-def _heard(
-    answers: Answers, known: Addresses, heard: Mapping[str, PlannedTopic], node: str
+def _output_state(
+    answers: ApiAnswers, addresses: NodeAddresses, topics: Mapping[str, TopicAccess], node: str
 ) -> tuple[PathState, str, tuple[str, ...]]:
-    if node not in answers.links:
+    if node not in answers.connections:
         return PathState.UNKNOWN, "does not say who speaks to it", ()
-    found = strangers_of(node, answers.links[node], heard, known)
+    found = foreign_connections(node, answers.connections[node], topics, addresses)
     if not found:
         return PathState.CLOSED, "", ()
-    names = tuple(sorted({known.node_of(each.link) or each.link.source for each in found}))
+    names = tuple(
+        sorted({addresses.node_of(each.connection) or each.connection.source for each in found})
+    )
     return PathState.OPEN, f"hears {', '.join(names)} past the guard", names
 
 
-def _entrances(expected: Expectations, answers: Answers) -> Iterator[Path]:
-    for way in expected.entrances:
-        for pattern in way.publishers:
-            yield from _entrance(expected, answers, way, pattern)
+def _input_paths(expected: ExpectedGraph, answers: ApiAnswers) -> Iterator[GuardedPath]:
+    for guard_input in expected.inputs:
+        for pattern in guard_input.publishers:
+            yield from _input_path(expected, answers, guard_input, pattern)
 
 
-def _entrance(
-    expected: Expectations, answers: Answers, way: Entrance, pattern: str
-) -> Iterator[Path]:
+def _input_path(
+    expected: ExpectedGraph, answers: ApiAnswers, guard_input: GuardInput, pattern: str
+) -> Iterator[GuardedPath]:
     publishers = answers.state.publishers
-    outside = [n for n in sorted(publishers.get(way.public, ())) if n not in expected.own]
-    inside = [n for n in sorted(publishers.get(way.private, ())) if n not in expected.own]
-    found = {n: PathState.CLOSED for n in inside if meant((pattern,), n)}
-    found |= {n: PathState.DRIFT for n in outside if meant((pattern,), n)}
+    outside = [
+        n for n in sorted(publishers.get(guard_input.public, ())) if n not in expected.guard_nodes
+    ]
+    inside = [
+        n for n in sorted(publishers.get(guard_input.private, ())) if n not in expected.guard_nodes
+    ]
+    found = {n: PathState.CLOSED for n in inside if matches_any((pattern,), n)}
+    found |= {n: PathState.DRIFT for n in outside if matches_any((pattern,), n)}
     for node, state in (found or {pattern: PathState.NOT_RUNNING}).items():
-        drifts = state is PathState.DRIFT
-        reason = f"publishes {way.public}: its remap is missing" if drifts else ""
-        yield Path(topic=way.public, private=way.private, node=node, state=state, reason=reason)
+        is_drift = state is PathState.DRIFT
+        reason = f"publishes {guard_input.public}: its remap is missing" if is_drift else ""
+        yield GuardedPath(
+            topic=guard_input.public,
+            private=guard_input.private,
+            node=node,
+            state=state,
+            reason=reason,
+        )
 
 
-def _problems(expected: Expectations, answers: Answers) -> Iterator[str]:
-    for node in sorted(expected.guarding):
+def _problems(expected: ExpectedGraph, answers: ApiAnswers) -> Iterator[str]:
+    for node in sorted(expected.enforcing_nodes):
         if node not in answers.uris:
             yield f"the guard's node {node} is not running"
         elif node not in answers.pids:
             yield f"the guard's node {node} does not answer"
     guard = answers.pids.get(GUARD_NODE)
-    for node in sorted(answers.pids.keys() & expected.own):
+    for node in sorted(answers.pids.keys() & expected.guard_nodes):
         if guard is not None and answers.pids[node] != guard:
             yield f"{node} is no node of the guard: another process has taken its name"
-    yield from (alarm.reason for alarm in foreign(answers.state, expected))
+    yield from (alarm.reason for alarm in foreign_publisher_alarms(answers.state, expected))
 
 
-def _unguarded(plan: Plan, expected: Expectations, answers: Answers) -> Iterator[Unguarded]:
-    for stream in streams(plan):
+def _unguarded(plan: Plan, expected: ExpectedGraph, answers: ApiAnswers) -> Iterator[UnguardedPath]:
+    for stream in build_streams(plan):
         if stream.mode is Mode.OBSERVE:
-            yield Unguarded(what=stream.topic, why="is only observed: everybody can publish it")
+            yield UnguardedPath(what=stream.topic, why="is only observed: everybody can publish it")
     for what in plan.accept_unenforceable:
-        yield Unguarded(what=what, why="cannot be closed, and was accepted")
+        yield UnguardedPath(what=what, why="cannot be closed, and was accepted")
     for service, node in answers.services:
-        if expected.heard(node) and not service.endswith(_LOGGERS):
-            changes = service.endswith(_PARAMETERS)
-            told = "changes parameters of" if changes else "is a service of"
-            yield Unguarded(what=service, why=f"{told} {node}, behind the guard")
+        if expected.audited_topics(node) and not service.endswith(_LOGGERS):
+            is_parameter_service = service.endswith(_PARAMETERS)
+            effect = "changes parameters of" if is_parameter_service else "is a service of"
+            yield UnguardedPath(what=service, why=f"{effect} {node}, behind the guard")

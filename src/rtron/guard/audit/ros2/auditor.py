@@ -4,27 +4,31 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rtron.guard.audit.common.alarm_response import Response
-from rtron.guard.audit.common.braking_alarms import Cases
-from rtron.guard.audit.common.debounced_alarms import Standing
-from rtron.guard.audit.ros2.expected_graph import Wanted, is_service
-from rtron.guard.audit.ros2.graph_alarms import doubles, drifts, strangers
-from rtron.guard.audit.ros2.graph_reader import Reader
-from rtron.guard.audit.ros2.observed_graph import EVERYBODY, Seen
-from rtron.guard.audit.ros2.supervisor_participants import Kin
-from rtron.guard.transport.ros2.participants import Lives
+from rtron.guard.audit.common.alarm_response import AlarmResponse
+from rtron.guard.audit.common.braking_alarms import BrakingAlarms
+from rtron.guard.audit.common.debounced_alarms import DebouncedAlarms
+from rtron.guard.audit.ros2.expected_graph import ExpectedGraph, is_service_topic
+from rtron.guard.audit.ros2.graph_alarms import (
+    drift_alarms,
+    duplicate_name_alarms,
+    foreign_endpoint_alarms,
+)
+from rtron.guard.audit.ros2.graph_reader import GraphReader
+from rtron.guard.audit.ros2.observed_graph import ROSOUT_TOPIC, ObservedGraph
+from rtron.guard.audit.ros2.supervisor_participants import SupervisorParticipants
+from rtron.guard.transport.ros2.participants import ParticipantLiveness
 from rtron.vocabulary import GUARD_NODE, SECOND, Plan
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from rtron.guard.audit.ros2.endpoint_checks import Participants
-    from rtron.guard.core.coordinator import Host
-    from rtron.guard.core.event_loop import Loop
+    from rtron.guard.core.coordinator import Coordinator
+    from rtron.guard.core.event_loop import EventLoop
     from rtron.guard.transport.ros2.middleware import Ros2Transport
     from rtron.wire.ros2.endpoints import Ros2Endpoint
 
-_DRIFT_PATIENCE = 3 * SECOND
+_DRIFT_DELAY = 3 * SECOND
 
 
 class Ros2Auditor:
@@ -36,76 +40,82 @@ class Ros2Auditor:
     def __init__(
         self,
         plan: Plan,
-        host: Host,
+        host: Coordinator,
         transport: Ros2Transport,
-        loop: Loop,
+        loop: EventLoop,
         *,
         dry_run: bool = False,
     ) -> None:
         self._loop = loop
         self._transport = transport
         self._graph = transport.graph
-        self._wanted = Wanted(plan)
-        self._response = Response(host, transport, plan.audit.on_foreign, dry_run=dry_run)
-        self._lives = Lives(self._graph.participant, transport.processes)
-        self._kin = Kin(self._lives, transport.processes)
-        self._cases = Cases(self._response)
-        self._drifted = Standing(self._response, _DRIFT_PATIENCE)
-        self._reader: Reader | None = None
+        self._expected = ExpectedGraph(plan)
+        self._response = AlarmResponse(host, transport, plan.audit.on_foreign, dry_run=dry_run)
+        self._liveness = ParticipantLiveness(self._graph.participant, transport.processes)
+        self._supervisors = SupervisorParticipants(self._liveness, transport.processes)
+        self._braking_alarms = BrakingAlarms(self._response)
+        self._drift_alarms = DebouncedAlarms(self._response, _DRIFT_DELAY)
+        self._graph_reader: GraphReader | None = None
         self._listeners: dict[bytes, str] | None = None
 
     def start(self) -> None:
         """Audit from now on, if anything is enforced."""
-        if not self._wanted.topics:
+        if not self._expected.topics:
             return
         self._response.prepare(self._transport.encoding)
-        self._reader = Reader(self._transport.session.node(GUARD_NODE))
-        for topic in (*self._wanted.topics, EVERYBODY):
-            if not is_service(topic):
+        self._graph_reader = GraphReader(self._transport.session.node(GUARD_NODE))
+        for topic in (*self._expected.topics, ROSOUT_TOPIC):
+            if not is_service_topic(topic):
                 self._graph.watch(topic)
-        self._graph.changed.append(self._look)
+        self._graph.listeners.append(self._update)
 
     def close(self) -> None:
         """Audit no more."""
-        if self._look in self._graph.changed:
-            self._graph.changed.remove(self._look)
+        if self._update in self._graph.listeners:
+            self._graph.listeners.remove(self._update)
 
-    def _look(self) -> None:
-        now, seen = self._loop.now(), Seen(self._ends())
-        self._lives.look((end.participant for end in seen.ends), now)
-        ours = self._ours(seen)
-        wanted, lives = self._wanted, self._lives
-        past = strangers(wanted, seen, ours, lives, now)
-        self._cases.found([*past, *doubles(wanted, seen, lives, now)], now)
-        self._drifted.found(drifts(wanted, seen, ours), now)
-        self._tell_new(seen)
+    def _update(self) -> None:
+        now, observed = self._loop.now(), ObservedGraph(self._endpoints())
+        self._liveness.update((endpoint.participant for endpoint in observed.endpoints), now)
+        guard_participants = self._guard_participants(observed)
+        expected, liveness = self._expected, self._liveness
+        foreign = foreign_endpoint_alarms(expected, observed, guard_participants, liveness, now)
+        self._braking_alarms.update(
+            [*foreign, *duplicate_name_alarms(expected, observed, liveness, now)], now
+        )
+        self._drift_alarms.update(drift_alarms(expected, observed, guard_participants), now)
+        self._repeat_stops(observed)
 
-    def _ends(self) -> Iterator[Ros2Endpoint]:
+    def _endpoints(self) -> Iterator[Ros2Endpoint]:
         """Yield everybody's endpoints, and our own where we have to be heard."""
-        for topic in (*self._wanted.topics, EVERYBODY):
-            if not is_service(topic):
-                ends = self._graph.ends(topic)
-                yield from ends.publishers
-                yield from ends.subscribers
-        if self._reader:
-            served = (topic for topic in self._wanted.topics if is_service(topic))
-            yield from self._reader.ends(served)
-            outputs = [each for each in self._wanted.outputs.values() if not is_service(each)]
-            ends_there = self._reader.ends(outputs)
-            yield from (end for end in ends_there if self._graph.is_own(end.gid))
+        for topic in (*self._expected.topics, ROSOUT_TOPIC):
+            if not is_service_topic(topic):
+                endpoints = self._graph.endpoints(topic)
+                yield from endpoints.publishers
+                yield from endpoints.subscribers
+        if self._graph_reader:
+            service_topics = (topic for topic in self._expected.topics if is_service_topic(topic))
+            yield from self._graph_reader.endpoints(service_topics)
+            outputs = [
+                each for each in self._expected.outputs.values() if not is_service_topic(each)
+            ]
+            output_endpoints = self._graph_reader.endpoints(outputs)
+            yield from (
+                endpoint for endpoint in output_endpoints if self._graph.is_own(endpoint.gid)
+            )
 
-    def _ours(self, seen: Seen) -> Participants:
+    def _guard_participants(self, observed: ObservedGraph) -> Participants:
         """Return our participant and the supervisors'."""
-        return self._kin.found(seen) | {self._graph.participant}
+        return self._supervisors.update(observed) | {self._graph.participant}
 
-    def _tell_new(self, seen: Seen) -> None:
+    def _repeat_stops(self, observed: ObservedGraph) -> None:
         """Tell a stop that has just been said to who begins to listen after it."""
-        found = {
-            end.gid: self._wanted.topics[private].guarded
-            for private in self._wanted.outputs.values()
-            for end in seen.subscribers(private)
-            if self._wanted.topics[private].may_subscribe(end.node)
+        listeners = {
+            endpoint.gid: self._expected.topics[private].stream_topic
+            for private in self._expected.outputs.values()
+            for endpoint in observed.subscribers(private)
+            if self._expected.topics[private].may_subscribe(endpoint.node)
         }
-        before, self._listeners = self._listeners, found
-        for gid in found.keys() - (found if before is None else before).keys():
-            self._response.listened(found[gid])
+        before, self._listeners = self._listeners, listeners
+        for gid in listeners.keys() - (listeners if before is None else before).keys():
+            self._response.on_new_listener(listeners[gid])

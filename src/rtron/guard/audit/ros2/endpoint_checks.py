@@ -7,103 +7,138 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rtron.guard.audit.ros1.expected_graph import is_open, meant
-from rtron.guard.audit.ros2.expected_graph import is_service, spoken
-from rtron.guard.audit.ros2.observed_graph import Seen, told, told_exactly
-from rtron.guard.audit.ros2.qos_compatibility import misfit
-from rtron.vocabulary import PlannedTopic, normalise_type
+from rtron.guard.audit.ros1.expected_graph import allows_anybody, matches_any
+from rtron.guard.audit.ros2.expected_graph import is_service_topic, ros_name
+from rtron.guard.audit.ros2.observed_graph import (
+    ObservedGraph,
+    endpoint_label,
+    endpoint_label_with_participant,
+)
+from rtron.guard.audit.ros2.qos_compatibility import incompatibility
+from rtron.vocabulary import TopicAccess, normalise_type
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from rtron.guard.audit.ros2.expected_graph import Wanted
+    from rtron.guard.audit.ros2.expected_graph import ExpectedGraph
     from rtron.wire.ros2.endpoints import Ros2Endpoint
 
 
 Participants = frozenset[bytes]
 
 
-def foreign(
-    wanted: Wanted, seen: Seen, topic: PlannedTopic, ours: Participants
+def foreign_publishers(
+    expected: ExpectedGraph,
+    observed: ObservedGraph,
+    topic: TopicAccess,
+    guard_participants: Participants,
 ) -> tuple[Ros2Endpoint, ...]:
     """Return the publishers of a topic that the plan does not name, and those with our names.
 
-    `ours` are the participants of the guard and of its supervisor.
+    `guard_participants` are the participants of the guard and of its supervisor.
     """
-    if is_open(topic):
+    if allows_anybody(topic):
         return ()
     return tuple(
-        end
-        for end in seen.publishers(topic.topic)
-        if end.participant not in ours
-        and (end.node in wanted.own or not topic.may_publish(end.node))
+        endpoint
+        for endpoint in observed.publishers(topic.topic)
+        if endpoint.participant not in guard_participants
+        and (endpoint.node in expected.guard_nodes or not topic.may_publish(endpoint.node))
     )
 
 
-def heard_by(
-    wanted: Wanted, seen: Seen, topics: tuple[PlannedTopic, ...], node: str, ours: Participants
+def foreign_sources(
+    expected: ExpectedGraph,
+    observed: ObservedGraph,
+    topics: tuple[TopicAccess, ...],
+    node: str,
+    guard_participants: Participants,
 ) -> tuple[Ros2Endpoint, ...]:
     """Return whom a node hears past the guard, on those of the topics that it listens to."""
     return tuple(
-        end
+        endpoint
         for topic in topics
-        if any(each.node == node for each in seen.subscribers(topic.topic))
-        for end in foreign(wanted, seen, topic, ours)
+        if any(each.node == node for each in observed.subscribers(topic.topic))
+        for endpoint in foreign_publishers(expected, observed, topic, guard_participants)
     )
 
 
-def named(wanted: Wanted, ends: Sequence[Ros2Endpoint]) -> tuple[str, ...]:
+def endpoint_labels(expected: ExpectedGraph, endpoints: Sequence[Ros2Endpoint]) -> tuple[str, ...]:
     """Return what to call strangers, each once; a name of ours goes with its participant."""
-    called = (told_exactly(end) if end.node in wanted.own else told(end) for end in ends)
-    return tuple(sorted(set(called)))
+    labels = (
+        endpoint_label_with_participant(endpoint)
+        if endpoint.node in expected.guard_nodes
+        else endpoint_label(endpoint)
+        for endpoint in endpoints
+    )
+    return tuple(sorted(set(labels)))
 
 
-def unplanned_listeners(wanted: Wanted, seen: Seen, topic: PlannedTopic) -> tuple[str, ...]:
+def unplanned_subscribers(
+    expected: ExpectedGraph, observed: ObservedGraph, topic: TopicAccess
+) -> tuple[str, ...]:
     """Return who listens to a topic and is not meant to."""
-    ends = seen.subscribers(topic.topic)
+    endpoints = observed.subscribers(topic.topic)
     return tuple(
         sorted(
             {
-                told(end)
-                for end in ends
-                if end.node not in wanted.own and not topic.may_subscribe(end.node)
+                endpoint_label(endpoint)
+                for endpoint in endpoints
+                if endpoint.node not in expected.guard_nodes
+                and not topic.may_subscribe(endpoint.node)
             }
         )
     )
 
 
-def deaf(
-    wanted: Wanted, seen: Seen, topic: PlannedTopic, listener: Ros2Endpoint, ours: Participants
+def subscription_problem(
+    expected: ExpectedGraph,
+    observed: ObservedGraph,
+    topic: TopicAccess,
+    subscriber: Ros2Endpoint,
+    guard_participants: Participants,
 ) -> str:
     """Return why a listener does not hear the guard on a topic, nothing if it does or may."""
-    if is_service(topic.topic):
+    if is_service_topic(topic.topic):
         return ""
-    said = [end for end in seen.publishers(topic.topic) if end.participant in ours]
-    reasons = [misfit(end, listener) for end in said]
-    if not said:
-        return _wrong_type(wanted, topic, listener)
+    publishers = [
+        endpoint
+        for endpoint in observed.publishers(topic.topic)
+        if endpoint.participant in guard_participants
+    ]
+    reasons = [incompatibility(endpoint, subscriber) for endpoint in publishers]
+    if not publishers:
+        return _type_problem(expected, topic, subscriber)
     return "" if "" in reasons else reasons[0]
 
 
-def unfit(wanted: Wanted, topic: PlannedTopic, speaker: Ros2Endpoint) -> str:
+def publication_problem(
+    expected: ExpectedGraph, topic: TopicAccess, publisher: Ros2Endpoint
+) -> str:
     """Return why the guard does not take what a planned publisher says, nothing if it does."""
-    return "" if is_service(topic.topic) else _wrong_type(wanted, topic, speaker)
+    return "" if is_service_topic(topic.topic) else _type_problem(expected, topic, publisher)
 
 
-def strays(
-    wanted: Wanted, ends: Sequence[Ros2Endpoint], patterns: tuple[str, ...]
+def matching_nodes(
+    expected: ExpectedGraph, endpoints: Sequence[Ros2Endpoint], patterns: tuple[str, ...]
 ) -> tuple[str, ...]:
     """Return the nodes among endpoints that a plan's patterns mean and that are not the guard's."""
     return tuple(
-        sorted({e.node for e in ends if e.node not in wanted.own and meant(patterns, e.node)})
+        sorted(
+            {
+                e.node
+                for e in endpoints
+                if e.node not in expected.guard_nodes and matches_any(patterns, e.node)
+            }
+        )
     )
 
 
-def place(topic: PlannedTopic | str) -> str:
+def display_name(topic: TopicAccess | str) -> str:
     """Return a topic's or a service's name as people know it."""
-    return spoken(topic if isinstance(topic, str) else topic.topic)
+    return ros_name(topic if isinstance(topic, str) else topic.topic)
 
 
-def _wrong_type(wanted: Wanted, topic: PlannedTopic, end: Ros2Endpoint) -> str:
-    planned, its = wanted.type_on(topic), normalise_type(end.type)
-    return f"its type is {its}, the plan's is {planned}" if planned and its != planned else ""
+def _type_problem(expected: ExpectedGraph, topic: TopicAccess, endpoint: Ros2Endpoint) -> str:
+    planned, actual = expected.planned_type(topic), normalise_type(endpoint.type)
+    return f"its type is {actual}, the plan's is {planned}" if planned and actual != planned else ""

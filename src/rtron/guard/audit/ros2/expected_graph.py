@@ -6,85 +6,89 @@ like (design.ros2.org: Topic and Service name mapping to DDS); they are kept by 
 
 from collections.abc import Iterator
 
-from rtron.guard.audit.ros1.expected_graph import Entrance, is_open, meant
+from rtron.guard.audit.ros1.expected_graph import GuardInput, allows_anybody, matches_any
 from rtron.vocabulary import (
     GUARD_NODE,
     PRIVATE_ROOT,
     SUPERVISOR_NODE,
-    ActionEnd,
     Mode,
     Plan,
-    PlannedService,
-    PlannedTopic,
+    Ros2ActionEntity,
+    ServiceAccess,
     Stream,
-    end_name,
+    TopicAccess,
+    build_streams,
     flow_topic,
+    list_service_access,
+    list_topic_access,
     normalise_type,
     output_topic,
-    planned_services,
-    planned_topics,
+    ros2_entity_name,
     stage_nodes,
-    streams,
 )
-from rtron.vocabulary.topic_access import ANYBODY
+from rtron.vocabulary.topic_access import ANY_NODE
 
-_MOVING = (ActionEnd.SEND_GOAL, ActionEnd.CANCEL_GOAL)
+_COMMAND_SERVICES = (Ros2ActionEntity.SEND_GOAL, Ros2ActionEntity.CANCEL_GOAL)
 
 
-class Wanted:
+class ExpectedGraph:
     """Who may speak on each topic that an enforced stream has closed.
 
-    `guarding` are the guard's nodes on these streams, `own` all of them and the supervisor's.
+    `enforcing_nodes` are the guard's nodes on these streams, `guard_nodes` all of them and the supervisor's.
     `outputs` are the private outputs by their public names, `types` the streams' types by theirs.
     """
 
     def __init__(self, plan: Plan) -> None:
-        enforced = [stream for stream in streams(plan) if stream.mode is Mode.ENFORCE]
-        actions = [stream for stream in enforced if stream.by_request]
+        enforced = [stream for stream in build_streams(plan) if stream.mode is Mode.ENFORCE]
+        actions = [stream for stream in enforced if stream.is_ros2_action]
         self.actions = frozenset(stream.topic for stream in actions)
         closed = frozenset(stream.topic for stream in actions if stream.block_unapproved)
-        planned = (*planned_topics(plan), *_served(plan, closed))
+        planned = (*list_topic_access(plan), *_service_topics(plan, closed))
         self.topics = {topic.topic: topic for topic in planned}
-        self.entrances = tuple(way for stream in enforced for way in _entrances(stream))
+        self.inputs = tuple(way for stream in enforced for way in _inputs(stream))
         self.outputs = dict(pair for stream in enforced for pair in _outputs(stream))
         self.types = {each.topic: normalise_type(each.type) for each in enforced}
-        self.guarding = frozenset(
+        self.enforcing_nodes = frozenset(
             {GUARD_NODE, *(node for stream in enforced for node in stage_nodes(stream))}
         )
-        self.own = self.guarding.union({SUPERVISOR_NODE}, *map(stage_nodes, streams(plan)))
+        self.guard_nodes = self.enforcing_nodes.union(
+            {SUPERVISOR_NODE}, *map(stage_nodes, build_streams(plan))
+        )
         named = {name for t in self.topics.values() for name in (*t.publishers, *t.subscribers)}
-        self._nodes = tuple(sorted(named - self.own - {ANYBODY}))
+        self._planned_nodes = tuple(sorted(named - self.guard_nodes - {ANY_NODE}))
 
-    def private(self) -> Iterator[PlannedTopic]:
+    def private_topics(self) -> Iterator[TopicAccess]:
         """Yield the topics that only the guard and those whom it stands between know."""
-        return (t for t in self.topics.values() if spoken(t.topic).startswith(PRIVATE_ROOT + "/"))
+        return (t for t in self.topics.values() if ros_name(t.topic).startswith(PRIVATE_ROOT + "/"))
 
-    def plans(self, node: str) -> bool:
+    def is_planned(self, node: str) -> bool:
         """Tell whether a node is one that the guard stands before or behind."""
-        return node not in self.own and meant(self._nodes, node)
+        return node not in self.guard_nodes and matches_any(self._planned_nodes, node)
 
-    def succeeds(self, node: str) -> bool:
+    def is_successor(self, node: str) -> bool:
         """Tell whether a node is behind the guard: what it is told moves the robot."""
         outputs = (self.topics[private] for private in self.outputs.values())
-        return node not in self.own and any(topic.may_subscribe(node) for topic in outputs)
+        return node not in self.guard_nodes and any(topic.may_subscribe(node) for topic in outputs)
 
-    def type_on(self, topic: PlannedTopic) -> str:
+    def planned_type(self, topic: TopicAccess) -> str:
         """Return the type that the plan wants on a topic, in ROS 1's spelling; "" if any."""
-        return "" if topic.guarded in self.actions else self.types.get(topic.guarded, "")
+        return "" if topic.stream_topic in self.actions else self.types.get(topic.stream_topic, "")
 
-    def leaves_guard(self, topic: PlannedTopic) -> bool:
+    def has_consumers_outside_guard(self, topic: TopicAccess) -> bool:
         """Tell whether others than the guard rely on what is said on a topic."""
-        return not is_open(topic) and any(name not in self.own for name in topic.subscribers)
+        return not allows_anybody(topic) and any(
+            name not in self.guard_nodes for name in topic.subscribers
+        )
 
 
-def is_service(topic: str) -> bool:
+def is_service_topic(topic: str) -> bool:
     """Tell whether a topic is one of a service's two."""
     return not topic.startswith("/")
 
 
-def spoken(topic: str) -> str:
+def ros_name(topic: str) -> str:
     """Return the ROS name of a topic or of the service that it belongs to."""
-    if not is_service(topic):
+    if not is_service_topic(topic):
         return topic
     return topic[2:].removesuffix("Request").removesuffix("Reply")
 
@@ -99,42 +103,48 @@ def _reply_topic(service: str) -> str:
 
 
 def _outputs(stream: Stream) -> Iterator[tuple[str, str]]:
-    if not stream.by_request:
+    if not stream.is_ros2_action:
         yield stream.topic, output_topic(stream.topic)
         return
-    for end in _MOVING:
+    for part in _COMMAND_SERVICES:
         public, private = stream.topic, output_topic(stream.topic)
-        yield request_topic(end_name(public, end)), request_topic(end_name(private, end))
+        yield (
+            request_topic(ros2_entity_name(public, part)),
+            request_topic(ros2_entity_name(private, part)),
+        )
 
 
-def _entrances(stream: Stream) -> Iterator[Entrance]:
+def _inputs(stream: Stream) -> Iterator[GuardInput]:
     for flow in stream.flows:
         public, private = stream.topic, flow_topic(stream.topic, flow.name)
         names = [(public, private)]
-        if stream.by_request:
-            ends = [(end_name(public, each), end_name(private, each)) for each in _MOVING]
-            names = [(request_topic(one), request_topic(other)) for one, other in ends]
-        for outside, inside in names:
-            yield Entrance(public=outside, private=inside, publishers=(flow.publisher,))
+        if stream.is_ros2_action:
+            pairs = [
+                (ros2_entity_name(public, each), ros2_entity_name(private, each))
+                for each in _COMMAND_SERVICES
+            ]
+            names = [(request_topic(one), request_topic(other)) for one, other in pairs]
+        for public_name, private_name in names:
+            yield GuardInput(public=public_name, private=private_name, publishers=(flow.publisher,))
 
 
-def _served(plan: Plan, closed: frozenset[str]) -> Iterator[PlannedTopic]:
+def _service_topics(plan: Plan, closed: frozenset[str]) -> Iterator[TopicAccess]:
     """Yield the requests and replies of the actions' services.
 
     Who only asks for a result moves nothing. `closed` are the actions that strangers may not use.
     """
-    for each in planned_services(plan):
-        public = each.service.startswith(f"{each.guarded}/")
-        clients = each.servers if public and each.guarded in closed else each.clients
-        if not each.service.endswith(ActionEnd.GET_RESULT):
-            yield _planned(each, request_topic(each.service), clients, each.servers)
-        yield _planned(each, _reply_topic(each.service), each.servers, clients)
+    for each in list_service_access(plan):
+        public = each.service.startswith(f"{each.stream_topic}/")
+        clients = each.servers if public and each.stream_topic in closed else each.clients
+        if not each.service.endswith(Ros2ActionEntity.GET_RESULT):
+            yield _planned_topic(each, request_topic(each.service), clients, each.servers)
+        yield _planned_topic(each, _reply_topic(each.service), each.servers, clients)
 
 
-def _planned(
-    service: PlannedService, topic: str, publishers: tuple[str, ...], subscribers: tuple[str, ...]
-) -> PlannedTopic:
-    guarded = service.guarded
-    return PlannedTopic(
-        topic=topic, guarded=guarded, publishers=publishers, subscribers=subscribers
+def _planned_topic(
+    service: ServiceAccess, topic: str, publishers: tuple[str, ...], subscribers: tuple[str, ...]
+) -> TopicAccess:
+    guarded = service.stream_topic
+    return TopicAccess(
+        topic=topic, stream_topic=guarded, publishers=publishers, subscribers=subscribers
     )

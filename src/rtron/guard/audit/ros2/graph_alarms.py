@@ -13,155 +13,220 @@ from typing import TYPE_CHECKING
 
 from rtron.guard.audit.ros2.endpoint_checks import (
     Participants,
-    deaf,
-    foreign,
-    place,
-    strays,
-    unfit,
+    display_name,
+    foreign_publishers,
+    matching_nodes,
+    publication_problem,
+    subscription_problem,
 )
-from rtron.guard.audit.ros2.observed_graph import told
-from rtron.guard.core.printable import shown
+from rtron.guard.audit.ros2.observed_graph import endpoint_label
+from rtron.guard.core.printable import printable
 from rtron.vocabulary import (
-    REQUESTED,
+    ROS2_ACTION_SERVICES,
     SECOND,
-    ActionEnd,
     Alarm,
     AlarmKind,
-    PlannedTopic,
-    end_name,
+    Ros2ActionEntity,
+    TopicAccess,
     output_topic,
+    ros2_entity_name,
 )
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from rtron.guard.audit.ros2.expected_graph import Wanted
-    from rtron.guard.audit.ros2.observed_graph import Seen
-    from rtron.guard.transport.ros2.participants import Lives
+    from rtron.guard.audit.ros2.expected_graph import ExpectedGraph
+    from rtron.guard.audit.ros2.observed_graph import ObservedGraph
+    from rtron.guard.transport.ros2.participants import ParticipantLiveness
     from rtron.wire.ros2.endpoints import Ros2Endpoint
 
-AWAIT_NAME = 5 * SECOND
+NAME_TIMEOUT = 5 * SECOND
 """How long the domain may take to name the node of an endpoint (ns); on a busy machine over 1 s."""
-_MOST_AT_A_TOPIC = 16
+_MAX_PER_TOPIC = 16
 
-Case = tuple[Alarm, tuple[str, ...]]
+BrakingAlarm = tuple[Alarm, tuple[str, ...]]
 """An alarm, and the public names of the streams that are gone past."""
 
 
-def strangers(wanted: Wanted, seen: Seen, ours: Participants, lives: Lives, now: int) -> list[Case]:
+def foreign_endpoint_alarms(
+    expected: ExpectedGraph,
+    observed: ObservedGraph,
+    guard_participants: Participants,
+    liveness: ParticipantLiveness,
+    now: int,
+) -> list[BrakingAlarm]:
     """Return who speaks where the plan lets them not, and who has a name of ours."""
-    found = [*_taken(wanted, seen, ours)]
-    for topic in _spoken_on(wanted, seen):
-        passes = wanted.leaves_guard(topic) or topic.topic in wanted.outputs
-        ends = (e for e in foreign(wanted, seen, topic, ours) if e.node not in wanted.own)
-        known = (e for e in ends if e.node or (passes and lives.tells) or _waited(e, lives, now))
-        serves = not passes and _is_servers(wanted, topic)
-        said = _rival if serves else partial(_stranger, passes=passes)
-        found += [said(topic, end) for end in islice(known, _MOST_AT_A_TOPIC)]
-    return found
+    alarms = [*_name_takeovers(expected, observed, guard_participants)]
+    for topic in _audited_topics(expected, observed):
+        is_past_guard = (
+            expected.has_consumers_outside_guard(topic) or topic.topic in expected.outputs
+        )
+        endpoints = (
+            e
+            for e in foreign_publishers(expected, observed, topic, guard_participants)
+            if e.node not in expected.guard_nodes
+        )
+        named = (
+            e
+            for e in endpoints
+            if e.node
+            or (is_past_guard and liveness.has_process_ids)
+            or _is_name_overdue(e, liveness, now)
+        )
+        is_server = not is_past_guard and _is_server_topic(expected, topic)
+        make_alarm = (
+            _rival_server_alarm
+            if is_server
+            else partial(_foreign_publisher_alarm, is_past_guard=is_past_guard)
+        )
+        alarms += [make_alarm(topic, endpoint) for endpoint in islice(named, _MAX_PER_TOPIC)]
+    return alarms
 
 
-def doubles(wanted: Wanted, seen: Seen, lives: Lives, now: int) -> list[Case]:
+def duplicate_name_alarms(
+    expected: ExpectedGraph, observed: ObservedGraph, liveness: ParticipantLiveness, now: int
+) -> list[BrakingAlarm]:
     """Return the planned nodes whose name several living participants have.
 
     Gone past are the actions that more than one of them offers to serve.
     """
     return [
-        (_double(node, lives.living(participants)), _served_twice(wanted, seen, lives, node))
-        for node, participants in sorted(seen.participants.items())
-        if len(participants) > 1 and wanted.plans(node) and lives.clash(participants, now)
+        (
+            _duplicate_name_alarm(node, liveness.not_ended(participants)),
+            _doubly_served_actions(expected, observed, liveness, node),
+        )
+        for node, participants in sorted(observed.participants.items())
+        if len(participants) > 1
+        and expected.is_planned(node)
+        and liveness.has_conflict(participants, now)
     ]
 
 
-def drifts(wanted: Wanted, seen: Seen, ours: Participants) -> Iterator[Alarm]:
+def drift_alarms(
+    expected: ExpectedGraph, observed: ObservedGraph, guard_participants: Participants
+) -> Iterator[Alarm]:
     """Yield an alarm for each planned node that uses a public name, or is not connected to us."""
-    for public, private in wanted.outputs.items():
-        topic = wanted.topics[private]
-        for node in strays(wanted, seen.subscribers(public), topic.subscribers):
-            what = f"{node} listens to {place(public)}, not to {place(private)}"
-            yield _drift(node, public, f"{what}: its remap is missing")
-        for end in seen.subscribers(private):
-            why = deaf(wanted, seen, topic, end, ours) if topic.may_subscribe(end.node) else ""
+    for public, private in expected.outputs.items():
+        topic = expected.topics[private]
+        for node in matching_nodes(expected, observed.subscribers(public), topic.subscribers):
+            what = f"{node} listens to {display_name(public)}, not to {display_name(private)}"
+            yield _drift_alarm(node, public, f"{what}: its remap is missing")
+        for endpoint in observed.subscribers(private):
+            why = (
+                subscription_problem(expected, observed, topic, endpoint, guard_participants)
+                if topic.may_subscribe(endpoint.node)
+                else ""
+            )
             if why:
-                yield _drift(end.node, private, f"{end.node} does not hear the guard: {why}")
-    for way in wanted.entrances:
-        for node in strays(wanted, seen.publishers(way.public), way.publishers):
-            what = f"{node} publishes {place(way.public)}, not {place(way.private)}"
-            yield _drift(node, way.public, f"{what}: its remap is missing")
-        topic = wanted.topics[way.private]
-        for end in seen.publishers(way.private):
-            why = unfit(wanted, topic, end) if topic.may_publish(end.node) else ""
-            if why and end.participant not in ours:
-                yield _drift(end.node, way.private, f"the guard does not hear {end.node}: {why}")
+                yield _drift_alarm(
+                    endpoint.node, private, f"{endpoint.node} does not hear the guard: {why}"
+                )
+    for guard_input in expected.inputs:
+        for node in matching_nodes(
+            expected, observed.publishers(guard_input.public), guard_input.publishers
+        ):
+            what = f"{node} publishes {display_name(guard_input.public)}, not {display_name(guard_input.private)}"
+            yield _drift_alarm(node, guard_input.public, f"{what}: its remap is missing")
+        topic = expected.topics[guard_input.private]
+        for endpoint in observed.publishers(guard_input.private):
+            why = (
+                publication_problem(expected, topic, endpoint)
+                if topic.may_publish(endpoint.node)
+                else ""
+            )
+            if why and endpoint.participant not in guard_participants:
+                yield _drift_alarm(
+                    endpoint.node,
+                    guard_input.private,
+                    f"the guard does not hear {endpoint.node}: {why}",
+                )
 
 
-def _spoken_on(wanted: Wanted, seen: Seen) -> Iterator[PlannedTopic]:
+def _audited_topics(expected: ExpectedGraph, observed: ObservedGraph) -> Iterator[TopicAccess]:
     """Yield the private topics, and the public names to which a successor listens."""
-    yield from wanted.private()
-    for public, private in wanted.outputs.items():
-        if strays(wanted, seen.subscribers(public), wanted.topics[private].subscribers):
-            yield wanted.topics[public]
+    yield from expected.private_topics()
+    for public, private in expected.outputs.items():
+        if matching_nodes(
+            expected, observed.subscribers(public), expected.topics[private].subscribers
+        ):
+            yield expected.topics[public]
 
 
-def _waited(end: Ros2Endpoint, lives: Lives, now: int) -> bool:
+def _is_name_overdue(endpoint: Ros2Endpoint, liveness: ParticipantLiveness, now: int) -> bool:
     """Tell whether an endpoint waits for its name for too long."""
-    return now - lives.since(end.participant) > AWAIT_NAME
+    return now - liveness.since(endpoint.participant) > NAME_TIMEOUT
 
 
-def _taken(wanted: Wanted, seen: Seen, ours: Participants) -> Iterator[Case]:
+def _name_takeovers(
+    expected: ExpectedGraph, observed: ObservedGraph, guard_participants: Participants
+) -> Iterator[BrakingAlarm]:
     """Yield the participants that have a name of ours: what may be said by it is not trusted."""
-    for node, participants in seen.participants.items():
-        for participant in sorted(participants - ours) if node in wanted.own else ():
+    for node, participants in observed.participants.items():
+        for participant in (
+            sorted(participants - guard_participants) if node in expected.guard_nodes else ()
+        ):
             who = participant.hex()
             reason = f"the participant {who} has taken the name {node}"
-            topics = wanted.topics.values()
-            past = {topic.guarded for topic in topics if topic.may_publish(node)}
+            topics = expected.topics.values()
+            bypassed = {topic.stream_topic for topic in topics if topic.may_publish(node)}
             alarm = Alarm(kind=AlarmKind.IMPOSTOR, reason=reason, node=node, peer=who)
-            yield alarm, tuple(sorted(past))
+            yield alarm, tuple(sorted(bypassed))
 
 
-def _stranger(topic: PlannedTopic, end: Ros2Endpoint, *, passes: bool) -> Case:
-    kind = AlarmKind.FOREIGN_PUBLISHER if end.node else AlarmKind.GHOST
-    who = f"{told(end)} of the participant {end.participant.hex()}" if end.node else told(end)
-    how = "past the guard" if passes else "where the guard does not hear it"
-    reason = f"{who} publishes {place(topic)}, {how}"
-    alarm = Alarm(kind=kind, reason=reason, topic=place(topic), peer=told(end))
-    return alarm, (topic.guarded,) if passes else ()
-
-
-def _rival(topic: PlannedTopic, end: Ros2Endpoint) -> Case:
-    """Return the alarm of a second server: the same, of whichever of its ends."""
-    kind = AlarmKind.FOREIGN_PUBLISHER if end.node else AlarmKind.GHOST
-    peer = shown(end.node) or "a node without a name"
-    reason = (
-        f"{peer} of the participant {end.participant.hex()} offers to serve {topic.guarded}, too"
+def _foreign_publisher_alarm(
+    topic: TopicAccess, endpoint: Ros2Endpoint, *, is_past_guard: bool
+) -> BrakingAlarm:
+    kind = AlarmKind.FOREIGN_PUBLISHER if endpoint.node else AlarmKind.UNREGISTERED_PUBLISHER
+    who = (
+        f"{endpoint_label(endpoint)} of the participant {endpoint.participant.hex()}"
+        if endpoint.node
+        else endpoint_label(endpoint)
     )
-    alarm = Alarm(kind=kind, reason=reason, topic=output_topic(topic.guarded), peer=peer)
-    return alarm, (topic.guarded,)
+    how = "past the guard" if is_past_guard else "where the guard does not hear it"
+    reason = f"{who} publishes {display_name(topic)}, {how}"
+    alarm = Alarm(
+        kind=kind, reason=reason, topic=display_name(topic), peer=endpoint_label(endpoint)
+    )
+    return alarm, (topic.stream_topic,) if is_past_guard else ()
 
 
-def _is_servers(wanted: Wanted, topic: PlannedTopic) -> bool:
+def _rival_server_alarm(topic: TopicAccess, endpoint: Ros2Endpoint) -> BrakingAlarm:
+    """Return the alarm of a second server: the same, of whichever of its ends."""
+    kind = AlarmKind.FOREIGN_PUBLISHER if endpoint.node else AlarmKind.UNREGISTERED_PUBLISHER
+    peer = printable(endpoint.node) or "a node without a name"
+    reason = f"{peer} of the participant {endpoint.participant.hex()} offers to serve {topic.stream_topic}, too"
+    alarm = Alarm(kind=kind, reason=reason, topic=output_topic(topic.stream_topic), peer=peer)
+    return alarm, (topic.stream_topic,)
+
+
+def _is_server_topic(expected: ExpectedGraph, topic: TopicAccess) -> bool:
     """Tell whether who speaks on a topic is an action's server: it answers, or tells the status."""
-    action = output_topic(topic.guarded)
-    spoken = {end_name(action, end) for end in (*REQUESTED, ActionEnd.STATUS)}
-    return topic.guarded in wanted.actions and place(topic) in spoken
+    action = output_topic(topic.stream_topic)
+    server_topics = {
+        ros2_entity_name(action, part) for part in (*ROS2_ACTION_SERVICES, Ros2ActionEntity.STATUS)
+    }
+    return topic.stream_topic in expected.actions and display_name(topic) in server_topics
 
 
-def _served_twice(wanted: Wanted, seen: Seen, lives: Lives, node: str) -> tuple[str, ...]:
+def _doubly_served_actions(
+    expected: ExpectedGraph, observed: ObservedGraph, liveness: ParticipantLiveness, node: str
+) -> tuple[str, ...]:
     """Return the actions whose status several living participants tell under one name."""
     found = []
-    for action in sorted(wanted.actions):
-        ends = seen.publishers(end_name(output_topic(action), ActionEnd.STATUS))
-        servers = {end.participant for end in ends if end.node == node}
-        found += [action] if len(lives.living(servers)) > 1 else []
+    for action in sorted(expected.actions):
+        endpoints = observed.publishers(
+            ros2_entity_name(output_topic(action), Ros2ActionEntity.STATUS)
+        )
+        servers = {endpoint.participant for endpoint in endpoints if endpoint.node == node}
+        found += [action] if len(liveness.not_ended(servers)) > 1 else []
     return tuple(found)
 
 
-def _double(node: str, participants: Participants) -> Alarm:
+def _duplicate_name_alarm(node: str, participants: Participants) -> Alarm:
     who = ", ".join(each.hex() for each in sorted(participants)[:4])
-    reason = f"{len(participants)} participants have the name {shown(node)}: {who}"
-    return Alarm(kind=AlarmKind.IMPOSTOR, reason=reason, node=shown(node), peer=who)
+    reason = f"{len(participants)} participants have the name {printable(node)}: {who}"
+    return Alarm(kind=AlarmKind.IMPOSTOR, reason=reason, node=printable(node), peer=who)
 
 
-def _drift(node: str, topic: str, reason: str) -> Alarm:
-    return Alarm(kind=AlarmKind.DRIFT, reason=reason, topic=place(topic), node=node)
+def _drift_alarm(node: str, topic: str, reason: str) -> Alarm:
+    return Alarm(kind=AlarmKind.DRIFT, reason=reason, topic=display_name(topic), node=node)

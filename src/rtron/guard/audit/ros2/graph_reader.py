@@ -5,8 +5,8 @@ from __future__ import annotations
 import logging
 from typing import TYPE_CHECKING, Any
 
-from rtron.guard.audit.ros2.expected_graph import is_service
-from rtron.guard.audit.ros2.observed_graph import Seen
+from rtron.guard.audit.ros2.expected_graph import is_service_topic
+from rtron.guard.audit.ros2.observed_graph import ObservedGraph
 from rtron.vocabulary import Direction, Service
 
 if TYPE_CHECKING:
@@ -16,10 +16,10 @@ if TYPE_CHECKING:
 
 log = logging.getLogger(__name__)
 
-_MOST_NODES = 2000
+_MAX_NODES = 2000
 
 
-class Reader:
+class GraphReader:
     """Asks what the domain has told our participant until now; nothing waits for anybody.
 
     `node` is rclpy's. Of each topic's publishers and subscribers, at most 256 each are read.
@@ -27,31 +27,33 @@ class Reader:
 
     def __init__(self, node: Any) -> None:  # noqa: ANN401 - rclpy's stays in its rooms
         from rtron.guard.transport.ros2.graph_query import (  # noqa: PLC0415 - only with ROS 2
-            Listing,
+            GraphQuery,
         )
 
         self._node = node
-        self._topics, self._raw = Listing(node), Listing(node, raw=True)
+        self._topic_listing, self._raw_listing = GraphQuery(node), GraphQuery(node, raw=True)
         self._known: dict[tuple[str, Direction], tuple[Ros2Endpoint, ...]] = {}
 
-    def seen(self, topics: Iterable[str]) -> Seen:
+    def snapshot(self, topics: Iterable[str]) -> ObservedGraph:
         """Return all there is: endpoints of these topics, every node, and every node's services."""
         nodes = self.nodes()
-        return Seen(self.ends(topics), nodes, tuple(self._services(sorted(set(nodes)))))
+        return ObservedGraph(
+            self.endpoints(topics), nodes, tuple(self._services(sorted(set(nodes))))
+        )
 
-    def ends(self, topics: Iterable[str]) -> Iterator[Ros2Endpoint]:
+    def endpoints(self, topics: Iterable[str]) -> Iterator[Ros2Endpoint]:
         """Yield the endpoints of topics, and of services by their middleware's names."""
         for topic in topics:
-            listing = self._raw if is_service(topic) else self._topics
+            listing = self._raw_listing if is_service_topic(topic) else self._topic_listing
             for side in Direction:
                 known = self._known.get((topic, side), ())
-                self._known[topic, side] = listing.ends(topic, side, known)
+                self._known[topic, side] = listing.endpoints(topic, side, known)
                 yield from self._known[topic, side]
 
     def nodes(self) -> tuple[str, ...]:
         """Return every node's full name, as often as it is there."""
         listed: Sequence[tuple[str, str]] = self._node.get_node_names_and_namespaces()
-        return tuple(f"{space.rstrip('/')}/{name}" for name, space in listed[:_MOST_NODES])
+        return tuple(f"{space.rstrip('/')}/{name}" for name, space in listed[:_MAX_NODES])
 
     def _services(self, nodes: Iterable[str]) -> Iterator[Service]:
         for node in nodes:

@@ -6,22 +6,22 @@ import time
 from typing import TYPE_CHECKING
 
 from rtron.errors import SourceError
-from rtron.guard.audit.ros2.expected_graph import Wanted
-from rtron.guard.audit.ros2.graph_reader import Reader
-from rtron.guard.audit.ros2.observed_graph import EVERYBODY
+from rtron.guard.audit.ros2.expected_graph import ExpectedGraph
+from rtron.guard.audit.ros2.graph_reader import GraphReader
+from rtron.guard.audit.ros2.observed_graph import ROSOUT_TOPIC
 from rtron.guard.audit.ros2.verification import verify_ros2
-from rtron.wire.ros2.discovery_tuning import announce_often
+from rtron.wire.ros2.discovery_tuning import enable_fast_announcements
 
 if TYPE_CHECKING:
     from rtron.guard.audit.ros1.verification import Verification
-    from rtron.guard.audit.ros2.observed_graph import Seen
+    from rtron.guard.audit.ros2.observed_graph import ObservedGraph
     from rtron.vocabulary import Plan
 
 _NODE = "/rtron_verify"
-_LOOK_S = 0.1
+_POLL_S = 0.1
 _QUIET_S = 3.5
 """Longer than the 3 s after which Fast DDS repeats an announcement."""
-_SHORTEST_S = 15.0
+_MIN_WAIT_S = 15.0
 _HELP = "is the app running? see ROS_DOMAIN_ID, ROS_AUTOMATIC_DISCOVERY_RANGE, RMW_IMPLEMENTATION"
 _HELP_RCLPY = "pip install rtron[ros2], or source your ROS"
 
@@ -34,31 +34,37 @@ def verify_domain(plan: Plan, timeout: float, domain: int | None = None) -> Veri
     could be what is wrong.
     """
     try:
-        from rtron.wire.ros2.session import Session  # noqa: PLC0415 - only where ROS 2 is chosen
+        from rtron.wire.ros2.session import Ros2Session  # noqa: PLC0415 - only where ROS 2 is chosen
     except ImportError as error:
         raise SourceError("ROS 2 is not there: no rclpy", help=_HELP_RCLPY) from error
-    announce_often()
-    session = Session(domain)
+    enable_fast_announcements()
+    session = Ros2Session(domain)
     try:
-        topics = (*Wanted(plan).topics, EVERYBODY)
-        seen = _settled(Reader(session.node(_NODE)), topics, max(timeout, _SHORTEST_S))
+        topics = (*ExpectedGraph(plan).topics, ROSOUT_TOPIC)
+        observed = _wait_until_settled(
+            GraphReader(session.node(_NODE)), topics, max(timeout, _MIN_WAIT_S)
+        )
     finally:
         session.close()
-    return verify_ros2(plan, seen)
+    return verify_ros2(plan, observed)
 
 
-def _settled(reader: Reader, topics: tuple[str, ...], limit: float) -> Seen:
-    began = quiet = time.monotonic()
-    before: object = None
-    while (now := time.monotonic()) - began < limit and now - quiet < _QUIET_S:
-        state = (tuple(reader.ends(topics)), reader.nodes())
-        if state != before or not set(state[1]) - {_NODE}:
-            before, quiet = state, now
-        time.sleep(_LOOK_S)
-    seen = reader.seen(topics)
-    if not set(seen.nodes) - {_NODE}:
+def _wait_until_settled(
+    reader: GraphReader, topics: tuple[str, ...], limit: float
+) -> ObservedGraph:
+    started = changed = time.monotonic()
+    last_state: object = None
+    while (now := time.monotonic()) - started < limit and now - changed < _QUIET_S:
+        state = (tuple(reader.endpoints(topics)), reader.nodes())
+        if state != last_state or not set(state[1]) - {_NODE}:
+            last_state, changed = state, now
+        time.sleep(_POLL_S)
+    observed = reader.snapshot(topics)
+    if not set(observed.nodes) - {_NODE}:
         raise SourceError("nothing can be verified: nobody is in the ROS 2 domain", help=_HELP)
-    if now - quiet < _QUIET_S:
-        told = f"nothing can be verified: the graph still changes after {limit:g} s"
-        raise SourceError(told, help="wait until the app has started, or give a longer --timeout")
-    return seen
+    if now - changed < _QUIET_S:
+        message = f"nothing can be verified: the graph still changes after {limit:g} s"
+        raise SourceError(
+            message, help="wait until the app has started, or give a longer --timeout"
+        )
+    return observed

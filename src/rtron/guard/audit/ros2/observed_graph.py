@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import defaultdict
 from typing import TYPE_CHECKING
 
-from rtron.guard.core.printable import shown
+from rtron.guard.core.printable import printable
 from rtron.vocabulary import Direction
 
 if TYPE_CHECKING:
@@ -14,29 +14,29 @@ if TYPE_CHECKING:
     from rtron.vocabulary import Service
     from rtron.wire.ros2.endpoints import Ros2Endpoint
 
-EVERYBODY = "/rosout"
+ROSOUT_TOPIC = "/rosout"
 """The topic that nearly every node publishes: it tells which participant a node lives in."""
 
 
-class Seen:
+class ObservedGraph:
     """Endpoints by topic; `nodes` has a name as often as it is there, since it need not be once."""
 
     def __init__(
         self,
-        ends: Iterable[Ros2Endpoint],
+        endpoints: Iterable[Ros2Endpoint],
         nodes: Sequence[str] = (),
         services: Sequence[Service] = (),
     ) -> None:
-        self.ends = tuple(ends)
+        self.endpoints = tuple(endpoints)
         self.nodes = tuple(nodes)
         self.services = tuple(services)
         self._by_topic: dict[tuple[str, Direction], list[Ros2Endpoint]] = defaultdict(list)
         self.participants: dict[str, set[bytes]] = defaultdict(set)
         """The participants that have each node name."""
-        for end in self.ends:
-            self._by_topic[end.topic, end.direction].append(end)
-            if end.node:
-                self.participants[end.node].add(end.participant)
+        for endpoint in self.endpoints:
+            self._by_topic[endpoint.topic, endpoint.direction].append(endpoint)
+            if endpoint.node:
+                self.participants[endpoint.node].add(endpoint.participant)
 
     def publishers(self, topic: str) -> Sequence[Ros2Endpoint]:
         """Return who publishes a topic."""
@@ -47,11 +47,11 @@ class Seen:
         return self._by_topic.get((topic, Direction.SUBSCRIBE), ())
 
 
-def told(end: Ros2Endpoint) -> str:
+def endpoint_label(endpoint: Ros2Endpoint) -> str:
     """Return what to call an endpoint: its node, or its GID as long as the domain names none."""
-    return shown(end.node) if end.node else f"GID {end.gid.hex()}"
+    return printable(endpoint.node) if endpoint.node else f"GID {endpoint.gid.hex()}"
 
 
-def told_exactly(end: Ros2Endpoint) -> str:
+def endpoint_label_with_participant(endpoint: Ros2Endpoint) -> str:
     """Return what to call an endpoint whose node name somebody else has, too."""
-    return f"{told(end)} of the participant {end.participant.hex()}"
+    return f"{endpoint_label(endpoint)} of the participant {endpoint.participant.hex()}"

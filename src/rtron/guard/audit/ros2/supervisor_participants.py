@@ -13,52 +13,59 @@ from rtron.vocabulary import GUARD_NODE, SUPERVISOR_NODE
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from rtron.guard.audit.ros2.observed_graph import Seen
-    from rtron.guard.transport.ros2.participants import Lives
-    from rtron.guard.transport.ros2.process_table import Process, Processes
+    from rtron.guard.audit.ros2.observed_graph import ObservedGraph
+    from rtron.guard.transport.ros2.participants import ParticipantLiveness
+    from rtron.guard.transport.ros2.process_table import Process, ProcessTable
 
-_ITS_NODES = frozenset({GUARD_NODE, SUPERVISOR_NODE})
+_SUPERVISOR_NODES = frozenset({GUARD_NODE, SUPERVISOR_NODE})
 """It sees the graph as the guard does."""
 
 
-class Kin:
+class SupervisorParticipants:
     """Remembers them as long as they are there: one that has died is in the graph for a while."""
 
-    def __init__(self, lives: Lives, processes: Processes) -> None:
-        self._lives = lives
+    def __init__(self, liveness: ParticipantLiveness, processes: ProcessTable) -> None:
+        self._liveness = liveness
         self._processes = processes
         self._known: dict[bytes, Process | None] = {}
 
-    def found(self, seen: Seen) -> frozenset[bytes]:
+    def update(self, observed: ObservedGraph) -> frozenset[bytes]:
         """Return those of the participants that are in the graph now."""
-        there = {end.participant for end in seen.ends}
-        known = {each: its for each, its in self._known.items() if each in there}
-        self._known = {each: its for each, its in known.items() if self._may_stay(each, seen)}
-        new = sorted(there - self._known.keys())
-        self._known |= self._alone(each for each in new if self._is_kin(each, seen))
-        named = seen.participants.get(SUPERVISOR_NODE, set())
-        if not self._lives.tells and len(named) == 1:
+        present = {end.participant for end in observed.endpoints}
+        known = {each: process for each, process in self._known.items() if each in present}
+        self._known = {
+            each: process for each, process in known.items() if self._is_trusted(each, observed)
+        }
+        new = sorted(present - self._known.keys())
+        self._known |= self._with_own_process(
+            each for each in new if self._is_supervisor(each, observed)
+        )
+        named = observed.participants.get(SUPERVISOR_NODE, set())
+        if not self._liveness.has_process_ids and len(named) == 1:
             self._known |= dict.fromkeys(named)
         return frozenset(self._known)
 
-    def _alone(self, found: Iterable[bytes]) -> dict[bytes, Process | None]:
+    def _with_own_process(self, participants: Iterable[bytes]) -> dict[bytes, Process | None]:
         """Return those of processes that have no other participant here, with their processes."""
-        processes = {each: self._lives.process(each) for each in found}
+        processes = {each: self._liveness.process(each) for each in participants}
         taken = [*processes.values(), *self._known.values()]
-        return {each: its for each, its in processes.items() if taken.count(its) == 1}
+        return {each: process for each, process in processes.items() if taken.count(process) == 1}
 
-    def _is_kin(self, participant: bytes, seen: Seen) -> bool:
-        process = self._lives.process(participant)
+    def _is_supervisor(self, participant: bytes, observed: ObservedGraph) -> bool:
+        process = self._liveness.process(participant)
         return (
             process is not None
-            and self._processes.is_kin(process[0])
-            and self._may_stay(participant, seen)
+            and self._processes.is_related(process[0])
+            and self._is_trusted(participant, observed)
         )
 
-    def _may_stay(self, participant: bytes, seen: Seen) -> bool:
+    def _is_trusted(self, participant: bytes, observed: ObservedGraph) -> bool:
         """Tell whether it is a process of ours for certain, or has no name that is not ours."""
-        return self._lives.is_certain(participant) or _names(participant, seen) <= _ITS_NODES
+        return (
+            self._liveness.is_certain(participant)
+            or _names(participant, observed) <= _SUPERVISOR_NODES
+        )
 
 
-def _names(participant: bytes, seen: Seen) -> frozenset[str]:
-    return frozenset(node for node, group in seen.participants.items() if participant in group)
+def _names(participant: bytes, observed: ObservedGraph) -> frozenset[str]:
+    return frozenset(node for node, group in observed.participants.items() if participant in group)

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rtron.guard.audit.ros1.verification import Unguarded
-from rtron.vocabulary import PRIVATE_ROOT, Mode, Plan, Service, streams
+from rtron.guard.audit.ros1.verification import UnguardedPath
+from rtron.vocabulary import PRIVATE_ROOT, Mode, Plan, Service, build_streams
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from rtron.guard.audit.ros2.expected_graph import Wanted
-    from rtron.guard.audit.ros2.observed_graph import Seen
+    from rtron.guard.audit.ros2.expected_graph import ExpectedGraph
+    from rtron.guard.audit.ros2.observed_graph import ObservedGraph
 
-_GOALS = "/_action/send_goal"
-_ACTION = "/_action/"
-_HARMLESS = frozenset(
+_SEND_GOAL_SUFFIX = "/_action/send_goal"
+_ACTION_INFIX = "/_action/"
+_HARMLESS_TYPES = frozenset(
     {
         "composition_interfaces/srv/ListNodes",
         "lifecycle_msgs/srv/GetAvailableStates",
@@ -32,49 +32,52 @@ _HARMLESS = frozenset(
         "type_description_interfaces/srv/GetTypeDescription",
     }
 )
-_ON_PLANNED = {
+_EFFECTS_ON_PLANNED_NODES = {
     "lifecycle_msgs/srv/ChangeState": "starts and stops",
     "rcl_interfaces/srv/SetParameters": "changes parameters of",
     "rcl_interfaces/srv/SetParametersAtomically": "changes parameters of",
 }
-_ON_CONTAINERS = {
+_EFFECTS_ON_CONTAINERS = {
     "composition_interfaces/srv/LoadNode": "puts nodes into the process of",
     "composition_interfaces/srv/UnloadNode": "takes nodes out of the process of",
 }
 
 
-def unguarded(plan: Plan, wanted: Wanted, seen: Seen) -> Iterator[Unguarded]:
+def unguarded_interfaces(
+    plan: Plan, expected: ExpectedGraph, observed: ObservedGraph
+) -> Iterator[UnguardedPath]:
     """Yield what the plan lets be or cannot reach, then what the running nodes offer."""
-    for stream in streams(plan):
+    for stream in build_streams(plan):
         if stream.mode is Mode.OBSERVE:
-            yield Unguarded(what=stream.topic, why="is only observed: everybody can publish it")
+            yield UnguardedPath(what=stream.topic, why="is only observed: everybody can publish it")
     for what in plan.accept_unenforceable:
-        yield Unguarded(what=what, why="cannot be closed, and was accepted")
-    for service in sorted(set(seen.services), key=lambda each: (each.name, each.node)):
-        yield from _offered(wanted, service)
+        yield UnguardedPath(what=what, why="cannot be closed, and was accepted")
+    for service in sorted(set(observed.services), key=lambda each: (each.name, each.node)):
+        yield from _unguarded_service(expected, service)
 
 
-def _offered(wanted: Wanted, service: Service) -> Iterator[Unguarded]:
+def _unguarded_service(expected: ExpectedGraph, service: Service) -> Iterator[UnguardedPath]:
     """Yield a service, or the action that it belongs to, if it can move the robot."""
     name, node = service.name, service.node
-    if service.type in _ON_CONTAINERS:
-        yield Unguarded(what=name, why=f"{_ON_CONTAINERS[service.type]} {node}")
-    elif service.type in _ON_PLANNED and wanted.plans(node):
-        yield Unguarded(
-            what=name, why=f"{_ON_PLANNED[service.type]} {node}, {_where(wanted, node)}"
+    if service.type in _EFFECTS_ON_CONTAINERS:
+        yield UnguardedPath(what=name, why=f"{_EFFECTS_ON_CONTAINERS[service.type]} {node}")
+    elif service.type in _EFFECTS_ON_PLANNED_NODES and expected.is_planned(node):
+        yield UnguardedPath(
+            what=name,
+            why=f"{_EFFECTS_ON_PLANNED_NODES[service.type]} {node}, {_position(expected, node)}",
         )
-    elif name.endswith(_GOALS) and wanted.succeeds(node):
-        action = name.removesuffix(_GOALS)
-        if action not in wanted.actions and not action.startswith(PRIVATE_ROOT + "/"):
+    elif name.endswith(_SEND_GOAL_SUFFIX) and expected.is_successor(node):
+        action = name.removesuffix(_SEND_GOAL_SUFFIX)
+        if action not in expected.actions and not action.startswith(PRIVATE_ROOT + "/"):
             why = f"is an action of {node}, behind the guard, which the plan does not guard"
-            yield Unguarded(what=action, why=why)
-    elif wanted.succeeds(node) and _ACTION not in name and not _is_harmless(service):
-        yield Unguarded(what=name, why=f"is a service of {node}, behind the guard")
+            yield UnguardedPath(what=action, why=why)
+    elif expected.is_successor(node) and _ACTION_INFIX not in name and not _is_harmless(service):
+        yield UnguardedPath(what=name, why=f"is a service of {node}, behind the guard")
 
 
-def _where(wanted: Wanted, node: str) -> str:
-    return "behind the guard" if wanted.succeeds(node) else "which the guard listens to"
+def _position(expected: ExpectedGraph, node: str) -> str:
+    return "behind the guard" if expected.is_successor(node) else "which the guard listens to"
 
 
 def _is_harmless(service: Service) -> bool:
-    return service.type in _HARMLESS or service.type in _ON_PLANNED
+    return service.type in _HARMLESS_TYPES or service.type in _EFFECTS_ON_PLANNED_NODES

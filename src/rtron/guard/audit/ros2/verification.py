@@ -10,221 +10,285 @@ from collections import Counter
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from rtron.guard.audit.ros1.expected_graph import Entrance, meant
-from rtron.guard.audit.ros1.verification import Path, PathState, Verification
+from rtron.guard.audit.ros1.expected_graph import GuardInput, matches_any
+from rtron.guard.audit.ros1.verification import GuardedPath, PathState, Verification
 from rtron.guard.audit.ros2.endpoint_checks import (
     Participants,
-    deaf,
-    foreign,
-    heard_by,
-    named,
-    place,
-    strays,
-    unfit,
-    unplanned_listeners,
+    display_name,
+    endpoint_labels,
+    foreign_publishers,
+    foreign_sources,
+    matching_nodes,
+    publication_problem,
+    subscription_problem,
+    unplanned_subscribers,
 )
-from rtron.guard.audit.ros2.expected_graph import Wanted
-from rtron.guard.audit.ros2.unguarded_interfaces import unguarded
+from rtron.guard.audit.ros2.expected_graph import ExpectedGraph
+from rtron.guard.audit.ros2.unguarded_interfaces import unguarded_interfaces
 from rtron.guard.supervision.guard_config import stopped_streams
 from rtron.vocabulary import GUARD_NODE, SUPERVISOR_NODE
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from rtron.guard.audit.ros2.observed_graph import Seen
-    from rtron.vocabulary import Plan, PlannedTopic
+    from rtron.guard.audit.ros2.observed_graph import ObservedGraph
+    from rtron.vocabulary import Plan, TopicAccess
     from rtron.wire.ros2.endpoints import Ros2Endpoint
 
 _NO_NAME = "somebody listens whose node the domain does not name"
 
 
 @dataclass(frozen=True, slots=True)
-class _Scene:
+class _Comparison:
     """What is compared: the plan and the domain, the guard's participants in it, and doubles.
 
-    `brakes` tells whether the supervisor stops anything: only then it has a node of its own.
+    `has_supervisor_node` tells whether the supervisor stops anything: only then it has a node of its own.
     """
 
-    wanted: Wanted
-    seen: Seen
-    ours: Participants
-    doubles: dict[str, frozenset[bytes]]
-    brakes: bool
+    expected: ExpectedGraph
+    observed: ObservedGraph
+    guard_participants: Participants
+    duplicates: dict[str, frozenset[bytes]]
+    has_supervisor_node: bool
 
 
-def verify_ros2(plan: Plan, seen: Seen) -> Verification:
+def verify_ros2(plan: Plan, observed: ObservedGraph) -> Verification:
     """Compare what is in a domain with what the plan says."""
-    wanted = Wanted(plan)
-    brakes = bool(stopped_streams(plan))
-    scene = _Scene(wanted, seen, ours_in(wanted, seen), doubles_in(seen), brakes)
+    expected = ExpectedGraph(plan)
+    has_supervisor_node = bool(stopped_streams(plan))
+    comparison = _Comparison(
+        expected,
+        observed,
+        find_guard_participants(expected, observed),
+        find_duplicate_names(observed),
+        has_supervisor_node,
+    )
     return Verification(
-        paths=(*_exits(scene), *_entrances(scene)),
-        problems=tuple(_problems(scene)),
-        unguarded=tuple(unguarded(plan, wanted, seen)),
+        paths=(*_output_paths(comparison), *_input_paths(comparison)),
+        problems=tuple(_problems(comparison)),
+        unguarded=tuple(unguarded_interfaces(plan, expected, observed)),
     )
 
 
-def ours_in(wanted: Wanted, seen: Seen) -> Participants:
+def find_guard_participants(expected: ExpectedGraph, observed: ObservedGraph) -> Participants:
     """Return the participant with most endpoints of the guard's nodes, and the one supervisor's."""
-    found = seen.participants
+    found = observed.participants
     counts = Counter(
-        end.participant
-        for end in seen.ends
-        if end.node in wanted.own and end.node != SUPERVISOR_NODE
+        endpoint.participant
+        for endpoint in observed.endpoints
+        if endpoint.node in expected.guard_nodes and endpoint.node != SUPERVISOR_NODE
     )
     guard = {max(counts, key=lambda each: (counts[each], each))} if counts else set()
     supervisors = found.get(SUPERVISOR_NODE, set())
     return frozenset(guard | (supervisors if len(supervisors) == 1 else set()))
 
 
-def doubles_in(seen: Seen) -> dict[str, frozenset[bytes]]:
+def find_duplicate_names(observed: ObservedGraph) -> dict[str, frozenset[bytes]]:
     """Return the node names that several participants have, and which."""
-    found = seen.participants
+    found = observed.participants
     return {node: frozenset(each) for node, each in found.items() if len(each) > 1}
 
 
-def _exits(scene: _Scene) -> Iterator[Path]:
-    for public, private in scene.wanted.outputs.items():
-        for pattern in scene.wanted.topics[private].subscribers:
-            if pattern not in scene.wanted.own:
-                yield from _exit(scene, public, private, pattern)
+def _output_paths(comparison: _Comparison) -> Iterator[GuardedPath]:
+    for public, private in comparison.expected.outputs.items():
+        for pattern in comparison.expected.topics[private].subscribers:
+            if pattern not in comparison.expected.guard_nodes:
+                yield from _output_path(comparison, public, private, pattern)
 
 
-def _exit(scene: _Scene, public: str, private: str, pattern: str) -> Iterator[Path]:
-    ends = [*scene.seen.subscribers(private), *scene.seen.subscribers(public)]
-    nodes = strays(scene.wanted, ends, (pattern,))
+def _output_path(
+    comparison: _Comparison, public: str, private: str, pattern: str
+) -> Iterator[GuardedPath]:
+    endpoints = [
+        *comparison.observed.subscribers(private),
+        *comparison.observed.subscribers(public),
+    ]
+    nodes = matching_nodes(comparison.expected, endpoints, (pattern,))
     for node in nodes:
-        state, reason, strangers = _heard(scene, public, private, node)
-        yield _path(public, private, node, state, reason, strangers)
+        state, reason, foreign = _output_state(comparison, public, private, node)
+        yield _guarded_path(public, private, node, state, reason, foreign)
     if nodes:
         return
-    if any(not end.node for end in scene.seen.subscribers(private)):
-        yield _path(public, private, pattern, PathState.UNKNOWN, _NO_NAME)
+    if any(not endpoint.node for endpoint in comparison.observed.subscribers(private)):
+        yield _guarded_path(public, private, pattern, PathState.UNKNOWN, _NO_NAME)
     else:
-        reason = "it runs, and listens to neither name" if _runs(scene, pattern) else ""
-        yield _path(public, private, pattern, PathState.NOT_RUNNING, reason)
+        reason = "it runs, and listens to neither name" if _is_running(comparison, pattern) else ""
+        yield _guarded_path(public, private, pattern, PathState.NOT_RUNNING, reason)
 
 
-def _heard(
-    scene: _Scene, public: str, private: str, node: str
+def _output_state(
+    comparison: _Comparison, public: str, private: str, node: str
 ) -> tuple[PathState, str, tuple[str, ...]]:
-    wanted, seen = scene.wanted, scene.seen
-    topics = (wanted.topics[private], wanted.topics[public])
-    strangers = named(wanted, heard_by(wanted, seen, topics, node, scene.ours))
-    if strangers:
-        return PathState.OPEN, f"hears {', '.join(strangers)} past the guard", strangers
-    if any(end.node == node for end in seen.subscribers(public)):
-        return PathState.DRIFT, f"listens to {place(public)}: its remap is missing", ()
-    mine = [end for end in seen.subscribers(private) if end.node == node]
-    reasons = filter(None, (deaf(wanted, seen, topics[0], end, scene.ours) for end in mine))
+    expected, observed = comparison.expected, comparison.observed
+    topics = (expected.topics[private], expected.topics[public])
+    foreign = endpoint_labels(
+        expected, foreign_sources(expected, observed, topics, node, comparison.guard_participants)
+    )
+    if foreign:
+        return PathState.OPEN, f"hears {', '.join(foreign)} past the guard", foreign
+    if any(endpoint.node == node for endpoint in observed.subscribers(public)):
+        return PathState.DRIFT, f"listens to {display_name(public)}: its remap is missing", ()
+    subscriptions = [
+        endpoint for endpoint in observed.subscribers(private) if endpoint.node == node
+    ]
+    reasons = filter(
+        None,
+        (
+            subscription_problem(
+                expected, observed, topics[0], endpoint, comparison.guard_participants
+            )
+            for endpoint in subscriptions
+        ),
+    )
     if why := next(reasons, ""):
         return PathState.DRIFT, f"does not hear the guard: {why}", ()
-    return PathState.CLOSED, _also_heard(scene, private), ()
+    return PathState.CLOSED, _unplanned_note(comparison, private), ()
 
 
-def _entrances(scene: _Scene) -> Iterator[Path]:
-    for way in scene.wanted.entrances:
-        topic = scene.wanted.topics[way.private]
-        strangers = named(scene.wanted, foreign(scene.wanted, scene.seen, topic, scene.ours))
-        for node in _speakers(scene, way):
-            state, reason, found = _spoken(scene, way, node, strangers)
-            yield _path(way.public, way.private, node, state, reason, found)
+def _input_paths(comparison: _Comparison) -> Iterator[GuardedPath]:
+    for guard_input in comparison.expected.inputs:
+        topic = comparison.expected.topics[guard_input.private]
+        foreign = endpoint_labels(
+            comparison.expected,
+            foreign_publishers(
+                comparison.expected, comparison.observed, topic, comparison.guard_participants
+            ),
+        )
+        for node in _input_nodes(comparison, guard_input):
+            state, reason, found = _input_state(comparison, guard_input, node, foreign)
+            yield _guarded_path(guard_input.public, guard_input.private, node, state, reason, found)
 
 
-def _speakers(scene: _Scene, way: Entrance) -> tuple[str, ...]:
-    ends = [*scene.seen.publishers(way.private), *scene.seen.publishers(way.public)]
-    return strays(scene.wanted, ends, way.publishers) or way.publishers
+def _input_nodes(comparison: _Comparison, guard_input: GuardInput) -> tuple[str, ...]:
+    endpoints = [
+        *comparison.observed.publishers(guard_input.private),
+        *comparison.observed.publishers(guard_input.public),
+    ]
+    return (
+        matching_nodes(comparison.expected, endpoints, guard_input.publishers)
+        or guard_input.publishers
+    )
 
 
-def _spoken(
-    scene: _Scene, way: Entrance, node: str, strangers: tuple[str, ...]
+def _input_state(
+    comparison: _Comparison, guard_input: GuardInput, node: str, foreign: tuple[str, ...]
 ) -> tuple[PathState, str, tuple[str, ...]]:
-    mine = [end for end in scene.seen.publishers(way.private) if end.node == node]
-    if strangers:
-        return PathState.OPEN, f"{', '.join(strangers)} speaks in its place", strangers
-    if node in scene.doubles:
-        told = _participants(scene.doubles[node])
-        reason = f"{len(told)} participants have its name: {', '.join(told)}"
-        return PathState.OPEN, reason, tuple(f"{node} of the participant {each}" for each in told)
-    if any(end.node == node for end in scene.seen.publishers(way.public)):
-        return PathState.DRIFT, f"publishes {place(way.public)}: its remap is missing", ()
-    if not mine:
-        reason = "it runs, and speaks on neither name" if _runs(scene, node) else ""
+    publishers = [
+        endpoint
+        for endpoint in comparison.observed.publishers(guard_input.private)
+        if endpoint.node == node
+    ]
+    if foreign:
+        return PathState.OPEN, f"{', '.join(foreign)} speaks in its place", foreign
+    if node in comparison.duplicates:
+        participants = _hex_ids(comparison.duplicates[node])
+        reason = f"{len(participants)} participants have its name: {', '.join(participants)}"
+        return (
+            PathState.OPEN,
+            reason,
+            tuple(f"{node} of the participant {each}" for each in participants),
+        )
+    if any(
+        endpoint.node == node for endpoint in comparison.observed.publishers(guard_input.public)
+    ):
+        return (
+            PathState.DRIFT,
+            f"publishes {display_name(guard_input.public)}: its remap is missing",
+            (),
+        )
+    if not publishers:
+        reason = "it runs, and speaks on neither name" if _is_running(comparison, node) else ""
         return PathState.NOT_RUNNING, reason, ()
-    wrong = next(filter(None, (_unfit(scene, way, end) for end in mine)), "")
-    if wrong:
-        return PathState.DRIFT, f"is not heard by the guard: {wrong}", ()
-    return PathState.CLOSED, _also_heard(scene, way.private), ()
+    problem = next(
+        filter(
+            None,
+            (_publication_problem(comparison, guard_input, endpoint) for endpoint in publishers),
+        ),
+        "",
+    )
+    if problem:
+        return PathState.DRIFT, f"is not heard by the guard: {problem}", ()
+    return PathState.CLOSED, _unplanned_note(comparison, guard_input.private), ()
 
 
-def _unfit(scene: _Scene, way: Entrance, end: Ros2Endpoint) -> str:
-    return unfit(scene.wanted, scene.wanted.topics[way.private], end)
+def _publication_problem(
+    comparison: _Comparison, guard_input: GuardInput, endpoint: Ros2Endpoint
+) -> str:
+    return publication_problem(
+        comparison.expected, comparison.expected.topics[guard_input.private], endpoint
+    )
 
 
-def _also_heard(scene: _Scene, private: str) -> str:
+def _unplanned_note(comparison: _Comparison, private: str) -> str:
     """Return who listens without being planned: that moves nothing, and is only told."""
-    others = unplanned_listeners(scene.wanted, scene.seen, scene.wanted.topics[private])
+    others = unplanned_subscribers(
+        comparison.expected, comparison.observed, comparison.expected.topics[private]
+    )
     return f"{', '.join(others)} listens, too" if others else ""
 
 
-def _problems(scene: _Scene) -> Iterator[str]:
-    for node in sorted(scene.wanted.guarding - set(scene.seen.nodes)):
+def _problems(comparison: _Comparison) -> Iterator[str]:
+    for node in sorted(comparison.expected.enforcing_nodes - set(comparison.observed.nodes)):
         yield f"the guard's node {node} is not running"
-    yield from _taken(scene)
-    shown = {way.private for way in scene.wanted.entrances}
-    for topic in scene.wanted.private():
-        strangers = foreign(scene.wanted, scene.seen, topic, scene.ours)
-        told = topic.topic in shown or bool(_listeners(scene, topic))
-        for name in named(scene.wanted, strangers) if not told else ():
-            yield f"{name} speaks on the private {place(topic)}"
+    yield from _name_problems(comparison)
+    input_topics = {guard_input.private for guard_input in comparison.expected.inputs}
+    for topic in comparison.expected.private_topics():
+        foreign = foreign_publishers(
+            comparison.expected, comparison.observed, topic, comparison.guard_participants
+        )
+        is_reported = topic.topic in input_topics or bool(_planned_listeners(comparison, topic))
+        for name in endpoint_labels(comparison.expected, foreign) if not is_reported else ():
+            yield f"{name} speaks on the private {display_name(topic)}"
 
 
-def _listeners(scene: _Scene, topic: PlannedTopic) -> tuple[str, ...]:
+def _planned_listeners(comparison: _Comparison, topic: TopicAccess) -> tuple[str, ...]:
     """Return the successors that listen to an output: what they hear is told of their paths."""
-    if topic.topic not in scene.wanted.outputs.values():
+    if topic.topic not in comparison.expected.outputs.values():
         return ()
-    return strays(scene.wanted, scene.seen.subscribers(topic.topic), topic.subscribers)
+    return matching_nodes(
+        comparison.expected, comparison.observed.subscribers(topic.topic), topic.subscribers
+    )
 
 
-def _taken(scene: _Scene) -> Iterator[str]:
+def _name_problems(comparison: _Comparison) -> Iterator[str]:
     """Yield the guard's names that somebody else has, too."""
-    for node in sorted(scene.wanted.own):
-        participants = scene.seen.participants.get(node, set())
-        others = _participants(participants - scene.ours)
-        number = scene.seen.nodes.count(node)
+    for node in sorted(comparison.expected.guard_nodes):
+        participants = comparison.observed.participants.get(node, set())
+        others = _hex_ids(participants - comparison.guard_participants)
+        number = comparison.observed.nodes.count(node)
         if others:
             yield f"{', '.join(others)} has the name of the guard's node {node}"
-        elif number > _rightful(scene, node):
+        elif number > _max_nodes(comparison, node):
             yield f"{number} nodes have the name of the guard's node {node}"
 
 
-def _rightful(scene: _Scene, node: str) -> int:
+def _max_nodes(comparison: _Comparison, node: str) -> int:
     """Return how many nodes may have a name: the supervisor, too, sees the graph as the guard."""
-    supervised = SUPERVISOR_NODE in scene.seen.nodes or not scene.brakes
+    supervised = SUPERVISOR_NODE in comparison.observed.nodes or not comparison.has_supervisor_node
     return 2 if node == GUARD_NODE and supervised else 1
 
 
-def _participants(participants: set[bytes] | frozenset[bytes]) -> tuple[str, ...]:
+def _hex_ids(participants: set[bytes] | frozenset[bytes]) -> tuple[str, ...]:
     return tuple(each.hex() for each in sorted(participants))
 
 
-def _runs(scene: _Scene, pattern: str) -> bool:
-    return any(meant((pattern,), node) for node in scene.seen.nodes)
+def _is_running(comparison: _Comparison, pattern: str) -> bool:
+    return any(matches_any((pattern,), node) for node in comparison.observed.nodes)
 
 
-def _path(
+def _guarded_path(
     public: str,
     private: str,
     node: str,
     state: PathState,
     reason: str = "",
-    strangers: tuple[str, ...] = (),
-) -> Path:
-    return Path(
-        topic=place(public),
-        private=place(private),
+    foreign: tuple[str, ...] = (),
+) -> GuardedPath:
+    return GuardedPath(
+        topic=display_name(public),
+        private=display_name(private),
         node=node,
         state=state,
         reason=reason,
-        foreign=strangers,
+        foreign=foreign,
     )

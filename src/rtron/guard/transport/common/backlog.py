@@ -2,19 +2,19 @@
 
 from collections import deque
 
-MOST_BYTES = 1 << 26
+MAX_BYTES = 1 << 26
 """The most that may wait for one subscriber, bytes; a single larger message still may."""
 
 
 class Backlog:
-    """A queue that never holds more than `limit` messages and `most_bytes` bytes."""
+    """A queue that never holds more than `limit` messages and `max_bytes` bytes."""
 
-    __slots__ = ("_bytes", "_messages", "_most_bytes", "dropped", "limit")
+    __slots__ = ("_bytes", "_max_bytes", "_messages", "dropped", "limit")
 
-    def __init__(self, limit: int, most_bytes: int = MOST_BYTES) -> None:
+    def __init__(self, limit: int, max_bytes: int = MAX_BYTES) -> None:
         self.limit = limit
         self.dropped = 0
-        self._most_bytes = most_bytes
+        self._max_bytes = max_bytes
         self._messages: deque[bytes] = deque()
         self._bytes = 0
 
@@ -25,7 +25,7 @@ class Backlog:
         """Let a message wait; what no longer fits before it is dropped and counted."""
         self._messages.append(message)
         self._bytes += len(message)
-        while len(self._messages) > self.limit or self._overweight():
+        while len(self._messages) > self.limit or self._is_too_large():
             self.pop()
             self.dropped += 1
 
@@ -41,5 +41,5 @@ class Backlog:
             self.pop()
             self.dropped += 1
 
-    def _overweight(self) -> bool:
-        return self._bytes > self._most_bytes and len(self._messages) > 1
+    def _is_too_large(self) -> bool:
+        return self._bytes > self._max_bytes and len(self._messages) > 1

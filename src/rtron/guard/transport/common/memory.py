@@ -6,15 +6,15 @@ from collections.abc import Callable
 from itertools import count
 
 from rtron.guard.transport.common.protocol import (
-    Connect,
-    Lost,
-    Momentary,
+    ConnectHandler,
+    IsCommand,
+    LostHandler,
+    MessageHandler,
     Output,
     Peer,
-    Receive,
     TypeInfo,
-    ignore,
-    never,
+    accept_any_age,
+    ignore_lost,
 )
 from rtron.messages.common.encoding import Encoding
 from rtron.vocabulary import QoS, normalise_type
@@ -23,19 +23,19 @@ from rtron.vocabulary import QoS, normalise_type
 class MemoryTransport:
     """Topics as lists; outside nodes speak with `publisher` and listen with `listen`.
 
-    Every topic reaches every node that is not `deaf`.
+    Every topic reaches every node that is not `unreachable`.
     """
 
     def __init__(self, encoding: Encoding = Encoding.ROS1) -> None:
         self.encoding = encoding
         self._time = 0
-        self._order = count()
+        self._sequence = count()
         self._timers: list[tuple[int, int, Callable[[], None]]] = []
-        self._connects: dict[str, list[tuple[Connect, Lost]]] = defaultdict(list)
-        self._links: dict[tuple[str, Peer], list[Lost]] = defaultdict(list)
-        self._heard: dict[str, list[list[bytes]]] = defaultdict(list)
+        self._subscribers: dict[str, list[tuple[ConnectHandler, LostHandler]]] = defaultdict(list)
+        self._lost_handlers: dict[tuple[str, Peer], list[LostHandler]] = defaultdict(list)
+        self._listeners: dict[str, list[list[bytes]]] = defaultdict(list)
         self.outputs: dict[str, MemoryOutput] = {}
-        self.deaf: set[str] = set()
+        self.unreachable: set[str] = set()
 
     def now(self) -> int:
         """Return the time of the memory's clock, ns."""
@@ -43,7 +43,7 @@ class MemoryTransport:
 
     def call_at(self, when: int, callback: Callable[[], None]) -> None:
         """Call back once when `advance` reaches `when` (ns)."""
-        heapq.heappush(self._timers, (when, next(self._order), callback))
+        heapq.heappush(self._timers, (when, next(self._sequence), callback))
 
     def advance(self, duration: int) -> None:
         """Let `duration` (ns) pass, timers included, in order."""
@@ -71,8 +71,10 @@ class MemoryTransport:
     ) -> Output:
         """Publish `topic` as `node`; nothing waits here, so `queue_size` bounds nothing."""
         del node, queue_size, successors
-        heard = self._heard[topic]
-        self.outputs[topic] = MemoryOutput(type, heard, lambda node: node not in self.deaf)
+        listeners = self._listeners[topic]
+        self.outputs[topic] = MemoryOutput(
+            type, listeners, lambda node: node not in self.unreachable
+        )
         return self.outputs[topic]
 
     def subscribe(
@@ -80,62 +82,62 @@ class MemoryTransport:
         node: str,
         topic: str,
         type: str,
-        connect: Connect,
-        lost: Lost = ignore,
+        on_connect: ConnectHandler,
+        on_lost: LostHandler = ignore_lost,
         *,
-        momentary: Momentary = never,
+        is_command: IsCommand = accept_any_age,
         publishers: tuple[str, ...] = (),
     ) -> None:
-        """Subscribe `topic`; outside publishers that come later are offered to `connect`."""
-        del node, type, momentary, publishers
-        self._connects[topic].append((connect, lost))
+        """Subscribe `topic`; outside publishers that come later are offered to `on_connect`."""
+        del node, type, is_command, publishers
+        self._subscribers[topic].append((on_connect, on_lost))
 
-    def join(self, publisher: str, subscriber: str, topic: str, type: str) -> Output:
+    def link_nodes(self, publisher: str, subscriber: str, topic: str, type: str) -> Output:
         """Connect two nodes of the guard; what passes can be listened to."""
         del subscriber
         return self.advertise(publisher, topic, type)
 
-    def publisher(self, topic: str, peer: Peer) -> Receive:
+    def publisher(self, topic: str, peer: Peer) -> MessageHandler:
         """Connect an outside publisher and return what it speaks into."""
         receivers = []
-        for connect, lost in self._connects[topic]:
-            receive = connect(peer)
+        for on_connect, on_lost in self._subscribers[topic]:
+            receive = on_connect(peer)
             if receive is not None:
                 receivers.append(receive)
-                self._links[topic, peer].append(lost)
+                self._lost_handlers[topic, peer].append(on_lost)
 
-        def say(message: bytes) -> None:
+        def publish(message: bytes) -> None:
             for receive in receivers:
                 receive(message)
 
-        return say
+        return publish
 
     def leave(self, topic: str, peer: Peer) -> None:
         """Let an outside publisher's connections end."""
-        for lost in self._links.pop((topic, peer), []):
-            lost(peer)
+        for on_lost in self._lost_handlers.pop((topic, peer), []):
+            on_lost(peer)
 
     def listen(self, topic: str) -> list[bytes]:
         """Return a list that fills with what the guard publishes on `topic`, latched first."""
-        heard = list(self.outputs[topic].latched.values()) if topic in self.outputs else []
-        self._heard[topic].append(heard)
-        return heard
+        messages = list(self.outputs[topic].latched.values()) if topic in self.outputs else []
+        self._listeners[topic].append(messages)
+        return messages
 
 
 class MemoryOutput:
     """A topic of the guard: every listener's list gets every message."""
 
     def __init__(
-        self, type: str, listeners: list[list[bytes]], reaches: Callable[[str], bool]
+        self, type: str, listeners: list[list[bytes]], is_subscribed_by: Callable[[str], bool]
     ) -> None:
         self.type = normalise_type(type)
-        self.reaches = reaches
+        self.is_subscribed_by = is_subscribed_by
         self.info: TypeInfo | None = None
         self.latched: dict[str, bytes] = {}
-        self.offered: dict[str, QoS] = {}
+        self.offered_qos: dict[str, QoS] = {}
         self._listeners = listeners
 
-    def learn(self, info: TypeInfo) -> bool:
+    def learn_type(self, info: TypeInfo) -> bool:
         """Take the first type that fits; False for any other."""
         if self.info is None and self.type in ("", info.type):
             self.info = info
@@ -143,9 +145,9 @@ class MemoryOutput:
 
     def offer(self, flow: str, qos: QoS) -> None:
         """Know what the publisher of a flow offers."""
-        self.offered[flow] = qos
+        self.offered_qos[flow] = qos
 
-    def suit(self, successors: tuple[str, ...]) -> None:
+    def match_subscribers(self, successors: tuple[str, ...]) -> None:
         """Everybody here hears everything."""
 
     def publish(self, message: bytes, latched_by: str | None = None) -> None:
@@ -153,9 +155,9 @@ class MemoryOutput:
         if latched_by is not None:
             self.latched.pop(latched_by, None)
             self.latched[latched_by] = message
-        for heard in self._listeners:
-            heard.append(message)
+        for messages in self._listeners:
+            messages.append(message)
 
-    def forget(self) -> None:
+    def clear_latched(self) -> None:
         """Keep nothing for late listeners any more."""
         self.latched.clear()

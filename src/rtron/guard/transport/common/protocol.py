@@ -10,7 +10,7 @@ from typing import Protocol
 from rtron.messages.common.encoding import Encoding
 from rtron.vocabulary import QoS
 
-Receive = Callable[[bytes], object]
+MessageHandler = Callable[[bytes], object]
 """Takes one message."""
 
 
@@ -38,23 +38,23 @@ class Peer:
     qos: QoS | None = None
 
 
-Connect = Callable[[Peer], Receive | None]
+ConnectHandler = Callable[[Peer], MessageHandler | None]
 """Says what takes the messages of a publisher that connected, or None to refuse it."""
 
 
-Lost = Callable[[Peer], None]
+LostHandler = Callable[[Peer], None]
 """Told that the connection to a publisher that was accepted has ended."""
 
 
-def ignore(peer: Peer) -> None:
+def ignore_lost(peer: Peer) -> None:
     """Do nothing about a lost connection."""
 
 
-Momentary = Callable[[Peer], bool]
+IsCommand = Callable[[Peer], bool]
 """Says whether a publisher's messages are for the moment: what is late is not to be heard."""
 
 
-def never(peer: Peer) -> bool:
+def accept_any_age(peer: Peer) -> bool:
     """Hear all messages, however old they are."""
     del peer
     return False
@@ -63,7 +63,7 @@ def never(peer: Peer) -> bool:
 class Output(Protocol):
     """A topic that a node of the guard publishes."""
 
-    def learn(self, info: TypeInfo) -> bool:
+    def learn_type(self, info: TypeInfo) -> bool:
         """Take the type from a publisher; False if it is not what is known or asked for."""
         ...
 
@@ -71,7 +71,7 @@ class Output(Protocol):
         """Offer subscribers at least what the publisher of a flow offers, where there is QoS."""
         ...
 
-    def suit(self, successors: tuple[str, ...]) -> None:
+    def match_subscribers(self, successors: tuple[str, ...]) -> None:
         """Offer these nodes all that they ask for, where there is QoS: a stop must reach them."""
         ...
 
@@ -79,11 +79,11 @@ class Output(Protocol):
         """Send to every subscriber; keep it for late ones as the last word of `latched_by`."""
         ...
 
-    def reaches(self, node: str) -> bool:
+    def is_subscribed_by(self, node: str) -> bool:
         """Tell whether a node that says that it is `node` listens."""
         ...
 
-    def forget(self) -> None:
+    def clear_latched(self) -> None:
         """Keep nothing for late subscribers any more."""
         ...
 
@@ -123,20 +123,20 @@ class Transport(Protocol):
         node: str,
         topic: str,
         type: str,
-        connect: Connect,
-        lost: Lost = ignore,
+        on_connect: ConnectHandler,
+        on_lost: LostHandler = ignore_lost,
         *,
-        momentary: Momentary = never,
+        is_command: IsCommand = accept_any_age,
         publishers: tuple[str, ...] = (),
     ) -> None:
         """Subscribe `topic` as `node`; never hears what this transport publishes.
 
-        Where the middleware tells messages' age (ROS 2), what is `momentary` is heard only if it
+        Where the middleware tells messages' age (ROS 2), what is `is_command` is heard only if it
         comes in time; what its publisher has kept, always. Where anybody can tell another name of
         a publisher (ROS 2), who has been known by one of the `publishers` that is its own keeps it.
         """
         ...
 
-    def join(self, publisher: str, subscriber: str, topic: str, type: str) -> Output:
+    def link_nodes(self, publisher: str, subscriber: str, topic: str, type: str) -> Output:
         """Show two nodes of the guard as connected by `topic`; what passes goes inside."""
         ...

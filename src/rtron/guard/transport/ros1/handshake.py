@@ -7,17 +7,17 @@ from typing import Any
 
 from rtron.errors import WireError
 from rtron.guard.transport.common.protocol import Peer, TypeInfo
-from rtron.guard.transport.ros1.tuning import tune
+from rtron.guard.transport.ros1.tuning import set_socket_options
 from rtron.wire.ros1.tcpros import LENGTH, MAX_HEADER, decode_header, encode_header, frame_length
 from rtron.wire.ros1.xmlrpc import call, ros_call
 
-PATIENCE_S = 3.0
+TIMEOUT_S = 3.0
 """How long a publisher may take for each step, seconds."""
-_ADDRESS = 3
+_ADDRESS_LENGTH = 3
 
 
 @dataclass(frozen=True, slots=True)
-class Wish:
+class TopicRequest:
     """Which topic a node of ours wants, and the master that knows who is who."""
 
     node: str
@@ -26,21 +26,21 @@ class Wish:
     master: str
 
 
-def connect(wish: Wish, uri: str) -> tuple[socket.socket, Peer]:
+def connect(request: TopicRequest, uri: str) -> tuple[socket.socket, Peer]:
     """Return a connection that is about to stream, and who is at the other end.
 
     Raises SourceError or OSError if the publisher cannot be reached, WireError if it breaks the
     protocol or has another type.
     """
-    host, port = _address(wish, uri)
+    host, port = _request_address(request, uri)
     try:
-        sock = socket.create_connection((host, port), PATIENCE_S)
+        sock = socket.create_connection((host, port), TIMEOUT_S)
     except ValueError as error:
         raise WireError(f"{uri} names a host that is none: {host[:64]!r}") from error
     try:
-        tune(sock)
-        sock.sendall(encode_header(_greeting(wish)))
-        peer = _peer(wish, uri, _read_header(sock))
+        set_socket_options(sock)
+        sock.sendall(encode_header(_connection_header(request)))
+        peer = _peer_from_header(request, uri, _read_header(sock))
         sock.settimeout(0)
     except BaseException:
         sock.close()
@@ -48,10 +48,12 @@ def connect(wish: Wish, uri: str) -> tuple[socket.socket, Peer]:
     return sock, peer
 
 
-def _address(wish: Wish, uri: str) -> tuple[str, int]:
-    answer = ros_call(uri, "requestTopic", wish.node, wish.topic, [["TCPROS"]], timeout=PATIENCE_S)
-    if not isinstance(answer, list) or len(answer) != _ADDRESS or answer[0] != "TCPROS":
-        raise WireError(f"{uri} offers no TCPROS address for {wish.topic}")
+def _request_address(request: TopicRequest, uri: str) -> tuple[str, int]:
+    answer = ros_call(
+        uri, "requestTopic", request.node, request.topic, [["TCPROS"]], timeout=TIMEOUT_S
+    )
+    if not isinstance(answer, list) or len(answer) != _ADDRESS_LENGTH or answer[0] != "TCPROS":
+        raise WireError(f"{uri} offers no TCPROS address for {request.topic}")
     return str(answer[1]), _port(answer[2])
 
 
@@ -61,23 +63,23 @@ def _port(value: Any) -> int:  # noqa: ANN401 - a stranger's word
     return value
 
 
-def _greeting(wish: Wish) -> dict[str, str]:
+def _connection_header(request: TopicRequest) -> dict[str, str]:
     return {
-        "callerid": wish.node,
-        "topic": wish.topic,
-        "type": wish.type or "*",
+        "callerid": request.node,
+        "topic": request.topic,
+        "type": request.type or "*",
         "md5sum": "*",
         "tcp_nodelay": "1",
     }
 
 
 def _read_header(sock: socket.socket) -> dict[str, str]:
-    deadline = time.monotonic() + PATIENCE_S
-    length = frame_length(_exactly(sock, LENGTH.size, deadline), MAX_HEADER)
-    return decode_header(_exactly(sock, length, deadline))
+    deadline = time.monotonic() + TIMEOUT_S
+    length = frame_length(_receive_exactly(sock, LENGTH.size, deadline), MAX_HEADER)
+    return decode_header(_receive_exactly(sock, length, deadline))
 
 
-def _exactly(sock: socket.socket, size: int, deadline: float) -> bytes:
+def _receive_exactly(sock: socket.socket, size: int, deadline: float) -> bytes:
     data = bytearray()
     while len(data) < size:
         sock.settimeout(max(1e-3, deadline - time.monotonic()))
@@ -88,24 +90,24 @@ def _exactly(sock: socket.socket, size: int, deadline: float) -> bytes:
     return bytes(data)
 
 
-def _peer(wish: Wish, uri: str, fields: dict[str, str]) -> Peer:
+def _peer_from_header(request: TopicRequest, uri: str, fields: dict[str, str]) -> Peer:
     if "error" in fields:
         raise WireError(f"{uri} refuses: {fields['error']}")
     info = TypeInfo(
         fields.get("type", ""), fields.get("md5sum", ""), fields.get("message_definition", "")
     )
     if not info.type or info.md5sum in ("", "*"):
-        raise WireError(f"{uri} does not say what it publishes on {wish.topic}")
-    if wish.type and info.type != wish.type:
-        raise WireError(f"{uri} publishes {info.type} on {wish.topic}, not {wish.type}")
+        raise WireError(f"{uri} does not say what it publishes on {request.topic}")
+    if request.type and info.type != request.type:
+        raise WireError(f"{uri} publishes {info.type} on {request.topic}, not {request.type}")
     node = fields.get("callerid", "")
-    return Peer(node, info, fields.get("latching") == "1", _lives_at(wish, node, uri))
+    return Peer(node, info, fields.get("latching") == "1", _is_registered_at(request, node, uri))
 
 
-def _lives_at(wish: Wish, node: str, uri: str) -> bool:
+def _is_registered_at(request: TopicRequest, node: str, uri: str) -> bool:
     """Ask the master whether the name that the peer gives is registered at its address.
 
     A master that does not answer has not said no: its SourceError goes up, and we try again.
     """
-    answer = call(wish.master, "lookupNode", wish.node, node, timeout=PATIENCE_S)
+    answer = call(request.master, "lookupNode", request.node, node, timeout=TIMEOUT_S)
     return isinstance(answer, list) and answer[:1] == [1] and answer[-1] == uri

@@ -9,34 +9,34 @@ from typing import Any
 import h11
 
 from rtron.errors import WireError
-from rtron.guard.core.event_loop import Loop
+from rtron.guard.core.event_loop import EventLoop
 from rtron.wire.ros1.xmlrpc import decode_call, encode_response
 
 log = logging.getLogger(__name__)
 
-Dispatch = Callable[[str, tuple[Any, ...]], list[Any]]
-Serve = Callable[[bytes], None]
+CallHandler = Callable[[str, tuple[Any, ...]], list[Any]]
+RequestHandler = Callable[[bytes], None]
 
-_IDLE_S = 30.0
+_IDLE_TIMEOUT_S = 30.0
 _CHUNK = 1 << 16
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Bounds:
+class HttpLimits:
     """The longest request, and the most of our answers that may wait for the caller, in bytes."""
 
     request: int = 1 << 16
-    unread: int = 1 << 20
+    response: int = 1 << 20
 
 
-SLAVE_BOUNDS = Bounds()
+SLAVE_LIMITS = HttpLimits()
 
 
-class Budget:
+class MemoryBudget:
     """How many bytes of long requests all connections together may hold."""
 
-    def __init__(self, most: int) -> None:
-        self._left = most
+    def __init__(self, limit: int) -> None:
+        self._left = limit
 
     def take(self, size: int) -> None:
         """Hold some more; WireError, and nothing is held, if that is too much."""
@@ -50,49 +50,49 @@ class Budget:
 
 
 class HttpConnection:
-    """One HTTP connection; `serve` takes the body of each request, `reply` answers it, also later.
+    """One HTTP connection; `on_request` takes the body of each request, `reply` answers it, also later.
 
-    Bad requests close it, slow ones are given up; `closed` hears of its end. What a
+    Bad requests close it, slow ones are given up; `on_close` hears of its end. What a
     request has beyond 64 KiB counts in the `budget` until it is answered; short ones are never
     refused for the long ones of others.
     """
 
     def __init__(
         self,
-        loop: Loop,
+        loop: EventLoop,
         sock: socket.socket,
-        serve: Serve,
-        bounds: Bounds = SLAVE_BOUNDS,
-        budget: Budget | None = None,
+        on_request: RequestHandler,
+        limits: HttpLimits = SLAVE_LIMITS,
+        budget: MemoryBudget | None = None,
     ) -> None:
-        self.closed: Callable[[], None] = lambda: None
+        self.on_close: Callable[[], None] = lambda: None
         self._loop = loop
         self._sock = sock
-        self._serve = serve
-        self._bounds = bounds
+        self._on_request = on_request
+        self._limits = limits
         self._http = h11.Connection(h11.SERVER)
-        self._budget = budget or Budget(bounds.request)
-        self._held = 0
+        self._budget = budget or MemoryBudget(limits.request)
+        self._reserved_bytes = 0
         self._body = bytearray()
         self._out = b""
-        self._busy = False
-        self._closed = False
-        loop.watch(sock, self._readable, self._broken)
-        loop.call_later(_IDLE_S, self._expire)
+        self._is_busy = False
+        self._is_closed = False
+        loop.watch(sock, self._on_readable, self._on_error)
+        loop.call_later(_IDLE_TIMEOUT_S, self._close_if_idle)
 
     def reply(self, body: bytes) -> None:
         """Answer the request that was served last; nothing if its caller has left."""
-        if not self._closed:
-            self._or_break(lambda: self._send_answer(body))
+        if not self._is_closed:
+            self._close_on_error(lambda: self._send_answer(body))
 
-    def _hold(self, size: int) -> None:
-        if size > self._held:
-            self._budget.take(size - self._held)
-            self._held = size
+    def _reserve(self, size: int) -> None:
+        if size > self._reserved_bytes:
+            self._budget.take(size - self._reserved_bytes)
+            self._reserved_bytes = size
 
     def _release(self) -> None:
-        self._budget.release(self._held)
-        self._held = 0
+        self._budget.release(self._reserved_bytes)
+        self._reserved_bytes = 0
 
     def _send_answer(self, body: bytes) -> None:
         self._release()
@@ -102,11 +102,11 @@ class HttpConnection:
         self._write(self._http.send(h11.EndOfMessage()))
         if self._http.our_state is h11.DONE and self._http.their_state is h11.DONE:
             self._http.start_next_cycle()
-            self._loop.after(lambda: self._or_break(self._take_events))
+            self._loop.call_after_event(lambda: self._close_on_error(self._handle_events))
         elif not self._out:
             self.close()
 
-    def _readable(self) -> None:
+    def _on_readable(self) -> None:
         data = self._sock.recv(_CHUNK)
         if not data:
             self.close()
@@ -114,48 +114,48 @@ class HttpConnection:
             raise WireError("the caller does not wait for its answers")
         else:
             self._http.receive_data(data)
-            self._or_break(self._take_events)
+            self._close_on_error(self._handle_events)
 
-    def _take_events(self) -> None:
-        while not self._closed and self._take(self._http.next_event()):
+    def _handle_events(self) -> None:
+        while not self._is_closed and self._handle_event(self._http.next_event()):
             pass
 
-    def _or_break(self, action: Callable[[], None]) -> None:
+    def _close_on_error(self, action: Callable[[], None]) -> None:
         """Do what may fail while no caller of ours is there to hear of it."""
         try:
             action()
         except (h11.ProtocolError, OSError, WireError) as error:
-            self._broken(error)
+            self._on_error(error)
 
-    def _take(self, event: Any) -> bool:  # noqa: ANN401 - h11's events have no common base
+    def _handle_event(self, event: Any) -> bool:  # noqa: ANN401 - h11's events have no common base
         """Deal with an event; tell whether there may be another."""
         if isinstance(event, h11.Data):
             self._body += event.data
-            if len(self._body) > self._bounds.request:
+            if len(self._body) > self._limits.request:
                 raise WireError("XML-RPC request too long")
-            self._hold(len(self._body) - _CHUNK)
+            self._reserve(len(self._body) - _CHUNK)
         elif isinstance(event, h11.EndOfMessage):
-            self._busy = True
+            self._is_busy = True
             body = bytes(self._body)
             self._body.clear()
-            self._serve(body)
+            self._on_request(body)
         elif isinstance(event, h11.ConnectionClosed):
             self.close()
             return False
         return event is not h11.NEED_DATA and event is not h11.PAUSED
 
     def _write(self, data: bytes | None) -> None:
-        if self._closed or not data:
+        if self._is_closed or not data:
             return
         if not self._out:
             data = data[self._send(data) :]
         self._out += data
-        if len(self._out) > self._bounds.unread:
+        if len(self._out) > self._limits.response:
             raise WireError("the caller does not read its answers")
         if self._out:
-            self._loop.await_writable(self._sock, self._writable)
+            self._loop.await_writable(self._sock, self._on_writable)
 
-    def _writable(self) -> None:
+    def _on_writable(self) -> None:
         self._out = self._out[self._send(self._out) :]
         if self._out:
             return
@@ -169,25 +169,25 @@ class HttpConnection:
         except BlockingIOError:
             return 0
 
-    def _expire(self) -> None:
-        if self._closed:
+    def _close_if_idle(self) -> None:
+        if self._is_closed:
             return
-        if not self._busy:
+        if not self._is_busy:
             self.close()
             return
-        self._busy = False
-        self._loop.call_later(_IDLE_S, self._expire)
+        self._is_busy = False
+        self._loop.call_later(_IDLE_TIMEOUT_S, self._close_if_idle)
 
     def close(self) -> None:
         """Close the connection; a second time does nothing."""
-        if not self._closed:
-            self._closed = True
+        if not self._is_closed:
+            self._is_closed = True
             self._release()
             self._body.clear()
             self._loop.forget(self._sock)
-            self.closed()
+            self.on_close()
 
-    def _broken(self, error: Exception) -> None:
+    def _on_error(self, error: Exception) -> None:
         log.info("XML-RPC connection closed: %s", error)
         self.close()
 
@@ -195,7 +195,7 @@ class HttpConnection:
 class XmlRpcConnection(HttpConnection):
     """A connection to a slave API, each call answered at once."""
 
-    def __init__(self, loop: Loop, sock: socket.socket, dispatch: Dispatch) -> None:
+    def __init__(self, loop: EventLoop, sock: socket.socket, dispatch: CallHandler) -> None:
         super().__init__(loop, sock, self._answer)
         self._dispatch = dispatch
 

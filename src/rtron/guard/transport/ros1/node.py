@@ -8,10 +8,10 @@ import os
 import socket
 from typing import TYPE_CHECKING, Any
 
-from rtron.guard.core.event_loop import Loop
+from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.transport.ros1.http_connection import XmlRpcConnection
 from rtron.guard.transport.ros1.tcp_server import TcpServer
-from rtron.wire.ros1.host_address import bind_host
+from rtron.wire.ros1.host_address import bind_address
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -22,19 +22,19 @@ if TYPE_CHECKING:
 _ERROR, _SUCCESS = -1, 1
 
 
-class Node:
+class Ros1Node:
     """One name in the ROS graph, reachable at its own XML-RPC address."""
 
-    def __init__(self, loop: Loop, name: str, host: str, master: str) -> None:
+    def __init__(self, loop: EventLoop, name: str, host: str, master: str) -> None:
         self.name = name
         self.master = master
         self.publications: dict[str, Publication] = {}
         self.subscriptions: dict[str, Subscription] = {}
-        self.updated: Callable[[str], None] = lambda topic: None
-        self.killed: Callable[[str], None] = lambda reason: None
-        self.tcpros: tuple[str, int] = (host, 0)
+        self.on_publisher_update: Callable[[str], None] = lambda topic: None
+        self.on_shutdown_request: Callable[[str], None] = lambda reason: None
+        self.tcpros_address: tuple[str, int] = (host, 0)
         self._loop = loop
-        self._server = TcpServer(loop, bind_host(host), self._accepted)
+        self._server = TcpServer(loop, bind_address(host), self._on_connection)
         self.uri = f"http://{host}:{self._server.port}/"
         self._methods: dict[str, tuple[int, Callable[..., Any]]] = {
             "getBusInfo": (1, self._bus_info),
@@ -73,22 +73,28 @@ class Node:
             return [_ERROR, f"{self.name} cannot do that", 0]
         return [_SUCCESS, "", value]
 
-    def _accepted(self, sock: socket.socket) -> None:
+    def _on_connection(self, sock: socket.socket) -> None:
         XmlRpcConnection(self._loop, sock, self.dispatch)
 
     def _request_topic(self, _caller: str, topic: Any, protocols: Any) -> list[Any] | None:  # noqa: ANN401
-        asked = protocols if isinstance(protocols, list) else []
-        if not isinstance(topic, str) or topic not in self.publications or ["TCPROS"] not in asked:
+        requested = protocols if isinstance(protocols, list) else []
+        if (
+            not isinstance(topic, str)
+            or topic not in self.publications
+            or ["TCPROS"] not in requested
+        ):
             return None
-        return ["TCPROS", *self.tcpros]
+        return ["TCPROS", *self.tcpros_address]
 
     def _publisher_update(self, _caller: str, topic: Any, _publishers: Any) -> int:  # noqa: ANN401
         if isinstance(topic, str) and topic in self.subscriptions:
-            self.updated(topic)
+            self.on_publisher_update(topic)
         return 0
 
     def _shutdown(self, caller: str, reason: Any) -> int:  # noqa: ANN401
-        self._loop.after(lambda: self.killed(f"{caller} asked for it: {reason}"))
+        self._loop.call_after_event(
+            lambda: self.on_shutdown_request(f"{caller} asked for it: {reason}")
+        )
         return 0
 
     def _subscriptions(self, _caller: str) -> list[list[str]]:
@@ -106,20 +112,20 @@ class Node:
             ]
         for topic, subscription in self.subscriptions.items():
             rows += [
-                [id(link) % (1 << 31), link.uri, "i", "TCPROS", topic, link.connected, link.node]
+                [id(link) % (1 << 31), link.uri, "i", "TCPROS", topic, link.is_connected, link.node]
                 for link in subscription.links.values()
             ]
-            if subscription.joined:
+            if subscription.is_internal:
                 rows += [
                     [0, uri, "i", "INTRAPROCESS", topic, True, "inside the guard"]
-                    for uri in subscription.own
+                    for uri in subscription.own_uris
                 ]
         return rows
 
     def _bus_stats(self, _caller: str) -> list[list[Any]]:
-        return [self._sent(), self._received(), []]
+        return [self._publish_stats(), self._subscribe_stats(), []]
 
-    def _sent(self) -> list[list[Any]]:
+    def _publish_stats(self) -> list[list[Any]]:
         return [
             [
                 topic,
@@ -132,7 +138,7 @@ class Node:
             for topic, publication in self.publications.items()
         ]
 
-    def _received(self) -> list[list[Any]]:
+    def _subscribe_stats(self) -> list[list[Any]]:
         return [
             [
                 topic,
@@ -142,7 +148,7 @@ class Node:
                         link.received_bytes % (1 << 31),
                         link.received % (1 << 31),
                         -1,
-                        link.connected,
+                        link.is_connected,
                     ]
                     for link in subscription.links.values()
                 ],

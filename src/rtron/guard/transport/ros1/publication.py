@@ -7,7 +7,7 @@ from rtron.guard.transport.common.protocol import TypeInfo
 from rtron.guard.transport.ros1.subscriber_link import SubscriberLink
 from rtron.vocabulary import QoS
 
-_AWAIT_FIRST_NS = 1_000_000_000
+_EARLY_TIMEOUT_NS = 1_000_000_000
 _EARLY_BYTES = 1 << 20
 
 
@@ -35,31 +35,33 @@ class Publication:
         self.info: TypeInfo | None = None
         self.links: list[SubscriberLink] = []
         self._now = now
-        self._limit = queue_size
+        self._queue_size = queue_size
         self._undecided: list[SubscriberLink] = []
         self._latched: dict[str, bytes] = {}
         self._successors = successors
-        self._early = Backlog(queue_size, _EARLY_BYTES) if successors else None
+        self._early_messages = Backlog(queue_size, _EARLY_BYTES) if successors else None
         self._early_since = 0
 
-    def learn(self, info: TypeInfo) -> bool:
+    def learn_type(self, info: TypeInfo) -> bool:
         """Take the type from a publisher; False if another is known or the name differs."""
         if self.info is not None:
             return self.info.md5sum == info.md5sum and self.info.type == info.type
-        if (self.type and self.type != info.type) or info.md5sum not in self._asked_for(info):
+        if (self.type and self.type != info.type) or info.md5sum not in self._requested_md5sums(
+            info
+        ):
             return False
         self.info, self.type = info, info.type
         for link in [link for link in self.links if link.md5sum not in ("*", info.md5sum)]:
             link.close()
         undecided, self._undecided = self._undecided, []
         for link in undecided:
-            self._welcome(link, info)
+            self._accept(link, info)
         return True
 
     def offer(self, flow: str, qos: QoS) -> None:
         """Do nothing: ROS 1 has no QoS but latching, which `publish` is told."""
 
-    def suit(self, successors: tuple[str, ...]) -> None:
+    def match_subscribers(self, successors: tuple[str, ...]) -> None:
         """ROS 1 has no QoS."""
 
     def publish(self, message: bytes, latched_by: str | None = None) -> None:
@@ -69,50 +71,52 @@ class Publication:
             self._latched[latched_by] = message
         for link in self.links:
             link.send(message)
-        if self._early is not None and not self.links:
-            self._keep(self._early, message)
+        if self._early_messages is not None and not self.links:
+            self._queue_early(self._early_messages, message)
 
-    def reaches(self, node: str) -> bool:
+    def is_subscribed_by(self, node: str) -> bool:
         """Tell whether a subscriber says that it is `node`."""
         return any(link.node == node for link in self.links)
 
-    def forget(self) -> None:
+    def clear_latched(self) -> None:
         """Keep nothing for late subscribers any more."""
         self._latched.clear()
-        self._early = None
+        self._early_messages = None
 
-    def admit(self, link: SubscriberLink, fields: dict[str, str]) -> None:
+    def add_subscriber(self, link: SubscriberLink, fields: dict[str, str]) -> None:
         """Answer a subscriber's header."""
-        link.allow(self._limit)
-        link.closed = self._left
-        asked = TypeInfo(fields.get("type", "*"), link.md5sum, fields.get("message_definition", ""))
+        link.set_queue_size(self._queue_size)
+        link.on_close = self._on_close
+        requested = TypeInfo(
+            fields.get("type", "*"), link.md5sum, fields.get("message_definition", "")
+        )
         if self.info is not None:
-            self._check(link, asked, self.info)
+            self._accept_matching(link, requested, self.info)
         elif link.md5sum == "*":
             self._undecided.append(link)
-        elif self.type in ("", asked.type):
-            self._welcome(link, asked)
+        elif self.type in ("", requested.type):
+            self._accept(link, requested)
         else:
-            link.refuse(f"{self.topic} is of type {self.type}, not {asked.type}")
+            link.refuse(f"{self.topic} is of type {self.type}, not {requested.type}")
 
     def close(self) -> None:
         """Close every connection."""
         for link in [*self.links, *self._undecided]:
             link.close()
 
-    def _check(self, link: SubscriberLink, asked: TypeInfo, info: TypeInfo) -> None:
-        if asked.md5sum in ("*", info.md5sum):
-            self._welcome(link, info)
+    def _accept_matching(self, link: SubscriberLink, requested: TypeInfo, info: TypeInfo) -> None:
+        if requested.md5sum in ("*", info.md5sum):
+            self._accept(link, info)
         else:
             link.refuse(
                 f"{self.topic} is of type {info.type} with md5sum {info.md5sum}, "
-                f"not {asked.type} with {asked.md5sum}"
+                f"not {requested.type} with {requested.md5sum}"
             )
 
-    def _welcome(self, link: SubscriberLink, info: TypeInfo) -> None:
+    def _accept(self, link: SubscriberLink, info: TypeInfo) -> None:
         if link.is_closed:
             return
-        link.welcome(
+        link.accept(
             {
                 "callerid": self.node,
                 "topic": self.topic,
@@ -125,32 +129,32 @@ class Publication:
         if link.is_closed:
             return
         self.links.append(link)
-        for message in [*self._latched.values(), *self._waited()]:
+        for message in [*self._latched.values(), *self._take_early()]:
             link.send(message)
 
-    def _keep(self, early: Backlog, message: bytes) -> None:
+    def _queue_early(self, early: Backlog, message: bytes) -> None:
         """Let the first messages wait for the first subscriber; when it is late, they are stale."""
         now = self._now()
         self._early_since = self._early_since or now
-        if now - self._early_since > _AWAIT_FIRST_NS:
-            self._early = None
+        if now - self._early_since > _EARLY_TIMEOUT_NS:
+            self._early_messages = None
         else:
             early.append(message)
 
-    def _waited(self) -> list[bytes]:
-        early, self._early = self._early, None
-        if not early or self._now() - self._early_since > _AWAIT_FIRST_NS:
+    def _take_early(self) -> list[bytes]:
+        early, self._early_messages = self._early_messages, None
+        if not early or self._now() - self._early_since > _EARLY_TIMEOUT_NS:
             return []
         latched = set(self._latched.values())
-        waited = [early.pop() for _ in range(len(early))]
-        return [message for message in waited if message not in latched]
+        messages = [early.pop() for _ in range(len(early))]
+        return [message for message in messages if message not in latched]
 
-    def _asked_for(self, info: TypeInfo) -> set[str]:
+    def _requested_md5sums(self, info: TypeInfo) -> set[str]:
         """Return the md5sums that the successors ask for; any will do while none has said."""
         links = (link for link in self.links if link.node in self._successors)
         return {link.md5sum for link in links} or {info.md5sum}
 
-    def _left(self, link: SubscriberLink) -> None:
+    def _on_close(self, link: SubscriberLink) -> None:
         for group in (self.links, self._undecided):
             if link in group:
                 group.remove(link)

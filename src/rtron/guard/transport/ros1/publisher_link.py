@@ -6,9 +6,9 @@ from collections.abc import Callable
 from concurrent.futures import Executor, Future
 
 from rtron.errors import RTronError, WireError
-from rtron.guard.core.event_loop import Loop
-from rtron.guard.transport.common.protocol import Connect, Lost, Peer, Receive
-from rtron.guard.transport.ros1.handshake import Wish, connect
+from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.transport.common.protocol import ConnectHandler, LostHandler, MessageHandler, Peer
+from rtron.guard.transport.ros1.handshake import TopicRequest, connect
 from rtron.wire.ros1.tcpros import FrameReader
 
 log = logging.getLogger(__name__)
@@ -23,72 +23,78 @@ class PublisherLink:
     """Connects to the publisher at `uri`, hands its messages on, and reconnects with back-off."""
 
     def __init__(
-        self, loop: Loop, workers: Executor, wish: Wish, uri: str, accept: Connect, lost: Lost
+        self,
+        loop: EventLoop,
+        workers: Executor,
+        request: TopicRequest,
+        uri: str,
+        on_connect: ConnectHandler,
+        on_lost: LostHandler,
     ) -> None:
         self._loop = loop
         self._workers = workers
-        self._wish = wish
+        self._request = request
         self.uri = uri
-        self._accept = accept
-        self._lost = lost
+        self._on_connect = on_connect
+        self._on_lost = on_lost
         self._peer: Peer | None = None
-        self._receive: Receive | None = None
+        self._on_message: MessageHandler | None = None
         self._sock: socket.socket | None = None
         self._reader = FrameReader()
         self._retry_s = _FIRST_RETRY_S
-        self._said = ""
+        self._last_logged = ""
         self.is_closed = False
-        self.outlived = False
+        self.is_from_old_master = False
         self.node = ""
         self.received = self.received_bytes = 0
-        self._dial()
+        self._connect()
 
     @property
-    def connected(self) -> bool:
+    def is_connected(self) -> bool:
         """Tell whether messages can come."""
         return self._sock is not None
 
     def close(self) -> None:
         """End the connection for good."""
         self.is_closed = True
-        self._hang_up()
+        self._disconnect()
 
-    def _dial(self) -> None:
+    def _connect(self) -> None:
         if self.is_closed:
             return
-        future = self._workers.submit(connect, self._wish, self.uri)
-        future.add_done_callback(lambda done: self._loop.post(lambda: self._dialled(done)))
+        future = self._workers.submit(connect, self._request, self.uri)
+        future.add_done_callback(lambda done: self._loop.post(lambda: self._on_connected(done)))
 
-    def _dialled(self, future: "Future[tuple[socket.socket, Peer]]") -> None:
+    def _on_connected(self, future: "Future[tuple[socket.socket, Peer]]") -> None:
         try:
             sock, peer = future.result()
         except (OSError, RTronError) as error:
-            self._try_later(str(error))
+            self._retry_later(str(error))
             return
         except Exception:
             log.exception("internal error while connecting to %s", self.uri)
-            self._try_later("internal error")
+            self._retry_later("internal error")
             return
         if self.is_closed:
             sock.close()
             return
-        self._begin(sock, peer)
+        self._start_receiving(sock, peer)
 
-    def _begin(self, sock: socket.socket, peer: Peer) -> None:
-        receive = self._accept(peer)
+    def _start_receiving(self, sock: socket.socket, peer: Peer) -> None:
+        receive = self._on_connect(peer)
         if receive is None:
             sock.close()
-            self._try_later(f"{peer.node} at {self.uri} is refused")
+            self._retry_later(f"{peer.node} at {self.uri} is refused")
             return
-        self.node, self._receive, self._sock = peer.node, receive, sock
+        self.node, self._on_message, self._sock = peer.node, receive, sock
         self._peer = peer
         self._reader = FrameReader()
-        self._retry_s, self._said = _FIRST_RETRY_S, ""
-        log.info("%s takes %s from %s", self._wish.node, self._wish.topic, peer.node)
-        self._loop.watch(sock, self._readable, self._broken)
+        self._retry_s, self._last_logged = _FIRST_RETRY_S, ""
+        log.info("%s takes %s from %s", self._request.node, self._request.topic, peer.node)
+        self._loop.watch(sock, self._on_readable, self._on_error)
 
-    def _readable(self) -> None:
-        sock, receive = self._sock, self._receive
+    def _on_readable(self) -> None:
+        sock, receive = self._sock, self._on_message
         if sock is None or receive is None:
             return
         data = sock.recv(min(_LARGEST_READ, max(_CHUNK, self._reader.missing)))
@@ -99,31 +105,37 @@ class PublisherLink:
             self.received += 1
             receive(frame)
 
-    def _broken(self, error: Exception) -> None:
-        self._hang_up()
-        self._try_later(f"{self.node} at {self.uri}: {error}")
+    def _on_error(self, error: Exception) -> None:
+        self._disconnect()
+        self._retry_later(f"{self.node} at {self.uri}: {error}")
 
-    def _hang_up(self) -> None:
+    def _disconnect(self) -> None:
         sock, self._sock = self._sock, None
         if sock is not None:
             self._loop.forget(sock)
         peer, self._peer = self._peer, None
         if peer is not None:
-            self._lost(peer)
+            self._on_lost(peer)
 
-    def _try_later(self, why: str) -> None:
-        self.is_closed = self.is_closed or self.outlived
+    def _retry_later(self, why: str) -> None:
+        self.is_closed = self.is_closed or self.is_from_old_master
         if self.is_closed:
             return
-        if why != self._said:
-            log.warning("%s from a publisher of %s: %s", self._wish.node, self._wish.topic, why)
-            self._said = why
-        self._loop.call_later(self._retry_s, self._dial)
+        if why != self._last_logged:
+            log.warning(
+                "%s from a publisher of %s: %s", self._request.node, self._request.topic, why
+            )
+            self._last_logged = why
+        self._loop.call_later(self._retry_s, self._connect)
         self._retry_s = min(self._retry_s * 2, _LAST_RETRY_S)
 
 
-def start(
-    loop: Loop, workers: Executor, wish: Wish, accept: Connect, lost: Lost
+def link_factory(
+    loop: EventLoop,
+    workers: Executor,
+    request: TopicRequest,
+    on_connect: ConnectHandler,
+    on_lost: LostHandler,
 ) -> Callable[[str], PublisherLink]:
     """Return what makes a link from a publisher's address."""
-    return lambda uri: PublisherLink(loop, workers, wish, uri, accept, lost)
+    return lambda uri: PublisherLink(loop, workers, request, uri, on_connect, on_lost)

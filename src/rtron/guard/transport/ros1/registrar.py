@@ -12,17 +12,17 @@ from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 
 from rtron.errors import RTronError, SourceError
-from rtron.guard.core.event_loop import Loop
-from rtron.guard.transport.ros1.node import Node
+from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.transport.ros1.node import Ros1Node
 from rtron.wire.ros1.xmlrpc import ros_call
 
 log = logging.getLogger(__name__)
 
-_PATIENCE_S = 3.0
+_TIMEOUT_S = 3.0
 _REFRESH_S = 1.0
-_EVERY = 5
-_SILENT_S = 10.0
-_MOST_SAID = 16
+_REGISTER_EVERY = 5
+_LOG_PERIOD_S = 10.0
+_MAX_LOGGED = 16
 _FENCE = "refused by rtron master"
 _HELP = "; start `rtron master` first, then the guard: it finds the master behind the fence"
 
@@ -30,125 +30,136 @@ _HELP = "; start `rtron master` first, then the guard: it finds the master behin
 class Registrar:
     """Registers the guard's nodes and keeps their lists of publishers up to date."""
 
-    def __init__(self, loop: Loop, master: str, nodes: Callable[[], Iterable[Node]]) -> None:
+    def __init__(
+        self, loop: EventLoop, master: str, nodes: Callable[[], Iterable[Ros1Node]]
+    ) -> None:
         self._loop = loop
         self._master = master
         self._nodes = nodes
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="master")
         self._pid = 0
         self._round = 0
-        self._lost = False
-        self._until = math.inf
-        self._asked: set[tuple[str, str, str]] = set()
-        self._refused = _Refused()
-        loop.post(self._watch)
+        self._is_master_lost = False
+        self._deadline = math.inf
+        self._pending_calls: set[tuple[str, str, str]] = set()
+        self._refusal_log = _RefusalLog()
+        loop.post(self._schedule_check)
 
-    def publish(self, node: Node, topic: str) -> None:
+    def publish(self, node: Ros1Node, topic: str) -> None:
         """Register a publication; without a type it waits until the type is learned."""
         publication = node.publications[topic]
         if publication.type:
-            self._ask(node, "registerPublisher", topic, publication.type, _nothing)
+            self._call_soon(node, "registerPublisher", topic, publication.type, _ignore_answer)
 
-    def subscribe(self, node: Node, topic: str) -> None:
+    def subscribe(self, node: Ros1Node, topic: str) -> None:
         """Register a subscription, or ask again who publishes."""
         subscription = node.subscriptions[topic]
 
         def update(uris: object) -> None:
             if isinstance(uris, list) and topic in node.subscriptions:
-                own = frozenset(each.uri for each in self._nodes())
-                subscription.update([str(uri) for uri in uris], own)
+                own_uris = frozenset(each.uri for each in self._nodes())
+                subscription.update([str(uri) for uri in uris], own_uris)
 
-        self._ask(node, "registerSubscriber", topic, subscription.type or "*", update)
+        self._call_soon(node, "registerSubscriber", topic, subscription.type or "*", update)
 
-    def everything(self, node: Node) -> None:
+    def register_all(self, node: Ros1Node) -> None:
         """Register all that a node has."""
         for topic in list(node.publications):
             self.publish(node, topic)
         for topic in list(node.subscriptions):
             self.subscribe(node, topic)
 
-    def leave(self, node: Node) -> None:
+    def unregister_all(self, node: Ros1Node) -> None:
         """Take back all that a node has registered."""
         for method, topics in (
             ("unregisterPublisher", node.publications),
             ("unregisterSubscriber", node.subscriptions),
         ):
             for topic in topics:
-                self._thread.submit(self._quietly, method, node.name, topic, node.uri)
+                self._thread.submit(self._call, method, node.name, topic, node.uri)
 
     def close(self) -> None:
         """Wait until all that was asked has been said, or the master has had its time."""
-        self._until = time.monotonic() + _PATIENCE_S
+        self._deadline = time.monotonic() + _TIMEOUT_S
         self._thread.shutdown(wait=True)
 
-    def _ask(
-        self, node: Node, method: str, topic: str, type: str, then: Callable[[object], None]
+    def _call_soon(
+        self,
+        node: Ros1Node,
+        method: str,
+        topic: str,
+        type: str,
+        on_answer: Callable[[object], None],
     ) -> None:
-        if (method, node.name, topic) in self._asked:
+        if (method, node.name, topic) in self._pending_calls:
             return
-        self._asked.add((method, node.name, topic))
+        self._pending_calls.add((method, node.name, topic))
 
         def work() -> None:
-            self._asked.discard((method, node.name, topic))
-            answer = self._quietly(method, node.name, topic, type, node.uri)
+            self._pending_calls.discard((method, node.name, topic))
+            answer = self._call(method, node.name, topic, type, node.uri)
             if answer is not None:
-                self._loop.post(lambda: then(answer))
+                self._loop.post(lambda: on_answer(answer))
 
         self._thread.submit(work)
 
-    def _quietly(self, method: str, *params: str) -> object:
-        left = min(_PATIENCE_S, self._until - time.monotonic())
-        if left <= 0:
+    def _call(self, method: str, *params: str) -> object:
+        timeout = min(_TIMEOUT_S, self._deadline - time.monotonic())
+        if timeout <= 0:
             return None
         try:
-            return ros_call(self._master, method, *params, timeout=left)
+            return ros_call(self._master, method, *params, timeout=timeout)
         except RTronError as error:
             if _is_refusal(error) and method.startswith("register"):
-                self._refused.note(str(error))
+                self._refusal_log.log_once(str(error))
             else:
                 log.debug("%s", error)
             return None
 
-    def _watch(self) -> None:
-        self._thread.submit(self._check).add_done_callback(
-            lambda _: self._loop.post(lambda: self._loop.call_later(_REFRESH_S, self._watch))
+    def _schedule_check(self) -> None:
+        self._thread.submit(self._check_master).add_done_callback(
+            lambda _: self._loop.post(
+                lambda: self._loop.call_later(_REFRESH_S, self._schedule_check)
+            )
         )
 
-    def _check(self) -> None:
-        pid = self._quietly("getPid", "/rtron_guard")
-        self._note(lost=pid is None)
+    def _check_master(self) -> None:
+        pid = self._call("getPid", "/rtron_guard")
+        self._log_availability(is_lost=pid is None)
         self._round += 1
-        if isinstance(pid, int) and (pid != self._pid or self._round % _EVERY == 0):
+        if isinstance(pid, int) and (pid != self._pid or self._round % _REGISTER_EVERY == 0):
             restarted, self._pid = self._pid not in (0, pid), pid
-            self._loop.post(partial(self._register_all, restarted=restarted))
+            self._loop.post(partial(self._register_all, is_restarted=restarted))
 
-    def _register_all(self, *, restarted: bool) -> None:
+    def _register_all(self, *, is_restarted: bool) -> None:
         for node in self._nodes():
-            if restarted:
+            if is_restarted:
                 for subscription in node.subscriptions.values():
-                    subscription.outlive_master()
-            self.everything(node)
+                    subscription.keep_working_links()
+            self.register_all(node)
 
-    def _note(self, *, lost: bool) -> None:
-        if lost != self._lost:
-            self._lost = lost
-            state = "does not answer; connections stay" if lost else "answers again"
+    def _log_availability(self, *, is_lost: bool) -> None:
+        if is_lost != self._is_master_lost:
+            self._is_master_lost = is_lost
+            state = "does not answer; connections stay" if is_lost else "answers again"
             log.warning("the master at %s %s", self._master, state)
 
 
-class _Refused:
+class _RefusalLog:
     """The log of what the master refuses: the same once in 10 s, and not too much of it."""
 
     def __init__(self) -> None:
-        self._said: dict[str, float] = {}
+        self._logged_at: dict[str, float] = {}
 
-    def note(self, why: str) -> None:
+    def log_once(self, reason: str) -> None:
         now = time.monotonic()
-        self._said = {each: at for each, at in self._said.items() if now - at < _SILENT_S}
-        if why in self._said or len(self._said) >= _MOST_SAID:
+        self._logged_at = {
+            each: at for each, at in self._logged_at.items() if now - at < _LOG_PERIOD_S
+        }
+        if reason in self._logged_at or len(self._logged_at) >= _MAX_LOGGED:
             return
-        self._said[why] = now
-        log.error("not registered: %s%s", why, _HELP if _FENCE in why else "")
+        self._logged_at[reason] = now
+        log.error("not registered: %s%s", reason, _HELP if _FENCE in reason else "")
 
 
 def _is_refusal(error: RTronError) -> bool:
@@ -156,6 +167,6 @@ def _is_refusal(error: RTronError) -> bool:
     return isinstance(error, SourceError) and error.__cause__ is None
 
 
-def _nothing(answer: object) -> None:
+def _ignore_answer(answer: object) -> None:
     """Take an answer that nobody needs."""
     del answer

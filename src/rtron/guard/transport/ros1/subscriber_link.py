@@ -5,13 +5,13 @@ import socket
 from collections.abc import Callable
 
 from rtron.errors import WireError
-from rtron.guard.core.event_loop import Loop
+from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.transport.common.backlog import Backlog
 from rtron.wire.ros1.tcpros import MAX_HEADER, FrameReader, decode_header, encode_header
 
 log = logging.getLogger(__name__)
 
-_HANDSHAKE_S = 10.0
+_HANDSHAKE_TIMEOUT_S = 10.0
 _CHUNK = 1 << 16
 _BATCH = 64
 
@@ -25,34 +25,34 @@ class SubscriberLink:
 
     def __init__(
         self,
-        loop: Loop,
+        loop: EventLoop,
         sock: socket.socket,
-        opened: Callable[["SubscriberLink", dict[str, str]], None],
+        on_header: Callable[["SubscriberLink", dict[str, str]], None],
     ) -> None:
         self._loop = loop
         self._sock = sock
-        self._opened = opened
+        self._on_header = on_header
         self._header = FrameReader(MAX_HEADER)
-        self._head: memoryview | None = None
+        self._unsent_head: memoryview | None = None
         self._queue = Backlog(1)
-        self._fresh: list[bytes] = []
-        self.closed: Callable[[SubscriberLink], None] = lambda link: None
+        self._unflushed: list[bytes] = []
+        self.on_close: Callable[[SubscriberLink], None] = lambda link: None
         self.node = ""
         self.md5sum = ""
-        self.streaming = False
+        self.is_streaming = False
         self.is_closed = False
         self.sent = self.sent_bytes = 0
-        loop.watch(sock, self._readable, self._broken)
-        loop.call_later(_HANDSHAKE_S, self._expire)
+        loop.watch(sock, self._on_readable, self._on_error)
+        loop.call_later(_HANDSHAKE_TIMEOUT_S, self._close_without_header)
 
     @property
     def dropped(self) -> int:
         """How many messages the subscriber was too slow for."""
         return self._queue.dropped
 
-    def allow(self, waiting: int) -> None:
+    def set_queue_size(self, size: int) -> None:
         """Set how many messages may wait."""
-        self._queue.limit = waiting
+        self._queue.limit = size
 
     @property
     def address(self) -> str:
@@ -63,9 +63,9 @@ class SubscriberLink:
             return "closed"
         return f"{host}:{port}"
 
-    def welcome(self, fields: dict[str, str]) -> None:
+    def accept(self, fields: dict[str, str]) -> None:
         """Answer the header; messages may follow."""
-        self.streaming = True
+        self.is_streaming = True
         self._enqueue(encode_header(fields))
 
     def refuse(self, why: str) -> None:
@@ -77,9 +77,9 @@ class SubscriberLink:
 
     def send(self, message: bytes) -> None:
         """Send a message, or let it wait while the subscriber is slow."""
-        if not self._fresh:
-            self._loop.after(self._flush)
-        self._fresh.append(message)
+        if not self._unflushed:
+            self._loop.call_after_event(self._flush)
+        self._unflushed.append(message)
 
     def close(self) -> None:
         """End the connection; what waited is counted as dropped."""
@@ -88,21 +88,21 @@ class SubscriberLink:
         self.is_closed = True
         self._queue.clear()
         self._loop.forget(self._sock)
-        self.closed(self)
+        self.on_close(self)
 
     def _flush(self) -> None:
-        fresh, self._fresh = self._fresh, []
+        fresh, self._unflushed = self._unflushed, []
         if self.is_closed:
             return
         self.sent += len(fresh)
-        if self._head is None and len(fresh) == 1:
+        if self._unsent_head is None and len(fresh) == 1:
             self._enqueue(fresh[0])
             return
         for at in range(0, len(fresh), _BATCH):
-            self._hold(fresh[at : at + _BATCH])
+            self._queue_messages(fresh[at : at + _BATCH])
 
-    def _hold(self, messages: list[bytes]) -> None:
-        if self._head is None:
+    def _queue_messages(self, messages: list[bytes]) -> None:
+        if self._unsent_head is None:
             self._enqueue(b"".join(messages))
             return
         for message in messages:
@@ -115,23 +115,23 @@ class SubscriberLink:
         except BlockingIOError:
             written = 0
         except OSError as error:
-            self._broken(error)
+            self._on_error(error)
             return
         self.sent_bytes += written
         if written < len(data):
-            self._head = memoryview(data)[written:]
-            self._loop.await_writable(self._sock, self._writable)
+            self._unsent_head = memoryview(data)[written:]
+            self._loop.await_writable(self._sock, self._on_writable)
 
-    def _writable(self) -> None:
-        head, self._head = self._head, None
+    def _on_writable(self) -> None:
+        head, self._unsent_head = self._unsent_head, None
         if head is not None:
             self._enqueue(head)  # type: ignore[arg-type]
-        while self._head is None and self._queue:
+        while self._unsent_head is None and self._queue:
             self._enqueue(self._queue.pop())
-        if self._head is None and not self.is_closed:
+        if self._unsent_head is None and not self.is_closed:
             self._loop.await_writable(self._sock, None)
 
-    def _readable(self) -> None:
+    def _on_readable(self) -> None:
         data = self._sock.recv(_CHUNK)
         if not data:
             raise WireError("closed by the subscriber")
@@ -143,13 +143,13 @@ class SubscriberLink:
             self.md5sum = fields.get("md5sum", "")
             if not self.md5sum:
                 raise WireError("the header has no md5sum")
-            self._opened(self, fields)
+            self._on_header(self, fields)
 
-    def _expire(self) -> None:
+    def _close_without_header(self) -> None:
         if not self.md5sum and not self.is_closed:
-            self._broken(WireError("no connection header in time"))
+            self._on_error(WireError("no connection header in time"))
 
-    def _broken(self, error: Exception) -> None:
+    def _on_error(self, error: Exception) -> None:
         if not self.is_closed:
             log.info("subscriber %s at %s: %s", self.node or "?", self.address, error)
             self.close()

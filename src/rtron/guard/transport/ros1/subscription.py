@@ -6,41 +6,41 @@ from rtron.guard.transport.ros1.publisher_link import PublisherLink
 
 
 class Subscription:
-    """Keeps one link a publisher; `joined` marks a connection between two nodes of the guard."""
+    """Keeps one link a publisher; `is_internal` marks a connection between two nodes of the guard."""
 
     def __init__(
         self,
         topic: str,
         type: str,
-        link: Callable[[str], PublisherLink],
+        create_link: Callable[[str], PublisherLink],
         *,
-        joined: bool = False,
+        is_internal: bool = False,
     ) -> None:
         self.topic = topic
         self.type = type
-        self.joined = joined
-        self._link = link
+        self.is_internal = is_internal
+        self._create_link = create_link
         self.links: dict[str, PublisherLink] = {}
-        self.own: tuple[str, ...] = ()
+        self.own_uris: tuple[str, ...] = ()
 
-    def update(self, uris: Iterable[str], own: frozenset[str]) -> None:
+    def update(self, uris: Iterable[str], own_uris: frozenset[str]) -> None:
         """Take the master's list of publishers; addresses of our own nodes are left out."""
         self._forget_closed()
-        listed = set(uris)
-        self.own = tuple(sorted(listed & own))
-        wanted = set() if self.joined else listed - own
-        for uri in self.links.keys() - wanted:
-            if not self.links[uri].outlived:
+        listed_uris = set(uris)
+        self.own_uris = tuple(sorted(listed_uris & own_uris))
+        expected_uris = set() if self.is_internal else listed_uris - own_uris
+        for uri in self.links.keys() - expected_uris:
+            if not self.links[uri].is_from_old_master:
                 self.links.pop(uri).close()
-        for uri in self.links.keys() & wanted:
-            self.links[uri].outlived = False
-        for uri in wanted - self.links.keys():
-            self.links[uri] = self._link(uri)
+        for uri in self.links.keys() & expected_uris:
+            self.links[uri].is_from_old_master = False
+        for uri in expected_uris - self.links.keys():
+            self.links[uri] = self._create_link(uri)
 
-    def outlive_master(self) -> None:
+    def keep_working_links(self) -> None:
         """Keep the links that work although a new master knows nothing of them, as ROS does."""
         for link in self.links.values():
-            link.outlived = link.connected
+            link.is_from_old_master = link.is_connected
 
     def _forget_closed(self) -> None:
         self.links = {uri: link for uri, link in self.links.items() if not link.is_closed}

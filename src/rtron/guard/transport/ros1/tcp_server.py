@@ -4,8 +4,8 @@ import logging
 import socket
 from collections.abc import Callable
 
-from rtron.guard.core.event_loop import Loop
-from rtron.guard.transport.ros1.tuning import tune
+from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.transport.ros1.tuning import set_socket_options
 
 log = logging.getLogger(__name__)
 
@@ -17,14 +17,18 @@ class TcpServer:
     """Accepts connections and hands each over, non-blocking; port 0 is a free one."""
 
     def __init__(
-        self, loop: Loop, host: str, accepted: Callable[[socket.socket], object], port: int = 0
+        self,
+        loop: EventLoop,
+        host: str,
+        on_connection: Callable[[socket.socket], object],
+        port: int = 0,
     ) -> None:
         self._loop = loop
-        self._accepted = accepted
+        self._on_connection = on_connection
         self._sock = socket.create_server((host, port), backlog=_BACKLOG)
         self._sock.settimeout(0)
         self.port: int = self._sock.getsockname()[1]
-        loop.watch(self._sock, self._accept, self._broken)
+        loop.watch(self._sock, self._accept, self._on_error)
 
     def close(self) -> None:
         """Listen no more."""
@@ -35,11 +39,11 @@ class TcpServer:
             connection, _ = self._sock.accept()
         except OSError as error:
             log.warning("a connection could not be accepted: %s", error)
-            self._loop.pause(self._sock, _PAUSE_S)
+            self._loop.suspend(self._sock, _PAUSE_S)
             return
         connection.settimeout(0)
-        tune(connection)
-        self._accepted(connection)
+        set_socket_options(connection)
+        self._on_connection(connection)
 
-    def _broken(self, error: Exception) -> None:
+    def _on_error(self, error: Exception) -> None:
         log.warning("a connection was dropped while it was set up: %s", error)

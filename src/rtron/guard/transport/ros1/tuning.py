@@ -11,7 +11,7 @@ _OPTIONS = (
 )
 
 
-def tune(sock: socket.socket) -> None:
+def set_socket_options(sock: socket.socket) -> None:
     """Set the options of a connected socket; keep-alive gives up after 25 s of silence."""
     for level, name, value in _OPTIONS:
         sock.setsockopt(level, name, value)

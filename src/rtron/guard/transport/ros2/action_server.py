@@ -13,255 +13,276 @@ from rclpy.serialization import serialize_message
 
 from rtron.errors import WireError
 from rtron.guard.action.ros2.endpoints import GoalMessage
-from rtron.guard.core.log_throttle import Seldom
-from rtron.guard.transport.ros2.client_resolver import Callers
-from rtron.guard.transport.ros2.event_fd import Bell
-from rtron.guard.transport.ros2.pace import Pace
-from rtron.guard.transport.ros2.service_calls import PLACE_SIZE
-from rtron.vocabulary import REQUESTED, SECOND, ActionEnd, end_name
-from rtron.wire.ros2.endpoints import GID_SIZE, PARTICIPANT
+from rtron.guard.core.log_throttle import LogThrottle
+from rtron.guard.transport.ros2.client_resolver import ClientResolver
+from rtron.guard.transport.ros2.event_fd import EventFd
+from rtron.guard.transport.ros2.pace import ResponsePacer
+from rtron.guard.transport.ros2.service_calls import REQUEST_ID_SIZE
+from rtron.vocabulary import ROS2_ACTION_SERVICES, SECOND, Ros2ActionEntity, ros2_entity_name
+from rtron.wire.ros2.endpoints import GID_SIZE, PARTICIPANT_SIZE
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from rclpy.node import Node
 
-    from rtron.guard.action.ros2.endpoints import Cancelled, Hears
+    from rtron.guard.action.ros2.endpoints import ActionListener, CancelResponse
     from rtron.guard.transport.common.protocol import Peer, TypeInfo
-    from rtron.guard.transport.ros2.context import Surroundings
-    from rtron.guard.transport.ros2.service_calls import Letter, Requests
+    from rtron.guard.transport.ros2.context import TransportContext
+    from rtron.guard.transport.ros2.service_calls import ServiceCalls, ServiceMessage
 
 log = logging.getLogger(__name__)
 
-READ_AHEAD = 1000
+QUEUE_DEPTH = 1000
 """So many requests, or answers, wait to be taken."""
 _FEEDBACK = QoSProfile(depth=10)
-_MEETING = 2 * SECOND
+_DISCOVERY_TIME = 2 * SECOND
 """So long a client takes to find a service that answers in the place of another."""
 
 
 @dataclass(frozen=True, slots=True)
-class Around:
-    """What all ends of an action share; `cls` is rclpy's class of the action."""
+class ActionContext:
+    """What all ends of an action share; `action_class` is rclpy's class of the action."""
 
     node: Node
-    cls: Any
-    info: TypeInfo
-    shared: Surroundings
-    requests: Requests
+    action_class: Any
+    type_info: TypeInfo
+    shared: TransportContext
+    requests: ServiceCalls
 
-    def service(self, end: ActionEnd) -> Any:  # noqa: ANN401 - a generated class
+    def service_class(self, end: Ros2ActionEntity) -> Any:  # noqa: ANN401 - a generated class
         """Return the class of one of the action's services."""
-        impl = self.cls.Impl
+        impl = self.action_class.Impl
         return {
-            ActionEnd.SEND_GOAL: impl.SendGoalService,
-            ActionEnd.CANCEL_GOAL: impl.CancelGoalService,
-            ActionEnd.GET_RESULT: impl.GetResultService,
+            Ros2ActionEntity.SEND_GOAL: impl.SendGoalService,
+            Ros2ActionEntity.CANCEL_GOAL: impl.CancelGoalService,
+            Ros2ActionEntity.GET_RESULT: impl.GetResultService,
         }[end]
 
 
 def services_qos() -> QoSProfile:
     """Return the QoS of services, with room for many at once."""
-    return QoSProfile(depth=READ_AHEAD)
+    return QoSProfile(depth=QUEUE_DEPTH)
 
 
-class Front:
-    """Hands what clients ask to `hears`, named by their flow; offered only while it is open."""
+class ActionServer:
+    """Hands what clients ask to `listener`, named by their flow; offered only while it is open."""
 
     def __init__(
-        self, action: str, flow: str, publisher: str, hears: Hears, around: Around
+        self,
+        action: str,
+        flow: str,
+        publisher: str,
+        listener: ActionListener,
+        context: ActionContext,
     ) -> None:
         self.flow = flow
         self._action = action
-        self._hears = hears
-        self._around = around
-        self._callers = Callers(action, publisher, around.info, around.shared)
-        self._services: dict[ActionEnd, Any] = {}
-        self._bells: list[Bell] = []
-        self._publishers: dict[ActionEnd, Any] = {}
-        self._opened = 0
-        self._unmet: list[Callable[[], None]] = []
-        self._pace = Pace(around.shared.loop)
-        self._seldom = Seldom()
+        self._listener = listener
+        self._context = context
+        self._clients = ClientResolver(action, publisher, context.type_info, context.shared)
+        self._services: dict[Ros2ActionEntity, Any] = {}
+        self._event_fds: list[EventFd] = []
+        self._publishers: dict[Ros2ActionEntity, Any] = {}
+        self._opened_at = 0
+        self._deferred_replies: list[Callable[[], None]] = []
+        self._response_pacer = ResponsePacer(context.shared.loop)
+        self._log_throttle = LogThrottle()
 
     def open(self) -> None:
         """Be there for clients."""
         if self._services:
             return
-        self._opened = self._around.shared.loop.now()
-        around, node = self._around, self._around.node
+        self._opened_at = self._context.shared.loop.now()
+        context, node = self._context, self._context.node
         for end, cls, qos in (
-            (ActionEnd.FEEDBACK, around.cls.Impl.FeedbackMessage, _FEEDBACK),
-            (ActionEnd.STATUS, GoalStatusArray, qos_profile_action_status_default),
+            (Ros2ActionEntity.FEEDBACK, context.action_class.Impl.FeedbackMessage, _FEEDBACK),
+            (Ros2ActionEntity.STATUS, GoalStatusArray, qos_profile_action_status_default),
         ):
-            name = end_name(self._action, end)
+            name = ros2_entity_name(self._action, end)
             self._publishers[end] = node.create_publisher(cls, name, qos)
-        for end in REQUESTED:
+        for end in ROS2_ACTION_SERVICES:
             self._open_service(end)
-        unmet, self._unmet = self._unmet, []
+        unmet, self._deferred_replies = self._deferred_replies, []
         for again in unmet:
             again()
 
     def close(self) -> None:
         """Be there no more."""
         for service in self._services.values():
-            self._around.node.destroy_service(service)
-        for bell in self._bells:
-            bell.silence()
+            self._context.node.destroy_service(service)
+        for event_fd in self._event_fds:
+            event_fd.stop()
         for publisher in self._publishers.values():
-            self._around.node.destroy_publisher(publisher)
-        self._bells.clear()
+            self._context.node.destroy_publisher(publisher)
+        self._event_fds.clear()
         self._services.clear()
         self._publishers.clear()
 
-    def leave(self) -> None:
+    def destroy(self) -> None:
         """Close for good."""
         self.close()
-        self._callers.close()
+        self._clients.close()
 
-    def tell(self, end: ActionEnd, message: bytes) -> None:
+    def publish(self, end: Ros2ActionEntity, message: bytes) -> None:
         """Publish a feedback message or a status array."""
         publisher = self._publishers.get(end)
         if publisher:
-            self._around.shared.rcl.publish(publisher.handle.pointer, message)
+            self._context.shared.rcl.publish(publisher.handle.pointer, message)
 
-    def place(self, token: str) -> ResultPlace | None:
+    def restore_reply(self, token: str) -> ResultResponder | None:
         """Return where a request of a former life of this service is answered."""
         try:
-            place = bytes.fromhex(token)
+            request_id = bytes.fromhex(token)
         except ValueError:
             return None
-        return ResultPlace(self, place, former=True) if len(place) == PLACE_SIZE else None
+        return (
+            ResultResponder(self, request_id, is_inherited=True)
+            if len(request_id) == REQUEST_ID_SIZE
+            else None
+        )
 
-    def give_result(
-        self, place: bytes, status: int, result: object | None, *, former: bool = False
+    def send_result(
+        self, request_id: bytes, status: int, result: object | None, *, is_inherited: bool = False
     ) -> None:
         """Answer a request for a result, maybe one that a former guard has taken."""
-        if former and not self._may_meet(partial(self.give_result, place, status, result)):
+        if is_inherited and not self._are_clients_connected(
+            partial(self.send_result, request_id, status, result)
+        ):
             return
-        if former:
-            place = self._of_writer(ActionEnd.GET_RESULT, place)
-        cls = self._around.service(ActionEnd.GET_RESULT).Response
-        given = self._around.cls.Result() if result is None else result
-        self._respond(ActionEnd.GET_RESULT, place, cls(status=status, result=given))
+        if is_inherited:
+            request_id = self._writer_request_id(Ros2ActionEntity.GET_RESULT, request_id)
+        cls = self._context.service_class(Ros2ActionEntity.GET_RESULT).Response
+        message = self._context.action_class.Result() if result is None else result
+        self._respond(Ros2ActionEntity.GET_RESULT, request_id, cls(status=status, result=message))
 
-    def _may_meet(self, again: Callable[..., None]) -> bool:
+    def _are_clients_connected(self, retry: Callable[..., None]) -> bool:
         """Tell whether clients of a former guard have found this one; call again when they have."""
-        again = partial(again, former=True)
+        retry = partial(retry, former=True)
         if not self._services:
-            self._unmet.append(again)
+            self._deferred_replies.append(retry)
             return False
-        early = self._opened + _MEETING - self._around.shared.loop.now()
+        early = self._opened_at + _DISCOVERY_TIME - self._context.shared.loop.now()
         if early > 0:
-            self._around.shared.loop.call_later(early / SECOND, again)
+            self._context.shared.loop.call_later(early / SECOND, retry)
         return early <= 0
 
-    def _of_writer(self, end: ActionEnd, place: bytes) -> bytes:
+    def _writer_request_id(self, end: Ros2ActionEntity, request_id: bytes) -> bytes:
         """Return the place of a request by its writer's GUID, where Fast DDS gave its reader's.
 
         Fast DDS answers at a reader only if the same service has taken a request from it; clients
         take what is answered at either.
         """
-        node, name = self._around.node, f"rq{end_name(self._action, end)}Request"
+        node, name = self._context.node, f"rq{ros2_entity_name(self._action, end)}Request"
         infos = node.get_publishers_info_by_topic(name, no_mangle=True)
         gids = [bytes(info.endpoint_gid)[:GID_SIZE] for info in infos]
-        own = [gid for gid in gids if gid[:PARTICIPANT] == place[:PARTICIPANT]]
-        return own[0] + place[GID_SIZE:] if len(own) == 1 else place
+        client_gids = [
+            gid for gid in gids if gid[:PARTICIPANT_SIZE] == request_id[:PARTICIPANT_SIZE]
+        ]
+        return client_gids[0] + request_id[GID_SIZE:] if len(client_gids) == 1 else request_id
 
-    def _open_service(self, end: ActionEnd) -> None:
-        around = self._around
-        service = around.node.create_service(
-            around.service(end),
-            end_name(self._action, end),
+    def _open_service(self, end: Ros2ActionEntity) -> None:
+        context = self._context
+        service = context.node.create_service(
+            context.service_class(end),
+            ros2_entity_name(self._action, end),
             lambda _request, response: response,
             qos_profile=services_qos(),
         )
         self._services[end] = service
-        bell = Bell(around.shared.loop, partial(self._take, end))
-        self._bells.append(bell)
-        around.shared.rcl.notify("service", service.handle, bell.fd)
+        event_fd = EventFd(context.shared.loop, partial(self._on_requests, end))
+        self._event_fds.append(event_fd)
+        context.shared.rcl.notify("service", service.handle, event_fd.fd)
 
-    def _take(self, end: ActionEnd, count: int) -> None:
-        cls = self._around.service(end).Request
+    def _on_requests(self, end: Ros2ActionEntity, count: int) -> None:
+        cls = self._context.service_class(end).Request
         for _ in range(count):
             try:
-                taken = self._around.requests.take_request(self._services[end].handle, cls)
+                id_and_request = self._context.requests.take_request(
+                    self._services[end].handle, cls
+                )
             except WireError as error:
-                self._complain(f"a request is dropped: {error}")
+                self._log_problem(f"a request is dropped: {error}")
                 continue
-            if taken is None:
+            if id_and_request is None:
                 return
-            place, letter = taken
-            self._callers.name(place, partial(self._open_letter, end, place, letter))
+            request_id, request = id_and_request
+            self._clients.resolve(request_id, partial(self._on_request, end, request_id, request))
 
-    def _open_letter(self, end: ActionEnd, place: bytes, letter: Letter, peer: Peer) -> None:
+    def _on_request(
+        self, end: Ros2ActionEntity, request_id: bytes, request: ServiceMessage, peer: Peer
+    ) -> None:
         """Hand on a request whose sender is known."""
-        asked = {
-            ActionEnd.SEND_GOAL: self._goal,
-            ActionEnd.CANCEL_GOAL: self._cancel,
-            ActionEnd.GET_RESULT: self._result,
+        handler = {
+            Ros2ActionEntity.SEND_GOAL: self._on_goal,
+            Ros2ActionEntity.CANCEL_GOAL: self._on_cancel,
+            Ros2ActionEntity.GET_RESULT: self._on_result_request,
         }[end]
         try:
-            asked(place, letter, peer)
+            handler(request_id, request, peer)
         except WireError as error:
-            self._complain(f"a request of {peer.node} is dropped: {error}")
+            self._log_problem(f"a request of {peer.node} is dropped: {error}")
 
-    def _goal(self, place: bytes, letter: Letter, peer: Peer) -> None:
-        answer = partial(self._admit, place)
-        self._hears.goal_asked(self.flow, peer, partial(_goal_in, letter), answer)
+    def _on_goal(self, request_id: bytes, request: ServiceMessage, peer: Peer) -> None:
+        reply = partial(self._reply_to_goal, request_id)
+        self._listener.on_goal_request(self.flow, peer, partial(_decode_goal, request), reply)
 
-    def _admit(self, place: bytes, stamp: int | None) -> None:
-        response = self._around.service(ActionEnd.SEND_GOAL).Response()
+    def _reply_to_goal(self, request_id: bytes, stamp: int | None) -> None:
+        response = self._context.service_class(Ros2ActionEntity.SEND_GOAL).Response()
         response.accepted = stamp is not None
         response.stamp.sec, response.stamp.nanosec = divmod(stamp or 0, SECOND)
-        self._respond(ActionEnd.SEND_GOAL, place, response)
+        self._respond(Ros2ActionEntity.SEND_GOAL, request_id, response)
 
-    def _result(self, place: bytes, letter: Letter, peer: Peer) -> None:
-        answer = ResultPlace(self, place)
-        self._hears.result_asked(self.flow, peer, _id(letter.read().goal_id), answer)
+    def _on_result_request(self, request_id: bytes, request: ServiceMessage, peer: Peer) -> None:
+        reply = ResultResponder(self, request_id)
+        self._listener.on_result_request(
+            self.flow, peer, _uuid_bytes(request.decode().goal_id), reply
+        )
 
-    def _cancel(self, place: bytes, letter: Letter, peer: Peer) -> None:
-        info = letter.read().goal_info
+    def _on_cancel(self, request_id: bytes, request: ServiceMessage, peer: Peer) -> None:
+        info = request.decode().goal_info
         stamp = info.stamp.sec * SECOND + info.stamp.nanosec
-        answer = partial(self._cancelled, place)
-        self._hears.cancel_asked(self.flow, peer, _id(info.goal_id), stamp, answer)
+        reply = partial(self._reply_to_cancel, request_id)
+        self._listener.on_cancel_request(self.flow, peer, _uuid_bytes(info.goal_id), stamp, reply)
 
-    def _cancelled(self, place: bytes, cancelled: Cancelled) -> None:
-        response = self._around.service(ActionEnd.CANCEL_GOAL).Response()
-        response.return_code = cancelled.code
-        response.goals_canceling = [goal_info(id, stamp) for id, stamp in cancelled.goals]
-        self._respond(ActionEnd.CANCEL_GOAL, place, response)
+    def _reply_to_cancel(self, request_id: bytes, result: CancelResponse) -> None:
+        response = self._context.service_class(Ros2ActionEntity.CANCEL_GOAL).Response()
+        response.return_code = result.code
+        response.goals_canceling = [goal_info(id, stamp) for id, stamp in result.goals]
+        self._respond(Ros2ActionEntity.CANCEL_GOAL, request_id, response)
 
-    def _respond(self, end: ActionEnd, place: bytes, response: object) -> None:
-        self._pace.send(partial(self._send, end, place, response))
+    def _respond(self, end: Ros2ActionEntity, request_id: bytes, response: object) -> None:
+        self._response_pacer.send(partial(self._send, end, request_id, response))
 
-    def _send(self, end: ActionEnd, place: bytes, response: object) -> None:
+    def _send(self, end: Ros2ActionEntity, request_id: bytes, response: object) -> None:
         service = self._services.get(end)
         if service is None:
-            self._complain("an answer is lost: the action is not offered any more")
+            self._log_problem("an answer is lost: the action is not offered any more")
             return
         try:
-            self._around.requests.respond(service.handle, place, response)
+            self._context.requests.respond(service.handle, request_id, response)
         except WireError as error:
-            self._complain(f"an answer is lost: {error}")
+            self._log_problem(f"an answer is lost: {error}")
 
-    def _complain(self, why: str) -> None:
-        if self._seldom.may_say("complaint", self._around.shared.loop.now()):
+    def _log_problem(self, why: str) -> None:
+        if self._log_throttle.allows("complaint", self._context.shared.loop.now()):
             log.warning("%s: %s", self._action, why)
 
 
-class ResultPlace:
+class ResultResponder:
     """Where one request for a result is answered, now or by a later guard."""
 
-    def __init__(self, front: Front, place: bytes, *, former: bool = False) -> None:
-        self._front = front
-        self._place = place
-        self._former = former
-        self.token = f"{front.flow} {place.hex()}"
+    def __init__(
+        self, server: ActionServer, request_id: bytes, *, is_inherited: bool = False
+    ) -> None:
+        self._server = server
+        self._request_id = request_id
+        self._is_inherited = is_inherited
+        self.token = f"{server.flow} {request_id.hex()}"
 
     def __call__(self, status: int, result: object | None) -> None:
         """Answer."""
-        self._front.give_result(self._place, status, result, former=self._former)
+        self._server.send_result(self._request_id, status, result, is_inherited=self._is_inherited)
 
 
 def goal_info(id: bytes, stamp: int) -> GoalInfo:
@@ -272,10 +293,10 @@ def goal_info(id: bytes, stamp: int) -> GoalInfo:
     return info
 
 
-def _goal_in(letter: Letter) -> GoalMessage:
-    request = letter.read()
-    return GoalMessage.of(_id(request.goal_id), serialize_message(request.goal))
+def _decode_goal(message: ServiceMessage) -> GoalMessage:
+    request = message.decode()
+    return GoalMessage.of(_uuid_bytes(request.goal_id), serialize_message(request.goal))
 
 
-def _id(goal_id: Any) -> bytes:  # noqa: ANN401 - unique_identifier_msgs/UUID
+def _uuid_bytes(goal_id: Any) -> bytes:  # noqa: ANN401 - unique_identifier_msgs/UUID
     return bytes(goal_id.uuid)

@@ -8,23 +8,23 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from rtron.guard.core.event_loop import Loop
-    from rtron.guard.transport.ros2.graph import Graph
-    from rtron.guard.transport.ros2.owners import Owners
-    from rtron.guard.transport.ros2.participants import Lives
+    from rtron.guard.core.event_loop import EventLoop
+    from rtron.guard.transport.ros2.graph import RosGraph
+    from rtron.guard.transport.ros2.owners import NameOwners
+    from rtron.guard.transport.ros2.participants import ParticipantLiveness
     from rtron.guard.transport.ros2.rcl import Rcl
 
 
 @dataclass(slots=True)
-class Surroundings:
+class TransportContext:
     """The loop, rcl's calls, the graph, whose the node names in it are, and who of it lives.
 
-    `complain` is told what of a node's words on a topic is not heard, and why.
+    `report_unreadable` is told what of a node's words on a topic is not heard, and why.
     """
 
-    loop: Loop
+    loop: EventLoop
     rcl: Rcl
-    graph: Graph
-    owners: Owners
-    lives: Lives
-    complain: Callable[[str, str, str], None]
+    graph: RosGraph
+    owners: NameOwners
+    liveness: ParticipantLiveness
+    report_unreadable: Callable[[str, str, str], None]

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 
 from rclpy.event_handler import SubscriptionEventCallbacks
 
-from rtron.guard.core.log_throttle import Seldom
-from rtron.guard.core.out_of_memory import end_starved
-from rtron.guard.transport.numbered import Numbered
-from rtron.guard.transport.ros2.event_fd import Bell
-from rtron.guard.transport.ros2.lateness import Lateness
-from rtron.guard.transport.ros2.qos import asked_for
+from rtron.guard.core.log_throttle import LogThrottle
+from rtron.guard.core.out_of_memory import exit_out_of_memory
+from rtron.guard.transport.numbered import NumberedMessage
+from rtron.guard.transport.ros2.event_fd import EventFd
+from rtron.guard.transport.ros2.lateness import LatenessDetector
+from rtron.guard.transport.ros2.qos import requested_profile
 from rtron.vocabulary import Durability
 
 if TYPE_CHECKING:
@@ -21,19 +21,19 @@ if TYPE_CHECKING:
 
     from rclpy.node import Node
 
-    from rtron.guard.transport.ros2.context import Surroundings
+    from rtron.guard.transport.ros2.context import TransportContext
     from rtron.vocabulary import QoS
 
-    Heard = Callable[["Reader", bytes, bytes], None]
+    DataHandler = Callable[["DataReader", bytes, bytes], None]
 
 log = logging.getLogger(__name__)
 
 
-class Reader:
-    """Asks for what publishers of one QoS offer; `heard` gets the reader, the GID, the message.
+class DataReader:
+    """Asks for what publishers of one QoS offer; `on_message` gets the reader, the GID, the message.
 
     What publishers keep comes numbered: DDS tells it again to every new reader. What is
-    `momentary` is not handed on late.
+    `is_command` is not handed on late.
     """
 
     def __init__(
@@ -42,65 +42,65 @@ class Reader:
         cls: type,
         topic: str,
         qos: QoS,
-        shared: Surroundings,
-        heard: Heard,
+        context: TransportContext,
+        on_message: DataHandler,
         *,
-        momentary: bool,
+        is_command: bool,
     ) -> None:
         self._node = node
-        self._rcl = shared.rcl
-        self._heard = heard
+        self._rcl = context.rcl
+        self._on_message = on_message
         self._topic = topic
-        self._now = shared.loop.now
-        self._lateness = Lateness() if momentary else None
-        self._seldom = Seldom()
-        self._numbers = qos.durability is Durability.TRANSIENT_LOCAL
+        self._now = context.loop.now
+        self._lateness = LatenessDetector() if is_command else None
+        self._log_throttle = LogThrottle()
+        self._adds_numbers = qos.durability is Durability.TRANSIENT_LOCAL
         self._subscription = node.create_subscription(
             cls,
             topic,
             lambda _message: None,
-            asked_for(qos),
+            requested_profile(qos),
             raw=True,
             event_callbacks=SubscriptionEventCallbacks(use_default_callbacks=False),
         )
         self._pointer: int = self._subscription.handle.pointer
-        self._bell = Bell(shared.loop, self._take)
-        self._rcl.notify("subscription", self._subscription.handle, self._bell.fd)
+        self._event_fd = EventFd(context.loop, self._on_count)
+        self._rcl.notify("subscription", self._subscription.handle, self._event_fd.fd)
 
     def close(self) -> None:
         """Read no more."""
         self._pointer = 0
         self._node.destroy_subscription(self._subscription)
-        self._bell.silence()
+        self._event_fd.stop()
 
-    def _take(self, count: int) -> None:
+    def _on_count(self, count: int) -> None:
         for _ in range(count):
-            taken = self._rcl.take(self._pointer) if self._pointer else None
-            if taken is None:
+            message_and_gid = self._rcl.take(self._pointer) if self._pointer else None
+            if message_and_gid is None:
                 return
-            message, gid = taken
+            message, gid = message_and_gid
             if self._lateness and self._is_late(self._lateness, gid):
                 continue
-            self._hand_on(gid, self._numbered(gid, message) if self._numbers else message)
+            self._deliver(gid, self._numbered(gid, message) if self._adds_numbers else message)
 
     def _numbered(self, gid: bytes, message: bytes) -> bytes:
-        number = self._rcl.number
+        number = self._rcl.sequence_number
         if number is None:
             return message
-        return Numbered.of(message, gid.hex(), number, self._rcl.said)
+        return NumberedMessage.of(message, gid.hex(), number, self._rcl.source_time)
 
-    def _is_late(self, lateness: Lateness, gid: bytes) -> bool:
-        if not lateness.is_late(gid, self._rcl.said, time_ns(), self._now):
+    def _is_late(self, lateness: LatenessDetector, gid: bytes) -> bool:
+        if not lateness.is_late(gid, self._rcl.source_time, time_ns(), self._now):
             return False
-        if self._seldom.may_say("late", self._now()):
+        if self._log_throttle.allows("late", self._now()):
             log.warning("%s: what comes late is dropped: it was meant for the moment", self._topic)
         return True
 
-    def _hand_on(self, gid: bytes, message: bytes) -> None:
+    def _deliver(self, gid: bytes, message: bytes) -> None:
         """Hand a message on; one that fails must not leave those behind it unread."""
         try:
-            self._heard(self, gid, message)
+            self._on_message(self, gid, message)
         except MemoryError:
-            end_starved()
+            exit_out_of_memory()
         except Exception:
             log.exception("internal error, a message is dropped")

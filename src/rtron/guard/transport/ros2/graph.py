@@ -17,186 +17,193 @@ from typing import TYPE_CHECKING, Any
 from rclpy.impl.implementation_singleton import rclpy_implementation as implementation
 
 from rtron.errors import WireError
-from rtron.guard.core.log_throttle import Seldom
-from rtron.guard.transport.ros2.graph_query import Listing
+from rtron.guard.core.log_throttle import LogThrottle
+from rtron.guard.transport.ros2.graph_query import GraphQuery
 from rtron.vocabulary import GUARD_NODE, SECOND, Direction
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from rtron.guard.core.event_loop import Loop
+    from rtron.guard.core.event_loop import EventLoop
     from rtron.guard.transport.ros2.rcl import Rcl
     from rtron.wire.ros2.endpoints import Ros2Endpoint
-    from rtron.wire.ros2.session import Session
+    from rtron.wire.ros2.session import Ros2Session
 
 log = logging.getLogger(__name__)
 
-_PAUSE = SECOND // 50
-_EVERY_S = 0.5
+_QUERY_PERIOD = SECOND // 50
+_REFRESH_PERIOD_S = 0.5
 _LONGEST_WAIT_NS = 500_000_000
-_REST = 4
+_IDLE_FACTOR = 4
 """So many times as long as the asking took."""
-_LONGEST_REST = 2 * SECOND
+_MAX_IDLE = 2 * SECOND
 
 
 @dataclass(frozen=True, slots=True)
-class Ends:
+class TopicEndpoints:
     """Who publishes and who subscribes a topic, without ourselves."""
 
     publishers: tuple[Ros2Endpoint, ...] = ()
     subscribers: tuple[Ros2Endpoint, ...] = ()
 
 
-_NOBODY = Ends()
+_NO_ENDPOINTS = TopicEndpoints()
 
 
-class Graph:
+class RosGraph:
     """Keeps what the domain says of each watched topic, and calls all of `changed` after news.
 
     Strangers who make endpoints without end cost not more than a part of the time: of each topic a
     bounded number is known, and after each asking the graph rests in proportion to its work.
     """
 
-    def __init__(self, loop: Loop, session: Session, rcl: Rcl) -> None:
+    def __init__(self, loop: EventLoop, session: Ros2Session, rcl: Rcl) -> None:
         self._loop = loop
         self._node = session.node(GUARD_NODE)
-        self._listing, self._raw = Listing(self._node), Listing(self._node, raw=True)
+        self._graph_query, self._raw_graph_query = (
+            GraphQuery(self._node),
+            GraphQuery(self._node, raw=True),
+        )
         self._rcl = rcl
-        self._ends: dict[str, Ends] = {}
-        self.changed: list[Callable[[], None]] = []
+        self._endpoints: dict[str, TopicEndpoints] = {}
+        self.listeners: list[Callable[[], None]] = []
         self.participant = session.participant(GUARD_NODE)
         """Which participant we are."""
-        self._due = False
-        self._ending = False
-        self._looked: dict[str, int] = {}
-        self._rests_until = 0
-        self._seldom = Seldom()
-        self._waker = implementation.GuardCondition(self._node.context.handle)
-        self._waiter = threading.Thread(target=self._wait, args=(session,), daemon=True)
-        self._waiter.start()
+        self._is_refresh_due = False
+        self._is_closing = False
+        self._last_queries: dict[str, int] = {}
+        self._idle_until = 0
+        self._log_throttle = LogThrottle()
+        self._stop_condition = implementation.GuardCondition(self._node.context.handle)
+        self._wait_thread = threading.Thread(
+            target=self._wait_for_changes, args=(session,), daemon=True
+        )
+        self._wait_thread.start()
         atexit.register(self.close)  # the thread must not be in rcl when Python ends
-        self._look_again()
+        self._refresh_periodically()
 
     def watch(self, topic: str) -> None:
         """Know about a topic from now on; one without a slash in front is the middleware's own."""
-        if topic not in self._ends:
-            self._ends[topic] = _NOBODY
-            self._soon()
+        if topic not in self._endpoints:
+            self._endpoints[topic] = _NO_ENDPOINTS
+            self._refresh_soon()
 
-    def ends(self, topic: str) -> Ends:
+    def endpoints(self, topic: str) -> TopicEndpoints:
         """Return who is on a watched topic."""
-        return self._ends.get(topic, _NOBODY)
+        return self._endpoints.get(topic, _NO_ENDPOINTS)
 
-    def watched(self) -> tuple[Ends, ...]:
+    def watched_endpoints(self) -> tuple[TopicEndpoints, ...]:
         """Return who is on all the watched topics."""
-        return tuple(self._ends.values())
+        return tuple(self._endpoints.values())
 
     def is_own(self, gid: bytes) -> bool:
         """Tell whether an endpoint is one of ours."""
         return gid.startswith(self.participant)
 
-    def look(self, topic: str) -> Ends:
+    def query_if_due(self, topic: str) -> TopicEndpoints:
         """Ask the domain about one topic now; whoever is new, is told to all soon.
 
         Asked again at once, or while it rests, it gives what it knows.
         """
         now = self._loop.now()
-        if now < max(self._rests_until, self._looked.get(topic, -_PAUSE) + _PAUSE):
-            return self.ends(topic)
-        self._looked[topic] = now
-        return self.ask(topic)
+        if now < max(
+            self._idle_until, self._last_queries.get(topic, -_QUERY_PERIOD) + _QUERY_PERIOD
+        ):
+            return self.endpoints(topic)
+        self._last_queries[topic] = now
+        return self.query(topic)
 
-    def ask(self, topic: str) -> Ends:
+    def query(self, topic: str) -> TopicEndpoints:
         """Ask the domain about one topic, whatever it costs."""
-        with self._resting_after():
-            ends = self._asked(topic)
-        if ends != self._ends.get(topic):
-            self._ends[topic] = ends
-            self._soon()
-        return ends
+        with self._pause_afterwards():
+            endpoints = self._query_endpoints(topic)
+        if endpoints != self._endpoints.get(topic):
+            self._endpoints[topic] = endpoints
+            self._refresh_soon()
+        return endpoints
 
     def refresh(self) -> None:
         """Ask the domain about every watched topic, and tell all of `changed`."""
-        self._due = False
-        if self._ending:
+        self._is_refresh_due = False
+        if self._is_closing:
             return
-        with self._resting_after():
-            self._ends = {topic: self._asked(topic) for topic in self._ends}
-        for changed in list(self.changed):
-            _safely(changed)
+        with self._pause_afterwards():
+            self._endpoints = {topic: self._query_endpoints(topic) for topic in self._endpoints}
+        for listener in list(self.listeners):
+            _call_safely(listener)
 
     @contextmanager
-    def _resting_after(self) -> Iterator[None]:
+    def _pause_afterwards(self) -> Iterator[None]:
         """Leave time for all else after some work."""
         began = time.thread_time_ns()
         yield
-        rest = min(_REST * (time.thread_time_ns() - began), _LONGEST_REST)
-        self._rests_until = self._loop.now() + rest
+        rest = min(_IDLE_FACTOR * (time.thread_time_ns() - began), _MAX_IDLE)
+        self._idle_until = self._loop.now() + rest
 
-    def _look_again(self) -> None:
+    def _refresh_periodically(self) -> None:
         """Refresh at times, change or not: some things are decided by time alone."""
-        if not self._ending:
-            self._soon()
-            self._loop.call_later(_EVERY_S, self._look_again)
+        if not self._is_closing:
+            self._refresh_soon()
+            self._loop.call_later(_REFRESH_PERIOD_S, self._refresh_periodically)
 
     def close(self) -> None:
         """Ask and tell no more."""
         atexit.unregister(self.close)
-        self._ending = True
-        self._waker.trigger_guard_condition()
-        self._waiter.join()
+        self._is_closing = True
+        self._stop_condition.trigger_guard_condition()
+        self._wait_thread.join()
 
-    def _asked(self, topic: str) -> Ends:
+    def _query_endpoints(self, topic: str) -> TopicEndpoints:
         """Return who is on a topic; who was, where that cannot be told."""
-        known = self.ends(topic)
+        known = self.endpoints(topic)
         try:
-            return Ends(
-                publishers=self._others(topic, Direction.PUBLISH, known.publishers),
-                subscribers=self._others(topic, Direction.SUBSCRIBE, known.subscribers),
+            return TopicEndpoints(
+                publishers=self._other_endpoints(topic, Direction.PUBLISH, known.publishers),
+                subscribers=self._other_endpoints(topic, Direction.SUBSCRIBE, known.subscribers),
             )
         except WireError as error:
-            if self._seldom.may_say(None, self._loop.now()):
+            if self._log_throttle.allows(None, self._loop.now()):
                 log.warning("%s", error)
             return known
 
-    def _others(
+    def _other_endpoints(
         self, topic: str, direction: Direction, known: tuple[Ros2Endpoint, ...]
     ) -> tuple[Ros2Endpoint, ...]:
-        listing = self._listing if topic.startswith("/") else self._raw
-        return listing.ends(topic, direction, known, self.participant)
+        listing = self._graph_query if topic.startswith("/") else self._raw_graph_query
+        return listing.endpoints(topic, direction, known, self.participant)
 
-    def _soon(self) -> None:
+    def _refresh_soon(self) -> None:
         """Refresh in a moment: changes come in crowds."""
-        if not self._due:
-            self._due = True
+        if not self._is_refresh_due:
+            self._is_refresh_due = True
             now = self._loop.now()
-            self._loop.call_at(max(now + _PAUSE, self._rests_until), self.refresh)
+            self._loop.call_at(max(now + _QUERY_PERIOD, self._idle_until), self.refresh)
 
-    def _wait(self, session: Session) -> None:
+    def _wait_for_changes(self, session: Ros2Session) -> None:
         """Tell the loop of each change, until the end; in the thread of its own."""
         context = session.context.handle
         with context, self._node.handle:
-            waiting = implementation.WaitSet(0, 2, 0, 0, 0, 0, context)
-            while not self._ending:
+            wait_set = implementation.WaitSet(0, 2, 0, 0, 0, 0, context)
+            while not self._is_closing:
                 try:
-                    changes = self._changes(waiting)
+                    changes = self._has_changed(wait_set)
                 except Exception:
                     log.exception("changes of the graph are only looked for twice a second now")
                     return
                 if changes:
-                    self._loop.post(self._soon)
+                    self._loop.post(self._refresh_soon)
 
-    def _changes(self, waiting: Any) -> bool:  # noqa: ANN401 - rclpy's handle
-        waiting.clear_entities()
-        waiting.add_guard_condition(self._waker)
-        self._rcl.watch_graph(waiting.pointer, self._node.handle.pointer)
-        waiting.wait(_LONGEST_WAIT_NS)
-        return bool(waiting.get_ready_entities("guard_condition"))
+    def _has_changed(self, wait_set: Any) -> bool:  # noqa: ANN401 - rclpy's handle
+        wait_set.clear_entities()
+        wait_set.add_guard_condition(self._stop_condition)
+        self._rcl.add_graph_condition(wait_set.pointer, self._node.handle.pointer)
+        wait_set.wait(_LONGEST_WAIT_NS)
+        return bool(wait_set.get_ready_entities("guard_condition"))
 
 
-def _safely(changed: Callable[[], None]) -> None:
+def _call_safely(listener: Callable[[], None]) -> None:
     """Call back; one that fails must not blind the others."""
     try:
-        changed()
+        listener()
     except Exception:
         log.exception("internal error after a change of the graph")

@@ -23,7 +23,7 @@ from ctypes import (
 from typing import TYPE_CHECKING
 
 from rtron.errors import SourceError, WireError
-from rtron.guard.transport.ros2.crowd import to_know
+from rtron.guard.transport.ros2.crowd import select_endpoints
 from rtron.vocabulary import (
     PRIVATE_ROOT,
     SECOND,
@@ -33,9 +33,15 @@ from rtron.vocabulary import (
     QoS,
     Reliability,
 )
-from rtron.wire.ros2.c_structures import Profile, Time, default_allocator, function
-from rtron.wire.ros2.endpoints import GID_SIZE, PARTICIPANT, Ros2Endpoint, node_name, publishers_of
-from rtron.wire.ros2.interfaces import interface
+from rtron.wire.ros2.c_structures import QosProfile, RmwTime, default_allocator, typed_function
+from rtron.wire.ros2.endpoints import (
+    GID_SIZE,
+    PARTICIPANT_SIZE,
+    Ros2Endpoint,
+    node_name,
+    publishers_of,
+)
+from rtron.wire.ros2.interfaces import find_interface
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -44,7 +50,7 @@ if TYPE_CHECKING:
 
 _BEST_EFFORT, _TRANSIENT_LOCAL, _MANUAL_BY_TOPIC = 2, 1, 3
 _NEVER = 1 << 62
-_ASKED = c_int, c_void_p, c_void_p, c_char_p, c_bool, c_void_p
+_QUERY_SIGNATURE = c_int, c_void_p, c_void_p, c_char_p, c_bool, c_void_p
 
 
 class _Hash(Structure):
@@ -53,7 +59,7 @@ class _Hash(Structure):
     _fields_ = (("version", c_uint8), ("value", c_uint8 * 32))
 
 
-class _Info(Structure):
+class _EndpointInfo(Structure):
     """rmw_topic_endpoint_info_t."""
 
     _fields_ = (
@@ -63,17 +69,17 @@ class _Info(Structure):
         ("hash", _Hash),
         ("kind", c_int),
         ("gid", c_uint8 * GID_SIZE),
-        ("qos", Profile),
+        ("qos", QosProfile),
     )
 
 
-class _Infos(Structure):
+class _EndpointInfoArray(Structure):
     """rmw_topic_endpoint_info_array_t."""
 
-    _fields_ = (("size", c_size_t), ("found", POINTER(_Info)))
+    _fields_ = (("size", c_size_t), ("found", POINTER(_EndpointInfo)))
 
 
-class Listing:
+class GraphQuery:
     """Asks what the domain has told one of our nodes; `raw` asks by the middleware's own names.
 
     SourceError if this version of ROS 2 lays out its structures in another way than is read here.
@@ -84,62 +90,73 @@ class Listing:
         self._allocator = default_allocator()
         self._node = node
         self._raw = raw
-        self._ask = {
-            Direction.PUBLISH: function(rcl.rcl_get_publishers_info_by_topic, *_ASKED),
-            Direction.SUBSCRIBE: function(rcl.rcl_get_subscriptions_info_by_topic, *_ASKED),
+        self._query_functions = {
+            Direction.PUBLISH: typed_function(
+                rcl.rcl_get_publishers_info_by_topic, *_QUERY_SIGNATURE
+            ),
+            Direction.SUBSCRIBE: typed_function(
+                rcl.rcl_get_subscriptions_info_by_topic, *_QUERY_SIGNATURE
+            ),
         }
-        self._free = function(rmw.rmw_topic_endpoint_info_array_fini, c_int, c_void_p, c_void_p)
+        self._free = typed_function(
+            rmw.rmw_topic_endpoint_info_array_fini, c_int, c_void_p, c_void_p
+        )
         if not raw:
-            self._check()
+            self._check_layout()
 
-    def ends(
+    def endpoints(
         self,
         topic: str,
         direction: Direction,
         known: Sequence[Ros2Endpoint],
-        but: bytes | None = None,
+        excluded: bytes | None = None,
     ) -> tuple[Ros2Endpoint, ...]:
         """Return who publishes or subscribes a topic, at most 256, by their GIDs.
 
-        `known` are those that were told before, `but` is a participant that is left out. WireError
+        `known` are those that were told before, `excluded` is a participant that is left out. WireError
         if rcl cannot tell.
         """
-        infos, allocator = _Infos(), addressof(self._allocator)
-        ask, node = self._ask[direction], self._node.handle.pointer
-        if code := ask(node, allocator, topic.encode(), self._raw, addressof(infos)):
+        infos, allocator = _EndpointInfoArray(), addressof(self._allocator)
+        query, node = self._query_functions[direction], self._node.handle.pointer
+        if code := query(node, allocator, topic.encode(), self._raw, addressof(infos)):
             raise WireError(f"rcl cannot tell who is on {topic}: error {code}")
         try:
-            found = {gid: at for at, gid in enumerate(_gids(infos)) if gid[:PARTICIPANT] != but}
-            chosen = to_know(found, {each.gid for each in known})
+            index_by_gid = {
+                gid: at for at, gid in enumerate(_gids(infos)) if gid[:PARTICIPANT_SIZE] != excluded
+            }
+            chosen = select_endpoints(index_by_gid, {each.gid for each in known})
             return tuple(
-                _endpoint(topic, direction, gid, infos.found[found[gid]]) for gid in chosen
+                _endpoint(topic, direction, gid, infos.found[index_by_gid[gid]]) for gid in chosen
             )
         finally:
             self._free(addressof(infos), allocator)
 
-    def _check(self) -> None:
+    def _check_layout(self) -> None:
         """Compare with what rclpy tells of a publisher of ours."""
         topic = f"{PRIVATE_ROOT}/self_{uuid.uuid4().hex}"
-        publisher = self._node.create_publisher(interface("std_msgs/Empty").cls, topic, 1)
+        publisher = self._node.create_publisher(find_interface("std_msgs/Empty").cls, topic, 1)
         try:
-            read, told = self.ends(topic, Direction.PUBLISH, ()), publishers_of(self._node, topic)
+            read, expected = (
+                self.endpoints(topic, Direction.PUBLISH, ()),
+                publishers_of(self._node, topic),
+            )
         finally:
             self._node.destroy_publisher(publisher)
-        if list(read) != told:
+        if list(read) != expected:
             raise SourceError("the guard does not know this version of ROS 2", help=_HELP)
 
 
 _HELP = "it knows Jazzy and Kilted; tell us of yours"
 
 
-def _gids(infos: _Infos) -> list[bytes]:
+def _gids(infos: _EndpointInfoArray) -> list[bytes]:
     """Return the GIDs of all; of a crowd nothing else is looked at."""
-    size = ctypes.sizeof(_Info)
+    size = ctypes.sizeof(_EndpointInfo)
     data = string_at(infos.found, infos.size * size) if infos.size else b""
-    return [data[at : at + GID_SIZE] for at in range(_Info.gid.offset, len(data), size)]
+    return [data[at : at + GID_SIZE] for at in range(_EndpointInfo.gid.offset, len(data), size)]
 
 
-def _endpoint(topic: str, direction: Direction, gid: bytes, info: _Info) -> Ros2Endpoint:
+def _endpoint(topic: str, direction: Direction, gid: bytes, info: _EndpointInfo) -> Ros2Endpoint:
     return Ros2Endpoint(
         topic=topic,
         direction=direction,
@@ -151,32 +168,32 @@ def _endpoint(topic: str, direction: Direction, gid: bytes, info: _Info) -> Ros2
     )
 
 
-def _text(told: bytes | None) -> str:
-    return (told or b"").decode(errors="replace")
+def _text(data: bytes | None) -> str:
+    return (data or b"").decode(errors="replace")
 
 
-def _hash(told: _Hash) -> str:
+def _hash(type_hash: _Hash) -> str:
     """Return a type's hash (REP 2016), "" where there is none."""
-    return f"RIHS{told.version:02}_{bytes(told.value).hex()}" if told.version else ""
+    return f"RIHS{type_hash.version:02}_{bytes(type_hash.value).hex()}" if type_hash.version else ""
 
 
-def _qos(told: Profile) -> QoS:
+def _qos(profile: QosProfile) -> QoS:
     """Return a profile in our words; what is unknown or the system's choice is ROS 2's default."""
-    best_effort = told.reliability == _BEST_EFFORT
-    latched = told.durability == _TRANSIENT_LOCAL
-    by_topic = told.liveliness == _MANUAL_BY_TOPIC
+    best_effort = profile.reliability == _BEST_EFFORT
+    latched = profile.durability == _TRANSIENT_LOCAL
+    by_topic = profile.liveliness == _MANUAL_BY_TOPIC
     return QoS(
         reliability=Reliability.BEST_EFFORT if best_effort else Reliability.RELIABLE,
         durability=Durability.TRANSIENT_LOCAL if latched else Durability.VOLATILE,
-        depth=told.depth,
-        deadline=_bounded(told.deadline),
-        lifespan=_bounded(told.lifespan),
+        depth=profile.depth,
+        deadline=_bounded(profile.deadline),
+        lifespan=_bounded(profile.lifespan),
         liveliness=Liveliness.MANUAL_BY_TOPIC if by_topic else Liveliness.AUTOMATIC,
-        lease=_bounded(told.lease),
+        lease=_bounded(profile.lease),
     )
 
 
-def _bounded(told: Time) -> int:
+def _bounded(duration: RmwTime) -> int:
     """Return a duration in ns, 0 for one without end."""
-    duration: int = told.sec * SECOND + told.nsec
-    return duration if duration < _NEVER else 0
+    nanoseconds: int = duration.sec * SECOND + duration.nsec
+    return nanoseconds if nanoseconds < _NEVER else 0

@@ -17,55 +17,57 @@ if TYPE_CHECKING:
 
 _LATE = SECOND // 4
 """Half of the time after which a flow is silent, as a rule."""
-_CLOCK_WAS_SET = SECOND
-_SLOWLY = 8
+_CLOCK_CHANGE_TIMEOUT = SECOND
+_SMOOTHING_SHIFT = 8
 _MOST = 256
 
 
 @dataclass(slots=True)
-class _Usual:
+class _TypicalDelay:
     """How long a publisher's messages take (ns, by two clocks); since when they come late."""
 
-    took: int
+    delay: int
     late_since: int | None = None
 
 
-class Lateness:
+class LatenessDetector:
     """Tells whether a message took 250 ms longer than its publisher's do.
 
     A clock that was set makes all late, but for a second only: then that is how it is.
     """
 
     def __init__(self) -> None:
-        self._usual: dict[bytes, _Usual] = {}
+        self._typical_delays: dict[bytes, _TypicalDelay] = {}
 
-    def is_late(self, publisher: bytes, said: int, now: int, steady: Callable[[], int]) -> bool:
-        """Tell it of a message that is taken `now`; `said` is 0 if nobody knows (wall clocks, ns).
+    def is_late(
+        self, publisher: bytes, source_time: int, now: int, steady_clock: Callable[[], int]
+    ) -> bool:
+        """Tell it of a message that is taken `now`; `source_time` is 0 if nobody knows (wall clocks, ns).
 
-        `steady` tells the time by a clock that nobody sets.
+        `steady_clock` tells the time by a clock that nobody sets.
         """
-        if not said:
+        if not source_time:
             return False
-        usual = self._usual.get(publisher)
-        if usual is None:
-            self._meet(publisher, now - said)
+        typical = self._typical_delays.get(publisher)
+        if typical is None:
+            self._add_publisher(publisher, now - source_time)
             return False
-        over = now - said - usual.took
-        if over > _LATE:
-            return self._is_late_still(usual, now - said, steady())
-        usual.took += over if over < 0 else over >> _SLOWLY
-        usual.late_since = None
+        excess = now - source_time - typical.delay
+        if excess > _LATE:
+            return self._is_still_late(typical, now - source_time, steady_clock())
+        typical.delay += excess if excess < 0 else excess >> _SMOOTHING_SHIFT
+        typical.late_since = None
         return False
 
-    def _meet(self, publisher: bytes, took: int) -> None:
-        if len(self._usual) == _MOST:
-            self._usual.clear()
-        self._usual[publisher] = _Usual(took)
+    def _add_publisher(self, publisher: bytes, delay: int) -> None:
+        if len(self._typical_delays) == _MOST:
+            self._typical_delays.clear()
+        self._typical_delays[publisher] = _TypicalDelay(delay)
 
-    def _is_late_still(self, usual: _Usual, took: int, steady: int) -> bool:
-        if usual.late_since is None:
-            usual.late_since = steady
-        if steady - usual.late_since < _CLOCK_WAS_SET:
+    def _is_still_late(self, typical: _TypicalDelay, delay: int, steady: int) -> bool:
+        if typical.late_since is None:
+            typical.late_since = steady
+        if steady - typical.late_since < _CLOCK_CHANGE_TIMEOUT:
             return True
-        usual.took, usual.late_since = took, None
+        typical.delay, typical.late_since = delay, None
         return False

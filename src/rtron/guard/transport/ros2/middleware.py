@@ -6,32 +6,39 @@ import logging
 from collections import defaultdict
 from typing import TYPE_CHECKING
 
-from rtron.guard.transport.common.protocol import Connect, Lost, Momentary, Output, ignore, never
-from rtron.guard.transport.ros2.action_relay import ActionEnds
-from rtron.guard.transport.ros2.canceller import Canceller
-from rtron.guard.transport.ros2.context import Surroundings
-from rtron.guard.transport.ros2.graph import Graph
-from rtron.guard.transport.ros2.owners import Owners
-from rtron.guard.transport.ros2.participants import Lives
-from rtron.guard.transport.ros2.process_table import Processes
+from rtron.guard.transport.common.protocol import (
+    ConnectHandler,
+    IsCommand,
+    LostHandler,
+    Output,
+    accept_any_age,
+    ignore_lost,
+)
+from rtron.guard.transport.ros2.action_relay import ActionRelay
+from rtron.guard.transport.ros2.canceller import GoalCanceller
+from rtron.guard.transport.ros2.context import TransportContext
+from rtron.guard.transport.ros2.graph import RosGraph
+from rtron.guard.transport.ros2.owners import NameOwners
+from rtron.guard.transport.ros2.participants import ParticipantLiveness
+from rtron.guard.transport.ros2.process_table import ProcessTable
 from rtron.guard.transport.ros2.publication import Publication
 from rtron.guard.transport.ros2.rcl import Rcl
-from rtron.guard.transport.ros2.subscription import Subscription, Terms
+from rtron.guard.transport.ros2.subscription import Subscription, SubscriptionOptions
 from rtron.messages.common.encoding import Encoding
 from rtron.vocabulary import SECOND
-from rtron.wire.ros2.interfaces import interface
+from rtron.wire.ros2.interfaces import find_interface
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from rtron.guard.action.ros2.endpoints import Hears
-    from rtron.guard.core.event_loop import Loop
+    from rtron.guard.action.ros2.endpoints import ActionListener
+    from rtron.guard.core.event_loop import EventLoop
     from rtron.vocabulary import Stream
-    from rtron.wire.ros2.session import Session
+    from rtron.wire.ros2.session import Ros2Session
 
 log = logging.getLogger(__name__)
 
-_SETTLED = 4 * SECOND
+_SETTLING_TIME = 4 * SECOND
 """Fast DDS repeats its announcements every 3 s."""
 
 
@@ -40,24 +47,29 @@ class Ros2Transport:
 
     encoding = Encoding.CDR
 
-    def __init__(self, loop: Loop, session: Session) -> None:
+    def __init__(self, loop: EventLoop, session: Ros2Session) -> None:
         self.session = session
         self.rcl = Rcl()
-        self.graph = Graph(loop, session, self.rcl)
-        self.processes = Processes()
-        lives, self._owners = Lives(self.graph.participant, self.processes), Owners()
-        self._began = loop.now()
+        self.graph = RosGraph(loop, session, self.rcl)
+        self.processes = ProcessTable()
+        liveness, self._owners = (
+            ParticipantLiveness(self.graph.participant, self.processes),
+            NameOwners(),
+        )
+        self._start_time = loop.now()
         self.now = loop.now
         self.call_at = loop.call_at
-        self._shared = Surroundings(loop, self.rcl, self.graph, self._owners, lives, _log)
+        self._context = TransportContext(
+            loop, self.rcl, self.graph, self._owners, liveness, _log_unreadable
+        )
         self._publications: list[Publication] = []
         self._subscriptions: list[Subscription] = []
-        self._actions: list[ActionEnds] = []
-        self.graph.changed.append(self._look_at_names)
+        self._actions: list[ActionRelay] = []
+        self.graph.listeners.append(self._update_names)
 
-    def tell(self, complain: Callable[[str, str, str], None]) -> None:
+    def report_unreadable_to(self, report: Callable[[str, str, str], None]) -> None:
         """Tell what is not heard (topic, node, why) here instead of in the log."""
-        self._shared.complain = complain
+        self._context.report_unreadable = report
 
     def advertise(
         self,
@@ -76,35 +88,35 @@ class Ros2Transport:
         node: str,
         topic: str,
         type: str,
-        connect: Connect,
-        lost: Lost = ignore,
+        on_connect: ConnectHandler,
+        on_lost: LostHandler = ignore_lost,
         *,
-        momentary: Momentary = never,
+        is_command: IsCommand = accept_any_age,
         publishers: tuple[str, ...] = (),
     ) -> None:
         """Subscribe `topic` as `node`; see `Transport`."""
-        own = self.session.node(node)
-        terms = Terms(connect, lost, momentary, publishers)
-        made = Subscription(own, topic, type, terms, self._shared)
-        self._subscriptions.append(made)
+        ros_node = self.session.node(node)
+        options = SubscriptionOptions(on_connect, on_lost, is_command, publishers)
+        subscription = Subscription(ros_node, topic, type, options, self._context)
+        self._subscriptions.append(subscription)
 
-    def action_ends(self, stream: Stream, node: str, hears: Hears) -> ActionEnds:
+    def action_endpoints(self, stream: Stream, node: str, listener: ActionListener) -> ActionRelay:
         """Return the services and topics of an action; see `CarriesRequests`."""
-        ends = ActionEnds(stream, self.session.node(node), hears, self._shared)
-        self._actions.append(ends)
-        return ends
+        endpoints = ActionRelay(stream, self.session.node(node), listener, self._context)
+        self._actions.append(endpoints)
+        return endpoints
 
-    def canceller(self, node: str, action: str) -> Canceller:
+    def goal_canceller(self, node: str, action: str) -> GoalCanceller:
         """Return what cancels goals of an action that has no guard; see `CarriesCancels`."""
-        return Canceller(self.session.node(node), action)
+        return GoalCanceller(self.session.node(node), action)
 
-    def join(self, publisher: str, subscriber: str, topic: str, type: str) -> Output:
+    def link_nodes(self, publisher: str, subscriber: str, topic: str, type: str) -> Output:
         """Show two nodes of ours as connected; see `Transport`."""
         output = self._publication(publisher, topic, type)
         if type:
-            output.own_readers = 1
+            output.internal_readers = 1
             node = self.session.node(subscriber)
-            node.create_subscription(interface(type).cls, topic, lambda _: None, 1, raw=True)
+            node.create_subscription(find_interface(type).cls, topic, lambda _: None, 1, raw=True)
         return output
 
     def close(self) -> None:
@@ -130,33 +142,35 @@ class Ros2Transport:
             self.session.node(node),
             topic,
             type,
-            self._shared,
+            self._context,
             queue_size=queue_size,
             successors=successors,
         )
         self._publications.append(publication)
         return publication
 
-    def _look_at_names(self) -> None:
+    def _update_names(self) -> None:
         """Know whose each name is, before anybody asks; the dead have none any more."""
-        settled = self.now() - self._began > _SETTLED
-        self._owners.look(self._named_living(), settled=settled)
+        is_settled = self.now() - self._start_time > _SETTLING_TIME
+        self._owners.update(self._live_names(), is_settled=is_settled)
 
-    def _named_living(self) -> list[tuple[str, bytes]]:
+    def _live_names(self) -> list[tuple[str, bytes]]:
         """Return each node name with each participant that has it; who is gone may have it alone.
 
         Clients and servers of actions have their names at what they subscribe, too.
         """
-        lives, watched = self._shared.lives, self.graph.watched()
-        ends = [end for each in watched for end in (*each.publishers, *each.subscribers)]
-        lives.look((end.participant for end in ends), self.now())
-        found: dict[str, set[bytes]] = defaultdict(set)
-        for end in ends:
-            found[end.node].add(end.participant)
-        crowds = (group for node, group in found.items() if node and len(group) > 1)
-        gone = {each for group in crowds for each in group - lives.living(group)}
-        return [(node, each) for node, group in found.items() for each in group - gone]
+        liveness, watched = self._context.liveness, self.graph.watched_endpoints()
+        endpoints = [
+            endpoint for each in watched for endpoint in (*each.publishers, *each.subscribers)
+        ]
+        liveness.update((endpoint.participant for endpoint in endpoints), self.now())
+        participants_of: dict[str, set[bytes]] = defaultdict(set)
+        for endpoint in endpoints:
+            participants_of[endpoint.node].add(endpoint.participant)
+        shared_names = (group for node, group in participants_of.items() if node and len(group) > 1)
+        ended = {each for group in shared_names for each in group - liveness.not_ended(group)}
+        return [(node, each) for node, group in participants_of.items() for each in group - ended]
 
 
-def _log(topic: str, node: str, why: str) -> None:
+def _log_unreadable(topic: str, node: str, why: str) -> None:
     log.error("%s: %s %s", topic, node or "a node without a name", why)

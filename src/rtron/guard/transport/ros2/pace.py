@@ -10,38 +10,38 @@ from rtron.vocabulary import SECOND
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from rtron.guard.core.event_loop import Loop
+    from rtron.guard.core.event_loop import EventLoop
 
-AT_ONCE = 8
+BURST_SIZE = 8
 """So many answers go at once, and so many more after each pause."""
 PAUSE = SECOND // 50
 
 
-class Pace:
+class ResponsePacer:
     """Sends what it is given in order, a few at once: a crowd of answers would push out its own.
 
     Who cancels many goals gets as many results.
     """
 
-    def __init__(self, loop: Loop) -> None:
+    def __init__(self, loop: EventLoop) -> None:
         self._loop = loop
-        self._waiting: deque[Callable[[], None]] = deque()
-        self._left = AT_ONCE
-        self._pausing = False
+        self._queue: deque[Callable[[], None]] = deque()
+        self._remaining = BURST_SIZE
+        self._is_pausing = False
 
-    def send(self, answer: Callable[[], None]) -> None:
-        """Call `answer` as soon as its turn comes."""
-        self._waiting.append(answer)
-        self._go_on()
+    def send(self, send: Callable[[], None]) -> None:
+        """Call `send` as soon as its turn comes."""
+        self._queue.append(send)
+        self._send_next()
 
-    def _go_on(self) -> None:
-        while self._waiting and self._left:
-            self._left -= 1
-            if not self._pausing:
-                self._pausing = True
+    def _send_next(self) -> None:
+        while self._queue and self._remaining:
+            self._remaining -= 1
+            if not self._is_pausing:
+                self._is_pausing = True
                 self._loop.call_at(self._loop.now() + PAUSE, self._resume)
-            self._waiting.popleft()()
+            self._queue.popleft()()
 
     def _resume(self) -> None:
-        self._left, self._pausing = AT_ONCE, False
-        self._go_on()
+        self._remaining, self._is_pausing = BURST_SIZE, False
+        self._send_next()

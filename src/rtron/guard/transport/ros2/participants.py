@@ -22,105 +22,109 @@ from dataclasses import replace
 from itertools import islice
 from typing import TYPE_CHECKING
 
-from rtron.vocabulary import SECOND, Word
+from rtron.vocabulary import SECOND, StringEnum
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from rtron.guard.transport.ros2.process_table import Match, Process, Processes
+    from rtron.guard.transport.ros2.process_table import Process, ProcessMatch, ProcessTable
 
-LEASE = 25 * SECOND
+MAX_LEASE = 25 * SECOND
 """How long a participant that is dead may be in the graph, with some to spare."""
 _FAST_DDS = b"\x01\x0f"
 _HOST = 4
 _PID = 6
 _PROCESS = 8
-_MOST_SOUGHT = 32
+_MAX_SEARCHED = 32
 """So many processes are looked for at a time: each costs some reading."""
 
 
-class Life(Word):
+class ParticipantState(StringEnum):
     """What is known of a participant: its process runs, has ended, or cannot be seen from here."""
 
-    RUNS = "runs"
-    GONE = "gone"
-    UNTOLD = "untold"
+    RUNNING = "runs"
+    ENDED = "gone"
+    UNKNOWN = "untold"
 
 
-class Lives:
+class ParticipantLiveness:
     """Remembers when each participant came (ns), and which process of this machine it is."""
 
-    def __init__(self, own: bytes, processes: Processes) -> None:
-        """`own` is a participant of this process."""
-        self.tells = own.startswith(_FAST_DDS)
+    def __init__(self, own_participant: bytes, processes: ProcessTable) -> None:
+        """`own_participant` is a participant of this process."""
+        self.has_process_ids = own_participant.startswith(_FAST_DDS)
         """Whether GIDs tell processes at all."""
-        self._here = own[:_HOST]
+        self._own_host_id = own_participant[:_HOST]
         self._processes = processes
-        self._since: dict[bytes, int] = {}
-        self._found: dict[bytes, Match | None] = {}
+        self._first_seen: dict[bytes, int] = {}
+        self._matches: dict[bytes, ProcessMatch | None] = {}
 
-    def look(self, participants: Iterable[bytes], now: int) -> None:
+    def update(self, participants: Iterable[bytes], now: int) -> None:
         """Take all the participants that are in the graph now."""
-        there = sorted(set(participants))
-        self._since = {each: self._since.get(each, now) for each in there}
-        self._found = {each: self._found[each] for each in there if each in self._found}
-        if self.tells:
-            self._processes.look(now)
-            near = (each for each in there if each.startswith(self._here))
-            for each in islice((each for each in near if each not in self._found), _MOST_SOUGHT):
-                self._seek(each)
+        participants_now = sorted(set(participants))
+        self._first_seen = {each: self._first_seen.get(each, now) for each in participants_now}
+        self._matches = {
+            each: self._matches[each] for each in participants_now if each in self._matches
+        }
+        if self.has_process_ids:
+            self._processes.update(now)
+            near = (each for each in participants_now if each.startswith(self._own_host_id))
+            for each in islice((each for each in near if each not in self._matches), _MAX_SEARCHED):
+                self._match_process(each)
 
     def since(self, participant: bytes) -> int:
         """Return when a participant came, 0 if it is not there."""
-        return self._since.get(participant, 0)
+        return self._first_seen.get(participant, 0)
 
-    def of(self, participant: bytes) -> Life:
+    def state(self, participant: bytes) -> ParticipantState:
         """Return what is known of a participant at this moment."""
-        match = self._found.get(participant)
-        if match and self._processes.lives(match.process):
-            return Life.RUNS
-        certain = match is not None and match.certain and self._processes.are_seen()
-        return Life.GONE if certain else Life.UNTOLD
+        match = self._matches.get(participant)
+        if match and self._processes.is_running(match.process):
+            return ParticipantState.RUNNING
+        certain = match is not None and match.is_certain and self._processes.is_proc_mounted()
+        return ParticipantState.ENDED if certain else ParticipantState.UNKNOWN
 
-    def living(self, participants: Iterable[bytes]) -> frozenset[bytes]:
+    def not_ended(self, participants: Iterable[bytes]) -> frozenset[bytes]:
         """Return those that are not known to be gone: of a name that only one has, that one."""
-        found = frozenset(participants)
-        if len(found) < 2:  # noqa: PLR2004 - nothing to be told apart
-            return found
-        return frozenset(each for each in found if self.of(each) is not Life.GONE)
+        candidates = frozenset(participants)
+        if len(candidates) < 2:  # noqa: PLR2004 - nothing to be told apart
+            return candidates
+        return frozenset(
+            each for each in candidates if self.state(each) is not ParticipantState.ENDED
+        )
 
-    def clash(self, participants: Iterable[bytes], now: int) -> bool:
+    def has_conflict(self, participants: Iterable[bytes], now: int) -> bool:
         """Tell whether two of a name's participants certainly live.
 
         The last to come does: it has just been discovered. Another one may be dead and unseen from
         here until a lease has passed since then.
         """
-        found = sorted(self.living(participants), key=lambda each: (self.since(each), each))
-        if len(found) < 2:  # noqa: PLR2004
+        candidates = sorted(self.not_ended(participants), key=lambda each: (self.since(each), each))
+        if len(candidates) < 2:  # noqa: PLR2004
             return False
-        late = now - self.since(found[-1]) >= LEASE
-        return late or any(self.of(each) is Life.RUNS for each in found[:-1])
+        late = now - self.since(candidates[-1]) >= MAX_LEASE
+        return late or any(self.state(each) is ParticipantState.RUNNING for each in candidates[:-1])
 
     def process(self, participant: bytes) -> Process | None:
         """Return the process of this machine that a participant seems to be in."""
-        match = self._found.get(participant)
+        match = self._matches.get(participant)
         return match.process if match else None
 
     def is_certain(self, participant: bytes) -> bool:
         """Tell whether a participant can be in no other process than that one."""
-        match = self._found.get(participant)
-        return match is not None and match.certain
+        match = self._matches.get(participant)
+        return match is not None and match.is_certain
 
-    def _seek(self, participant: bytes) -> None:
+    def _match_process(self, participant: bytes) -> None:
         """Find a participant's process; two of one process agree about what is random in it."""
         match = self._processes.find(int.from_bytes(participant[_HOST:_PID], "little"))
-        self._found[participant] = match
+        self._matches[participant] = match
         if match:
-            rivals = [each for each in self._found if self._contradict(each, participant)]
+            rivals = [each for each in self._matches if self._are_rivals(each, participant)]
             for each in (participant, *rivals) if rivals else ():
-                self._found[each] = replace(match, certain=False)
+                self._matches[each] = replace(match, is_certain=False)
 
-    def _contradict(self, one: bytes, other: bytes) -> bool:
-        process = self.process(one)
+    def _are_rivals(self, participant: bytes, other: bytes) -> bool:
+        process = self.process(participant)
         same = process is not None and process == self.process(other)
-        return same and one[:_PROCESS] != other[:_PROCESS]
+        return same and participant[:_PROCESS] != other[:_PROCESS]

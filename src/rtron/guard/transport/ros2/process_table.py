@@ -19,87 +19,92 @@ Process = tuple[int, int]
 
 _FIRST_NAMESPACE = "pid:[4026531836]"
 """The one in which every process is seen (Linux, proc_ns.h, PROC_PID_INIT_INO)."""
-_FIRST = 1
-_LOW = 0xFFFF
-_FRESH = SECOND // 200
-_STALE = SECOND
+_INIT_PID = 1
+_LOW_BITS = 0xFFFF
+_MIN_PERIOD = SECOND // 200
+_CACHE_TIMEOUT = SECOND
 """No process id comes round again in so short a time."""
-_GONE = (FileNotFoundError, ProcessLookupError)
+_ENDED_ERRORS = (FileNotFoundError, ProcessLookupError)
 _ENDED = frozenset("ZX")
 _STATE, _PARENT, _THREADS, _START_TIME = 0, 1, 17, 19
 _LIBRARIES = (b"libfastdds", b"libfastrtps")
 
 
 @dataclass(frozen=True, slots=True)
-class Match:
-    """The one process seen here that fits; `certain` if there is none that is not seen."""
+class ProcessMatch:
+    """The one process seen here that fits; `is_certain` if there is none that is not seen."""
 
     process: Process
-    certain: bool
+    is_certain: bool
 
 
-class Processes:
-    """Finds a process by the end of its own id; `look` keeps up with who comes and goes."""
+class ProcessTable:
+    """Finds a process by the end of its own id; `update` keeps up with who comes and goes."""
 
     def __init__(self, proc: Path = Path("/proc")) -> None:
         self.supervisor: Callable[[], int] = lambda: 0
         """Returns who supervises us now, by its process id, 0 if nobody does."""
         self._proc = proc
-        self._own_ids: dict[int, int | None] = {}
-        self._by_low: dict[int, list[int]] = {}
-        self._sees_each = False
-        self._looked = 0
+        self._namespace_pids: dict[int, int | None] = {}
+        self._pids_by_low_bits: dict[int, list[int]] = {}
+        self._sees_all_processes = False
+        self._updated_at = 0
 
-    def look(self, now: int) -> None:
+    def update(self, now: int) -> None:
         """Know who runs at `now` (ns); who has been seen within a second is not read again."""
-        if self._own_ids and now - self._looked < _FRESH:
+        if self._namespace_pids and now - self._updated_at < _MIN_PERIOD:
             return
-        if now - self._looked > _STALE:
-            self._own_ids.clear()
-        self._looked = now
+        if now - self._updated_at > _CACHE_TIMEOUT:
+            self._namespace_pids.clear()
+        self._updated_at = now
         try:
-            self._own_ids = dict(self._running(self._own_ids))
+            self._namespace_pids = dict(self._running(self._namespace_pids))
         except OSError:
-            self._own_ids = {}
-        self._sees_each = self._own_ids.get(_FIRST) == _FIRST and None not in self._own_ids.values()
-        self._by_low = defaultdict(list)
-        for pid, own in self._own_ids.items():
-            if own is not None:
-                self._by_low[own & _LOW].append(pid)
+            self._namespace_pids = {}
+        self._sees_all_processes = (
+            self._namespace_pids.get(_INIT_PID) == _INIT_PID
+            and None not in self._namespace_pids.values()
+        )
+        self._pids_by_low_bits = defaultdict(list)
+        for pid, namespace_pid in self._namespace_pids.items():
+            if namespace_pid is not None:
+                self._pids_by_low_bits[namespace_pid & _LOW_BITS].append(pid)
 
-    def find(self, low: int) -> Match | None:
+    def find(self, low: int) -> ProcessMatch | None:
         """Return the one process whose own id ends in these 16 bits, if it has Fast DDS loaded."""
-        found = self._by_low.get(low, ())
+        pids = self._pids_by_low_bits.get(low, ())
         with suppress(OSError):
-            process = self.of(found[0]) if len(found) == 1 else None
+            process = self.process(pids[0]) if len(pids) == 1 else None
             if process and self._has_fast_dds(process[0]):
-                return Match(process, self._sees_each and self._is_near(process[0]))
+                return ProcessMatch(
+                    process, self._sees_all_processes and self._is_in_our_network(process[0])
+                )
         return None
 
-    def lives(self, process: Process) -> bool:
+    def is_running(self, process: Process) -> bool:
         """Tell whether a process has not ended; it has not where that cannot be read."""
         try:
-            return self.of(process[0]) == process
+            return self.process(process[0]) == process
         except OSError:
             return True
 
-    def are_seen(self) -> bool:
+    def is_proc_mounted(self) -> bool:
         """Tell whether anybody is to be seen at this moment: who is not, need not have ended."""
-        return (self._proc / str(_FIRST)).exists()
+        return (self._proc / str(_INIT_PID)).exists()
 
-    def of(self, pid: int) -> Process | None:
+    def process(self, pid: int) -> Process | None:
         """Return a process with its start time if it runs, be it in other threads than the first.
 
         OSError if that cannot be read.
         """
         try:
             stat = self._stat(pid)
-        except _GONE:
+        except _ENDED_ERRORS:
             return None
         ended = stat[_STATE] in _ENDED and int(stat[_THREADS]) <= 1
         return None if ended else (pid, int(stat[_START_TIME]))
 
-    def is_kin(self, pid: int) -> bool:
+    def is_related(self, pid: int) -> bool:
         """Tell whether a process supervises this one, has started it, or was started by it."""
         with suppress(OSError):
             near = (self.supervisor(), os.getppid())
@@ -113,10 +118,10 @@ class Processes:
             if pid in known:
                 yield pid, known[pid]
             else:
-                with suppress(*_GONE):
-                    yield pid, self._own_id(pid)
+                with suppress(*_ENDED_ERRORS):
+                    yield pid, self._namespace_pid(pid)
 
-    def _own_id(self, pid: int) -> int | None:
+    def _namespace_pid(self, pid: int) -> int | None:
         try:
             status = (self._proc / str(pid) / "status").read_text(errors="replace")
         except PermissionError:
@@ -125,11 +130,11 @@ class Processes:
         ids = line.split()[1:]
         return int(ids[-1]) if ids else None
 
-    def _is_near(self, pid: int) -> bool:
+    def _is_in_our_network(self, pid: int) -> bool:
         """Tell whether nobody is hidden from us, and a process is in our network."""
-        us, it = self._proc / "self/ns", self._proc / str(pid) / "ns"
-        near = (us / "net").readlink() == (it / "net").readlink()
-        return near and str((us / "pid").readlink()) == _FIRST_NAMESPACE
+        ours, theirs = self._proc / "self/ns", self._proc / str(pid) / "ns"
+        near = (ours / "net").readlink() == (theirs / "net").readlink()
+        return near and str((ours / "pid").readlink()) == _FIRST_NAMESPACE
 
     def _stat(self, pid: int) -> list[str]:
         """Return a process's fields from its state on (proc(5), /proc/pid/stat)."""

@@ -13,51 +13,55 @@ from rtron.vocabulary import SECOND, Durability, Liveliness, QoS, Reliability
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-_READ_AHEAD = 100
+_QUEUE_DEPTH = 100
 """So many messages of all publishers wait in a reader; the oldest make room."""
-_MOMENT = SECOND
+_COMMAND_LIFESPAN = SECOND
 """A writer keeps so long what is meant for the moment: a reader on a busy machine may need it."""
 
 
-def asked_for(offered: QoS) -> QoSProfile:
+def requested_profile(offered: QoS) -> QoSProfile:
     """Return what to ask a publisher for, to get all that it offers, what it has kept included.
 
     Nothing is asked of its deadline, lifespan or liveliness.
     """
-    return profile(QoS(reliability=offered.reliability, durability=offered.durability), _READ_AHEAD)
+    return profile(
+        QoS(reliability=offered.reliability, durability=offered.durability), _QUEUE_DEPTH
+    )
 
 
-def strongest(offered: Iterable[QoS]) -> QoS:
+def strongest(profiles: Iterable[QoS]) -> QoS:
     """Return what matches every subscriber that one of these matches (ROS 2: QoS compatibilities).
 
     The shortest deadline and lease of those that have one, the longest lifespan.
     """
-    found = list(offered)
-    reliable = any(qos.reliability is Reliability.RELIABLE for qos in found)
-    kept = any(qos.durability is Durability.TRANSIENT_LOCAL for qos in found)
-    manual = any(qos.liveliness is Liveliness.MANUAL_BY_TOPIC for qos in found)
-    lifespans = [qos.lifespan for qos in found]
+    profiles_list = list(profiles)
+    reliable = any(qos.reliability is Reliability.RELIABLE for qos in profiles_list)
+    is_transient_local = any(qos.durability is Durability.TRANSIENT_LOCAL for qos in profiles_list)
+    manual = any(qos.liveliness is Liveliness.MANUAL_BY_TOPIC for qos in profiles_list)
+    lifespans = [qos.lifespan for qos in profiles_list]
     return QoS(
-        reliability=Reliability.RELIABLE if reliable or not found else Reliability.BEST_EFFORT,
-        durability=Durability.TRANSIENT_LOCAL if kept else Durability.VOLATILE,
-        deadline=_least(qos.deadline for qos in found),
+        reliability=Reliability.RELIABLE
+        if reliable or not profiles_list
+        else Reliability.BEST_EFFORT,
+        durability=Durability.TRANSIENT_LOCAL if is_transient_local else Durability.VOLATILE,
+        deadline=_minimum(qos.deadline for qos in profiles_list),
         lifespan=0 if 0 in lifespans else max(lifespans, default=0),
         liveliness=Liveliness.MANUAL_BY_TOPIC if manual else Liveliness.AUTOMATIC,
-        lease=_least(qos.lease for qos in found),
+        lease=_minimum(qos.lease for qos in profiles_list),
     )
 
 
-def momentary(qos: QoS) -> QoS:
+def command_qos(qos: QoS) -> QoS:
     """Return what matches the same subscribers, and leaves late ones no more than the last second.
 
     DDS drops what is older from a writer that keeps its words (lifespan).
     """
     if qos.durability is Durability.VOLATILE:
         return qos
-    return replace(qos, lifespan=min(qos.lifespan or _MOMENT, _MOMENT))
+    return replace(qos, lifespan=min(qos.lifespan or _COMMAND_LIFESPAN, _COMMAND_LIFESPAN))
 
 
-def kept(qos: QoS) -> QoS:
+def latched(qos: QoS) -> QoS:
     """Return what matches the same subscribers, and is kept for late ones."""
     return replace(qos, durability=Durability.TRANSIENT_LOCAL)
 
@@ -65,12 +69,14 @@ def kept(qos: QoS) -> QoS:
 def profile(qos: QoS, depth: int) -> QoSProfile:
     """Return a profile as rclpy takes it, which keeps the last `depth` messages."""
     best_effort = qos.reliability is Reliability.BEST_EFFORT
-    kept = qos.durability is Durability.TRANSIENT_LOCAL
+    is_transient_local = qos.durability is Durability.TRANSIENT_LOCAL
     manual = qos.liveliness is Liveliness.MANUAL_BY_TOPIC
     return QoSProfile(
         depth=depth,
         reliability=ReliabilityPolicy.BEST_EFFORT if best_effort else ReliabilityPolicy.RELIABLE,
-        durability=DurabilityPolicy.TRANSIENT_LOCAL if kept else DurabilityPolicy.VOLATILE,
+        durability=DurabilityPolicy.TRANSIENT_LOCAL
+        if is_transient_local
+        else DurabilityPolicy.VOLATILE,
         deadline=Duration(nanoseconds=qos.deadline),
         lifespan=Duration(nanoseconds=qos.lifespan),
         liveliness=LivelinessPolicy.MANUAL_BY_TOPIC if manual else LivelinessPolicy.AUTOMATIC,
@@ -78,5 +84,5 @@ def profile(qos: QoS, depth: int) -> QoSProfile:
     )
 
 
-def _least(durations: Iterable[int]) -> int:
+def _minimum(durations: Iterable[int]) -> int:
     return min((each for each in durations if each), default=0)

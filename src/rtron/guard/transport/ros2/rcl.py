@@ -13,11 +13,11 @@ from ctypes import addressof, c_int, c_int64, c_uint8, c_uint64, c_void_p
 from typing import Any
 
 from rtron.errors import WireError
-from rtron.wire.ros2.c_structures import function
+from rtron.wire.ros2.c_structures import typed_function
 from rtron.wire.ros2.endpoints import GID_SIZE
-from rtron.wire.ros2.serialized_message import Room, Serialized
+from rtron.wire.ros2.serialized_message import MessageBuffer, SerializedMessage
 
-_OK, _NOTHING = 0, 401
+_OK, _NO_MESSAGE = 0, 401
 _INFO_SIZE = 256
 _NUMBER_AT = 16
 _GID_AT = 40
@@ -32,21 +32,22 @@ class Rcl:
     def __init__(self) -> None:
         rcl = ctypes.CDLL("librcl.so")
         pointers = c_void_p, c_void_p, c_void_p
-        self._take = function(rcl.rcl_take_serialized_message, c_int, *pointers, c_void_p)
-        self._publish = function(rcl.rcl_publish_serialized_message, c_int, *pointers)
-        self._condition = function(rcl.rcl_node_get_graph_guard_condition, c_void_p, c_void_p)
-        self._add = function(rcl.rcl_wait_set_add_guard_condition, c_int, *pointers)
-        self._reset = function(ctypes.CDLL("librcutils.so").rcutils_reset_error, None)
+        self._take = typed_function(rcl.rcl_take_serialized_message, c_int, *pointers, c_void_p)
+        self._publish = typed_function(rcl.rcl_publish_serialized_message, c_int, *pointers)
+        self._condition = typed_function(rcl.rcl_node_get_graph_guard_condition, c_void_p, c_void_p)
+        self._add = typed_function(rcl.rcl_wait_set_add_guard_condition, c_int, *pointers)
+        self._reset = typed_function(ctypes.CDLL("librcutils.so").rcutils_reset_error, None)
         self._notify = {
-            kind: function(getattr(rcl, name), c_int, *pointers) for kind, name in _NOTIFY.items()
+            kind: typed_function(getattr(rcl, name), c_int, *pointers)
+            for kind, name in _NOTIFY.items()
         }
         self._eventfd_write = ctypes.cast(ctypes.CDLL(None).eventfd_write, c_void_p)
-        self._in = Room()
-        self._out = Serialized(allocator=self._in.allocator)
+        self._input_buffer = MessageBuffer()
+        self._output = SerializedMessage(allocator=self._input_buffer.allocator)
         self._info = (c_uint8 * _INFO_SIZE)()
-        self._in_at, self._out_at = self._in.at, addressof(self._out)
+        self._in_at, self._out_at = self._input_buffer.address, addressof(self._output)
         self._info_at = addressof(self._info)
-        self._said = c_int64.from_address(self._info_at)
+        self._source_time = c_int64.from_address(self._info_at)
         self._number = c_uint64.from_address(self._info_at + _NUMBER_AT)
         self._gid = memoryview(self._info).cast("B")[_GID_AT : _GID_AT + GID_SIZE]
 
@@ -60,33 +61,33 @@ class Rcl:
     def take(self, subscription: int) -> tuple[bytes, bytes] | None:
         """Return the next message of a subscription, by its pointer, and its publisher's GID."""
         code = self._take(subscription, self._in_at, self._info_at, None)
-        if code == _NOTHING:
+        if code == _NO_MESSAGE:
             return None
         if code:
             self._check(code, "take a message")
-        return self._in.taken(), self._gid.tobytes()
+        return self._input_buffer.message_bytes(), self._gid.tobytes()
 
     @property
-    def said(self) -> int:
+    def source_time(self) -> int:
         """When what was taken last was said, ns of its publisher's wall clock; 0 if unknown."""
-        found: int = self._said.value
-        return found
+        time: int = self._source_time.value
+        return time
 
     @property
-    def number(self) -> int | None:
+    def sequence_number(self) -> int | None:
         """Which of its publisher's messages was taken last; None where the RMW does not tell."""
-        found: int = self._number.value
-        return None if found == _UNSUPPORTED else found
+        number: int = self._number.value
+        return None if number == _UNSUPPORTED else number
 
     def publish(self, publisher: int, message: bytes) -> None:
         """Send a serialized message with a publisher, by its pointer."""
-        out = self._out
+        out = self._output
         out.buffer = message
         out.length = out.capacity = len(message)
         if code := self._publish(publisher, self._out_at, None):
             self._check(code, "publish")
 
-    def watch_graph(self, wait_set: int, node: int) -> None:
+    def add_graph_condition(self, wait_set: int, node: int) -> None:
         """Let a wait set, by its pointer, wake up when the graph of a node changes."""
         self._check(self._add(wait_set, self._condition(node), None), "watch the graph")
 

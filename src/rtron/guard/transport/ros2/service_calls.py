@@ -15,46 +15,48 @@ from typing import TYPE_CHECKING, Any
 from weakref import finalize
 
 from rtron.errors import WireError
-from rtron.wire.ros2.c_structures import address_in, function
+from rtron.wire.ros2.c_structures import capsule_pointer, typed_function
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-_OK, _LATE = 0, 2
-_NOTHING = frozenset({401, 501, 601})
+_OK, _TIMED_OUT = 0, 2
+_NO_MESSAGE = frozenset({401, 501, 601})
 _GUID = 16
 _POINTERS = c_void_p, c_void_p, c_void_p
-PLACE_SIZE = _GUID + 8
+REQUEST_ID_SIZE = _GUID + 8
 """The size of the place of a request: the writer's GUID, and the number of its request."""
 
 
-class _Place(Structure):
+class _RequestId(Structure):
     """rmw_request_id_t."""
 
     _fields_ = (("guid", c_uint8 * _GUID), ("number", c_int64))
 
 
-class _Info(Structure):
+class _ServiceInfo(Structure):
     """rmw_service_info_t."""
 
-    _fields_ = (("sent", c_int64), ("received", c_int64), ("place", _Place))
+    _fields_ = (("sent", c_int64), ("received", c_int64), ("place", _RequestId))
 
 
-class _Shape:
+class _MessageConverter:
     """How messages of a class become rcl's, and back (rosidl_generator_py)."""
 
     def __init__(self, cls: Any) -> None:  # noqa: ANN401 - a generated class
         meta = type(cls)
         if meta._TYPE_SUPPORT is None:  # noqa: SLF001 - as rclpy does
             meta.__import_type_support__()
-        self.create = ctypes.CFUNCTYPE(c_void_p)(address_in(meta._CREATE_ROS_MESSAGE))  # noqa: SLF001
-        self.destroy = ctypes.CFUNCTYPE(None, c_void_p)(address_in(meta._DESTROY_ROS_MESSAGE))  # noqa: SLF001
+        self.create = ctypes.CFUNCTYPE(c_void_p)(capsule_pointer(meta._CREATE_ROS_MESSAGE))  # noqa: SLF001
+        self.destroy = ctypes.CFUNCTYPE(None, c_void_p)(capsule_pointer(meta._DESTROY_ROS_MESSAGE))  # noqa: SLF001
         fill = ctypes.PYFUNCTYPE(c_bool, py_object, c_void_p)
-        self.fill = fill(address_in(meta._CONVERT_FROM_PY))  # noqa: SLF001
-        self.read = ctypes.PYFUNCTYPE(py_object, c_void_p)(address_in(meta._CONVERT_TO_PY))  # noqa: SLF001
+        self.from_python = fill(capsule_pointer(meta._CONVERT_FROM_PY))  # noqa: SLF001
+        self.to_python = ctypes.PYFUNCTYPE(py_object, c_void_p)(
+            capsule_pointer(meta._CONVERT_TO_PY)
+        )  # noqa: SLF001
 
     @contextmanager
-    def made(self) -> Iterator[int]:
+    def new_message(self) -> Iterator[int]:
         """Give an empty message of rcl's."""
         message = self.create()
         try:
@@ -63,61 +65,61 @@ class _Shape:
             self.destroy(message)
 
 
-class Letter:
+class ServiceMessage:
     """A request or an answer as rcl has it; only who reads it makes rclpy's object of it."""
 
     def __init__(self, cls: type) -> None:
         self._cls = cls
-        self._shape = _shape(cls)
-        self.message = self._shape.create()
-        finalize(self, self._shape.destroy, self.message).atexit = False
+        self._converter = _converter_for(cls)
+        self.message = self._converter.create()
+        finalize(self, self._converter.destroy, self.message).atexit = False
 
-    def read(self) -> Any:  # noqa: ANN401 - a generated class
+    def decode(self) -> Any:  # noqa: ANN401 - a generated class
         """Return rclpy's object; WireError if it is none."""
         try:
-            return self._shape.read(self.message)
+            return self._converter.to_python(self.message)
         except (ValueError, AssertionError) as error:
             raise WireError(f"it is no {self._cls.__name__}: {error}") from error
 
 
-class Requests:
+class ServiceCalls:
     """The calls; services and clients are rclpy's handles, messages rclpy's objects."""
 
     def __init__(self) -> None:
         rcl, utils = ctypes.CDLL("librcl.so"), ctypes.CDLL("librcutils.so")
-        self._take_request = function(rcl.rcl_take_request_with_info, c_int, *_POINTERS)
-        self._send_response = function(rcl.rcl_send_response, c_int, *_POINTERS)
-        self._take_response = function(rcl.rcl_take_response_with_info, c_int, *_POINTERS)
-        self._send_request = function(rcl.rcl_send_request, c_int, *_POINTERS)
-        self._reset = function(utils.rcutils_reset_error, None)
+        self._take_request = typed_function(rcl.rcl_take_request_with_info, c_int, *_POINTERS)
+        self._send_response = typed_function(rcl.rcl_send_response, c_int, *_POINTERS)
+        self._take_response = typed_function(rcl.rcl_take_response_with_info, c_int, *_POINTERS)
+        self._send_request = typed_function(rcl.rcl_send_request, c_int, *_POINTERS)
+        self._reset = typed_function(utils.rcutils_reset_error, None)
 
-    def take_request(self, service: Any, cls: type) -> tuple[bytes, Letter] | None:  # noqa: ANN401
+    def take_request(self, service: Any, cls: type) -> tuple[bytes, ServiceMessage] | None:  # noqa: ANN401
         """Return the place of the next request and the request, unopened; None if there is none.
 
         WireError if it cannot be taken.
         """
-        info = _Info()
-        letter = self._taken(self._take_request, service, cls, info)
-        return None if letter is None else (bytes(info.place), letter)
+        info = _ServiceInfo()
+        request = self._take_message(self._take_request, service, cls, info)
+        return None if request is None else (bytes(info.place), request)
 
-    def respond(self, service: Any, place: bytes, response: object) -> None:  # noqa: ANN401
+    def respond(self, service: Any, request_id: bytes, response: object) -> None:  # noqa: ANN401
         """Answer a request; one whose client is gone, or not there yet, stays unanswered."""
         cls: Any = type(response)
-        shape = _shape(cls)
-        with shape.made() as message:
-            shape.fill(response, message)
-            to = _Place.from_buffer_copy(place)
-            code = self._send_response(service.pointer, byref(to), message)
-        if code != _LATE:
+        converter = _converter_for(cls)
+        with converter.new_message() as message:
+            converter.from_python(response, message)
+            header = _RequestId.from_buffer_copy(request_id)
+            code = self._send_response(service.pointer, byref(header), message)
+        if code != _TIMED_OUT:
             self._check(code, "answer a request")
         self._reset()
 
-    def request(self, client: Any, request: object) -> int:  # noqa: ANN401 - rclpy's handle
+    def send_request(self, client: Any, request: object) -> int:  # noqa: ANN401 - rclpy's handle
         """Send a request; return its number."""
         cls: Any = type(request)
-        shape, number = _shape(cls), c_int64()
-        with shape.made() as message:
-            shape.fill(request, message)
+        converter, number = _converter_for(cls), c_int64()
+        with converter.new_message() as message:
+            converter.from_python(request, message)
             self._check(self._send_request(client.pointer, message, byref(number)), "ask")
         return number.value
 
@@ -126,18 +128,20 @@ class Requests:
 
         WireError if it cannot be read.
         """
-        info = _Info()
-        letter = self._taken(self._take_response, client, cls, info)
-        return None if letter is None else (info.place.number, letter.read())
+        info = _ServiceInfo()
+        response = self._take_message(self._take_response, client, cls, info)
+        return None if response is None else (info.place.number, response.decode())
 
-    def _taken(self, take: Any, handle: Any, cls: type, info: _Info) -> Letter | None:  # noqa: ANN401
-        letter = Letter(cls)
-        code = take(handle.pointer, byref(info), letter.message)
-        if code in _NOTHING:
+    def _take_message(
+        self, take: Any, handle: Any, cls: type, info: _ServiceInfo
+    ) -> ServiceMessage | None:  # noqa: ANN401
+        message = ServiceMessage(cls)
+        code = take(handle.pointer, byref(info), message.message)
+        if code in _NO_MESSAGE:
             self._reset()
             return None
         self._check(code, "take a request or an answer")
-        return letter
+        return message
 
     def _check(self, code: int, what: str) -> None:
         if code != _OK:
@@ -146,5 +150,5 @@ class Requests:
 
 
 @lru_cache(maxsize=256)
-def _shape(cls: Any) -> _Shape:  # noqa: ANN401 - a generated class
-    return _Shape(cls)
+def _converter_for(cls: Any) -> _MessageConverter:  # noqa: ANN401 - a generated class
+    return _MessageConverter(cls)

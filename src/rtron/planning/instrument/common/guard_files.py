@@ -10,8 +10,8 @@ from collections.abc import Sequence
 
 from rtron.vocabulary import GUARD_NODE
 
-SCRIPT = "guard"
-PLAN = "rtron.yaml"
+GUARD_SCRIPT = "guard"
+PLAN_FILE = "rtron.yaml"
 
 
 def guard_element(folder: str) -> tuple[str, ...]:
@@ -19,9 +19,9 @@ def guard_element(folder: str) -> tuple[str, ...]:
 
     Standing first and in the root namespace, it inherits no remap, parameter or machine.
     """
-    prefix = f"""launch-prefix='"$(dirname)/{folder}/{SCRIPT}"'"""
+    prefix = f"""launch-prefix='"$(dirname)/{folder}/{GUARD_SCRIPT}"'"""
     return (
-        f"<!-- The guard. rosout is only the package that roslaunch always finds: {SCRIPT} does",
+        f"<!-- The guard. rosout is only the package that roslaunch always finds: {GUARD_SCRIPT} does",
         "     not run it. -->",
         f'<node pkg="rosout" type="rosout" name="{GUARD_NODE.strip("/")}" ns="/" {prefix}',
         '      respawn="true" output="screen"/>',
@@ -33,5 +33,5 @@ def guard_script(command: Sequence[str]) -> str:
     return (
         "#!/bin/sh\n"
         "# A launch-prefix: the command behind it is not run.\n"
-        f'exec {shlex.join(command)} --plan "${{0%/*}}/{PLAN}"\n'
+        f'exec {shlex.join(command)} --plan "${{0%/*}}/{PLAN_FILE}"\n'
     )

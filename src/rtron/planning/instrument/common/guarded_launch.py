@@ -18,13 +18,13 @@ class PlacedRemap:
     target: str
 
     @property
-    def placeable(self) -> bool:
+    def is_placeable(self) -> bool:
         """Whether a launch file can say it: a name that changes at every start it cannot."""
         return "*" not in self.written + self.target
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Unenforceable:
+class EnforcementGap:
     """A node of the plan (`what`) that the guarded launch does not close, and why.
 
     `accepted` says that the plan's `accept_unenforceable` names it.
@@ -36,7 +36,7 @@ class Unenforceable:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Instrumented:
+class GuardedLaunch:
     """A guarded launch: `launch` is its file, `folder` holds all others of `files`.
 
     A file whose text begins with `#!` is executable. `copies` of scripts and `links`, all below
@@ -49,5 +49,5 @@ class Instrumented:
     copies: Mapping[Path, Path] = field(default_factory=dict)
     links: Mapping[Path, Path] = field(default_factory=dict)
     remaps: tuple[PlacedRemap, ...] = ()
-    unenforceable: tuple[Unenforceable, ...] = ()
+    unenforceable: tuple[EnforcementGap, ...] = ()
     notes: tuple[str, ...] = ()

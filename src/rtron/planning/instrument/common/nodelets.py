@@ -20,12 +20,12 @@ def manager_of(node: LaunchNode) -> str | None:
 
 def loaders(nodes: Iterable[LaunchNode]) -> Mapping[str, list[LaunchNode]]:
     """Return the loaders of each manager."""
-    found: dict[str, list[LaunchNode]] = defaultdict(list)
+    by_manager: dict[str, list[LaunchNode]] = defaultdict(list)
     for node in nodes:
         manager = manager_of(node)
         if manager:
-            found[manager].append(node)
-    return found
+            by_manager[manager].append(node)
+    return by_manager
 
 
 def _words(args: str) -> list[str]:

@@ -10,20 +10,20 @@ _START_TAG = re.compile(rb"""<(?:[^"'>]|"[^"]*"|'[^']*')*>""")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Span:
-    """An element's place: offsets in bytes; `inner` is behind its start tag.
+class ElementSpan:
+    """An element's place: offsets in bytes; `content_start` is behind its start tag.
 
-    `close` is where its end tag begins, or the end of the start tag of an empty element.
+    `content_end` is where its end tag begins, or the end of the start tag of an empty element.
     """
 
     tag: str
     start: int
-    inner: int
-    close: int
-    empty: bool
+    content_start: int
+    content_end: int
+    is_empty: bool
 
 
-def spans(text: bytes, path: str) -> tuple[Span, ...]:
+def find_elements(text: bytes, path: str) -> tuple[ElementSpan, ...]:
     """Return the elements of an XML text in UTF-8, in document order.
 
     Raise InputError where it is not XML or has a document type.
@@ -42,7 +42,7 @@ def spans(text: bytes, path: str) -> tuple[Span, ...]:
 
     parser.StartElementHandler, parser.EndElementHandler = started, ended
     parse(parser, text, path)
-    return tuple(_span(text, *start, closes[place]) for place, start in enumerate(starts))
+    return tuple(_span(text, *start, closes[index]) for index, start in enumerate(starts))
 
 
 def safe_parser(path: str, encoding: str | None = None) -> expat.XMLParserType:
@@ -65,8 +65,14 @@ def parse(parser: expat.XMLParserType, text: bytes, path: str) -> None:
         raise InputError(f"not XML: {error}", path=path, line=error.lineno) from None
 
 
-def _span(text: bytes, tag: str, start: int, close: int) -> Span:
+def _span(text: bytes, tag: str, start: int, close: int) -> ElementSpan:
     match = _START_TAG.match(text, start)
     inner = match.end() if match else start
     empty = text.endswith(b"/>", start, inner)
-    return Span(tag=tag, start=start, inner=inner, close=inner if empty else close, empty=empty)
+    return ElementSpan(
+        tag=tag,
+        start=start,
+        content_start=inner,
+        content_end=inner if empty else close,
+        is_empty=empty,
+    )

@@ -5,12 +5,12 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from xml.sax.saxutils import quoteattr
 
-from rtron.planning.instrument.common.xml_spans import Span
+from rtron.planning.instrument.common.xml_spans import ElementSpan
 
 _ATTRIBUTE = re.compile(rb"""([^\s=<>/"']+)\s*=\s*("[^"]*"|'[^']*')""")
 
 
-def spliced(text: bytes, changes: Iterable[tuple[int, int, bytes]]) -> bytes:
+def splice(text: bytes, changes: Iterable[tuple[int, int, bytes]]) -> bytes:
     """Return a text with other bytes from each start to each end."""
     pieces, last = [], 0
     for start, end, new in sorted(changes):
@@ -24,68 +24,72 @@ class LaunchText:
     """Collects changes to one XML text in UTF-8; `elements` stand in document order."""
 
     text: bytes
-    elements: Sequence[Span]
+    elements: Sequence[ElementSpan]
     _changes: list[tuple[int, int, bytes]] = field(default_factory=list)
 
-    def attribute(self, element: Span, name: str) -> str | None:
+    def attribute(self, element: ElementSpan, name: str) -> str | None:
         """Return an attribute as it is written, its quotes and entities included."""
-        for match in _ATTRIBUTE.finditer(self.text, element.start, element.inner):
+        for match in _ATTRIBUTE.finditer(self.text, element.start, element.content_start):
             if match[1] == name.encode():
                 return match[2].decode()
         return None
 
-    def set_attribute(self, element: Span, name: str, value: str) -> None:
+    def set_attribute(self, element: ElementSpan, name: str, value: str) -> None:
         """Give an attribute that an element has another value."""
-        for match in _ATTRIBUTE.finditer(self.text, element.start, element.inner):
+        for match in _ATTRIBUTE.finditer(self.text, element.start, element.content_start):
             if match[1] == name.encode():
                 self._change(*match.span(2), quoteattr(value))
 
-    def add_attribute(self, element: Span, name: str, value: str) -> None:
+    def add_attribute(self, element: ElementSpan, name: str, value: str) -> None:
         """Give an element an attribute that it lacks."""
         at = element.start + 1 + len(element.tag.encode())
         self._change(at, at, f" {name}={quoteattr(value)}")
 
-    def insert(self, element: Span, sibling: str) -> None:
+    def insert(self, element: ElementSpan, sibling: str) -> None:
         """Put another element before an element, on a line of its own."""
         self._change(element.start, element.start, sibling + self._line(element))
 
-    def append(self, element: Span, children: Sequence[str]) -> None:
+    def append(self, element: ElementSpan, children: Sequence[str]) -> None:
         """Put children last into an element, a line each."""
-        content = self.text[element.inner : element.close]
-        at = element.inner + len(content.rstrip())
-        if element.empty:
+        content = self.text[element.content_start : element.content_end]
+        at = element.content_start + len(content.rstrip())
+        if element.is_empty:
             self._fill(element, children)
-        elif b"\n" in self.text[at : element.close]:
+        elif b"\n" in self.text[at : element.content_end]:
             self._change(at, at, self._lines(element, children))
         else:
             self._change(at, at, self._lines(element, children) + self._line(element))
 
-    def prepend(self, element: Span, children: Sequence[str]) -> None:
+    def prepend(self, element: ElementSpan, children: Sequence[str]) -> None:
         """Put children first into an element, a line each."""
-        if element.empty:
+        if element.is_empty:
             self._fill(element, children)
         else:
-            self._change(element.inner, element.inner, self._lines(element, children))
+            self._change(
+                element.content_start, element.content_start, self._lines(element, children)
+            )
 
-    def changed(self) -> str:
+    def render(self) -> str:
         """Return the text with all changes made."""
-        return spliced(self.text, self._changes).decode()
+        return splice(self.text, self._changes).decode()
 
     def _change(self, start: int, end: int, new: str) -> None:
         self._changes.append((start, end, new.encode()))
 
-    def _fill(self, element: Span, children: Sequence[str]) -> None:
+    def _fill(self, element: ElementSpan, children: Sequence[str]) -> None:
         """Give children to an empty element, `<x/>`."""
-        end_of_tag = element.start + len(self.text[element.start : element.inner - 2].rstrip())
+        end_of_tag = element.start + len(
+            self.text[element.start : element.content_start - 2].rstrip()
+        )
         end = f"{self._line(element)}</{element.tag}>"
-        self._change(end_of_tag, element.inner, f">{self._lines(element, children)}{end}")
+        self._change(end_of_tag, element.content_start, f">{self._lines(element, children)}{end}")
 
-    def _lines(self, element: Span, children: Sequence[str]) -> str:
+    def _lines(self, element: ElementSpan, children: Sequence[str]) -> str:
         line = self._line(element)
         step = "\t" if "\t" in line else "  "
         return "".join(f"{line}{step}{child}" for child in children)
 
-    def _line(self, element: Span) -> str:
+    def _line(self, element: ElementSpan) -> str:
         """Return a line break as the file has them, and the indentation of an element."""
         before = self.text[self.text.rfind(b"\n", 0, element.start) + 1 : element.start]
         indentation = before[: len(before) - len(before.lstrip())].decode()

@@ -8,18 +8,18 @@ from pathlib import Path
 
 from rtron.errors import InputError
 from rtron.planning.instrument.common.guard_files import (
-    PLAN,
-    SCRIPT,
+    GUARD_SCRIPT,
+    PLAN_FILE,
     guard_element,
     guard_script,
 )
-from rtron.planning.instrument.common.guarded_launch import Instrumented, Unenforceable
-from rtron.planning.instrument.common.remap_coverage import Findings
-from rtron.planning.instrument.common.remaps import enforced_streams, wire
-from rtron.planning.instrument.ros1.launch_copies import Copies
+from rtron.planning.instrument.common.guarded_launch import EnforcementGap, GuardedLaunch
+from rtron.planning.instrument.common.remap_coverage import RemapCoverage
+from rtron.planning.instrument.common.remaps import enforced_streams, plan_remaps
+from rtron.planning.instrument.ros1.launch_copies import LaunchCopies
 from rtron.planning.instrument.ros1.overlay_files import overlay_files
-from rtron.planning.instrument.ros1.runtime_launch import Started, whole_app
-from rtron.planning.instrument.ros1.runtime_launch_reach import reachable
+from rtron.planning.instrument.ros1.runtime_launch import RuntimeLaunchTree, merge_launches
+from rtron.planning.instrument.ros1.runtime_launch_reach import find_reachable_launches
 from rtron.vocabulary import GUARD_NODE, LaunchTree, Plan
 
 GUARD_COMMAND = (sys.executable, "-m", "rtron", "guard")
@@ -35,9 +35,9 @@ def instrument(
     *,
     plan_text: str,
     command: Sequence[str] = GUARD_COMMAND,
-    started: Sequence[Started] = (),
+    started: Sequence[RuntimeLaunchTree] = (),
     packages: Mapping[str, Path] = _NO_PACKAGES,
-) -> Instrumented:
+) -> GuardedLaunch:
     """Return the guarded launch: the app's own launch, plus remaps, plus the guard.
 
     `out` is its launch file; what else it needs lies in a folder beside it. `plan_text` is the
@@ -47,31 +47,33 @@ def instrument(
     """
     out = out.absolute()
     folder = out.with_suffix(".d")
-    whole = whole_app(tree, started)
-    _check_out(whole, out, folder)
+    app = merge_launches(tree, started)
+    _check_out(app, out, folder)
     enforced = enforced_streams(plan)
-    wiring = wire(whole, enforced)
-    found = reachable(tree, started, wiring, packages)
-    wiring = {node: remaps for node, remaps in wiring.items() if node not in found.lost}
-    copies = Copies(wiring, found.starters)
+    node_remaps = plan_remaps(app, enforced)
+    launches = find_reachable_launches(tree, started, node_remaps, packages)
+    node_remaps = {
+        node: remaps for node, remaps in node_remaps.items() if node not in launches.unreachable
+    }
+    copies = LaunchCopies(node_remaps, launches.starters)
     root = copies.root(tree.root, folder.name, guard_element(folder.name))
-    overlaid = overlay_files(folder, found, copies, (out, folder))
-    beside = {**copies.texts, SCRIPT: guard_script(command), PLAN: plan_text}
-    findings = Findings(whole, enforced, wiring, found.lost)
-    return Instrumented(
+    overlay = overlay_files(folder, launches, copies, (out, folder))
+    texts = {**copies.texts, GUARD_SCRIPT: guard_script(command), PLAN_FILE: plan_text}
+    coverage = RemapCoverage(app, enforced, node_remaps, launches.unreachable)
+    return GuardedLaunch(
         launch=out,
         folder=folder,
-        files={**{folder / n: text for n, text in beside.items()}, **overlaid.files, out: root},
-        copies=overlaid.copies,
-        links=overlaid.links,
-        remaps=tuple(p for placed in wiring.values() for p in placed if p.placeable),
-        unenforceable=tuple(_judged(open_end, plan) for open_end in findings.unenforceable()),
-        notes=tuple(dict.fromkeys(findings.notes())),
+        files={**{folder / n: text for n, text in texts.items()}, **overlay.files, out: root},
+        copies=overlay.copies,
+        links=overlay.links,
+        remaps=tuple(p for placed in node_remaps.values() for p in placed if p.is_placeable),
+        unenforceable=tuple(_with_acceptance(gap, plan) for gap in coverage.gaps()),
+        notes=tuple(dict.fromkeys(coverage.notes())),
     )
 
 
-def _judged(open_end: Unenforceable, plan: Plan) -> Unenforceable:
-    return replace(open_end, accepted=open_end.what in plan.accept_unenforceable)
+def _with_acceptance(gap: EnforcementGap, plan: Plan) -> EnforcementGap:
+    return replace(gap, accepted=gap.what in plan.accept_unenforceable)
 
 
 def _check_out(tree: LaunchTree, out: Path, folder: Path) -> None:

@@ -9,43 +9,43 @@ from xml.sax.saxutils import quoteattr
 
 from rtron.errors import InputError
 from rtron.planning.instrument.common.guarded_launch import PlacedRemap
-from rtron.planning.instrument.common.remaps import Wiring
-from rtron.planning.instrument.common.xml_spans import Span
+from rtron.planning.instrument.common.remaps import NodeRemaps
+from rtron.planning.instrument.common.xml_spans import ElementSpan
 from rtron.planning.instrument.common.xml_text import LaunchText
-from rtron.planning.instrument.ros1.include import lead
-from rtron.planning.instrument.ros1.launch_prefix_script import STARTER
-from rtron.planning.instrument.ros1.prefix import prefix
+from rtron.planning.instrument.ros1.include import redirect_include
+from rtron.planning.instrument.ros1.launch_prefix_script import STARTER_SCRIPT
+from rtron.planning.instrument.ros1.prefix import add_launch_prefix
 from rtron.planning.instrument.ros1.source_text import source_text
 from rtron.vocabulary import LaunchFile, LaunchNode
 
 Edits: TypeAlias = tuple[object, ...]
 
 _NODES = ("node", "test")
-_ODD = re.compile(r"[^\w.-]")
+_UNSAFE = re.compile(r"[^\w.-]")
 
 
 @dataclass(slots=True)
-class Copies:
+class LaunchCopies:
     """Makes changed copies of launch files; `texts` maps each copy's name to its text.
 
     Every inclusion has its own copy, as the nodes of each have other names. `starters` are the
     nodes that start launch files; they get a launch-prefix.
     """
 
-    wiring: Wiring
+    remaps: NodeRemaps
     starters: Collection[str] = ()
     texts: dict[str, str] = field(default_factory=dict)
 
     def root(self, file: LaunchFile, folder: str, guard: Collection[str]) -> str:
         """Return the launch file's text with the guard; the copies lie beside it in `folder`."""
-        text = self._changed(file, f"/{folder}")
+        text = self._changed_text(file, f"/{folder}")
         launch = next(element for element in text.elements if element.tag == "launch")
         text.prepend(launch, tuple(guard))
-        return text.changed()
+        return text.render()
 
-    def started(self, file: LaunchFile, here: str) -> str:
-        """Return the text of a launch file that a node starts; `here` leads to the copies."""
-        return self._changed(file, here).changed()
+    def render_started(self, file: LaunchFile, copies_path: str) -> str:
+        """Return the text of a launch file that a node starts; `copies_path` leads to the copies."""
+        return self._changed_text(file, copies_path).render()
 
     def changes(self, file: LaunchFile) -> bool:
         """Tell whether a launch file, or one below it, is to be changed."""
@@ -53,43 +53,49 @@ class Copies:
 
     def edits(self, file: LaunchFile) -> Edits:
         """Return all changes of a launch file and those below it, to be compared."""
-        nodes = ((node.element, self._edits(node)) for node in file.nodes)
+        nodes = ((node.element_index, self._edits(node)) for node in file.nodes)
         includes = (
-            (i.element, i.spelled, self.edits(i.file))
+            (i.element_index, i.evaluated_name, self.edits(i.file))
             for i in file.includes
             if self.changes(i.file)
         )
         return (*(edit for edit in nodes if edit[1]), *includes)
 
-    def _changed(self, file: LaunchFile, here: str) -> LaunchText:
+    def _changed_text(self, file: LaunchFile, copies_path: str) -> LaunchText:
         """Return a file with its remaps, and its includes led to their copies.
 
-        `here` is what leads from the folder of the file's copy to the others.
+        `copies_path` is what leads from the folder of the file's copy to the others.
         """
         text = source_text(file.path, _dirname(file.path))
         for node in file.nodes:
             remaps = self._remaps(node)
             if remaps:
-                text.append(_element(text, file, node.element, _NODES), remaps)
+                text.append(_element(text, file, node.element_index, _NODES), remaps)
             if node.name in self.starters:
-                prefix(text, _element(text, file, node.element, _NODES), f"{here}/{STARTER}")
+                add_launch_prefix(
+                    text,
+                    _element(text, file, node.element_index, _NODES),
+                    f"{copies_path}/{STARTER_SCRIPT}",
+                )
         for include in file.includes:
             if self.changes(include.file):
-                element = _element(text, file, include.element, ("include",))
-                lead(text, element, include, f"{here}/{self._copy(include.file)}")
+                element = _element(text, file, include.element_index, ("include",))
+                redirect_include(
+                    text, element, include, f"{copies_path}/{self._copy(include.file)}"
+                )
         return text
 
     def _edits(self, node: LaunchNode) -> tuple[str, ...]:
         return (*self._remaps(node), *(name for name in (node.name,) if name in self.starters))
 
     def _remaps(self, node: LaunchNode) -> tuple[str, ...]:
-        return tuple(_remap(placed) for placed in self.wiring.get(node, ()) if placed.placeable)
+        return tuple(_remap(placed) for placed in self.remaps.get(node, ()) if placed.is_placeable)
 
     def _copy(self, file: LaunchFile) -> str:
-        plain = _ODD.sub("_", os.path.basename(file.path))  # noqa: PTH119
+        plain = _UNSAFE.sub("_", os.path.basename(file.path))  # noqa: PTH119
         name = f"{len(self.texts) + 1:02}_{plain}"
         self.texts[name] = ""
-        self.texts[name] = self._changed(file, "").changed()
+        self.texts[name] = self._changed_text(file, "").render()
         return name
 
 
@@ -102,7 +108,7 @@ def _remap(placed: PlacedRemap) -> str:
     return f"<remap from={quoteattr(placed.written)} to={quoteattr(placed.target)}/>"
 
 
-def _element(text: LaunchText, file: LaunchFile, place: int, tags: Collection[str]) -> Span:
-    if place >= len(text.elements) or text.elements[place].tag not in tags:
+def _element(text: LaunchText, file: LaunchFile, index: int, tags: Collection[str]) -> ElementSpan:
+    if index >= len(text.elements) or text.elements[index].tag not in tags:
         raise InputError("has changed since it was read", path=file.path, help="start again")
-    return text.elements[place]
+    return text.elements[index]

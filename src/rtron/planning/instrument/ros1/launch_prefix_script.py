@@ -8,8 +8,8 @@ import shlex
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
-STARTER = "starter"
-OVERLAY = "overlay"
+STARTER_SCRIPT = "starter"
+OVERLAY_FOLDER = "overlay"
 
 
 def starter_script(packages: Iterable[Path], programs: Mapping[Path, tuple[str, Path]]) -> str:
@@ -23,7 +23,7 @@ def starter_script(packages: Iterable[Path], programs: Mapping[Path, tuple[str, 
         (
             "#!/bin/sh",
             "# A launch-prefix: the node behind it finds the guarded copies of launch files.",
-            f'overlay=$(cd "${{0%/*}}/{OVERLAY}" && pwd -P) || exit 1',
+            f'overlay=$(cd "${{0%/*}}/{OVERLAY_FOLDER}" && pwd -P) || exit 1',
             f'ROS_PACKAGE_PATH={path}"${{ROS_PACKAGE_PATH:+:$ROS_PACKAGE_PATH}}"',
             "export ROS_PACKAGE_PATH",
             "for word do",

@@ -5,7 +5,7 @@ import re
 _DOUBLED = re.compile(r"_(?=_)")
 
 
-def literal(text: str) -> str:
+def eval_literal(text: str) -> str:
     """Return a Python literal with no two underscores together, which roslaunch refuses."""
     escaped = text.replace("\\", r"\\").replace("'", r"\'")
     return "('" + _DOUBLED.sub("_' '", escaped) + "')"

@@ -16,13 +16,13 @@ def mirror_links(root: Path, changed: Collection[Path], left_out: Collection[Pat
     `left_out` is not, so that no link leads to it. Raise InputError if a folder cannot be listed
     or has too much in it.
     """
-    without = {*changed, *left_out}
-    above = (parent for path in without for parent in path.parents)
+    excluded = {*changed, *left_out}
+    above = (parent for path in excluded for parent in path.parents)
     folders = {folder for folder in above if folder.is_relative_to(root) and folder.is_dir()}
-    kept_out = folders | without
+    not_linked = folders | excluded
     links: list[Path] = []
     for folder in sorted(folders):
-        links += (path for path in _listed(folder) if path not in kept_out)
+        links += (path for path in _listed(folder) if path not in not_linked)
         if len(links) > MAX_LINKS:
             help = "write the guarded launch for fewer packages"
             raise InputError(f"holds more than {MAX_LINKS} files", path=str(folder), help=help)

@@ -6,19 +6,19 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from rtron.errors import InputError
-from rtron.planning.instrument.ros1.launch_copies import Copies
-from rtron.planning.instrument.ros1.launch_prefix_script import STARTER
+from rtron.planning.instrument.ros1.launch_copies import LaunchCopies
+from rtron.planning.instrument.ros1.launch_prefix_script import STARTER_SCRIPT
 from rtron.planning.instrument.ros1.overlay import Overlay
-from rtron.planning.instrument.ros1.package_files import PackagePlace, package_place
-from rtron.planning.instrument.ros1.runtime_launch_reach import Reachable
+from rtron.planning.instrument.ros1.package_files import PackageFile, find_package_file
+from rtron.planning.instrument.ros1.runtime_launch_reach import ReachableLaunches
 from rtron.vocabulary import LaunchFile
 
-_IGNORE = "CATKIN_IGNORE"
+_IGNORE_FILE = "CATKIN_IGNORE"
 """Keeps rospack from finding the copies where the guarded launch lies in a workspace."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Overlaid:
+class OverlayContent:
     """Texts, copied scripts and links by their places."""
 
     files: Mapping[Path, str] = field(default_factory=dict)
@@ -27,35 +27,40 @@ class Overlaid:
 
 
 def overlay_files(
-    folder: Path, found: Reachable, copies: Copies, left_out: Sequence[Path]
-) -> Overlaid:
+    folder: Path, reachable: ReachableLaunches, copies: LaunchCopies, left_out: Sequence[Path]
+) -> OverlayContent:
     """Return the overlay in `folder` for the launch files that nodes start.
 
     `left_out` is what the guarded launch replaces itself. Raise InputError for a folder that
     cannot hold the packages, or for packages that cannot be mirrored.
     """
-    if not found.starters:
-        return Overlaid()
-    files = _files(found)
-    launches = {place: file for place, file in files.items() if copies.changes(file)}
+    if not reachable.starters:
+        return OverlayContent()
+    files = _started_files(reachable)
+    launches = {package_file: file for package_file, file in files.items() if copies.changes(file)}
     overlay = Overlay(
         folder=folder,
         launches=launches,
-        programs=found.programs,
-        modules=found.modules,
-        seen=files,
+        programs=reachable.programs,
+        modules=reachable.modules,
+        unchanged_launches=files,
     )
     _check_folder(folder, overlay)
-    placed = ((overlay.at(place), file) for place, file in launches.items())
-    texts = {at: copies.started(file, _way(at, folder)) for at, file in placed}
-    return Overlaid(
-        files={**texts, folder / STARTER: overlay.script(), folder / _IGNORE: ""},
+    overlay_launches = (
+        (overlay.overlay_path(package_file), file) for package_file, file in launches.items()
+    )
+    texts = {
+        copy_path: copies.render_started(file, _path_to_folder(copy_path, folder))
+        for copy_path, file in overlay_launches
+    }
+    return OverlayContent(
+        files={**texts, folder / STARTER_SCRIPT: overlay.script(), folder / _IGNORE_FILE: ""},
         copies=overlay.copies(),
         links=overlay.links([path.parent.resolve() / path.name for path in left_out]),
     )
 
 
-def _way(copy: Path, folder: Path) -> str:
+def _path_to_folder(copy: Path, folder: Path) -> str:
     """Return what leads from a copy's folder to the guarded launch's."""
     return f"/{os.path.relpath(folder, copy.parent)}"
 
@@ -70,11 +75,11 @@ def _check_folder(folder: Path, overlay: Overlay) -> None:
         raise InputError("lies in a package that is to be copied", path=str(folder), help=help)
 
 
-def _files(found: Reachable) -> dict[PackagePlace, LaunchFile]:
+def _started_files(reachable: ReachableLaunches) -> dict[PackageFile, LaunchFile]:
     """Return the launch files that the starters start, the first inclusion of each."""
-    files: dict[PackagePlace, LaunchFile] = {}
-    for one in found.started:
-        place = package_place(one.path)
-        if place and one.by in found.starters:
-            files.setdefault(place, one.tree.root)
+    files: dict[PackageFile, LaunchFile] = {}
+    for one in reachable.started:
+        package_file = find_package_file(one.path)
+        if package_file and one.starter in reachable.starters:
+            files.setdefault(package_file, one.tree.root)
     return files

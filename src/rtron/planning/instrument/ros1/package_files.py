@@ -7,21 +7,21 @@ _MANIFESTS = ("package.xml", "manifest.xml")
 
 
 @dataclass(frozen=True, slots=True)
-class PackagePlace:
+class PackageFile:
     """A file of a package: the package's real folder, and the file's path below it."""
 
     package: Path
-    below: Path
+    relative_path: Path
 
     @property
     def path(self) -> Path:
         """The file, with no link on the way to its package."""
-        return self.package / self.below
+        return self.package / self.relative_path
 
 
-def package_place(path: Path) -> PackagePlace | None:
+def find_package_file(path: Path) -> PackageFile | None:
     """Return where a file lies in its package; None if it lies in none."""
     for folder in path.parents:
         if any((folder / name).is_file() for name in _MANIFESTS):
-            return PackagePlace(folder.resolve(), path.relative_to(folder))
+            return PackageFile(folder.resolve(), path.relative_to(folder))
     return None

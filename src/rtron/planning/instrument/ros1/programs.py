@@ -7,35 +7,37 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
 from rtron.folders import walk
-from rtron.planning.instrument.ros1.package_files import PackagePlace, package_place
-from rtron.planning.instrument.ros1.runtime_launch import Started
+from rtron.planning.instrument.ros1.package_files import PackageFile, find_package_file
+from rtron.planning.instrument.ros1.runtime_launch import RuntimeLaunchTree
 from rtron.vocabulary import LaunchNode
 
 MAX_FILES = 100_000
 
 
-def programs_of(
+def find_scripts(
     nodes: Iterable[LaunchNode], packages: Mapping[str, Path]
-) -> dict[PackagePlace, LaunchNode]:
+) -> dict[PackageFile, LaunchNode]:
     """Return the scripts that nodes run, as far as they lie in the nodes' packages."""
-    found: dict[PackagePlace, LaunchNode] = {}
+    scripts: dict[PackageFile, LaunchNode] = {}
     for node in nodes:
-        for path in _called(packages.get(node.package), node.type):
-            place = package_place(path)
-            if place and _is_script(path):
-                found.setdefault(place, node)
-    return found
+        for path in _find_by_name(packages.get(node.package), node.type):
+            script = find_package_file(path)
+            if script and _is_script(path):
+                scripts.setdefault(script, node)
+    return scripts
 
 
-def modules_of(started: Iterable[Started], programs: Iterable[PackagePlace]) -> set[PackagePlace]:
+def find_modules(
+    started: Iterable[RuntimeLaunchTree], programs: Iterable[PackageFile]
+) -> set[PackageFile]:
     """Return the files beside the programs in which launch files are started."""
     folders = {program.path.parent for program in programs}
-    files = {Path(place.file) for one in started for place in one.evidence}
-    places = {package_place(file) for file in files if file.is_file()}
-    return {place for place in places if place and place.path.parent in folders}
+    files = {Path(location.file) for one in started for location in one.evidence}
+    modules = {find_package_file(file) for file in files if file.is_file()}
+    return {location for location in modules if location and location.path.parent in folders}
 
 
-def _called(package: Path | None, name: str) -> Iterator[Path]:
+def _find_by_name(package: Path | None, name: str) -> Iterator[Path]:
     """Yield a package's files of a name, as roslaunch looks for them."""
     if package is None or not name:
         return

@@ -4,19 +4,19 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from rtron.planning.instrument.common.remaps import Wiring
+from rtron.planning.instrument.common.remaps import NodeRemaps
 from rtron.vocabulary import Evidence, LaunchInclude, LaunchTree
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Started:
+class RuntimeLaunchTree:
     """A launch file that a node starts, evaluated for the arguments that the node gives.
 
-    `by` is the node's full name, `evidence` the places in its program.
+    `starter` is the node's full name, `evidence` the places in its program.
     """
 
     tree: LaunchTree
-    by: str
+    starter: str
     evidence: tuple[Evidence, ...] = ()
 
     @property
@@ -25,22 +25,22 @@ class Started:
         return Path(self.tree.root.path)
 
 
-def whole_app(tree: LaunchTree, started: Iterable[Started]) -> LaunchTree:
+def merge_launches(tree: LaunchTree, started: Iterable[RuntimeLaunchTree]) -> LaunchTree:
     """Return one tree that has all nodes of a launch and of those that its nodes start."""
-    trees = [one.tree for one in started]
-    added = [LaunchInclude(element=0, spelled=t.root.path, file=t.root) for t in trees]
+    trees = [launch.tree for launch in started]
+    added = [LaunchInclude(element_index=0, evaluated_name=t.root.path, file=t.root) for t in trees]
     root = replace(tree.root, includes=(*tree.root.includes, *added))
-    unresolved = (note for one in (tree, *trees) for note in one.unresolved)
+    unresolved = (note for launch in (tree, *trees) for note in launch.unresolved)
     return replace(tree, root=root, unresolved=tuple(dict.fromkeys(unresolved)))
 
 
-def starters(started: Sequence[Started], wiring: Wiring) -> frozenset[str]:
+def starter_nodes(started: Sequence[RuntimeLaunchTree], remaps: NodeRemaps) -> frozenset[str]:
     """Return the nodes that start a launch file which changes, by remaps or by a starter in it."""
     found: set[str] = set()
     for _ in started:
         found |= {
-            one.by
+            one.starter
             for one in started
-            if any(wiring.get(node) or node.name in found for node in one.tree.nodes())
+            if any(remaps.get(node) or node.name in found for node in one.tree.nodes())
         }
     return frozenset(found)

@@ -5,15 +5,20 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from rtron.errors import InputError
-from rtron.planning.instrument.common.xml_spans import Span, parse, safe_parser, spans
-from rtron.planning.instrument.common.xml_text import LaunchText, spliced
-from rtron.planning.instrument.ros1.literal import literal
+from rtron.planning.instrument.common.xml_spans import (
+    ElementSpan,
+    find_elements,
+    parse,
+    safe_parser,
+)
+from rtron.planning.instrument.common.xml_text import LaunchText, splice
+from rtron.planning.instrument.ros1.literal import eval_literal
 
 _ENCODING = re.compile(r"""\A(\ufeff?<\?xml[^>]*?encoding\s*=\s*)["'][^"']*["']""")
 _QUOTED = re.compile(rb"\"[^\"]*\"|'[^']*'")
 _DIRNAME = re.compile(rb"\$\( *dirname(?: [^()$]*)?\)")
 _DIRNAME_CALL = re.compile(rb"\bdirname\s*\(\s*\)")
-PLAIN = re.compile(r"""[^"'&<>$\\\x00-\x1f]*""")
+PLAIN_TEXT = re.compile(r"""[^"'&<>$\\\x00-\x1f]*""")
 
 
 def source_text(path: str, folder: str) -> LaunchText:
@@ -21,12 +26,12 @@ def source_text(path: str, folder: str) -> LaunchText:
 
     Raise InputError if it cannot be read, is not XML or has a document type.
     """
-    text = in_utf8(path)
-    text = _with_folder(text, spans(text, path), folder, path)
-    return LaunchText(text=text, elements=spans(text, path))
+    text = read_utf8(path)
+    text = _with_folder(text, find_elements(text, path), folder, path)
+    return LaunchText(text=text, elements=find_elements(text, path))
 
 
-def in_utf8(path: str) -> bytes:
+def read_utf8(path: str) -> bytes:
     """Return a file's text in UTF-8, and its XML declaration saying so."""
     try:
         data = Path(path).read_bytes()
@@ -44,30 +49,30 @@ def _encoding(data: bytes, path: str) -> str:
     return next(iter(declared), None) or "utf-8"
 
 
-def _with_folder(text: bytes, elements: tuple[Span, ...], folder: str, path: str) -> bytes:
+def _with_folder(text: bytes, elements: tuple[ElementSpan, ...], folder: str, path: str) -> bytes:
     """Write out what `$(dirname)` means, wherever roslaunch would replace it."""
-    places = list(_evaluated(text, elements))
-    written = [(*place, _written_out(text[slice(*place)], folder)) for place in places]
-    changes = [change for change in written if change[2] != text[change[0] : change[1]]]
-    if changes and not PLAIN.fullmatch(folder):
+    ranges = list(_evaluated_ranges(text, elements))
+    replacements = [(*range_, _expanded(text[slice(*range_)], folder)) for range_ in ranges]
+    changes = [change for change in replacements if change[2] != text[change[0] : change[1]]]
+    if changes and not PLAIN_TEXT.fullmatch(folder):
         raise InputError("lies in a folder whose name cannot stand in a launch file", path=path)
-    return spliced(text, changes)
+    return splice(text, changes)
 
 
-def _evaluated(text: bytes, elements: tuple[Span, ...]) -> Iterator[tuple[int, int]]:
+def _evaluated_ranges(text: bytes, elements: tuple[ElementSpan, ...]) -> Iterator[tuple[int, int]]:
     """Yield the places of all attribute values, and of the YAML that says `subst_value`."""
     for element in elements:
-        tag = text[element.start : element.inner]
+        tag = text[element.start : element.content_start]
         yield from (
             (element.start + match.start(), element.start + match.end())
             for match in _QUOTED.finditer(tag)
         )
         if element.tag.lower() == "rosparam" and b"subst_value" in tag:
-            yield element.inner, element.close
+            yield element.content_start, element.content_end
 
 
-def _written_out(value: bytes, folder: str) -> bytes:
+def _expanded(value: bytes, folder: str) -> bytes:
     if not value[1:].startswith(b"$(eval "):
         return _DIRNAME.sub(lambda _: folder.encode(), value)
-    quoted = literal(folder).replace("'", "&#39;").encode()
+    quoted = eval_literal(folder).replace("'", "&#39;").encode()
     return _DIRNAME_CALL.sub(lambda _: quoted, value)

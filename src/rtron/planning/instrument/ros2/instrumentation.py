@@ -7,13 +7,21 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from rtron.errors import InputError
-from rtron.planning.instrument.common.guard_files import PLAN, SCRIPT
-from rtron.planning.instrument.common.guarded_launch import Instrumented, PlacedRemap, Unenforceable
-from rtron.planning.instrument.common.remap_coverage import Findings
-from rtron.planning.instrument.common.remaps import enforced_streams, wire
+from rtron.planning.instrument.common.guard_files import GUARD_SCRIPT, PLAN_FILE
+from rtron.planning.instrument.common.guarded_launch import (
+    EnforcementGap,
+    GuardedLaunch,
+    PlacedRemap,
+)
+from rtron.planning.instrument.common.remap_coverage import RemapCoverage
+from rtron.planning.instrument.common.remaps import enforced_streams, plan_remaps
 from rtron.planning.instrument.ros1.instrumentation import GUARD_COMMAND
-from rtron.planning.instrument.ros2.launch_copies import Copies
-from rtron.planning.instrument.ros2.unnamed_nodes import absent, unnamed, wire_unnamed
+from rtron.planning.instrument.ros2.launch_copies import LaunchCopies
+from rtron.planning.instrument.ros2.unnamed_nodes import (
+    is_unnamed,
+    missing_nodes,
+    plan_unnamed_remaps,
+)
 from rtron.planning.instrument.ros2.wrapper import PrivateNames, is_wrapper, remap_table
 from rtron.vocabulary import GUARD_NODE, LaunchTree, Plan
 
@@ -28,7 +36,7 @@ def instrument_ros2(
     *,
     plan_text: str,
     command: Sequence[str] = GUARD_COMMAND,
-) -> Instrumented:
+) -> GuardedLaunch:
     """Return the guarded launch of ROS 2: the app's own, plus remaps, plus the guard.
 
     XML and YAML are rewritten, a Python launch file is wrapped, also where another includes it.
@@ -40,30 +48,32 @@ def instrument_ros2(
     _check_out(tree, out, folder)
     enforced = enforced_streams(plan)
     table = remap_table(enforced)
-    sorted_out = _Sorted(tree, table, absent(table, tree))
-    may_be = table if sorted_out.python() else sorted_out.missing
-    wiring = {**wire(tree, enforced), **wire_unnamed(tree, enforced, may_be)}
-    copies = Copies(folder, wiring, table, sorted_out.missing, tree.choices)
-    root = copies.root(tree.root, SCRIPT, GUARD_NODE.strip("/"))
-    placed = {node: remaps for node, remaps in wiring.items() if node not in copies.lost}
-    findings = Findings(tree, enforced, placed, copies.lost)
-    beside = {**copies.texts, SCRIPT: _script(command), PLAN: plan_text}
-    return Instrumented(
+    launch_time = _LaunchTimeNodes(tree, table, missing_nodes(table, tree))
+    candidates = table if launch_time.has_python() else launch_time.missing
+    node_remaps = {**plan_remaps(tree, enforced), **plan_unnamed_remaps(tree, enforced, candidates)}
+    copies = LaunchCopies(folder, node_remaps, table, launch_time.missing, tree.inputs)
+    root = copies.root(tree.root, GUARD_SCRIPT, GUARD_NODE.strip("/"))
+    placed = {
+        node: remaps for node, remaps in node_remaps.items() if node not in copies.unreachable
+    }
+    coverage = RemapCoverage(tree, enforced, placed, copies.unreachable)
+    texts = {**copies.texts, GUARD_SCRIPT: _script(command), PLAN_FILE: plan_text}
+    return GuardedLaunch(
         launch=out,
         folder=folder,
-        files={**{folder / name: text for name, text in beside.items()}, out: root},
-        remaps=(*(one for each in placed.values() for one in each), *sorted_out.wrapped()),
+        files={**{folder / name: text for name, text in texts.items()}, out: root},
+        remaps=(*(one for each in placed.values() for one in each), *launch_time.wrapped()),
         unenforceable=tuple(
-            replace(end, accepted=end.what in plan.accept_unenforceable)
-            for end in findings.unenforceable()
-            if not sorted_out.later(end)
+            replace(gap, accepted=gap.what in plan.accept_unenforceable)
+            for gap in coverage.gaps()
+            if not launch_time.is_decided_at_launch(gap)
         ),
-        notes=tuple(dict.fromkeys(sorted_out.notes(findings))),
+        notes=tuple(dict.fromkeys(launch_time.notes(coverage))),
     )
 
 
 @dataclass(frozen=True, slots=True)
-class _Sorted:
+class _LaunchTimeNodes:
     """Tells what only the running launch will decide from what stays open."""
 
     tree: LaunchTree
@@ -72,34 +82,34 @@ class _Sorted:
 
     def wrapped(self) -> Iterator[PlacedRemap]:
         """Yield what the wrappers of Python launch files do for nodes that none else starts."""
-        for node in self.missing if self.python() else ():
+        for node in self.missing if self.has_python() else ():
             for public, private in self.table[node].items():
                 yield PlacedRemap(node=node, topic=public, written=public, target=private)
 
-    def later(self, end: Unenforceable) -> bool:
+    def is_decided_at_launch(self, gap: EnforcementGap) -> bool:
         """Tell whether an end is closed when a Python launch file starts the node."""
-        return end.what in self.missing and self.python()
+        return gap.what in self.missing and self.has_python()
 
-    def notes(self, findings: Findings) -> Iterator[str]:
+    def notes(self, coverage: RemapCoverage) -> Iterator[str]:
         """Yield what is decided when the launch runs, and what could not be read."""
-        if not self.python():
-            yield from findings.notes()
+        if not self.has_python():
+            yield from coverage.notes()
         elif self.missing:
             yield f"guarded if a Python launch file starts them: {', '.join(self.missing)}"
-        for node in filter(unnamed, self.tree.nodes()):
-            where = f"{node.package} {node.type}".strip()
-            yield f"{where} (line {node.line}) has no name that is known before it starts"
+        for node in filter(is_unnamed, self.tree.nodes()):
+            node_text = f"{node.package} {node.type}".strip()
+            yield f"{node_text} (line {node.line}) has no name that is known before it starts"
         for one in self.tree.unresolved:
-            place = one.evidence[0]
-            yield f"{place.file}:{place.line}: {one.what}: {one.why}"
+            location = one.evidence[0]
+            yield f"{location.file}:{location.line}: {one.what}: {one.why}"
 
-    def python(self) -> bool:
+    def has_python(self) -> bool:
         """Tell whether wrappers see what the launch starts, beside what is rewritten."""
         return any(file.path.endswith(".py") for file in self.tree.root.walk())
 
 
 def _script(command: Sequence[str]) -> str:
-    return f'#!/bin/sh\nexec {shlex.join(command)} --plan "${{0%/*}}/{PLAN}"\n'
+    return f'#!/bin/sh\nexec {shlex.join(command)} --plan "${{0%/*}}/{PLAN_FILE}"\n'
 
 
 def _check_out(tree: LaunchTree, out: Path, folder: Path) -> None:

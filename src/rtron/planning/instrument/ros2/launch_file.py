@@ -4,12 +4,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol, TypeAlias
 
-Rule: TypeAlias = tuple[str, str]
+RemapPair: TypeAlias = tuple[str, str]
 """A remap: from, to."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Start:
+class GuardedFolder:
     """The folder of the guarded launch's files, and the configuration that is to hold it."""
 
     folder: str
@@ -21,28 +21,30 @@ class Start:
 
 
 class LaunchFileText(Protocol):
-    """What can be changed; `place` is where an element stands, as LaunchNode.element says it."""
+    """What can be changed; `index` is where an element stands, as LaunchNode.element says it."""
 
-    def remap(self, place: int, rules: Sequence[Rule]) -> None:
+    def add_remaps(self, index: int, rules: Sequence[RemapPair]) -> None:
         """Put remaps before a node's own."""
 
-    def remap_early(self, place: int, rules: Sequence[Rule]) -> None:
+    def add_early_remaps(self, index: int, rules: Sequence[RemapPair]) -> None:
         """Put remaps before those of a process' arguments and of `set_remap`."""
 
-    def loads(self, place: int) -> bool:
+    def is_component(self, index: int) -> bool:
         """Tell whether a node is a component, which has no arguments."""
 
-    def lead(self, place: int, file: str) -> None:
+    def redirect_include(self, index: int, file: str) -> None:
         """Lead an include to another file."""
 
-    def start(self, here: "Start", *, script: str, name: str, check: str) -> None:
+    def add_guard(
+        self, guarded_folder: "GuardedFolder", *, script: str, name: str, check: str
+    ) -> None:
         """Include the file `check` first; then start `script`, and again when it ends."""
 
-    def changed(self) -> str:
+    def render(self) -> str:
         """Return the text with all changes made."""
 
 
-def early(rules: Sequence[Rule], args: str) -> str:
+def prepend_remaps(rules: Sequence[RemapPair], args: str) -> str:
     """Return a process' arguments with remaps in front, which count before all others."""
-    words = " ".join(f"-r {source}:={target}" for source, target in rules)
-    return f"--ros-args {words} -- {args}".rstrip()
+    remaps = " ".join(f"-r {source}:={target}" for source, target in rules)
+    return f"--ros-args {remaps} -- {args}".rstrip()

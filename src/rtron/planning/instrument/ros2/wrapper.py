@@ -18,15 +18,15 @@ PrivateNames = Mapping[str, Mapping[str, str]]
 """Each node of a plan, a name or a pattern, with its private names by the public ones."""
 
 _TEMPLATE = "wrapper.py.in"
-_MARK = "Starts the app guarded. Written by `rtron instrument`"
-_HOLE = re.compile(r"__(APP|GUARD|REMAPS|EXPECTED)__")
+_HEADER = "Starts the app guarded. Written by `rtron instrument`"
+_PLACEHOLDER = re.compile(r"__(APP|GUARD|REMAPS|EXPECTED)__")
 
 
 def remap_table(enforced: tuple[Stream, ...]) -> PrivateNames:
     """Return the private names of every node that the plan has in an enforced stream."""
     flows = (flow.publisher for stream in enforced for flow in stream.flows)
-    follow = (node for stream in enforced for node in stream.successors)
-    return {name: private_names(name, enforced) for name in sorted({*flows, *follow})}
+    successors = (node for stream in enforced for node in stream.successors)
+    return {name: private_names(name, enforced) for name in sorted({*flows, *successors})}
 
 
 def wrapper_text(
@@ -39,15 +39,17 @@ def wrapper_text(
     """
     template = files("rtron.planning.instrument.ros2").joinpath(_TEMPLATE).read_text()
     names = {node: dict(private) for node, private in table.items()}
-    missed = sorted(table if expected is None else expected)
-    filled = {"APP": app, "GUARD": guard, "REMAPS": names, "EXPECTED": missed}
-    return _HOLE.sub(lambda hole: pformat(filled[hole[1]], width=88, sort_dicts=False), template)
+    expected_nodes = sorted(table if expected is None else expected)
+    values = {"APP": app, "GUARD": guard, "REMAPS": names, "EXPECTED": expected_nodes}
+    return _PLACEHOLDER.sub(
+        lambda hole: pformat(values[hole[1]], width=88, sort_dicts=False), template
+    )
 
 
 def is_wrapper(path: str) -> bool:
     """Tell whether a launch file is one of ours; raise InputError if it cannot be read."""
     try:
         with Path(path).open(errors="replace") as file:
-            return path.endswith(".py") and _MARK in file.read(len(_MARK) + 10)
+            return path.endswith(".py") and _HEADER in file.read(len(_HEADER) + 10)
     except OSError as error:
         raise InputError(f"cannot be read: {error.strerror}", path=path) from None

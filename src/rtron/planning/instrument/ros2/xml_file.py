@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from xml.sax.saxutils import quoteattr, unescape
 
 from rtron.errors import InputError
-from rtron.planning.instrument.common.xml_spans import Span, spans
+from rtron.planning.instrument.common.xml_spans import ElementSpan, find_elements
 from rtron.planning.instrument.common.xml_text import LaunchText
-from rtron.planning.instrument.ros1.source_text import PLAIN, in_utf8
-from rtron.planning.instrument.ros2.launch_file import Rule, Start, early
+from rtron.planning.instrument.ros1.source_text import PLAIN_TEXT, read_utf8
+from rtron.planning.instrument.ros2.launch_file import GuardedFolder, RemapPair, prepend_remaps
 
 _DIRNAME = re.compile(rb"\$\( *dirname *\)")
 _FILENAME = re.compile(rb"\$\( *filename *\)")
@@ -21,12 +21,12 @@ def xml_file(path: str, folder: str) -> "XmlFile":
 
     Raise InputError if it cannot be read, is not XML or has a document type.
     """
-    text = in_utf8(path)
-    if not PLAIN.fullmatch(path) and (_DIRNAME.search(text) or _FILENAME.search(text)):
+    text = read_utf8(path)
+    if not PLAIN_TEXT.fullmatch(path) and (_DIRNAME.search(text) or _FILENAME.search(text)):
         raise InputError("lies in a folder whose name cannot stand in a launch file", path=path)
     text = _DIRNAME.sub(lambda _: folder.encode(), text)
     text = _FILENAME.sub(lambda _: path.encode(), text)
-    return XmlFile(path, LaunchText(text=text, elements=spans(text, path)))
+    return XmlFile(path, LaunchText(text=text, elements=find_elements(text, path)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,44 +36,46 @@ class XmlFile:
     path: str
     text: LaunchText
 
-    def remap(self, place: int, rules: Sequence[Rule]) -> None:
+    def add_remaps(self, index: int, rules: Sequence[RemapPair]) -> None:
         """Put `<remap>` first into a node."""
         lines = [f"<remap from={quoteattr(a)} to={quoteattr(b)}/>" for a, b in rules]
-        self.text.prepend(self._element(place), lines)
+        self.text.prepend(self._element(index), lines)
 
-    def remap_early(self, place: int, rules: Sequence[Rule]) -> None:
+    def add_early_remaps(self, index: int, rules: Sequence[RemapPair]) -> None:
         """Put remaps into a node's `args`."""
-        node = self._element(place)
+        node = self._element(index)
         written = self.text.attribute(node, "args")
         if written is None:
-            self.text.add_attribute(node, "args", early(rules, ""))
+            self.text.add_attribute(node, "args", prepend_remaps(rules, ""))
         else:
             args = unescape(written[1:-1], _QUOTES)
-            self.text.set_attribute(node, "args", early(rules, args))
+            self.text.set_attribute(node, "args", prepend_remaps(rules, args))
 
-    def loads(self, place: int) -> bool:
+    def is_component(self, index: int) -> bool:
         """Tell whether it is a `<composable_node>`."""
-        return self._element(place).tag == "composable_node"
+        return self._element(index).tag == "composable_node"
 
-    def lead(self, place: int, file: str) -> None:
+    def redirect_include(self, index: int, file: str) -> None:
         """Change an include's `file`."""
-        self.text.set_attribute(self._element(place), "file", file)
+        self.text.set_attribute(self._element(index), "file", file)
 
-    def start(self, here: Start, *, script: str, name: str, check: str) -> None:
+    def add_guard(
+        self, guarded_folder: GuardedFolder, *, script: str, name: str, check: str
+    ) -> None:
         """Put a `<let>`, an `<include>` and an `<executable>` first."""
-        words = f"cmd={quoteattr(here / script)} name={quoteattr(name)}"
+        words = f"cmd={quoteattr(guarded_folder / script)} name={quoteattr(name)}"
         first = (
-            f"<let name={quoteattr(here.variable)} value={quoteattr(here.folder)}/>",
-            f"<include file={quoteattr(here / check)}/>",
+            f"<let name={quoteattr(guarded_folder.variable)} value={quoteattr(guarded_folder.folder)}/>",
+            f"<include file={quoteattr(guarded_folder / check)}/>",
             f'<executable {words} output="screen" respawn="true"/>',
         )
         self.text.prepend(self.text.elements[0], first)
 
-    def changed(self) -> str:
+    def render(self) -> str:
         """Return the text with all changes made."""
-        return self.text.changed()
+        return self.text.render()
 
-    def _element(self, place: int) -> Span:
-        if place >= len(self.text.elements):
+    def _element(self, index: int) -> ElementSpan:
+        if index >= len(self.text.elements):
             raise InputError("has changed since it was read", path=self.path, help="start again")
-        return self.text.elements[place]
+        return self.text.elements[index]

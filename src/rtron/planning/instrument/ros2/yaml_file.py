@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 import yaml
 
 from rtron.errors import InputError
-from rtron.planning.instrument.ros2.launch_file import Rule, Start, early
+from rtron.planning.instrument.ros2.launch_file import GuardedFolder, RemapPair, prepend_remaps
 
 YamlNode: TypeAlias = Any
 
@@ -58,43 +58,50 @@ class YamlFile:
     bodies: dict[int, YamlNode]
     _changes: list[tuple[int, int, str]] = field(default_factory=list)
 
-    def remap(self, place: int, rules: Sequence[Rule]) -> None:
+    def add_remaps(self, index: int, rules: Sequence[RemapPair]) -> None:
         """Put entries first into `remap:`, or `remap:` first into a node."""
-        remap = self._entry(place, "remap")
+        remap = self._entry(index, "remap")
         if isinstance(remap, yaml.SequenceNode):
             self._insert_items(remap, [{"from": a, "to": b} for a, b in rules])
         else:
-            self._insert_key(place, "remap", [{"from": a, "to": b} for a, b in rules])
+            self._insert_key(index, "remap", [{"from": a, "to": b} for a, b in rules])
 
-    def remap_early(self, place: int, rules: Sequence[Rule]) -> None:
+    def add_early_remaps(self, index: int, rules: Sequence[RemapPair]) -> None:
         """Put remaps into a node's `args:`."""
-        args = self._entry(place, "args")
+        args = self._entry(index, "args")
         if args is None:
-            self._insert_key(place, "args", early(rules, ""))
+            self._insert_key(index, "args", prepend_remaps(rules, ""))
         else:
-            self._replace(args, early(rules, str(args.value)))
+            self._replace(args, prepend_remaps(rules, str(args.value)))
 
-    def loads(self, place: int) -> bool:
+    def is_component(self, index: int) -> bool:
         """Tell whether it is an entry of `composable_node:`."""
-        return self._entry(place, "plugin") is not None
+        return self._entry(index, "plugin") is not None
 
-    def lead(self, place: int, file: str) -> None:
+    def redirect_include(self, index: int, file: str) -> None:
         """Change an include's `file:`."""
-        written = self._entry(place, "file")
+        written = self._entry(index, "file")
         if written is not None:
             self._replace(written, file)
 
-    def start(self, here: Start, *, script: str, name: str, check: str) -> None:
+    def add_guard(
+        self, guarded_folder: GuardedFolder, *, script: str, name: str, check: str
+    ) -> None:
         """Put a `let:`, an `include:` and an `executable:` first into the list of actions."""
         actions = self.root.value[0][1]
         if isinstance(actions, yaml.MappingNode):
             actions = next(value for key, value in actions.value if key.value == "children")
-        folder = {"name": here.variable, "value": here.folder}
-        guard = {"cmd": here / script, "name": name, "output": "screen", "respawn": "true"}
-        included = {"file": here / check}
+        folder = {"name": guarded_folder.variable, "value": guarded_folder.folder}
+        guard = {
+            "cmd": guarded_folder / script,
+            "name": name,
+            "output": "screen",
+            "respawn": "true",
+        }
+        included = {"file": guarded_folder / check}
         self._insert_items(actions, [{"let": folder}, {"include": included}, {"executable": guard}])
 
-    def changed(self) -> str:
+    def render(self) -> str:
         """Return the text with all changes made; one inside another is part of it."""
         pieces, last = [], 0
         for start, end, new in sorted(self._changes, key=lambda change: (change[0], -change[1])):
@@ -104,33 +111,33 @@ class YamlFile:
         return "".join([*pieces, self.text[last:]])
 
     def change(self, start: int, end: int, new: str) -> None:
-        """Put other text from `start` to `end`."""
+        """Put other text from `add_guard` to `end`."""
         self._changes.append((start, end, new))
 
-    def _entry(self, place: int, key: str) -> YamlNode:
-        body = self.bodies.get(place)
+    def _entry(self, index: int, key: str) -> YamlNode:
+        body = self.bodies.get(index)
         if body is None:
             raise InputError("has changed since it was read", path=self.path, help="start again")
         entries = body.value if isinstance(body, yaml.MappingNode) else []
         return {name.value: value for name, value in entries}.get(key)
 
-    def _insert_key(self, place: int, key: str, value: object) -> None:
+    def _insert_key(self, index: int, key: str, value: object) -> None:
         """Put a key first into a mapping, its value written as JSON, which is YAML."""
-        body = self.bodies[place]
+        body = self.bodies[index]
         written = f"{json.dumps(key)}: {json.dumps(value)}"
         end = ", " if body.flow_style else "\n" + " " * body.start_mark.column
-        at = place + 1 if body.flow_style else place
+        at = index + 1 if body.flow_style else index
         self.change(at, at, f"{written}{end}")
 
     def _insert_items(self, items: YamlNode, new: Sequence[object]) -> None:
-        place = items.start_mark.index
+        index = items.start_mark.index
         if items.flow_style:
             written = "".join(f"{json.dumps(item)}, " for item in new)
-            self.change(place + 1, place + 1, written)
+            self.change(index + 1, index + 1, written)
         else:
             indentation = " " * items.start_mark.column
             written = "".join(f"- {json.dumps(item)}\n{indentation}" for item in new)
-            self.change(place, place, written)
+            self.change(index, index, written)
 
     def _replace(self, scalar: YamlNode, new: str) -> None:
         self.change(scalar.start_mark.index, scalar.end_mark.index, json.dumps(new))

@@ -5,88 +5,99 @@ from typing import Annotated
 
 from fastapi import Depends, Request
 
-from rtron.service.api.audit_transaction import note_refused
+from rtron.service.api.audit_transaction import record_refusal
 from rtron.service.api.auth.authentication import (
     SAFE_METHODS,
-    Caller,
-    caller_of,
+    Principal,
+    authenticate,
     check_csrf,
-    watcher_of,
+    identify,
 )
-from rtron.service.api.context import Served, Service
+from rtron.service.api.context import ServiceContext, ServiceDependency
 from rtron.service.domain.errors import ForbiddenError
-from rtron.service.domain.schemas import Scope, UserRole
+from rtron.service.domain.schemas import AccessScope, UserRole
 
 __all__ = [
     "AdminOnly",
+    "AnyCaller",
     "Auditor",
-    "Caller",
     "DeveloperOnly",
-    "Known",
-    "Measurer",
-    "Member",
-    "Person",
+    "IdentifiedCaller",
+    "LoggedInUser",
+    "MetricsReader",
+    "Principal",
     "Reader",
-    "Watcher",
+    "RoleHolder",
 ]
 
-Allowed = Callable[[Caller], bool]
+Permission = Callable[[Principal], bool]
 
 
-def _allow(allowed: Allowed, needed: str) -> Callable[[Service, Request], Caller]:
-    """Make the dependency that gives the caller if `allowed`, else raises ForbiddenError."""
+def require(
+    permission: Permission, requirement: str
+) -> Callable[[ServiceContext, Request], Principal]:
+    """Make the dependency that gives the caller if `permission`, else raises ForbiddenError."""
 
-    def check(service: Served, request: Request) -> Caller:
-        caller = caller_of(service, request)
+    def check(service: ServiceDependency, request: Request) -> Principal:
+        caller = authenticate(service, request)
         try:
             check_csrf(caller, request)
-            _check(caller, allowed, needed)
+            _check_permission(caller, permission, requirement)
         except ForbiddenError as error:
-            _note(service, request, caller, error)
+            _record_refusal(service, request, caller, error)
             raise
         return caller
 
     return check
 
 
-def _check(caller: Caller, allowed: Allowed, needed: str) -> None:
-    if not allowed(caller):
-        raise ForbiddenError(f"{caller.name} may not do that", help=f"it needs {needed}")
+def _check_permission(caller: Principal, permission: Permission, requirement: str) -> None:
+    if not permission(caller):
+        raise ForbiddenError(f"{caller.name} may not do that", help=f"it needs {requirement}")
 
 
-def _note(service: Service, request: Request, caller: Caller, error: ForbiddenError) -> None:
+def _record_refusal(
+    service: ServiceContext, request: Request, caller: Principal, error: ForbiddenError
+) -> None:
     if request.method not in SAFE_METHODS:
-        deed = caller.deed(request.method.lower(), request.url.path)
-        note_refused(service, deed, str(error))
+        event = caller.audit_event(request.method.lower(), request.url.path)
+        record_refusal(service, event, str(error))
 
 
-def _is(*roles: UserRole) -> Allowed:
+def _has_role(*roles: UserRole) -> Permission:
     return lambda caller: not caller.roles.isdisjoint(roles)
 
 
-def _may_measure(caller: Caller) -> bool:
-    return caller.may_read or Scope.METRICS in caller.scopes
+def _may_read_metrics(caller: Principal) -> bool:
+    return caller.may_read or AccessScope.METRICS in caller.scopes
 
 
-def _watcher(service: Served, request: Request) -> Caller:
-    return watcher_of(service, request)
+def _identified_caller(service: ServiceDependency, request: Request) -> Principal:
+    return identify(service, request)
 
 
-Watcher = Annotated[Caller, Depends(_watcher)]
+IdentifiedCaller = Annotated[Principal, Depends(_identified_caller)]
 """Whoever has a session or a valid token; that they look is no use of it."""
-Known = Annotated[Caller, Depends(_allow(lambda caller: True, ""))]
+AnyCaller = Annotated[Principal, Depends(require(lambda caller: True, ""))]
 """Whoever has a session or a valid token."""
-Person = Annotated[Caller, Depends(_allow(lambda caller: bool(caller.session), "a login"))]
+LoggedInUser = Annotated[
+    Principal, Depends(require(lambda caller: bool(caller.session), "a login"))
+]
 """Somebody who has logged in, not a program."""
-Reader = Annotated[Caller, Depends(_allow(lambda caller: caller.may_read, "a role, or read"))]
+Reader = Annotated[Principal, Depends(require(lambda caller: caller.may_read, "a role, or read"))]
 """Any role, or a token that may read."""
-Member = Annotated[Caller, Depends(_allow(lambda caller: bool(caller.roles), "a role"))]
+RoleHolder = Annotated[Principal, Depends(require(lambda caller: bool(caller.roles), "a role"))]
 """Any role; the controller looks further."""
-Measurer = Annotated[Caller, Depends(_allow(_may_measure, "a role, or the scope metrics"))]
+MetricsReader = Annotated[
+    Principal, Depends(require(_may_read_metrics, "a role, or the scope metrics"))
+]
 """Who may read, or measure only."""
-DeveloperOnly = Annotated[Caller, Depends(_allow(_is(UserRole.DEVELOPER), "the role developer"))]
-AdminOnly = Annotated[Caller, Depends(_allow(_is(UserRole.ADMIN), "the role admin"))]
+DeveloperOnly = Annotated[
+    Principal, Depends(require(_has_role(UserRole.DEVELOPER), "the role developer"))
+]
+AdminOnly = Annotated[Principal, Depends(require(_has_role(UserRole.ADMIN), "the role admin"))]
 Auditor = Annotated[
-    Caller, Depends(_allow(_is(UserRole.ADMIN, UserRole.DEVELOPER), "the role admin or developer"))
+    Principal,
+    Depends(require(_has_role(UserRole.ADMIN, UserRole.DEVELOPER), "the role admin or developer")),
 ]
 """Who may see the audit log."""

@@ -5,12 +5,12 @@ from http import HTTPStatus
 
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from rtron.service.api.middleware.refusal import refuse
+from rtron.service.api.middleware.refusal import reject
 
 log = logging.getLogger(__name__)
 
 
-class Failures:
+class InternalErrorHandler:
     """Answers 500 where the app raised an exception; the log has the traceback."""
 
     def __init__(self, app: ASGIApp) -> None:
@@ -20,18 +20,18 @@ class Failures:
         """Handle a request, as ASGI says."""
         if scope["type"] != "http":
             return await self.app(scope, receive, send)
-        begun = False
+        has_started = False
 
         async def sending(message: Message) -> None:
-            nonlocal begun
-            begun = True
+            nonlocal has_started
+            has_started = True
             await send(message)
 
         try:
             await self.app(scope, receive, sending)
         except Exception:
             log.exception("%s %s failed", scope["method"], ascii(scope["path"][:200]))
-            if begun:
+            if has_started:
                 raise
             help = "the service's log says more"
-            await refuse(scope, receive, send, HTTPStatus.INTERNAL_SERVER_ERROR, "it failed", help)
+            await reject(scope, receive, send, HTTPStatus.INTERNAL_SERVER_ERROR, "it failed", help)

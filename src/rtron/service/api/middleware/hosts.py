@@ -5,10 +5,10 @@ from http import HTTPStatus
 from starlette.datastructures import Headers
 from starlette.types import ASGIApp, Receive, Scope, Send
 
-from rtron.service.api.middleware.refusal import refuse
+from rtron.service.api.middleware.refusal import reject
 
 
-class Hosts:
+class HostCheck:
     """Lets pass what names one of `names` (small letters) in its Host header."""
 
     def __init__(self, app: ASGIApp, names: frozenset[str]) -> None:
@@ -17,17 +17,17 @@ class Hosts:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Handle a request, as ASGI says."""
-        if scope["type"] not in ("http", "websocket") or self._knows(Headers(scope=scope)):
+        if scope["type"] not in ("http", "websocket") or self._is_known_host(Headers(scope=scope)):
             return await self.app(scope, receive, send)
         error, help = "there is no such host here", "rtron serve --allow-host NAME"
-        return await refuse(scope, receive, send, HTTPStatus.MISDIRECTED_REQUEST, error, help)
+        return await reject(scope, receive, send, HTTPStatus.MISDIRECTED_REQUEST, error, help)
 
-    def _knows(self, headers: Headers) -> bool:
-        given = headers.getlist("host")
-        return len(given) == 1 and host_name(given[0]) in self.names
+    def _is_known_host(self, headers: Headers) -> bool:
+        host_headers = headers.getlist("host")
+        return len(host_headers) == 1 and parse_host_name(host_headers[0]) in self.names
 
 
-def host_name(host: str) -> str:
+def parse_host_name(host: str) -> str:
     """Return the name in a Host header, without port and brackets, in small letters."""
     name, colon, port = host.rpartition(":")
     if not colon or not (port.isdigit() and port.isascii()) or name.endswith(":"):

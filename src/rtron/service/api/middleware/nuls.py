@@ -4,10 +4,10 @@ from http import HTTPStatus
 
 from starlette.types import ASGIApp, Receive, Scope, Send
 
-from rtron.service.api.middleware.refusal import refuse
+from rtron.service.api.middleware.refusal import reject
 
 
-class Nuls:
+class NulCheck:
     """Refuses what has one."""
 
     def __init__(self, app: ASGIApp) -> None:
@@ -17,7 +17,7 @@ class Nuls:
         """Handle a request, as ASGI says."""
         if scope["type"] in ("http", "websocket") and _has_nul(scope):
             error = "the address has the character NUL"
-            return await refuse(scope, receive, send, HTTPStatus.BAD_REQUEST, error)
+            return await reject(scope, receive, send, HTTPStatus.BAD_REQUEST, error)
         return await self.app(scope, receive, send)
 
 

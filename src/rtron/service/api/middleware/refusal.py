@@ -3,16 +3,16 @@
 from starlette.types import Receive, Scope, Send
 from starlette.websockets import WebSocketClose
 
-from rtron.service.api.error_responses import problem
+from rtron.service.api.error_responses import error_response
 
 _POLICY_VIOLATION = 1008
 
 
-async def refuse(
+async def reject(
     scope: Scope, receive: Receive, send: Send, status: int, error: str, help: str = ""
 ) -> None:
     """Answer with a Problem, or do not accept the WebSocket."""
     if scope["type"] == "websocket":
         return await WebSocketClose(_POLICY_VIOLATION, error)(scope, receive, send)
     headers = {"Connection": "close"}
-    return await problem(status, error, help, headers)(scope, receive, send)
+    return await error_response(status, error, help, headers)(scope, receive, send)

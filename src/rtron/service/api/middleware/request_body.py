@@ -10,19 +10,19 @@ from starlette.requests import Request
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from rtron.errors import RTronError
-from rtron.service.api.auth.authentication import SAFE_METHODS, check_csrf, watcher_of
-from rtron.service.api.context import service_of
+from rtron.service.api.auth.authentication import SAFE_METHODS, check_csrf, identify
+from rtron.service.api.context import service_context
 from rtron.service.api.error_responses import status_of
 from rtron.service.api.middleware.nesting import is_too_deep
-from rtron.service.api.middleware.refusal import refuse
+from rtron.service.api.middleware.refusal import reject
 from rtron.service.domain.errors import ForbiddenError
 from rtron.service.domain.schemas import UserRole
 
-MOST = 1 << 20
+MAX_BODY_BYTES = 1 << 20
 """The most bytes of a body."""
-MOST_OF_GRAPH = 16 << 20
+MAX_GRAPH_BYTES = 16 << 20
 """The most bytes of an interaction graph."""
-_GRAPH = re.compile(r"/api/v1/robots/[^/]+/graph")
+_GRAPH_PATH = re.compile(r"/api/v1/robots/[^/]+/graph")
 
 
 class _RefusedError(Exception):
@@ -31,16 +31,16 @@ class _RefusedError(Exception):
         self.status = status
 
 
-class Bodies:
-    """Gives the app a body that is there, or refuses it; `patience` is in seconds.
+class RequestBodyLimit:
+    """Gives the app a body that is there, or refuses it; `timeout_s` is in seconds.
 
     A large one is read only from who may upload one, and one at a time.
     """
 
-    def __init__(self, app: ASGIApp, patience: float = 20.0) -> None:
+    def __init__(self, app: ASGIApp, timeout_s: float = 20.0) -> None:
         self.app = app
-        self.patience = patience
-        self.has_large = False
+        self.timeout_s = timeout_s
+        self.has_large_body = False
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Handle a request, as ASGI says."""
@@ -48,26 +48,28 @@ class Bodies:
             return await self.app(scope, receive, send)
         async with AsyncExitStack() as stack:
             try:
-                with fail_after(self.patience):
-                    body = await self._body(scope, receive, stack)
+                with fail_after(self.timeout_s):
+                    body = await self._read_body(scope, receive, stack)
             except TimeoutError:
                 slow = "the body came too slowly"
-                return await refuse(scope, receive, send, HTTPStatus.REQUEST_TIMEOUT, slow)
+                return await reject(scope, receive, send, HTTPStatus.REQUEST_TIMEOUT, slow)
             except _RefusedError as error:
-                return await refuse(scope, receive, send, error.status, str(error))
+                return await reject(scope, receive, send, error.status, str(error))
             if body is None:
                 return None
-            return await self.app(scope, _replayed(body, receive), send)
+            return await self.app(scope, _replay(body, receive), send)
 
-    async def _body(self, scope: Scope, receive: Receive, stack: AsyncExitStack) -> bytes | None:
+    async def _read_body(
+        self, scope: Scope, receive: Receive, stack: AsyncExitStack
+    ) -> bytes | None:
         """Return the body, None if the other side has gone."""
-        most = MOST_OF_GRAPH if _is_graph(scope) else MOST
+        max_bytes = MAX_GRAPH_BYTES if _is_graph_upload(scope) else MAX_BODY_BYTES
         length = int(Headers(scope=scope).get("content-length", "0"))
-        if length > most:
-            raise _too_large(most)
-        is_large = length > MOST
+        if length > max_bytes:
+            raise _too_large_error(max_bytes)
+        is_large = length > MAX_BODY_BYTES
         if is_large:
-            await self._admit(scope, stack)
+            await self._admit_large_body(scope, stack)
         body, more = bytearray(), True
         while more:
             message = await receive()
@@ -75,31 +77,31 @@ class Bodies:
                 return None
             body += message.get("body", b"")
             more = message.get("more_body", False)
-            if len(body) > most:
-                raise _too_large(most)
-            if len(body) > MOST and not is_large:
+            if len(body) > max_bytes:
+                raise _too_large_error(max_bytes)
+            if len(body) > MAX_BODY_BYTES and not is_large:
                 is_large = True
-                await self._admit(scope, stack)
+                await self._admit_large_body(scope, stack)
         if body:
-            await to_thread.run_sync(_check, body)
+            await to_thread.run_sync(_check_content, body)
         return bytes(body)
 
-    async def _admit(self, scope: Scope, stack: AsyncExitStack) -> None:
+    async def _admit_large_body(self, scope: Scope, stack: AsyncExitStack) -> None:
         """Let a large body come from who may upload it, if there is no other one."""
         await to_thread.run_sync(_check_uploader, scope)
-        if self.has_large:
+        if self.has_large_body:
             raise _RefusedError(HTTPStatus.SERVICE_UNAVAILABLE, "another large body comes just now")
-        self.has_large = True
-        stack.callback(self._dismiss)
+        self.has_large_body = True
+        stack.callback(self._release_large_body)
 
-    def _dismiss(self) -> None:
-        self.has_large = False
+    def _release_large_body(self) -> None:
+        self.has_large_body = False
 
 
 def _check_uploader(scope: Scope) -> None:
     request = Request(scope)
     try:
-        caller = watcher_of(service_of(request), request)
+        caller = identify(service_context(request), request)
         check_csrf(caller, request)
         if UserRole.DEVELOPER not in caller.roles:
             raise ForbiddenError(f"{caller.name} may upload no graph")
@@ -107,7 +109,7 @@ def _check_uploader(scope: Scope) -> None:
         raise _RefusedError(status_of(error), str(error)) from None
 
 
-def _check(body: bytearray) -> None:
+def _check_content(body: bytearray) -> None:
     """Refuse what parsers would recurse into, and the character that PostgreSQL cannot keep."""
     if is_too_deep(body):
         raise _RefusedError(HTTPStatus.BAD_REQUEST, "lists and objects are nested too deeply")
@@ -115,23 +117,23 @@ def _check(body: bytearray) -> None:
         raise _RefusedError(HTTPStatus.BAD_REQUEST, "a text has the character NUL")
 
 
-def _is_graph(scope: Scope) -> bool:
-    return scope["method"] == "PUT" and bool(_GRAPH.fullmatch(scope["path"]))
+def _is_graph_upload(scope: Scope) -> bool:
+    return scope["method"] == "PUT" and bool(_GRAPH_PATH.fullmatch(scope["path"]))
 
 
-def _too_large(most: int) -> _RefusedError:
-    return _RefusedError(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"more than {most >> 20} MiB")
+def _too_large_error(max_bytes: int) -> _RefusedError:
+    return _RefusedError(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"more than {max_bytes >> 20} MiB")
 
 
-def _replayed(body: bytes, receive: Receive) -> Receive:
+def _replay(body: bytes, receive: Receive) -> Receive:
     """Return a `receive` that gives the whole body, and then what comes after it."""
-    told = False
+    is_sent = False
 
-    async def again() -> Message:
-        nonlocal told
-        if told:
+    async def receive_body() -> Message:
+        nonlocal is_sent
+        if is_sent:
             return await receive()
-        told = True
+        is_sent = True
         return {"type": "http.request", "body": body, "more_body": False}
 
-    return again
+    return receive_body

@@ -7,12 +7,12 @@ from starlette.datastructures import Headers
 from starlette.types import ASGIApp, Receive, Scope, Send
 
 from rtron.service.api.auth.authentication import SAFE_METHODS
-from rtron.service.api.middleware.refusal import refuse
+from rtron.service.api.middleware.refusal import reject
 
-_OWN = ("same-origin", "none")
+_OWN_FETCH_SITES = ("same-origin", "none")
 
 
-class Origins:
+class OriginCheck:
     """Lets WebSockets and changes pass that come from the service's own pages, or from programs."""
 
     def __init__(self, app: ASGIApp, schemes: frozenset[str]) -> None:
@@ -21,21 +21,21 @@ class Origins:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Handle a request, as ASGI says."""
-        if not _matters(scope) or self._is_own(Headers(scope=scope)):
+        if not _needs_check(scope) or self._is_allowed_origin(Headers(scope=scope)):
             return await self.app(scope, receive, send)
         error, help = "that is a page of another site", "use the console of this address"
-        return await refuse(scope, receive, send, HTTPStatus.FORBIDDEN, error, help)
+        return await reject(scope, receive, send, HTTPStatus.FORBIDDEN, error, help)
 
-    def _is_own(self, headers: Headers) -> bool:
-        if headers.get("sec-fetch-site", "none") not in _OWN:
+    def _is_allowed_origin(self, headers: Headers) -> bool:
+        if headers.get("sec-fetch-site", "none") not in _OWN_FETCH_SITES:
             return False
         origin = headers.get("origin")
         if origin is None:
             is_browser = "upgrade" in headers and "authorization" not in headers
             return not is_browser
-        return self._is_same(origin, headers.get("host", ""))
+        return self._is_same_origin(origin, headers.get("host", ""))
 
-    def _is_same(self, origin: str, host: str) -> bool:
+    def _is_same_origin(self, origin: str, host: str) -> bool:
         try:
             parts = urlsplit(origin)
         except ValueError:
@@ -43,7 +43,7 @@ class Origins:
         return parts.scheme in self.schemes and parts.netloc.lower() == host.lower()
 
 
-def _matters(scope: Scope) -> bool:
+def _needs_check(scope: Scope) -> bool:
     if scope["type"] == "http":
         return scope["method"] not in SAFE_METHODS
     return bool(scope["type"] == "websocket")

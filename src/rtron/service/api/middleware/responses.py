@@ -3,12 +3,12 @@
 from starlette.datastructures import MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-_POLICY = (
+_CONTENT_SECURITY_POLICY = (
     "default-src 'self'; connect-src 'self'; object-src 'none'; base-uri 'none'; "
     "form-action 'self'; frame-ancestors 'none'"
 )
-_ALWAYS = {
-    "Content-Security-Policy": _POLICY,
+_HEADERS = {
+    "Content-Security-Policy": _CONTENT_SECURITY_POLICY,
     "X-Content-Type-Options": "nosniff",
     "X-Frame-Options": "DENY",
     "Referrer-Policy": "no-referrer",
@@ -16,7 +16,7 @@ _ALWAYS = {
     "Cross-Origin-Opener-Policy": "same-origin",
     "Cross-Origin-Resource-Policy": "same-origin",
 }
-_NOT_KEPT = ("/api/", "/metrics", "/healthz", "/readyz")
+_UNCACHED_PATHS = ("/api/", "/metrics", "/healthz", "/readyz")
 _TWO_YEARS = "max-age=63072000"
 
 
@@ -25,7 +25,7 @@ class SecurityHeaders:
 
     def __init__(self, app: ASGIApp, *, is_tls: bool) -> None:
         self.app = app
-        self.headers = _ALWAYS | ({"Strict-Transport-Security": _TWO_YEARS} if is_tls else {})
+        self.headers = _HEADERS | ({"Strict-Transport-Security": _TWO_YEARS} if is_tls else {})
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Handle a request, as ASGI says."""
@@ -40,5 +40,5 @@ class SecurityHeaders:
     def _add(self, headers: MutableHeaders, path: str) -> None:
         for name, value in self.headers.items():
             headers.setdefault(name, value)
-        if path.startswith(_NOT_KEPT):
+        if path.startswith(_UNCACHED_PATHS):
             headers["Cache-Control"] = "no-store"

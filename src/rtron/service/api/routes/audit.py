@@ -6,7 +6,7 @@ from fastapi import APIRouter, Query
 from sqlalchemy import select
 
 from rtron.service.api.auth.authorization import Auditor
-from rtron.service.api.context import Served
+from rtron.service.api.context import ServiceDependency
 from rtron.service.domain.schemas import AuditEntry, AuditPage
 from rtron.service.store.tables import AuditRow
 
@@ -18,9 +18,9 @@ Limit = Annotated[int, Query(ge=1, le=1000)]
 
 
 @router.get("/audit")
-def audit(
+def list_audit_entries(
     _caller: Auditor,
-    service: Served,
+    service: ServiceDependency,
     *,
     who: Text = None,
     action: Text = None,
@@ -30,10 +30,10 @@ def audit(
 ) -> AuditPage:
     """Return who did what, newest first; `before` is the `next` of the page before."""
     query = select(AuditRow).order_by(AuditRow.id.desc()).limit(limit + 1)
-    given = {AuditRow.who: who, AuditRow.action: action, AuditRow.target: target}
-    for column, wanted in given.items():
-        if wanted is not None:
-            query = query.where(column == wanted)
+    filters = {AuditRow.who: who, AuditRow.action: action, AuditRow.target: target}
+    for column, value in filters.items():
+        if value is not None:
+            query = query.where(column == value)
     if before is not None:
         query = query.where(AuditRow.id < before)
     with service.database.session() as session:

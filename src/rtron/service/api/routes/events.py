@@ -6,32 +6,32 @@ from fastapi import APIRouter, Query
 
 from rtron.errors import InputError
 from rtron.service.api.auth.authorization import Reader
-from rtron.service.api.context import Served
+from rtron.service.api.context import ServiceDependency
 from rtron.service.domain.errors import NotFoundError
 from rtron.service.domain.schemas import EventPage, Name
-from rtron.service.store.event_pages import MOST, EventFilter, event_page
+from rtron.service.store.event_pages import MAX_PAGE_EVENTS, EventFilter, event_page
 from rtron.service.store.robots import find_robot
-from rtron.service.store.time_series import Figures, figures
-from rtron.vocabulary import EventKind, Level
+from rtron.service.store.time_series import TimeSeries, robot_time_series
+from rtron.vocabulary import EventKind, GuardEventLevel
 
 router = APIRouter()
 
-_LARGEST = (1 << 63) - 1
+_MAX_INT64 = (1 << 63) - 1
 _HOUR = 3_600_000_000_000
 Text = Annotated[str | None, Query(max_length=300)]
-Time = Annotated[int | None, Query(ge=0, le=_LARGEST, description="Wall clock, ns since 1970.")]
-Id = Annotated[int | None, Query(ge=1, le=_LARGEST)]
-Limit = Annotated[int, Query(ge=1, le=MOST)]
+Time = Annotated[int | None, Query(ge=0, le=_MAX_INT64, description="Wall clock, ns since 1970.")]
+Id = Annotated[int | None, Query(ge=1, le=_MAX_INT64)]
+Limit = Annotated[int, Query(ge=1, le=MAX_PAGE_EVENTS)]
 
 
 @router.get("/events")
-def events(  # noqa: PLR0913 - the parameters of the query
+def list_events(  # noqa: PLR0913 - the parameters of the query
     _caller: Reader,
-    service: Served,
+    service: ServiceDependency,
     *,
     robot: Text = None,
     kind: EventKind | None = None,
-    level: Level | None = None,
+    level: GuardEventLevel | None = None,
     node: Text = None,
     topic: Text = None,
     text: Text = None,
@@ -43,7 +43,7 @@ def events(  # noqa: PLR0913 - the parameters of the query
     limit: Limit = 100,
 ) -> EventPage:
     """Return events, newest first; `before` is the `next` of the page before."""
-    wanted = EventFilter(
+    event_filter = EventFilter(
         robot=robot,
         kind=kind,
         level=level,
@@ -57,13 +57,13 @@ def events(  # noqa: PLR0913 - the parameters of the query
         counts=counts,
     )
     with service.database.session() as session:
-        return event_page(session, wanted, limit)
+        return event_page(session, event_filter, limit)
 
 
 @router.get("/robots/{robot}/figures")
-def robot_figures(
-    robot: Name, _caller: Reader, service: Served, since: Time = None, until: Time = None
-) -> Figures:
+def get_time_series(
+    robot: Name, _caller: Reader, service: ServiceDependency, since: Time = None, until: Time = None
+) -> TimeSeries:
     """Return what the robot's streams did from `since` (an hour ago) to `until` (now)."""
     end = service.clock() if until is None else until
     start = max(0, end - _HOUR) if since is None else since
@@ -72,4 +72,4 @@ def robot_figures(
     with service.database.session() as session:
         if find_robot(session, robot) is None:
             raise NotFoundError(f"there is no robot {robot}")
-        return figures(session, robot, start, end)
+        return robot_time_series(session, robot, start, end)

@@ -3,14 +3,14 @@
 from fastapi import APIRouter
 from sqlalchemy import delete
 
-from rtron.service.api.context import Served
-from rtron.service.domain.schemas import Health, Problem
-from rtron.service.store.accounts.last_use import briefly
+from rtron.service.api.context import ServiceDependency
+from rtron.service.domain.schemas import ErrorResponse, Health
+from rtron.service.store.accounts.last_use import short_transaction
 from rtron.service.store.tables import AuditRow
 
 router = APIRouter()
 
-_PATIENCE_MS = 2000
+_LOCK_TIMEOUT_MS = 2000
 
 
 @router.get("/healthz")
@@ -19,10 +19,10 @@ async def healthz() -> Health:
     return Health()
 
 
-@router.get("/readyz", responses={503: {"model": Problem}})
-def readyz(service: Served) -> Health:
+@router.get("/readyz", responses={503: {"model": ErrorResponse}})
+def readyz(service: ServiceDependency) -> Health:
     """Tell whether the database can be written; 503 if not. The row that is tried is not kept."""
-    with briefly(service.database, _PATIENCE_MS) as session:
+    with short_transaction(service.database, _LOCK_TIMEOUT_MS) as session:
         row = AuditRow(
             at=service.clock(), who="", address="", action="", target="", detail={}, outcome=""
         )

@@ -10,34 +10,36 @@ from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 from starlette.responses import Response
 
-from rtron.service.api.auth.authorization import Measurer
-from rtron.service.api.context import Service
-from rtron.service.collector.tally import Tally
-from rtron.service.domain.login_throttle import Attempts
+from rtron.service.api.auth.authorization import MetricsReader
+from rtron.service.api.context import ServiceContext
+from rtron.service.collector.tally import CollectorCounters
+from rtron.service.domain.login_throttle import LoginThrottle
 from rtron.service.domain.schemas import SettingsOutcome
 from rtron.service.store.retention import used_bytes
-from rtron.service.store.robots import robots
+from rtron.service.store.robots import list_robots
 from rtron.service.store.tables import EventRow, SettingsRow
 
 router = APIRouter()
 
 
-class _Text(Response):
+class _PlainTextResponse(Response):
     media_type = "text/plain"
 
 
-@router.get("/metrics", response_class=_Text)
-def metrics(_caller: Measurer, request: Request) -> Response:
+@router.get("/metrics", response_class=_PlainTextResponse)
+def metrics(_caller: MetricsReader, request: Request) -> Response:
     """Return the service's figures as Prometheus reads them."""
     registry: CollectorRegistry = request.app.state.registry
     return Response(generate_latest(registry), headers={"Content-Type": CONTENT_TYPE_LATEST})
 
 
-class ServiceFigures(Collector):
+class ServiceMetrics(Collector):
     """What a service tells about itself and its robots."""
 
-    def __init__(self, service: Service, tally: Tally, attempts: Attempts) -> None:
-        self._service, self._tally, self._attempts = service, tally, attempts
+    def __init__(
+        self, service: ServiceContext, counters: CollectorCounters, throttle: LoginThrottle
+    ) -> None:
+        self._service, self._counters, self._throttle = service, counters, throttle
 
     def describe(self) -> list[Metric]:
         """Name nothing beforehand: the database need not be asked for it."""
@@ -46,41 +48,56 @@ class ServiceFigures(Collector):
     def collect(self) -> Iterator[Metric]:
         """Look up all figures."""
         with self._service.database.session() as session:
-            yield from _stored(session)
-            names = [robot.name for robot, _ in robots(session)]
-        yield _counter("rtron_logins_failed", "Logins that were refused.", self._attempts.failed)
-        yield from (
-            _counter(f"rtron_collector_{name}", help, value) for name, help, value in self._told()
+            yield from _stored_metrics(session)
+            names = [robot.name for robot, _ in list_robots(session)]
+        yield _counter(
+            "rtron_logins_failed", "Logins that were refused.", self._throttle.failed_count
         )
-        yield from self._live(names)
+        yield from (
+            _counter(f"rtron_collector_{name}", help, value)
+            for name, help, value in self._collector_counters()
+        )
+        yield from self._live_metrics(names)
 
-    def _told(self) -> Iterator[tuple[str, str, float]]:
-        tally = self._tally
-        yield "events_stored", "Events stored since the service began.", tally.stored
-        yield "events_repeated", "Events that came again and were stored.", tally.repeated
-        yield "events_forgotten", "Events deleted by age or size.", tally.forgotten
-        yield "transactions", "Transactions that stored events.", tally.batches
-        yield "transactions_seconds", "Time that storing took.", tally.seconds
-        yield "transactions_failed", "Transactions that failed.", tally.failures
-        yield "connections", "Connections of guards.", tally.connected
-        yield "connections_unauthorised", "Connections with no valid token.", tally.unauthorised
-        yield "connections_refused", "Connections that broke the protocol.", tally.refused
-        yield "connections_slow", "Connections that were too slow.", tally.slow
+    def _collector_counters(self) -> Iterator[tuple[str, str, float]]:
+        counters = self._counters
+        yield "events_stored", "Events stored since the service began.", counters.stored_events
+        yield (
+            "events_repeated",
+            "Events that came again and were stored.",
+            counters.duplicate_events,
+        )
+        yield "events_forgotten", "Events deleted by age or size.", counters.pruned_events
+        yield "transactions", "Transactions that stored events.", counters.transactions
+        yield "transactions_seconds", "Time that storing took.", counters.transaction_seconds
+        yield "transactions_failed", "Transactions that failed.", counters.failed_batches
+        yield "connections", "Connections of guards.", counters.connections
+        yield (
+            "connections_unauthorised",
+            "Connections with no valid token.",
+            counters.unauthorised_connections,
+        )
+        yield (
+            "connections_refused",
+            "Connections that broke the protocol.",
+            counters.protocol_violations,
+        )
+        yield "connections_slow", "Connections that were too slow.", counters.slow_connections
 
-    def _live(self, names: list[str]) -> Iterator[Metric]:
+    def _live_metrics(self, names: list[str]) -> Iterator[Metric]:
         hub = self._service.hub
-        yield _gauge("rtron_guards_connected", "Guards that are connected.", hub.connections())
+        yield _gauge("rtron_guards_connected", "Guards that are connected.", hub.connection_count())
         alarms = GaugeMetricFamily("rtron_alarms", "Alarms that stand.", labels=["robot"])
         lost = CounterMetricFamily("rtron_events_lost", "Events known lost.", labels=["robot"])
         for name in names:
             state = hub.state(name)
             alarms.add_metric([name], len(state.alarms) if state else 0)
-            lost.add_metric([name], hub.dropped(name))
+            lost.add_metric([name], hub.lost_event_count(name))
         yield alarms
         yield lost
 
 
-def _stored(session: Session) -> Iterator[Metric]:
+def _stored_metrics(session: Session) -> Iterator[Metric]:
     newest = session.scalar(select(func.max(EventRow.id))) or 0
     yield _counter("rtron_events_stored", "Events stored since the database began.", newest)
     pending = select(func.count()).where(SettingsRow.outcome == SettingsOutcome.PENDING.value)

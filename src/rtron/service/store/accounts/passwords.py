@@ -8,43 +8,43 @@ from threading import BoundedSemaphore
 from argon2 import PasswordHasher
 from argon2.exceptions import Argon2Error, InvalidHashError
 
-from rtron.service.domain.errors import TooManyError
+from rtron.service.domain.errors import TooManyRequestsError
 
-_AT_A_TIME = 2
-_WAITING = 8
+_MAX_CONCURRENT = 2
+_MAX_ADMITTED = 8
 
 _hasher = PasswordHasher()
-_working = BoundedSemaphore(_AT_A_TIME)
-_admitted = BoundedSemaphore(_WAITING)
+_hashing_slots = BoundedSemaphore(_MAX_CONCURRENT)
+_admission_slots = BoundedSemaphore(_MAX_ADMITTED)
 
 
 def hash_password(password: str) -> str:
     """Return the hash to keep; TooManyError if too many are being made."""
-    with _place():
+    with _hashing_slot():
         return _hasher.hash(password)
 
 
-def matches(password: str, hashed: str | None) -> bool:
+def verify_password(password: str, hashed: str | None) -> bool:
     """Tell whether a password is the one of a hash; None, nobody's, takes as long as any other."""
-    with _place():
+    with _hashing_slot():
         try:
-            return _hasher.verify(hashed or _nobody(), password) and hashed is not None
+            return _hasher.verify(hashed or _dummy_hash(), password) and hashed is not None
         except (Argon2Error, InvalidHashError):
             return False
 
 
 @cache
-def _nobody() -> str:
+def _dummy_hash() -> str:
     return _hasher.hash("nobody")
 
 
 @contextmanager
-def _place() -> Iterator[None]:
+def _hashing_slot() -> Iterator[None]:
     """Each hash takes 64 MiB and a core: a crowd of strangers must not get them all."""
-    if not _admitted.acquire(blocking=False):
-        raise TooManyError("too many logins at this moment", help="try again in a second")
+    if not _admission_slots.acquire(blocking=False):
+        raise TooManyRequestsError("too many logins at this moment", help="try again in a second")
     try:
-        with _working:
+        with _hashing_slots:
             yield
     finally:
-        _admitted.release()
+        _admission_slots.release()

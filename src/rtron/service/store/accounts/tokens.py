@@ -8,30 +8,30 @@ from sqlalchemy.orm import Session
 
 from rtron.errors import InputError
 from rtron.service.domain.errors import ConflictError, NotFoundError
-from rtron.service.domain.schemas import Scope
-from rtron.service.store.accounts.secrets import digest, new_secret
+from rtron.service.domain.schemas import AccessScope
+from rtron.service.store.accounts.secrets import new_secret, secret_digest
 from rtron.service.store.tables import TokenRow
 
 PREFIX = "rtron_"
 _DAY = 86_400_000_000_000
-_MOST = 10_000
+_MAX_TOKENS = 10_000
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class TokenWish:
+class TokenSpec:
     """A token to make: `robot` belongs to the scope `guard` and to no other."""
 
     name: str
-    scopes: Iterable[Scope]
+    scopes: Iterable[AccessScope]
     robot: str | None = None
     days: int | None = None
 
     def check(self) -> None:
         """Raise InputError for a guard of no robot, or a robot without a guard."""
-        if (Scope.GUARD in self.scopes) != (self.robot is not None):
+        if (AccessScope.GUARD in self.scopes) != (self.robot is not None):
             help = "a token with the scope guard speaks for one robot, others for none"
             raise InputError("scope guard and robot belong together", help=help)
-        if Scope.GUARD in self.scopes and len(set(self.scopes)) > 1:
+        if AccessScope.GUARD in self.scopes and len(set(self.scopes)) > 1:
             help = "make a second token"
             raise InputError("a guard's token is for nothing else", help=help)
 
@@ -41,22 +41,22 @@ def all_tokens(session: Session) -> Sequence[TokenRow]:
     return session.scalars(select(TokenRow).order_by(TokenRow.name)).all()
 
 
-def create_token(session: Session, now: int, by: str, wish: TokenWish) -> tuple[TokenRow, str]:
+def create_token(session: Session, now: int, by: str, spec: TokenSpec) -> tuple[TokenRow, str]:
     """Make a token; return it and its secret. InputError, or ConflictError if the name is taken."""
-    wish.check()
-    if session.scalar(select(TokenRow.id).where(TokenRow.name == wish.name)):
-        raise ConflictError(f"there is, or was, a token {wish.name} already")
-    if len(all_tokens(session)) >= _MOST:
-        raise ConflictError(f"there are {_MOST} tokens, no more are kept")
+    spec.check()
+    if session.scalar(select(TokenRow.id).where(TokenRow.name == spec.name)):
+        raise ConflictError(f"there is, or was, a token {spec.name} already")
+    if len(all_tokens(session)) >= _MAX_TOKENS:
+        raise ConflictError(f"there are {_MAX_TOKENS} tokens, no more are kept")
     secret = new_secret(PREFIX)
     row = TokenRow(
-        name=wish.name,
-        digest=digest(secret),
-        scopes=sorted(set(map(str, wish.scopes))),
-        robot=wish.robot or "",
+        name=spec.name,
+        digest=secret_digest(secret),
+        scopes=sorted(set(map(str, spec.scopes))),
+        robot=spec.robot or "",
         by=by,
         created=now,
-        expires=now + wish.days * _DAY if wish.days else None,
+        expires=now + spec.days * _DAY if spec.days else None,
         revoked=None,
         used=None,
     )
@@ -67,7 +67,7 @@ def create_token(session: Session, now: int, by: str, wish: TokenWish) -> tuple[
 
 def find_token(session: Session, now: int, secret: str) -> TokenRow | None:
     """Return the token of a secret, None if it is over or revoked."""
-    row = session.scalar(select(TokenRow).where(TokenRow.digest == digest(secret)))
+    row = session.scalar(select(TokenRow).where(TokenRow.digest == secret_digest(secret)))
     return row if row and is_valid(row, now) else None
 
 
@@ -85,7 +85,7 @@ def revoke_token(session: Session, now: int, name: str) -> TokenRow:
     return row
 
 
-def find_guard(session: Session, now: int, secret: str) -> TokenRow | None:
+def find_guard_token(session: Session, now: int, secret: str) -> TokenRow | None:
     """Return the token of a robot's guard, None if the secret is that of none."""
     row = find_token(session, now, secret)
-    return row if row and Scope.GUARD in row.scopes else None
+    return row if row and AccessScope.GUARD in row.scopes else None

@@ -7,10 +7,10 @@ from sqlalchemy.orm import Session
 
 from rtron.service.domain.errors import ConflictError, NotFoundError
 from rtron.service.domain.schemas import UserRole
-from rtron.service.store.accounts.logins import end_logins
+from rtron.service.store.accounts.logins import end_sessions
 from rtron.service.store.tables import UserRow
 
-_MOST = 1000
+_MAX_USERS = 1000
 
 
 def all_users(session: Session) -> Sequence[UserRow]:
@@ -23,7 +23,7 @@ def find_user(session: Session, name: str) -> UserRow | None:
     return session.scalar(select(UserRow).where(UserRow.name == name))
 
 
-def the_user(session: Session, name: str) -> UserRow:
+def get_user(session: Session, name: str) -> UserRow:
     """Return the user of a name; NotFoundError if there is none."""
     if user := find_user(session, name):
         return user
@@ -36,12 +36,12 @@ def add_user(
     """Add a user; ConflictError if the name is taken."""
     if find_user(session, name):
         raise ConflictError(f"there is a user {name} already")
-    if len(all_users(session)) >= _MOST:
-        raise ConflictError(f"there are {_MOST} users, no more are kept")
+    if len(all_users(session)) >= _MAX_USERS:
+        raise ConflictError(f"there are {_MAX_USERS} users, no more are kept")
     user = UserRow(
         name=name,
         password_hash=password_hash,
-        roles=_words(roles),
+        roles=_role_names(roles),
         disabled=False,
         created=now,
     )
@@ -50,33 +50,35 @@ def add_user(
     return user
 
 
-def set_password(session: Session, user: UserRow, password_hash: str, keep: str = "") -> None:
-    """Set a password and end the user's sessions, all but the one whose digest is `keep`."""
+def set_password(
+    session: Session, user: UserRow, password_hash: str, except_session: str = ""
+) -> None:
+    """Set a password and end the user's sessions, all but the one whose digest is `except_session`."""
     user.password_hash = password_hash
-    end_logins(session, user.id, keep)
+    end_sessions(session, user.id, except_session)
 
 
 def set_roles(session: Session, user: UserRow, roles: Iterable[UserRole]) -> None:
     """Set the roles and end the user's sessions; ConflictError if no admin would be left."""
-    words = _words(roles)
-    if UserRole.ADMIN not in words:
-        _keep_an_admin(session, user)
-    user.roles = words
-    end_logins(session, user.id)
+    role_names = _role_names(roles)
+    if UserRole.ADMIN not in role_names:
+        _check_admin_remains(session, user)
+    user.roles = role_names
+    end_sessions(session, user.id)
 
 
 def set_disabled(session: Session, user: UserRow, *, disabled: bool) -> None:
     """Let a user log in no more, or again; ConflictError if no admin would be left."""
     if disabled:
-        _keep_an_admin(session, user)
-        end_logins(session, user.id)
+        _check_admin_remains(session, user)
+        end_sessions(session, user.id)
     user.disabled = disabled
 
 
 def remove_user(session: Session, user: UserRow) -> None:
     """Remove a user; ConflictError if no admin would be left."""
-    _keep_an_admin(session, user)
-    end_logins(session, user.id)
+    _check_admin_remains(session, user)
+    end_sessions(session, user.id)
     session.delete(user)
 
 
@@ -85,16 +87,16 @@ def roles_of(user: UserRow) -> frozenset[UserRole]:
     return frozenset(map(UserRole, user.roles))
 
 
-def _keep_an_admin(session: Session, gone: UserRow) -> None:
+def _check_admin_remains(session: Session, user: UserRow) -> None:
     """Two admins must not take each other's role away at once: one write goes before the look."""
     first = select(func.min(UserRow.id)).scalar_subquery()
     session.execute(update(UserRow).where(UserRow.id == first).values(created=UserRow.created))
-    others = select(UserRow.roles).where(UserRow.id != gone.id, UserRow.disabled.is_(False))
+    others = select(UserRow.roles).where(UserRow.id != user.id, UserRow.disabled.is_(False))
     if not any(UserRole.ADMIN in roles for roles in session.scalars(others)):
         raise ConflictError(
-            f"{gone.name} is the last admin", help="give another user the role admin first"
+            f"{user.name} is the last admin", help="give another user the role admin first"
         )
 
 
-def _words(roles: Iterable[UserRole]) -> list[str]:
+def _role_names(roles: Iterable[UserRole]) -> list[str]:
     return sorted(set(map(str, roles)))

@@ -9,20 +9,20 @@ from typing import Any
 from rtron.sources.bag.common.limits import DamageError
 
 
-def unpack(compression: str, data: bytes, size: int) -> bytes:
+def decompress(compression: str, data: bytes, size: int) -> bytes:
     """Return `data` unpacked; raise DamageError if that is not `size` bytes.
 
     `compression` is what ROS 1 bags and MCAP call it: `none` or empty, `bz2`, `lz4`, `zstd`.
     """
-    if compression not in _UNPACKERS:
+    if compression not in _DECOMPRESSORS:
         raise DamageError(f"unknown compression {compression[:20]!r}")
-    unpacked = _UNPACKERS[compression](data, size + 1)
+    unpacked = _DECOMPRESSORS[compression](data, size + 1)
     if len(unpacked) != size:
         raise DamageError(f"a chunk does not unpack to the {size} bytes it declares")
     return unpacked
 
 
-def unpack_zstd(data: bytes, limit: int) -> bytes:
+def decompress_zstd(data: bytes, limit: int) -> bytes:
     """Return a zstd frame unpacked to at most `limit` bytes; raise DamageError if it is more."""
     unpacked = _zstd(data, limit + 1)
     if len(unpacked) > limit:
@@ -30,7 +30,7 @@ def unpack_zstd(data: bytes, limit: int) -> bytes:
     return unpacked
 
 
-def _plain(data: bytes, _limit: int) -> bytes:
+def _uncompressed(data: bytes, _limit: int) -> bytes:
     return data
 
 
@@ -64,9 +64,9 @@ def _zstd_module() -> Any:  # noqa: ANN401 - part of Python from 3.14 on, a pack
     return import_module("compression.zstd" if sys.version_info >= (3, 14) else "backports.zstd")
 
 
-_UNPACKERS: Mapping[str, Callable[[bytes, int], bytes]] = {
-    "none": _plain,
-    "": _plain,
+_DECOMPRESSORS: Mapping[str, Callable[[bytes, int], bytes]] = {
+    "none": _uncompressed,
+    "": _uncompressed,
     "bz2": _bz2,
     "lz4": _lz4,
     "zstd": _zstd,

@@ -35,16 +35,16 @@ Message: TypeAlias = tuple[int, BagConnection, bytes]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class BagReading:
+class BagReader:
     """A bag that was opened: its connections, and the way to its messages.
 
-    `left_out` are topics whose messages are not ROS messages, and why.
+    `skipped` are topics whose messages are not ROS messages, and why.
     """
 
     path: Path
     connections: tuple[BagConnection, ...]
     messages: Callable[[], Iterator[Message]]
-    left_out: tuple[tuple[str, str], ...] = ()
+    skipped: tuple[tuple[str, str], ...] = ()
 
     def __iter__(self) -> Iterator[Message]:
         """Yield (time in ns, connection, serialised message) in the order of time.
@@ -54,6 +54,6 @@ class BagReading:
         return self.messages()
 
 
-def not_of_ros(encoding: str) -> str:
+def unknown_encoding(encoding: str) -> str:
     """Return why a topic is left out whose messages are encoded in some other way."""
     return f"its messages are encoded as {encoding[:50]!r}, not as ROS does"

@@ -8,16 +8,16 @@ from operator import itemgetter
 from pathlib import Path
 
 from rtron.errors import InputError
-from rtron.sources.bag.common.limits import MAX_WAITING
+from rtron.sources.bag.common.limits import MAX_PENDING_BYTES
 from rtron.sources.bag.common.reader import Message
 
-_END = 2**64
-_OVERHEAD = 200
+_END_OF_TIME = 2**64
+_MESSAGE_OVERHEAD_BYTES = 200
 
-time_of = itemgetter(0)
+message_time = itemgetter(0)
 
 
-def in_time_order(
+def merge_by_time(
     starts: Sequence[int], batches: Iterable[list[Message]], path: Path
 ) -> Iterator[Message]:
     """Yield the messages of chunks in the order of time, those of one time in the file's.
@@ -26,25 +26,27 @@ def in_time_order(
     A chunk is unpacked when its turn has come. Raise InputError if too much has to wait because
     chunks overlap, or a chunk begins before its start.
     """
-    waiting = _Waiting(path)
-    for start, batch, following in zip(starts, batches, chain(starts[1:], [_END]), strict=False):
+    pending = _PendingMessages(path)
+    for start, batch, next_start in zip(
+        starts, batches, chain(starts[1:], [_END_OF_TIME]), strict=False
+    ):
         if batch and batch[0][0] < start:
-            raise _misplaced(path)
-        if waiting.heap or (batch and batch[-1][0] > following):
-            waiting.add(batch)
-            yield from waiting.until(following)
+            raise _wrong_start_time(path)
+        if pending.heap or (batch and batch[-1][0] > next_start):
+            pending.add(batch)
+            yield from pending.pop_until(next_start)
         else:
             yield from batch
 
 
-def sorted_by_time(messages: list[Message]) -> list[Message]:
+def sort_by_time(messages: list[Message]) -> list[Message]:
     """Sort a chunk's messages in place, which costs little where they are in order."""
-    messages.sort(key=time_of)
+    messages.sort(key=message_time)
     return messages
 
 
 @dataclass(slots=True)
-class _Waiting:
+class _PendingMessages:
     """Messages that later chunks may still come before."""
 
     path: Path
@@ -54,20 +56,20 @@ class _Waiting:
 
     def add(self, batch: list[Message]) -> None:
         for message in batch:
-            self._size += len(message[2]) + _OVERHEAD
+            self._size += len(message[2]) + _MESSAGE_OVERHEAD_BYTES
             heappush(self.heap, (message[0], next(self._serial), message))
-        if self._size > MAX_WAITING:
-            why = f"its chunks overlap by more than {MAX_WAITING // 2**20} MiB"
+        if self._size > MAX_PENDING_BYTES:
+            why = f"its chunks overlap by more than {MAX_PENDING_BYTES // 2**20} MiB"
             help = "write it anew in the order of time: `rosbag filter IN OUT True`, `mcap sort`"
             raise InputError(why, path=str(self.path), help=help)
 
-    def until(self, time: int) -> Iterator[Message]:
+    def pop_until(self, time: int) -> Iterator[Message]:
         while self.heap and self.heap[0][0] <= time:
             message = heappop(self.heap)[2]
-            self._size -= len(message[2]) + _OVERHEAD
+            self._size -= len(message[2]) + _MESSAGE_OVERHEAD_BYTES
             yield message
 
 
-def _misplaced(path: Path) -> InputError:
+def _wrong_start_time(path: Path) -> InputError:
     help = "make its index anew: `rosbag reindex FILE`, `mcap recover FILE -o OUT`"
     return InputError("its index gives a wrong time for a chunk", path=str(path), help=help)

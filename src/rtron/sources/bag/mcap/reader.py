@@ -8,117 +8,125 @@ from io import BufferedReader
 from pathlib import Path
 
 from rtron.errors import InputError
-from rtron.sources.bag.common.compression import unpack
-from rtron.sources.bag.common.limits import MAX_CHUNK, Allowance, DamageError, damaged, opened
-from rtron.sources.bag.common.reader import BagReading, Message
-from rtron.sources.bag.common.time_order import in_time_order, sorted_by_time
+from rtron.sources.bag.common.compression import decompress
+from rtron.sources.bag.common.limits import (
+    MAX_CHUNK_BYTES,
+    DamageError,
+    DecompressionBudget,
+    damage_error,
+    open_bag_file,
+)
+from rtron.sources.bag.common.reader import BagReader, Message
+from rtron.sources.bag.common.time_order import merge_by_time, sort_by_time
 from rtron.sources.bag.mcap.record import (
     CHUNK,
     DATA_END,
     MESSAGE,
     RECORD,
     Channels,
-    Values,
-    message_of,
-    messages_of,
+    FieldCursor,
+    decode_message,
+    decode_messages,
 )
-from rtron.sources.bag.mcap.summary import MAGIC, RECOVER, Chunk, Summary, read_summary
+from rtron.sources.bag.mcap.summary import MAGIC, RECOVER_HELP, Chunk, Summary, read_summary
 
 
-def read_mcap(path: Path) -> BagReading:
+def open_mcap(path: Path) -> BagReader:
     """Return an MCAP file's connections and the way to its messages.
 
     A file of profile `ros1` names the publishers, one of `ros2` does not. Raise InputError if it
     is no MCAP, has no summary, or is damaged.
     """
-    with opened(path) as stream, _faults_named(path):
+    with open_bag_file(path) as stream, _damage_as_input_error(path):
         summary = read_summary(stream, path)
-    return BagReading(
+    return BagReader(
         path=path,
         connections=tuple(filter(None, summary.channels.values())),
         messages=partial(_messages, path, summary),
-        left_out=tuple(summary.left_out.items()),
+        skipped=tuple(summary.skipped.items()),
     )
 
 
 @contextmanager
-def _faults_named(path: Path) -> Iterator[None]:
+def _damage_as_input_error(path: Path) -> Iterator[None]:
     """Turn what a damaged record causes into an InputError (UnicodeDecodeError is a ValueError)."""
     try:
         yield
     except KeyError as error:
-        raise damaged(path, f"a message of no channel ({error})", RECOVER) from None
+        raise damage_error(path, f"a message of no channel ({error})", RECOVER_HELP) from None
     except (ValueError, struct.error, OSError) as error:
-        raise damaged(path, str(error), RECOVER) from None
+        raise damage_error(path, str(error), RECOVER_HELP) from None
 
 
 def _messages(path: Path, summary: Summary) -> Iterator[Message]:
-    with opened(path) as stream:
+    with open_bag_file(path) as stream:
         if not summary.chunks:
-            yield from _unchunked(stream, path, summary.channels)
+            yield from _messages_without_chunks(stream, path, summary.channels)
             return
-        allowance = Allowance.of(path, stream.seek(0, 2))
+        budget = DecompressionBudget.for_file(path, stream.seek(0, 2))
         chunks = sorted(summary.chunks.values())
-        batches = (_batch(stream, chunk, summary, allowance) for chunk in chunks)
-        yield from in_time_order([chunk.start for chunk in chunks], batches, path)
+        batches = (_chunk_messages(stream, chunk, summary, budget) for chunk in chunks)
+        yield from merge_by_time([chunk.start for chunk in chunks], batches, path)
 
 
-def _batch(
-    stream: BufferedReader, chunk: Chunk, summary: Summary, allowance: Allowance
+def _chunk_messages(
+    stream: BufferedReader, chunk: Chunk, summary: Summary, budget: DecompressionBudget
 ) -> list[Message]:
-    with _faults_named(allowance.path):
-        allowance.spend(chunk.unpacked)
-        values = _chunk_record(stream, chunk.at)
+    with _damage_as_input_error(budget.path):
+        budget.spend(chunk.uncompressed_size)
+        values = _read_chunk_record(stream, chunk.offset)
         values.take(16)
-        if values.number(8) != chunk.unpacked:
+        if values.read_uint(8) != chunk.uncompressed_size:
             raise DamageError("its index and a chunk do not agree")
         values.take(4)
-        compression, data = values.text(), values.block(8)
-        unpacked = unpack(compression, data, chunk.unpacked)
-        return sorted_by_time(messages_of(unpacked, summary.channels))
+        compression, data = values.read_string(), values.read_bytes(8)
+        data_of_chunk = decompress(compression, data, chunk.uncompressed_size)
+        return sort_by_time(decode_messages(data_of_chunk, summary.channels))
 
 
-def _chunk_record(stream: BufferedReader, at: int) -> Values:
-    if at > stream.seek(0, 2):
+def _read_chunk_record(stream: BufferedReader, offset: int) -> FieldCursor:
+    if offset > stream.seek(0, 2):
         raise DamageError("it is cut off")
-    stream.seek(at)
-    kind, values = _record(stream)
+    stream.seek(offset)
+    kind, values = _read_record(stream)
     if kind != CHUNK:
         raise DamageError("its index points to no chunk")
     return values
 
 
-def _unchunked(stream: BufferedReader, path: Path, channels: Channels) -> Iterator[Message]:
+def _messages_without_chunks(
+    stream: BufferedReader, path: Path, channels: Channels
+) -> Iterator[Message]:
     """Yield messages that stand in no chunk, as a recorder set to write fast leaves them."""
     stream.seek(len(MAGIC))
-    last = 0
-    while message := _next(stream, path, channels):
-        if message[0] < last:
+    last_time = 0
+    while message := _next_message(stream, path, channels):
+        if message[0] < last_time:
             help = "`mcap sort FILE -o OUT` brings its messages in the order of time"
             raise InputError("its messages are out of order", path=str(path), help=help)
-        last = message[0]
+        last_time = message[0]
         yield message
 
 
-def _next(stream: BufferedReader, path: Path, channels: Channels) -> Message | None:
+def _next_message(stream: BufferedReader, path: Path, channels: Channels) -> Message | None:
     """Return the next message that is of ROS, None at the end of the data."""
-    with _faults_named(path):
+    with _damage_as_input_error(path):
         while True:
-            kind, values = _record(stream)
+            kind, values = _read_record(stream)
             if kind == DATA_END:
                 return None
             if kind == CHUNK:
                 raise DamageError("its summary does not say where its chunks are")
-            message = message_of(values, channels) if kind == MESSAGE else None
+            message = decode_message(values, channels) if kind == MESSAGE else None
             if message:
                 return message
 
 
-def _record(stream: BufferedReader) -> tuple[int, Values]:
+def _read_record(stream: BufferedReader) -> tuple[int, FieldCursor]:
     kind, size = RECORD.unpack(stream.read(RECORD.size))
-    if size > MAX_CHUNK:
+    if size > MAX_CHUNK_BYTES:
         raise DamageError(f"a record of {size} bytes")
     data = stream.read(size)
     if len(data) < size:
         raise DamageError("it is cut off")
-    return kind, Values(data)
+    return kind, FieldCursor(data)

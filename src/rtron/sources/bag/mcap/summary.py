@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from rtron.errors import InputError
-from rtron.sources.bag.common.limits import MAX_INDEX, DamageError
-from rtron.sources.bag.common.reader import BagConnection, Encoding, not_of_ros
+from rtron.sources.bag.common.limits import MAX_INDEX_BYTES, DamageError
+from rtron.sources.bag.common.reader import BagConnection, Encoding, unknown_encoding
 from rtron.sources.bag.mcap.record import (
     CHANNEL,
     CHUNK_INDEX,
@@ -15,16 +15,16 @@ from rtron.sources.bag.mcap.record import (
     RECORD,
     SCHEMA,
     Channels,
-    Values,
-    records_of,
+    FieldCursor,
+    iterate_records,
 )
-from rtron.sources.bag.ros2.offered_qos import offered_qos
+from rtron.sources.bag.ros2.offered_qos import parse_offered_qos
 
 MAGIC = b"\x89MCAP0\r\n"
-RECOVER = "`mcap recover FILE -o OUT` saves what is left"
-_END = RECORD.size + 20 + len(MAGIC)
+RECOVER_HELP = "`mcap recover FILE -o OUT` saves what is left"
+_FOOTER_SIZE = RECORD.size + 20 + len(MAGIC)
 _ENCODINGS: dict[str, Encoding] = {"ros1": "ros1", "cdr": "cdr"}
-_FORMATS = frozenset({"ros1msg", "ros2msg", "ros2idl"})
+_DEFINITION_FORMATS = frozenset({"ros1msg", "ros2msg", "ros2idl"})
 _TRUE = frozenset({"1", "true"})
 
 
@@ -32,8 +32,8 @@ class Chunk(NamedTuple):
     """A chunk: its first time (ns), where its record is, and its size unpacked."""
 
     start: int
-    at: int
-    unpacked: int
+    offset: int
+    uncompressed_size: int
 
 
 @dataclass(slots=True)
@@ -48,7 +48,7 @@ class Summary:
     """Channels by number (None for one that is not of ROS), and where the chunks are."""
 
     channels: Channels = field(default_factory=dict)
-    left_out: dict[str, str] = field(default_factory=dict)
+    skipped: dict[str, str] = field(default_factory=dict)
     chunks: dict[int, Chunk] = field(default_factory=dict)
     schemas: dict[int, _Schema] = field(default_factory=dict)
 
@@ -58,46 +58,46 @@ def read_summary(stream: BufferedReader, path: Path) -> Summary:
     if stream.read(len(MAGIC)) != MAGIC:
         raise InputError("no MCAP", path=str(path), help="is it the right file?")
     size = stream.seek(0, 2)
-    footer_at = size - _END
+    footer_at = size - _FOOTER_SIZE
     stream.seek(max(footer_at, 0))
     end = stream.read()
     if footer_at < len(MAGIC) or not end.endswith(MAGIC) or end[0] != FOOTER:
-        raise InputError("the recording was cut off", path=str(path), help=RECOVER)
-    start = Values(end, RECORD.size).number(8)
+        raise InputError("the recording was cut off", path=str(path), help=RECOVER_HELP)
+    start = FieldCursor(end, RECORD.size).read_uint(8)
     if not start:
-        raise InputError("it has no summary", path=str(path), help=RECOVER)
-    if not len(MAGIC) <= start <= footer_at or footer_at - start > MAX_INDEX:
+        raise InputError("it has no summary", path=str(path), help=RECOVER_HELP)
+    if not len(MAGIC) <= start <= footer_at or footer_at - start > MAX_INDEX_BYTES:
         raise DamageError("its summary is not where it should be, or too large")
     stream.seek(start)
-    return _summary(stream.read(footer_at - start))
+    return _parse_summary(stream.read(footer_at - start))
 
 
-def _summary(data: bytes) -> Summary:
+def _parse_summary(data: bytes) -> Summary:
     summary = Summary()
-    for kind, values in records_of(data):
+    for kind, fields in iterate_records(data):
         if kind == SCHEMA:
-            id = values.number(2)
-            summary.schemas[id] = _schema(values)
+            id = fields.read_uint(2)
+            summary.schemas[id] = _parse_schema(fields)
         elif kind == CHANNEL:
-            _add_channel(summary, values)
+            _add_channel(summary, fields)
         elif kind == CHUNK_INDEX:
-            chunk = _chunk(values)
-            summary.chunks[chunk.at] = chunk
+            chunk = _parse_chunk(fields)
+            summary.chunks[chunk.offset] = chunk
     if summary.chunks and not summary.channels:
         raise DamageError("its summary names no channels")
     return summary
 
 
-def _schema(values: Values) -> _Schema:
+def _parse_schema(fields: FieldCursor) -> _Schema:
     """Return a schema; a definition's comments may be in any encoding."""
-    name, format = values.text(), values.text()
-    known = format in _FORMATS
-    return _Schema(name, format, values.block(4).decode(errors="replace") if known else "")
+    name, format = fields.read_string(), fields.read_string()
+    known = format in _DEFINITION_FORMATS
+    return _Schema(name, format, fields.read_bytes(4).decode(errors="replace") if known else "")
 
 
-def _add_channel(summary: Summary, values: Values) -> None:
-    id, schema_id = values.number(2), values.number(2)
-    topic, encoding, metadata = values.text(), values.text(), values.pairs()
+def _add_channel(summary: Summary, fields: FieldCursor) -> None:
+    id, schema_id = fields.read_uint(2), fields.read_uint(2)
+    topic, encoding, metadata = fields.read_string(), fields.read_string(), fields.read_string_map()
     schema = summary.schemas.get(schema_id, _Schema("", "", ""))
     summary.channels[id] = None
     if encoding in _ENCODINGS:
@@ -110,16 +110,16 @@ def _add_channel(summary: Summary, values: Values) -> None:
             definition_format=schema.format,
             callerid=metadata.get("callerid", ""),
             latching=metadata.get("latching", "") in _TRUE,
-            offered_qos=offered_qos(metadata.get("offered_qos_profiles", "")),
+            offered_qos=parse_offered_qos(metadata.get("offered_qos_profiles", "")),
         )
     else:
-        summary.left_out[topic] = not_of_ros(encoding)
+        summary.skipped[topic] = unknown_encoding(encoding)
 
 
-def _chunk(values: Values) -> Chunk:
-    start, _, at, _ = (values.number(8) for _ in range(4))
-    values.block(4)
-    values.number(8)
-    values.text()
-    values.number(8)
-    return Chunk(start, at, values.number(8))
+def _parse_chunk(fields: FieldCursor) -> Chunk:
+    start, _, offset, _ = (fields.read_uint(8) for _ in range(4))
+    fields.read_bytes(4)
+    fields.read_uint(8)
+    fields.read_string()
+    fields.read_uint(8)
+    return Chunk(start, offset, fields.read_uint(8))

@@ -14,41 +14,41 @@ from pathlib import Path
 from typing import NamedTuple
 
 from rtron.errors import InputError
-from rtron.sources.bag.common.compression import unpack
+from rtron.sources.bag.common.compression import decompress
 from rtron.sources.bag.common.limits import (
-    MAX_CHUNK,
+    MAX_CHUNK_BYTES,
     MAX_CONNECTIONS,
-    MAX_HEADER,
-    MAX_INDEX,
-    Allowance,
+    MAX_HEADER_BYTES,
+    MAX_INDEX_BYTES,
     DamageError,
-    damaged,
-    opened,
+    DecompressionBudget,
+    damage_error,
+    open_bag_file,
 )
-from rtron.sources.bag.common.reader import BagConnection, BagReading, Message
-from rtron.sources.bag.common.time_order import in_time_order, sorted_by_time
-from rtron.sources.bag.ros1.chunk import messages_of
+from rtron.sources.bag.common.reader import BagConnection, BagReader, Message
+from rtron.sources.bag.common.time_order import merge_by_time, sort_by_time
+from rtron.sources.bag.ros1.chunk import decode_messages
 from rtron.sources.bag.ros1.record import (
-    BAG,
+    BAG_HEADER,
     CHUNK,
     CHUNK_INFO,
     CONNECTION,
     Fields,
-    RecordFile,
-    fields_of,
-    number,
-    operation,
-    text,
-    time,
+    RecordReader,
+    opcode,
+    parse_fields,
+    text_field,
+    time_field,
+    uint_field,
 )
 
 _MAGIC = b"#ROSBAG V2.0\n"
-_REINDEX = "`rosbag reindex FILE` makes its index anew"
+_REINDEX_HELP = "`rosbag reindex FILE` makes its index anew"
 
 
 class _Chunk(NamedTuple):
     start: int
-    at: int
+    offset: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,14 +57,14 @@ class _Index:
     chunks: tuple[_Chunk, ...]
 
 
-def read_ros1_bag(path: Path) -> BagReading:
+def open_ros1_bag(path: Path) -> BagReader:
     """Return a ROS 1 bag's connections and the way to its messages.
 
     Raise InputError if the file is no bag of version 2.0, was not closed, or is damaged.
     """
-    with opened(path) as stream, _faults_named(path):
+    with open_bag_file(path) as stream, _damage_as_input_error(path):
         index = _read_index(stream, path)
-    return BagReading(
+    return BagReader(
         path=path,
         connections=tuple(index.connections.values()),
         messages=partial(_messages, path, index),
@@ -72,32 +72,34 @@ def read_ros1_bag(path: Path) -> BagReading:
 
 
 @contextmanager
-def _faults_named(path: Path) -> Iterator[None]:
+def _damage_as_input_error(path: Path) -> Iterator[None]:
     """Turn what a damaged record causes into an InputError (UnicodeDecodeError is a ValueError)."""
     try:
         yield
     except struct.error:
-        raise damaged(path, "a field has a wrong size", _REINDEX) from None
+        raise damage_error(path, "a field has a wrong size", _REINDEX_HELP) from None
     except KeyError as error:
-        raise damaged(path, f"a message of no connection ({error})", _REINDEX) from None
+        raise damage_error(path, f"a message of no connection ({error})", _REINDEX_HELP) from None
     except (ValueError, OSError) as error:
-        raise damaged(path, str(error), _REINDEX) from None
+        raise damage_error(path, str(error), _REINDEX_HELP) from None
 
 
 def _read_index(stream: BufferedReader, path: Path) -> _Index:
     _check_magic(stream, path)
-    records = RecordFile(stream)
-    header = records.header()
-    if operation(header) != BAG:
+    records = RecordReader(stream)
+    header = records.read_header()
+    if opcode(header) != BAG_HEADER:
         raise DamageError("it does not begin with its header")
     if header.get(b"encryptor"):
         raise InputError("the bag is encrypted", path=str(path), help="`rosbag decrypt FILE`")
-    start = number(header, b"index_pos")
+    start = uint_field(header, b"index_pos")
     if not start:
-        raise InputError("the bag was not closed and has no index", path=str(path), help=_REINDEX)
+        raise InputError(
+            "the bag was not closed and has no index", path=str(path), help=_REINDEX_HELP
+        )
     _seek(stream, start)
-    index = _records_of_index(records)
-    counts = (number(header, b"conn_count"), number(header, b"chunk_count"))
+    index = _read_index_records(records)
+    counts = (uint_field(header, b"conn_count"), uint_field(header, b"chunk_count"))
     if counts != (len(index.connections), len(index.chunks)):
         raise DamageError("its index has not the number of entries that it should")
     return index
@@ -112,23 +114,23 @@ def _check_magic(stream: BufferedReader, path: Path) -> None:
         raise InputError("no ROS 1 bag", path=str(path), help="is it the right file?")
 
 
-def _seek(stream: BufferedReader, at: int) -> None:
+def _seek(stream: BufferedReader, offset: int) -> None:
     size = stream.seek(0, 2)
-    if at > size:
+    if offset > size:
         raise DamageError("it is cut off")
-    stream.seek(at)
+    stream.seek(offset)
 
 
-def _records_of_index(records: RecordFile) -> _Index:
+def _read_index_records(records: RecordReader) -> _Index:
     connections: dict[int, BagConnection] = {}
     chunks: dict[int, _Chunk] = {}
     while not records.at_end():
-        header, data = records.header(), records.data(MAX_INDEX)
-        if operation(header) == CONNECTION:
-            connections[number(header, b"conn")] = _connection(header, fields_of(data))
-        elif operation(header) == CHUNK_INFO:
-            chunk = _Chunk(time(header, b"start_time"), number(header, b"chunk_pos"))
-            chunks[chunk.at] = chunk
+        header, data = records.read_header(), records.read_data(MAX_INDEX_BYTES)
+        if opcode(header) == CONNECTION:
+            connections[uint_field(header, b"conn")] = _connection(header, parse_fields(data))
+        elif opcode(header) == CHUNK_INFO:
+            chunk = _Chunk(time_field(header, b"start_time"), uint_field(header, b"chunk_pos"))
+            chunks[chunk.offset] = chunk
         else:
             raise DamageError("its index holds a record of another kind")
         if len(connections) > MAX_CONNECTIONS:
@@ -139,10 +141,10 @@ def _records_of_index(records: RecordFile) -> _Index:
 def _connection(header: Fields, fields: Fields) -> BagConnection:
     """Return a connection; a definition's comments may be in any encoding."""
     return BagConnection(
-        topic=text(header, b"topic"),
-        type=text(fields, b"type"),
+        topic=text_field(header, b"topic"),
+        type=text_field(fields, b"type"),
         encoding="ros1",
-        md5sum=text(fields, b"md5sum"),
+        md5sum=text_field(fields, b"md5sum"),
         definition=fields.get(b"message_definition", b"").decode(errors="replace"),
         definition_format="ros1msg",
         callerid=fields.get(b"callerid", b"").decode(),
@@ -151,22 +153,24 @@ def _connection(header: Fields, fields: Fields) -> BagConnection:
 
 
 def _messages(path: Path, index: _Index) -> Iterator[Message]:
-    with opened(path) as stream:
-        allowance = Allowance.of(path, stream.seek(0, 2))
-        batches = (_batch(stream, chunk, index, allowance) for chunk in index.chunks)
-        yield from in_time_order([chunk.start for chunk in index.chunks], batches, path)
+    with open_bag_file(path) as stream:
+        budget = DecompressionBudget.for_file(path, stream.seek(0, 2))
+        batches = (_chunk_messages(stream, chunk, index, budget) for chunk in index.chunks)
+        yield from merge_by_time([chunk.start for chunk in index.chunks], batches, path)
 
 
-def _batch(
-    stream: BufferedReader, chunk: _Chunk, index: _Index, allowance: Allowance
+def _chunk_messages(
+    stream: BufferedReader, chunk: _Chunk, index: _Index, budget: DecompressionBudget
 ) -> list[Message]:
-    with _faults_named(allowance.path):
-        _seek(stream, chunk.at)
-        record = RecordFile(stream, MAX_HEADER + MAX_CHUNK)
-        header = record.header()
-        if operation(header) != CHUNK:
+    with _damage_as_input_error(budget.path):
+        _seek(stream, chunk.offset)
+        record = RecordReader(stream, MAX_HEADER_BYTES + MAX_CHUNK_BYTES)
+        header = record.read_header()
+        if opcode(header) != CHUNK:
             raise DamageError("its index points to no chunk")
-        size = number(header, b"size")
-        allowance.spend(size)
-        data = unpack(text(header, b"compression"), record.data(MAX_CHUNK), size)
-        return sorted_by_time(messages_of(data, index.connections))
+        size = uint_field(header, b"size")
+        budget.spend(size)
+        data = decompress(
+            text_field(header, b"compression"), record.read_data(MAX_CHUNK_BYTES), size
+        )
+        return sort_by_time(decode_messages(data, index.connections))

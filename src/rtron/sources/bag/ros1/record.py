@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from io import BufferedReader
 from struct import Struct
 
-from rtron.sources.bag.common.limits import MAX_HEADER, MAX_INDEX, DamageError
+from rtron.sources.bag.common.limits import MAX_HEADER_BYTES, MAX_INDEX_BYTES, DamageError
 
-MESSAGE, BAG, CHUNK, CHUNK_INFO, CONNECTION = 2, 3, 5, 6, 7
+MESSAGE, BAG_HEADER, CHUNK, CHUNK_INFO, CONNECTION = 2, 3, 5, 6, 7
 SECOND = 10**9
 _U32 = Struct("<I")
 _TIME = Struct("<II")
@@ -16,69 +16,69 @@ Fields = Mapping[bytes, bytes]
 
 
 @dataclass(slots=True)
-class RecordFile:
+class RecordReader:
     """Records read one after the other, no more of them than an index may have."""
 
     stream: BufferedReader
-    left: int = MAX_INDEX
+    remaining: int = MAX_INDEX_BYTES
 
     def at_end(self) -> bool:
         """Tell whether there is no further record."""
         return not self.stream.peek(1)
 
-    def header(self) -> Fields:
+    def read_header(self) -> Fields:
         """Return the next record's header."""
-        return fields_of(self._sized(MAX_HEADER))
+        return parse_fields(self._read_sized(MAX_HEADER_BYTES))
 
-    def data(self, limit: int) -> bytes:
+    def read_data(self, limit: int) -> bytes:
         """Return what follows the header, at most `limit` bytes."""
-        return self._sized(limit)
+        return self._read_sized(limit)
 
-    def _sized(self, limit: int) -> bytes:
-        (size,) = _U32.unpack(self._take(4))
+    def _read_sized(self, limit: int) -> bytes:
+        (size,) = _U32.unpack(self._read(4))
         if size > limit:
             raise DamageError(f"a record of {size} bytes where at most {limit} are allowed")
-        return self._take(size)
+        return self._read(size)
 
-    def _take(self, size: int) -> bytes:
-        self.left -= size
-        if self.left < 0:
-            raise DamageError(f"an index of more than {MAX_INDEX} bytes")
+    def _read(self, size: int) -> bytes:
+        self.remaining -= size
+        if self.remaining < 0:
+            raise DamageError(f"an index of more than {MAX_INDEX_BYTES} bytes")
         data = self.stream.read(size)
         if len(data) < size:
             raise DamageError("it is cut off")
         return data
 
 
-def fields_of(header: bytes) -> Fields:
+def parse_fields(header: bytes) -> Fields:
     """Return a header's fields."""
-    found, at = {}, 0
-    while at < len(header):
-        (size,) = _U32.unpack_from(header, at)
-        name, equals, value = header[at + 4 : at + 4 + size].partition(b"=")
-        at += 4 + size
-        if not equals or at > len(header):
+    fields, offset = {}, 0
+    while offset < len(header):
+        (size,) = _U32.unpack_from(header, offset)
+        name, equals, value = header[offset + 4 : offset + 4 + size].partition(b"=")
+        offset += 4 + size
+        if not equals or offset > len(header):
             raise DamageError("a header is no list of fields")
-        found[name] = value
-    return found
+        fields[name] = value
+    return fields
 
 
-def operation(fields: Fields) -> int:
+def opcode(fields: Fields) -> int:
     """Return what kind of record a header begins."""
-    return number(fields, b"op")
+    return uint_field(fields, b"op")
 
 
-def number(fields: Fields, name: bytes) -> int:
+def uint_field(fields: Fields, name: bytes) -> int:
     """Return a field that is a number of any size."""
     return int.from_bytes(_value(fields, name), "little")
 
 
-def text(fields: Fields, name: bytes) -> str:
+def text_field(fields: Fields, name: bytes) -> str:
     """Return a field that is a text."""
     return _value(fields, name).decode()
 
 
-def time(fields: Fields, name: bytes) -> int:
+def time_field(fields: Fields, name: bytes) -> int:
     """Return a field that is a time, in ns."""
     seconds, nanoseconds = _TIME.unpack(_value(fields, name))
     return int(seconds * SECOND + nanoseconds)

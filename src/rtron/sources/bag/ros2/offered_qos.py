@@ -14,7 +14,7 @@ _RELIABILITY = {"2": Reliability.BEST_EFFORT, "best_effort": Reliability.BEST_EF
 _DURABILITY = {"1": Durability.TRANSIENT_LOCAL, "transient_local": Durability.TRANSIENT_LOCAL}
 
 
-def offered_qos(text: str) -> tuple[QoS, ...]:
+def parse_offered_qos(text: str) -> tuple[QoS, ...]:
     """Return the QoS of each publisher that `offered_qos_profiles` lists, of the first 100.
 
     Recorders write numbers (rmw's enumerations) or their names; what is neither reads as ROS 2's

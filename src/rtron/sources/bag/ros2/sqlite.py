@@ -14,85 +14,85 @@ from typing import Any
 
 from rtron.errors import InputError
 from rtron.sources.bag.common.limits import (
-    MAX_CHUNK,
+    MAX_CHUNK_BYTES,
     MAX_CONNECTIONS,
-    MAX_INDEX,
+    MAX_INDEX_BYTES,
     DamageError,
-    damaged,
-    opened,
+    damage_error,
+    open_bag_file,
 )
-from rtron.sources.bag.common.reader import BagConnection, BagReading, Message, not_of_ros
-from rtron.sources.bag.ros2.offered_qos import offered_qos
+from rtron.sources.bag.common.reader import BagConnection, BagReader, Message, unknown_encoding
+from rtron.sources.bag.ros2.offered_qos import parse_offered_qos
 
 _MAGIC = b"SQLite format 3\0"
-_RECOVER = "`sqlite3 FILE .recover` saves what is left"
+_RECOVER_HELP = "`sqlite3 FILE .recover` saves what is left"
 _TABLES = frozenset({"sqlite_master", "topics", "messages", "message_definitions"})
-_STEPS = 100_000
-_STEPS_ALWAYS = 10**7
+_STEPS_PER_CHECK = 100_000
+_MIN_STEPS = 10**7
 _STEPS_PER_BYTE = 32
 
 Row = dict[str, Any]
 
 
-def read_sqlite(path: Path) -> BagReading:
+def open_sqlite(path: Path) -> BagReader:
     """Return a .db3 file's connections and the way to its messages; it names no publishers.
 
     Raise InputError if the file is no such bag, or is damaged.
     """
-    with _faults_named(path), _connected(path) as database:
+    with _damage_as_input_error(path), _open_database(path) as database:
         tables = _plain_tables(database)
         if not {"topics", "messages"} <= tables:
             help = "a ROS 2 bag has the tables `topics` and `messages`"
             raise InputError("a database, but no ROS 2 bag", path=str(path), help=help)
         definitions = _definitions(database) if "message_definitions" in tables else {}
         topics = _rows(database, "SELECT * FROM topics")
-        left_out: dict[str, str] = {}
-        found = {_id(row): _connection(row, definitions, left_out) for row in topics}
-    return BagReading(
+        skipped: dict[str, str] = {}
+        connections = {_id(row): _connection(row, definitions, skipped) for row in topics}
+    return BagReader(
         path=path,
-        connections=tuple(filter(None, found.values())),
-        messages=partial(_messages, path, found),
-        left_out=tuple(left_out.items()),
+        connections=tuple(filter(None, connections.values())),
+        messages=partial(_messages, path, connections),
+        skipped=tuple(skipped.items()),
     )
 
 
 @contextmanager
-def _faults_named(path: Path) -> Iterator[None]:
+def _damage_as_input_error(path: Path) -> Iterator[None]:
     """Turn what a damaged database causes into an InputError."""
     try:
         yield
     except (sqlite3.Error, sqlite3.Warning, ValueError, OverflowError) as error:
-        raise damaged(path, str(error), _RECOVER) from None
+        raise damage_error(path, str(error), _RECOVER_HELP) from None
     except KeyError as error:
-        raise damaged(path, f"it has no {error}", _RECOVER) from None
+        raise damage_error(path, f"it has no {error}", _RECOVER_HELP) from None
 
 
 @contextmanager
-def _connected(path: Path) -> Iterator[sqlite3.Connection]:
+def _open_database(path: Path) -> Iterator[sqlite3.Connection]:
     """Open a database for reading; whoever writes to it meanwhile is not waited for."""
-    with opened(path) as stream:
+    with open_bag_file(path) as stream:
         if stream.read(len(_MAGIC)) != _MAGIC:
             raise InputError("no SQLite database", path=str(path), help="is it the right file?")
         size = stream.seek(0, 2)
     uri = path.absolute().as_uri() + "?mode=ro&immutable=1"
     with closing(sqlite3.connect(uri, uri=True)) as database:
-        _confine(database, size)
+        _restrict(database, size)
         yield database
 
 
-def _confine(database: sqlite3.Connection, size: int) -> None:
+def _restrict(database: sqlite3.Connection, size: int) -> None:
     if sys.version_info >= (3, 11):
-        database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, MAX_CHUNK)
-    left = iter(range((_STEPS_ALWAYS + _STEPS_PER_BYTE * size) // _STEPS))
-    database.set_progress_handler(lambda: next(left, None) is None, _STEPS)
-    database.set_authorizer(_authorised)
+        database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, MAX_CHUNK_BYTES)
+    remaining_checks = iter(range((_MIN_STEPS + _STEPS_PER_BYTE * size) // _STEPS_PER_CHECK))
+    database.set_progress_handler(lambda: next(remaining_checks, None) is None, _STEPS_PER_CHECK)
+    database.set_authorizer(_authorise)
 
 
-def _authorised(action: int, table: str | None, _: object, __: object, within: str | None) -> int:
-    """Allow to read tables and what their columns are, but nothing through a view (`within`)."""
-    reads = action == sqlite3.SQLITE_READ and table in _TABLES and not within
-    asks = action == sqlite3.SQLITE_PRAGMA and table == "table_xinfo"
-    allowed = reads or asks or action == sqlite3.SQLITE_SELECT
+def _authorise(action: int, table: str | None, _: object, __: object, view: str | None) -> int:
+    """Allow to read tables and what their columns are, but nothing through a view (`view`)."""
+    reads = action == sqlite3.SQLITE_READ and table in _TABLES and not view
+    reads_columns = action == sqlite3.SQLITE_PRAGMA and table == "table_xinfo"
+    allowed = reads or reads_columns or action == sqlite3.SQLITE_SELECT
     return sqlite3.SQLITE_OK if allowed else sqlite3.SQLITE_DENY
 
 
@@ -100,10 +100,10 @@ def _rows(database: sqlite3.Connection, query: str) -> Iterator[Row]:
     """Yield the rows of a small table; raise DamageError if it is not small."""
     cursor = database.execute(query)
     names = [column[0] for column in cursor.description]
-    left = MAX_INDEX
+    remaining = MAX_INDEX_BYTES
     for count, row in enumerate(cursor):
-        left -= sum(len(value) for value in row if isinstance(value, str | bytes))
-        if left < 0 or count > MAX_CONNECTIONS:
+        remaining -= sum(len(value) for value in row if isinstance(value, str | bytes))
+        if remaining < 0 or count > MAX_CONNECTIONS:
             raise DamageError("its tables of topics and definitions are too large")
         yield dict(zip(names, row, strict=True))
 
@@ -111,15 +111,15 @@ def _rows(database: sqlite3.Connection, query: str) -> Iterator[Row]:
 def _plain_tables(database: sqlite3.Connection) -> set[str]:
     """Return the names of the tables that are there to be read; raise DamageError for others."""
     entries = list(_rows(database, "SELECT name, type, sql FROM sqlite_master"))
-    found = {row["name"] for row in entries if row["name"] in _TABLES}
+    names = {row["name"] for row in entries if row["name"] in _TABLES}
     for row in entries:
-        plain = row["type"] == "table" and str(row["sql"]).startswith("CREATE TABLE")
-        if row["name"] in found and not plain:
+        is_plain = row["type"] == "table" and str(row["sql"]).startswith("CREATE TABLE")
+        if row["name"] in names and not is_plain:
             raise DamageError(f"{row['name']} is no plain table")
-    for name in found:
+    for name in names:
         if any(column["hidden"] for column in _rows(database, f"PRAGMA table_xinfo({name})")):
             raise DamageError(f"{name} has columns that are computed")
-    return found
+    return names
 
 
 def _definitions(database: sqlite3.Connection) -> dict[str, tuple[str, str]]:
@@ -131,11 +131,11 @@ def _definitions(database: sqlite3.Connection) -> dict[str, tuple[str, str]]:
 
 
 def _connection(
-    row: Row, definitions: dict[str, tuple[str, str]], left_out: dict[str, str]
+    row: Row, definitions: dict[str, tuple[str, str]], skipped: dict[str, str]
 ) -> BagConnection | None:
     topic, type, encoding = (_text(row, name) for name in ("name", "type", "serialization_format"))
     if encoding != "cdr":
-        left_out[topic] = not_of_ros(encoding)
+        skipped[topic] = unknown_encoding(encoding)
         return None
     definition_format, definition = definitions.get(type, ("", ""))
     qos = row.get("offered_qos_profiles", "")
@@ -145,7 +145,7 @@ def _connection(
         encoding="cdr",
         definition=definition,
         definition_format=definition_format,
-        offered_qos=offered_qos(qos) if isinstance(qos, str) else (),
+        offered_qos=parse_offered_qos(qos) if isinstance(qos, str) else (),
     )
 
 
@@ -165,7 +165,7 @@ def _id(row: Row) -> int:
 
 def _messages(path: Path, connections: dict[int, BagConnection | None]) -> Iterator[Message]:
     query = "SELECT timestamp, topic_id, data FROM messages ORDER BY timestamp"
-    with _faults_named(path), _connected(path) as database:
+    with _damage_as_input_error(path), _open_database(path) as database:
         for time, topic, data in database.execute(query):
             if type(time) is not int or type(data) is not bytes:
                 raise DamageError("a message that is none")

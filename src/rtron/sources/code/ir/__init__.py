@@ -23,11 +23,11 @@ from rtron.sources.code.ir.expressions import (
     Index,
     Lambda,
     Logic,
-    Mapping,
+    MappingExpr,
     Name,
     New,
     Opaque,
-    Sequence,
+    SequenceExpr,
     Star,
     Unary,
 )
@@ -52,11 +52,11 @@ from rtron.sources.code.ir.statements import (
 )
 from rtron.sources.code.ir.types import (
     TypeRef,
-    adapted_name,
+    adapter_alias,
 )
 from rtron.sources.code.ir.unit import (
-    Language,
-    Problem,
+    SourceLanguage,
+    SourceProblem,
     Unit,
 )
 
@@ -84,17 +84,17 @@ __all__ = [
     "Import",
     "Index",
     "Lambda",
-    "Language",
     "Logic",
-    "Mapping",
+    "MappingExpr",
     "Name",
     "New",
     "Opaque",
     "Param",
-    "Problem",
     "Raise",
     "Return",
-    "Sequence",
+    "SequenceExpr",
+    "SourceLanguage",
+    "SourceProblem",
     "Star",
     "Stmt",
     "Try",
@@ -103,5 +103,5 @@ __all__ = [
     "Unit",
     "While",
     "Yield",
-    "adapted_name",
+    "adapter_alias",
 ]

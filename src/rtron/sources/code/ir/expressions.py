@@ -117,7 +117,7 @@ class Concat:
 
 
 @record(frozen=True, slots=True)
-class Sequence:
+class SequenceExpr:
     """A list, tuple or set that is written out; C++ `{a, b}` without a type is a list."""
 
     items: tuple["Expr", ...]
@@ -125,7 +125,7 @@ class Sequence:
 
 
 @record(frozen=True, slots=True)
-class Mapping:
+class MappingExpr:
     """A dict that is written out; a key of None spreads the value into it."""
 
     items: tuple[tuple["Expr | None", "Expr"], ...]
@@ -180,8 +180,8 @@ Expr: TypeAlias = (
     | Logic
     | Conditional
     | Concat
-    | Sequence
-    | Mapping
+    | SequenceExpr
+    | MappingExpr
     | Comprehension
     | Lambda
     | Star

@@ -24,43 +24,47 @@ from rtron.sources.code.ir import (
     Yield,
 )
 
-_ADDING = frozenset(["push_back", "emplace_back", "insert", "append", "extend", "add", "update"])
+_ADDING_METHODS = frozenset(
+    ["push_back", "emplace_back", "insert", "append", "extend", "add", "update"]
+)
 
 
-_LEAVING = (Assign, Break, Call, Continue, Delete, New, Return, Yield)
-_HARMLESS = frozenset({"c_str", "str", "what", "to_string", "get_logger", "get_name", "string"})
+_EFFECTFUL_NODES = (Assign, Break, Call, Continue, Delete, New, Return, Yield)
+_HARMLESS_CALLS = frozenset(
+    {"c_str", "str", "what", "to_string", "get_logger", "get_name", "string"}
+)
 _SLOTS: dict[type, tuple[str, ...] | None] = {}
 _PLAIN = (str, int, bool, str | None, int | None, str | int | float | bool | bytes | None)
-MAX_KEPT = 50_000
+MAX_CACHED = 50_000
 
 _T = TypeVar("_T")
 _Names: TypeAlias = frozenset[str]
 
 
-def _by_identity(find: Callable[[_T], _Names]) -> Callable[[_T], _Names]:
+def cache_by_identity(find: Callable[[_T], _Names]) -> Callable[[_T], _Names]:
     """Keep what is found in a part of the IR by its identity: a hash goes through all of it."""
-    kept: dict[int, tuple[_T, _Names]] = {}
+    cache: dict[int, tuple[_T, _Names]] = {}
 
     @wraps(find)
     def found(part: _T) -> _Names:
-        known = kept.get(id(part))
+        known = cache.get(id(part))
         if known is None:
-            if len(kept) >= MAX_KEPT:
-                kept.clear()
-            known = kept[id(part)] = part, find(part)
+            if len(cache) >= MAX_CACHED:
+                cache.clear()
+            known = cache[id(part)] = part, find(part)
         return known[1]
 
     return found
 
 
-@_by_identity
-def called_words(function: Function) -> frozenset[str]:
+@cache_by_identity
+def called_names(function: Function) -> frozenset[str]:
     """Return the last parts of the names of all that a function calls or makes."""
     bodies = (function.body or (), tuple(args for _, args in function.initialisers))
-    return frozenset(word for body in bodies for word in _words(body))
+    return frozenset(word for body in bodies for word in _called_or_made_names(body))
 
 
-@_by_identity
+@cache_by_identity
 def written_names(function: Function) -> frozenset[str]:
     """Return the members and globals that a function may assign to."""
     local: set[str] = set()
@@ -72,33 +76,33 @@ def written_names(function: Function) -> frozenset[str]:
             changed.extend(t.owner if isinstance(t, Index) else t for t in node.targets)
         elif isinstance(node, Call):
             added = node.function
-            if isinstance(added, Attr) and added.name in _ADDING:
+            if isinstance(added, Attr) and added.name in _ADDING_METHODS:
                 changed.append(added.owner)
     names = {target.name for target in changed if isinstance(target, Attr)}
     names |= {target.id for target in changed if isinstance(target, Name)} - local
     return frozenset(names)
 
 
-@_by_identity
+@cache_by_identity
 def assigned_names(body: tuple[Stmt, ...]) -> frozenset[str]:
     """Return the variables that statements assign to."""
     found = (target for node in _nodes(body) if isinstance(node, Assign) for target in node.targets)
     return frozenset(target.id for target in found if isinstance(target, Name))
 
 
-@_by_identity
-def effects(body: tuple[Stmt, ...]) -> frozenset[str]:
+@cache_by_identity
+def side_effects(body: tuple[Stmt, ...]) -> frozenset[str]:
     """Return what statements may do beside throwing: empty where they leave nothing behind."""
-    found = (node for node in _nodes(body) if isinstance(node, _LEAVING))
+    found = (node for node in _nodes(body) if isinstance(node, _EFFECTFUL_NODES))
     return frozenset(type(node).__name__ for node in found if not _is_harmless(node))
 
 
 def _is_harmless(node: Any) -> bool:  # noqa: ANN401 - any part of the IR
     if isinstance(node, New):
         return "xception" in node.type.name or "error" in node.type.name
-    called = set(_called(node.function)) if isinstance(node, Call) else set()
+    called = set(_callee_names(node.function)) if isinstance(node, Call) else set()
     return bool(called) and all(
-        name in _HARMLESS or "xception" in name or name.endswith("_error") for name in called
+        name in _HARMLESS_CALLS or "xception" in name or name.endswith("_error") for name in called
     )
 
 
@@ -111,22 +115,22 @@ def _nodes(node: Any) -> Iterator[Any]:  # noqa: ANN401 - any part of the IR
             stack.extend(current)
             continue
         if kind not in _SLOTS:
-            _SLOTS[kind] = _holding(kind) if is_dataclass(kind) else None
+            _SLOTS[kind] = _node_fields(kind) if is_dataclass(kind) else None
         slots = _SLOTS[kind]
         if slots is not None:
             yield current
             stack.extend([getattr(current, name) for name in slots])
 
 
-def _holding(kind: type) -> tuple[str, ...]:
+def _node_fields(kind: type) -> tuple[str, ...]:
     """Return the fields of a part of the IR that may hold other parts."""
     return tuple(each.name for each in fields(kind) if each.type not in _PLAIN)
 
 
-def _words(node: Any) -> Iterator[str]:  # noqa: ANN401 - any part of the IR
+def _called_or_made_names(node: Any) -> Iterator[str]:  # noqa: ANN401 - any part of the IR
     for current in _nodes(node):
         if isinstance(current, Call):
-            yield from _called(current.function)
+            yield from _callee_names(current.function)
         elif isinstance(current, New):
             yield current.type.name.rpartition("::")[2]
             yield current.type.name
@@ -135,7 +139,7 @@ def _words(node: Any) -> Iterator[str]:  # noqa: ANN401 - any part of the IR
             yield current.name
 
 
-def _called(function: Any) -> Iterator[str]:  # noqa: ANN401 - any expression
+def _callee_names(function: Any) -> Iterator[str]:  # noqa: ANN401 - any expression
     if isinstance(function, Attr):
         yield function.name
     elif isinstance(function, Name):

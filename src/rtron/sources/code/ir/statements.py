@@ -129,7 +129,7 @@ class Try:
 class Define:
     """Python: a function or class is defined here, by its name."""
 
-    what: "Function | Class"
+    definition: "Function | Class"
     decorators: tuple[Expr, ...] = ()
 
 

@@ -17,6 +17,6 @@ class TypeRef:
         return f"{self.name}<{', '.join(map(str, self.args))}>" if self.args else self.name
 
 
-def adapted_name(custom: str) -> str:
+def adapter_alias(custom: str) -> str:
     """Return the alias that stands for the message which a type of the program is sent as."""
     return f"rclcpp::ImplicitTypeAdapter<{custom.removeprefix('::')}>"

@@ -9,7 +9,7 @@ from rtron.sources.code.ir.types import TypeRef
 from rtron.sources.code.record import record
 
 
-class Language(str, Enum):
+class SourceLanguage(str, Enum):
     """The language of a unit."""
 
     PYTHON = "python"
@@ -17,7 +17,7 @@ class Language(str, Enum):
 
 
 @record(frozen=True, slots=True)
-class Problem:
+class SourceProblem:
     """A part of a file that could not be read, and why."""
 
     line: int
@@ -38,7 +38,7 @@ class Unit:
     """
 
     file: str
-    language: Language
+    language: SourceLanguage
     body: tuple[Stmt, ...] = ()
     functions: tuple[Function, ...] = ()
     classes: tuple[Class, ...] = ()
@@ -47,4 +47,4 @@ class Unit:
     includes: tuple[str, ...] = ()
     exports: tuple[tuple[str, str], ...] = ()
     enums: tuple[tuple[str, int | None], ...] = ()
-    problems: tuple[Problem, ...] = field(default=())
+    problems: tuple[SourceProblem, ...] = field(default=())

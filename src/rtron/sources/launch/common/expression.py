@@ -19,11 +19,11 @@ from rtron.sources.launch.common.expression_library import (
     UNARY,
     Function,
     Value,
-    bounded,
+    check_size,
 )
 
 _MAX_TEXT = 4096
-_WRONG = (ArithmeticError, AttributeError, LookupError, TypeError, ValueError)
+_EVALUATION_ERRORS = (ArithmeticError, AttributeError, LookupError, TypeError, ValueError)
 
 
 def evaluate(text: str, functions: Mapping[str, Function], argument: Callable[[str], Value]) -> str:
@@ -33,20 +33,20 @@ def evaluate(text: str, functions: Mapping[str, Function], argument: Callable[[s
     gives a launch argument and raises KeyError. Raise ValueError if roslaunch could not evaluate
     it either, UnresolvableError if it lies outside the grammar.
     """
-    return str(bounded(str(evaluate_with(Walk(functions, argument), text))))
+    return str(check_size(str(evaluate_with(ExpressionEvaluator(functions, argument), text))))
 
 
-def evaluate_with(walk: "Walk", text: str) -> Value:
-    """Return the value of an expression, by the grammar of `walk`; raise as `evaluate` does."""
+def evaluate_with(evaluator: "ExpressionEvaluator", text: str) -> Value:
+    """Return the value of an expression, by the grammar of `evaluator`; raise as `evaluate` does."""
     try:
-        return walk.value(_parsed(text))
-    except _WRONG as error:
+        return evaluator.value(_parse(text))
+    except _EVALUATION_ERRORS as error:
         raise ValueError(f"`{text[:80]}`: {error}") from None
     except RecursionError:
         raise UnresolvableError(f"`{text[:40]}…` is nested too deep") from None
 
 
-def typed(text: str) -> Value:
+def typed_argument(text: str) -> Value:
     """Return an argument as an expression sees it: a float, an int, a bool, or the string."""
     try:
         if "." in text:
@@ -58,7 +58,7 @@ def typed(text: str) -> Value:
     return {"true": True, "false": False}.get(text.lower(), text)
 
 
-def _parsed(text: str) -> ast.expr:
+def _parse(text: str) -> ast.expr:
     if "__" in text:
         raise ValueError("double underscores are not allowed")
     if len(text) > _MAX_TEXT:
@@ -69,7 +69,7 @@ def _parsed(text: str) -> ast.expr:
         raise ValueError(str(error)) from None
 
 
-class Walk:
+class ExpressionEvaluator:
     """Evaluates one parsed expression, a method a kind of node; a subclass may know more kinds."""
 
     def __init__(self, functions: Mapping[str, Function], argument: Callable[[str], Value]) -> None:
@@ -78,11 +78,11 @@ class Walk:
 
     def value(self, node: ast.expr) -> Value:
         """Return a node's value; raise UnresolvableError if it is outside the grammar or large."""
-        return bounded(self._value(node))
+        return check_size(self._value(node))
 
     @singledispatchmethod
     def _value(self, node: ast.expr) -> Value:
-        return self._unknown(node)
+        return self._unsupported(node)
 
     @_value.register
     def _(self, node: ast.Constant) -> Value:
@@ -98,7 +98,7 @@ class Walk:
 
     @_value.register
     def _(self, node: ast.Dict) -> Value:
-        keys = [self.value(key) if key else self._unknown(node) for key in node.keys]
+        keys = [self.value(key) if key else self._unsupported(node) for key in node.keys]
         return dict(zip(keys, map(self.value, node.values), strict=True))
 
     @_value.register
@@ -120,7 +120,7 @@ class Walk:
 
     @_value.register
     def _(self, node: ast.BinOp) -> Value:
-        function = BINARY.get(type(node.op)) or self._unknown(node)
+        function = BINARY.get(type(node.op)) or self._unsupported(node)
         return function(self.value(node.left), self.value(node.right))
 
     @_value.register
@@ -145,7 +145,7 @@ class Walk:
     def _(self, node: ast.Call) -> Value:
         function = self._function(node.func)
         if node.keywords:
-            self._unknown(node)
+            self._unsupported(node)
         return function(*(self.value(argument) for argument in node.args))
 
     def _function(self, node: ast.expr) -> Function:
@@ -155,7 +155,7 @@ class Walk:
             owner = self.value(node.value)
             if isinstance(owner, str):
                 return partial(METHODS[node.attr], owner)
-        return self._unknown(node)
+        return self._unsupported(node)
 
     def _index(self, node: ast.expr) -> Value:
         if not isinstance(node, ast.Slice):
@@ -163,5 +163,5 @@ class Walk:
         parts = (node.lower, node.upper, node.step)
         return slice(*(part and self.value(part) for part in parts))
 
-    def _unknown(self, node: ast.expr) -> Function:
+    def _unsupported(self, node: ast.expr) -> Function:
         raise UnresolvableError(f"`{ast.unparse(node)}` is not of the kind that is evaluated here")

@@ -17,7 +17,7 @@ MAX_BITS = 1024
 _MAX_DIGITS = 100
 
 
-def bounded(value: Value) -> Value:
+def check_size(value: Value) -> Value:
     """Return a value as it is; raise UnresolvableError if it is too large to go on with."""
     size = value.bit_length() if isinstance(value, int) else 0
     length = len(value) if isinstance(value, (str, list, tuple)) else 0
@@ -31,13 +31,13 @@ def _multiply(left: Value, right: Value) -> Value:
         if isinstance(text, (list, tuple)):
             raise UnresolvableError("a repeated list")
         if isinstance(text, str) and isinstance(times, int):
-            bounded("x" * min(len(text) * max(times, 0), MAX_LENGTH + 1))
+            check_size("x" * min(len(text) * max(times, 0), MAX_LENGTH + 1))
     return left * right
 
 
 def _power(base: Value, exponent: Value) -> Value:
     if isinstance(base, int) and isinstance(exponent, int):
-        bounded(1 << min(base.bit_length() * max(exponent, 0), MAX_BITS))
+        check_size(1 << min(base.bit_length() * max(exponent, 0), MAX_BITS))
     return base**exponent
 
 
@@ -51,7 +51,7 @@ def _round(number: Value, digits: int | None = None) -> Value:
     return round(number, digits)
 
 
-def _named(owner: Any, names: str) -> dict[str, Value]:  # noqa: ANN401 - a module or a class
+def _attributes(owner: Any, names: str) -> dict[str, Value]:  # noqa: ANN401 - a module or a class
     return {name: getattr(owner, name) for name in names.split()}
 
 
@@ -85,16 +85,16 @@ COMPARE: Mapping[type[ast.cmpop], Function] = {
 CONSTANTS: Mapping[str, Value] = {
     "true": True,
     "false": False,
-    **_named(math, "e inf nan pi tau"),
+    **_attributes(math, "e inf nan pi tau"),
 }
 FUNCTIONS: Mapping[str, Function] = {
     **{f.__name__: f for f in (abs, bool, float, int, len, list, max, min, sorted, str, sum)},
-    **_named(math, "acos asin atan atan2 ceil copysign cos degrees exp fabs floor fmod hypot"),
-    **_named(math, "isinf isnan log log10 pow radians sin sqrt tan trunc"),
+    **_attributes(math, "acos asin atan atan2 ceil copysign cos degrees exp fabs floor fmod hypot"),
+    **_attributes(math, "isinf isnan log log10 pow radians sin sqrt tan trunc"),
     "round": _round,
 }
 METHODS: Mapping[str, Function] = {
-    **_named(str, "capitalize count endswith find index isdigit join lower lstrip replace"),
-    **_named(str, "rstrip split startswith strip title upper"),
+    **_attributes(str, "capitalize count endswith find index isdigit join lower lstrip replace"),
+    **_attributes(str, "rstrip split startswith strip title upper"),
     "format": format_braces,
 }

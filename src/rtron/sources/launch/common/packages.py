@@ -15,8 +15,8 @@ PackageIndex: TypeAlias = Mapping[str, Path]
 MAX_FOLDERS = 200_000
 
 _DEBIAN_SHARE = Path("/usr/share")
-_IGNORE = "CATKIN_IGNORE"
-_STOP = "rospack_nosubdirs"
+_IGNORE_MARKER = "CATKIN_IGNORE"
+_STOP_MARKER = "rospack_nosubdirs"
 
 
 def find_packages(
@@ -27,14 +27,16 @@ def find_packages(
     Links are followed, as rospack does; what cannot be listed, or lies too deep, is left out. Raise
     InputError for a folder that has no end.
     """
-    found: dict[str, Path] = {}
-    listed = [Path(entry) for entry in environ.get("ROS_PACKAGE_PATH", "").split(":") if entry]
-    for folder in (*folders, *listed):
-        for package in _below(folder.absolute()):
-            found.setdefault(package_name(package), package)
+    packages: dict[str, Path] = {}
+    path_folders = [
+        Path(entry) for entry in environ.get("ROS_PACKAGE_PATH", "").split(":") if entry
+    ]
+    for folder in (*folders, *path_folders):
+        for package in _packages_below(folder.absolute()):
+            packages.setdefault(package_name(package), package)
     for manifest in sorted(_DEBIAN_SHARE.glob("*/package.xml")):
-        found.setdefault(package_name(manifest.parent), manifest.parent)
-    return found
+        packages.setdefault(package_name(manifest.parent), manifest.parent)
+    return packages
 
 
 def package_name(package: Path) -> str:
@@ -48,22 +50,22 @@ def package_name(package: Path) -> str:
 
 def package_trust(package: Path, folders: Iterable[Path]) -> Trust:
     """Return how far a found package is trusted: its user's own if it lies below `folders`."""
-    ours = any(package.is_relative_to(folder.absolute()) for folder in folders)
-    return Trust.OWN if ours else Trust.THIRD_PARTY
+    is_own = any(package.is_relative_to(folder.absolute()) for folder in folders)
+    return Trust.OWN if is_own else Trust.THIRD_PARTY
 
 
-def _below(top: Path) -> Iterator[Path]:
+def _packages_below(top: Path) -> Iterator[Path]:
     """Yield the package folders below `top`; packages do not nest, and each folder counts once."""
-    seen: set[str] = set()
-    for folder, subfolders, files in walk(top, links=True):
-        if len(seen) == MAX_FOLDERS:
+    visited: set[str] = set()
+    for folder, subfolders, files in walk(top, follow_links=True):
+        if len(visited) == MAX_FOLDERS:
             help = "does a link in it lead out of it?"
             raise InputError(f"has more than {MAX_FOLDERS} folders", path=str(top), help=help)
         real = os.path.realpath(folder)
         is_package = "package.xml" in files or "manifest.xml" in files
-        if is_package and _IGNORE not in files and real not in seen:
+        if is_package and _IGNORE_MARKER not in files and real not in visited:
             yield Path(folder)
-        if is_package or real in seen or not {_IGNORE, _STOP}.isdisjoint(files):
+        if is_package or real in visited or not {_IGNORE_MARKER, _STOP_MARKER}.isdisjoint(files):
             subfolders.clear()
-        seen.add(real)
+        visited.add(real)
         subfolders[:] = sorted(name for name in subfolders if not name.startswith("."))

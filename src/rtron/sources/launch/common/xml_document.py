@@ -10,7 +10,7 @@ from typing import TypeAlias
 from lxml import etree
 
 from rtron.errors import InputError
-from rtron.folders import is_there
+from rtron.folders import path_exists
 from rtron.sources.bounded_file import read_bounded
 
 MAX_BYTES = 1024 * 1024
@@ -28,7 +28,7 @@ class LaunchDocument:
 
     path: str
     launch: Element
-    places: Mapping[Element, int]
+    element_numbers: Mapping[Element, int]
 
     @property
     def folder(self) -> str:
@@ -41,15 +41,15 @@ def parse_launch(path: str) -> LaunchDocument:
     root = parse_xml(Path(path))
     launches = list(root.iter("launch"))
     if len(launches) != 1:
-        fault = f"has {len(launches)} <launch> elements, not one"
-        raise InputError(fault, path=path, help="is this a launch file of ROS 1?")
-    places = {element: place for place, element in enumerate(root.iter("*"))}
-    return LaunchDocument(path=path, launch=launches[0], places=places)
+        message = f"has {len(launches)} <launch> elements, not one"
+        raise InputError(message, path=path, help="is this a launch file of ROS 1?")
+    numbers = {element: number for number, element in enumerate(root.iter("*"))}
+    return LaunchDocument(path=path, launch=launches[0], element_numbers=numbers)
 
 
 def parse_xml(path: Path) -> Element:
     """Return a file's root element; raise InputError if it is no XML, too large, or has a DTD."""
-    if is_there(path) and not path.is_file():
+    if path_exists(path) and not path.is_file():
         raise InputError("is no file", path=str(path), help="devices and pipes are not read")
     return parse_xml_bytes(read_bounded(path, MAX_BYTES), str(path))
 

@@ -15,20 +15,20 @@ _INT_LIMIT = 2**31
 _SAFE: Any = yaml.constructor.SafeConstructor()
 
 
-def scalar(node: yaml.Node) -> ParameterValue:
+def scalar_value(node: yaml.Node) -> ParameterValue:
     """Return a node's value; raise ValueError if it has none that a parameter can have."""
-    construct = _CONSTRUCT.get(node.tag)
+    construct = _CONSTRUCTORS.get(node.tag)
     if node.tag == f"{_YAML}null":
         raise ValueError("a parameter cannot be null")
     if construct is None or not isinstance(node, yaml.ScalarNode):
         raise ValueError(f"tag {node.tag.replace(_YAML, '!!')} is not of a parameter")
     try:
-        return in_range(construct(node))
+        return check_int_range(construct(node))
     except (ArithmeticError, LookupError, UnresolvableError) as error:
         raise ValueError(f"{str(node.value)[:80]}: {error}") from None
 
 
-def in_range(value: ParameterValue) -> ParameterValue:
+def check_int_range(value: ParameterValue) -> ParameterValue:
     """Return a value; raise ValueError for an int that the parameter server cannot hold."""
     if isinstance(value, int) and not -_INT_LIMIT <= value < _INT_LIMIT:
         raise ValueError("an int of the parameter server has 32 bits")
@@ -37,7 +37,7 @@ def in_range(value: ParameterValue) -> ParameterValue:
 
 def _radians(node: yaml.ScalarNode) -> float:
     text = str(node.value).strip()
-    return float(evaluate(text[4:-1] if text.startswith("rad(") else text, {}, _no_name))
+    return float(evaluate(text[4:-1] if text.startswith("rad(") else text, {}, _reject_name))
 
 
 def _degrees(node: yaml.ScalarNode) -> float:
@@ -46,11 +46,11 @@ def _degrees(node: yaml.ScalarNode) -> float:
     return float(number) * math.pi / 180.0
 
 
-def _no_name(name: str) -> float:
+def _reject_name(name: str) -> float:
     raise ValueError(f"`{name}` is no number")
 
 
-_CONSTRUCT: Mapping[str, Callable[[yaml.ScalarNode], ParameterValue]] = {
+_CONSTRUCTORS: Mapping[str, Callable[[yaml.ScalarNode], ParameterValue]] = {
     f"{_YAML}bool": _SAFE.construct_yaml_bool,
     f"{_YAML}int": _SAFE.construct_yaml_int,
     f"{_YAML}float": _SAFE.construct_yaml_float,

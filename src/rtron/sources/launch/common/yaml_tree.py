@@ -12,7 +12,7 @@ from typing import Any, TypeAlias
 import yaml
 
 from rtron.errors import InputError
-from rtron.sources.launch.common.yaml_scalars import scalar
+from rtron.sources.launch.common.yaml_scalars import scalar_value
 from rtron.vocabulary import ParameterValue, UnknownValue
 
 MAX_DEPTH = 100
@@ -41,20 +41,20 @@ YamlDocument: TypeAlias = "YamlTree | None"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class YamlText:
+class YamlFile:
     """The documents of a YAML text, None for an empty one, and what in them has no value."""
 
     path: str
     documents: tuple[YamlDocument, ...]
-    faults: tuple[InputError, ...] = ()
+    errors: tuple[InputError, ...] = ()
 
 
-def parse_yaml(text: str, path: str, first_line: int = 1) -> YamlText:
+def parse_yaml(text: str, path: str, first_line: int = 1) -> YamlFile:
     """Parse a YAML text that begins on `first_line` of a file.
 
     Raise InputError, with the line, if it is no YAML or larger than the bounds.
     """
-    builder = _Builder(path=path, first_line=first_line)
+    builder = _TreeBuilder(path=path, first_line=first_line)
     try:
         _check_bounds(text)
         roots = list(yaml.compose_all(text, Loader=_Loader))
@@ -66,14 +66,14 @@ def parse_yaml(text: str, path: str, first_line: int = 1) -> YamlText:
         why = str(error).partition("\n")[0]
         raise InputError(f"not YAML: {why}", path=path, line=first_line) from None
     documents = tuple(None if _is_empty(root) else builder.tree(root) for root in roots)
-    return YamlText(path=path, documents=documents, faults=tuple(builder.faults))
+    return YamlFile(path=path, documents=documents, errors=tuple(builder.errors))
 
 
-def plain(tree: YamlTree) -> ParameterValue:
+def plain_value(tree: YamlTree) -> ParameterValue:
     """Return a tree's value without its lines."""
     if isinstance(tree, YamlLeaf):
         return tree.value
-    return {key: plain(inner) for key, inner in tree.items()}
+    return {key: plain_value(inner) for key, inner in tree.items()}
 
 
 def _check_bounds(text: str) -> None:
@@ -92,12 +92,12 @@ def _is_empty(root: yaml.Node) -> bool:
 
 
 @dataclass(slots=True, kw_only=True)
-class _Builder:
+class _TreeBuilder:
     """Makes values of YAML nodes; every node costs, however often an alias brings it again."""
 
     path: str
     first_line: int
-    faults: list[InputError] = field(default_factory=list)
+    errors: list[InputError] = field(default_factory=list)
     _values: int = 0
     _depth: int = 0
 
@@ -107,39 +107,39 @@ class _Builder:
         return YamlLeaf(value=self._value(node), line=self._line(node))
 
     def _mapping(self, node: yaml.MappingNode) -> dict[str, YamlTree]:
-        self._enter(node)
-        found: dict[str, YamlTree] = {}
+        self._enter_level(node)
+        mapping: dict[str, YamlTree] = {}
         for key, inner in self._pairs(node):
             name = self._key(key)
             tree = self.tree(inner)
             if name is not None:
-                found[name] = tree if isinstance(tree, dict) else self._at_key(tree, key)
+                mapping[name] = tree if isinstance(tree, dict) else self._with_key_line(tree, key)
         self._depth -= 1
-        return found
+        return mapping
 
-    def _at_key(self, leaf: YamlLeaf, key: yaml.Node) -> YamlLeaf:
+    def _with_key_line(self, leaf: YamlLeaf, key: yaml.Node) -> YamlLeaf:
         return YamlLeaf(value=leaf.value, line=self._line(key))
 
     def _value(self, node: yaml.Node) -> ParameterValue:
         if isinstance(node, yaml.MappingNode) and node.tag == _MAP:
-            return plain(self._mapping(node))
+            return plain_value(self._mapping(node))
         if isinstance(node, yaml.SequenceNode) and node.tag == _SEQUENCE:
             return self._list(node)
-        self._count(node)
+        self._count_value(node)
         try:
-            return scalar(node)
+            return scalar_value(node)
         except ValueError as error:
-            return self._unknown(node, str(error))
+            return self._unknown_value(node, str(error))
 
     def _list(self, node: yaml.SequenceNode) -> list[ParameterValue]:
-        self._enter(node)
+        self._enter_level(node)
         values = [self._value(inner) for inner in node.value]
         self._depth -= 1
         return values
 
     def _pairs(self, node: yaml.MappingNode) -> Iterator[tuple[yaml.Node, yaml.Node]]:
         """Yield a mapping's entries, those that `<<` merges into it first."""
-        self._enter(node)
+        self._enter_level(node)
         for key, value in node.value:
             if key.tag == _MERGE:
                 for merged in self._merged(value):
@@ -151,26 +151,26 @@ class _Builder:
         nodes = reversed(node.value) if isinstance(node, yaml.SequenceNode) else [node]
         mappings = [inner for inner in nodes if isinstance(inner, yaml.MappingNode)]
         if not mappings:
-            self._unknown(node, "only a mapping can be merged")
+            self._unknown_value(node, "only a mapping can be merged")
         return mappings
 
     def _key(self, node: yaml.Node) -> str | None:
         if isinstance(node, yaml.ScalarNode) and node.tag in _STRINGS:
             return str(node.value)
-        self._unknown(node, "a parameter's name must be a string")
+        self._unknown_value(node, "a parameter's name must be a string")
         return None
 
-    def _unknown(self, node: yaml.Node, why: str) -> UnknownValue:
-        self.faults.append(InputError(why, path=self.path, line=self._line(node)))
+    def _unknown_value(self, node: yaml.Node, why: str) -> UnknownValue:
+        self.errors.append(InputError(why, path=self.path, line=self._line(node)))
         return UnknownValue(why)
 
-    def _enter(self, node: yaml.Node) -> None:
-        self._count(node)
+    def _enter_level(self, node: yaml.Node) -> None:
+        self._count_value(node)
         self._depth += 1
         if self._depth > 2 * MAX_DEPTH:
             raise InputError("is nested too deep", path=self.path, line=self._line(node))
 
-    def _count(self, node: yaml.Node) -> None:
+    def _count_value(self, node: yaml.Node) -> None:
         self._values += 1
         if self._values > MAX_VALUES:
             why = f"has more than {MAX_VALUES} values, counting what aliases repeat"

@@ -3,13 +3,13 @@
 ROS wiki: roslaunch/XML/env, roslaunch/XML/machine.
 """
 
-from rtron.sources.launch.ros1.loader_context import Scope
+from rtron.sources.launch.ros1.loader_context import LoaderContext
 from rtron.sources.launch.ros1.tag import Tag
-from rtron.sources.launch.ros1.unresolved import Notes
+from rtron.sources.launch.ros1.unresolved import UnresolvedNotes
 
 _OLD_ATTRIBUTES = ("ros-root", "ros-package-path", "ros-ip", "ros-hostname")
-_LOADING = frozenset({"LD_PRELOAD", "LD_LIBRARY_PATH", "PYTHONPATH"})
-_HARMLESS = frozenset(
+_LOADER_VARIABLES = frozenset({"LD_PRELOAD", "LD_LIBRARY_PATH", "PYTHONPATH"})
+_KNOWN_PREFIXES = frozenset(
     [
         "chrt",
         "gdb",
@@ -28,7 +28,7 @@ _HARMLESS = frozenset(
 _DEFAULTS = frozenset({"true", "false", "never"})
 
 
-def read_env(tag: Tag, scope: Scope, notes: Notes) -> None:
+def read_env(tag: Tag, context: LoaderContext, unresolved: UnresolvedNotes) -> None:
     """Put an `<env>` in force in a scope, if it applies; raise InputError if it is none.
 
     One that may bring other code into the process is noted.
@@ -38,32 +38,32 @@ def read_env(tag: Tag, scope: Scope, notes: Notes) -> None:
     name = tag.required("name")
     value = tag.optional("value")
     if value is None:
-        tag.fault("has no 'value'")
-    scope.environ.append((name, value))
-    if name in _LOADING:
-        notes.add(tag, f"{name} may bring code into the process that is not looked at")
+        tag.fail("has no 'value'")
+    context.environ.append((name, value))
+    if name in _LOADER_VARIABLES:
+        unresolved.add(tag, f"{name} may bring code into the process that is not looked at")
 
 
-def note_prefix(tag: Tag, notes: Notes) -> None:
+def note_launch_prefix(tag: Tag, unresolved: UnresolvedNotes) -> None:
     """Note a `launch-prefix` that may run something else than the node."""
-    prefix = notes.text(tag, "launch-prefix")
+    prefix = unresolved.text(tag, "launch-prefix")
     words = prefix.split()
-    if words and words[0].rpartition("/")[2] not in _HARMLESS:
-        notes.add(tag, f"what its launch-prefix '{prefix}' runs is not looked at")
+    if words and words[0].rpartition("/")[2] not in _KNOWN_PREFIXES:
+        unresolved.add(tag, f"what its launch-prefix '{prefix}' runs is not looked at")
 
 
 def check_machine(tag: Tag) -> None:
     """Check a `<machine>`, which changes no names; raise InputError as roslaunch does."""
-    old = [name for name in _OLD_ATTRIBUTES if tag.optional(name)]
-    if old or any(child.name == "env" for child in tag.children()):
-        tag.fault("sets an environment; use 'env-loader'")
+    obsolete = [name for name in _OLD_ATTRIBUTES if tag.optional(name)]
+    if obsolete or any(child.name == "env" for child in tag.children()):
+        tag.fail("sets an environment; use 'env-loader'")
     for attribute in ("env-loader", "user", "password"):
         tag.optional(attribute)
     for attribute in ("name", "address"):
         if tag.optional(attribute) is None:
-            tag.fault(f"has no '{attribute}'")
+            tag.fail(f"has no '{attribute}'")
     if (tag.optional("default") or "false").lower() not in _DEFAULTS:
-        tag.fault("default: is none of true, false, never")
+        tag.fail("default: is none of true, false, never")
     _check_numbers(tag)
 
 
@@ -73,6 +73,6 @@ def _check_numbers(tag: Tag) -> None:
         int(tag.optional("ssh-port") or "22")
         positive = timeout is None or float(timeout) > 0
     except ValueError as error:
-        tag.fault(str(error))
+        tag.fail(str(error))
     if not positive:
-        tag.fault("timeout: is not positive")
+        tag.fail("timeout: is not positive")

@@ -7,13 +7,13 @@ from rtron.errors import InputError
 from rtron.sources.launch.common.errors import UnresolvableError
 from rtron.sources.launch.common.xml_document import Element, LaunchDocument
 from rtron.sources.launch.ros1.environment_tags import check_machine, read_env
-from rtron.sources.launch.ros1.include_tag import included_scope, read_argument
-from rtron.sources.launch.ros1.load_state import Reading
-from rtron.sources.launch.ros1.loader_context import Doubt, Scope
+from rtron.sources.launch.ros1.include_tag import included_context, read_argument
+from rtron.sources.launch.ros1.load_state import LoadState
+from rtron.sources.launch.ros1.loader_context import LoaderContext, Uncertainty
 from rtron.sources.launch.ros1.node_tag import read_node, read_remap
 from rtron.sources.launch.ros1.param_tag import read_param
 from rtron.sources.launch.ros1.rosparam_tag import read_rosparam
-from rtron.sources.launch.ros1.substitution_args import Substitution
+from rtron.sources.launch.ros1.substitution_args import SubstitutionArgs
 from rtron.sources.launch.ros1.tag import Tag
 from rtron.vocabulary import LaunchFile, LaunchInclude, LaunchNode
 
@@ -23,18 +23,18 @@ MAX_ELEMENTS = 200_000
 
 
 @dataclass(slots=True, kw_only=True)
-class FileReader:
-    """Collects the nodes and includes of one file; `above` are the files that include it."""
+class LaunchFileReader:
+    """Collects the nodes and includes of one file; `including_files` are the files that include it."""
 
     document: LaunchDocument
-    reading: Reading
-    above: tuple[str, ...] = ()
+    state: LoadState
+    including_files: tuple[str, ...] = ()
     _nodes: list[LaunchNode] = field(default_factory=list)
     _includes: list[LaunchInclude] = field(default_factory=list)
 
-    def read(self, scope: Scope) -> None:
+    def read(self, context: LoaderContext) -> None:
         """Read the whole file; what was read before an error stays in the result."""
-        self._read_below(self.document.launch, scope)
+        self._read_children(self.document.launch, context)
 
     def result(self) -> LaunchFile:
         """Return what was read."""
@@ -42,87 +42,94 @@ class FileReader:
             path=self.document.path, nodes=tuple(self._nodes), includes=tuple(self._includes)
         )
 
-    def _read_below(self, parent: Element, scope: Scope) -> None:
+    def _read_children(self, parent: Element, context: LoaderContext) -> None:
         path = self.document.path
         for element in parent.iterchildren("*"):
-            tag = Tag(element=element, path=path, substitution=self._substitution(scope))
-            with self.reading.notes.noting(tag):
-                counted = self.reading.notes.counted(tag, scope)
-                if counted is not None:
-                    self._read_element(tag, counted)
+            tag = Tag(element=element, path=path, substitution=self._substitution(context))
+            with self.state.unresolved.collect_errors(tag):
+                applied = self.state.unresolved.context_if_applies(tag, context)
+                if applied is not None:
+                    self._read_element(tag, applied)
 
-    def _read_element(self, tag: Tag, scope: Scope) -> None:
-        place = self.document.places[tag.element]
+    def _read_element(self, tag: Tag, context: LoaderContext) -> None:
+        number = self.document.element_numbers[tag.element]
         if tag.name == "arg":
-            read_argument(tag, scope)
+            read_argument(tag, context)
         elif tag.name == "group":
-            self._group(tag, scope.inner(tag.optional("ns")))
+            self._group(tag, context.child(tag.optional("ns")))
         elif tag.name == "include":
-            self._include(tag, place, included_scope(tag, scope, self.reading.notes))
+            self._include(tag, number, included_context(tag, context, self.state.unresolved))
         elif tag.name in {"node", "test"}:
-            self._nodes.append(read_node(tag, scope, place, self.reading))
+            self._nodes.append(read_node(tag, context, number, self.state))
         elif tag.name == "param":
-            read_param(tag, scope, self.reading)
+            read_param(tag, context, self.state)
         elif tag.name == "rosparam":
-            read_rosparam(tag, scope, self.reading)
-        elif scope.doubt is not Doubt.OWN:
-            self._read_setting(tag, scope)
+            read_rosparam(tag, context, self.state)
+        elif context.uncertainty is not Uncertainty.OWN:
+            self._read_setting(tag, context)
 
-    def _read_setting(self, tag: Tag, scope: Scope) -> None:
+    def _read_setting(self, tag: Tag, context: LoaderContext) -> None:
         """Read an element that is left out where its own condition is not known."""
         if tag.name == "remap":
-            read_remap(tag, scope)
+            read_remap(tag, context)
         elif tag.name == "env":
-            read_env(tag, scope, self.reading.notes)
+            read_env(tag, context, self.state.unresolved)
         elif tag.name == "machine":
-            with self.reading.notes.noting_include(tag):
+            with self.state.unresolved.collect_include_errors(tag):
                 check_machine(tag)
 
-    def _group(self, tag: Tag, scope: Scope) -> None:
-        self._clear(tag, scope)
-        self._read_below(tag.element, scope)
+    def _group(self, tag: Tag, context: LoaderContext) -> None:
+        self._clear(tag, context)
+        self._read_children(tag.element, context)
 
-    def _clear(self, tag: Tag, scope: Scope) -> None:
-        if tag.clears():
+    def _clear(self, tag: Tag, context: LoaderContext) -> None:
+        if tag.clears_parameters():
             if tag.element.get("ns") is None:
-                tag.fault("has 'clear_params' and no 'ns'")
-            self.reading.parameters.clear(scope.namespace, scope.doubt)
+                tag.fail("has 'clear_params' and no 'ns'")
+            self.state.parameters.clear(context.namespace, context.uncertainty)
 
-    def _include(self, tag: Tag, place: int, scope: Scope) -> None:
-        spelled, notes = tag.required("file"), self.reading.notes
-        self._clear(tag, scope)
-        passed = set() if scope.overrides else set(scope.arguments)
-        with notes.noting_include(tag):
-            reader = self._opened(spelled, scope)
-            with notes.noting_include(tag):
-                reader.read(scope)
-                _check_use(passed - scope.declared)
+    def _include(self, tag: Tag, number: int, context: LoaderContext) -> None:
+        spelled_path, unresolved = tag.required("file"), self.state.unresolved
+        self._clear(tag, context)
+        passed = set() if context.passes_all_arguments else set(context.arguments)
+        with unresolved.collect_include_errors(tag):
+            reader = self._open_included(spelled_path, context)
+            with unresolved.collect_include_errors(tag):
+                reader.read(context)
+                _check_declared(passed - context.declared)
             file = reader.result()
-            self._includes.append(LaunchInclude(element=place, spelled=spelled, file=file))
+            self._includes.append(
+                LaunchInclude(element_index=number, evaluated_name=spelled_path, file=file)
+            )
 
-    def _opened(self, spelled: str, scope: Scope) -> "FileReader":
+    def _open_included(self, spelled: str, context: LoaderContext) -> "LaunchFileReader":
         """Return a reader of an included file; roslaunch takes it from the current directory."""
-        path, above = os.path.join(os.getcwd(), spelled), (*self.above, self.document.path)  # noqa: PTH109, PTH118 - keep `..`
-        if len(above) > MAX_DEPTH or self.reading.included == MAX_FILES:
+        path, including_files = (
+            os.path.join(os.getcwd(), spelled),
+            (*self.including_files, self.document.path),
+        )  # noqa: PTH109, PTH118 - keep `..`
+        if len(including_files) > MAX_DEPTH or self.state.include_count == MAX_FILES:
             raise UnresolvableError(f"more than {MAX_DEPTH} includes deep, or {MAX_FILES} in all")
-        if scope.doubt and path in above:
+        if context.uncertainty and path in including_files:
             raise UnresolvableError("includes itself, until a condition that is not known ends it")
-        self.reading.included += 1
-        document = self.reading.documents.launch(path)
-        self.reading.elements += len(document.places)
-        if self.reading.elements > MAX_ELEMENTS:
+        self.state.include_count += 1
+        document = self.state.documents.launch(path)
+        self.state.element_count += len(document.element_numbers)
+        if self.state.element_count > MAX_ELEMENTS:
             raise UnresolvableError(f"more than {MAX_ELEMENTS} elements in all included files")
-        return FileReader(document=document, reading=self.reading, above=above)
+        return LaunchFileReader(
+            document=document, state=self.state, including_files=including_files
+        )
 
-    def _substitution(self, scope: Scope) -> Substitution:
-        return Substitution(
-            packages=self.reading.packages,
-            environ=self.reading.environ,
+    def _substitution(self, context: LoaderContext) -> SubstitutionArgs:
+        return SubstitutionArgs(
+            packages=self.state.packages,
+            environ=self.state.environ,
             folder=self.document.folder,
-            arguments=scope.arguments,
+            arguments=context.arguments,
         )
 
 
-def _check_use(unused: set[str]) -> None:
+def _check_declared(unused: set[str]) -> None:
     if unused:
         raise InputError(f"does not declare {', '.join(sorted(unused))}; roslaunch refuses that")

@@ -5,21 +5,21 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from rtron.errors import InputError
-from rtron.folders import is_there
+from rtron.folders import path_exists
 from rtron.sources.bounded_file import read_bounded
-from rtron.sources.launch.common.commands import Describe
+from rtron.sources.launch.common.commands import DescribeRobot
 from rtron.sources.launch.common.packages import PackageIndex
 from rtron.sources.launch.common.xml_document import LaunchDocument, parse_launch
-from rtron.sources.launch.common.yaml_tree import YamlText, parse_yaml
+from rtron.sources.launch.common.yaml_tree import YamlFile, parse_yaml
 from rtron.sources.launch.ros1.parameter_server import LaunchParameters
-from rtron.sources.launch.ros1.unresolved import Notes
+from rtron.sources.launch.ros1.unresolved import UnresolvedNotes
 
 MAX_BYTES = 8 * 1024 * 1024
-MAX_BYTES_OF_ALL = 4 * MAX_BYTES
+MAX_TOTAL_BYTES = 4 * MAX_BYTES
 
 
 @dataclass(slots=True)
-class Documents:
+class LaunchFileCache:
     """Files of some launches: launch and YAML files are parsed once, however often named.
 
     With `roots`, only what lies in these folders is read, links followed: a stranger's launch file
@@ -28,17 +28,17 @@ class Documents:
 
     roots: tuple[Path, ...] | None = None
     _launches: dict[str, LaunchDocument] = field(default_factory=dict)
-    _yamls: dict[str, YamlText] = field(default_factory=dict)
-    _read: int = 0
+    _yamls: dict[str, YamlFile] = field(default_factory=dict)
+    _bytes_read: int = 0
 
     def launch(self, path: str) -> LaunchDocument:
         """Return a parsed launch file; raise InputError."""
         if path not in self._launches:
-            self._check(path)
+            self._check_roots(path)
             self._launches[path] = parse_launch(path)
         return self._launches[path]
 
-    def yaml(self, path: str) -> YamlText:
+    def yaml(self, path: str) -> YamlFile:
         """Return a parsed YAML file; raise InputError."""
         if path not in self._yamls:
             self._yamls[path] = parse_yaml(self.text(path), path)
@@ -55,17 +55,17 @@ class Documents:
     def data(self, path: str) -> bytes:
         """Return a plain file's content; raise InputError if it is none or all are too large."""
         file = Path(path)
-        self._check(path)
-        if not is_there(file) or not file.is_file():
+        self._check_roots(path)
+        if not path_exists(file) or not file.is_file():
             raise InputError("no such file", path=path, help="check the path")
         data = read_bounded(file, MAX_BYTES)
-        self._read += len(data)
-        if self._read > MAX_BYTES_OF_ALL:
-            mebibytes = MAX_BYTES_OF_ALL // 2**20
+        self._bytes_read += len(data)
+        if self._bytes_read > MAX_TOTAL_BYTES:
+            mebibytes = MAX_TOTAL_BYTES // 2**20
             raise InputError(f"not read: the launch reads {mebibytes} MiB without it", path=path)
         return data
 
-    def _check(self, path: str) -> None:
+    def _check_roots(self, path: str) -> None:
         if self.roots is None:
             return
         real = Path(path).resolve()
@@ -75,17 +75,17 @@ class Documents:
 
 
 @dataclass(slots=True, kw_only=True)
-class Reading:
+class LoadState:
     """What is common to all files of one launch.
 
-    `included` counts the includes so far, `elements` those of the included files.
+    `include_count` counts the includes so far, `element_count` those of the included files.
     """
 
     packages: PackageIndex
     environ: Mapping[str, str]
-    describe: Describe | None = None
-    documents: Documents = field(default_factory=Documents)
+    describe: DescribeRobot | None = None
+    documents: LaunchFileCache = field(default_factory=LaunchFileCache)
     parameters: LaunchParameters = field(default_factory=LaunchParameters)
-    notes: Notes = field(default_factory=Notes)
-    included: int = 0
-    elements: int = 0
+    unresolved: UnresolvedNotes = field(default_factory=UnresolvedNotes)
+    include_count: int = 0
+    element_count: int = 0

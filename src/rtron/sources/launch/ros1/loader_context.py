@@ -17,11 +17,11 @@ from rtron.vocabulary.launch import canonical_name
 _LEGAL_NAME = re.compile(r"[~/A-Za-z][\w/]*")
 
 
-class Doubt(IntEnum):
+class Uncertainty(IntEnum):
     """Whether a place counts hangs on a condition that is not known: its own, or one around it."""
 
     NONE = 0
-    AROUND = 1
+    INHERITED = 1
     OWN = 2
 
 
@@ -32,12 +32,12 @@ class PrivateParameter:
     name: str
     value: ParameterValue
     evidence: Evidence
-    doubt: Doubt = Doubt.NONE
+    uncertainty: Uncertainty = Uncertainty.NONE
 
 
 @dataclass(slots=True, kw_only=True)
-class Scope:
-    """The state at one place. `overrides` marks a file that got all arguments of its includer.
+class LoaderContext:
+    """The state at one place. `passes_all_arguments` marks a file that got all arguments of its includer.
 
     `private` holds the `~name` parameters that each following node gets.
     """
@@ -48,55 +48,55 @@ class Scope:
     remaps: dict[str, str] = field(default_factory=dict)
     environ: list[tuple[str, str]] = field(default_factory=list)
     private: dict[str, PrivateParameter] = field(default_factory=dict)
-    overrides: bool = False
-    doubt: Doubt = Doubt.NONE
+    passes_all_arguments: bool = False
+    uncertainty: Uncertainty = Uncertainty.NONE
 
-    def inner(self, namespace: str | None) -> "Scope":
+    def child(self, namespace: str | None) -> "LoaderContext":
         """Return the scope of a group or node in `namespace`; raise ValueError if that is none."""
-        return Scope(
-            namespace=self._below(namespace),
+        return LoaderContext(
+            namespace=self._child_namespace(namespace),
             arguments=dict(self.arguments),
             declared=set(self.declared),
             remaps=dict(self.remaps),
             environ=list(self.environ),
             private=dict(self.private),
-            doubt=min(self.doubt, Doubt.AROUND),
+            uncertainty=min(self.uncertainty, Uncertainty.INHERITED),
         )
 
-    def included(self, namespace: str | None, *, pass_all: bool) -> "Scope":
+    def for_included_file(self, namespace: str | None, *, pass_all: bool) -> "LoaderContext":
         """Return the scope of an included file: our namespace and remaps, its own arguments.
 
         As in roslaunch, private parameters of the file count after it too, if there were any
         before it.
         """
-        return Scope(
-            namespace=self._below(namespace),
+        return LoaderContext(
+            namespace=self._child_namespace(namespace),
             arguments=dict(self.arguments) if pass_all else {},
             remaps=dict(self.remaps),
             environ=list(self.environ),
             private=self.private or {},
-            overrides=pass_all,
-            doubt=min(self.doubt, Doubt.AROUND),
+            passes_all_arguments=pass_all,
+            uncertainty=min(self.uncertainty, Uncertainty.INHERITED),
         )
 
-    def doubted(self) -> "Scope":
+    def uncertain(self) -> "LoaderContext":
         """Return this very scope for an element of which it is not known whether it counts."""
-        return replace(self, doubt=Doubt.OWN)
+        return replace(self, uncertainty=Uncertainty.OWN)
 
     def set_argument(self, name: str, value: Argument) -> None:
         """Give an argument its value; raise ValueError if it has one or is declared twice."""
-        self._declare(name)
-        if name in self.arguments and not self.overrides:
+        self._declare_argument(name)
+        if name in self.arguments and not self.passes_all_arguments:
             raise ValueError(f"argument '{name}' is already set and cannot be set again")
         self.arguments[name] = value
 
-    def default_argument(self, name: str, value: Argument | None) -> None:
+    def declare_default(self, name: str, value: Argument | None) -> None:
         """Declare an argument, with its default if it has one."""
-        self._declare(name)
+        self._declare_argument(name)
         if value is not None:
             self.arguments.setdefault(name, value)
 
-    def unknown_argument(self, name: str, why: str) -> None:
+    def declare_unknown(self, name: str, why: str) -> None:
         """Declare an argument of which no value can be known."""
         self.declared.add(name)
         self.arguments[name] = UnresolvableError(why)
@@ -107,21 +107,21 @@ class Scope:
         self.private.pop(name, None)
         self.private[name] = parameter
 
-    def remap(self, written: str, target: str) -> None:
+    def remap(self, name_text: str, target: str) -> None:
         """Put a remap in force; it replaces an earlier one of the same spelling."""
-        source, target = canonical_name(written), canonical_name(target)
+        source, target = canonical_name(name_text), canonical_name(target)
         for name in (source, target):
             if not _LEGAL_NAME.fullmatch(name):
                 raise ValueError(f"remap: '{name}' is no legal name")
         self.remaps.pop(source, None)
         self.remaps[source] = target
 
-    def _declare(self, name: str) -> None:
-        if name in self.declared and not self.overrides:
+    def _declare_argument(self, name: str) -> None:
+        if name in self.declared and not self.passes_all_arguments:
             raise ValueError(f"argument '{name}' is declared twice")
         self.declared.add(name)
 
-    def _below(self, namespace: str | None) -> str:
+    def _child_namespace(self, namespace: str | None) -> str:
         if namespace is None:
             return self.namespace
         if not namespace or namespace.startswith("~"):
@@ -131,10 +131,10 @@ class Scope:
         )
 
 
-def root_scope(arguments: Mapping[str, str], namespace: str) -> Scope:
+def root_context(arguments: Mapping[str, str], namespace: str) -> LoaderContext:
     """Return the scope of the launch file itself.
 
     An empty argument counts as not given, as on roslaunch's command line.
     """
-    given: dict[str, Argument] = {name: value for name, value in arguments.items() if value}
-    return Scope(namespace=canonical_name(f"/{namespace}"), arguments=given)
+    passed: dict[str, Argument] = {name: value for name, value in arguments.items() if value}
+    return LoaderContext(namespace=canonical_name(f"/{namespace}"), arguments=passed)

@@ -1,84 +1,88 @@
 """`<node>` and `<test>`: the node that starts, its parameters (ROS wiki: roslaunch/XML/node)."""
 
-from rtron.sources.launch.ros1.environment_tags import note_prefix, read_env
-from rtron.sources.launch.ros1.load_state import Reading
-from rtron.sources.launch.ros1.loader_context import PrivateParameter, Scope
-from rtron.sources.launch.ros1.param_tag import read_private_param
+from rtron.sources.launch.ros1.environment_tags import note_launch_prefix, read_env
+from rtron.sources.launch.ros1.load_state import LoadState
+from rtron.sources.launch.ros1.loader_context import LoaderContext, PrivateParameter
+from rtron.sources.launch.ros1.param_tag import parse_param
 from rtron.sources.launch.ros1.rosparam_tag import read_rosparam, run_rosparam
-from rtron.sources.launch.ros1.substitution_args import ANONYMOUS_MARK, as_pattern
+from rtron.sources.launch.ros1.substitution_args import ANONYMOUS_SUFFIX, anonymous_to_wildcard
 from rtron.sources.launch.ros1.tag import Tag
 from rtron.vocabulary.launch import LaunchNode, Remap, canonical_name, resolve_name
 
 
-def read_node(tag: Tag, scope: Scope, place: int, reading: Reading) -> LaunchNode:
-    """Return the node that an element starts in a scope; `place` is the element's.
+def read_node(tag: Tag, context: LoaderContext, number: int, state: LoadState) -> LaunchNode:
+    """Return the node that an element starts in a scope; `number` is the element's.
 
     Raise ValueError for a name or namespace that roslaunch refuses.
     """
-    name, inner, notes = _name(tag), scope.inner(tag.optional("ns")), reading.notes
-    full_name = canonical_name(f"{inner.namespace}/{name}")
-    own = inner.inner(name)
-    if tag.clears():
-        reading.parameters.clear(own.namespace, scope.doubt)
-    _read_children(tag, inner, own, reading)
-    note_prefix(tag, notes)
+    name, node_context, unresolved = _name(tag), context.child(tag.optional("ns")), state.unresolved
+    full_name = canonical_name(f"{node_context.namespace}/{name}")
+    private_context = node_context.child(name)
+    if tag.clears_parameters():
+        state.parameters.clear(private_context.namespace, context.uncertainty)
+    _read_children(tag, node_context, private_context, state)
+    note_launch_prefix(tag, unresolved)
     node = LaunchNode(
-        name=as_pattern(full_name),
-        package=notes.text(tag, "pkg") or tag.fault("has no 'pkg'"),
-        type=notes.text(tag, "type") or tag.fault("has no 'type'"),
-        args=as_pattern(notes.text(tag, "args")),
-        remaps=tuple(_remap(*names, full_name) for names in inner.remaps.items()),
-        environ=tuple((key, as_pattern(value)) for key, value in inner.environ),
-        element=place,
+        name=anonymous_to_wildcard(full_name),
+        package=unresolved.text(tag, "pkg") or tag.fail("has no 'pkg'"),
+        type=unresolved.text(tag, "type") or tag.fail("has no 'type'"),
+        args=anonymous_to_wildcard(unresolved.text(tag, "args")),
+        remaps=tuple(_remap(*names, full_name) for names in node_context.remaps.items()),
+        environ=tuple((key, anonymous_to_wildcard(value)) for key, value in node_context.environ),
+        element_index=number,
         line=tag.line,
-        anonymous=ANONYMOUS_MARK in full_name,
-        conditional=bool(scope.doubt),
+        anonymous=ANONYMOUS_SUFFIX in full_name,
+        conditional=bool(context.uncertainty),
     )
     if node.package == node.type == "rosparam":
-        with notes.noting(tag):
-            run_rosparam(tag, node, reading)
+        with unresolved.collect_errors(tag):
+            run_rosparam(tag, node, state)
     return node
 
 
-def read_remap(tag: Tag, scope: Scope) -> None:
+def read_remap(tag: Tag, context: LoaderContext) -> None:
     """Put a `<remap>` in force in a scope, if it applies."""
     if tag.applies():
-        scope.remap(tag.required("from"), tag.required("to"))
+        context.remap(tag.required("from"), tag.required("to"))
 
 
-def _read_children(tag: Tag, inner: Scope, own: Scope, reading: Reading) -> None:
+def _read_children(
+    tag: Tag, node_context: LoaderContext, private_context: LoaderContext, state: LoadState
+) -> None:
     """Read what stands in a node's element; what `<param>` sets comes after all `<rosparam>`."""
     private = dict[str, PrivateParameter]()
     for child in tag.children():
         kind = child.name.lower()
-        with reading.notes.noting(child):
+        with state.unresolved.collect_errors(child):
             if kind == "remap":
-                read_remap(child, inner)
+                read_remap(child, node_context)
             elif kind == "env":
-                read_env(child, inner, reading.notes)
+                read_env(child, node_context, state.unresolved)
             elif kind in {"param", "rosparam"}:
-                _read_parameters(child, own, private, reading)
-    with reading.notes.noting(tag):
-        _set_private((*own.private.values(), *private.values()), own, reading)
+                _read_parameters(child, private_context, private, state)
+    with state.unresolved.collect_errors(tag):
+        _set_private((*private_context.private.values(), *private.values()), private_context, state)
 
 
-def _set_private(parameters: tuple[PrivateParameter, ...], own: Scope, reading: Reading) -> None:
+def _set_private(
+    parameters: tuple[PrivateParameter, ...], private_context: LoaderContext, state: LoadState
+) -> None:
     for parameter in parameters:
-        name = f"{own.namespace}/{parameter.name.removeprefix('~')}"
-        doubt = max(parameter.doubt, own.doubt)
-        reading.parameters.set(name, parameter.value, parameter.evidence, doubt)
+        name = f"{private_context.namespace}/{parameter.name.removeprefix('~')}"
+        uncertainty = max(parameter.uncertainty, private_context.uncertainty)
+        state.parameters.set(name, parameter.value, parameter.evidence, uncertainty)
 
 
 def _read_parameters(
-    tag: Tag, own: Scope, private: dict[str, PrivateParameter], reading: Reading
+    tag: Tag, private_context: LoaderContext, private: dict[str, PrivateParameter], state: LoadState
 ) -> None:
-    counted = reading.notes.counted(tag, own)
-    if counted is None:
+    applied = state.unresolved.context_if_applies(tag, private_context)
+    if applied is None:
         return
     if tag.name.lower() == "rosparam":
-        read_rosparam(tag, counted, reading)
+        read_rosparam(tag, applied, state)
         return
-    parameter = read_private_param(tag, counted, reading)
+    parameter = parse_param(tag, applied, state)
     name = canonical_name(parameter.name)
     private.pop(name, None)
     private[name] = parameter
@@ -89,16 +93,16 @@ def _name(tag: Tag) -> str:
     if tag.name == "test" and not name:
         name = tag.optional("test-name")
     if not name:
-        tag.fault("has no name")
+        tag.fail("has no name")
     if "/" in name:
-        tag.fault(f"name: '{name}' contains a namespace")
+        tag.fail(f"name: '{name}' contains a namespace")
     return name
 
 
-def _remap(written: str, target: str, node: str) -> Remap:
+def _remap(name: str, target: str, node: str) -> Remap:
     return Remap(
-        written=as_pattern(written),
-        written_target=as_pattern(target),
-        declared=as_pattern(resolve_name(written, node)),
-        target=as_pattern(resolve_name(target, node)),
+        written_source=anonymous_to_wildcard(name),
+        written_target=anonymous_to_wildcard(target),
+        source=anonymous_to_wildcard(resolve_name(name, node)),
+        target=anonymous_to_wildcard(resolve_name(target, node)),
     )

@@ -7,110 +7,114 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from rtron.errors import InputError
-from rtron.sources.launch.common.commands import Cat, Xacro, recognise
+from rtron.sources.launch.common.commands import CatCommand, XacroCommand, recognise_command
 from rtron.sources.launch.common.errors import UnresolvableError
-from rtron.sources.launch.common.expression import typed
-from rtron.sources.launch.common.yaml_scalars import in_range
-from rtron.sources.launch.common.yaml_tree import parse_yaml, plain
-from rtron.sources.launch.ros1.load_state import Reading
-from rtron.sources.launch.ros1.loader_context import PrivateParameter, Scope
+from rtron.sources.launch.common.expression import typed_argument
+from rtron.sources.launch.common.yaml_scalars import check_int_range
+from rtron.sources.launch.common.yaml_tree import parse_yaml, plain_value
+from rtron.sources.launch.ros1.load_state import LoadState
+from rtron.sources.launch.ros1.loader_context import LoaderContext, PrivateParameter
 from rtron.sources.launch.ros1.parameter_server import join_names
-from rtron.sources.launch.ros1.substitution_args import as_pattern
+from rtron.sources.launch.ros1.substitution_args import anonymous_to_wildcard
 from rtron.sources.launch.ros1.tag import Tag
 from rtron.vocabulary import Evidence, ParameterValue, UnknownValue
 
-_SOURCES = ("value", "textfile", "binfile", "command")
+_VALUE_ATTRIBUTES = ("value", "textfile", "binfile", "command")
 _BOOLEANS = {"true": True, "1": True, "false": False, "0": False}
 
 
-def read_param(tag: Tag, scope: Scope, reading: Reading) -> None:
+def read_param(tag: Tag, context: LoaderContext, state: LoadState) -> None:
     """Set a `<param>` of a launch or group; a private one waits for the nodes that follow.
 
     Raise InputError for a name or a choice of sources that roslaunch refuses.
     """
-    found = read_private_param(tag, scope, reading)
-    if found.name.startswith("~"):
-        scope.private_parameter(found)
+    parameter = parse_param(tag, context, state)
+    if parameter.name.startswith("~"):
+        context.private_parameter(parameter)
         return
-    name = join_names(scope.namespace, found.name)
-    reading.parameters.set(name, found.value, found.evidence, scope.doubt)
+    name = join_names(context.namespace, parameter.name)
+    state.parameters.set(name, parameter.value, parameter.evidence, context.uncertainty)
 
 
-def read_private_param(tag: Tag, scope: Scope, reading: Reading) -> PrivateParameter:
+def parse_param(tag: Tag, context: LoaderContext, state: LoadState) -> PrivateParameter:
     """Return a `<param>` with its name as it is written; raise InputError as above."""
     name = tag.required("name").strip()
-    given = [source for source in _SOURCES if tag.element.get(source) is not None]
-    if len(given) != 1:
-        tag.fault("needs one of value, textfile, binfile and command")
+    sources = [source for source in _VALUE_ATTRIBUTES if tag.element.get(source) is not None]
+    if len(sources) != 1:
+        tag.fail("needs one of value, textfile, binfile and command")
     evidence = Evidence(file=tag.path, line=tag.line)
-    value = _value(tag, given[0], reading)
-    return PrivateParameter(name=name, value=value, evidence=evidence, doubt=scope.doubt)
+    value = _value(tag, sources[0], state)
+    return PrivateParameter(
+        name=name, value=value, evidence=evidence, uncertainty=context.uncertainty
+    )
 
 
-def converted(text: str, type: str, path: str = "", line: int = 0) -> ParameterValue:
+def convert_value(text: str, type: str, path: str = "", line: int = 0) -> ParameterValue:
     """Return a text as the type that a `<param>` names; raise ValueError or InputError."""
     if type == "yaml":
         documents = parse_yaml(text, path, line or 1).documents
-        return plain(documents[0]) if documents and documents[0] is not None else _no_value()
+        return (
+            plain_value(documents[0]) if documents and documents[0] is not None else _null_error()
+        )
     if type not in _CONVERSIONS:
         raise ValueError(f"'{type}' is no type: {', '.join((*_CONVERSIONS, 'yaml'))}")
-    return in_range(_CONVERSIONS[type](text))
+    return check_int_range(_CONVERSIONS[type](text))
 
 
-def _value(tag: Tag, source: str, reading: Reading) -> ParameterValue:
+def _value(tag: Tag, source: str, state: LoadState) -> ParameterValue:
     try:
-        text = as_pattern(tag.optional(source) or "")
+        text = anonymous_to_wildcard(tag.optional(source) or "")
     except UnresolvableError as error:
-        reading.notes.add(tag, str(error))
+        state.unresolved.add(tag, str(error))
         return UnknownValue(str(error))
     try:
-        return _read(tag, source, text, reading)
+        return _read(tag, source, text, state)
     except InputError as error:
-        reading.notes.add_error(tag, error)
+        state.unresolved.add_error(tag, error)
         return UnknownValue(str(error))
     except (UnresolvableError, ValueError) as error:
-        reading.notes.add(tag, str(error))
+        state.unresolved.add(tag, str(error))
         return UnknownValue(str(error))
 
 
-def _read(tag: Tag, source: str, text: str, reading: Reading) -> ParameterValue:
+def _read(tag: Tag, source: str, text: str, state: LoadState) -> ParameterValue:
     type = (tag.element.get("type") or "auto").lower().strip()
     if source == "binfile":
-        reading.documents.data(text)
+        state.documents.data(text)
         return UnknownValue("binary data")
     if source == "value":
-        return converted(text.strip(), type, tag.path, tag.line)
-    content = reading.documents.text(text) if source == "textfile" else _output(text, reading)
-    return converted(content, type, text)
+        return convert_value(text.strip(), type, tag.path, tag.line)
+    content = state.documents.text(text) if source == "textfile" else _command_output(text, state)
+    return convert_value(content, type, text)
 
 
-def _output(command: str, reading: Reading) -> str:
-    run = recognise(command)
-    if isinstance(run, Cat):
-        return reading.documents.text(run.file)
-    if not isinstance(run, Xacro):
+def _command_output(command: str, state: LoadState) -> str:
+    program = recognise_command(command)
+    if isinstance(program, CatCommand):
+        return state.documents.text(program.file)
+    if not isinstance(program, XacroCommand):
         raise UnresolvableError(f"command is not run: {command[:200]}")
-    if reading.describe is None:
-        raise UnresolvableError(f"xacro is not evaluated: {run.file}")
-    description = reading.describe(Path(run.file).absolute(), run.mappings)
+    if state.describe is None:
+        raise UnresolvableError(f"xacro is not evaluated: {program.file}")
+    description = state.describe(Path(program.file).absolute(), program.mappings)
     if isinstance(description, UnknownValue):
         raise UnresolvableError(description.why)
     return description
 
 
 def _boolean(text: str) -> bool:
-    word = text.lower().strip()
-    if word not in _BOOLEANS:
+    normalised = text.lower().strip()
+    if normalised not in _BOOLEANS:
         raise ValueError(f"'{text}' is neither true nor false")
-    return _BOOLEANS[word]
+    return _BOOLEANS[normalised]
 
 
-def _no_value() -> ParameterValue:
+def _null_error() -> ParameterValue:
     raise ValueError("a parameter cannot be null")
 
 
 _CONVERSIONS: Mapping[str, Callable[[str], ParameterValue]] = {
-    "auto": typed,
+    "auto": typed_argument,
     "str": str,
     "string": str,
     "int": int,

@@ -10,17 +10,17 @@ from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
 from rtron.sources.launch.common.errors import UnresolvableError
-from rtron.sources.launch.ros1.loader_context import Doubt
-from rtron.sources.launch.ros1.substitution_args import as_pattern
-from rtron.vocabulary import Evidence, Parameter, Parameters, ParameterValue, UnknownValue
+from rtron.sources.launch.ros1.loader_context import Uncertainty
+from rtron.sources.launch.ros1.substitution_args import anonymous_to_wildcard
+from rtron.vocabulary import Evidence, Parameter, ParameterTree, ParameterValue, UnknownValue
 from rtron.vocabulary.launch import canonical_name, resolve_name
 
 _Tree: TypeAlias = dict[str, Any]
 
-MAX_SET = 500_000
+MAX_PARAMETERS = 500_000
 
-_SETTER = "/roslaunch"
-_DOUBTED = UnknownValue("whether it is set hangs on a condition that is not known")
+_SETTING_NODE = "/roslaunch"
+_UNCERTAIN_VALUE = UnknownValue("whether it is set hangs on a condition that is not known")
 
 
 def join_names(namespace: str, name: str) -> str:
@@ -38,34 +38,34 @@ class ParameterServer:
 
     def set(self, name: str, parameter: Parameter) -> None:
         """Set a name to a value; what stood there goes, above it only what is no namespace."""
-        *folders, last = _parts(name) or [""]
-        place = self._root
+        *folders, last = _name_parts(name) or [""]
+        subtree = self._root
         for folder in folders:
-            if not isinstance(place.get(folder), dict):
-                place[folder] = {}
-            place = place[folder]
+            if not isinstance(subtree.get(folder), dict):
+                subtree[folder] = {}
+            subtree = subtree[folder]
         if last:
-            place[last] = _with_evidence(parameter.value, parameter.evidence)
+            subtree[last] = _with_evidence(parameter.value, parameter.evidence)
 
     def delete(self, name: str) -> None:
         """Delete a name and all below it, if it is there; the root stays."""
-        *folders, last = _parts(name) or [""]
-        place: Any = self._root
+        *folders, last = _name_parts(name) or [""]
+        subtree: Any = self._root
         for folder in folders:
-            place = place.get(folder) if isinstance(place, dict) else None
-        if isinstance(place, dict):
-            place.pop(last, None)
+            subtree = subtree.get(folder) if isinstance(subtree, dict) else None
+        if isinstance(subtree, dict):
+            subtree.pop(last, None)
 
     def has_below(self, name: str) -> bool:
         """Tell whether a name is a namespace that holds something."""
-        place: Any = self._root
-        for part in _parts(name):
-            place = place.get(part) if isinstance(place, dict) else None
-        return isinstance(place, dict) and bool(place)
+        subtree: Any = self._root
+        for part in _name_parts(name):
+            subtree = subtree.get(part) if isinstance(subtree, dict) else None
+        return isinstance(subtree, dict) and bool(subtree)
 
-    def parameters(self) -> Parameters:
+    def parameters(self) -> ParameterTree:
         """Return all that is set, leaf by leaf."""
-        return Parameters(leaves=dict(_leaves("", self._root)))
+        return ParameterTree(leaves=dict(_leaves("", self._root)))
 
 
 @dataclass(slots=True)
@@ -74,13 +74,17 @@ class LaunchParameters:
 
     deleted: list[str] = field(default_factory=list)
     cleared: list[str] = field(default_factory=list)
-    _late: list[tuple[str, Parameter]] = field(default_factory=list)
+    _set_by_nodes: list[tuple[str, Parameter]] = field(default_factory=list)
     _count: int = 0
     _set: dict[str, Parameter] = field(default_factory=dict)
     _unknown: dict[str, Parameter] = field(default_factory=dict)
 
     def set(
-        self, name: str, value: ParameterValue, evidence: Evidence, doubt: Doubt = Doubt.NONE
+        self,
+        name: str,
+        value: ParameterValue,
+        evidence: Evidence,
+        uncertainty: Uncertainty = Uncertainty.NONE,
     ) -> None:
         """Set a parameter in a place of the launch.
 
@@ -88,46 +92,48 @@ class LaunchParameters:
         one; where its own condition is not known, it has none. Raise UnresolvableError past
         MAX_SET.
         """
-        self._spend()
-        key = as_pattern(canonical_name(name))
+        self._count_parameter()
+        key = anonymous_to_wildcard(canonical_name(name))
         earlier = self._set.get(key)
         contradicts = earlier is not None and earlier.value != value
-        if doubt is Doubt.OWN or (doubt is Doubt.AROUND and contradicts):
-            value = _DOUBTED
+        if uncertainty is Uncertainty.OWN or (uncertainty is Uncertainty.INHERITED and contradicts):
+            value = _UNCERTAIN_VALUE
         self._set[key] = Parameter(value=value, evidence=evidence)
 
-    def set_late(self, name: str, parameter: Parameter) -> None:
+    def set_by_node(self, name: str, parameter: Parameter) -> None:
         """Set a parameter when all others are set, as a node does; raise as `set` does."""
-        self._spend()
-        self._late.append((name, parameter))
+        self._count_parameter()
+        self._set_by_nodes.append((name, parameter))
 
-    def _spend(self) -> None:
+    def _count_parameter(self) -> None:
         self._count += 1
-        if self._count > MAX_SET:
-            raise UnresolvableError(f"not set: the launch sets {MAX_SET} parameters without it")
+        if self._count > MAX_PARAMETERS:
+            raise UnresolvableError(
+                f"not set: the launch sets {MAX_PARAMETERS} parameters without it"
+            )
 
-    def clear(self, namespace: str, doubt: Doubt) -> None:
+    def clear(self, namespace: str, uncertainty: Uncertainty) -> None:
         """Clear all below a namespace, if that is sure; what this launch sets comes after."""
-        if not doubt:
-            self.cleared.append(as_pattern(namespace))
+        if not uncertainty:
+            self.cleared.append(anonymous_to_wildcard(namespace))
 
     def set_unknown(self, namespace: str, why: str, evidence: Evidence) -> None:
         """Say that what a file would set below a namespace is not known."""
-        key = as_pattern(resolve_name(namespace, _SETTER))
+        key = anonymous_to_wildcard(resolve_name(namespace, _SETTING_NODE))
         self._unknown[key] = Parameter(value=UnknownValue(why), evidence=evidence)
 
     def apply(self, server: ParameterServer) -> None:
         """Do to a server what roslaunch does to it."""
         for name in (*self.deleted, *self.cleared):
             server.delete(name)
-        for name, parameter in (*self._set.items(), *self._late):
-            server.set(resolve_name(name, _SETTER), parameter)
+        for name, parameter in (*self._set.items(), *self._set_by_nodes):
+            server.set(resolve_name(name, _SETTING_NODE), parameter)
         for name, parameter in self._unknown.items():
             if not server.has_below(name):
                 server.set(name, parameter)
 
 
-def _parts(name: str) -> list[str]:
+def _name_parts(name: str) -> list[str]:
     return [part for part in name.split("/") if part]
 
 

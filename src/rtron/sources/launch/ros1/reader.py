@@ -7,17 +7,17 @@ from dataclasses import replace
 from pathlib import Path
 
 from rtron.errors import InputError
-from rtron.sources.launch.common.commands import Describe
+from rtron.sources.launch.common.commands import DescribeRobot
 from rtron.sources.launch.common.errors import MissingArgumentError
 from rtron.sources.launch.common.packages import PackageIndex
 from rtron.sources.launch.common.xml_document import LaunchDocument, line_of
-from rtron.sources.launch.ros1.file_reader import FileReader
-from rtron.sources.launch.ros1.load_state import Documents, Reading
-from rtron.sources.launch.ros1.loader_context import root_scope
+from rtron.sources.launch.ros1.file_reader import LaunchFileReader
+from rtron.sources.launch.ros1.load_state import LaunchFileCache, LoadState
+from rtron.sources.launch.ros1.loader_context import root_context
 from rtron.sources.launch.ros1.parameter_server import ParameterServer
-from rtron.vocabulary import LaunchTree, Unresolved
+from rtron.vocabulary import LaunchTree, UnresolvedItem
 
-_TOOLS = {"xacro": Path("xacro")}
+_TOOL_PACKAGES = {"xacro": Path("xacro")}
 """Packages that a launch names only to run their programs: they need not be there."""
 
 
@@ -27,7 +27,7 @@ def read_launch(
     packages: PackageIndex,
     environ: Mapping[str, str] = os.environ,
     *,
-    describe: Describe | None = None,
+    describe: DescribeRobot | None = None,
 ) -> LaunchTree:
     """Return what `roslaunch PATH name:=value …` would start and set (ROS wiki: roslaunch/XML).
 
@@ -45,7 +45,7 @@ def read_launches(
     packages: PackageIndex,
     environ: Mapping[str, str] = os.environ,
     *,
-    describe: Describe | None = None,
+    describe: DescribeRobot | None = None,
     roots: Iterable[Path] | None = None,
 ) -> tuple[LaunchTree, ...]:
     """Return what several runs of roslaunch start, one after the other with one master.
@@ -55,39 +55,41 @@ def read_launches(
     `read_launch` does.
     """
     allowed = None if roots is None else tuple(root.resolve() for root in roots)
-    server, documents, trees = ParameterServer(), Documents(allowed), []
+    server, documents, trees = ParameterServer(), LaunchFileCache(allowed), []
     for path, args in launches:
-        reading = Reading(
-            packages={**_TOOLS, **packages},
+        state = LoadState(
+            packages={**_TOOL_PACKAGES, **packages},
             environ=environ,
             describe=describe,
             documents=documents,
         )
-        trees.append(_read(path, args, reading))
-        reading.parameters.apply(server)
+        trees.append(_read(path, args, state))
+        state.parameters.apply(server)
     parameters = server.parameters()
     return tuple(replace(tree, parameters=parameters) for tree in trees)
 
 
-def _read(path: Path, args: Mapping[str, str], reading: Reading) -> LaunchTree:
-    document = reading.documents.launch(str(path.absolute()))
-    reader = FileReader(document=document, reading=reading)
+def _read(path: Path, args: Mapping[str, str], state: LoadState) -> LaunchTree:
+    document = state.documents.launch(str(path.absolute()))
+    reader = LaunchFileReader(document=document, state=state)
     try:
-        reader.read(root_scope(args, reading.environ.get("ROS_NAMESPACE", "")))
+        reader.read(root_context(args, state.environ.get("ROS_NAMESPACE", "")))
     except MissingArgumentError as error:
-        raise _lacks_arguments(reader.document, args, error.name) from None
+        raise _missing_arguments_error(reader.document, args, error.name) from None
     except RecursionError:
         raise InputError("is nested too deep", path=str(path)) from None
-    tree = LaunchTree(root=reader.result(), unresolved=tuple(reading.notes.unresolved))
-    return LaunchTree(root=tree.root, unresolved=tree.unresolved + _doubled(tree))
+    tree = LaunchTree(root=reader.result(), unresolved=tuple(state.unresolved.unresolved))
+    return LaunchTree(root=tree.root, unresolved=tree.unresolved + _duplicate_names(tree))
 
 
-def _lacks_arguments(document: LaunchDocument, args: Mapping[str, str], used: str) -> InputError:
+def _missing_arguments_error(
+    document: LaunchDocument, args: Mapping[str, str], used_argument: str
+) -> InputError:
     """Return the error that lists every argument which the launch file requires and lacks."""
     declared = list(document.launch.iterchildren("arg"))
     required = [tag for tag in declared if tag.get("value") is None and tag.get("default") is None]
     names = [str(tag.get("name")) for tag in required if tag.get("name") not in args]
-    missing = list(dict.fromkeys((*names, used)))
+    missing = list(dict.fromkeys((*names, used_argument)))
     lines = (line_of(tag) for tag in declared if tag.get("name") == missing[0])
     return InputError(
         f"needs a value for {', '.join(missing)}",
@@ -97,9 +99,11 @@ def _lacks_arguments(document: LaunchDocument, args: Mapping[str, str], used: st
     )
 
 
-def _doubled(tree: LaunchTree) -> tuple[Unresolved, ...]:
+def _duplicate_names(tree: LaunchTree) -> tuple[UnresolvedItem, ...]:
     """Return the names that two nodes have; anonymous ones only look alike."""
     sure = (node for node in tree.nodes() if not node.anonymous and not node.conditional)
-    counted = Counter(node.name for node in sure)
+    counts = Counter(node.name for node in sure)
     why = "several nodes have this name; roslaunch refuses the launch"
-    return tuple(Unresolved(what=f"node {n}", why=why) for n, times in counted.items() if times > 1)
+    return tuple(
+        UnresolvedItem(what=f"node {n}", why=why) for n, times in counts.items() if times > 1
+    )

@@ -7,25 +7,25 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from rtron.sources.launch.common.errors import MissingArgumentError, UnresolvableError
-from rtron.sources.launch.common.expression import evaluate, typed
+from rtron.sources.launch.common.expression import evaluate, typed_argument
 from rtron.sources.launch.common.expression_library import Function, Value
 from rtron.sources.launch.common.packages import PackageIndex
 
 Argument: TypeAlias = str | UnresolvableError
 """An argument's value; one that cannot be resolved here is raised wherever it is used."""
 
-ANONYMOUS_MARK = "_rtron_anonymous"
+ANONYMOUS_SUFFIX = "_rtron_anonymous"
 """Stands for what roslaunch makes up in `$(anon id)`: legal in a name, and a `*` in the end."""
 
 _COMMAND = re.compile(r"\$\(([^()$]+)\)")
 _NESTED = re.compile(r"\$\([^()$]*[($]")
 _EVAL = re.compile(r"\$\(eval (.*)\)", re.DOTALL)
-_WORDS = frozenset({"anon", "arg", "dirname", "env", "find", "optenv"})
-_MAX_GROWTH = 64 * 1024
+_COMMAND_NAMES = frozenset({"anon", "arg", "dirname", "env", "find", "optenv"})
+_MAX_ADDED_LENGTH = 64 * 1024
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Substitution:
+class SubstitutionArgs:
     """Replaces every `$(…)` in texts of one launch file; `folder` is what `$(dirname)` means."""
 
     packages: PackageIndex
@@ -41,8 +41,8 @@ class Substitution:
         """
         expression = _EVAL.fullmatch(text)
         if expression:
-            return evaluate(expression[1], self._functions(), self._typed)
-        limit = len(text) + _MAX_GROWTH
+            return evaluate(expression[1], self._functions(), self._typed_argument)
+        limit = len(text) + _MAX_ADDED_LENGTH
         for command in _commands(text):
             text = self._replace_command(text, command, limit)
         for command in _commands(text):
@@ -51,43 +51,45 @@ class Substitution:
         return text
 
     def _replace_command(self, text: str, command: str, limit: int) -> str:
-        name, *words = command.split()
+        name, *arguments = command.split()
         if name == "find":
             return text
-        value = self._call(command, name, words)
-        written = f"$({command})"
-        if len(text) + text.count(written) * len(value) > limit:
-            raise UnresolvableError(f"{written} makes a text that is too long")
-        return text.replace(written, value)
+        value = self._command_value(command, name, arguments)
+        substitution_text = f"$({command})"
+        if len(text) + text.count(substitution_text) * len(value) > limit:
+            raise UnresolvableError(f"{substitution_text} makes a text that is too long")
+        return text.replace(substitution_text, value)
 
-    def _call(self, command: str, name: str, words: list[str]) -> str:
+    def _command_value(self, command: str, name: str, arguments: list[str]) -> str:
         if name == "dirname":
             return self.folder
-        if name == "optenv" and words:
-            return self._optenv(words[0], " ".join(words[1:]))
-        if name == "optenv" or len(words) != 1:
+        if name == "optenv" and arguments:
+            return self._optenv(arguments[0], " ".join(arguments[1:]))
+        if name == "optenv" or len(arguments) != 1:
             raise ValueError(f"$({command}) takes one word")
         calls: Mapping[str, Callable[[str], str]] = {
-            "anon": _anonymous,
+            "anon": _anonymous_name,
             "arg": self._argument,
             "env": self._env,
         }
-        return calls[name](words[0])
+        return calls[name](arguments[0])
 
     def _replace_find(self, text: str, command: str) -> str:
-        _, *words = command.split()
-        if len(words) != 1:
+        _, *arguments = command.split()
+        if len(arguments) != 1:
             raise ValueError(f"$({command}) takes one word")
         before, _, after = text.partition(f"$({command})")
         path, space, rest = after.partition(" ")
         inside = path.replace("\\", "/").removeprefix("/")
-        found = self._find(words[0])
-        return before + (os.path.join(found, inside) if inside else found) + space + rest  # noqa: PTH118
+        package_path = self._find(arguments[0])
+        return (
+            before + (os.path.join(package_path, inside) if inside else package_path) + space + rest
+        )  # noqa: PTH118
 
     def _functions(self) -> Mapping[str, Function]:
         return {
-            "anon": _anonymous,
-            "arg": lambda name: typed(self._argument(name)),
+            "anon": _anonymous_name,
+            "arg": lambda name: typed_argument(self._argument(name)),
             "dirname": lambda: self.folder,
             "env": self._env,
             "find": self._find,
@@ -102,10 +104,10 @@ class Substitution:
             raise value
         return value
 
-    def _typed(self, name: str) -> Value:
+    def _typed_argument(self, name: str) -> Value:
         if name not in self.arguments:
             raise ValueError(f"`{name}` is no argument")
-        return typed(self._argument(name))
+        return typed_argument(self._argument(name))
 
     def _env(self, name: str) -> str:
         if name not in self.environ:
@@ -121,13 +123,13 @@ class Substitution:
         return str(self.packages[package])
 
 
-def as_pattern(text: str) -> str:
+def anonymous_to_wildcard(text: str) -> str:
     """Return a text with a `*` where roslaunch makes up a part of a name."""
-    return text.replace(ANONYMOUS_MARK, "_*")
+    return text.replace(ANONYMOUS_SUFFIX, "_*")
 
 
-def _anonymous(name: str) -> str:
-    return name + ANONYMOUS_MARK
+def _anonymous_name(name: str) -> str:
+    return name + ANONYMOUS_SUFFIX
 
 
 def _commands(text: str) -> list[str]:
@@ -135,6 +137,8 @@ def _commands(text: str) -> list[str]:
         raise ValueError(f"'{text}' has a substitution inside another")
     commands: list[str] = _COMMAND.findall(text)
     for command in commands:
-        if not _WORDS.intersection(command.split()[:1]):
-            raise ValueError(f"$({command}) is no substitution: {', '.join(sorted(_WORDS))}")
+        if not _COMMAND_NAMES.intersection(command.split()[:1]):
+            raise ValueError(
+                f"$({command}) is no substitution: {', '.join(sorted(_COMMAND_NAMES))}"
+            )
     return commands

@@ -6,7 +6,7 @@ from typing import NoReturn
 
 from rtron.errors import InputError
 from rtron.sources.launch.common.xml_document import Element, line_of
-from rtron.sources.launch.ros1.substitution_args import Substitution
+from rtron.sources.launch.ros1.substitution_args import SubstitutionArgs
 
 _BOOLEANS = {"true": True, "1": True, "false": False, "0": False}
 
@@ -21,7 +21,7 @@ class Tag:
 
     element: Element
     path: str
-    substitution: Substitution
+    substitution: SubstitutionArgs
 
     @property
     def name(self) -> str:
@@ -46,13 +46,13 @@ class Tag:
         try:
             return self.substitution.replace(str(text))
         except ValueError as error:
-            self.fault(f"{attribute}: {error}")
+            self.fail(f"{attribute}: {error}")
 
     def required(self, attribute: str) -> str:
         """Return an attribute's value; raise InputError where it is not written or empty."""
         value = self.optional(attribute)
         if not value:
-            self.fault(f"has no '{attribute}'")
+            self.fail(f"has no '{attribute}'")
         return value
 
     def flag(self, attribute: str) -> bool | None:
@@ -61,7 +61,7 @@ class Tag:
         if value is None:
             return None
         if value.strip().lower() not in _BOOLEANS:
-            self.fault(f"{attribute}: '{value}' is neither true nor false")
+            self.fail(f"{attribute}: '{value}' is neither true nor false")
         return _BOOLEANS[value.strip().lower()]
 
     def boolean(self, attribute: str) -> bool:
@@ -70,25 +70,25 @@ class Tag:
         if value is None:
             return False
         if value.lower() not in {"true", "false"}:
-            self.fault(f"{attribute}: '{value}' is neither true nor false")
+            self.fail(f"{attribute}: '{value}' is neither true nor false")
         return value.lower() == "true"
 
-    def clears(self) -> bool:
+    def clears_parameters(self) -> bool:
         """Tell what `clear_params` says; empty counts as not written."""
         return bool(self.optional("clear_params")) and self.boolean("clear_params")
 
     def text(self) -> str:
         """Return the text between the element's start and end, other elements left out."""
-        pieces = [self.element.text, *(child.tail for child in self.element)]
-        return "".join(str(piece) for piece in pieces if piece)
+        texts = [self.element.text, *(child.tail for child in self.element)]
+        return "".join(str(piece) for piece in texts if piece)
 
     def applies(self) -> bool:
         """Tell what `if` and `unless` say."""
-        wanted, unwanted = self.flag("if"), self.flag("unless")
-        if wanted is not None and unwanted is not None:
-            self.fault("has both 'if' and 'unless'")
-        return not unwanted if wanted is None else wanted
+        if_value, unless_value = self.flag("if"), self.flag("unless")
+        if if_value is not None and unless_value is not None:
+            self.fail("has both 'if' and 'unless'")
+        return not unless_value if if_value is None else if_value
 
-    def fault(self, why: str) -> NoReturn:
+    def fail(self, why: str) -> NoReturn:
         """Raise InputError at this element."""
         raise InputError(f"<{self.name}> {why}", path=self.path, line=self.line)

@@ -4,23 +4,23 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from rtron.errors import InputError
-from rtron.sources.code.workspace_sources import WorkspaceFiles
-from rtron.sources.launch.ros2.choices import Choices
-from rtron.sources.launch.ros2.evaluator import Evaluator
-from rtron.sources.launch.ros2.launch_context import Scope
-from rtron.sources.launch.ros2.python.front_end import PythonFront
-from rtron.sources.launch.ros2.reader import Reader, absolute
+from rtron.sources.code.workspace_sources import WorkspaceSources
+from rtron.sources.launch.ros2.choices import LaunchChoices
+from rtron.sources.launch.ros2.evaluator import LaunchEvaluator
+from rtron.sources.launch.ros2.launch_context import LaunchContext
+from rtron.sources.launch.ros2.python.front_end import PythonFrontEnd
+from rtron.sources.launch.ros2.reader import LaunchReader, absolute_path
 from rtron.sources.launch.ros2.result import AppLaunch
-from rtron.sources.launch.ros2.source_locator import Installed
-from rtron.sources.launch.ros2.start_collector import Starts
-from rtron.vocabulary import Evidence, Unresolved
+from rtron.sources.launch.ros2.source_locator import SourceLocator
+from rtron.sources.launch.ros2.start_collector import StartCollector
+from rtron.vocabulary import Evidence, UnresolvedItem
 
 
 def read_app_launch(
     path: Path,
     arguments: Mapping[str, str],
     environ: Mapping[str, str],
-    files: WorkspaceFiles,
+    files: WorkspaceSources,
 ) -> AppLaunch:
     """Return what a launch file starts with these arguments; nothing is run.
 
@@ -28,32 +28,34 @@ def read_app_launch(
     text stands in braces. A file that cannot be read at all has nothing but the note on it.
     """
     packages = files.workspace.packages
-    choices = Choices(arguments=arguments, environ=environ)
-    evaluator = Evaluator(
+    choices = LaunchChoices(arguments=arguments, environ=environ)
+    evaluator = LaunchEvaluator(
         environ=environ,
         packages=packages,
         choices=choices,
         symbolic=True,
-        installed=Installed(files.workspace),
+        locate_source=SourceLocator(files.workspace),
     )
-    front = PythonFront(files, evaluator)
-    starts = Starts(evaluator, front=front.read)
+    front_end = PythonFrontEnd(files, evaluator)
+    collector = StartCollector(evaluator, read_python_file=front_end.read)
     try:
-        Reader(evaluator, starts).root(absolute(path), Scope(dict(arguments), dict(environ)))
+        LaunchReader(evaluator, collector).root(
+            absolute_path(path), LaunchContext(dict(arguments), dict(environ))
+        )
     except InputError as error:
-        evaluator.unresolved.append(_note(path, str(error), error.path, error.line))
+        evaluator.unresolved.append(_unresolved_file(path, str(error), error.path, error.line))
     except RecursionError:
-        evaluator.unresolved.append(_note(path, "nested too deep"))
+        evaluator.unresolved.append(_unresolved_file(path, "nested too deep"))
     return AppLaunch(
-        file=absolute(path),
-        starts=tuple(starts.starts),
-        arguments=tuple(starts.arguments),
-        includes=tuple(starts.includes[0]),
+        file=absolute_path(path),
+        starts=tuple(collector.starts),
+        arguments=tuple(collector.arguments),
+        includes=tuple(collector.includes[0]),
         unresolved=tuple(evaluator.unresolved),
-        made=evaluator.files.made,
+        generated_files=evaluator.files.generated_files,
     )
 
 
-def _note(path: Path, why: str, file: str = "", line: int = 0) -> Unresolved:
-    place = Evidence(file=file or str(path), line=line)
-    return Unresolved(what=path.name, why=why, evidence=(place,))
+def _unresolved_file(path: Path, why: str, file: str = "", line: int = 0) -> UnresolvedItem:
+    location = Evidence(file=file or str(path), line=line)
+    return UnresolvedItem(what=path.name, why=why, evidence=(location,))

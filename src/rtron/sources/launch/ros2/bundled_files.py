@@ -3,25 +3,25 @@
 import re
 from pathlib import Path
 
-from rtron.sources.launch.ros2.substitutions.template import has_hole, shown
+from rtron.sources.launch.ros2.substitutions.template import display_text, has_placeholder
 from rtron.sources.models.packages import known_packages
 
 _IN_PACKAGE = re.compile(r"\{find-pkg-share (\w+)\}/+launch/+(\w+\.launch)(?:\.(?:py|xml|yaml))?")
 
 
-def known_launch(spelled: str) -> str:
+def bundled_launch_file(path_text: str) -> str:
     """Return the file that stands for one of a package that is not here; another as it is."""
-    found = _IN_PACKAGE.fullmatch(shown(spelled)) if has_hole(spelled) else None
-    path = _file(found[1], f"{found[2]}.xml") if found else None
-    return str(path) if path and path.is_file() else spelled
+    match = _IN_PACKAGE.fullmatch(display_text(path_text)) if has_placeholder(path_text) else None
+    path = _bundled_path(match[1], f"{match[2]}.xml") if match else None
+    return str(path) if path and path.is_file() else path_text
 
 
-def is_known(package: str) -> bool:
+def has_bundled_launch_files(package: str) -> bool:
     """Tell whether something stands for a package's launch files."""
-    folder = _file(package, "")
+    folder = _bundled_path(package, "")
     return folder is not None and any(folder.glob("*.launch.xml"))
 
 
-def _file(package: str, name: str) -> Path | None:
+def _bundled_path(package: str, name: str) -> Path | None:
     folder = known_packages().get(package)
     return folder / "launch" / name if folder else None

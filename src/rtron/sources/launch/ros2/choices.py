@@ -3,39 +3,39 @@
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
-from rtron.sources.launch.ros2.launch_context import Source
-from rtron.vocabulary import LaunchChoice
+from rtron.sources.launch.ros2.launch_context import LaunchVariable
+from rtron.vocabulary import LaunchInput
 
 
 @dataclass(slots=True, kw_only=True)
-class Choices:
+class LaunchChoices:
     """Collects the sources of what was read; `arguments` and `environ` are those at the start."""
 
     arguments: Mapping[str, str]
     environ: Mapping[str, str]
-    _decided: set[Source] = field(default_factory=set)
+    _deciding: set[LaunchVariable] = field(default_factory=set)
     _defaults: dict[str, set[str | None]] = field(default_factory=dict)
 
-    def decide(self, sources: Iterable[Source]) -> None:
+    def decide(self, variables: Iterable[LaunchVariable]) -> None:
         """Take note that the sources decide what starts, or a name, or a file."""
-        self._decided.update(sources)
+        self._deciding.update(variables)
 
-    def default(self, name: str, value: str | None) -> None:
+    def add_default(self, name: str, value: str | None) -> None:
         """Take note of what an argument is if it is not given; None for an unknown value."""
         self._defaults.setdefault(name, set()).add(value)
 
-    def all(self) -> tuple[LaunchChoice, ...]:
+    def all(self) -> tuple[LaunchInput, ...]:
         """Return all that was decided."""
         return tuple(
-            LaunchChoice(name=s.name, values=self._values(s), environment=s.environment)
-            for s in sorted(self._decided)
+            LaunchInput(name=s.name, values=self._values(s), environment=s.is_environment)
+            for s in sorted(self._deciding)
         )
 
-    def _values(self, source: Source) -> tuple[str | None, ...]:
+    def _values(self, variable: LaunchVariable) -> tuple[str | None, ...]:
         """Return the values that change nothing: to give an argument its default does not."""
-        if source.environment:
-            return (self.environ.get(source.name),)
-        if source.name in self.arguments:
-            return (self.arguments[source.name],)
-        defaults = self._defaults.get(source.name, set())
+        if variable.is_environment:
+            return (self.environ.get(variable.name),)
+        if variable.name in self.arguments:
+            return (self.arguments[variable.name],)
+        defaults = self._defaults.get(variable.name, set())
         return (None, *(defaults - {None} if len(defaults) == 1 else ()))

@@ -6,82 +6,86 @@ from dataclasses import replace
 from itertools import pairwise
 from pathlib import PurePath
 
-from rtron.sources.launch.ros2.parameters.file import yaml_value
-from rtron.sources.launch.ros2.parameters.merge import ALL, ParameterSource
-from rtron.sources.launch.ros2.result import Start, StartKind
-from rtron.sources.launch.ros2.substitutions.template import Pieces, shown, with_holes
+from rtron.sources.launch.ros2.parameters.file import parse_value
+from rtron.sources.launch.ros2.parameters.merge import ALL_NODES, ParameterSource
+from rtron.sources.launch.ros2.result import LaunchStart, StartKind
+from rtron.sources.launch.ros2.substitutions.template import (
+    Template,
+    display_text,
+    map_placeholders,
+)
 from rtron.vocabulary import Evidence
 from rtron.vocabulary.parameters import Parameter
-from rtron.vocabulary.remap_rules import Rule, rules_in
+from rtron.vocabulary.remap_rules import RemapRule, parse_remap_rules
 
-RUN = ("ros2", "run")
-_BLANK = "\ue002"
+ROS2_RUN = ("ros2", "run")
+_BLANK_MARK = "\ue002"
 _REMAP, _PARAMETER = frozenset({"-r", "--remap"}), frozenset({"-p", "--param"})
 
 
 def split_words(text: str) -> list[str]:
     """Return the words of a command line; a hole is in one of them."""
-    whole = with_holes(text, lambda name: name.replace(" ", _BLANK))
+    protected = map_placeholders(text, lambda name: name.replace(" ", _BLANK_MARK))
     try:
-        words = shlex.split(whole)
+        words = shlex.split(protected)
     except ValueError:
-        words = whole.split()
-    return [word.replace(_BLANK, " ") for word in words]
+        words = protected.split()
+    return [word.replace(_BLANK_MARK, " ") for word in words]
 
 
-def split_pieces(pieces: Pieces) -> list[Pieces]:
+def split_template(template: Template) -> list[Template]:
     """Return the words of a command line before it is evaluated: what a call gives stays whole.
 
     A blank beside a call ends the word that it stands in (launch: ExecuteProcess).
     """
-    found: list[Pieces] = []
-    word: Pieces = ()
-    for piece in pieces:
-        if not isinstance(piece, str):
-            word = (*word, piece)
+    words: list[Template] = []
+    word: Template = ()
+    for part in template:
+        if not isinstance(part, str):
+            word = (*word, part)
             continue
-        if piece[:1].isspace() and word:
-            found, word = [*found, word], ()
-        first, *others = split_words(piece) or [""]
+        if part[:1].isspace() and word:
+            words, word = [*words, word], ()
+        first, *others = split_words(part) or [""]
         for other in others:
-            found, word = [*found, (*word, *filter(None, [first]))], ()
+            words, word = [*words, (*word, *filter(None, [first]))], ()
             first = other
         word = (*word, first) if first else word
-        if piece[-1:].isspace() and word:
-            found, word = [*found, word], ()
-    return [*found, word] if word else found
+        if part[-1:].isspace() and word:
+            words, word = [*words, word], ()
+    return [*words, word] if word else words
 
 
-def remaps_in(words: Sequence[str]) -> Iterator[Rule]:
+def argument_remaps(words: Sequence[str]) -> Iterator[RemapRule]:
     """Yield the remap rules among the arguments of a node, which count before all others."""
-    return rules_in(shlex.join(words), ros=False)
+    return parse_remap_rules(shlex.join(words), in_ros_args=False)
 
 
-def special(words: Sequence[str], key: str) -> str:
+def special_remap(words: Sequence[str], key: str) -> str:
     """Return what `-r __node:=…` or `-r __ns:=…` says; empty if there is none."""
     for word, value in pairwise(words):
         if word in _REMAP and value.startswith(f"{key}:="):
-            return shown(value.partition(":=")[2])
+            return display_text(value.partition(":=")[2])
     return ""
 
 
-def parameters_in(words: Sequence[str], place: Evidence) -> Iterator[ParameterSource]:
+def argument_parameters(words: Sequence[str], location: Evidence) -> Iterator[ParameterSource]:
     """Yield the parameters among the arguments of a node."""
     for word, value in pairwise(words):
-        name, given, text = value.partition(":=")
-        if word in _PARAMETER and given:
-            parameter = Parameter(value=yaml_value(text), evidence=place)
-            yield ParameterSource(entries=((ALL, {name: parameter}),))
+        name, assignment, text = value.partition(":=")
+        if word in _PARAMETER and assignment:
+            parameter = Parameter(value=parse_value(text), evidence=location)
+            yield ParameterSource(entries=((ALL_NODES, {name: parameter}),))
 
 
-def is_run(words: Sequence[str]) -> bool:
+def is_ros2_run(words: Sequence[str]) -> bool:
     """Tell whether a command is `ros2 run`."""
-    return len(words) > 1 and (PurePath(words[0]).name, words[1]) == RUN
+    return len(words) > 1 and (PurePath(words[0]).name, words[1]) == ROS2_RUN
 
 
-def run_node(process: Start) -> Start:
+def node_of_ros2_run(process: LaunchStart) -> LaunchStart:
     """Return the node that a process `ros2 run package executable …` is, without parameters."""
-    package, program, *words = (*process.arguments[len(RUN) :], "", "")
+    package, program, *words = (*process.arguments[len(ROS2_RUN) :], "", "")
     arguments = tuple(word for word in words if word)
     return replace(
         process,
@@ -89,8 +93,8 @@ def run_node(process: Start) -> Start:
         package=package,
         program=program,
         arguments=arguments,
-        name=special(arguments, "__node"),
-        namespace=special(arguments, "__ns") or "/",
-        remaps=tuple(remaps_in(arguments)),
-        shared=len(tuple(remaps_in(arguments))),
+        name=special_remap(arguments, "__node"),
+        namespace=special_remap(arguments, "__ns") or "/",
+        remaps=tuple(argument_remaps(arguments)),
+        global_remap_count=len(tuple(argument_remaps(arguments))),
     )

@@ -4,16 +4,16 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from rtron.sources.launch.common.errors import MissingArgumentError
-from rtron.sources.launch.ros2.evaluator import Evaluator
-from rtron.sources.launch.ros2.inclusion import Place
-from rtron.sources.launch.ros2.launch_context import NAMESPACE, Scope, Source
-from rtron.sources.launch.ros2.substitutions.template import hole
+from rtron.sources.launch.ros2.evaluator import LaunchEvaluator
+from rtron.sources.launch.ros2.inclusion import FileInclusion
+from rtron.sources.launch.ros2.launch_context import NAMESPACE, LaunchContext, LaunchVariable
+from rtron.sources.launch.ros2.substitutions.template import placeholder
 from rtron.sources.launch.ros2.xml_yaml.element import Element
-from rtron.vocabulary.remap_rules import UNKNOWN
+from rtron.vocabulary.remap_rules import UNKNOWN_NAME
 
-PUSHES = frozenset({"push_ros_namespace", "push-ros-namespace"})
+NAMESPACE_TAGS = frozenset({"push_ros_namespace", "push-ros-namespace"})
 
-SETTINGS = PUSHES | {
+CONTEXT_TAGS = NAMESPACE_TAGS | {
     "arg",
     "let",
     "unset",
@@ -26,7 +26,7 @@ SETTINGS = PUSHES | {
 }
 """What changes the scope for all that comes after it."""
 
-HARMLESS = frozenset(
+IGNORED_TAGS = frozenset(
     {
         "log",
         "log_debug",
@@ -45,102 +45,119 @@ HARMLESS = frozenset(
 
 
 @dataclass(slots=True)
-class Settings:
+class ContextActions:
     """Applies actions that change the scope."""
 
-    evaluator: Evaluator
+    evaluator: LaunchEvaluator
 
     def apply(
         self,
         element: Element,
-        scope: Scope,
-        place: Place,
-        said: bool | None,  # noqa: FBT001
+        context: LaunchContext,
+        file: FileInclusion,
+        holds: bool | None,  # noqa: FBT001
     ) -> None:
-        """Apply an action of SETTINGS; `said` is what its condition says, None if not known."""
-        if said is not None or not self.evaluator.symbolic:
-            self._apply(element, scope, place)
+        """Apply an action of SETTINGS; `holds` is what its condition says, None if not known."""
+        if holds is not None or not self.evaluator.symbolic:
+            self._apply(element, context, file)
             return
-        before = dict(scope.configurations), dict(scope.environ)
-        self._apply(element, scope, place)
-        for values, old in zip((scope.configurations, scope.environ), before, strict=True):
-            changed = [name for name in values if values[name] != old.get(name)]
-            values.update({name: hole(name) for name in changed})
+        values_before = dict(context.configurations), dict(context.environ)
+        self._apply(element, context, file)
+        for values, previous in zip(
+            (context.configurations, context.environ), values_before, strict=True
+        ):
+            changed = [name for name in values if values[name] != previous.get(name)]
+            values.update({name: placeholder(name) for name in changed})
 
-    def _apply(self, element: Element, scope: Scope, place: Place) -> None:
+    def _apply(self, element: Element, context: LaunchContext, file: FileInclusion) -> None:
         tag = element.tag
         if tag == "arg":
-            self._argument(element, scope, place)
+            self._argument(element, context, file)
         elif tag == "let":
-            self.let(element, scope, place)
-        elif tag in PUSHES:
-            own = self.evaluator.text(element, "namespace", scope, place)
-            space, source = scope.space(UNKNOWN if own is None else own), Source(NAMESPACE)
-            scope.put(source, None if space == UNKNOWN else space, scope.behind(source))
+            self.set_configuration(element, context, file)
+        elif tag in NAMESPACE_TAGS:
+            pushed = self.evaluator.text(element, "namespace", context, file)
+            namespace, source = (
+                context.node_namespace(UNKNOWN_NAME if pushed is None else pushed),
+                LaunchVariable(NAMESPACE),
+            )
+            context.set_value(
+                source,
+                None if namespace == UNKNOWN_NAME else namespace,
+                context.dependencies_of(source),
+            )
         elif tag == "set_remap":
-            scope.share(self.evaluator.pairs([element], scope, place))
+            context.add_remaps(self.evaluator.remap_rules([element], context, file))
         elif tag == "reset":
-            kept = list(self.kept(element, scope, place))
-            scope.clear()
-            for item in kept:
-                scope.put(*item)
+            preserved_values = list(self.preserved_configurations(element, context, file))
+            context.clear()
+            for item in preserved_values:
+                context.set_value(*item)
         elif tag == "unset":
-            name = self.evaluator.text(element, "name", scope, place)
-            scope.configurations.pop(name or "", None)
+            name = self.evaluator.text(element, "name", context, file)
+            context.configurations.pop(name or "", None)
         elif tag == "reset_env":
-            scope.renew(self.evaluator.environ)
+            context.reset_environment(self.evaluator.environ)
         else:
-            self._variable(element, scope, place)
+            self._environment_variable(element, context, file)
 
-    def let(self, element: Element, scope: Scope, place: Place) -> None:
+    def set_configuration(
+        self, element: Element, context: LaunchContext, file: FileInclusion
+    ) -> None:
         """Set a configuration."""
-        for item in self.evaluator.given([element], scope, place):
-            scope.put(*item)
+        for item in self.evaluator.configurations([element], context, file):
+            context.set_value(*item)
 
-    def kept(
-        self, element: Element, scope: Scope, place: Place
-    ) -> Iterator[tuple[Source, str | None, frozenset[Source]]]:
+    def preserved_configurations(
+        self, element: Element, context: LaunchContext, file: FileInclusion
+    ) -> Iterator[tuple[LaunchVariable, str | None, frozenset[LaunchVariable]]]:
         """Yield the configurations that a group or a reset keeps."""
-        return self.evaluator.given(element.named("keep"), scope, place)
+        return self.evaluator.configurations(element.children_named("keep"), context, file)
 
-    def _variable(self, element: Element, scope: Scope, place: Place) -> None:
-        name = self.evaluator.text(element, "name", scope, place)
+    def _environment_variable(
+        self, element: Element, context: LaunchContext, file: FileInclusion
+    ) -> None:
+        name = self.evaluator.text(element, "name", context, file)
         if name is None:
             return
-        value = self.evaluator.value(element, "value", scope, place)
-        touched = frozenset(self.evaluator.touched)
-        variable = Source(name, environment=True)
+        value = self.evaluator.value(element, "value", context, file)
+        dependencies = frozenset(self.evaluator.dependencies)
+        variable = LaunchVariable(name, is_environment=True)
         if element.tag == "unset_env":
-            scope.put(variable, None)
-            scope.unknown.discard(variable)
+            context.set_value(variable, None)
+            context.unknown.discard(variable)
         elif element.tag == "set_env":
-            scope.put(variable, value, touched)
+            context.set_value(variable, value, dependencies)
         else:
-            longer = self._appended(element, scope, name, value)
-            scope.put(variable, longer, touched | scope.behind(variable))
+            longer = self._appended_value(element, context, name, value)
+            context.set_value(variable, longer, dependencies | context.dependencies_of(variable))
 
-    def _appended(self, element: Element, scope: Scope, name: str, value: str | None) -> str | None:
+    def _appended_value(
+        self, element: Element, context: LaunchContext, name: str, value: str | None
+    ) -> str | None:
         """Return what `append_env` makes of a variable, where that is asked for."""
         if not self.evaluator.symbolic or value is None:
             return None
-        words = [word for word in (scope.environ.get(name), value) if word]
-        first = element.plain("prepend").lower() in {"true", "1", "yes"}
-        return (element.plain("separator") or ":").join(words[::-1] if first else words)
+        words = [word for word in (context.environ.get(name), value) if word]
+        first = element.plain_text("prepend").lower() in {"true", "1", "yes"}
+        return (element.plain_text("separator") or ":").join(words[::-1] if first else words)
 
-    def _argument(self, element: Element, scope: Scope, place: Place) -> None:
-        source = Source(element.plain("name"))
-        if source.name in scope.configurations or source in scope.unknown:
+    def _argument(self, element: Element, context: LaunchContext, file: FileInclusion) -> None:
+        source = LaunchVariable(element.plain_text("name"))
+        if source.name in context.configurations or source in context.unknown:
             return
         if "default" not in element.attributes:
-            self._missing(element, source, scope, place)
+            self._missing_argument(element, source, context, file)
             return
-        value = self.evaluator.value(element, "default", scope, place)
-        self.evaluator.choices.default(source.name, value)
-        scope.put(source, value, {source, *self.evaluator.touched})
+        value = self.evaluator.value(element, "default", context, file)
+        self.evaluator.choices.add_default(source.name, value)
+        context.set_value(source, value, {source, *self.evaluator.dependencies})
 
-    def _missing(self, element: Element, source: Source, scope: Scope, place: Place) -> None:
+    def _missing_argument(
+        self, element: Element, source: LaunchVariable, context: LaunchContext, file: FileInclusion
+    ) -> None:
         """Take an argument that nobody gave for a hole, if holes may be."""
         if not self.evaluator.symbolic:
             raise MissingArgumentError(source.name)
-        self.evaluator.note_missing(element, place, source.name)
-        scope.put(source, hole(source.name), {source})
+        self.evaluator.note_missing(element, file, source.name)
+        context.set_value(source, placeholder(source.name), {source})

@@ -3,16 +3,16 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from rtron.sources.launch.ros2.launch_context import Scope
-from rtron.sources.launch.ros2.parameters.file_cache import YamlFiles
-from rtron.sources.launch.ros2.substitutions.template import Written
+from rtron.sources.launch.ros2.launch_context import LaunchContext
+from rtron.sources.launch.ros2.parameters.file_cache import YamlFileCache
+from rtron.sources.launch.ros2.substitutions.template import TemplateText
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class View:
+class ContextView:
     """A launch at one place: `perform` evaluates texts, `files` are what it reads and makes."""
 
-    perform: Callable[[Written], str]
-    scope: Scope
+    perform: Callable[[TemplateText], str]
+    context: LaunchContext
     note: Callable[[str], None]
-    files: YamlFiles
+    files: YamlFileCache

@@ -7,168 +7,199 @@ from functools import partial
 from pathlib import Path
 
 from rtron.sources.launch.common.errors import UnresolvableError
-from rtron.sources.launch.ros2.choices import Choices
-from rtron.sources.launch.ros2.context_view import View
-from rtron.sources.launch.ros2.inclusion import Place
-from rtron.sources.launch.ros2.launch_context import Scope, Source
-from rtron.sources.launch.ros2.limits import Bounds
-from rtron.sources.launch.ros2.parameters.file_cache import YamlFiles
-from rtron.sources.launch.ros2.parameters.merge import ALL
-from rtron.sources.launch.ros2.substitutions.command_output import Commands
-from rtron.sources.launch.ros2.substitutions.functions import Function, closed, given, said, truth
-from rtron.sources.launch.ros2.substitutions.loops import loop_variable
-from rtron.sources.launch.ros2.substitutions.package_lookup import Lookups
-from rtron.sources.launch.ros2.substitutions.substitution import (
-    MAX_LONG,
-    Substitution,
-    environment,
-    variable,
+from rtron.sources.launch.ros2.choices import LaunchChoices
+from rtron.sources.launch.ros2.context_view import ContextView
+from rtron.sources.launch.ros2.inclusion import FileInclusion
+from rtron.sources.launch.ros2.launch_context import LaunchContext, LaunchVariable
+from rtron.sources.launch.ros2.limits import LaunchLimits
+from rtron.sources.launch.ros2.parameters.file_cache import YamlFileCache
+from rtron.sources.launch.ros2.parameters.merge import ALL_NODES
+from rtron.sources.launch.ros2.substitutions.command_output import CommandOutput
+from rtron.sources.launch.ros2.substitutions.functions import (
+    Function,
+    format_bool,
+    parse_condition,
+    require_arguments,
+    require_known,
 )
-from rtron.sources.launch.ros2.substitutions.template import hole
-from rtron.sources.launch.ros2.unresolved import Notes
+from rtron.sources.launch.ros2.substitutions.loops import loop_variable
+from rtron.sources.launch.ros2.substitutions.package_lookup import PackageLookup
+from rtron.sources.launch.ros2.substitutions.substitution import (
+    MAX_GRAPH_TEXT,
+    SubstitutionEvaluator,
+    configuration_function,
+    environment_function,
+)
+from rtron.sources.launch.ros2.substitutions.template import placeholder
+from rtron.sources.launch.ros2.unresolved import UnresolvedNotes
 from rtron.sources.launch.ros2.xml_yaml.element import Element
 from rtron.vocabulary import UnknownValue
-from rtron.vocabulary.remap_rules import UNKNOWN, Rule
+from rtron.vocabulary.remap_rules import UNKNOWN_NAME, RemapRule
 
 
 @dataclass(slots=True, kw_only=True)
-class Evaluator(Notes):
+class LaunchEvaluator(UnresolvedNotes):
     """Evaluates what stands in elements, and notes what has no value before the launch runs.
 
-    `touched` are the arguments and variables that decided what was evaluated last. Where it is
+    `dependencies` are the arguments and variables that decided what was evaluated last. Where it is
     `symbolic`, a text keeps what is known of it: the rest are holes (`pieces`), each noted once.
     """
 
     environ: Mapping[str, str]
     packages: Mapping[str, Path]
-    choices: Choices
-    installed: Callable[[str], str] = str
-    files: YamlFiles = field(init=False)
-    commands: Commands = field(init=False)
-    bounds: Bounds = field(default_factory=Bounds)
-    touched: set[Source] = field(default_factory=set)
+    choices: LaunchChoices
+    locate_source: Callable[[str], str] = str
+    files: YamlFileCache = field(init=False)
+    command_output: CommandOutput = field(init=False)
+    limits: LaunchLimits = field(default_factory=LaunchLimits)
+    dependencies: set[LaunchVariable] = field(default_factory=set)
 
     def __post_init__(self) -> None:
         """Let the files count in the same bounds, and commands make notes."""
-        self.files = YamlFiles(self.bounds, self.installed)
-        self.commands = Commands(
+        self.files = YamlFileCache(self.limits, self.locate_source)
+        self.command_output = CommandOutput(
             packages=self.packages,
             environ=self.environ,
-            installed=self.installed,
-            notes=self.unresolved,
+            locate_source=self.locate_source,
+            unresolved=self.unresolved,
         )
 
-    def text(self, element: Element, key: str, scope: Scope, place: Place) -> str | None:
+    def text(
+        self, element: Element, key: str, context: LaunchContext, file: FileInclusion
+    ) -> str | None:
         """Return an attribute's value as `value` does; it decides what starts, or a name."""
-        value = self.value(element, key, scope, place)
-        self.choices.decide(self.touched)
+        value = self.value(element, key, context, file)
+        self.choices.decide(self.dependencies)
         return value
 
-    def value(self, element: Element, key: str, scope: Scope, place: Place) -> str | None:
+    def value(
+        self, element: Element, key: str, context: LaunchContext, file: FileInclusion
+    ) -> str | None:
         """Return an attribute's value; None where it is not written, or, noted, has none here.
 
-        Afterwards `touched` has the arguments and variables that decide it.
+        Afterwards `dependencies` has the arguments and variables that decide it.
         """
-        self.touched = set()
-        written = element.attributes.get(key)
-        if written is None:
+        self.dependencies = set()
+        template = element.attributes.get(key)
+        if template is None:
             return None
-        with self.noting(element, place):
-            return self.substitution(element, scope, place).replace(written)
+        with self.collect_errors(element, file):
+            return self.substitution_evaluator(element, context, file).evaluate(template)
         return None
 
     def condition(
-        self, element: Element, scope: Scope, place: Place
-    ) -> tuple[bool | None, frozenset[Source]]:
+        self, element: Element, context: LaunchContext, file: FileInclusion
+    ) -> tuple[bool | None, frozenset[LaunchVariable]]:
         """Return what an element's condition says, None if it is not known, and what decides it."""
-        said: list[bool | None] = []
-        why: set[Source] = set()
-        for key, wanted in (("if", True), ("unless", False)):
+        results: list[bool | None] = []
+        dependencies: set[LaunchVariable] = set()
+        for key, expected in (("if", True), ("unless", False)):
             if key in element.attributes:
-                said.append(None)
-                text = self.value(element, key, scope, place)
-                why |= self.touched
-                with self.noting(element, place):
-                    said[-1] = None if text is None else truth(text) is wanted
-        known = False if False in said else None if None in said else True
-        return known, frozenset(why)
+                results.append(None)
+                text = self.value(element, key, context, file)
+                dependencies |= self.dependencies
+                with self.collect_errors(element, file):
+                    results[-1] = None if text is None else parse_condition(text) is expected
+        known = False if False in results else None if None in results else True
+        return known, frozenset(dependencies)
 
-    def pairs(self, elements: Iterable[Element], scope: Scope, place: Place) -> list[Rule]:
+    def remap_rules(
+        self, elements: Iterable[Element], context: LaunchContext, file: FileInclusion
+    ) -> list[RemapRule]:
         """Return the remap rules that elements say, `*` for a name that is not known."""
-        found = []
+        rules = []
         for element in elements:
-            self.bounds.action(place.path, scope)
-            pair = [self.text(element, key, scope, place) for key in ("from", "to")]
-            found.append((pair[0] or UNKNOWN, pair[1] or UNKNOWN))
-        return found
+            self.limits.count_action(file.path, context)
+            pair = [self.text(element, key, context, file) for key in ("from", "to")]
+            rules.append((pair[0] or UNKNOWN_NAME, pair[1] or UNKNOWN_NAME))
+        return rules
 
-    def given(
-        self, elements: Iterable[Element], scope: Scope, place: Place
-    ) -> Iterator[tuple[Source, str | None, frozenset[Source]]]:
+    def configurations(
+        self, elements: Iterable[Element], context: LaunchContext, file: FileInclusion
+    ) -> Iterator[tuple[LaunchVariable, str | None, frozenset[LaunchVariable]]]:
         """Yield the configurations that elements set, and what decides their values."""
         for element in elements:
-            name = self.text(element, "name", scope, place)
-            value = self.value(element, "value", scope, place)
+            name = self.text(element, "name", context, file)
+            value = self.value(element, "value", context, file)
             if name is not None:
-                yield Source(name), value, frozenset(self.touched)
+                yield LaunchVariable(name), value, frozenset(self.dependencies)
 
-    def substitution(self, element: Element, scope: Scope, place: Place) -> Substitution:
+    def substitution_evaluator(
+        self, element: Element, context: LaunchContext, file: FileInclusion
+    ) -> SubstitutionEvaluator:
         """Return what replaces substitutions in an element's texts."""
-        functions = self._functions(scope, place)
+        functions = self._functions(context, file)
         if not self.symbolic:
-            return Substitution(functions)
+            return SubstitutionEvaluator(functions)
 
         def failed(what: str, error: Exception) -> str:
-            self.note_failed(element, place, error)
-            return hole(what)
+            self.note_error(element, file, error)
+            return placeholder(what)
 
-        found = Substitution(functions, failed, most=MAX_LONG)
-        found.view = self._view(element, scope, place, found)
-        return found
+        evaluator = SubstitutionEvaluator(functions, failed, max_length=MAX_GRAPH_TEXT)
+        evaluator.context_view = self._context_view(element, context, file, evaluator)
+        return evaluator
 
-    def view(self, element: Element, scope: Scope, place: Place) -> View:
+    def context_view(
+        self, element: Element, context: LaunchContext, file: FileInclusion
+    ) -> ContextView:
         """Return what a function of a Python launch file sees of the launch."""
-        return self._view(element, scope, place, self.substitution(element, scope, place))
+        return self._context_view(
+            element, context, file, self.substitution_evaluator(element, context, file)
+        )
 
-    def _view(
-        self, element: Element, scope: Scope, place: Place, substitution: Substitution
-    ) -> View:
-        note = partial(self.note, element, place)
-        return View(perform=substitution.replace, scope=scope, note=note, files=self.files)
+    def _context_view(
+        self,
+        element: Element,
+        context: LaunchContext,
+        file: FileInclusion,
+        substitution: SubstitutionEvaluator,
+    ) -> ContextView:
+        note = partial(self.note, element, file)
+        return ContextView(
+            perform=substitution.evaluate, context=context, note=note, files=self.files
+        )
 
-    def _functions(self, scope: Scope, place: Place) -> Mapping[str, Function]:
-        folder = os.path.dirname(place.path)  # noqa: PTH120 - a string in a string out
+    def _functions(self, context: LaunchContext, file: FileInclusion) -> Mapping[str, Function]:
+        folder = os.path.dirname(file.path)  # noqa: PTH120 - a string in a string out
 
-        def looked_up(function: Function, words: list[str], *, environment: bool = False) -> str:
-            source = Source("".join(words[:1]), environment)
-            self.touched |= scope.behind(source)
-            if source in scope.unknown:
-                raise UnresolvableError(f"the value of '{source.name}' is not known")
-            return function(words)
+        def looked_up(
+            function: Function, arguments: list[str], *, environment: bool = False
+        ) -> str:
+            looked_up_variable = LaunchVariable("".join(arguments[:1]), environment)
+            self.dependencies |= context.dependencies_of(looked_up_variable)
+            if looked_up_variable in context.unknown:
+                raise UnresolvableError(f"the value of '{looked_up_variable.name}' is not known")
+            return function(arguments)
 
-        value, variable_value = variable(scope.configurations), environment(scope.environ)
+        value, variable_value = (
+            configuration_function(context.configurations),
+            environment_function(context.environ),
+        )
         return {
             "var": lambda words: looked_up(value, words),
             "env": lambda words: looked_up(variable_value, words, environment=True),
             "optenv": lambda words: looked_up(variable_value, [*words, ""][:2], environment=True),
             "dirname": lambda _: folder,
-            "filename": lambda _: place.path,
-            "anon": lambda words: f"{words[0]}_{UNKNOWN}",
-            "config-equals": partial(_is_set_to, scope),
-            "for-var": loop_variable(scope.loops),
-            "index": loop_variable(scope.loops),
-            "param": partial(_shared, scope),
-            "node-name": lambda words: scope.full_name(*words),
-            **Lookups(self.environ, self.packages, self.symbolic, self.commands).functions(),
+            "filename": lambda _: file.path,
+            "anon": lambda words: f"{words[0]}_{UNKNOWN_NAME}",
+            "config-equals": partial(_configuration_equals, context),
+            "for-var": loop_variable(context.loops),
+            "index": loop_variable(context.loops),
+            "param": partial(_global_parameter, context),
+            "node-name": lambda words: context.full_name(*words),
+            **PackageLookup(
+                self.environ, self.packages, self.symbolic, self.command_output
+            ).functions(),
         }
 
 
-def _shared(scope: Scope, words: list[str]) -> str:
+def _global_parameter(context: LaunchContext, arguments: list[str]) -> str:
     """Return a parameter for all nodes, the first of its name (launch_ros: Parameter)."""
-    name, *default = given(words, 1, 2)
-    entries = (entry for source in scope.parameters or () for entry in source.entries)
+    name, *default = require_arguments(arguments, 1, 2)
+    entries = (entry for source in context.parameters or () for entry in source.entries)
     for pattern, values in entries:
-        if pattern == ALL and name in values:
+        if pattern == ALL_NODES and name in values:
             value = values[name].value
             if isinstance(value, UnknownValue):
                 raise UnresolvableError(value.why)
@@ -178,7 +209,7 @@ def _shared(scope: Scope, words: list[str]) -> str:
     return default[0]
 
 
-def _is_set_to(scope: Scope, words: list[str]) -> str:
+def _configuration_equals(context: LaunchContext, arguments: list[str]) -> str:
     """Return whether a configuration is set to a value; one that is not set is set to nothing."""
-    value = scope.configurations.get(words[0], "")
-    return said(closed(value) == closed("".join(words[1:])))
+    value = context.configurations.get(arguments[0], "")
+    return format_bool(require_known(value) == require_known("".join(arguments[1:])))

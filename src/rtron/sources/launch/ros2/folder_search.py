@@ -10,31 +10,33 @@ from rtron.sources.bounded_file import read_bounded
 MAX_FOLDERS = 200_000
 MAX_BYTES = 2**20
 
-_ENDINGS = ("launch.xml", "launch.yaml", "launch.yml")
-_PYTHON = "launch.py"
-_DESCRIBES = b"generate_launch_description"
-_NOT_SEARCHED = frozenset({".git", ".hg", ".svn", "build", "install", "log"})
+_SUFFIXES = ("launch.xml", "launch.yaml", "launch.yml")
+_PYTHON_SUFFIX = "launch.py"
+_ENTRY_FUNCTION = b"generate_launch_description"
+_SKIPPED_FOLDERS = frozenset({".git", ".hg", ".svn", "build", "install", "log"})
 
 
-def launch_files2(folders: Iterable[Path]) -> tuple[Path, ...]:
+def find_ros2_launch_files(folders: Iterable[Path]) -> tuple[Path, ...]:
     """Return the launch files of ROS 2 below folders, by path; links are not followed.
 
     A Python file is one if it defines what launch calls, or names it and is called so. Raise
     InputError for a folder without end.
     """
-    return tuple(sorted({path for folder in folders for path in _below(folder.absolute())}))
+    return tuple(
+        sorted({path for folder in folders for path in _launch_files_below(folder.absolute())})
+    )
 
 
-def _below(top: Path) -> Iterator[Path]:
-    for seen, (folder, subfolders, files) in enumerate(walk(top, lambda path, why: None)):
-        if seen == MAX_FOLDERS:
+def _launch_files_below(top: Path) -> Iterator[Path]:
+    for count, (folder, subfolders, files) in enumerate(walk(top, lambda path, why: None)):
+        if count == MAX_FOLDERS:
             raise InputError(f"has more than {MAX_FOLDERS} folders", path=str(top))
-        subfolders[:] = [name for name in subfolders if name not in _NOT_SEARCHED]
-        yield from (path for name in files if _is_launch(path := Path(folder, name)))
+        subfolders[:] = [name for name in subfolders if name not in _SKIPPED_FOLDERS]
+        yield from (path for name in files if _is_launch_file(path := Path(folder, name)))
 
 
-def _is_launch(path: Path) -> bool:
-    if path.name.endswith(_ENDINGS):
+def _is_launch_file(path: Path) -> bool:
+    if path.name.endswith(_SUFFIXES):
         return True
     if path.suffix != ".py" or not path.is_file():
         return False
@@ -42,5 +44,5 @@ def _is_launch(path: Path) -> bool:
         text = read_bounded(path, MAX_BYTES)
     except InputError:
         return False
-    named = path.name.endswith(_PYTHON)
-    return (_DESCRIBES if named else b"def " + _DESCRIBES) in text
+    named = path.name.endswith(_PYTHON_SUFFIX)
+    return (_ENTRY_FUNCTION if named else b"def " + _ENTRY_FUNCTION) in text

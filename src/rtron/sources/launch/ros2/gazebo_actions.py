@@ -6,7 +6,7 @@ left for it.
 
 from collections.abc import Mapping
 
-from rtron.sources.launch.ros2.substitutions.template import Call
+from rtron.sources.launch.ros2.substitutions.template import SubstitutionCall
 from rtron.sources.launch.ros2.xml_yaml.element import Element
 
 _CONTAINER = {
@@ -22,14 +22,14 @@ _DEFAULTS: Mapping[str, Mapping[str, str]] = {
 GAZEBO_ACTIONS = frozenset(_DEFAULTS)
 
 
-def inclusion(action: Element) -> Element:
+def as_include(action: Element) -> Element:
     """Return what one of them does, as an inclusion."""
     package = "ros_gz_bridge" if action.tag == "ros_gz_bridge" else "ros_gz_sim"
-    given = {**_DEFAULTS[action.tag], **action.attributes}
+    arguments_by_name = {**_DEFAULTS[action.tag], **action.attributes}
     arguments = tuple(
         Element("arg", {"name": name, "value": value})
-        for name, value in given.items()
+        for name, value in arguments_by_name.items()
         if name not in ("if", "unless")
     )
-    file = (Call("find-pkg-share", ((package,),)), f"/launch/{action.tag}.launch.py")
-    return Element("include", {"file": file}, arguments).placed(action.line, action.file)
+    file = (SubstitutionCall("find-pkg-share", ((package,),)), f"/launch/{action.tag}.launch.py")
+    return Element("include", {"file": file}, arguments).with_location(action.line, action.file)

@@ -7,26 +7,30 @@ from rtron.vocabulary import Evidence, LaunchFile, LaunchInclude, LaunchNode
 
 
 @dataclass(slots=True)
-class Place:
+class FileInclusion:
     """One inclusion of a file; `depth` files include it."""
 
     path: str
     depth: int
     nodes: list[LaunchNode] = field(default_factory=list)
-    includes: list[tuple[Element, str, "Place"]] = field(default_factory=list)
+    includes: list[tuple[Element, str, "FileInclusion"]] = field(default_factory=list)
 
-    def file(self) -> LaunchFile:
+    def launch_file(self) -> LaunchFile:
         """Return the file with all that was found."""
         return LaunchFile(
             path=self.path,
             nodes=tuple(self.nodes),
             includes=tuple(
-                LaunchInclude(element=element.place, spelled=spelled, file=place.file())
-                for element, spelled, place in self.includes
+                LaunchInclude(
+                    element_index=element.position,
+                    evaluated_name=spelled_path,
+                    file=file.launch_file(),
+                )
+                for element, spelled_path, file in self.includes
             ),
         )
 
 
-def evidence_of(element: Element, place: Place) -> Evidence:
+def element_location(element: Element, file: FileInclusion) -> Evidence:
     """Return where an element stands."""
-    return Evidence(file=element.file or place.path, line=element.line)
+    return Evidence(file=element.file or file.path, line=element.line)

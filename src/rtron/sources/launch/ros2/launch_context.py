@@ -5,138 +5,147 @@ from dataclasses import dataclass, field
 from typing import NamedTuple, TypeAlias
 
 from rtron.sources.launch.ros2.parameters.merge import ParameterSource
-from rtron.vocabulary.remap_rules import UNKNOWN, Rule
+from rtron.vocabulary.remap_rules import UNKNOWN_NAME, RemapRule
 
 NAMESPACE = "ros_namespace"
 """The configuration in which launch_ros keeps the pushed namespace."""
 
 
-Mark: TypeAlias = tuple[int, int, int]
+ChangeMark: TypeAlias = tuple[int, int, int]
 
 
-class Source(NamedTuple):
+class LaunchVariable(NamedTuple):
     """Something with a value: a configuration, which is an argument too, or a variable."""
 
     name: str
-    environment: bool = False
+    is_environment: bool = False
 
 
 @dataclass(slots=True)
-class Scope:
+class LaunchContext:
     """One scope; actions change it for all that comes after them in it.
 
     `remaps` are those of `set_remap`, in order, None before the first. launch_ros adds to the list
     that it finds, so a group changes that of the scopes around it, if they have one already. So are
     `parameters` those of `set_parameter` and `set_parameters_from_file`.
-    `unknown` are those that are set, to what is not known. `sources` tells of each that the
+    `unknown` are those that are set, to what is not known. `dependencies` tells of each that the
     launch sets itself which arguments and variables decided its value. `loops` are the values of
     the round of each loop around, None for one that is not known.
     """
 
     configurations: dict[str, str] = field(default_factory=dict)
     environ: dict[str, str] = field(default_factory=dict)
-    remaps: list[Rule] | None = None
+    remaps: list[RemapRule] | None = None
     parameters: list[ParameterSource] | None = None
-    doubtful: bool = False
-    unknown: set[Source] = field(default_factory=set)
-    sources: dict[Source, frozenset[Source]] = field(default_factory=dict)
+    is_uncertain: bool = False
+    unknown: set[LaunchVariable] = field(default_factory=set)
+    dependencies: dict[LaunchVariable, frozenset[LaunchVariable]] = field(default_factory=dict)
     loops: dict[str, str | None] = field(default_factory=dict)
-    _puts: list[Source] = field(default_factory=list)
-    _clears: int = 0
+    _changes: list[LaunchVariable] = field(default_factory=list)
+    _reset_count: int = 0
 
     @property
     def namespace(self) -> str | None:
         """What was pushed, None before the first; UNKNOWN if that is not known."""
-        unknown = Source(NAMESPACE) in self.unknown
-        return UNKNOWN if unknown else self.configurations.get(NAMESPACE)
+        unknown = LaunchVariable(NAMESPACE) in self.unknown
+        return UNKNOWN_NAME if unknown else self.configurations.get(NAMESPACE)
 
-    def put(self, source: Source, value: str | None, sources: Collection[Source] = ()) -> None:
+    def set_value(
+        self,
+        variable: LaunchVariable,
+        value: str | None,
+        dependencies: Collection[LaunchVariable] = (),
+    ) -> None:
         """Set a configuration or variable; None for a value that only the running launch knows."""
-        values = self.environ if source.environment else self.configurations
-        values.pop(source.name, None)
-        self.unknown.discard(source)
+        values = self.environ if variable.is_environment else self.configurations
+        values.pop(variable.name, None)
+        self.unknown.discard(variable)
         if value is None:
-            self.unknown.add(source)
+            self.unknown.add(variable)
         else:
-            values[source.name] = value
-        self.sources[source] = frozenset(sources)
-        self._puts.append(source)
+            values[variable.name] = value
+        self.dependencies[variable] = frozenset(dependencies)
+        self._changes.append(variable)
 
-    def behind(self, source: Source) -> frozenset[Source]:
+    def dependencies_of(self, variable: LaunchVariable) -> frozenset[LaunchVariable]:
         """Return which arguments and variables decide a value here."""
-        return self.sources.get(source, frozenset({source}))
+        return self.dependencies.get(variable, frozenset({variable}))
 
-    def share(self, rules: Collection[Rule]) -> None:
+    def add_remaps(self, rules: Collection[RemapRule]) -> None:
         """Add remap rules for all nodes, as `set_remap` does."""
         self.remaps = [] if self.remaps is None else self.remaps
         self.remaps += rules
 
-    def share_parameter(self, source: ParameterSource) -> None:
+    def add_parameters(self, source: ParameterSource) -> None:
         """Add a parameter, or a file of them, for all nodes."""
         self.parameters = [] if self.parameters is None else self.parameters
         self.parameters.append(source)
 
     def clear(self) -> None:
         """Forget all configurations, as `reset` does; the namespace and the remaps are such."""
-        self._clears += 1
+        self._reset_count += 1
         self.configurations, self.remaps, self.parameters = {}, None, None
-        self.unknown = {source for source in self.unknown if source.environment}
-        self.sources = {key: why for key, why in self.sources.items() if key.environment}
+        self.unknown = {source for source in self.unknown if source.is_environment}
+        self.dependencies = {
+            key: dependencies
+            for key, dependencies in self.dependencies.items()
+            if key.is_environment
+        }
 
     @property
     def size(self) -> int:
         """How many configurations and variables there are."""
         return len(self.configurations) + len(self.environ) + len(self.unknown)
 
-    def inner(self) -> "Scope":
+    def child(self) -> "LaunchContext":
         """Return the scope of a group."""
-        return Scope(
+        return LaunchContext(
             configurations=dict(self.configurations),
             environ=dict(self.environ),
             remaps=self.remaps,
             parameters=self.parameters,
-            doubtful=self.doubtful,
+            is_uncertain=self.is_uncertain,
             unknown=set(self.unknown),
-            sources=dict(self.sources),
+            dependencies=dict(self.dependencies),
             loops=self.loops,
         )
 
-    def renew(self, environ: Mapping[str, str]) -> None:
+    def reset_environment(self, environ: Mapping[str, str]) -> None:
         """Set the environment as it was at the start, as `reset_env` does."""
-        self._clears += 1
+        self._reset_count += 1
         self.environ = dict(environ)
 
-    def mark(self) -> Mark:
-        """Return what has changed so far, for `depend`."""
-        return len(self._puts), self._clears, len(self.remaps or ())
+    def change_mark(self) -> ChangeMark:
+        """Return what has changed so far, for `add_dependencies`."""
+        return len(self._changes), self._reset_count, len(self.remaps or ())
 
-    def depend(self, sources: Collection[Source], since: Mark) -> bool:
-        """Note that all that was set since a mark depends on `sources` too.
+    def add_dependencies(self, dependencies: Collection[LaunchVariable], since: ChangeMark) -> bool:
+        """Note that all that was set since a mark depends on `dependencies` too.
 
         Return True if more than values has changed.
         """
-        puts, *others = since
-        for source in self._puts[puts:] if sources else ():
-            self.sources[source] = self.behind(source).union(sources)
-        return others != [self._clears, len(self.remaps or ())]
+        change_count, *other_counts = since
+        for source in self._changes[change_count:] if dependencies else ():
+            self.dependencies[source] = self.dependencies_of(source).union(dependencies)
+        return other_counts != [self._reset_count, len(self.remaps or ())]
 
-    def space(self, own: str | None) -> str | None:
+    def node_namespace(self, node_namespace_text: str | None) -> str | None:
         """Return the namespace of a node, or what it is after a push; None for no namespace."""
-        if own is None:
-            known = self.namespace in (None, UNKNOWN)
-            return self.namespace if known else canonical(self.namespace or "")
-        if own.startswith("/"):
-            return canonical(own)
-        if UNKNOWN in (own, self.namespace):
-            return UNKNOWN
-        return canonical(f"{self.namespace or ''}/{own}")
+        if node_namespace_text is None:
+            is_final = self.namespace in (None, UNKNOWN_NAME)
+            return self.namespace if is_final else canonical_namespace(self.namespace or "")
+        if node_namespace_text.startswith("/"):
+            return canonical_namespace(node_namespace_text)
+        if UNKNOWN_NAME in (node_namespace_text, self.namespace):
+            return UNKNOWN_NAME
+        return canonical_namespace(f"{self.namespace or ''}/{node_namespace_text}")
 
-    def full_name(self, name: str, own: str | None = None) -> str:
+    def full_name(self, name: str, node_namespace_text: str | None = None) -> str:
         """Return a node's full name."""
-        space = self.space(own)
-        return f"{space or ''}/{name}" if space != "/" else f"/{name}"
+        namespace = self.node_namespace(node_namespace_text)
+        return f"{namespace or ''}/{name}" if namespace != "/" else f"/{name}"
 
 
-def canonical(space: str) -> str:
+def canonical_namespace(namespace: str) -> str:
     """Return a namespace with one slash before each part."""
-    return "/" + "/".join(part for part in space.split("/") if part)
+    return "/" + "/".join(part for part in namespace.split("/") if part)

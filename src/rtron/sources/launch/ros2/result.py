@@ -6,15 +6,15 @@ from dataclasses import dataclass, field
 from rtron.sources.launch.common.yaml_tree import YamlTree
 from rtron.sources.launch.ros2.parameters.merge import (
     ParameterSource,
-    given_parameters,
-    loaded_parameters,
+    merge_component_parameters,
+    merge_node_parameters,
 )
-from rtron.vocabulary import Evidence, Unresolved, Word
+from rtron.vocabulary import Evidence, StringEnum, UnresolvedItem
 from rtron.vocabulary.parameters import Parameter
-from rtron.vocabulary.remap_rules import UNKNOWN, Rule
+from rtron.vocabulary.remap_rules import UNKNOWN_NAME, RemapRule
 
 
-class StartKind(Word):
+class StartKind(StringEnum):
     """What a launch starts: processes, and components that containers load."""
 
     NODE = "node"
@@ -25,16 +25,16 @@ class StartKind(Word):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Start:
+class LaunchStart:
     """A node, component or process that a launch starts.
 
     `name` is empty where the program names its node itself; `full_name` then ends in `*`. What is
-    not known of a text stands in braces. `placed` says that a namespace is given. `program` is an
+    not known of a text stands in braces. `has_namespace` says that a namespace is given. `program` is an
     executable, or a component's class, which the node `container` loads. `remaps` are in order: the
-    first that fits a name counts, `shared` of them are not the node's own. `arguments` are the
-    words of a command line, for a process the whole of it. `complete` says that every parameter
-    file is known, `extra` are a component's extra arguments. `conditions` are those that it stands
-    under, `doubtful` says that one of them is not known. `event` is what it waits for. `chain` has
+    first that fits a name counts, `global_remap_count` of them are not the node's own. `arguments` are the
+    words of a command line, for a process the whole of it. `parameters_complete` says that every parameter
+    file is known, `extra_arguments` are a component's extra arguments. `conditions` are those that it stands
+    under, `is_uncertain` says that one of them is not known. `awaited_event` is what it waits for. `include_chain` has
     the includes around, outermost first. `executed` says that the launch file was run to find it;
     conditions and chain are not known then.
     """
@@ -44,39 +44,39 @@ class Start:
     program: str = ""
     name: str = ""
     namespace: str = "/"
-    placed: bool = False
-    remaps: tuple[Rule, ...] = ()
-    shared: int = 0
-    sources: tuple[ParameterSource, ...] = ()
-    complete: bool = True
+    has_namespace: bool = False
+    remaps: tuple[RemapRule, ...] = ()
+    global_remap_count: int = 0
+    parameter_sources: tuple[ParameterSource, ...] = ()
+    parameters_complete: bool = True
     arguments: tuple[str, ...] = ()
     environ: tuple[tuple[str, str], ...] = ()
     container: str = ""
-    extra: Mapping[str, Parameter] = field(default_factory=dict)
+    extra_arguments: Mapping[str, Parameter] = field(default_factory=dict)
     conditions: tuple[Evidence, ...] = ()
-    doubtful: bool = False
-    event: str = ""
+    is_uncertain: bool = False
+    awaited_event: str = ""
     evidence: Evidence
-    chain: tuple[Evidence, ...] = ()
+    include_chain: tuple[Evidence, ...] = ()
     executed: bool = False
 
     @property
     def full_name(self) -> str:
         """The node's full name."""
-        return f"{self.namespace.rstrip('/')}/{self.name or UNKNOWN}"
+        return f"{self.namespace.rstrip('/')}/{self.name or UNKNOWN_NAME}"
 
     def parameters(self) -> dict[str, Parameter]:
-        """Return the parameters that it is given, as `given_parameters` merges them.
+        """Return the parameters that it is given, as `merge_node_parameters` merges them.
 
-        For a component launch_ros takes them together itself, as `loaded_parameters` says.
+        For a component launch_ros takes them together itself, as `merge_component_parameters` says.
         """
         if self.kind is StartKind.COMPONENT:
-            return loaded_parameters(self.sources, self.full_name)
-        return given_parameters(self.sources, self.full_name)
+            return merge_component_parameters(self.parameter_sources, self.full_name)
+        return merge_node_parameters(self.parameter_sources, self.full_name)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Argument:
+class DeclaredArgument:
     """An argument that a launch file declares; `default` is None for one that must be given."""
 
     name: str
@@ -86,13 +86,13 @@ class Argument:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Included:
+class IncludedFile:
     """A file that a launch file includes, with the arguments it is given there."""
 
     file: str
     arguments: tuple[tuple[str, str], ...]
     evidence: Evidence
-    includes: tuple["Included", ...] = ()
+    includes: tuple["IncludedFile", ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -100,12 +100,12 @@ class AppLaunch:
     """What a launch file starts, in the order of starting, with all that it includes.
 
     `arguments` are those that the file itself declares; `unresolved` is what could not be read.
-    `made` are the files that exist only while the launch runs, by what they are called.
+    `generated_files` are the files that exist only while the launch runs, by what they are called.
     """
 
     file: str
-    made: Mapping[str, YamlTree] = field(default_factory=dict)
-    starts: tuple[Start, ...] = ()
-    arguments: tuple[Argument, ...] = ()
-    includes: tuple[Included, ...] = ()
-    unresolved: tuple[Unresolved, ...] = ()
+    generated_files: Mapping[str, YamlTree] = field(default_factory=dict)
+    starts: tuple[LaunchStart, ...] = ()
+    arguments: tuple[DeclaredArgument, ...] = ()
+    includes: tuple[IncludedFile, ...] = ()
+    unresolved: tuple[UnresolvedItem, ...] = ()

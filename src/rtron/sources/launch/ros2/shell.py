@@ -10,47 +10,51 @@ from pathlib import Path
 from rtron.sources.launch.ros2.command_line import split_words
 
 _SHELLS = frozenset({"bash", "sh", "dash", "zsh"})
-_VALUED = ("o", "O", "--rcfile", "--init-file")
+_VALUED_OPTIONS = ("o", "O", "--rcfile", "--init-file")
 """How the options of a shell end that take a value."""
 
-_HOLE = "\ue000[^\ue000\ue001]*\ue001"
-_SINGLE = f"'(?:{_HOLE}|[^'\ue000])*'"
-_DOUBLE = f'"(?:{_HOLE}|\\\\.|[^"\\\\\ue000])*"'
-_PRINTED = r"\$\((?:[^()]|\([^()]*\))*\)|\$\(|`[^`]*`"
-_PART = f"{_HOLE}|\\\\.|{_SINGLE}|{_DOUBLE}|{_PRINTED}|[^\\s;&|()<>\\\\\ue000]|\\\\"
+_PLACEHOLDER = "\ue000[^\ue000\ue001]*\ue001"
+_SINGLE = f"'(?:{_PLACEHOLDER}|[^'\ue000])*'"
+_DOUBLE = f'"(?:{_PLACEHOLDER}|\\\\.|[^"\\\\\ue000])*"'
+_COMMAND_SUBSTITUTION = r"\$\((?:[^()]|\([^()]*\))*\)|\$\(|`[^`]*`"
+_PART = (
+    f"{_PLACEHOLDER}|\\\\.|{_SINGLE}|{_DOUBLE}|{_COMMAND_SUBSTITUTION}|[^\\s;&|()<>\\\\\ue000]|\\\\"
+)
 _TOKEN = re.compile(
     rf"\\\n|\#[^\n]*|<<-?(?!<)[ \t]*(?P<document>(?:{_PART})+)"
     rf"|(?:\d+|&)?(?:<<<|<&|<>|>>|>&|>\||[<>])[ \t]*(?:{_PART})*"
     rf"|(?P<between>[;&|()\n])|(?P<word>(?:{_PART})+)",
     re.DOTALL,
 )
-_QUOTED = re.compile(f"({_HOLE})|\\\\(.)|({_SINGLE})|({_DOUBLE})", re.DOTALL)
+_QUOTATION = re.compile(f"({_PLACEHOLDER})|\\\\(.)|({_SINGLE})|({_DOUBLE})", re.DOTALL)
 _ESCAPED = re.compile(r'\\([\\"$`\n])')
 
 
-def commands(words: Sequence[str], *, shell: bool) -> Iterator[tuple[str, ...]]:
+def split_commands(words: Sequence[str], *, shell: bool) -> Iterator[tuple[str, ...]]:
     """Yield the words of each command that a process runs; `shell` runs its line by a shell."""
     if shell:
-        yield from _of_line(" ".join(words))
+        yield from _commands_of_line(" ".join(words))
     else:
-        yield from _of_command(tuple(split_words(words[0])) if len(words) == 1 else tuple(words))
+        yield from _commands_of_command(
+            tuple(split_words(words[0])) if len(words) == 1 else tuple(words)
+        )
 
 
-def _of_line(line: str) -> Iterator[tuple[str, ...]]:
-    for command in filter(None, _separated(line)):
-        yield from _of_command(command)
+def _commands_of_line(line: str) -> Iterator[tuple[str, ...]]:
+    for command in filter(None, _split_line(line)):
+        yield from _commands_of_command(command)
 
 
-def _of_command(command: tuple[str, ...]) -> Iterator[tuple[str, ...]]:
+def _commands_of_command(command: tuple[str, ...]) -> Iterator[tuple[str, ...]]:
     """Yield a command, or those of the script that it gives to a shell (`bash -c SCRIPT`)."""
-    script = _script(command)
+    script = _shell_script(command)
     if script.strip():
-        yield from _of_line(script)
+        yield from _commands_of_line(script)
     else:
         yield command
 
 
-def _script(command: Sequence[str]) -> str:
+def _shell_script(command: Sequence[str]) -> str:
     """Return the script that a shell is given; empty for another command, or a file."""
     if not command or Path(command[0]).name not in _SHELLS:
         return ""
@@ -59,12 +63,12 @@ def _script(command: Sequence[str]) -> str:
         if not word.startswith("-"):
             return word if takes_script else ""
         takes_script = takes_script or (not word.startswith("--") and "c" in word)
-        if word.endswith(_VALUED):
+        if word.endswith(_VALUED_OPTIONS):
             next(words, "")
     return ""
 
 
-def _separated(line: str) -> Iterator[tuple[str, ...]]:
+def _split_line(line: str) -> Iterator[tuple[str, ...]]:
     """Yield the words of each command of a line, without redirections and comments.
 
     A document inside the line may be a script: it ends what is known, as a command `<<`.
@@ -83,13 +87,13 @@ def _separated(line: str) -> Iterator[tuple[str, ...]]:
 
 
 def _unquoted(word: str) -> str:
-    return _QUOTED.sub(_meant, word)
+    return _QUOTATION.sub(_literal_text, word)
 
 
-def _meant(part: re.Match[str]) -> str:
-    hole, escaped, single, double = part.groups()
-    if hole or single:
-        return hole or single[1:-1]
+def _literal_text(part: re.Match[str]) -> str:
+    placeholder, escaped, single, double = part.groups()
+    if placeholder or single:
+        return placeholder or single[1:-1]
     if escaped:
         return escaped.strip("\n")
     return _ESCAPED.sub(lambda found: found[1].strip("\n"), double[1:-1])

@@ -5,28 +5,28 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from rtron.errors import InputError
-from rtron.folders import is_there
+from rtron.folders import path_exists
 from rtron.sources.code.frontends.python.lowering import MAX_BYTES
-from rtron.sources.launch.ros2.action_context import Surroundings
+from rtron.sources.launch.ros2.action_context import ActionContextTracker
 from rtron.sources.launch.ros2.command_line import (
-    is_run,
-    remaps_in,
-    run_node,
-    special,
-    split_pieces,
+    argument_remaps,
+    is_ros2_run,
+    node_of_ros2_run,
+    special_remap,
+    split_template,
 )
-from rtron.sources.launch.ros2.inclusion import Place, evidence_of
-from rtron.sources.launch.ros2.launch_context import Scope, canonical
-from rtron.sources.launch.ros2.parameters.merge import ALL, ParameterSource
-from rtron.sources.launch.ros2.parameters.node_configuration import Given
-from rtron.sources.launch.ros2.result import Argument, Start, StartKind
-from rtron.sources.launch.ros2.run import as_run
-from rtron.sources.launch.ros2.shell import commands
-from rtron.sources.launch.ros2.substitutions.template import has_hole, shown
+from rtron.sources.launch.ros2.inclusion import FileInclusion, element_location
+from rtron.sources.launch.ros2.launch_context import LaunchContext, canonical_namespace
+from rtron.sources.launch.ros2.parameters.merge import ALL_NODES, ParameterSource
+from rtron.sources.launch.ros2.parameters.node_configuration import NodeConfiguration
+from rtron.sources.launch.ros2.result import DeclaredArgument, LaunchStart, StartKind
+from rtron.sources.launch.ros2.run import as_ros2_run
+from rtron.sources.launch.ros2.shell import split_commands
+from rtron.sources.launch.ros2.substitutions.template import display_text, has_placeholder
 from rtron.sources.launch.ros2.xml_yaml.element import Element
-from rtron.vocabulary.remap_rules import UNKNOWN
+from rtron.vocabulary.remap_rules import UNKNOWN_NAME
 
-SHARED = frozenset({"set_parameter", "set_parameters_from_file"})
+GLOBAL_PARAMETER_TAGS = frozenset({"set_parameter", "set_parameters_from_file"})
 """The actions that give parameters to all nodes after them."""
 
 _KINDS = {
@@ -37,150 +37,196 @@ _KINDS = {
 
 
 @dataclass(slots=True)
-class Starts(Surroundings):
-    """Collects what a launch starts; `front` reads a Python launch file."""
+class StartCollector(ActionContextTracker):
+    """Collects what a launch starts; `read_python_file` reads a Python launch file."""
 
-    front: Callable[[str], Element] = field(kw_only=True)
-    starts: list[Start] = field(default_factory=list)
-    arguments: list[Argument] = field(default_factory=list)
+    read_python_file: Callable[[str], Element] = field(kw_only=True)
+    starts: list[LaunchStart] = field(default_factory=list)
+    arguments: list[DeclaredArgument] = field(default_factory=list)
 
-    def python(self, path: str) -> Element:
+    def read_python(self, path: str) -> Element:
         """Return what a Python launch file describes; raise InputError where there is none."""
-        if not is_there(Path(path)) or not Path(path).is_file():
+        if not path_exists(Path(path)) or not Path(path).is_file():
             raise InputError("is no file", path=path)
         if Path(path).stat().st_size > MAX_BYTES:
             raise InputError(f"larger than {MAX_BYTES // 2**20} MiB", path=path)
-        return self.front(path)
+        return self.read_python_file(path)
 
-    def node(self, element: Element, scope: Scope, place: Place) -> None:
+    def add_node(self, element: Element, context: LaunchContext, file: FileInclusion) -> None:
         """Take a node, and what is to be loaded into it."""
-        start = self._started(element, scope, place, _KINDS[element.tag])
+        start = self._node_start(element, context, file, _KINDS[element.tag])
         self.starts.append(start)
-        self._components(element, scope, place, start.full_name)
+        self._add_components_of(element, context, file, start.full_name)
 
-    def components(self, element: Element, scope: Scope, place: Place) -> None:
+    def add_components(self, element: Element, context: LaunchContext, file: FileInclusion) -> None:
         """Take the components that an action loads into a container."""
-        target = self._text(element, "target", scope, place) or UNKNOWN
-        self._components(element, scope, place, canonical(target))
+        target = self._display_text(element, "target", context, file) or UNKNOWN_NAME
+        self._add_components_of(element, context, file, canonical_namespace(target))
 
-    def _components(self, element: Element, scope: Scope, place: Place, container: str) -> None:
-        for component in element.named("composable_node"):
-            said, _ = self.evaluator.condition(component, scope, place)
-            if said is not False:
-                doubtful, scope.doubtful = scope.doubtful, scope.doubtful or said is None
-                with self.under(component, scope, place, said):
-                    start = self._started(component, scope, place, StartKind.COMPONENT)
-                    extra = Given(self.evaluator, scope, place).extra_arguments(component)
-                    self.starts.append(replace(start, container=container, extra=extra))
-                scope.doubtful = doubtful
+    def _add_components_of(
+        self, element: Element, context: LaunchContext, file: FileInclusion, container: str
+    ) -> None:
+        for component in element.children_named("composable_node"):
+            holds, _ = self.evaluator.condition(component, context, file)
+            if holds is not False:
+                outer_uncertain, context.is_uncertain = (
+                    context.is_uncertain,
+                    context.is_uncertain or holds is None,
+                )
+                with self.under_condition(component, context, file, holds):
+                    start = self._node_start(component, context, file, StartKind.COMPONENT)
+                    extra = NodeConfiguration(self.evaluator, context, file).extra_arguments(
+                        component
+                    )
+                    self.starts.append(replace(start, container=container, extra_arguments=extra))
+                context.is_uncertain = outer_uncertain
 
-    def executable(self, element: Element, scope: Scope, place: Place) -> None:
+    def add_executable(self, element: Element, context: LaunchContext, file: FileInclusion) -> None:
         """Take a process, or each command of one that a shell runs; `ros2 run` starts a node."""
-        words = self._words(as_run(element), "cmd", scope, place)
-        for command in commands(words, shell=element.plain("shell").lower() == "true"):
-            self.evaluator.bounds.node(place.path)
-            self.starts.append(self._command(command, element, scope, place))
+        words = self._attribute_words(as_ros2_run(element), "cmd", context, file)
+        for command in split_commands(words, shell=element.plain_text("shell").lower() == "true"):
+            self.evaluator.limits.count_node(file.path)
+            self.starts.append(self._process_start(command, element, context, file))
 
-    def _command(self, words: Sequence[str], element: Element, scope: Scope, place: Place) -> Start:
-        given = Given(self.evaluator, scope, place)
-        found = Start(
+    def _process_start(
+        self, words: Sequence[str], element: Element, context: LaunchContext, file: FileInclusion
+    ) -> LaunchStart:
+        configuration = NodeConfiguration(self.evaluator, context, file)
+        process = LaunchStart(
             kind=StartKind.PROCESS,
-            arguments=tuple(map(shown, words)),
-            environ=given.environ(element),
-            doubtful=scope.doubtful,
-            **self.surroundings(element, place),
+            arguments=tuple(map(display_text, words)),
+            environ=configuration.environ(element),
+            is_uncertain=context.is_uncertain,
+            **self.context_fields(element, file),
         )
-        return _with(run_node(found), given.in_words(words, element)) if is_run(words) else found
+        return (
+            _with_parameters(
+                node_of_ros2_run(process), configuration.command_line_parameters(words, element)
+            )
+            if is_ros2_run(words)
+            else process
+        )
 
-    def unknown(self, element: Element, place: Place) -> None:
+    def note_unknown(self, element: Element, file: FileInclusion) -> None:
         """Note an action of a kind that is not known."""
-        self.evaluator.note(element, place, "is not known here: what it starts is not known")
+        self.evaluator.note(element, file, "is not known here: what it starts is not known")
 
-    def not_included(self, element: Element, spelled: str | None, place: Place) -> None:
+    def note_not_included(
+        self, element: Element, file_text: str | None, file: FileInclusion
+    ) -> None:
         """Note that a file is not known which is included."""
-        what = f"what it includes is not known: {shown(spelled or '')}"
-        self.evaluator.note(element, place, what)
+        what = f"what it includes is not known: {display_text(file_text or '')}"
+        self.evaluator.note(element, file, what)
 
-    def share(self, element: Element, scope: Scope, place: Place) -> None:
+    def add_global_parameters(
+        self, element: Element, context: LaunchContext, file: FileInclusion
+    ) -> None:
         """Give a parameter, or a file of them, to all nodes after this action."""
-        source = Given(self.evaluator, scope, place).shared(element)
+        source = NodeConfiguration(self.evaluator, context, file).global_parameters(element)
         if source is not None:
-            scope.share_parameter(source)
+            context.add_parameters(source)
 
-    def declared(self, element: Element, scope: Scope, place: Place) -> None:
+    def add_argument(self, element: Element, context: LaunchContext, file: FileInclusion) -> None:
         """Take an argument that the root file declares."""
-        if element.tag == "arg" and place.depth == 0:
-            default = self._text(element, "default", scope, place)
-            argument = Argument(
-                name=element.plain("name"),
+        if element.tag == "arg" and file.depth == 0:
+            default = self._display_text(element, "default", context, file)
+            argument = DeclaredArgument(
+                name=element.plain_text("name"),
                 default=default if "default" in element.attributes else None,
-                description=element.plain("description"),
-                evidence=evidence_of(element, place),
+                description=element.plain_text("description"),
+                evidence=element_location(element, file),
             )
             self.arguments.append(argument)
 
-    def _started(self, element: Element, scope: Scope, place: Place, kind: StartKind) -> Start:
-        self.evaluator.bounds.node(place.path)
-        given = Given(self.evaluator, scope, place)
-        words = self._arguments(element, scope, place)
-        name, space = self._name(element, words, scope, place)
-        early = [*remaps_in(words), *(scope.remaps or ())]
-        remaps = self.evaluator.pairs(element.named("remap"), scope, place)
-        start = Start(
+    def _node_start(
+        self, element: Element, context: LaunchContext, file: FileInclusion, kind: StartKind
+    ) -> LaunchStart:
+        self.evaluator.limits.count_node(file.path)
+        configuration = NodeConfiguration(self.evaluator, context, file)
+        words = self._arguments(element, context, file)
+        name, namespace = self._node_name(element, words, context, file)
+        shared_remaps = [*argument_remaps(words), *(context.remaps or ())]
+        remaps = self.evaluator.remap_rules(element.children_named("remap"), context, file)
+        start = LaunchStart(
             kind=kind,
-            package=self._text(element, "pkg", scope, place),
-            program=self._text(element, _program(kind), scope, place),
+            package=self._display_text(element, "pkg", context, file),
+            program=self._display_text(element, _program_attribute(kind), context, file),
             name=name,
-            namespace=space or "/",
-            placed=bool(space),
-            remaps=tuple((shown(name), shown(target)) for name, target in (*early, *remaps)),
-            shared=len(early),
-            arguments=tuple(map(shown, words)),
-            environ=given.environ(element),
-            doubtful=scope.doubtful,
-            **self.surroundings(element, place),
+            namespace=namespace or "/",
+            has_namespace=bool(namespace),
+            remaps=tuple(
+                (display_text(name), display_text(target))
+                for name, target in (*shared_remaps, *remaps)
+            ),
+            global_remap_count=len(shared_remaps),
+            arguments=tuple(map(display_text, words)),
+            environ=configuration.environ(element),
+            is_uncertain=context.is_uncertain,
+            **self.context_fields(element, file),
         )
-        pattern = start.full_name if name and space and kind is not StartKind.COMPONENT else ALL
-        own = given.own(element, pattern)
-        in_words = given.in_words(words, element)
-        return _with(start, (*in_words, *(scope.parameters or ()), *own))
+        pattern = (
+            start.full_name if name and namespace and kind is not StartKind.COMPONENT else ALL_NODES
+        )
+        node_parameters = configuration.node_parameters(element, pattern)
+        argument_parameters = configuration.command_line_parameters(words, element)
+        return _with_parameters(
+            start, (*argument_parameters, *(context.parameters or ()), *node_parameters)
+        )
 
-    def _name(
-        self, element: Element, words: Sequence[str], scope: Scope, place: Place
+    def _node_name(
+        self, element: Element, words: Sequence[str], context: LaunchContext, file: FileInclusion
     ) -> tuple[str, str | None]:
         """Return a node's name and namespace, None for none; those in its arguments count first."""
-        name = self._text(element, "name", scope, place)
-        written = "namespace" in element.attributes
-        own = self._text(element, "namespace", scope, place) if written else None
-        space = scope.space(own)
-        named = special(words, "__node") or special(words, "__name") or name
-        return named, special(words, "__ns") or (space and shown(space))
+        name = self._display_text(element, "name", context, file)
+        has_namespace = "namespace" in element.attributes
+        namespace_attribute = (
+            self._display_text(element, "namespace", context, file) if has_namespace else None
+        )
+        namespace = context.node_namespace(namespace_attribute)
+        full_or_base_name = special_remap(words, "__node") or special_remap(words, "__name") or name
+        return full_or_base_name, special_remap(words, "__ns") or (
+            namespace and display_text(namespace)
+        )
 
-    def _arguments(self, element: Element, scope: Scope, place: Place) -> tuple[str, ...]:
-        words = self._words(element, "args", scope, place)
-        ros = self._words(element, "ros_args", scope, place)
+    def _arguments(
+        self, element: Element, context: LaunchContext, file: FileInclusion
+    ) -> tuple[str, ...]:
+        words = self._attribute_words(element, "args", context, file)
+        ros = self._attribute_words(element, "ros_args", context, file)
         return (*words, "--ros-args", *ros) if ros else words
 
-    def _words(self, element: Element, key: str, scope: Scope, place: Place) -> tuple[str, ...]:
+    def _attribute_words(
+        self, element: Element, key: str, context: LaunchContext, file: FileInclusion
+    ) -> tuple[str, ...]:
         """Return the words of an attribute, and of the elements that are a word each."""
-        listed = [self.text(one, "value", scope, place) for one in element.named(key)]
-        substitution = self.evaluator.substitution(element, scope, place)
-        with self.evaluator.noting(element, place):
-            pieces = substitution.parsed(element.attributes.get(key, ""))
-            return (*map(substitution.perform, split_pieces(pieces)), *listed)
-        return tuple(listed)
+        elements_values = [
+            self.text_or_empty(child, "value", context, file)
+            for child in element.children_named(key)
+        ]
+        substitution = self.evaluator.substitution_evaluator(element, context, file)
+        with self.evaluator.collect_errors(element, file):
+            template = substitution.parse(element.attributes.get(key, ""))
+            return (
+                *map(substitution.evaluate_template, split_template(template)),
+                *elements_values,
+            )
+        return tuple(elements_values)
 
-    def _text(self, element: Element, key: str, scope: Scope, place: Place) -> str:
-        return shown(self.text(element, key, scope, place))
+    def _display_text(
+        self, element: Element, key: str, context: LaunchContext, file: FileInclusion
+    ) -> str:
+        return display_text(self.text_or_empty(element, key, context, file))
 
 
-def _with(start: Start, given: Iterable[ParameterSource]) -> Start:
+def _with_parameters(
+    start: LaunchStart, parameter_sources: Iterable[ParameterSource]
+) -> LaunchStart:
     """Return what starts with its parameters, and whether all of them are known."""
-    sources = tuple(given)
-    complete = not any(has_hole(source.file) for source in sources)
-    named = tuple(replace(source, file=shown(source.file)) for source in sources)
-    return replace(start, sources=named, complete=complete)
+    sources = tuple(parameter_sources)
+    complete = not any(has_placeholder(source.file) for source in sources)
+    displayed = tuple(replace(source, file=display_text(source.file)) for source in sources)
+    return replace(start, parameter_sources=displayed, parameters_complete=complete)
 
 
-def _program(kind: StartKind) -> str:
+def _program_attribute(kind: StartKind) -> str:
     return "plugin" if kind is StartKind.COMPONENT else "exec"

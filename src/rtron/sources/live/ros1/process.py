@@ -13,20 +13,20 @@ from rtron.wire.ros1.xmlrpc import split_uri
 _PROC = Path("/proc")
 _INSTALLED = re.compile(r".*/lib/([a-z][a-z0-9_]*)/([^/]+)")
 _PYTHON = re.compile(r"python[0-9.]*")
-_NO_FILE = (b"-m", b"-c", b"")
-_LISTENING = "0A"
+_OPTIONS_WITHOUT_SCRIPT = (b"-m", b"-c", b"")
+_TCP_LISTEN = "0A"
 _LOCAL, _STATE, _INODE = 1, 3, 9
 
 
 @dataclass(frozen=True, slots=True)
-class Program:
+class NodeProgram:
     """What a node runs; empty where that is not known."""
 
     package: str = ""
     executable: str = ""
 
 
-def program_of(uri: str, pid: int) -> Program:
+def find_program(uri: str, pid: int) -> NodeProgram:
     """Return what runs behind a node's address, if it is process `pid` of this machine.
 
     A node may claim any process id, so it counts only if that process listens on the address's
@@ -36,9 +36,9 @@ def program_of(uri: str, pid: int) -> Program:
     host, port = split_uri(uri)
     process = _PROC / str(pid)
     with suppress(OSError, ValueError):
-        if _is_this_machine(host) and _listens(process, port):
-            return _program(_started(process))
-    return Program()
+        if _is_this_machine(host) and _is_listening(process, port):
+            return _program_at(_program_file(process))
+    return NodeProgram()
 
 
 def _is_this_machine(host: str) -> bool:
@@ -52,46 +52,50 @@ def _is_this_machine(host: str) -> bool:
     return True
 
 
-def _listens(process: Path, port: int) -> bool:
-    links = (str(entry.readlink()) for entry in (process / "fd").iterdir())
-    return not _listeners(process, port).isdisjoint(links)
+def _is_listening(process: Path, port: int) -> bool:
+    descriptors = (str(entry.readlink()) for entry in (process / "fd").iterdir())
+    return not _listening_sockets(process, port).isdisjoint(descriptors)
 
 
-def _listeners(process: Path, port: int) -> set[str]:
+def _listening_sockets(process: Path, port: int) -> set[str]:
     """Return the sockets that listen on a port, in the process's network."""
-    found = set()
+    sockets = set()
     for table in ("tcp", "tcp6"):
         with suppress(FileNotFoundError):
             for line in (process / "net" / table).read_text().splitlines()[1:]:
                 fields = line.split()
-                listens = fields[_STATE] == _LISTENING
-                if listens and fields[_LOCAL].endswith(f":{port:04X}"):
-                    found.add(f"socket:[{fields[_INODE]}]")
-    return found
+                is_listening = fields[_STATE] == _TCP_LISTEN
+                if is_listening and fields[_LOCAL].endswith(f":{port:04X}"):
+                    sockets.add(f"socket:[{fields[_INODE]}]")
+    return sockets
 
 
-def _started(process: Path) -> Path:
+def _program_file(process: Path) -> Path:
     """Return the program's file, for Python that of its script."""
     program = (process / "exe").readlink()
     if not _PYTHON.fullmatch(program.name):
         return program
-    words = (process / "cmdline").read_bytes().split(b"\0")
-    script = _script(words[1:])
+    arguments = (process / "cmdline").read_bytes().split(b"\0")
+    script = _script(arguments[1:])
     return Path(os.path.normpath((process / "cwd").readlink() / os.fsdecode(script)))
 
 
-def _script(words: list[bytes]) -> bytes:
+def _script(arguments: list[bytes]) -> bytes:
     """Return the script among Python's arguments; ValueError if it runs a module or a text."""
-    word = next(word for word in (*words, b"-c") if word in _NO_FILE or word[:1] != b"-")
-    if word in _NO_FILE:
+    argument = next(
+        argument
+        for argument in (*arguments, b"-c")
+        if argument in _OPTIONS_WITHOUT_SCRIPT or argument[:1] != b"-"
+    )
+    if argument in _OPTIONS_WITHOUT_SCRIPT:
         raise ValueError("no script")
-    return word
+    return argument
 
 
-def _program(path: Path) -> Program:
+def _program_at(path: Path) -> NodeProgram:
     installed = _INSTALLED.fullmatch(str(path))
     if installed:
-        return Program(*installed.groups())
+        return NodeProgram(*installed.groups())
     manifests = (folder for folder in path.parents if (folder / "package.xml").is_file())
     folder = next(manifests, None)
-    return Program(package_name(folder) if folder else "", path.name)
+    return NodeProgram(package_name(folder) if folder else "", path.name)

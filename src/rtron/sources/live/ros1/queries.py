@@ -7,10 +7,10 @@ from urllib.parse import urlsplit
 from rtron.errors import SourceError, WireError
 from rtron.wire.ros1.tcpros import LENGTH, MAX_HEADER, decode_header, encode_header, frame_length
 
-_CHUNK = 1 << 16
+_CHUNK_BYTES = 1 << 16
 
 
-def service_type(uri: str, service: str, caller: str, timeout: float) -> str:
+def query_service_type(uri: str, service: str, caller: str, timeout: float) -> str:
     """Return the type that a service at a `rosrpc://host:port` address has.
 
     `timeout` (s) is for the whole. SourceError if nobody answers, WireError if the answer is none.
@@ -40,11 +40,11 @@ def _address(uri: str) -> tuple[str, int]:
 def _receive(connection: socket.socket, length: int, deadline: float) -> bytes:
     data = bytearray()
     while len(data) < length:
-        left = deadline - time.monotonic()
-        if left <= 0:
+        remaining = deadline - time.monotonic()
+        if remaining <= 0:
             raise TimeoutError("timed out")
-        connection.settimeout(left)
-        chunk = connection.recv(min(_CHUNK, length - len(data)))
+        connection.settimeout(remaining)
+        chunk = connection.recv(min(_CHUNK_BYTES, length - len(data)))
         if not chunk:
             raise WireError("the connection ended inside the header")
         data += chunk

@@ -6,18 +6,18 @@ from typing import TypeAlias
 
 from rtron.errors import WireError
 
-Pair: TypeAlias = tuple[str, str]
-_SIDES = 3
-_TO_TOPIC = 5
+NamedNode: TypeAlias = tuple[str, str]
+_LIST_COUNT = 3
+_TOPIC_FIELDS = 5
 
 
 @dataclass(frozen=True, slots=True)
 class SystemState:
     """Who publishes, subscribes and serves what, as (name, node); `malformed` counts the rest."""
 
-    publishers: tuple[Pair, ...] = ()
-    subscribers: tuple[Pair, ...] = ()
-    services: tuple[Pair, ...] = ()
+    publishers: tuple[NamedNode, ...] = ()
+    subscribers: tuple[NamedNode, ...] = ()
+    services: tuple[NamedNode, ...] = ()
     malformed: int = 0
 
     def nodes(self) -> tuple[str, ...]:
@@ -27,18 +27,18 @@ class SystemState:
 
 
 @dataclass(frozen=True, slots=True)
-class Incoming:
-    """A connection through which a node takes messages of a topic; `source` is an address."""
+class IncomingConnection:
+    """A connection through which a node takes messages of a topic; `publisher_uri` is an address."""
 
     topic: str
-    source: str
+    publisher_uri: str
 
 
-def system_state(answer: object) -> SystemState:
+def parse_system_state(reply: object) -> SystemState:
     """Read the answer of getSystemState; WireError if it is not three lists."""
-    if not isinstance(answer, list) or len(answer) != _SIDES:
+    if not isinstance(reply, list) or len(reply) != _LIST_COUNT:
         raise WireError("the system state is not three lists")
-    publishers, subscribers, services = (_pairs(side) for side in answer)
+    publishers, subscribers, services = (_pairs(side) for side in reply)
     malformed = sum(side.count(None) for side in (publishers, subscribers, services))
     return SystemState(
         tuple(filter(None, publishers)),
@@ -48,41 +48,41 @@ def system_state(answer: object) -> SystemState:
     )
 
 
-def topic_types(answer: object) -> dict[str, str]:
+def parse_topic_types(reply: object) -> dict[str, str]:
     """Read the answer of getTopicTypes; a type that the master does not know is left out."""
-    rows = answer if isinstance(answer, list) else []
-    texts = (row for row in rows if _is_texts(row, 2))
+    rows = reply if isinstance(reply, list) else []
+    texts = (row for row in rows if _are_texts(row, 2))
     return {topic: type for topic, type in texts if type != "*"}
 
 
-def incoming(answer: object) -> tuple[Incoming, ...]:
+def parse_bus_info(reply: object) -> tuple[IncomingConnection, ...]:
     """Read the connections of getBusInfo that bring messages; WireError if it has another shape."""
-    if not isinstance(answer, list):
+    if not isinstance(reply, list):
         raise WireError("the bus info is not a list")
-    return tuple(_incoming(answer))
+    return tuple(_incoming_connections(reply))
 
 
-def process_id(answer: object) -> int:
+def parse_process_id(reply: object) -> int:
     """Read the answer of getPid; WireError if no process can have that number."""
-    if isinstance(answer, bool) or not isinstance(answer, int) or answer <= 0:
+    if isinstance(reply, bool) or not isinstance(reply, int) or reply <= 0:
         raise WireError("the process id is not a positive number")
-    return answer
+    return reply
 
 
-def text(answer: object) -> str:
+def parse_text(reply: object) -> str:
     """Read a text; WireError if it is something else."""
-    if not isinstance(answer, str):
+    if not isinstance(reply, str):
         raise WireError("the answer is not a text")
-    return answer
+    return reply
 
 
-def _pairs(side: object) -> list[Pair | None]:
+def _pairs(side: object) -> list[NamedNode | None]:
     """Return the pairs of one side of the system state, None for what is malformed."""
     rows = side if isinstance(side, list) else [None]
-    return [pair for row in rows for pair in _row(row)]
+    return [pair for row in rows for pair in _parse_row(row)]
 
 
-def _row(row: object) -> list[Pair | None]:
+def _parse_row(row: object) -> list[NamedNode | None]:
     if not isinstance(row, list) or len(row) != 2:  # noqa: PLR2004 - a name and its nodes
         return [None]
     name, nodes = row
@@ -91,20 +91,20 @@ def _row(row: object) -> list[Pair | None]:
     return [(name, node) if _is_name(node) else None for node in nodes]
 
 
-def _incoming(rows: list[object]) -> Iterator[Incoming]:
+def _incoming_connections(rows: list[object]) -> Iterator[IncomingConnection]:
     for row in rows:
-        if not isinstance(row, list) or not _is_texts(row[1:_TO_TOPIC], _TO_TOPIC - 1):
+        if not isinstance(row, list) or not _are_texts(row[1:_TOPIC_FIELDS], _TOPIC_FIELDS - 1):
             raise WireError("the bus info has a malformed entry")
         _, source, direction, _, topic, *more = row
         if direction == "i" and (not more or more[0]):
-            yield Incoming(topic, source)
+            yield IncomingConnection(topic, source)
 
 
 def _is_name(value: object) -> bool:
     return isinstance(value, str) and value != ""
 
 
-def _is_texts(row: object, length: int) -> bool:
+def _are_texts(row: object, length: int) -> bool:
     return (
         isinstance(row, list) and len(row) == length and all(isinstance(each, str) for each in row)
     )

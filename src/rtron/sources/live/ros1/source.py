@@ -10,12 +10,17 @@ from functools import partial
 from typing import Any
 
 from rtron.errors import RTronError, SourceError
-from rtron.sources.in_time import in_time
-from rtron.sources.live.ros1.actions import actions_among
-from rtron.sources.live.ros1.queries import service_type
-from rtron.sources.live.ros1.replies import SystemState, system_state, text, topic_types
-from rtron.sources.ros1_ghosts import still_unlisted, suspects
-from rtron.sources.ros1_node import NodeAnswers, ask_node
+from rtron.sources.in_time import run_with_deadline
+from rtron.sources.live.ros1.actions import find_actions
+from rtron.sources.live.ros1.queries import query_service_type
+from rtron.sources.live.ros1.replies import (
+    SystemState,
+    parse_system_state,
+    parse_text,
+    parse_topic_types,
+)
+from rtron.sources.ros1_ghosts import ghost_publishers, unlisted_connections
+from rtron.sources.ros1_node import NodeReplies, query_node
 from rtron.vocabulary import (
     Direction,
     Endpoint,
@@ -25,19 +30,19 @@ from rtron.vocabulary import (
     Resolution,
     Service,
     Topic,
-    Unresolved,
+    UnresolvedItem,
 )
 from rtron.wire.ros1.xmlrpc import ros_call
 
-_CALLER = "/rtron_scan"
+_CALLER_ID = "/rtron_scan"
 _NODE_CALLS = 3
 _SERVICE_CALLS = 2
-_LOGS = frozenset({"/rosout", "/rosout_agg"})
-_CLOCK = "/clock"
+_LOG_TOPICS = frozenset({"/rosout", "/rosout_agg"})
+_CLOCK_TOPIC = "/clock"
 
 
 @dataclass(frozen=True, slots=True)
-class Ros1Live:
+class Ros1LiveSource:
     """A Source that asks a running master and its nodes.
 
     `timeout` (s) is for each call; the whole takes at most ten times as long.
@@ -57,7 +62,7 @@ class Ros1Live:
 
     def _graph(self) -> InteractionGraph:
         state = self._state()
-        types = topic_types(self._master("getTopicTypes"))
+        types = parse_topic_types(self._call_master("getTopicTypes"))
         nodes = self._nodes(state)
         services = self._services(state, nodes)
         endpoints = tuple(_endpoints(state, types, nodes))
@@ -68,68 +73,75 @@ class Ros1Live:
             topics=_topics(endpoints),
             endpoints=endpoints,
             services=services,
-            actions=actions_among(endpoints),
-            unresolved=(*_malformed(state), *_silent(nodes), *_untyped(services, nodes), *ghosts),
+            actions=find_actions(endpoints),
+            unresolved=(
+                *_malformed_entries(state),
+                *_unanswered_nodes(nodes),
+                *_services_without_type(services, nodes),
+                *ghosts,
+            ),
         )
 
     def _state(self) -> SystemState:
-        return system_state(self._master("getSystemState"))
+        return parse_system_state(self._call_master("getSystemState"))
 
-    def _master(self, method: str, *params: str) -> Any:  # noqa: ANN401 - XML-RPC
-        return ros_call(self.master_uri, method, _CALLER, *params, timeout=self.timeout)
+    def _call_master(self, method: str, *params: str) -> Any:  # noqa: ANN401 - XML-RPC
+        return ros_call(self.master_uri, method, _CALLER_ID, *params, timeout=self.timeout)
 
-    def _nodes(self, state: SystemState) -> dict[str, NodeAnswers]:
+    def _nodes(self, state: SystemState) -> dict[str, NodeReplies]:
         limit = _NODE_CALLS * self.timeout
-        answers = in_time({name: partial(self._ask, name) for name in state.nodes()}, limit)
-        late = NodeAnswers(fault=f"no answer within {limit:g} s")
-        return {name: answers.get(name, late) for name in state.nodes()}
+        replies = run_with_deadline(
+            {name: partial(self._query_node, name) for name in state.nodes()}, limit
+        )
+        timed_out = NodeReplies(error=f"no answer within {limit:g} s")
+        return {name: replies.get(name, timed_out) for name in state.nodes()}
 
-    def _ask(self, name: str) -> NodeAnswers:
-        uri = self._uri_of(name)
+    def _query_node(self, name: str) -> NodeReplies:
+        uri = self._node_uri(name)
         if not uri:
-            return NodeAnswers(fault="the master does not tell its address")
-        return ask_node(uri, _CALLER, self.timeout)
+            return NodeReplies(error="the master does not tell its address")
+        return query_node(uri, _CALLER_ID, self.timeout)
 
-    def _uri_of(self, name: str) -> str:
+    def _node_uri(self, name: str) -> str:
         try:
-            return text(self._master("lookupNode", name))
+            return parse_text(self._call_master("lookupNode", name))
         except RTronError:
             return ""
 
     def _services(
-        self, state: SystemState, nodes: Mapping[str, NodeAnswers]
+        self, state: SystemState, nodes: Mapping[str, NodeReplies]
     ) -> tuple[Service, ...]:
         """Return the services; a node that does not answer is not asked for their types."""
-        answering = (name for name, node in state.services if not nodes[node].fault)
+        answering = (name for name, node in state.services if not nodes[node].error)
         jobs = {name: partial(self._service_type, name) for name in answering}
-        types = in_time(jobs, _SERVICE_CALLS * self.timeout)
+        types = run_with_deadline(jobs, _SERVICE_CALLS * self.timeout)
         return tuple(
             Service(node=node, name=name, type=types.get(name, "")) for name, node in state.services
         )
 
     def _service_type(self, name: str) -> str:
         try:
-            uri = text(self._master("lookupService", name))
-            return service_type(uri, name, _CALLER, self.timeout)
+            uri = parse_text(self._call_master("lookupService", name))
+            return query_service_type(uri, name, _CALLER_ID, self.timeout)
         except Exception:  # noqa: BLE001 - a stranger's answer must not end the scan
             return ""
 
     def _ghosts(
-        self, state: SystemState, nodes: Mapping[str, NodeAnswers]
-    ) -> tuple[Unresolved, ...]:
+        self, state: SystemState, nodes: Mapping[str, NodeReplies]
+    ) -> tuple[UnresolvedItem, ...]:
         """Return the ghost publishers; the master is asked again, for who joined meanwhile."""
-        found = suspects(nodes, state.publishers)
-        if not found:
+        unlisted = unlisted_connections(nodes, state.publishers)
+        if not unlisted:
             return ()
-        topics = {suspect.link.topic for suspect in found}
+        topics = {suspect.connection.topic for suspect in unlisted}
         publishers = [pair for pair in self._state().publishers if pair[0] in topics]
-        asked = {node: partial(self._uri_of, node) for _, node in publishers}
-        uris = in_time(asked, self.timeout)
-        return tuple(still_unlisted(found, publishers, uris))
+        queries = {node: partial(self._node_uri, node) for _, node in publishers}
+        uris = run_with_deadline(queries, self.timeout)
+        return tuple(ghost_publishers(unlisted, publishers, uris))
 
 
 def _endpoints(
-    state: SystemState, types: Mapping[str, str], nodes: Mapping[str, NodeAnswers]
+    state: SystemState, types: Mapping[str, str], nodes: Mapping[str, NodeReplies]
 ) -> Iterator[Endpoint]:
     sides = ((state.publishers, Direction.PUBLISH), (state.subscribers, Direction.SUBSCRIBE))
     for pairs, direction in sides:
@@ -147,7 +159,7 @@ def _endpoints(
 
 
 def _is_implicit(topic: str, direction: Direction) -> bool:
-    return topic in _LOGS or (topic == _CLOCK and direction is Direction.SUBSCRIBE)
+    return topic in _LOG_TOPICS or (topic == _CLOCK_TOPIC and direction is Direction.SUBSCRIBE)
 
 
 def _topics(endpoints: Iterable[Endpoint]) -> tuple[Topic, ...]:
@@ -157,25 +169,29 @@ def _topics(endpoints: Iterable[Endpoint]) -> tuple[Topic, ...]:
     )
 
 
-def _node(name: str, answers: NodeAnswers) -> Node:
-    program = answers.program
+def _node(name: str, replies: NodeReplies) -> Node:
+    program = replies.program
     return Node(name=name, package=program.package, executable=program.executable)
 
 
-def _silent(nodes: Mapping[str, NodeAnswers]) -> Iterator[Unresolved]:
-    for name, answers in nodes.items():
-        if answers.fault:
-            evidence = (Evidence(file=answers.uri),) if answers.uri else ()
-            yield Unresolved(what=name, why=answers.fault, evidence=evidence)
+def _unanswered_nodes(nodes: Mapping[str, NodeReplies]) -> Iterator[UnresolvedItem]:
+    for name, replies in nodes.items():
+        if replies.error:
+            evidence = (Evidence(file=replies.uri),) if replies.uri else ()
+            yield UnresolvedItem(what=name, why=replies.error, evidence=evidence)
 
 
-def _untyped(services: Iterable[Service], nodes: Mapping[str, NodeAnswers]) -> Iterator[Unresolved]:
+def _services_without_type(
+    services: Iterable[Service], nodes: Mapping[str, NodeReplies]
+) -> Iterator[UnresolvedItem]:
     for service in services:
-        if not service.type and not nodes[service.node].fault:
-            yield Unresolved(what=service.name, why="the type of this service could not be read")
+        if not service.type and not nodes[service.node].error:
+            yield UnresolvedItem(
+                what=service.name, why="the type of this service could not be read"
+            )
 
 
-def _malformed(state: SystemState) -> Iterator[Unresolved]:
+def _malformed_entries(state: SystemState) -> Iterator[UnresolvedItem]:
     if state.malformed:
         why = f"has {state.malformed} malformed entries, which are left out"
-        yield Unresolved(what="the master's system state", why=why)
+        yield UnresolvedItem(what="the master's system state", why=why)

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, TypeVar
 
 from rtron.vocabulary import (
     Action,
-    ActionEnd,
     ActionRole,
     Direction,
+    Ros2ActionEntity,
     is_action_type,
 )
 from rtron.wire.ros2.endpoints import Ros2Endpoint
@@ -23,35 +23,35 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from rtron.sources.live.ros2.domain import Snapshot
-    from rtron.wire.ros2.service_endpoints import Ros2ServiceEnd
+    from rtron.wire.ros2.service_endpoints import Ros2ServiceEndpoint
 
-_ENDS = {f"/_action/{end}": end for end in ActionEnd}
-_OF_THE_ACTION = {
-    ActionEnd.SEND_GOAL: "_SendGoal",
-    ActionEnd.GET_RESULT: "_GetResult",
-    ActionEnd.FEEDBACK: "_FeedbackMessage",
+_ENTITY_BY_SUFFIX = {f"/_action/{end}": end for end in Ros2ActionEntity}
+_TYPE_SUFFIXES = {
+    Ros2ActionEntity.SEND_GOAL: "_SendGoal",
+    Ros2ActionEntity.GET_RESULT: "_GetResult",
+    Ros2ActionEntity.FEEDBACK: "_FeedbackMessage",
 }
-_OF_ALL = {
-    ActionEnd.CANCEL_GOAL: "action_msgs/srv/CancelGoal",
-    ActionEnd.STATUS: "action_msgs/msg/GoalStatusArray",
+_COMMON_TYPES = {
+    Ros2ActionEntity.CANCEL_GOAL: "action_msgs/srv/CancelGoal",
+    Ros2ActionEntity.STATUS: "action_msgs/msg/GoalStatusArray",
 }
-_T = TypeVar("_T", Ros2Endpoint, "Ros2ServiceEnd")
+_T = TypeVar("_T", Ros2Endpoint, "Ros2ServiceEndpoint")
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class ActionMember:
     """An action that an end belongs to, and its type if that end tells it."""
 
     action: str
     type: str
 
 
-def actions_among(seen: Snapshot) -> tuple[Action, ...]:
+def find_actions(snapshot: Snapshot) -> tuple[Action, ...]:
     """Return the actions, one entry for each node's side and each type that its ends tell."""
     sides: dict[tuple[str, str, ActionRole], set[str]] = {}
-    for node, part, role in _sides(seen):
-        sides.setdefault((node, part.action, role), set()).add(part.type)
-    known = _types(sides)
+    for node, member, role in _node_members(snapshot):
+        sides.setdefault((node, member.action, role), set()).add(member.type)
+    known = _types_by_action(sides)
     return tuple(
         Action(node=node, name=name, type=type, role=role)
         for (node, name, role), types in sorted(sides.items())
@@ -59,41 +59,57 @@ def actions_among(seen: Snapshot) -> tuple[Action, ...]:
     )
 
 
-def others(ends: Iterable[_T], actions: Iterable[Action]) -> list[_T]:
+def outside_of_actions(endpoints: Iterable[_T], actions: Iterable[Action]) -> list[_T]:
     """Return the ends that are not those of a node's side of an action."""
     sides = {(action.node, action.name) for action in actions}
-    parts = ((end, part_of(_name(end), end.type)) for end in ends)
-    return [end for end, part in parts if not part or (end.node, part.action) not in sides]
+    members = (
+        (endpoint, action_member(_name_of(endpoint), endpoint.type)) for endpoint in endpoints
+    )
+    return [
+        endpoint
+        for endpoint, member in members
+        if not member or (endpoint.node, member.action) not in sides
+    ]
 
 
-def part_of(name: str, type: str) -> Part | None:
+def action_member(name: str, type: str) -> ActionMember | None:
     """Return what a topic or service is a part of, by its name and type; None if of no action."""
-    action, below, last = name.rpartition("/_action/")
-    end = _ENDS.get(below + last)
-    if not end or not action:
+    action, suffix, name_of_entity = name.rpartition("/_action/")
+    endpoint = _ENTITY_BY_SUFFIX.get(suffix + name_of_entity)
+    if not endpoint or not action:
         return None
-    if end in _OF_ALL:
-        return Part(action, "") if type == _OF_ALL[end] else None
-    whole = type.removesuffix(_OF_THE_ACTION[end])
-    return Part(action, whole) if whole != type and is_action_type(whole) else None
+    if endpoint in _COMMON_TYPES:
+        return ActionMember(action, "") if type == _COMMON_TYPES[endpoint] else None
+    action_type = type.removesuffix(_TYPE_SUFFIXES[endpoint])
+    return (
+        ActionMember(action, action_type)
+        if action_type != type and is_action_type(action_type)
+        else None
+    )
 
 
-def _sides(seen: Snapshot) -> Iterator[tuple[str, Part, ActionRole]]:
-    for end in seen.endpoints:
-        part = part_of(end.topic, end.type)
-        if part and end.direction is Direction.PUBLISH:
-            yield end.node, part, ActionRole.SERVER
-    for service in seen.services:
-        part = part_of(service.service, service.type)
-        if part:
-            yield service.node, part, ActionRole.SERVER if service.serves else ActionRole.CLIENT
+def _node_members(snapshot: Snapshot) -> Iterator[tuple[str, ActionMember, ActionRole]]:
+    for endpoint in snapshot.endpoints:
+        member = action_member(endpoint.topic, endpoint.type)
+        if member and endpoint.direction is Direction.PUBLISH:
+            yield endpoint.node, member, ActionRole.SERVER
+    for service in snapshot.services:
+        member = action_member(service.service, service.type)
+        if member:
+            yield (
+                service.node,
+                member,
+                ActionRole.SERVER if service.is_server else ActionRole.CLIENT,
+            )
 
 
-def _types(sides: dict[tuple[str, str, ActionRole], set[str]]) -> dict[str, str]:
+def _types_by_action(sides: dict[tuple[str, str, ActionRole], set[str]]) -> dict[str, str]:
     """Return the type of each action that some end tells."""
-    told = ((name, type) for (_, name, _), types in sides.items() for type in types if type)
-    return dict(sorted(told, reverse=True))
+    types_by_name = (
+        (name, type) for (_, name, _), types in sides.items() for type in types if type
+    )
+    return dict(sorted(types_by_name, reverse=True))
 
 
-def _name(end: Ros2Endpoint | Ros2ServiceEnd) -> str:
-    return end.topic if isinstance(end, Ros2Endpoint) else end.service
+def _name_of(endpoint: Ros2Endpoint | Ros2ServiceEndpoint) -> str:
+    return endpoint.topic if isinstance(endpoint, Ros2Endpoint) else endpoint.service

@@ -14,60 +14,65 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from rtron.sources.live.ros2.domain import Domain, Snapshot
+    from rtron.sources.live.ros2.domain import DomainReader, Snapshot
 
-LEAST_S = 3.5
+MIN_DISCOVERY_S = 3.5
 """How long after joining a graph counts as whole at the earliest."""
-_PAUSE_S = 0.05
-_LATE_S = 0.15
+_POLL_S = 0.05
+_LATE_POLL_S = 0.15
 """Who looks so much later than meant says nothing: others are as late."""
-_STILL = 10
+_STABLE_POLLS = 10
 """Signs that must agree before the whole graph is looked at: 0.5 s at least."""
-_PROMPT_S = 4.5
+_PROMPT_DISCOVERY_S = 4.5
 """Who is heard of later than this had to say it twice, and others may have to say it thrice."""
-_PERIOD = 64
+_ANNOUNCEMENT_POLLS = 64
 """Signs that must agree then: 3.2 s at least, a whole period of announcements."""
-_AGAIN = 5
+_STABLE_POLLS_BETWEEN_SNAPSHOTS = 5
 """Signs that must agree before it is looked at again."""
-_LOOK_S = 10.0
+_SNAPSHOT_TIMEOUT_S = 10.0
 """The longest that one look at the whole graph may take."""
 
 
 @dataclass(frozen=True, slots=True)
-class Settled:
+class DiscoveredGraph:
     """The graph as it was in the end, and whether it stood still then."""
 
-    seen: Snapshot
-    still: bool
+    snapshot: Snapshot
+    is_stable: bool
 
 
-def settled(domain: Domain, timeout: float) -> Settled:
+def discover_graph(domain: DomainReader, timeout: float) -> DiscoveredGraph:
     """Return the graph of a domain when it has settled, or what there is after `timeout` (s)."""
     start = time.monotonic()
-    end = start + timeout
-    changed = _steady(domain, _STILL, min(start + LEAST_S, end), end)
-    if changed > start + _PROMPT_S:
-        _steady(domain, _PERIOD, 0.0, end)
-    seen = domain.look(_LOOK_S)
+    deadline = start + timeout
+    last_change = _wait_until_stable(
+        domain, _STABLE_POLLS, min(start + MIN_DISCOVERY_S, deadline), deadline
+    )
+    if last_change > start + _PROMPT_DISCOVERY_S:
+        _wait_until_stable(domain, _ANNOUNCEMENT_POLLS, 0.0, deadline)
+    snapshot = domain.snapshot(_SNAPSHOT_TIMEOUT_S)
     while True:
-        _steady(domain, _AGAIN, 0.0, end)
-        before, seen = seen, domain.look(_LOOK_S)
-        still = seen == before
-        if (still and seen.whole) or time.monotonic() >= end:
-            return Settled(seen, still)
+        _wait_until_stable(domain, _STABLE_POLLS_BETWEEN_SNAPSHOTS, 0.0, deadline)
+        previous, snapshot = snapshot, domain.snapshot(_SNAPSHOT_TIMEOUT_S)
+        is_stable = snapshot == previous
+        if (is_stable and snapshot.is_complete) or time.monotonic() >= deadline:
+            return DiscoveredGraph(snapshot, is_stable)
 
 
-def _steady(domain: Domain, looks: int, least: float, end: float) -> float:
+def _wait_until_stable(domain: DomainReader, polls: int, earliest: float, deadline: float) -> float:
     """Return when the sign changed last, once it was the same so many times; 0 if it did not.
 
-    Not before the time is `least`, and at once when it is `end`.
+    Not before the time is `earliest`, and at once when it is `deadline`.
     """
-    sign, same, changed = domain.sign(), 0, 0.0
-    while (same < looks or time.monotonic() < least) and time.monotonic() < end:
-        asked = time.monotonic()
-        time.sleep(_PAUSE_S)
-        now, late = domain.sign(), time.monotonic() - asked > _LATE_S
-        if now != sign:
-            changed = time.monotonic()
-        sign, same = now, same + (not late) if now == sign else 0
-    return changed
+    fingerprint, equal_polls, last_change = domain.fingerprint(), 0, 0.0
+    while (equal_polls < polls or time.monotonic() < earliest) and time.monotonic() < deadline:
+        polled_at = time.monotonic()
+        time.sleep(_POLL_S)
+        current, late = domain.fingerprint(), time.monotonic() - polled_at > _LATE_POLL_S
+        if current != fingerprint:
+            last_change = time.monotonic()
+        fingerprint, equal_polls = (
+            current,
+            equal_polls + (not late) if current == fingerprint else 0,
+        )
+    return last_change

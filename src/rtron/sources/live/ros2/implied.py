@@ -2,9 +2,9 @@
 
 from rtron.vocabulary import Direction
 
-_TOPICS = frozenset({"/rosout", "/parameter_events"})
+_IMPLICIT_TOPICS = frozenset({"/rosout", "/parameter_events"})
 _CLOCK = "/clock"
-_SERVICES = ("rcl_interfaces/srv/", "type_description_interfaces/srv/")
+_PARAMETER_SERVICE_PACKAGES = ("rcl_interfaces/srv/", "type_description_interfaces/srv/")
 
 
 def is_hidden(name: str) -> bool:
@@ -12,13 +12,15 @@ def is_hidden(name: str) -> bool:
     return "/_" in name
 
 
-def implied_topic(topic: str, direction: Direction) -> bool:
+def is_implicit_topic(topic: str, direction: Direction) -> bool:
     """Tell whether an end of a topic is the client library's, or hidden."""
-    clock = topic == _CLOCK and direction is Direction.SUBSCRIBE
-    return clock or topic in _TOPICS or is_hidden(topic)
+    is_clock = topic == _CLOCK and direction is Direction.SUBSCRIBE
+    return is_clock or topic in _IMPLICIT_TOPICS or is_hidden(topic)
 
 
-def implied_service(node: str, service: str, type: str) -> bool:
+def is_implicit_service(node: str, service: str, type: str) -> bool:
     """Tell whether a service is the client library's, like those of parameters, or hidden."""
-    own = service.startswith(f"{node}/") and type.startswith(_SERVICES)
-    return own or is_hidden(service)
+    is_parameter_service = service.startswith(f"{node}/") and type.startswith(
+        _PARAMETER_SERVICE_PACKAGES
+    )
+    return is_parameter_service or is_hidden(service)

@@ -15,17 +15,17 @@ from typing import TYPE_CHECKING, TypeVar
 import rclpy
 
 from rtron.errors import InputError, SourceError
-from rtron.sources.live.ros2.actions import actions_among, others
+from rtron.sources.live.ros2.actions import find_actions, outside_of_actions
 from rtron.sources.live.ros2.ambiguities import (
-    action_types,
-    doubles,
-    strangers,
-    topic_types,
-    unnamed,
+    action_type_conflicts,
+    duplicate_nodes,
+    participant_placeholder,
+    topic_type_conflicts,
+    unnamed_participants,
 )
-from rtron.sources.live.ros2.discovery import settled
-from rtron.sources.live.ros2.domain import Domain, Snapshot
-from rtron.sources.live.ros2.implied import implied_service, implied_topic
+from rtron.sources.live.ros2.discovery import discover_graph
+from rtron.sources.live.ros2.domain import DomainReader, Snapshot
+from rtron.sources.live.ros2.implied import is_implicit_service, is_implicit_topic
 from rtron.vocabulary import (
     Endpoint,
     InteractionGraph,
@@ -33,21 +33,21 @@ from rtron.vocabulary import (
     Resolution,
     Service,
     Topic,
-    Unresolved,
+    UnresolvedItem,
 )
 from rtron.wire.ros2.endpoints import Ros2Endpoint
-from rtron.wire.ros2.session import Session
+from rtron.wire.ros2.session import Ros2Session
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from rtron.wire.ros2.service_endpoints import Ros2ServiceEnd
+    from rtron.wire.ros2.service_endpoints import Ros2ServiceEndpoint
 
-_T = TypeVar("_T", Ros2Endpoint, "Ros2ServiceEnd")
+_T = TypeVar("_T", Ros2Endpoint, "Ros2ServiceEndpoint")
 
 
 @dataclass(frozen=True, slots=True)
-class Ros2Live:
+class Ros2LiveSource:
     """A Source that reads the graph of a domain, None for that of the environment.
 
     It takes at most `timeout` (s), and as much as joining takes; less if the graph settles before.
@@ -57,123 +57,138 @@ class Ros2Live:
     timeout: float
 
     @property
-    def surroundings(self) -> str:
+    def domain_description(self) -> str:
         """What is read: the domain, and what the environment says of how it is joined."""
         domain = os.environ.get("ROS_DOMAIN_ID") or 0 if self.domain is None else self.domain
         rmw = rclpy.get_rmw_implementation_identifier()
-        return f"ROS 2 domain {domain} ({', '.join((rmw, *_range()))})"
+        return f"ROS 2 domain {domain} ({', '.join((rmw, *_discovery_range()))})"
 
     def read(self) -> InteractionGraph:
         """Return the graph of the app that is running; SourceError if there is none to be seen."""
         name = f"/_rtron_scan_{uuid.uuid4().hex[:12]}"
-        with closing(_joined(self.domain)) as session, closing(Domain(session, name)) as domain:
-            found = settled(domain, self.timeout)
-            if not found.seen.nodes and not found.seen.endpoints:
-                raise _nobody(session.domain, self.timeout)
-        restless = () if found.still else (_restless(self.timeout),)
-        return graph_of(found.seen, restless)
+        with closing(_join(self.domain)) as session, closing(DomainReader(session, name)) as domain:
+            discovered = discover_graph(domain, self.timeout)
+            if not discovered.snapshot.nodes and not discovered.snapshot.endpoints:
+                raise _empty_domain_error(session.domain, self.timeout)
+        notes = () if discovered.is_stable else (_unstable_graph(self.timeout),)
+        return graph_of_snapshot(discovered.snapshot, notes)
 
 
-def graph_of(seen: Snapshot, doubts: tuple[Unresolved, ...] = ()) -> InteractionGraph:
-    """Return the graph of what the domain told; `doubts` are told besides its own."""
-    told = replace(seen, endpoints=_named(seen.endpoints), services=_named(seen.services))
-    actions = actions_among(told)
-    ends = others(told.endpoints, actions)
-    services = others(told.services, actions)
+def graph_of_snapshot(
+    snapshot: Snapshot, notes: tuple[UnresolvedItem, ...] = ()
+) -> InteractionGraph:
+    """Return the graph of what the domain told; `notes` are told besides its own."""
+    named_snapshot = replace(
+        snapshot,
+        endpoints=_with_placeholder_names(snapshot.endpoints),
+        services=_with_placeholder_names(snapshot.services),
+    )
+    actions = find_actions(named_snapshot)
+    endpoints = outside_of_actions(named_snapshot.endpoints, actions)
+    services = outside_of_actions(named_snapshot.services, actions)
     return InteractionGraph(
         app="live app",
         ros=2,
-        nodes=_nodes(told),
-        topics=tuple(_topics(ends)),
-        endpoints=tuple(map(_endpoint, ends)),
-        services=tuple(dict.fromkeys(_service(end) for end in services if end.serves)),
+        nodes=_nodes(named_snapshot),
+        topics=tuple(_topics(endpoints)),
+        endpoints=tuple(map(_endpoint, endpoints)),
+        services=tuple(
+            dict.fromkeys(_service(endpoint) for endpoint in services if endpoint.is_server)
+        ),
         actions=actions,
         unresolved=(
-            *doubts,
-            *_malformed(seen),
-            *_owed(seen),
-            *strangers(seen),
-            *doubles(seen),
-            *topic_types(ends),
-            *action_types(actions),
+            *notes,
+            *_malformed_names(snapshot),
+            *_missing_endpoints(snapshot),
+            *unnamed_participants(snapshot),
+            *duplicate_nodes(snapshot),
+            *topic_type_conflicts(endpoints),
+            *action_type_conflicts(actions),
         ),
     )
 
 
-def _range() -> Iterator[str]:
+def _discovery_range() -> Iterator[str]:
     """Yield how far discovery reaches, if the environment says it."""
     if os.environ.get("ROS_LOCALHOST_ONLY") == "1":
         yield "this machine only"
-    elif told := os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE"):
-        yield {"LOCALHOST": "this machine only"}.get(told, f"discovery range {told}")
+    elif discovery_range := os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE"):
+        yield {"LOCALHOST": "this machine only"}.get(
+            discovery_range, f"discovery range {discovery_range}"
+        )
 
 
-def _joined(domain: int | None) -> Session:
+def _join(domain: int | None) -> Ros2Session:
     try:
-        return Session(domain)
+        return Ros2Session(domain)
     except InputError:
         raise
     except RuntimeError as error:
-        raise SourceError(f"ROS 2 cannot be joined: {error}", help=_ENVIRONMENT) from error
+        raise SourceError(f"ROS 2 cannot be joined: {error}", help=_ENVIRONMENT_HELP) from error
 
 
-_ENVIRONMENT = "look at ROS_DOMAIN_ID, ROS_AUTOMATIC_DISCOVERY_RANGE and RMW_IMPLEMENTATION"
+_ENVIRONMENT_HELP = "look at ROS_DOMAIN_ID, ROS_AUTOMATIC_DISCOVERY_RANGE and RMW_IMPLEMENTATION"
 
 
-def _nobody(domain: int, timeout: float) -> SourceError:
+def _empty_domain_error(domain: int, timeout: float) -> SourceError:
     message = f"no node is seen in ROS 2 domain {domain} within {timeout:g} s"
-    help = f"is the app running, with the same environment? {_ENVIRONMENT}, or give --domain"
+    help = f"is the app running, with the same environment? {_ENVIRONMENT_HELP}, or give --domain"
     return SourceError(message, help=help)
 
 
-def _restless(timeout: float) -> Unresolved:
+def _unstable_graph(timeout: float) -> UnresolvedItem:
     why = f"was still changing after {timeout:g} s: there may be more"
-    return Unresolved(what="the graph", why=why)
+    return UnresolvedItem(what="the graph", why=why)
 
 
-def _malformed(seen: Snapshot) -> Iterator[Unresolved]:
-    if seen.malformed:
-        why = f"has {seen.malformed} names of topics and services that ROS 2 does not allow"
-        yield Unresolved(what="the domain", why=f"{why}, which are left out")
+def _malformed_names(snapshot: Snapshot) -> Iterator[UnresolvedItem]:
+    if snapshot.malformed:
+        why = f"has {snapshot.malformed} names of topics and services that ROS 2 does not allow"
+        yield UnresolvedItem(what="the domain", why=f"{why}, which are left out")
 
 
-def _owed(seen: Snapshot) -> Iterator[Unresolved]:
-    if seen.owed:
-        why = f"has nodes that are said to have {seen.owed} more endpoints, which nobody shows"
-        yield Unresolved(what="the domain", why=why)
+def _missing_endpoints(snapshot: Snapshot) -> Iterator[UnresolvedItem]:
+    if snapshot.missing_endpoints:
+        why = f"has nodes that are said to have {snapshot.missing_endpoints} more endpoints, which nobody shows"
+        yield UnresolvedItem(what="the domain", why=why)
 
 
-def _named(ends: tuple[_T, ...]) -> tuple[_T, ...]:
+def _with_placeholder_names(endpoints: tuple[_T, ...]) -> tuple[_T, ...]:
     """Return the ends, those without a node's name with a name for their participant."""
-    return tuple(end if end.node else replace(end, node=unnamed(end.participant)) for end in ends)
+    return tuple(
+        endpoint
+        if endpoint.node
+        else replace(endpoint, node=participant_placeholder(endpoint.participant))
+        for endpoint in endpoints
+    )
 
 
-def _nodes(told: Snapshot) -> tuple[Node, ...]:
-    speaking = (end.node for end in told.ends)
-    return tuple(Node(name=name) for name in sorted({*told.nodes, *speaking} - {""}))
+def _nodes(snapshot: Snapshot) -> tuple[Node, ...]:
+    endpoint_nodes = (endpoint.node for endpoint in snapshot.all_endpoints)
+    return tuple(Node(name=name) for name in sorted({*snapshot.nodes, *endpoint_nodes} - {""}))
 
 
-def _topics(ends: Iterable[Ros2Endpoint]) -> Iterator[Topic]:
+def _topics(endpoints: Iterable[Ros2Endpoint]) -> Iterator[Topic]:
     types: dict[str, set[str]] = {}
-    for end in ends:
-        types.setdefault(end.topic, set()).add(end.type)
+    for endpoint in endpoints:
+        types.setdefault(endpoint.topic, set()).add(endpoint.type)
     for name, used in sorted(types.items()):
         yield Topic(name=name, types=tuple(sorted(used)))
 
 
-def _endpoint(end: Ros2Endpoint) -> Endpoint:
+def _endpoint(endpoint: Ros2Endpoint) -> Endpoint:
     return Endpoint(
-        node=end.node,
-        topic=end.topic,
-        direction=end.direction,
-        type=end.type,
-        implicit=implied_topic(end.topic, end.direction),
+        node=endpoint.node,
+        topic=endpoint.topic,
+        direction=endpoint.direction,
+        type=endpoint.type,
+        implicit=is_implicit_topic(endpoint.topic, endpoint.direction),
         resolution=Resolution.OBSERVED,
-        qos=end.qos,
-        gid=end.gid.hex(),
+        qos=endpoint.qos,
+        gid=endpoint.gid.hex(),
     )
 
 
-def _service(end: Ros2ServiceEnd) -> Service:
-    implicit = implied_service(end.node, end.service, end.type)
-    return Service(node=end.node, name=end.service, type=end.type, implicit=implicit)
+def _service(endpoint: Ros2ServiceEndpoint) -> Service:
+    implicit = is_implicit_service(endpoint.node, endpoint.service, endpoint.type)
+    return Service(node=endpoint.node, name=endpoint.service, type=endpoint.type, implicit=implicit)

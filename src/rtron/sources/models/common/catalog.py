@@ -6,16 +6,16 @@ from functools import cache
 from pathlib import Path, PurePosixPath
 
 from rtron.errors import InputError
-from rtron.sources.models.common.schema import KINDS, Model
-from rtron.sources.models.common.yaml_model import read_form
+from rtron.sources.models.common.schema import MODEL_KINDS, Model
+from rtron.sources.models.common.yaml_model import read_model
 
-LIBRARY = Path(__file__).parent / "library"
-LIBRARY2 = Path(__file__).parent / "library2"
+ROS1_LIBRARY = Path(__file__).parent / "library"
+ROS2_LIBRARY = Path(__file__).parent / "library2"
 """ROS 2's."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Models:
+class ModelCatalog:
     """Models by kind and name (`("node", "amcl/amcl")`)."""
 
     by_name: Mapping[tuple[str, str], Model] = field(default_factory=dict)
@@ -44,10 +44,10 @@ class Models:
         """Return the model of a costmap layer type."""
         return self.by_name.get(("costmap_layer", type))
 
-    def named(self, name: str) -> Model | None:
+    def find(self, name: str) -> Model | None:
         """Return a model by `kind:name`, or a part by its name."""
         kind, colon, rest = name.partition(":")
-        if colon and kind in KINDS:
+        if colon and kind in MODEL_KINDS:
             return self.by_name.get((kind, rest))
         return self.by_name.get(("part", name))
 
@@ -58,16 +58,16 @@ def plugin_name(filename: str) -> str:
 
 
 @cache
-def load_models(folder: Path = LIBRARY) -> Models:
+def load_models(folder: Path = ROS1_LIBRARY) -> ModelCatalog:
     """Return the models below a folder; raise InputError with file and line where one is wrong."""
     paths = sorted(folder.rglob("*.yaml"))
-    return Models(by_name=_by_name((path, read_form(path, Model)) for path in paths))
+    return ModelCatalog(by_name=_by_name((path, read_model(path, Model)) for path in paths))
 
 
 def _by_name(models: Iterable[tuple[Path, Model]]) -> dict[tuple[str, str], Model]:
     by_name: dict[tuple[str, str], Model] = {}
     for path, model in models:
-        for kind in KINDS:
+        for kind in MODEL_KINDS:
             for name in getattr(model, kind):
                 key = (kind, plugin_name(name) if kind == "gazebo_plugin" else name)
                 if key in by_name:

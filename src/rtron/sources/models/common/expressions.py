@@ -7,34 +7,36 @@ import re
 from dataclasses import dataclass, field
 
 from rtron.sources.launch.common.expression import evaluate
-from rtron.sources.models.common.functions import Function, functions
-from rtron.sources.models.common.model_scope import Scope
-from rtron.sources.models.common.values import Hole, Value, has_hole
+from rtron.sources.models.common.functions import Function, model_functions
+from rtron.sources.models.common.model_scope import ModelScope
+from rtron.sources.models.common.values import Placeholder, Value, has_placeholder
 
 _BRACES = re.compile(r"\{([^{}]*)\}")
 _NAME = re.compile(r"~?[A-Za-z0-9_/]*", re.ASCII)
 
 
 @dataclass(slots=True)
-class Expressions:
-    """Evaluates expressions in one scope; `met_hole` tells that an answer was not known."""
+class ModelExpressions:
+    """Evaluates expressions in one scope; `has_unknown` tells that an answer was not known."""
 
-    scope: Scope
-    met_hole: bool = False
+    scope: ModelScope
+    has_unknown: bool = False
     _functions: dict[str, Function] = field(init=False)
 
     def __post_init__(self) -> None:
-        self._functions = {name: self._watched(f) for name, f in functions(self.scope).items()}
+        self._functions = {
+            name: self._tracked(f) for name, f in model_functions(self.scope).items()
+        }
 
     def value(self, text: str) -> Value:
         """Return an expression's value; raise ValueError or UnresolvableError if it has none."""
-        kept: list[Value] = []
-        evaluate(f"keep({text})", {**self._functions, "keep": kept.append}, self._variable)
-        return kept[0]
+        results: list[Value] = []
+        evaluate(f"keep({text})", {**self._functions, "keep": results.append}, self._variable)
+        return results[0]
 
     def text(self, template: str) -> str:
         """Return a template with its expressions' values filled in; they must be plain values."""
-        return _BRACES.sub(lambda braces: self._plain(braces[1]), template)
+        return _BRACES.sub(lambda braces: self._plain_text(braces[1]), template)
 
     def name(self, template: str) -> str:
         """Return the ROS name that a template gives; raise ValueError if it is none."""
@@ -43,18 +45,20 @@ class Expressions:
             raise ValueError(f"{name[:80]!r} is no name")
         return name
 
-    def _plain(self, text: str) -> str:
+    def _plain_text(self, text: str) -> str:
         value = self.value(text)
         if not isinstance(value, (str, int, float)):
             raise ValueError(f"{text[:80]} gives no plain value")  # noqa: TRY004 - as every other fault here
         return str(value)
 
     def _variable(self, name: str) -> Value:
-        return self._noted(self.scope.variables[name])
+        return self._track(self.scope.variables[name])
 
-    def _watched(self, function: Function) -> Function:
-        return lambda *arguments: self._noted(function(*arguments))
+    def _tracked(self, function: Function) -> Function:
+        return lambda *arguments: self._track(function(*arguments))
 
-    def _noted(self, value: Value) -> Value:
-        self.met_hole = self.met_hole or isinstance(value, Hole) or has_hole(value)
+    def _track(self, value: Value) -> Value:
+        self.has_unknown = (
+            self.has_unknown or isinstance(value, Placeholder) or has_placeholder(value)
+        )
         return value

@@ -8,10 +8,17 @@ from functools import partial
 from itertools import takewhile
 
 from rtron.sources.models.common import arguments
-from rtron.sources.models.common.model_scope import Scope
-from rtron.sources.models.common.node_files import yaml_file
-from rtron.sources.models.common.values import Hole, Value, has_hole, hole, known, truth
-from rtron.sources.models.parameters2 import children, parameter
+from rtron.sources.models.common.model_scope import ModelScope
+from rtron.sources.models.common.node_files import read_yaml_file
+from rtron.sources.models.common.values import (
+    Placeholder,
+    Value,
+    as_switch,
+    has_placeholder,
+    placeholder,
+    with_placeholders,
+)
+from rtron.sources.models.parameters2 import children, parameter_or_default
 from rtron.sources.models.ros1.rviz import rviz_publications, rviz_subscriptions
 from rtron.sources.models.ros2.rviz import (
     rviz2_markers,
@@ -22,20 +29,20 @@ from rtron.sources.models.ros2.rviz import (
 
 Function = Callable[..., Value]
 
-LATEST, LATEST2 = "noetic", "rolling"
+LATEST_ROS1, LATEST_ROS2 = "noetic", "rolling"
 MAX_COUNTED = 100
 
 
-def functions(scope: Scope) -> dict[str, Function]:
+def model_functions(scope: ModelScope) -> dict[str, Function]:
     """Return the functions an expression may call in a scope."""
     args = scope.site.args
     return {
-        **_PURE,
+        **_PURE_FUNCTIONS,
         "param": partial(_param, scope),
         "search": partial(_search, scope),
-        "counted": partial(_counted, scope),
+        "counted": partial(_numbered_values, scope),
         "children": partial(children, scope),
-        "numbered": partial(_numbered, scope),
+        "numbered": partial(_existing_numbers, scope),
         "value": partial(_value, scope),
         "since": partial(_since, scope),
         "model": partial(_model, scope),
@@ -50,32 +57,32 @@ def functions(scope: Scope) -> dict[str, Function]:
     }
 
 
-def _param(scope: Scope, name: str, default: Value = None) -> Value:
+def _param(scope: ModelScope, name: str, default: Value = None) -> Value:
     if scope.is_ros2:
-        return parameter(scope, name, default)
-    found = scope.site.parameters.get(scope.resolve(name))
-    return default if found is None else known(found.value, name)
+        return parameter_or_default(scope, name, default)
+    launch_parameter = scope.site.parameters.get(scope.resolve(name))
+    return default if launch_parameter is None else with_placeholders(launch_parameter.value, name)
 
 
-def _counted(scope: Scope, name: str) -> list[Value]:
+def _numbered_values(scope: ModelScope, name: str) -> list[Value]:
     """Return the values of `name0`, `name1`, … up to the first that is not set."""
     values = (_param(scope, f"{name}{number}") for number in range(MAX_COUNTED))
     return list(takewhile(lambda value: value is not None, values))
 
 
-def _numbered(scope: Scope, name: str) -> list[str]:
+def _existing_numbers(scope: ModelScope, name: str) -> list[str]:
     """Return `0`, `1`, … as long as a parameter of that name and number is set."""
     numbers = map(str, range(MAX_COUNTED))
     return list(takewhile(lambda number: _param(scope, name + number) is not None, numbers))
 
 
-def _search(scope: Scope, name: str, default: Value = None) -> Value:
-    place = scope.site.parameters.search(name, scope.private)
-    found = scope.site.parameters.get(place) if place else None
-    return default if found is None else known(found.value, name)
+def _search(scope: ModelScope, name: str, default: Value = None) -> Value:
+    full_name = scope.site.parameters.search(name, scope.private)
+    launch_parameter = scope.site.parameters.get(full_name) if full_name else None
+    return default if launch_parameter is None else with_placeholders(launch_parameter.value, name)
 
 
-def _value(scope: Scope, name: str, default: Value = None) -> Value:
+def _value(scope: ModelScope, name: str, default: Value = None) -> Value:
     """Return what a plugin's element holds, the first of its name (sdformat: GetElement)."""
     tree: Value = scope.variables.get("values", {})
     for part in name.split("/"):
@@ -83,34 +90,34 @@ def _value(scope: Scope, name: str, default: Value = None) -> Value:
     tree = tree[0] if isinstance(tree, list) else tree
     if tree is None:
         return default
-    return tree.strip() if isinstance(tree, str) and not isinstance(tree, Hole) else tree
+    return tree.strip() if isinstance(tree, str) and not isinstance(tree, Placeholder) else tree
 
 
-def _model(scope: Scope) -> str:
-    return scope.variables.get("model_name") or hole("model")
+def _model(scope: ModelScope) -> str:
+    return scope.variables.get("model_name") or placeholder("model")
 
 
-def _plugin_namespace(scope: Scope) -> Value:
+def _plugin_namespace(scope: ModelScope) -> Value:
     """Return the namespace of a model plugin (gazebo_ros_utils.h: GazeboRos)."""
     return _value(scope, "robotNamespace") or _model(scope)
 
 
-def _robot_namespace(scope: Scope) -> Value:
+def _robot_namespace(scope: ModelScope) -> Value:
     """Return the namespace of a sensor plugin (gazebo_ros_utils.h: GetRobotNamespace)."""
     namespace = _value(scope, "robotNamespace")
     return "" if namespace is None else namespace or _model(scope)
 
 
-def _since(scope: Scope, distribution: str, unset: Value = None) -> Value:
+def _since(scope: ModelScope, distribution: str, unset: Value = None) -> Value:
     known = dict(scope.site.environ).get("ROS_DISTRO")
     if known is None and unset is not None:
         return unset
-    return (known or (LATEST2 if scope.is_ros2 else LATEST)) >= distribution
+    return (known or (LATEST_ROS2 if scope.is_ros2 else LATEST_ROS1)) >= distribution
 
 
 def _argument(args: Sequence[str], index: int, default: Value = None, valued: str = "") -> Value:
-    words = arguments.positional(args, valued)
-    return words[index] if index < len(words) else default
+    positional_arguments = arguments.positional(args, valued)
+    return positional_arguments[index] if index < len(positional_arguments) else default
 
 
 def _option(args: Sequence[str], names: str, default: Value = None) -> Value:
@@ -119,44 +126,44 @@ def _option(args: Sequence[str], names: str, default: Value = None) -> Value:
 
 
 def _get(tree: Value, key: Value, default: Value = None) -> Value:
-    if has_hole(tree):
-        return hole(f"{tree}.{key}")
+    if has_placeholder(tree):
+        return placeholder(f"{tree}.{key}")
     if isinstance(tree, Mapping):
         return tree.get(key, default)
-    inside = isinstance(tree, (list, tuple)) and isinstance(key, int) and key < len(tree)
-    return tree[key] if inside else default
+    is_in_range = isinstance(tree, (list, tuple)) and isinstance(key, int) and key < len(tree)
+    return tree[key] if is_in_range else default
 
 
 def _split(text: Value) -> Value:
-    if isinstance(text, Hole):
+    if isinstance(text, Placeholder):
         return text
     return text.split() if isinstance(text, str) else list(text or ())
 
 
 def _keys(tree: Value) -> Value:
-    if isinstance(tree, Hole):
+    if isinstance(tree, Placeholder):
         return tree
     return list(tree) if isinstance(tree, Mapping) else []
 
 
 def _items(tree: Value) -> Value:
-    if isinstance(tree, Hole):
+    if isinstance(tree, Placeholder):
         return tree
     return list(tree) if isinstance(tree, (list, tuple)) else []
 
 
-def _chosen(condition: Value, yes: Value, no: Value) -> Value:
-    return yes if truth(condition) else no
+def _if_else(condition: Value, yes: Value, no: Value) -> Value:
+    return yes if as_switch(condition) else no
 
 
-_PURE: Mapping[str, Function] = {
-    "chosen": _chosen,
+_PURE_FUNCTIONS: Mapping[str, Function] = {
+    "chosen": _if_else,
     "get": _get,
     "items": _items,
     "keys": _keys,
     "split": _split,
-    "truth": truth,
-    "unknown": hole,
+    "truth": as_switch,
+    "unknown": placeholder,
     "basename": lambda name: str(name).rpartition("/")[2],
     "parent": lambda name: str(name).rpartition("/")[0],
     "range": lambda first, last: list(range(first, min(last, 4096))),
@@ -166,5 +173,5 @@ _PURE: Mapping[str, Function] = {
     "rviz2_panels": rviz2_panels,
     "rviz2_publications": rviz2_publications,
     "rviz2_subscriptions": rviz2_subscriptions,
-    "yaml_file": yaml_file,
+    "yaml_file": read_yaml_file,
 }

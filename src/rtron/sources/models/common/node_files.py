@@ -3,18 +3,18 @@
 from pathlib import Path
 
 from rtron.errors import InputError
-from rtron.sources.models.common.values import Hole, Value, has_hole, hole
-from rtron.sources.models.common.yaml_model import compose, plain
+from rtron.sources.models.common.values import Placeholder, Value, has_placeholder, placeholder
+from rtron.sources.models.common.yaml_model import compose_yaml, construct_value
 
 
-def yaml_file(path: Value) -> Value:
+def read_yaml_file(path: Value) -> Value:
     """Return what a YAML file holds; a hole if it cannot be read."""
-    if isinstance(path, Hole) or has_hole(path):
-        return hole(f"yaml_file {path}")
-    place = Path(str(path))
-    if not place.is_file():
-        return hole(f"yaml_file {place.name}")
+    if isinstance(path, Placeholder) or has_placeholder(path):
+        return placeholder(f"yaml_file {path}")
+    file = Path(str(path))
+    if not file.is_file():
+        return placeholder(f"yaml_file {file.name}")
     try:
-        return plain(compose(place), place)
+        return construct_value(compose_yaml(file), file)
     except InputError:
-        return hole(f"yaml_file {place.name}")
+        return placeholder(f"yaml_file {file.name}")

@@ -10,10 +10,10 @@ from typing import Annotated
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
 from rtron.sources.declaration import DeclarationKind
-from rtron.vocabulary import Word
+from rtron.vocabulary import StringEnum
 
-VERBS = (*(kind.value for kind in DeclarationKind), "uses", "unresolved", "declares")
-KINDS = (
+ENTRY_VERBS = (*(kind.value for kind in DeclarationKind), "uses", "unresolved", "declares")
+MODEL_KINDS = (
     "node",
     "nodelet",
     "component",
@@ -25,10 +25,10 @@ KINDS = (
 )
 ANY_TYPE = "any"
 _SOURCE = re.compile(r"github\.com/[\w.-]+/[\w.-]+@[\w./-]+( [\w./-]+)?")
-_AT = re.compile(r"[\w./+-]+(:[0-9]+)?")
+_LOCATION = re.compile(r"[\w./+-]+(:[0-9]+)?")
 
 
-class NodeRole(Word):
+class NodeRole(StringEnum):
     """What a node type does that shows at other nodes."""
 
     NODELET = "nodelet"
@@ -38,15 +38,15 @@ class NodeRole(Word):
     CONTROLLER_MANAGER = "controller_manager"
 
 
-def _listed(value: object) -> object:
+def _as_list(value: object) -> object:
     return [value] if isinstance(value, str) else value
 
 
-Names = Annotated[tuple[str, ...], BeforeValidator(_listed)]
+Names = Annotated[tuple[str, ...], BeforeValidator(_as_list)]
 Text = Annotated[str, Field(max_length=1000)]
 
 
-class Declare(BaseModel):
+class ModelEntry(BaseModel):
     """One entry of `declares`: a verb with its name, and when, how often and where it holds."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -59,7 +59,7 @@ class Declare(BaseModel):
     action_server: Text | None = None
     uses: Text | None = None
     unresolved: Text | None = None
-    declares: tuple["Declare", ...] | None = None
+    declares: tuple["ModelEntry", ...] | None = None
     type: Text = ""
     implicit: bool = False
     latched: bool = False
@@ -69,7 +69,7 @@ class Declare(BaseModel):
         default=None, alias="for"
     )
     let: dict[str, Text] = {}
-    given: dict[str, Text] = Field(default={}, alias="with")
+    passed: dict[str, Text] = Field(default={}, alias="with")
     namespace: Text | None = None
     private: Text | None = None
     node: Text | None = None
@@ -78,13 +78,13 @@ class Declare(BaseModel):
     at: str = ""
 
     @model_validator(mode="after")
-    def _consistent(self) -> "Declare":
-        verbs = [verb for verb in VERBS if getattr(self, verb) is not None]
+    def _consistent(self) -> "ModelEntry":
+        verbs = [verb for verb in ENTRY_VERBS if getattr(self, verb) is not None]
         if len(verbs) != 1:
-            raise ValueError(f"an entry needs exactly one of {', '.join(VERBS)}")
+            raise ValueError(f"an entry needs exactly one of {', '.join(ENTRY_VERBS)}")
         if self.kind is not None and not self.type:
             raise ValueError(f"{verbs[0]} needs a type")
-        if self.at and not _AT.fullmatch(self.at):
+        if self.at and not _LOCATION.fullmatch(self.at):
             raise ValueError("at is written path:line")
         return self
 
@@ -126,12 +126,12 @@ class Model(BaseModel):
     role: NodeRole | None = None
     needs: Names = ()
     let: dict[str, Text] = {}
-    declares: tuple[Declare, ...] = ()
+    declares: tuple[ModelEntry, ...] = ()
 
     @model_validator(mode="after")
     def _consistent(self) -> "Model":
-        if not any(getattr(self, kind) for kind in KINDS):
-            raise ValueError(f"a model needs one of {', '.join(KINDS)}")
+        if not any(getattr(self, kind) for kind in MODEL_KINDS):
+            raise ValueError(f"a model needs one of {', '.join(MODEL_KINDS)}")
         if not _SOURCE.fullmatch(self.source):
             raise ValueError("source is written github.com/OWNER/NAME@TAG PATH")
         return self
@@ -141,25 +141,25 @@ class Model(BaseModel):
         """Whether the node is of rclpy, or rospy: its source is Python."""
         return self.source.endswith(".py")
 
-    def walk(self) -> Iterator[Declare]:
+    def walk(self) -> Iterator[ModelEntry]:
         """Yield every entry, groups before what stands in them."""
-        waiting = list(self.declares)
-        while waiting:
-            entry = waiting.pop(0)
+        pending = list(self.declares)
+        while pending:
+            entry = pending.pop(0)
             yield entry
-            waiting[:0] = entry.declares or ()
+            pending[:0] = entry.declares or ()
 
 
-def texts(model: Model) -> Iterator[tuple[str, str]]:
+def model_texts(model: Model) -> Iterator[tuple[str, str]]:
     """Yield each text of a model that holds an expression, as (kind, text)."""
     yield from (("expression", text) for text in model.let.values())
     yield "template", model.name
     for entry in model.walk():
         yield from (("expression", text) for text in entry.let.values())
-        yield from (("expression", text) for text in entry.given.values())
-        named = (entry.name, entry.uses, entry.type, entry.namespace, entry.private, entry.node)
-        told = (entry.qos, entry.unresolved, entry.why)
-        yield from (("template", text) for text in (*named, *told) if text)
+        yield from (("expression", text) for text in entry.passed.values())
+        names = (entry.name, entry.uses, entry.type, entry.namespace, entry.private, entry.node)
+        messages = (entry.qos, entry.unresolved, entry.why)
+        yield from (("template", text) for text in (*names, *messages) if text)
         if entry.condition:
             yield "expression", entry.condition
         if entry.loop:

@@ -10,34 +10,37 @@ Value = Any
 MAX_DEPTH = 20
 
 
-class Hole(str):
+class Placeholder(str):
     """A value that is not known: its name in braces, `{~prefix}`; stays a hole when looked into."""
 
     __slots__ = ()
 
 
-def hole(name: str) -> Hole:
+def placeholder(name: str) -> Placeholder:
     """Return the hole for a name, whatever braces it already has."""
-    return Hole("{" + name.replace("{", "").replace("}", "") + "}")
+    return Placeholder("{" + name.replace("{", "").replace("}", "") + "}")
 
 
-def known(value: Value, name: str, depth: int = 0) -> Value:
+def with_placeholders(value: Value, name: str, depth: int = 0) -> Value:
     """Return a parameter's value with a hole for each UnknownValue, and for what is too deep."""
     if isinstance(value, UnknownValue) or depth > MAX_DEPTH:
-        return hole(name)
+        return placeholder(name)
     if isinstance(value, Mapping):
-        return {key: known(inner, f"{name}/{key}", depth + 1) for key, inner in value.items()}
+        return {
+            key: with_placeholders(inner, f"{name}/{key}", depth + 1)
+            for key, inner in value.items()
+        }
     if isinstance(value, (list, tuple)):
-        return [known(inner, f"{name}/{i}", depth + 1) for i, inner in enumerate(value)]
+        return [with_placeholders(inner, f"{name}/{i}", depth + 1) for i, inner in enumerate(value)]
     return value
 
 
-def has_hole(value: Value) -> bool:
+def has_placeholder(value: Value) -> bool:
     """Tell whether a value is, or was built from, something that is not known."""
     return isinstance(value, str) and "{" in value
 
 
-def truth(value: Value) -> bool:
+def as_switch(value: Value) -> bool:
     """Return what a value means as a switch: `0`, `false`, `no`, `off` and nothing are false."""
     if isinstance(value, str):
         return value.strip().lower() not in {"", "0", "false", "no", "off"}

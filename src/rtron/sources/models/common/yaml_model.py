@@ -14,25 +14,25 @@ T = TypeVar("T", bound=BaseModel)
 
 MAX_BYTES = 2**20
 MAX_DEPTH = 20
-_LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
-_SHOWN = 60
+_YAML_LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+_MAX_SHOWN = 60
 
 
-def read_form(path: Path, form: type[T]) -> T:
-    """Return what a YAML file says, as `form`; raise InputError with its line where it is wrong."""
-    root = compose(path)
+def read_model(path: Path, schema: type[T]) -> T:
+    """Return what a YAML file says, as `schema`; raise InputError with its line where it is wrong."""
+    root = compose_yaml(path)
     try:
-        return form.model_validate(plain(root, path))
+        return schema.model_validate(construct_value(root, path))
     except ValidationError as error:
-        raise _fault(error, root, path, form) from None
+        raise _model_error(error, root, path, schema) from None
 
 
-def compose(path: Path) -> yaml.Node:
+def compose_yaml(path: Path) -> yaml.Node:
     """Return the tree of a YAML file; raise InputError if it is none, too large or too deep."""
     data = read_bounded(path, MAX_BYTES)
     try:
         _refuse_unsafe(data, path)
-        root = yaml.compose(data, Loader=_LOADER)
+        root = yaml.compose(data, Loader=_YAML_LOADER)
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         line = mark.line + 1 if mark else 0
@@ -44,9 +44,9 @@ def compose(path: Path) -> yaml.Node:
     return root
 
 
-def plain(root: yaml.Node, path: Path) -> Any:  # noqa: ANN401 - any YAML value
+def construct_value(root: yaml.Node, path: Path) -> Any:  # noqa: ANN401 - any YAML value
     """Return the values of a YAML tree; raise InputError if one cannot be made."""
-    loader = _LOADER("")
+    loader = _YAML_LOADER("")
     try:
         return loader.construct_document(root)
     except (yaml.YAMLError, ValueError, TypeError) as error:
@@ -57,7 +57,7 @@ def plain(root: yaml.Node, path: Path) -> Any:  # noqa: ANN401 - any YAML value
 
 def _refuse_unsafe(data: bytes, path: Path) -> None:
     depth = 0
-    for event in yaml.parse(data, Loader=_LOADER):
+    for event in yaml.parse(data, Loader=_YAML_LOADER):
         depth += isinstance(event, yaml.CollectionStartEvent)
         depth -= isinstance(event, yaml.CollectionEndEvent)
         if isinstance(event, yaml.AliasEvent) or depth > MAX_DEPTH:
@@ -65,38 +65,44 @@ def _refuse_unsafe(data: bytes, path: Path) -> None:
             raise InputError("aliases and deep nesting are refused", path=str(path), line=line)
 
 
-def _fault(error: ValidationError, root: yaml.Node, path: Path, form: type[T]) -> InputError:
-    fault = error.errors(include_url=False)[0]
-    place = [part for part in fault["loc"] if part != "[key]"]
-    line = _line(root, place)
-    where = ".".join(str(part) for part in place)
-    message = f"{where}: {fault['msg']}"[:200]
-    return InputError(message, path=str(path), line=line, help=_help(place, form))
+def _model_error(
+    error: ValidationError, root: yaml.Node, path: Path, schema: type[T]
+) -> InputError:
+    details = error.errors(include_url=False)[0]
+    path_keys = [part for part in details["loc"] if part != "[key]"]
+    line = _line(root, path_keys)
+    dotted_path = ".".join(str(part) for part in path_keys)
+    message = f"{dotted_path}: {details['msg']}"[:200]
+    return InputError(message, path=str(path), line=line, help=_help(path_keys, schema))
 
 
-def _line(node: yaml.Node, place: list[Any]) -> int:
+def _line(node: yaml.Node, path_keys: list[Any]) -> int:
     line = int(node.start_mark.line) + 1
-    for part in place:
-        step = _step(node, part)
+    for part in path_keys:
+        step = _child_node(node, part)
         if step is None:
             return line
         line, node = step
     return line
 
 
-def _step(node: yaml.Node, part: object) -> tuple[int, yaml.Node] | None:
+def _child_node(node: yaml.Node, part: object) -> tuple[int, yaml.Node] | None:
     if isinstance(node, yaml.SequenceNode) and isinstance(part, int):
         return int(node.value[part].start_mark.line) + 1, node.value[part]
     if not isinstance(node, yaml.MappingNode):
         return None
-    found = ((key, value) for key, value in node.value if key.value == part)
-    return next(((int(key.start_mark.line) + 1, value) for key, value in found), None)
+    matches = ((key, value) for key, value in node.value if key.value == part)
+    return next(((int(key.start_mark.line) + 1, value) for key, value in matches), None)
 
 
-def _help(place: list[Any], form: type[BaseModel]) -> str:
-    known = form.model_json_schema()
+def _help(path_keys: list[Any], schema: type[BaseModel]) -> str:
+    known = schema.model_json_schema()
     keys = [*known.get("properties", {})]
     for definition in known.get("$defs", {}).values():
         keys += definition.get("properties", {})
-    near = get_close_matches(str(place[-1] if place else "")[:_SHOWN], keys, n=1)
-    return f"did you mean {near[0]}?" if near and near[0] not in place else "see docs/models.md"
+    matches = get_close_matches(str(path_keys[-1] if path_keys else "")[:_MAX_SHOWN], keys, n=1)
+    return (
+        f"did you mean {matches[0]}?"
+        if matches and matches[0] not in path_keys
+        else "see docs/models.md"
+    )

@@ -3,8 +3,8 @@
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from rtron.sources.models.common.node_files import yaml_file
-from rtron.sources.models.common.values import Value, has_hole
+from rtron.sources.models.common.node_files import read_yaml_file
+from rtron.sources.models.common.values import Value, has_placeholder
 
 _MAX_DEPTH = 20
 _GROUPS = ("rviz/Group", "rviz_common/Group")
@@ -47,52 +47,56 @@ _TOOLS = {
 
 def rviz_subscriptions(config: Value) -> list[dict[str, str]]:
     """Return topic and type of every enabled display of a configuration file."""
-    tree = manager(config)
-    if has_hole(tree):
+    tree = visualization_manager(config)
+    if has_placeholder(tree):
         return [{"topic": str(tree), "type": ""}]
-    return [found for display in displays(tree.get("Displays")) for found in _shown(display)]
+    return [
+        values
+        for display in enabled_displays(tree.get("Displays"))
+        for values in _display_topics(display)
+    ]
 
 
 def rviz_publications(config: Value) -> list[dict[str, str]]:
     """Return topic and type of every tool of a configuration file that publishes."""
-    tree = manager(config)
-    tools = [] if has_hole(tree) else mappings(tree.get("Tools"))
-    if has_hole(tree) or not config:
+    tree = visualization_manager(config)
+    tools = [] if has_placeholder(tree) else mappings_of(tree.get("Tools"))
+    if has_placeholder(tree) or not config:
         tools = [{"Class": name} for name in _TOOLS]
-    return [_sent(tool) for tool in tools if tool.get("Class") in _TOOLS]
+    return [_tool_topic(tool) for tool in tools if tool.get("Class") in _TOOLS]
 
 
-def manager(config: Value) -> Any:  # noqa: ANN401 - a mapping or a hole
+def visualization_manager(config: Value) -> Any:  # noqa: ANN401 - a mapping or a hole
     """Return what stands below `Visualization Manager` in a configuration file; a hole for none."""
-    tree = yaml_file(config) if config else {}
-    if has_hole(tree):
+    tree = read_yaml_file(config) if config else {}
+    if has_placeholder(tree):
         return tree
     manager = tree.get("Visualization Manager") if isinstance(tree, Mapping) else None
     return manager if isinstance(manager, Mapping) else {}
 
 
-def displays(listed: object, depth: int = 0) -> Iterator[Mapping[str, Any]]:
+def enabled_displays(listed: object, depth: int = 0) -> Iterator[Mapping[str, Any]]:
     """Yield the displays that are switched on, those of groups too."""
-    for display in mappings(listed):
+    for display in mappings_of(listed):
         if display.get("Enabled", True) is not True or depth > _MAX_DEPTH:
             continue
         if display.get("Class") in _GROUPS:
-            yield from displays(display.get("Displays"), depth + 1)
+            yield from enabled_displays(display.get("Displays"), depth + 1)
         else:
             yield display
 
 
-def _shown(display: Mapping[str, Any]) -> Iterator[dict[str, str]]:
+def _display_topics(display: Mapping[str, Any]) -> Iterator[dict[str, str]]:
     kind = str(display.get("Class", ""))
     for key in TOPIC_KEYS:
         topic = display.get(key)
         if not isinstance(topic, str) or not topic:
             continue
         yield {"topic": topic, "type": TYPES.get(kind, "")}
-        yield from _beside(kind, key, topic)
+        yield from _related_topics(kind, key, topic)
 
 
-def _beside(kind: str, key: str, topic: str) -> Iterator[dict[str, str]]:
+def _related_topics(kind: str, key: str, topic: str) -> Iterator[dict[str, str]]:
     if kind == "rviz/Map":
         yield {"topic": f"{topic}_updates", "type": "map_msgs/OccupancyGridUpdate"}
     if kind == "rviz/Camera" and key == "Image Topic":
@@ -100,13 +104,13 @@ def _beside(kind: str, key: str, topic: str) -> Iterator[dict[str, str]]:
         yield {"topic": f"{parent}/camera_info", "type": "sensor_msgs/CameraInfo"}
 
 
-def _sent(tool: Mapping[str, Any]) -> dict[str, str]:
+def _tool_topic(tool: Mapping[str, Any]) -> dict[str, str]:
     default, type = _TOOLS[str(tool["Class"])]
     topic = tool.get("Topic")
     return {"topic": topic if isinstance(topic, str) and topic else default, "type": type}
 
 
-def mappings(items: object) -> list[Mapping[str, Any]]:
+def mappings_of(items: object) -> list[Mapping[str, Any]]:
     """Return the mappings of a list."""
-    found = items if isinstance(items, list) else []
-    return [item for item in found if isinstance(item, Mapping)]
+    values = items if isinstance(items, list) else []
+    return [item for item in values if isinstance(item, Mapping)]

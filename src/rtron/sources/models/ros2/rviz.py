@@ -3,9 +3,15 @@
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from rtron.sources.models.common.node_files import yaml_file
-from rtron.sources.models.common.values import Value, has_hole
-from rtron.sources.models.ros1.rviz import TOPIC_KEYS, TYPES, displays, manager, mappings
+from rtron.sources.models.common.node_files import read_yaml_file
+from rtron.sources.models.common.values import Value, has_placeholder
+from rtron.sources.models.ros1.rviz import (
+    TOPIC_KEYS,
+    TYPES,
+    enabled_displays,
+    mappings_of,
+    visualization_manager,
+)
 
 _TOOLS = {
     "SetInitialPose": ("initialpose", "geometry_msgs/msg/PoseWithCovarianceStamped"),
@@ -18,46 +24,50 @@ _TYPES = {
     "Update Topic": "map_msgs/msg/OccupancyGridUpdate",
     _DESCRIPTION: "std_msgs/msg/String",
 }
-_WITH_INFO = {("Camera", "Topic"), ("DepthCloud", "Depth Map Topic")}
+_CAMERA_INFO_DISPLAYS = {("Camera", "Topic"), ("DepthCloud", "Depth Map Topic")}
 """The displays that hear `camera_info` beside the topic of this key too."""
 
 _ROS1, _PACKAGE = "rviz/", "rviz_default_plugins/"
-_OTHERS = {"nav2_rviz_plugins/ParticleCloud": "nav2_msgs/msg/ParticleCloud"}
+_OTHER_TYPES = {"nav2_rviz_plugins/ParticleCloud": "nav2_msgs/msg/ParticleCloud"}
 
 
 def rviz2_subscriptions(config: Value) -> list[dict[str, str]]:
     """Return topic, type and qos of every enabled display of a configuration file."""
-    tree = manager(config)
-    if has_hole(tree):
+    tree = visualization_manager(config)
+    if has_placeholder(tree):
         return [{"topic": str(tree)}]
-    return [found for display in displays(tree.get("Displays")) for found in _shown(display)]
+    return [
+        topic
+        for display in enabled_displays(tree.get("Displays"))
+        for topic in _display_topics(display)
+    ]
 
 
 def rviz2_publications(config: Value) -> list[dict[str, str]]:
     """Return topic, type and qos of every tool of a configuration file that publishes."""
-    tree = manager(config)
-    tools = [] if has_hole(tree) else mappings(tree.get("Tools"))
-    if has_hole(tree) or not config:
+    tree = visualization_manager(config)
+    tools = [] if has_placeholder(tree) else mappings_of(tree.get("Tools"))
+    if has_placeholder(tree) or not config:
         tools = [{"Class": _PACKAGE + name} for name in _TOOLS]
-    return [sent for tool in tools for sent in _sent(tool)]
+    return [sent for tool in tools for sent in _tool_topics(tool)]
 
 
 def rviz2_markers(config: Value) -> list[str]:
     """Return the namespaces of the enabled displays of interactive markers."""
-    tree = manager(config)
-    shown = () if has_hole(tree) else displays(tree.get("Displays"))
-    named = (display.get(_MARKERS) for display in shown)
+    tree = visualization_manager(config)
+    enabled = () if has_placeholder(tree) else enabled_displays(tree.get("Displays"))
+    named = (display.get(_MARKERS) for display in enabled)
     return [name.rstrip("/") for name in named if isinstance(name, str) and name.strip("/")]
 
 
 def rviz2_panels(config: Value) -> list[str]:
     """Return the classes of a configuration file's panels; none where the file is not known."""
-    tree = yaml_file(config) if config else {}
-    panels = mappings(tree.get("Panels")) if isinstance(tree, Mapping) else []
+    tree = read_yaml_file(config) if config else {}
+    panels = mappings_of(tree.get("Panels")) if isinstance(tree, Mapping) else []
     return [str(panel.get("Class", "")) for panel in panels]
 
 
-def _shown(display: Mapping[str, Any]) -> Iterator[dict[str, str]]:
+def _display_topics(display: Mapping[str, Any]) -> Iterator[dict[str, str]]:
     kind = str(display.get("Class", ""))
     is_file = display.get("Description Source") == "File"
     for key in _TOPIC_KEYS:
@@ -67,19 +77,19 @@ def _shown(display: Mapping[str, Any]) -> Iterator[dict[str, str]]:
         if not isinstance(name, str) or not name or (key == _DESCRIPTION and is_file):
             continue
         yield {"topic": name, "type": _TYPES.get(key, _type(kind)), "qos": _qos(topic)}
-        if (kind.removeprefix(_PACKAGE), key) in _WITH_INFO:
+        if (kind.removeprefix(_PACKAGE), key) in _CAMERA_INFO_DISPLAYS:
             info = f"{name.rpartition('/')[0]}/camera_info"
             yield {"topic": info, "type": "sensor_msgs/msg/CameraInfo", "qos": "5 best_effort"}
 
 
 def _type(kind: str) -> str:
-    if kind in _OTHERS:
-        return _OTHERS[kind]
+    if kind in _OTHER_TYPES:
+        return _OTHER_TYPES[kind]
     package, _, name = TYPES.get(kind.replace(_PACKAGE, _ROS1, 1), "").partition("/")
     return f"{package}/msg/{name}" if name else ""
 
 
-def _sent(tool: Mapping[str, Any]) -> Iterator[dict[str, str]]:
+def _tool_topics(tool: Mapping[str, Any]) -> Iterator[dict[str, str]]:
     kind = str(tool.get("Class", ""))
     if kind.removeprefix(_PACKAGE) not in _TOOLS or not kind.startswith(_PACKAGE):
         return
@@ -97,8 +107,8 @@ def _sent(tool: Mapping[str, Any]) -> Iterator[dict[str, str]]:
 def _qos(topic: Mapping[str, Any]) -> str:
     """Return the quality of service in the words of models."""
     reliable = topic.get("Reliability Policy", "Reliable") != "Best Effort"
-    keeps = topic.get("Durability Policy", "Volatile") == "Transient Local"
+    is_transient_local = topic.get("Durability Policy", "Volatile") == "Transient Local"
     depth = topic.get("Depth", 5)
-    words = [str(depth) if isinstance(depth, int) and depth >= 0 else "5"]
-    words += [] if reliable else ["best_effort"]
-    return " ".join([*words, "transient_local"] if keeps else words)
+    tokens = [str(depth) if isinstance(depth, int) and depth >= 0 else "5"]
+    tokens += [] if reliable else ["best_effort"]
+    return " ".join([*tokens, "transient_local"] if is_transient_local else tokens)

@@ -16,8 +16,8 @@ from pydantic import TypeAdapter, ValidationError
 
 from rtron.errors import InputError
 from rtron.sources.bounded_file import content_hash, read_bounded
-from rtron.sources.static.common.task import Task, TaskResult
-from rtron.vocabulary import Parameters
+from rtron.sources.static.common.task import InterpretationTask, TaskResult
+from rtron.vocabulary import ParameterTree
 
 MAX_ENTRY = 16 * 1024 * 1024
 MAX_BYTES = 256 * 1024 * 1024
@@ -26,43 +26,45 @@ _RESULT = TypeAdapter(TaskResult)
 _ENDING = ".json"
 
 
-def user_cache(environ: Mapping[str, str] = os.environ) -> Path:
+def user_cache_folder(environ: Mapping[str, str] = os.environ) -> Path:
     """Return the user's cache folder for RTron (XDG Base Directory Specification)."""
-    below = environ.get("XDG_CACHE_HOME", "")
-    home = Path(below) if below.startswith("/") else Path.home() / ".cache"
+    xdg_folder = environ.get("XDG_CACHE_HOME", "")
+    home = Path(xdg_folder) if xdg_folder.startswith("/") else Path.home() / ".cache"
     return home / "rtron" / "scan"
 
 
 @dataclass(slots=True)
-class Cache:
-    """Results in a folder; `state` names what they all depend on. Without a folder it is empty."""
+class InterfaceCache:
+    """Results in a folder; `workspace_hash` names what they all depend on. Without a folder it is empty."""
 
     folder: Path | None
-    state: str
+    workspace_hash: str
     _hashes: dict[str, str] = field(default_factory=dict)
-    _parameters: dict[int, tuple[Parameters, str]] = field(default_factory=dict)
+    _parameters: dict[int, tuple[ParameterTree, str]] = field(default_factory=dict)
 
-    def get(self, task: Task) -> TaskResult | None:
+    def get(self, task: InterpretationTask) -> TaskResult | None:
         """Return a task's result, None if it has none that still counts."""
         if self.folder is None:
             return None
         path = self.folder / self._name(task)
         with suppress(InputError, ValidationError):
             result = _RESULT.validate_json(read_bounded(path, MAX_ENTRY))
-            if result.files and all(self._hash(f) == known for f, known in result.files):
+            if result.files and all(
+                self._hash(f) == expected_hash for f, expected_hash in result.files
+            ):
                 with suppress(OSError):
                     os.utime(path)
                 return result
         return None
 
-    def put(self, task: Task, result: TaskResult) -> None:
+    def put(self, task: InterpretationTask, result: TaskResult) -> None:
         """Keep a task's result; one that came to nothing has no files and is not kept."""
         if self.folder is None or not result.files:
             return
         data = _RESULT.dump_json(result)
         if len(data) <= MAX_ENTRY:
             with suppress(OSError):
-                _replace(self.folder / self._name(task), data)
+                _write_atomically(self.folder / self._name(task), data)
 
     def trim(self) -> None:
         """Remove the entries that were not used for longest while there are too many bytes."""
@@ -77,25 +79,34 @@ class Cache:
                 entry.unlink(missing_ok=True)
                 total -= size
 
-    def _name(self, task: Task) -> str:
+    def _name(self, task: InterpretationTask) -> str:
         site = task.site
         parts = (
-            self.state,
+            self.workspace_hash,
             task.kind.value,
             *map(str, task.sources),
-            task.cls,
-            repr(task.beside),
-            repr((site.name, site.args, site.remaps, site.environ, site.complete)),
-            repr((site.ros, site.named, site.placed, site.settings, site.overrides, site.loading)),
-            repr(site.rules),
+            task.class_name,
+            repr(task.other_components),
+            repr((site.name, site.args, site.remaps, site.environ, site.parameters_complete)),
+            repr(
+                (
+                    site.ros,
+                    site.has_launch_name,
+                    site.has_launch_namespace,
+                    site.settings,
+                    site.overrides,
+                    site.loading,
+                )
+            ),
+            repr(site.remap_rules),
             self._parameters_hash(site.parameters),
         )
-        return digest_of(parts) + _ENDING
+        return hash_texts(parts) + _ENDING
 
-    def _parameters_hash(self, parameters: Parameters) -> str:
+    def _parameters_hash(self, parameters: ParameterTree) -> str:
         if id(parameters) not in self._parameters:
-            texts = (f"{name}={found.value!r}" for name, found in parameters.leaves.items())
-            self._parameters[id(parameters)] = (parameters, digest_of(sorted(texts)))
+            texts = (f"{name}={parameter.value!r}" for name, parameter in parameters.leaves.items())
+            self._parameters[id(parameters)] = (parameters, hash_texts(sorted(texts)))
         return self._parameters[id(parameters)][1]
 
     def _hash(self, file: str) -> str:
@@ -104,33 +115,35 @@ class Cache:
         return self._hashes[file]
 
 
-def open_cache(folder: Path | None, state: str) -> Cache:
+def open_cache(folder: Path | None, workspace_hash: str) -> InterfaceCache:
     """Return the cache in a folder, made if need be; an empty one if it is not the user's alone."""
     if folder is None:
-        return Cache(None, state)
+        return InterfaceCache(None, workspace_hash)
     try:
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-        found = folder.lstat()
+        status = folder.lstat()
     except (OSError, ValueError):
-        return Cache(None, state)
-    ours = stat.S_ISDIR(found.st_mode) and found.st_uid == os.getuid()
-    return Cache(folder if ours and not found.st_mode & 0o077 else None, state)
+        return InterfaceCache(None, workspace_hash)
+    is_private = stat.S_ISDIR(status.st_mode) and status.st_uid == os.getuid()
+    return InterfaceCache(
+        folder if is_private and not status.st_mode & 0o077 else None, workspace_hash
+    )
 
 
-def digest_of(parts: Iterable[str]) -> str:
+def hash_texts(parts: Iterable[str]) -> str:
     """Return a hash over texts, in hexadecimal."""
-    whole = sha256()
+    digest = sha256()
     for part in parts:
-        whole.update(f"{len(part)}:{part}\0".encode("utf-8", "surrogateescape"))
-    return whole.hexdigest()
+        digest.update(f"{len(part)}:{part}\0".encode("utf-8", "surrogateescape"))
+    return digest.hexdigest()
 
 
-def _replace(path: Path, data: bytes) -> None:
+def _write_atomically(path: Path, data: bytes) -> None:
     """Write a file whole under a new name, then give it its own: links there are not followed."""
-    made = path.with_name(f"{path.name}.{os.getpid()}")
+    temporary = path.with_name(f"{path.name}.{os.getpid()}")
     flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW
     with suppress(FileNotFoundError):
-        made.unlink()
-    with os.fdopen(os.open(made, flags, 0o600), "wb") as stream:
+        temporary.unlink()
+    with os.fdopen(os.open(temporary, flags, 0o600), "wb") as stream:
         stream.write(data)
-    made.replace(path)
+    temporary.replace(path)

@@ -22,19 +22,19 @@ ROLES = {
     DeclarationKind.ACTION_CLIENT: ActionRole.CLIENT,
     DeclarationKind.ACTION_SERVER: ActionRole.SERVER,
 }
-_FROM_CLIENT = ("goal", "cancel")
-_PARTS = {
+_CLIENT_TOPICS = ("goal", "cancel")
+_ACTION_TOPIC_TYPES = {
     "goal": "{}Goal",
     "cancel": "actionlib_msgs/GoalID",
     "status": "actionlib_msgs/GoalStatusArray",
     "feedback": "{}Feedback",
     "result": "{}Result",
 }
-_CLOCK = "/clock"
+_CLOCK_TOPIC = "/clock"
 
 
 @dataclass(frozen=True, slots=True)
-class Remapping:
+class ProcessRemaps:
     """A process's remaps; they compare whole names, and the last of a name counts."""
 
     targets: Mapping[str, str]
@@ -44,26 +44,28 @@ class Remapping:
         return self.targets.get(name, name)
 
 
-def endpoints_of(node: str, declared: Declaration, remap: Remapping) -> Iterator[Endpoint]:
+def declared_endpoints(
+    node: str, declared: Declaration, remap: ProcessRemaps
+) -> Iterator[Endpoint]:
     """Yield the topics of a declaration; an action has five (actionlib's wiki page)."""
     if declared.kind in DIRECTIONS:
         direction = DIRECTIONS[declared.kind]
         yield _endpoint(node, declared, declared.name, direction, declared.type, remap)
     elif declared.kind in ROLES:
-        for part, type in _PARTS.items():
-            publishes = (part in _FROM_CLIENT) == (declared.kind is DeclarationKind.ACTION_CLIENT)
+        for part, type in _ACTION_TOPIC_TYPES.items():
+            publishes = (part in _CLIENT_TOPICS) == (declared.kind is DeclarationKind.ACTION_CLIENT)
             direction = Direction.PUBLISH if publishes else Direction.SUBSCRIBE
             name = f"{declared.name}/{part}"
             yield _endpoint(node, declared, name, direction, _part_type(type, declared.type), remap)
 
 
-def service_of(node: str, declared: Declaration, remap: Remapping) -> Iterator[Service]:
+def declared_service(node: str, declared: Declaration, remap: ProcessRemaps) -> Iterator[Service]:
     """Yield the service that a declaration offers."""
     if declared.kind is DeclarationKind.SERVICE:
         yield Service(node=node, name=remap(declared.name), type=declared.type)
 
 
-def action_of(node: str, declared: Declaration, remap: Remapping) -> Iterator[Action]:
+def declared_action(node: str, declared: Declaration, remap: ProcessRemaps) -> Iterator[Action]:
     """Yield a declaration's side of an action, by the name that its goals go to."""
     if declared.kind in ROLES:
         name = remap(f"{declared.name}/goal").removesuffix("/goal")
@@ -71,16 +73,16 @@ def action_of(node: str, declared: Declaration, remap: Remapping) -> Iterator[Ac
         yield Action(node=node, name=name, type=declared.type, role=role)
 
 
-def clock_of(node: str, place: Evidence) -> Endpoint:
+def clock_subscription(node: str, location: Evidence) -> Endpoint:
     """Return the subscription by which a node follows simulated time (ROS wiki: Clock)."""
     return Endpoint(
         node=node,
-        topic=_CLOCK,
+        topic=_CLOCK_TOPIC,
         direction=Direction.SUBSCRIBE,
         type="rosgraph_msgs/Clock",
-        declared_name=_CLOCK,
+        declared_name=_CLOCK_TOPIC,
         implicit=True,
-        evidence=(place,),
+        evidence=(location,),
     )
 
 
@@ -90,7 +92,7 @@ def _endpoint(
     name: str,
     direction: Direction,
     type: str,
-    remap: Remapping,
+    remap: ProcessRemaps,
 ) -> Endpoint:
     topic = remap(name)
     return Endpoint(

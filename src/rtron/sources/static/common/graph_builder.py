@@ -13,12 +13,12 @@ from rtron.vocabulary import (
     Service,
     ServiceClient,
     Topic,
-    Unresolved,
+    UnresolvedItem,
 )
 
 
 @dataclass(slots=True, kw_only=True)
-class GraphParts:
+class GraphBuilder:
     """A graph in the making; an endpoint that is declared twice has all its evidence."""
 
     ros: int = 1
@@ -28,24 +28,24 @@ class GraphParts:
     actions: dict[Action, None] = field(default_factory=dict)
     clients: dict[ServiceClient, None] = field(default_factory=dict)
     parameters: dict[tuple[str, str], NodeParameter] = field(default_factory=dict)
-    unresolved: dict[Unresolved, None] = field(default_factory=dict)
+    unresolved: dict[UnresolvedItem, None] = field(default_factory=dict)
 
-    def put(self, found: Endpoint | Service | Action | ServiceClient) -> None:
+    def add_entity(self, entity: Endpoint | Service | Action | ServiceClient) -> None:
         """Add what a node has."""
-        if isinstance(found, Service):
-            self.services[found] = None
-        elif isinstance(found, Action):
-            self.actions[found] = None
-        elif isinstance(found, ServiceClient):
-            self.clients[found] = None
+        if isinstance(entity, Service):
+            self.services[entity] = None
+        elif isinstance(entity, Action):
+            self.actions[entity] = None
+        elif isinstance(entity, ServiceClient):
+            self.clients[entity] = None
         else:
-            self._add_endpoint(found)
+            self._add_endpoint(entity)
 
-    def note(self, *notes: Unresolved) -> None:
+    def add_unresolved(self, *notes: UnresolvedItem) -> None:
         """Add what could not be found out."""
         self.unresolved.update(dict.fromkeys(notes))
 
-    def graph(self, app: str) -> InteractionGraph:
+    def build(self, app: str) -> InteractionGraph:
         """Return the graph of all that was added."""
         endpoints = tuple(self.endpoints.values())
         return InteractionGraph(
@@ -75,5 +75,5 @@ def _topics(endpoints: Iterable[Endpoint]) -> Iterator[Topic]:
     types: dict[str, dict[str, None]] = {}
     for endpoint in endpoints:
         types.setdefault(endpoint.topic, {})[endpoint.type] = None
-    for name, found in types.items():
-        yield Topic(name=name, types=tuple(filter(None, found)))
+    for name, names_of_types in types.items():
+        yield Topic(name=name, types=tuple(filter(None, names_of_types)))

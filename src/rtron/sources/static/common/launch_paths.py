@@ -10,61 +10,69 @@ from pathlib import Path
 from types import MappingProxyType
 
 from rtron.errors import InputError
-from rtron.folders import is_there
+from rtron.folders import path_exists
 from rtron.sources.workspace import Workspace
 from rtron.sources.workspace.package_files import PackageFiles, is_regular, list_files
 
-_MAX_NEAR = 3
+_MAX_SUGGESTIONS = 3
 _PACKAGE = re.compile(r"\w[\w.-]*")
-_ENDINGS = (".launch", "launch.xml", "launch.py", "launch.yaml", "launch.yml")
+_SUFFIXES = (".launch", "launch.xml", "launch.py", "launch.yaml", "launch.yml")
 
 
-def find_launch(
-    spelled: str, workspace: Workspace, environ: Mapping[str, str] = MappingProxyType({})
+def find_launch_file(
+    path_text: str, workspace: Workspace, environ: Mapping[str, str] = MappingProxyType({})
 ) -> Path:
     """Return the launch file that a path or `package/file` means.
 
     In a package it may lie in any folder. A package that is not in the workspace is looked for
     below AMENT_PREFIX_PATH. Raise InputError, with the nearest names, if there is none.
     """
-    found = _as_path(spelled) or _in_package(spelled, workspace) or _installed(spelled, environ)
-    if found is not None:
-        return found
-    near = get_close_matches(spelled, _names(workspace), n=_MAX_NEAR, cutoff=0.5)
-    help = f"did you mean {' or '.join(near)}?" if near else "rtron scan PATH lists launch files"
-    raise InputError(f"no launch file {spelled}", help=help)
+    path = (
+        _as_path(path_text) or _in_package(path_text, workspace) or _installed(path_text, environ)
+    )
+    if path is not None:
+        return path
+    suggestions = get_close_matches(
+        path_text, _launch_file_names(workspace), n=_MAX_SUGGESTIONS, cutoff=0.5
+    )
+    help = (
+        f"did you mean {' or '.join(suggestions)}?"
+        if suggestions
+        else "rtron scan PATH lists launch files"
+    )
+    raise InputError(f"no launch file {path_text}", help=help)
 
 
-def _as_path(spelled: str) -> Path | None:
-    path = Path(spelled)
+def _as_path(path_text: str) -> Path | None:
+    path = Path(path_text)
     return path.absolute() if is_regular(path) else None
 
 
-def _in_package(spelled: str, workspace: Workspace) -> Path | None:
-    package, _, rest = spelled.partition("/")
+def _in_package(path_text: str, workspace: Workspace) -> Path | None:
+    package, _, rest = path_text.partition("/")
     if not rest or package not in workspace.packages:
         return None
-    return _nearest(workspace.files(package), rest)
+    return _shallowest(workspace.files(package), rest)
 
 
-def _installed(spelled: str, environ: Mapping[str, str]) -> Path | None:
+def _installed(path_text: str, environ: Mapping[str, str]) -> Path | None:
     """Return a file in the share folder of an installed package, which may be a link to its source.
 
     The first prefix that has the package counts (ament_index_python: get_package_share_directory).
     """
-    package, _, rest = spelled.partition("/")
+    package, _, rest = path_text.partition("/")
     if not (rest and _PACKAGE.fullmatch(package)):
         return None
     for prefix in filter(None, environ.get("AMENT_PREFIX_PATH", "").split(":")):
         share = Path(prefix).absolute() / "share" / package
-        if is_there(share) and share.is_dir():
-            return _nearest(list_files(share, (Path("/"),)), rest)
+        if path_exists(share) and share.is_dir():
+            return _shallowest(list_files(share, (Path("/"),)), rest)
     return None
 
 
-def _nearest(files: PackageFiles, rest: str) -> Path | None:
+def _shallowest(files: PackageFiles, rest: str) -> Path | None:
     """Return the file with this path's end that lies in the fewest folders."""
-    paths = (path for path in files.called(Path(rest).name) if str(path).endswith(f"/{rest}"))
+    paths = (path for path in files.files_named(Path(rest).name) if str(path).endswith(f"/{rest}"))
     return min(filter(files.is_file, paths), key=_depth, default=None)
 
 
@@ -72,10 +80,10 @@ def _depth(path: Path) -> tuple[int, str]:
     return len(path.parts), str(path)
 
 
-def _names(workspace: Workspace) -> Iterable[str]:
+def _launch_file_names(workspace: Workspace) -> Iterable[str]:
     return [
         f"{package}/{Path(name).name}"
         for package in workspace.packages
         for name in workspace.files(package).names
-        if name.endswith(_ENDINGS)
+        if name.endswith(_SUFFIXES)
     ]

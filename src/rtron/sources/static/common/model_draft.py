@@ -7,32 +7,32 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rtron.errors import InputError
-from rtron.sources.code.workspace_sources import WorkspaceFiles
+from rtron.sources.code.workspace_sources import WorkspaceSources
 from rtron.sources.declaration import Declaration, NodeInterface, NodeSite
 from rtron.sources.models.common.schema import ANY_TYPE
-from rtron.sources.static.common.task import Task, TaskKind, run_task
-from rtron.sources.workspace import Language, Program, Workspace
+from rtron.sources.static.common.task import InterpretationTask, TaskKind, run_task
+from rtron.sources.workspace import Program, ProgramLanguage, Workspace
 from rtron.sources.workspace.package_contents import TargetKind
-from rtron.vocabulary import Evidence, Resolution, Unresolved
+from rtron.vocabulary import Evidence, Resolution, UnresolvedItem
 
 _NAMESPACE = "/rtron_namespace"
 _NODE = f"{_NAMESPACE}/rtron_node"
-_HOLE = re.compile(r"\{([^{}]*)\}")
+_PLACEHOLDER = re.compile(r"\{([^{}]*)\}")
 _PARAMETER = re.compile(r"[~/][\w/]+")
 _PLAIN = re.compile(r"[A-Za-z~/][\w~/]*")
-_DEFAULTED = "  # a parameter's default, or the launch, decides this name"
-_INTERPRETED = {Language.CPP: TaskKind.CPP, Language.PYTHON: TaskKind.PYTHON}
+_DEFAULT_NOTE = "  # a parameter's default, or the launch, decides this name"
+_INTERPRETED = {ProgramLanguage.CPP: TaskKind.CPP, ProgramLanguage.PYTHON: TaskKind.PYTHON}
 
 
 @dataclass(frozen=True, slots=True)
-class Draft:
+class ModelDraft:
     """A model's YAML, and what of the source could not be found out."""
 
     text: str
-    unresolved: tuple[Unresolved, ...] = ()
+    unresolved: tuple[UnresolvedItem, ...] = ()
 
 
-def draft_model(path: Path, workspace: Workspace) -> Draft:
+def draft_model(path: Path, workspace: Workspace) -> ModelDraft:
     """Return a model of the program that a source file belongs to.
 
     Raise InputError if the file is part of no program that is C++ or Python.
@@ -41,18 +41,20 @@ def draft_model(path: Path, workspace: Workspace) -> Draft:
     package = workspace.package_of(path) or ""
     program = _program_of(path, package, workspace)
     kind = _INTERPRETED[program.language]
-    task = Task(kind=kind, sources=program.sources, site=NodeSite(name=_NODE, complete=False))
-    found = run_task(task, WorkspaceFiles(workspace)).interface
+    task = InterpretationTask(
+        kind=kind, sources=program.sources, site=NodeSite(name=_NODE, parameters_complete=False)
+    )
+    interface = run_task(task, WorkspaceSources(workspace)).interface
     folder = workspace.packages.get(package, path.parent)
-    own = _relative(str(path), folder)
+    source_path = _relative(str(path), folder)
     lines = [
         "# A draft from source: check every entry, name the repository and its tag.",
-        f"node: {_word(f'{package or path.parent.name}/{program.name}')}",
-        f"source: github.com/OWNER/NAME@TAG {own}",
-        "declares:" if found.declarations else "declares: []",
-        *_entries(found, own, folder),
+        f"node: {_yaml_word(f'{package or path.parent.name}/{program.name}')}",
+        f"source: github.com/OWNER/NAME@TAG {source_path}",
+        "declares:" if interface.declarations else "declares: []",
+        *_entries(interface, source_path, folder),
     ]
-    return Draft("\n".join(lines) + "\n", found.unresolved)
+    return ModelDraft("\n".join(lines) + "\n", interface.unresolved)
 
 
 def _program_of(path: Path, package: str, workspace: Workspace) -> Program:
@@ -66,58 +68,69 @@ def _program_of(path: Path, package: str, workspace: Workspace) -> Program:
     script = workspace.executable(package, path.name)
     if script is not None and script.sources == (path,) and script.language in _INTERPRETED:
         return script
-    language = {".py": Language.PYTHON, ".cpp": Language.CPP, ".cc": Language.CPP}.get(path.suffix)
+    language = {
+        ".py": ProgramLanguage.PYTHON,
+        ".cpp": ProgramLanguage.CPP,
+        ".cc": ProgramLanguage.CPP,
+    }.get(path.suffix)
     if language is None or not path.is_file():
         help = "give a node's script, or the source with its main function"
         raise InputError("is no program's source", path=str(path), help=help)
-    name = path.name if language is Language.PYTHON else path.stem
+    name = path.name if language is ProgramLanguage.PYTHON else path.stem
     return Program(name=name, package=package, language=language, sources=(path,))
 
 
-def _entries(found: NodeInterface, own: str, folder: Path) -> Iterator[str]:
-    for declared in found.declarations:
-        place = _place(next(iter(declared.evidence), Evidence(file="")), own, folder)
-        yield _entry(declared, place)
+def _entries(interface: NodeInterface, source_path: str, folder: Path) -> Iterator[str]:
+    for declared in interface.declarations:
+        location = _source_location(
+            next(iter(declared.evidence), Evidence(file="")), source_path, folder
+        )
+        yield _entry(declared, location)
 
 
-def _entry(declared: Declaration, place: list[str]) -> str:
+def _entry(declared: Declaration, location: list[str]) -> str:
     name = _template(declared.name)
     if name is None:
-        spelled = declared.name.replace("{", "<").replace("}", ">").removeprefix(_NAMESPACE)
-        parts = [f"unresolved: {_word(f'{declared.kind.value} {spelled}')}"]
-        parts.append(f"why: {_word('its name is not known from the source')}")
-        return "- {" + ", ".join((*parts, *place)) + "}"
-    parts = [f"{declared.kind.value}: {_word(name)}", f"type: {_word(declared.type or ANY_TYPE)}"]
+        shown_name = declared.name.replace("{", "<").replace("}", ">").removeprefix(_NAMESPACE)
+        parts = [f"unresolved: {_yaml_word(f'{declared.kind.value} {shown_name}')}"]
+        parts.append(f"why: {_yaml_word('its name is not known from the source')}")
+        return "- {" + ", ".join((*parts, *location)) + "}"
+    parts = [
+        f"{declared.kind.value}: {_yaml_word(name)}",
+        f"type: {_yaml_word(declared.type or ANY_TYPE)}",
+    ]
     parts += ["implicit: true"] if declared.implicit else []
     parts += ["latched: true"] if declared.latched else []
-    note = _DEFAULTED if declared.resolution is Resolution.PARAMETER else ""
-    return "- {" + ", ".join((*parts, *place)) + "}" + note
+    note = _DEFAULT_NOTE if declared.resolution is Resolution.PARAMETER else ""
+    return "- {" + ", ".join((*parts, *location)) + "}" + note
 
 
 def _template(name: str) -> str | None:
     """Return a name as a model writes it; None where a hole in it is no parameter."""
-    holes = _HOLE.findall(name)
-    if not all(map(_PARAMETER.fullmatch, holes)):
+    placeholders = _PLACEHOLDER.findall(name)
+    if not all(map(_PARAMETER.fullmatch, placeholders)):
         return None
-    pieces = _HOLE.split(_local(_HOLE.sub("{_}", name)))
-    filled = map(_local, holes)
-    return "".join(f"{{param('{next(filled)}')}}" if i % 2 else p for i, p in enumerate(pieces))
+    parts = _PLACEHOLDER.split(_relative_name(_PLACEHOLDER.sub("{_}", name)))
+    filled = map(_relative_name, placeholders)
+    return "".join(f"{{param('{next(filled)}')}}" if i % 2 else p for i, p in enumerate(parts))
 
 
-def _local(name: str) -> str:
+def _relative_name(name: str) -> str:
     """Return an absolute name as the node itself would write it."""
-    for below, written in ((f"{_NODE}/", "~"), (f"{_NAMESPACE}/", "")):
-        if name.startswith(below):
-            return written + name.removeprefix(below)
+    for prefix, replacement in ((f"{_NODE}/", "~"), (f"{_NAMESPACE}/", "")):
+        if name.startswith(prefix):
+            return replacement + name.removeprefix(prefix)
     return name
 
 
-def _place(evidence: Evidence, own: str, folder: Path) -> list[str]:
+def _source_location(evidence: Evidence, source_path: str, folder: Path) -> list[str]:
     if not evidence.file or not evidence.line:
         return []
     file = _relative(evidence.file, folder)
     return (
-        [f"line: {evidence.line}"] if file == own else [f"at: {_word(f'{file}:{evidence.line}')}"]
+        [f"line: {evidence.line}"]
+        if file == source_path
+        else [f"at: {_yaml_word(f'{file}:{evidence.line}')}"]
     )
 
 
@@ -127,5 +140,5 @@ def _relative(file: str, folder: Path) -> str:
     return re.sub(r"[^\w./-]", "_", str(inside))
 
 
-def _word(text: str) -> str:
+def _yaml_word(text: str) -> str:
     return text if _PLAIN.fullmatch(text) else json.dumps(text)

@@ -4,16 +4,16 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from rtron.sources.bounded_file import content_hash
-from rtron.sources.code.interpreter.execution.source_provider import Files, Plugin
-from rtron.sources.code.ir import Language, Unit
+from rtron.sources.code.interpreter.execution.source_provider import PluginSource, SourceProvider
+from rtron.sources.code.ir import SourceLanguage, Unit
 from rtron.sources.code.program_runner import run_component, run_cpp, run_nodelet, run_python
-from rtron.sources.code.shell_script import read_shell
-from rtron.sources.code.workspace_sources import WorkspaceFiles
+from rtron.sources.code.shell_script import read_shell_script
+from rtron.sources.code.workspace_sources import WorkspaceSources
 from rtron.sources.declaration import NodeInterface, NodeSite
-from rtron.vocabulary import Word
+from rtron.vocabulary import StringEnum
 
 
-class TaskKind(Word):
+class TaskKind(StringEnum):
     """How a program is run."""
 
     CPP = "cpp"
@@ -24,18 +24,18 @@ class TaskKind(Word):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Task:
+class InterpretationTask:
     """A program's sources, macros and the node it runs as.
 
-    `cls` is a nodelet's or component's class, or the function that a Python module is entered by.
-    `beside` are the other components of its package, which it does not run.
+    `class_name` is a nodelet's or component's class, or the function that a Python module is entered by.
+    `other_components` are the other components of its package, which it does not run.
     """
 
     kind: TaskKind
     sources: tuple[Path, ...]
-    cls: str = ""
+    class_name: str = ""
     definitions: tuple[str, ...] = ()
-    beside: tuple[str, ...] = ()
+    other_components: tuple[str, ...] = ()
     site: NodeSite
 
 
@@ -47,38 +47,38 @@ class TaskResult:
     files: tuple[tuple[str, str], ...] = ()
 
 
-def run_task(task: Task, files: WorkspaceFiles) -> TaskResult:
+def run_task(task: InterpretationTask, files: WorkspaceSources) -> TaskResult:
     """Return what a task's program declares."""
-    watched = WatchedFiles(files.defining(task.definitions))
-    interface = _run(task, watched)
-    read = dict.fromkeys((*task.sources, *watched.read))
-    hashes = tuple((str(path), content_hash(path)) for path in read)
+    tracked = TrackedFiles(files.with_macros(task.definitions))
+    interface = _run(task, tracked)
+    paths = dict.fromkeys((*task.sources, *tracked.paths_read))
+    hashes = tuple((str(path), content_hash(path)) for path in paths)
     return TaskResult(interface=interface, files=hashes)
 
 
-def _run(task: Task, files: Files) -> NodeInterface:
+def _run(task: InterpretationTask, files: SourceProvider) -> NodeInterface:
     if task.kind is TaskKind.SHELL:
-        return read_shell(task.sources[0])
+        return read_shell_script(task.sources[0])
     if task.kind is TaskKind.PYTHON:
-        return run_python(task.sources[0], task.site, files, task.cls)
+        return run_python(task.sources[0], task.site, files, task.class_name)
     if task.kind is TaskKind.COMPONENT:
-        return run_component(task.sources, task.cls, task.site, files, task.beside)
+        return run_component(task.sources, task.class_name, task.site, files, task.other_components)
     if task.kind is TaskKind.NODELET:
-        return run_nodelet(task.sources, task.cls, task.site, files)
+        return run_nodelet(task.sources, task.class_name, task.site, files)
     return run_cpp(task.sources, task.site, files)
 
 
 @dataclass(slots=True)
-class WatchedFiles:
+class TrackedFiles:
     """The files around a program, noting which of them are read."""
 
-    files: Files
-    read: dict[Path, None] = field(default_factory=dict)
+    files: SourceProvider
+    paths_read: dict[Path, None] = field(default_factory=dict)
 
-    def unit(self, path: Path, language: Language) -> Unit:
+    def unit(self, path: Path, language: SourceLanguage) -> Unit:
         """Return a file, lowered."""
-        self.read[path] = None
-        return self.files.unit(path, language)
+        self.paths_read[path] = None
+        return self.files.lowered_unit(path, language)
 
     def header(self, include: str, includer: Path) -> Path | None:
         """Return the file that `#include` means."""
@@ -90,7 +90,7 @@ class WatchedFiles:
 
     def has_message(self, package: str, name: str) -> bool | None:
         """Tell whether a package defines a message type."""
-        return self.files.has_message(package, name)
+        return self.files.has_message_type(package, name)
 
     def package_path(self, package: str) -> Path | None:
         """Return where a package lies."""
@@ -98,29 +98,29 @@ class WatchedFiles:
 
     def text(self, path: Path) -> str | None:
         """Return a data file of the workspace."""
-        self.read[path] = None
-        return self.files.text(path)
+        self.paths_read[path] = None
+        return self.files.read_text(path)
 
-    def plugin(self, name: str, base: str) -> Plugin | None:
+    def plugin(self, name: str, base: str) -> PluginSource | None:
         """Return the class that pluginlib knows by a name or type."""
-        return self.files.plugin(name, base)
+        return self.files.find_plugin(name, base)
 
     def plugins(self, base: str) -> tuple[str, ...]:
         """Return the names of all plugins of a base class."""
-        return self.files.plugins(base)
+        return self.files.plugin_names(base)
 
     def library(self, name: str) -> tuple[Path, ...]:
         """Return the sources of the library that a file name means."""
-        return self.files.library(name)
+        return self.files.library_sources(name)
 
     def libraries_naming(self, word: str) -> tuple[tuple[Path, ...], ...]:
         """Return the sources of each library that has a word in one of them."""
-        return self.files.libraries_naming(word)
+        return self.files.libraries_containing(word)
 
     def naming(self, sources: tuple[Path, ...], word: str) -> tuple[Path, ...]:
         """Return those of some sources whose text has a word."""
-        return self.files.naming(sources, word)
+        return self.files.sources_containing(sources, word)
 
     def implementing(self, header: Path, word: str) -> tuple[Path, ...]:
         """Return the sources of a header's package that may define a class or function."""
-        return self.files.implementing(header, word)
+        return self.files.sources_defining(header, word)

@@ -2,15 +2,15 @@
 
 from dataclasses import dataclass, field
 
-from rtron.vocabulary import Evidence, Unresolved
+from rtron.vocabulary import Evidence, UnresolvedItem
 
 
 @dataclass(slots=True)
-class Notes:
+class UnresolvedList:
     """Notes in the order in which they came up."""
 
-    unresolved: list[Unresolved] = field(default_factory=list)
+    entries: list[UnresolvedItem] = field(default_factory=list)
 
-    def add(self, what: str, why: str, place: Evidence) -> None:
+    def add(self, what: str, why: str, location: Evidence) -> None:
         """Note what is unresolved, why, and where."""
-        self.unresolved.append(Unresolved(what=what, why=why, evidence=(place,)))
+        self.entries.append(UnresolvedItem(what=what, why=why, evidence=(location,)))

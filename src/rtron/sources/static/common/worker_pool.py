@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from multiprocessing import get_context
 
 from rtron.sources.static.common.scan_options import default_workers
-from rtron.sources.static.common.task import Task, TaskResult
-from rtron.sources.static.common.worker import failed, start_worker, work
+from rtron.sources.static.common.task import InterpretationTask, TaskResult
+from rtron.sources.static.common.worker import failed_result, run_in_worker, start_worker
 from rtron.sources.workspace import Workspace
 
 
 @dataclass(slots=True)
-class Pool:
+class WorkerPool:
     """Processes that work on one workspace, one a core at most, started with the first task."""
 
     workspace: Workspace
@@ -21,13 +21,15 @@ class Pool:
     seconds: float
     _executor: ProcessPoolExecutor | None = None
 
-    def run(self, tasks: Sequence[Task]) -> Iterator[tuple[Task, TaskResult]]:
+    def run_tasks(
+        self, tasks: Sequence[InterpretationTask]
+    ) -> Iterator[tuple[InterpretationTask, TaskResult]]:
         """Yield each task with its result, as they are done."""
         if not tasks:
             return
-        suspects: list[Task] = []
-        for task, future in self._submitted(tasks):
-            result = _result(future)
+        suspects: list[InterpretationTask] = []
+        for task, future in self._submit(tasks):
+            result = _result_or_none(future)
             if result is None:
                 suspects.append(task)
             else:
@@ -35,7 +37,7 @@ class Pool:
         if suspects:
             self.close()
         for task in suspects:
-            yield task, self._alone(task)
+            yield task, self._run_isolated(task)
 
     def close(self) -> None:
         """End the processes."""
@@ -43,20 +45,22 @@ class Pool:
             self._executor.shutdown(cancel_futures=True)
             self._executor = None
 
-    def _submitted(self, tasks: Sequence[Task]) -> Iterator[tuple[Task, "Future[TaskResult]"]]:
-        executor = self._started(min(self.workers, len(tasks), default_workers()))
-        futures = {executor.submit(work, task, self.seconds): task for task in tasks}
+    def _submit(
+        self, tasks: Sequence[InterpretationTask]
+    ) -> Iterator[tuple[InterpretationTask, "Future[TaskResult]"]]:
+        executor = self._start_executor(min(self.workers, len(tasks), default_workers()))
+        futures = {executor.submit(run_in_worker, task, self.seconds): task for task in tasks}
         for future in as_completed(futures):
             yield futures[future], future
 
-    def _alone(self, task: Task) -> TaskResult:
+    def _run_isolated(self, task: InterpretationTask) -> TaskResult:
         """Run a task in a process of its own, since one of several ended theirs."""
-        result = _result(self._started(1).submit(work, task, self.seconds))
+        result = _result_or_none(self._start_executor(1).submit(run_in_worker, task, self.seconds))
         if result is None:
             self.close()
-        return result or failed(task, "the process that interpreted it ended")
+        return result or failed_result(task, "the process that interpreted it ended")
 
-    def _started(self, workers: int) -> ProcessPoolExecutor:
+    def _start_executor(self, workers: int) -> ProcessPoolExecutor:
         if self._executor is None:
             self._executor = ProcessPoolExecutor(
                 max_workers=max(1, workers),
@@ -67,7 +71,7 @@ class Pool:
         return self._executor
 
 
-def _result(future: "Future[TaskResult]") -> TaskResult | None:
+def _result_or_none(future: "Future[TaskResult]") -> TaskResult | None:
     try:
         return future.result()
     except BrokenProcessPool:

@@ -11,31 +11,31 @@ from pathlib import Path
 import rtron
 from rtron.folders import walk
 from rtron.sources.bounded_file import content_hash
-from rtron.sources.static.common.cache import digest_of
+from rtron.sources.static.common.cache import hash_texts
 from rtron.sources.workspace import Workspace
 
-_READ = (".xml", ".cmake", "CMakeLists.txt", "setup.py", "setup.cfg")
+_BUILD_FILE_SUFFIXES = (".xml", ".cmake", "CMakeLists.txt", "setup.py", "setup.cfg")
 
 
-def workspace_state(workspace: Workspace) -> str:
+def hash_workspace(workspace: Workspace) -> str:
     """Return the hash of RTron itself and of a workspace's structure."""
-    parts = [_own_code(), *map(str, workspace.folders)]
+    parts = [_hash_own_code(), *map(str, workspace.folders)]
     for name, package in sorted(workspace.packages.items()):
-        parts.extend((name, str(package), *_listed(package)))
-    return digest_of(parts)
+        parts.extend((name, str(package), *_package_entries(package)))
+    return hash_texts(parts)
 
 
-def _listed(package: Path) -> Iterator[str]:
+def _package_entries(package: Path) -> Iterator[str]:
     for folder, subfolders, files in walk(package):
         subfolders[:] = sorted(name for name in subfolders if not name.startswith("."))
         for name in sorted(files):
             path = Path(folder, name)
-            yield f"{path} {_mode(path)}"
-            if name.endswith(_READ):
+            yield f"{path} {_executable_bits(path)}"
+            if name.endswith(_BUILD_FILE_SUFFIXES):
                 yield content_hash(path)
 
 
-def _mode(path: Path) -> int:
+def _executable_bits(path: Path) -> int:
     try:
         return path.stat().st_mode & 0o111
     except OSError:
@@ -43,6 +43,6 @@ def _mode(path: Path) -> int:
 
 
 @cache
-def _own_code() -> str:
+def _hash_own_code() -> str:
     folder = Path(rtron.__file__).parent / "sources"
-    return digest_of(content_hash(path) for path in sorted(folder.rglob("*.py")))
+    return hash_texts(content_hash(path) for path in sorted(folder.rglob("*.py")))

@@ -8,18 +8,18 @@ from pathlib import Path
 from rtron.sources.models.packages import known_packages
 from rtron.sources.static.common.app_node import AppNode
 from rtron.sources.static.common.cache import open_cache
-from rtron.sources.static.common.interface_resolver import Interpreting
-from rtron.sources.static.common.node_part import Part
+from rtron.sources.static.common.interface_resolver import InterfaceResolver
+from rtron.sources.static.common.node_part import NodePart
 from rtron.sources.static.common.scan_options import ScanOptions
-from rtron.sources.static.common.worker_pool import Pool
-from rtron.sources.static.common.workspace_hash import workspace_state
+from rtron.sources.static.common.worker_pool import WorkerPool
+from rtron.sources.static.common.workspace_hash import hash_workspace
 from rtron.sources.static.ros1.assembly import Assembly
-from rtron.sources.static.ros1.launch_trees import Launch, StartedLaunches
-from rtron.sources.static.ros1.runtime_launches import StartedFile, Starts
+from rtron.sources.static.ros1.launch_trees import LaunchRequest, LaunchTrees
+from rtron.sources.static.ros1.runtime_launches import RuntimeLaunch, RuntimeLaunches
 from rtron.sources.static.ros1.simulation import Simulation
 from rtron.sources.workspace import Workspace, read_workspace
 from rtron.sources.xacro import RobotDescriptions
-from rtron.vocabulary import InteractionGraph, LaunchTree, Parameters, Unresolved
+from rtron.vocabulary import InteractionGraph, LaunchTree, ParameterTree, UnresolvedItem
 
 MAX_ROUNDS = 8
 
@@ -28,97 +28,101 @@ MAX_ROUNDS = 8
 class StaticApp:
     """The graph, and the launch trees in the order of their start: the given ones first.
 
-    `started` has those that nodes start themselves, after the given ones in `trees`.
+    `launch_trees` has those that nodes start themselves, after the given ones in `trees`.
     """
 
     graph: InteractionGraph
     trees: tuple[LaunchTree, ...]
-    started: tuple[StartedFile, ...] = ()
-    parameters: Parameters = field(default_factory=Parameters)
+    started: tuple[RuntimeLaunch, ...] = ()
+    parameters: ParameterTree = field(default_factory=ParameterTree)
 
 
 def scan_app(
     folders: Iterable[Path],
-    launches: Sequence[Launch],
+    launches: Sequence[LaunchRequest],
     environ: Mapping[str, str],
     options: ScanOptions | None = None,
 ) -> StaticApp:
     """Return the interaction graph of the app that launch files start.
 
     `environ` is the app's environment, ROS_PACKAGE_PATH included. Raise InputError if a given
-    launch file is wrong; what is wrong elsewhere stands in the graph's `unresolved`.
+    launch file is wrong; what is wrong elsewhere stands in the graph's `entries`.
     """
-    chosen, workspace = options or ScanOptions(), read_workspace(folders, environ)
+    scan_options, workspace = options or ScanOptions(), read_workspace(folders, environ)
     packages = {**known_packages(), **workspace.packages}
     descriptions = RobotDescriptions(packages=packages, environ=environ)
-    state = workspace_state(workspace) if chosen.cache else ""
-    interpreting = Interpreting(
+    state = hash_workspace(workspace) if scan_options.cache else ""
+    resolver = InterfaceResolver(
         workspace=workspace,
-        cache=open_cache(chosen.cache, state),
-        pool=Pool(workspace, chosen.workers, chosen.seconds),
-        progress=chosen.progress,
+        cache=open_cache(scan_options.cache, state),
+        pool=WorkerPool(workspace, scan_options.workers, scan_options.seconds),
+        progress=scan_options.progress,
     )
-    started = StartedLaunches(
-        given=tuple(launches),
+    launch_trees = LaunchTrees(
+        requested=tuple(launches),
         packages=packages,
         folders=workspace.folders,
         descriptions=descriptions,
     )
-    with closing(interpreting):
-        parts, nodes = _run(started, interpreting)
-    return _assembled(started, interpreting, parts, nodes)
+    with closing(resolver):
+        parts, nodes = _read_nodes(launch_trees, resolver)
+    return _assemble(launch_trees, resolver, parts, nodes)
 
 
-def _run(started: StartedLaunches, interpreting: Interpreting) -> tuple[list[Part], list[AppNode]]:
+def _read_nodes(
+    launch_trees: LaunchTrees, resolver: InterfaceResolver
+) -> tuple[list[NodePart], list[AppNode]]:
     """Return the parts and nodes: of the launch files, of what their nodes start, and so on."""
-    starts = Starts(interpreting.workspace, started.given, started.notes)
-    parts: list[Part] = []
+    runtime_launches = RuntimeLaunches(
+        resolver.workspace, launch_trees.requested, launch_trees.unresolved
+    )
+    parts: list[NodePart] = []
     nodes: list[AppNode] = []
-    waiting = started.read()
+    pending = launch_trees.read_requested()
     for _ in range(MAX_ROUNDS):
-        nodes.extend(waiting)
-        new = interpreting.parts(waiting)
-        parts.extend(new)
-        files, waiting = starts.of(new, started.parameters)
-        waiting.extend(started.read_more(files))
-        if not waiting:
+        nodes.extend(pending)
+        new_parts = resolver.resolve_nodes(pending)
+        parts.extend(new_parts)
+        files, pending = runtime_launches.new_starts(new_parts, launch_trees.parameters)
+        pending.extend(launch_trees.read_runtime_launches(files))
+        if not pending:
             break
-    for node in waiting:
+    for node in pending:
         why = f"what starts it was started itself, and so on, {MAX_ROUNDS} deep"
-        started.notes.add(f"node {node.name}", why, node.evidence)
+        launch_trees.unresolved.add(f"node {node.name}", why, node.evidence)
     return parts, nodes
 
 
-def _assembled(
-    started: StartedLaunches,
-    interpreting: Interpreting,
-    parts: Sequence[Part],
+def _assemble(
+    launch_trees: LaunchTrees,
+    resolver: InterfaceResolver,
+    parts: Sequence[NodePart],
     nodes: Sequence[AppNode],
 ) -> StaticApp:
-    workspace, descriptions = interpreting.workspace, started.descriptions
-    simulation = Simulation(
-        workspace=workspace, models=interpreting.models, descriptions=descriptions
-    )
+    workspace, descriptions = resolver.workspace, launch_trees.descriptions
+    simulation = Simulation(workspace=workspace, models=resolver.models, descriptions=descriptions)
     assembly = Assembly(workspace=workspace)
     for node in nodes:
         assembly.add_node(node)
     for part in (*parts, *simulation.parts(parts)):
-        assembly.add(part)
-    assembly.add_clock(parts, started.parameters)
-    assembly.note(*(note for tree in started.trees for note in tree.unresolved))
-    assembly.note(*started.notes.unresolved, *simulation.unresolved())
-    assembly.note(*_workspace_notes(workspace, nodes))
-    assembly.note(*(note for found in descriptions.results() for note in found.unresolved))
-    app = Path(started.trees[0].root.path).stem if started.trees else ""
+        assembly.add_part(part)
+    assembly.add_clock(parts, launch_trees.parameters)
+    assembly.add_unresolved(*(note for tree in launch_trees.trees for note in tree.unresolved))
+    assembly.add_unresolved(*launch_trees.unresolved.entries, *simulation.unresolved())
+    assembly.add_unresolved(*_workspace_notes(workspace, nodes))
+    assembly.add_unresolved(
+        *(note for description in descriptions.results() for note in description.unresolved)
+    )
+    app = Path(launch_trees.trees[0].root.path).stem if launch_trees.trees else ""
     return StaticApp(
-        graph=assembly.graph(app),
-        trees=started.trees,
-        started=tuple(started.files),
-        parameters=started.parameters,
+        graph=assembly.build(app),
+        trees=launch_trees.trees,
+        started=tuple(launch_trees.runtime_launches),
+        parameters=launch_trees.parameters,
     )
 
 
-def _workspace_notes(workspace: Workspace, nodes: Iterable[AppNode]) -> list[Unresolved]:
+def _workspace_notes(workspace: Workspace, nodes: Iterable[AppNode]) -> list[UnresolvedItem]:
     """Return what is unclear in the build files of the packages that nodes come from."""
     used = {workspace.packages.get(node.package) for node in nodes}
     folders = tuple(f"{path}/" for path in used if path)

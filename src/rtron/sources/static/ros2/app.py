@@ -6,120 +6,124 @@ from contextlib import closing
 from pathlib import Path
 
 from rtron.errors import InputError
-from rtron.sources.code.workspace_sources import WorkspaceFiles
+from rtron.sources.code.workspace_sources import WorkspaceSources
 from rtron.sources.launch.common.yaml_tree import YamlTree
 from rtron.sources.launch.ros2.app import read_app_launch
 from rtron.sources.launch.ros2.executed.execution import Execution
-from rtron.sources.launch.ros2.executed.lines import with_lines
-from rtron.sources.launch.ros2.executed.openness import leaves_open
+from rtron.sources.launch.ros2.executed.lines import add_lines
+from rtron.sources.launch.ros2.executed.openness import is_incomplete
 from rtron.sources.launch.ros2.result import AppLaunch
-from rtron.sources.models import LIBRARY2, Models, load_models
+from rtron.sources.models import ROS2_LIBRARY, ModelCatalog, load_models
 from rtron.sources.static.common.cache import open_cache
-from rtron.sources.static.common.interface_resolver import Interpreting
+from rtron.sources.static.common.interface_resolver import InterfaceResolver
 from rtron.sources.static.common.scan_options import ScanOptions
 from rtron.sources.static.common.worker import deep_recursion
-from rtron.sources.static.common.worker_pool import Pool
-from rtron.sources.static.common.workspace_hash import workspace_state
-from rtron.sources.static.ros1.launch_trees import Launch
-from rtron.sources.static.ros2.app_nodes import StartedNodes
+from rtron.sources.static.common.worker_pool import WorkerPool
+from rtron.sources.static.common.workspace_hash import hash_workspace
+from rtron.sources.static.ros1.launch_trees import LaunchRequest
+from rtron.sources.static.ros2.app_nodes import AppNodeBuilder
 from rtron.sources.static.ros2.assembly import Ros2Assembly
-from rtron.sources.static.ros2.controllers import ControllerNodes
-from rtron.sources.static.ros2.gazebo_plugins import GazeboNodes
+from rtron.sources.static.ros2.controllers import ControllerParts
+from rtron.sources.static.ros2.gazebo_plugins import GazeboPluginNodes
 from rtron.sources.static.ros2.gazebo_server import GazeboServers
-from rtron.sources.static.ros2.standard_nodes import with_known
-from rtron.sources.static.ros2_repeated import repeated
-from rtron.sources.static.ros2_scan import ros2_workspace
+from rtron.sources.static.ros2.standard_nodes import add_standard_interface
+from rtron.sources.static.ros2_repeated import duplicate_nodes
+from rtron.sources.static.ros2_scan import read_ros2_workspace
 from rtron.sources.workspace import Workspace
 from rtron.vocabulary import InteractionGraph
 
 
 def scan_ros2_app(
     folders: Iterable[Path],
-    launches: Sequence[Launch],
+    launches: Sequence[LaunchRequest],
     environ: Mapping[str, str],
     options: ScanOptions | None = None,
 ) -> InteractionGraph:
     """Return the interaction graph of the app that launch files start; nothing of it is run.
 
     Raise InputError if a given launch file cannot be read, or an argument is missing that it needs;
-    what is wrong elsewhere stands in the graph's `unresolved`. Where the options allow it, a launch
+    what is wrong elsewhere stands in the graph's `entries`. Where the options allow it, a launch
     file that reading does not explain whole is run with the launch library (`executed`).
     """
-    chosen, workspace = options or ScanOptions(), ros2_workspace(folders)
-    files = WorkspaceFiles(workspace)
-    read = _read(launches, environ, files, chosen.execution)
-    started = StartedNodes(environ=environ)
-    nodes = list(started.nodes([start for launch in read for start in launch.starts]))
-    models = load_models(LIBRARY2)
-    gazebo = GazeboServers(GazeboNodes(models, files), environ)
+    scan_options, workspace = options or ScanOptions(), read_ros2_workspace(folders)
+    files = WorkspaceSources(workspace)
+    app_launches = _read_launches(launches, environ, files, scan_options.execution)
+    node_builder = AppNodeBuilder(environ=environ)
+    nodes = list(node_builder.build([start for launch in app_launches for start in launch.starts]))
+    models = load_models(ROS2_LIBRARY)
+    gazebo_servers = GazeboServers(GazeboPluginNodes(models, files), environ)
     assembly = Ros2Assembly(workspace=workspace)
-    made = _made(read)
-    with closing(_interpreting(workspace, chosen, models)) as interpreting:
-        parts = list(interpreting.parts(nodes))
-        assembly.note(*repeated(parts))
-        parts += gazebo.nodes.parts(parts)
-        parts += gazebo.parts(started.servers)
-        controllers = list(ControllerNodes(models, files).parts(parts))
-        own = interpreting.finished([part for part in controllers if part.task])
-        for part in (*parts, *(part for part in controllers if not part.task), *own):
-            assembly.add(with_known(part, files, made))
-    assembly.note(*(note for launch in read for note in launch.unresolved))
-    assembly.note(*started.notes.unresolved, *gazebo.notes.unresolved)
-    return assembly.graph(Path(read[0].file).name.split(".")[0] if read else "")
+    generated_files = _unique_generated_files(app_launches)
+    with closing(_interface_resolver(workspace, scan_options, models)) as resolver:
+        parts = list(resolver.resolve_nodes(nodes))
+        assembly.add_unresolved(*duplicate_nodes(parts))
+        parts += gazebo_servers.plugin_nodes.parts(parts)
+        parts += gazebo_servers.parts(node_builder.gazebo_servers)
+        controllers = list(ControllerParts(models, files).parts(parts))
+        resolved = resolver.resolve_parts([part for part in controllers if part.task])
+        for part in (*parts, *(part for part in controllers if not part.task), *resolved):
+            assembly.add_part(add_standard_interface(part, files, generated_files))
+    assembly.add_unresolved(*(note for launch in app_launches for note in launch.unresolved))
+    assembly.add_unresolved(*node_builder.unresolved.entries, *gazebo_servers.unresolved.entries)
+    return assembly.build(Path(app_launches[0].file).name.split(".")[0] if app_launches else "")
 
 
-def _interpreting(workspace: Workspace, chosen: ScanOptions, models: Models) -> Interpreting:
-    state = workspace_state(workspace) if chosen.cache else ""
-    return Interpreting(
+def _interface_resolver(
+    workspace: Workspace, scan_options: ScanOptions, models: ModelCatalog
+) -> InterfaceResolver:
+    state = hash_workspace(workspace) if scan_options.cache else ""
+    return InterfaceResolver(
         workspace=workspace,
-        cache=open_cache(chosen.cache, state),
-        pool=Pool(workspace, chosen.workers, chosen.seconds),
-        progress=chosen.progress,
+        cache=open_cache(scan_options.cache, state),
+        pool=WorkerPool(workspace, scan_options.workers, scan_options.seconds),
+        progress=scan_options.progress,
         models=models,
     )
 
 
-def _read(
-    launches: Sequence[Launch],
+def _read_launches(
+    launches: Sequence[LaunchRequest],
     environ: Mapping[str, str],
-    files: WorkspaceFiles,
+    files: WorkspaceSources,
     execution: Execution | None,
 ) -> list[AppLaunch]:
     with deep_recursion():
-        found = [read_app_launch(path, given, environ, files) for path, given in launches]
-    for launch, (_, given) in zip(found, launches, strict=True):
-        _check_arguments(launch, given)
+        app_launches = [read_app_launch(path, passed, environ, files) for path, passed in launches]
+    for launch, (_, passed) in zip(app_launches, launches, strict=True):
+        _check_arguments(launch, passed)
     if execution:
-        found = _executed(execution, found, launches, environ, files)
-    for launch in found:
-        _check_told(launch)
-    return found
+        app_launches = _execute_incomplete(execution, app_launches, launches, environ, files)
+    for launch in app_launches:
+        _check_content(launch)
+    return app_launches
 
 
-def _executed(
+def _execute_incomplete(
     execution: Execution,
-    read: Sequence[AppLaunch],
-    launches: Sequence[Launch],
+    app_launches: Sequence[AppLaunch],
+    launches: Sequence[LaunchRequest],
     environ: Mapping[str, str],
-    files: WorkspaceFiles,
+    files: WorkspaceSources,
 ) -> list[AppLaunch]:
     """Return the launches with those executed that reading leaves holes in."""
     return [
-        with_lines(execution.launch(path, given, environ, files), launch)
-        if leaves_open(launch)
+        add_lines(execution.launch(path, passed, environ, files), launch)
+        if is_incomplete(launch)
         else launch
-        for launch, (path, given) in zip(read, launches, strict=True)
+        for launch, (path, passed) in zip(app_launches, launches, strict=True)
     ]
 
 
-def _made(read: Sequence[AppLaunch]) -> dict[str, YamlTree]:
+def _unique_generated_files(app_launches: Sequence[AppLaunch]) -> dict[str, YamlTree]:
     """Return the files that launches make, without those that two of them call the same."""
-    trees = [(path, tree) for launch in read for path, tree in launch.made.items()]
+    trees = [
+        (path, tree) for launch in app_launches for path, tree in launch.generated_files.items()
+    ]
     times = Counter(path for path, _ in trees)
     return {path: tree for path, tree in trees if times[path] == 1}
 
 
-def _check_told(launch: AppLaunch) -> None:
+def _check_content(launch: AppLaunch) -> None:
     """Raise InputError for a launch file that tells nothing."""
     if launch.unresolved and not (launch.starts or launch.includes or launch.arguments):
         first = launch.unresolved[0]
@@ -127,10 +131,10 @@ def _check_told(launch: AppLaunch) -> None:
         raise InputError(first.why, path=launch.file, line=line)
 
 
-def _check_arguments(launch: AppLaunch, given: Mapping[str, str]) -> None:
+def _check_arguments(launch: AppLaunch, passed: Mapping[str, str]) -> None:
     """Raise InputError where an argument is missing."""
     for argument in launch.arguments:
-        if argument.default is None and argument.name not in given:
-            place, help = argument.evidence, f"add {argument.name}:=VALUE"
+        if argument.default is None and argument.name not in passed:
+            location, help = argument.evidence, f"add {argument.name}:=VALUE"
             message = f"argument '{argument.name}' is not given"
-            raise InputError(message, path=place.file, line=place.line, help=help)
+            raise InputError(message, path=location.file, line=location.line, help=help)

@@ -7,142 +7,148 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from rtron.sources.code.library_models.rclcpp.component_manager import MANAGER
-from rtron.sources.declaration import Loading, NodeSite, ParameterSetting
+from rtron.sources.code.library_models.rclcpp.component_manager import DEFAULT_CONTAINER_NAME
+from rtron.sources.declaration import ComponentLoading, NodeSite, ParameterSetting
 from rtron.sources.launch.ros2.parameters.merge import ParameterSource
-from rtron.sources.launch.ros2.result import Start, StartKind
+from rtron.sources.launch.ros2.result import LaunchStart, StartKind
 from rtron.sources.static.common.app_node import AppNode
-from rtron.sources.static.common.unresolved import Notes
-from rtron.sources.static.ros2.gazebo_server import gazebo_server
-from rtron.sources.static.ros2.processes import is_silent, joining
+from rtron.sources.static.common.unresolved import UnresolvedList
+from rtron.sources.static.ros2.gazebo_server import gazebo_server_node
+from rtron.sources.static.ros2.processes import joins_nothing, ros2_verb_node
 from rtron.vocabulary.launch import canonical_name
-from rtron.vocabulary.remap_rules import UNKNOWN
+from rtron.vocabulary.remap_rules import UNKNOWN_NAME
 
-CONTAINERS = "rclcpp_components"
+CONTAINER_PACKAGE = "rclcpp_components"
 
 
 @dataclass(slots=True, kw_only=True)
-class StartedNodes:
+class AppNodeBuilder:
     """Makes the nodes of what launch files start; `environ` is that of the launch.
 
-    `servers` are those of Gazebo among the processes.
+    `gazebo_servers` are those of Gazebo among the processes.
     """
 
     environ: Mapping[str, str]
-    servers: list[AppNode] = field(default_factory=list)
-    notes: Notes = field(default_factory=Notes)
+    gazebo_servers: list[AppNode] = field(default_factory=list)
+    unresolved: UnresolvedList = field(default_factory=UnresolvedList)
 
-    def nodes(self, starts: Sequence[Start]) -> Iterator[AppNode]:
+    def build(self, starts: Sequence[LaunchStart]) -> Iterator[AppNode]:
         """Yield nodes and components; a process that is not known is noted."""
         no_node = {StartKind.COMPONENT, StartKind.PROCESS}
-        hosts = {_process_name(start): start for start in starts if start.kind not in no_node}
+        containers = {_process_name(start): start for start in starts if start.kind not in no_node}
         for start in starts:
             if start.kind is StartKind.PROCESS:
                 yield from self._process(start)
             elif start.kind is StartKind.COMPONENT:
-                yield self._component(start, hosts.get(start.container))
+                yield self._component(start, containers.get(start.container))
             else:
                 yield self._node(start)
 
-    def _process(self, process: Start) -> Iterator[AppNode]:
-        server, node = gazebo_server(process, self.environ), joining(process)
+    def _process(self, process: LaunchStart) -> Iterator[AppNode]:
+        server, node = gazebo_server_node(process, self.environ), ros2_verb_node(process)
         words = process.arguments
         if server is not None:
-            self.servers.append(server)
+            self.gazebo_servers.append(server)
         elif node is not None:
             yield self._node(node)
-        elif not is_silent(words):
+        elif not joins_nothing(words):
             what = f"process {' '.join(words[:2])}"
-            self.notes.add(what, "what it runs is not looked into", process.evidence)
+            self.unresolved.add(what, "what it runs is not looked into", process.evidence)
 
-    def _node(self, start: Start) -> AppNode:
+    def _node(self, start: LaunchStart) -> AppNode:
         site = NodeSite(
-            name=_name(start, _own_name(start)),
+            name=_name(start, _default_name(start)),
             ros=2,
             args=start.arguments,
-            named=bool(start.name),
-            placed=start.placed,
-            complete=start.complete,
+            has_launch_name=bool(start.name),
+            has_launch_namespace=start.has_namespace,
+            parameters_complete=start.parameters_complete,
             environ=self._environ(start),
-            settings=tuple(_settings(start.sources)),
-            rules=start.remaps,
+            settings=tuple(_parameter_settings(start.parameter_sources)),
+            remap_rules=start.remaps,
         )
         return _app_node(start, site, start)
 
-    def _component(self, start: Start, host: Start | None) -> AppNode:
+    def _component(self, start: LaunchStart, container: LaunchStart | None) -> AppNode:
         """Return a component, which its container loads: the process is the container's."""
-        if host is None:
+        if container is None:
             what, why = f"component {start.full_name}", "no launch file that is read starts it"
-            self.notes.add(what, f"its container is {start.container}: {why}", start.evidence)
+            self.unresolved.add(what, f"its container is {start.container}: {why}", start.evidence)
         site = NodeSite(
             name=_name(start, start.program.rpartition("::")[2]),
             ros=2,
-            args=tuple(_words(start)),
-            named=host is not None and bool(host.name),
-            placed=host is not None and host.placed,
-            complete=start.complete,
-            environ=self._environ(host or start),
-            settings=tuple(_settings(host.sources)) if host else (),
-            rules=start.remaps,
-            overrides=tuple((name, one.value) for name, one in start.parameters().items()),
-            loading=Loading(
+            args=tuple(_component_arguments(start)),
+            has_launch_name=container is not None and bool(container.name),
+            has_launch_namespace=container is not None and container.has_namespace,
+            parameters_complete=start.parameters_complete,
+            environ=self._environ(container or start),
+            settings=tuple(_parameter_settings(container.parameter_sources)) if container else (),
+            remap_rules=start.remaps,
+            overrides=tuple(
+                (name, parameter.value) for name, parameter in start.parameters().items()
+            ),
+            loading=ComponentLoading(
                 container=start.container,
-                known=host is not None and host.complete,
-                options=tuple((name, one.value) for name, one in start.extra.items()),
+                is_process_known=container is not None and container.parameters_complete,
+                options=tuple(
+                    (name, parameter.value) for name, parameter in start.extra_arguments.items()
+                ),
             ),
         )
-        return _app_node(start, site, host)
+        return _app_node(start, site, container)
 
-    def _environ(self, start: Start) -> tuple[tuple[str, str], ...]:
+    def _environ(self, start: LaunchStart) -> tuple[tuple[str, str], ...]:
         return tuple({**self.environ, **dict(start.environ)}.items())
 
 
-def _process_name(start: Start) -> str:
-    return _name(start, _own_name(start))
+def _process_name(start: LaunchStart) -> str:
+    return _name(start, _default_name(start))
 
 
-def _name(start: Start, program: str) -> str:
+def _name(start: LaunchStart, program: str) -> str:
     """Return a node's full name; one that names itself is mostly called like its program."""
     return start.full_name if start.name else canonical_name(f"{start.namespace}/{program}")
 
 
-def _own_name(start: Start) -> str:
+def _default_name(start: LaunchStart) -> str:
     """Return what a program mostly calls its node; a container's name is known."""
-    return MANAGER if start.package == CONTAINERS else Path(start.program).stem
+    return (
+        DEFAULT_CONTAINER_NAME if start.package == CONTAINER_PACKAGE else Path(start.program).stem
+    )
 
 
-def _words(start: Start) -> Iterator[str]:
+def _component_arguments(start: LaunchStart) -> Iterator[str]:
     """Yield the arguments in the options of a component (rclcpp_components: ComponentManager)."""
-    own = [("__node", start.name)] if start.name and start.name != UNKNOWN else []
-    own += [("__ns", start.namespace)] if start.placed else []
+    name_rules = [("__node", start.name)] if start.name and start.name != UNKNOWN_NAME else []
+    name_rules += [("__ns", start.namespace)] if start.has_namespace else []
     yield "--ros-args"
-    for name, target in (*own, *start.remaps):
+    for name, target in (*name_rules, *start.remaps):
         yield from ("-r", f"{name}:={target}")
 
 
-def _settings(sources: Iterable[ParameterSource]) -> Iterator[ParameterSetting]:
+def _parameter_settings(sources: Iterable[ParameterSource]) -> Iterator[ParameterSetting]:
     """Yield what is set, the last that fits counts: by each pattern's first place.
 
     So in both client libraries, as `rtron.sources.launch.ros2.parameters.merge` says.
     """
-    gathered: dict[str, dict[str, ParameterSetting]] = {}
+    by_pattern: dict[str, dict[str, ParameterSetting]] = {}
     for source in sources:
         for node, values in source.entries:
-            of_node = gathered.setdefault(node if node.startswith("/") else f"/{node}", {})
-            for name, found in values.items():
-                of_node[name] = ParameterSetting(node=node, name=name, value=found.value)
-    for of_node in gathered.values():
-        yield from of_node.values()
+            node_settings = by_pattern.setdefault(node if node.startswith("/") else f"/{node}", {})
+            for name, parameter in values.items():
+                node_settings[name] = ParameterSetting(node=node, name=name, value=parameter.value)
+    for node_settings in by_pattern.values():
+        yield from node_settings.values()
 
 
-def _app_node(start: Start, site: NodeSite, process: Start | None) -> AppNode:
+def _app_node(start: LaunchStart, site: NodeSite, process: LaunchStart | None) -> AppNode:
     return AppNode(
         site=site,
         package=start.package,
         type=start.program,
         evidence=start.evidence,
         container=start.container,
-        rules=process.remaps if process else (),
-        doubtful=start.doubtful,
+        process_remap_rules=process.remaps if process else (),
+        is_uncertain=start.is_uncertain,
         executed=start.executed,
     )

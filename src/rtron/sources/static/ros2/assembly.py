@@ -7,42 +7,47 @@ from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from rtron.sources.declaration import Declaration, MadeNode
-from rtron.sources.static.common.graph_builder import GraphParts
-from rtron.sources.static.common.node_part import Part
-from rtron.sources.static.ros2.endpoints import Rules, joined
+from rtron.sources.declaration import CreatedNode, Declaration
+from rtron.sources.static.common.graph_builder import GraphBuilder
+from rtron.sources.static.common.node_part import NodePart
+from rtron.sources.static.ros2.endpoints import RemapRules, graph_entities
 from rtron.sources.workspace import Workspace
-from rtron.vocabulary import Evidence, Node, Unresolved
+from rtron.vocabulary import Evidence, Node, UnresolvedItem
 
 
 @dataclass(slots=True, kw_only=True)
-class Ros2Assembly(GraphParts):
+class Ros2Assembly(GraphBuilder):
     """A graph in the making; nodes of one name stay apart in ROS 2, here they are one."""
 
     workspace: Workspace
     ros: int = 2
     _started: dict[str, Evidence] = field(default_factory=dict)
 
-    def add(self, part: Part) -> None:
+    def add_part(self, part: NodePart) -> None:
         """Add the nodes of a process or component, and what they declare."""
         declared: dict[str, list[Declaration]] = defaultdict(list)
-        for one in part.interface.declarations:
-            declared[one.node or part.node.name].append(one)
-        for made in _made(part):
-            self._add_node(made.name, part)
-            rules = (*made.remaps, *(part.node.rules if made.globally else ()))
-            for found in joined(made.name, declared[made.name], Rules(rules, made.name)):
-                self.put(found)
+        for declaration in part.interface.declarations:
+            declared[declaration.node or part.node.name].append(declaration)
+        for created in _created_nodes(part):
+            self._add_node(created.name, part)
+            rules = (
+                *created.remaps,
+                *(part.node.process_remap_rules if created.uses_global_arguments else ()),
+            )
+            for entity in graph_entities(
+                created.name, declared[created.name], RemapRules(rules, created.name)
+            ):
+                self.add_entity(entity)
         for parameter in part.interface.parameters:
             self.parameters[parameter.node, parameter.name] = parameter
-        self.note(*part.interface.unresolved)
-        self.note(*_unseen(part))
-        for started in part.interface.starts:
+        self.add_unresolved(*part.interface.unresolved)
+        self.add_unresolved(*_programs_without_nodes(part))
+        for started in part.interface.runtime_starts:
             what = f"launch {started.path} that {part.owner} starts"
             why = "what a node starts itself is not followed: name it with --launch too"
-            self.note(Unresolved(what=what, why=why, evidence=started.evidence))
+            self.add_unresolved(UnresolvedItem(what=what, why=why, evidence=started.evidence))
 
-    def _add_node(self, name: str, part: Part) -> None:
+    def _add_node(self, name: str, part: NodePart) -> None:
         node = part.node
         first = self._started.setdefault(name, node.evidence)
         if name not in self.nodes:
@@ -55,24 +60,24 @@ class Ros2Assembly(GraphParts):
             )
         elif "{" not in name and first != node.evidence:
             why = "started at several places; they all run, and nothing tells them apart"
-            places = (first, node.evidence)
-            self.note(Unresolved(what=f"node {name}", why=why, evidence=places))
+            locations = (first, node.evidence)
+            self.add_unresolved(UnresolvedItem(what=f"node {name}", why=why, evidence=locations))
 
 
-def _unseen(part: Part) -> Iterator[Unresolved]:
+def _programs_without_nodes(part: NodePart) -> Iterator[UnresolvedItem]:
     """Yield a note on a program whose source is here and makes no node: code elsewhere may."""
-    node, found = part.node, part.interface
-    if part.task is not None and not (found.declarations or found.nodes):
+    node, interface = part.node, part.interface
+    if part.task is not None and not (interface.declarations or interface.nodes):
         what = f"node {node.name} ({node.package}/{node.type})"
         why = "its source is here, and no node is seen that it makes"
-        yield Unresolved(what=what, why=why, evidence=(node.evidence,))
+        yield UnresolvedItem(what=what, why=why, evidence=(node.evidence,))
 
 
-def _made(part: Part) -> Iterator[MadeNode]:
+def _created_nodes(part: NodePart) -> Iterator[CreatedNode]:
     """Yield the nodes of a process; where its source tells of none, that which the launch names."""
-    names = {made.name for made in part.interface.nodes}
+    names = {created.name for created in part.interface.nodes}
     yield from part.interface.nodes
     others = dict.fromkeys(d.node or part.node.name for d in part.interface.declarations)
     for name in others if names else (others or {part.node.name: None}):
         if name not in names:
-            yield MadeNode(name=name)
+            yield CreatedNode(name=name)

@@ -9,21 +9,21 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 from rtron.errors import InputError
-from rtron.sources.code.workspace_sources import WorkspaceFiles
+from rtron.sources.code.workspace_sources import WorkspaceSources
 from rtron.sources.declaration import NodeInterface, NodeSite
-from rtron.sources.models import Models, interface
+from rtron.sources.models import ModelCatalog, node_interface
 from rtron.sources.models.common.arguments import option, positional
 from rtron.sources.models.common.schema import NodeRole
 from rtron.sources.static.common.app_node import AppNode
-from rtron.sources.static.common.node_part import Part
-from rtron.sources.static.common.task import Task, TaskKind
-from rtron.sources.static.ros1.simulation import placed
-from rtron.sources.static.ros2.parameter_values import given_value, settings_of
+from rtron.sources.static.common.node_part import NodePart
+from rtron.sources.static.common.task import InterpretationTask, TaskKind
+from rtron.sources.static.ros1.simulation import add_location
+from rtron.sources.static.ros2.parameter_values import parameter_file_settings, parameter_value
 from rtron.sources.workspace.plugin_description import PluginClass
-from rtron.vocabulary import Unresolved
-from rtron.vocabulary.remap_rules import Rule, expanded, rules_in
+from rtron.vocabulary import UnresolvedItem
+from rtron.vocabulary.remap_rules import RemapRule, expand_name, parse_remap_rules
 
-_EXPORTED = "controller_interface"
+_PLUGIN_BASE = "controller_interface"
 _MANAGER, _TYPE = "-c --controller-manager", "-t --controller-type"
 _FILES, _ARGUMENTS = ("-p", "--param-file"), ("--controller-ros-args",)
 _VALUED = (
@@ -33,16 +33,16 @@ _VALUED = (
 
 
 @dataclass(frozen=True, slots=True)
-class ControllerNodes:
+class ControllerParts:
     """Finds what the spawners among an app's parts load."""
 
-    models: Models
-    files: WorkspaceFiles
+    models: ModelCatalog
+    files: WorkspaceSources
 
-    def parts(self, parts: Iterable[Part]) -> Iterator[Part]:
+    def parts(self, parts: Iterable[NodePart]) -> Iterator[NodePart]:
         """Yield a part for each controller."""
         parts = tuple(parts)
-        hosts = {
+        manager_nodes = {
             part.interface.nodes[0].name: part.node
             for part in parts
             if self._role(part) is NodeRole.CONTROLLER_MANAGER and part.interface.nodes
@@ -50,82 +50,99 @@ class ControllerNodes:
         for spawner in (p for p in parts if self._role(p) is NodeRole.CONTROLLER_SPAWNER):
             args = spawner.node.site.args
             manager = option(args, _MANAGER) or "controller_manager"
-            manager = expanded(manager, spawner.node.name)
+            manager = expand_name(manager, spawner.node.name)
             for name in positional(args, _VALUED):
-                yield self._part(name, manager, spawner, hosts.get(manager))
+                yield self._part(name, manager, spawner, manager_nodes.get(manager))
 
-    def _role(self, part: Part) -> NodeRole | None:
+    def _role(self, part: NodePart) -> NodeRole | None:
         model = self.models.node(part.node.package, part.node.type)
         return model.role if model else None
 
-    def _part(self, name: str, manager: str, spawner: Part, host: AppNode | None) -> Part:
+    def _part(
+        self, name: str, manager: str, spawner: NodePart, manager_node: AppNode | None
+    ) -> NodePart:
         try:
-            site = self._site(name, manager, spawner.node, host)
+            site = self._site(name, manager, spawner.node, manager_node)
         except InputError as error:
-            return _missing(spawner, name, str(error))
+            return _missing_controller(spawner, name, str(error))
         args = spawner.node.site.args
-        given = option(args, _TYPE) or given_value(site, manager, f"{name}.type")
-        if not isinstance(given, str):
-            return _missing(spawner, site.name, _why(given, manager, host))
-        rules = (*_rules(args), *(host.rules if host else ()))
-        node = replace(spawner.node, site=site, type=given, rules=rules)
-        node = replace(node, package=given.partition("/")[0])
-        task, model = self._task(given, site), self.models.controller(given)
+        controller_type = option(args, _TYPE) or parameter_value(site, manager, f"{name}.type")
+        if not isinstance(controller_type, str):
+            return _missing_controller(
+                spawner, site.name, _missing_reason(controller_type, manager, manager_node)
+            )
+        rules = (*_rules(args), *(manager_node.process_remap_rules if manager_node else ()))
+        node = replace(spawner.node, site=site, type=controller_type, process_remap_rules=rules)
+        node = replace(node, package=controller_type.partition("/")[0])
+        task, model = self._task(controller_type, site), self.models.controller(controller_type)
         if task is not None:
-            return Part(node=node, owner=site.name, task=task)
+            return NodePart(node=node, owner=site.name, task=task)
         if model is None:
-            return _missing(spawner, site.name, _why(given, manager, host))
-        found = interface(model, replace(site, remaps=rules), models=self.models)
-        found = placed(found, node.evidence)
-        return Part(node=node, owner=site.name, model=model, interface=found)
+            return _missing_controller(
+                spawner, site.name, _missing_reason(controller_type, manager, manager_node)
+            )
+        model_interface = node_interface(model, replace(site, remaps=rules), models=self.models)
+        model_interface = add_location(model_interface, node.evidence)
+        return NodePart(node=node, owner=site.name, model=model, interface=model_interface)
 
-    def _task(self, type: str, site: NodeSite) -> Task | None:
+    def _task(self, type: str, site: NodeSite) -> InterpretationTask | None:
         """Return the task of a controller whose source is in the workspace."""
-        found = self.files.workspace.plugin(type, _EXPORTED)
-        if found is None or found.program is None or not found.program.sources:
+        plugin = self.files.workspace.plugin(type, _PLUGIN_BASE)
+        if plugin is None or plugin.program is None or not plugin.program.sources:
             return None
-        return Task(
+        return InterpretationTask(
             kind=TaskKind.COMPONENT,
-            sources=found.program.sources,
-            cls=found.declared.type,
-            definitions=found.program.definitions,
-            beside=tuple(c.type for c in self._all() if c.type != found.declared.type),
+            sources=plugin.program.sources,
+            class_name=plugin.plugin_class.type,
+            definitions=plugin.program.definitions,
+            other_components=tuple(
+                c.type for c in self._controller_plugins() if c.type != plugin.plugin_class.type
+            ),
             site=site,
         )
 
-    def _all(self) -> tuple[PluginClass, ...]:
-        return self.files.workspace.plugins(_EXPORTED)
+    def _controller_plugins(self) -> tuple[PluginClass, ...]:
+        return self.files.workspace.plugins(_PLUGIN_BASE)
 
-    def _site(self, name: str, manager: str, spawner: AppNode, host: AppNode | None) -> NodeSite:
-        settings = host.site.settings if host else ()
-        files = _after(spawner.site.args, _FILES)
+    def _site(
+        self, name: str, manager: str, spawner: AppNode, manager_node: AppNode | None
+    ) -> NodeSite:
+        settings = manager_node.site.settings if manager_node else ()
+        files = _option_values(spawner.site.args, _FILES)
         return NodeSite(
-            name=expanded(name, manager),
+            name=expand_name(name, manager),
             ros=2,
             environ=spawner.site.environ,
-            settings=(*settings, *(one for path in files for one in settings_of(path, self.files))),
+            settings=(
+                *settings,
+                *(
+                    setting
+                    for path in files
+                    for setting in parameter_file_settings(path, self.files)
+                ),
+            ),
         )
 
 
-def _after(args: Iterable[str], options: Iterable[str]) -> list[str]:
+def _option_values(args: Iterable[str], options: Iterable[str]) -> list[str]:
     """Return the words behind every one of some options."""
-    return [word for before, word in pairwise(args) if before in options]
+    return [word for option, word in pairwise(args) if option in options]
 
 
-def _rules(args: Iterable[str]) -> Iterator[Rule]:
-    for text in _after(args, _ARGUMENTS):
-        yield from rules_in(text, ros=True)
+def _rules(args: Iterable[str]) -> Iterator[RemapRule]:
+    for text in _option_values(args, _ARGUMENTS):
+        yield from parse_remap_rules(text, in_ros_args=True)
 
 
-def _missing(spawner: Part, name: str, why: str) -> Part:
+def _missing_controller(spawner: NodePart, name: str, why: str) -> NodePart:
     """Return the spawner with a note of a controller instead of all that it declares."""
-    note = Unresolved(what=f"controller {name}", why=why, evidence=(spawner.node.evidence,))
+    note = UnresolvedItem(what=f"controller {name}", why=why, evidence=(spawner.node.evidence,))
     nodes = spawner.interface.nodes
     return replace(spawner, interface=NodeInterface(nodes=nodes, unresolved=(note,)))
 
 
-def _why(type: object, manager: str, host: AppNode | None) -> str:
+def _missing_reason(type: object, manager: str, manager_node: AppNode | None) -> str:
     if isinstance(type, str):
         return f"no model of {type[:80]}"
-    here = "" if host else f", and nothing here starts {manager}"
-    return f"its parameter type is not known{here}"
+    hint = "" if manager_node else f", and nothing here starts {manager}"
+    return f"its parameter type is not known{hint}"

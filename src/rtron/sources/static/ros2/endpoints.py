@@ -7,36 +7,36 @@ from rtron.sources.declaration import Declaration, DeclarationKind
 from rtron.sources.static.common.endpoints import DIRECTIONS, ROLES
 from rtron.vocabulary import (
     Action,
-    ActionEnd,
     Endpoint,
     Resolution,
+    Ros2ActionEntity,
     Service,
     ServiceClient,
 )
-from rtron.vocabulary.remap_rules import Rule, remaps_at
+from rtron.vocabulary.remap_rules import RemapRule, remaps_for_node
 
 _SERVICES: Mapping[DeclarationKind, type[Service | ServiceClient]] = {
     DeclarationKind.SERVICE: Service,
     DeclarationKind.SERVICE_CLIENT: ServiceClient,
 }
-_GOALS = f"/_action/{ActionEnd.SEND_GOAL.value}"
+_SEND_GOAL = f"/_action/{Ros2ActionEntity.SEND_GOAL.value}"
 
 
 @dataclass(frozen=True, slots=True)
-class Rules:
+class RemapRules:
     """The remap rules of a node: the first for a name counts, and is not applied twice (rcl)."""
 
-    rules: tuple[Rule, ...]
+    rules: tuple[RemapRule, ...]
     node: str
 
     def __call__(self, name: str) -> str:
         """Return the name that a declared name stands for."""
-        fitting = (r.target for r in remaps_at(self.rules, self.node) if r.declared == name)
+        fitting = (r.target for r in remaps_for_node(self.rules, self.node) if r.source == name)
         return next(fitting, name)
 
 
-def joined(
-    node: str, declarations: Iterable[Declaration], rules: Rules
+def graph_entities(
+    node: str, declarations: Iterable[Declaration], rules: RemapRules
 ) -> Iterator[Endpoint | Service | Action | ServiceClient]:
     """Yield what the graph has of a node's declarations."""
     for declared in declarations:
@@ -44,15 +44,15 @@ def joined(
             yield _endpoint(node, declared, rules)
         elif declared.kind in _SERVICES:
             name, implicit = rules(declared.name), declared.implicit
-            sort = _SERVICES[declared.kind]
-            yield sort(node=node, name=name, type=declared.type, implicit=implicit)
+            entity_type = _SERVICES[declared.kind]
+            yield entity_type(node=node, name=name, type=declared.type, implicit=implicit)
         elif declared.kind in ROLES:
-            name = rules(declared.name + _GOALS).removesuffix(_GOALS)
+            name = rules(declared.name + _SEND_GOAL).removesuffix(_SEND_GOAL)
             role = ROLES[declared.kind]
             yield Action(node=node, name=name, type=declared.type, role=role)
 
 
-def _endpoint(node: str, declared: Declaration, rules: Rules) -> Endpoint:
+def _endpoint(node: str, declared: Declaration, rules: RemapRules) -> Endpoint:
     topic = rules(declared.name)
     return Endpoint(
         node=node,

@@ -7,10 +7,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from rtron.sources.launch.ros2.command_line import remaps_in, special
-from rtron.sources.launch.ros2.result import Start, StartKind
+from rtron.sources.launch.ros2.command_line import argument_remaps, special_remap
+from rtron.sources.launch.ros2.result import LaunchStart, StartKind
 
-_SILENT = frozenset({"gzclient", "sleep", "echo", "true", "cd", "source", ".", "export", "wait"})
+_COMMANDS_WITHOUT_NODE = frozenset(
+    {"gzclient", "sleep", "echo", "true", "cd", "source", ".", "export", "wait"}
+)
 """Commands that join nothing; Gazebo's client draws the world."""
 _ROS2 = "ros2"
 _VERBS: Mapping[str, frozenset[str]] = {
@@ -21,31 +23,31 @@ _VERBS: Mapping[str, frozenset[str]] = {
 }
 
 
-def is_silent(command: Sequence[str]) -> bool:
+def joins_nothing(command: Sequence[str]) -> bool:
     """Tell whether a command joins nothing; one that runs others in its words may."""
     runs_others = any("`" in word or "$(" in word for word in command)
-    return not runs_others and Path("".join(command[:1])).name in {"", *_SILENT}
+    return not runs_others and Path("".join(command[:1])).name in {"", *_COMMANDS_WITHOUT_NODE}
 
 
-def joining(process: Start) -> Start | None:
+def ros2_verb_node(process: LaunchStart) -> LaunchStart | None:
     """Return the node that a verb of `ros2` is; None for another command."""
     program, kind, verb, *words = (*process.arguments, "", "", "")
     if Path(program).name != _ROS2 or verb not in _VERBS.get(kind, ()):
         return None
-    return _verb(process, kind, verb, words[:-3])
+    return _verb_node(process, kind, verb, words[:-3])
 
 
-def _verb(process: Start, kind: str, verb: str, words: Sequence[str]) -> Start:
+def _verb_node(process: LaunchStart, kind: str, verb: str, words: Sequence[str]) -> LaunchStart:
     """Return a verb's node: its package is called after its kind."""
-    remaps = tuple(remaps_in(words))
+    remaps = tuple(argument_remaps(words))
     return replace(
         process,
         kind=StartKind.NODE,
         package=f"{_ROS2}{kind}",
         program=verb,
         arguments=tuple(words),
-        name=special(words, "__node"),
-        namespace=special(words, "__ns") or "/",
+        name=special_remap(words, "__node"),
+        namespace=special_remap(words, "__ns") or "/",
         remaps=remaps,
-        shared=len(remaps),
+        global_remap_count=len(remaps),
     )

@@ -7,10 +7,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from rtron.errors import InputError
-from rtron.sources.bounded_file import read_found
+from rtron.sources.bounded_file import read_regular_file
 from rtron.sources.declaration import NodeSite
-from rtron.sources.static.common.task import Task, TaskKind
-from rtron.sources.workspace import Language, Program, Workspace
+from rtron.sources.static.common.task import InterpretationTask, TaskKind
+from rtron.sources.workspace import Program, ProgramLanguage, Workspace
 from rtron.sources.workspace.package_contents import TargetKind
 
 _MAX_SOURCE = 16 * 2**20
@@ -20,65 +20,81 @@ _TESTS = frozenset({"test", "tests", "benchmark", "example", "examples"})
 
 def executable_task(
     workspace: Workspace, package: str, executable: str, site: NodeSite
-) -> Task | None:
+) -> InterpretationTask | None:
     """Return the task of `<node pkg=… exec=…>` at a site; None where its source is not here."""
     program = workspace.executable(package, executable)
     return _task(workspace, package, program, site) if program is not None else None
 
 
-def component_task(workspace: Workspace, package: str, cls: str, site: NodeSite) -> Task | None:
+def component_task(
+    workspace: Workspace, package: str, cls: str, site: NodeSite
+) -> InterpretationTask | None:
     """Return the task of `<composable_node pkg=… plugin=…>` at a site, None without its source."""
     program = workspace.component(package, cls)
     return _task(workspace, package, program, site) if program is not None else None
 
 
-def ros2_programs(workspace: Workspace, folder: Path) -> Iterator[tuple[str, Task]]:
+def ros2_programs(workspace: Workspace, folder: Path) -> Iterator[tuple[str, InterpretationTask]]:
     """Yield the executables and components of the packages below a folder, with their package.
 
     A component that an executable of its package makes is that executable's. The packages that
     use most others come first, since their programs take longest.
     """
-    ours = [package for package, path in workspace.packages.items() if path.is_relative_to(folder)]
+    packages = [
+        package for package, path in workspace.packages.items() if path.is_relative_to(folder)
+    ]
 
     def used(package: str) -> int:
         return sum(name in workspace.packages for name in workspace.manifest(package).depends)
 
-    for package in sorted(ours, key=used, reverse=True):
-        for task in _of_package(workspace, package):
+    for package in sorted(packages, key=used, reverse=True):
+        for task in _package_tasks(workspace, package):
             yield package, task
 
 
 def default_site(name: str) -> NodeSite:
     """Return where a program runs of which no launch is known."""
-    return NodeSite(name=f"/{name}", ros=2, named=False, placed=False, complete=False)
+    return NodeSite(
+        name=f"/{name}",
+        ros=2,
+        has_launch_name=False,
+        has_launch_namespace=False,
+        parameters_complete=False,
+    )
 
 
-def _of_package(workspace: Workspace, package: str) -> Iterator[Task]:
+def _package_tasks(workspace: Workspace, package: str) -> Iterator[InterpretationTask]:
     tasks = [
         task
         for name in _executables(workspace, package)
-        for task in _default(workspace, package, name)
+        for task in _executable_tasks(workspace, package, name)
     ]
     yield from tasks
     contents = workspace.contents(package)
-    made = {path for task in tasks if task.kind is TaskKind.CPP for path in task.sources}
-    running = {task.cls for task in tasks}
+    executable_sources = {
+        path for task in tasks if task.kind is TaskKind.CPP for path in task.sources
+    }
+    running = {task.class_name for task in tasks}
     for component in contents.components if contents else ():
-        plain = component.cls.rpartition("::")[2]
-        task = component_task(workspace, package, component.cls, default_site(plain))
-        if task and component.cls not in running and not _is_made(component.cls, made, task):
+        plain = component.class_name.rpartition("::")[2]
+        task = component_task(workspace, package, component.class_name, default_site(plain))
+        if (
+            task
+            and component.class_name not in running
+            and not _is_created(component.class_name, executable_sources, task)
+        ):
             yield task
 
 
-def _is_made(cls: str, sources: set[Path], task: Task) -> bool:
+def _is_created(cls: str, sources: set[Path], task: InterpretationTask) -> bool:
     """Tell whether the source of an executable, beside those of the component, names its class."""
     plain = cls.rpartition("::")[2].encode()
-    return any(plain in _bytes(path) for path in sources - set(task.sources))
+    return any(plain in _source_bytes(path) for path in sources - set(task.sources))
 
 
-def _bytes(path: Path) -> bytes:
+def _source_bytes(path: Path) -> bytes:
     try:
-        return read_found(path, _MAX_SOURCE)
+        return read_regular_file(path, _MAX_SOURCE)
     except InputError:
         return b""
 
@@ -91,7 +107,7 @@ def _executables(workspace: Workspace, package: str) -> Iterator[str]:
     for component in contents.components if contents else ():
         if component.executable:
             yield component.executable
-    for name, _ in contents.installed if contents else ():
+    for name, _ in contents.installed_scripts if contents else ():
         yield name
     yield from workspace.entry_points(package)
 
@@ -100,31 +116,35 @@ def _is_test(sources: tuple[Path, ...], package: Path) -> bool:
     return any(_TESTS & set(path.relative_to(package).parts[:-1]) for path in sources[:1])
 
 
-def _default(workspace: Workspace, package: str, name: str) -> Iterator[Task]:
+def _executable_tasks(
+    workspace: Workspace, package: str, name: str
+) -> Iterator[InterpretationTask]:
     task = executable_task(workspace, package, name, default_site(name))
     if task is not None and task.sources:
         yield task
 
 
-def _task(workspace: Workspace, package: str, program: Program, site: NodeSite) -> Task | None:
-    kinds = {Language.PYTHON: TaskKind.PYTHON, Language.CPP: TaskKind.CPP}
+def _task(
+    workspace: Workspace, package: str, program: Program, site: NodeSite
+) -> InterpretationTask | None:
+    kinds = {ProgramLanguage.PYTHON: TaskKind.PYTHON, ProgramLanguage.CPP: TaskKind.CPP}
     kind = kinds.get(program.language)
     if kind is None or not program.sources:
         return None
     if program.entry and kind is TaskKind.CPP:
         kind = TaskKind.COMPONENT
-    return Task(
+    return InterpretationTask(
         kind=kind,
         sources=program.sources,
-        cls=program.entry,
+        class_name=program.entry,
         definitions=program.definitions,
-        beside=_beside(workspace, package, program),
+        other_components=_other_components(workspace, package, program),
         site=site,
     )
 
 
-def _beside(workspace: Workspace, package: str, program: Program) -> tuple[str, ...]:
+def _other_components(workspace: Workspace, package: str, program: Program) -> tuple[str, ...]:
     """Return the other components of a package: what they join is for whoever loads them."""
     contents = workspace.contents(package) if program.entry else None
-    classes = [component.cls for component in contents.components] if contents else []
+    classes = [component.class_name for component in contents.components] if contents else []
     return tuple(cls for cls in classes if cls != program.entry)

@@ -4,46 +4,49 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import partial
 
-from rtron.sources.workspace.cmake.command_call import Call, sections
+from rtron.sources.workspace.cmake.command_call import CommandCall, split_by_keyword
 from rtron.sources.workspace.cmake.targets import add_target
-from rtron.sources.workspace.cmake.values import Item
+from rtron.sources.workspace.cmake.values import ExpandedArgument
 from rtron.sources.workspace.cmake.variables import Handler
-from rtron.sources.workspace.package_contents import Component, TargetKind
+from rtron.sources.workspace.package_contents import ComponentClass, TargetKind
 
 _WORDS = frozenset({"PLUGIN", "EXECUTABLE", "EXECUTOR", "RESOURCE_INDEX", "NODE_PREFIX"})
 _COMPILED = ("*.c", "*.cc", "*.cpp", "*.cxx")
 
 
-def register_nodes(call: Call) -> None:
+def register_components(call: CommandCall) -> None:
     """Carry out `rclcpp_components_register_nodes(target class …)`."""
-    found = sections(call.words, _WORDS)[""]
+    found = split_by_keyword(call.words, _WORDS)[""]
     for cls in found[1:]:
-        _register(call, found[0], cls, "")
+        _add_component(call, found[0], cls, "")
 
 
-def register_node(call: Call) -> None:
+def register_component(call: CommandCall) -> None:
     """Carry out `rclcpp_components_register_node(target PLUGIN class EXECUTABLE name)`."""
-    found = sections(call.words, _WORDS)
+    found = split_by_keyword(call.words, _WORDS)
     executable = next(iter(found.get("EXECUTABLE", [])), "")
     for target, cls in zip(found[""][:1], found.get("PLUGIN", [])[:1], strict=False):
-        _register(call, target, cls, executable)
+        _add_component(call, target, cls, executable)
 
 
-def _register(call: Call, target: str, cls: str, executable: str) -> None:
-    made = Component(
-        cls=cls.removeprefix("::"), library=target, executable=executable, evidence=call.evidence
+def _add_component(call: CommandCall, target: str, cls: str, executable: str) -> None:
+    made = ComponentClass(
+        class_name=cls.removeprefix("::"),
+        library=target,
+        executable=executable,
+        evidence=call.evidence,
     )
-    call.build.components[made.cls, executable] = made
+    call.build.components[made.class_name, executable] = made
 
 
-def export_plugins(call: Call) -> None:
+def export_plugins(call: CommandCall) -> None:
     """Carry out `pluginlib_export_plugin_description_file(package file)`."""
     words = call.words
     if len(words) > 1:
         call.build.exports[words[0], call.scope.folder / words[1]] = None
 
 
-def link_packages(call: Call) -> None:
+def link_packages(call: CommandCall) -> None:
     """Carry out `ament_target_dependencies(target package …)`."""
     words = call.words
     draft = call.build.targets.get(words[0]) if words else None
@@ -52,19 +55,19 @@ def link_packages(call: Call) -> None:
         draft.links.update(dict.fromkeys(names))
 
 
-def add_auto_target(kind: TargetKind, call: Call) -> None:
+def add_auto_target(kind: TargetKind, call: CommandCall) -> None:
     """Carry out `ament_auto_add_library` or `…_executable`, with all files of a DIRECTORY.
 
     An executable links the libraries of its package that stand before it (ament_cmake_auto).
     """
     libraries = [d.name for d in call.build.targets.values() if d.kind is TargetKind.LIBRARY]
-    add_target(kind, replace(call, items=tuple(_with_files(call))))
+    add_target(kind, replace(call, items=tuple(_expand_directories(call))))
     draft = call.build.targets.get(call.words[0]) if call.words else None
     if draft is not None and kind is TargetKind.EXECUTABLE:
         draft.links.update(dict.fromkeys(libraries))
 
 
-def _with_files(call: Call) -> Iterator[Item]:
+def _expand_directories(call: CommandCall) -> Iterator[ExpandedArgument]:
     items = list(call.items)
     while items:
         item = items.pop(0)
@@ -77,8 +80,8 @@ def _with_files(call: Call) -> Iterator[Item]:
 
 
 AMENT_COMMANDS: Mapping[str, Handler] = {
-    "rclcpp_components_register_nodes": register_nodes,
-    "rclcpp_components_register_node": register_node,
+    "rclcpp_components_register_nodes": register_components,
+    "rclcpp_components_register_node": register_component,
     "pluginlib_export_plugin_description_file": export_plugins,
     "ament_target_dependencies": link_packages,
     "ament_auto_add_library": partial(add_auto_target, TargetKind.LIBRARY),

@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
-from rtron.sources.workspace.cmake.tokenizer import Command, Fault
+from rtron.sources.workspace.cmake.tokenizer import CMakeCommand, SyntaxProblem
 
 _OPENING = frozenset({"if", "foreach", "while", "macro", "function"})
 _CLOSING = {f"end{name}": name for name in _OPENING}
@@ -15,49 +15,51 @@ _BRANCHING = frozenset({"elseif", "else"})
 class Branch:
     """The head of a branch (`if`, `elseif`, `else`, `foreach`, …) and what stands below it."""
 
-    head: Command
+    head: CMakeCommand
     body: "list[Statement]" = field(default_factory=list)
 
 
 @dataclass(slots=True)
-class Block:
+class CommandBlock:
     """One branch, or for an `if` one a condition."""
 
     branches: list[Branch]
 
 
-Statement: TypeAlias = Command | Block
+Statement: TypeAlias = CMakeCommand | CommandBlock
 
 
-def nest(commands: Iterable[Command]) -> tuple[list[Statement], list[Fault]]:
+def nest_blocks(commands: Iterable[CMakeCommand]) -> tuple[list[Statement], list[SyntaxProblem]]:
     """Return the statements of a file and its faults: an end without a beginning or the reverse."""
     top: list[Statement] = []
-    stack: list[Block] = []
-    faults: list[Fault] = []
+    stack: list[CommandBlock] = []
+    faults: list[SyntaxProblem] = []
     for command in commands:
         body = stack[-1].branches[-1].body if stack else top
         if command.name in _OPENING:
-            stack.append(Block([Branch(command)]))
+            stack.append(CommandBlock([Branch(command)]))
             body.append(stack[-1])
-        elif _fits(command, stack):
-            _branch_or_close(command, stack)
+        elif _continues_block(command, stack):
+            _add_branch_or_close(command, stack)
         elif command.name in _CLOSING or command.name in _BRANCHING:
-            faults.append(Fault(why=f"{command.name}() has no beginning", line=command.line))
+            faults.append(
+                SyntaxProblem(why=f"{command.name}() has no beginning", line=command.line)
+            )
         else:
             body.append(command)
     heads = (block.branches[0].head for block in stack)
-    faults.extend(Fault(why=f"{head.name}() has no end", line=head.line) for head in heads)
+    faults.extend(SyntaxProblem(why=f"{head.name}() has no end", line=head.line) for head in heads)
     return top, faults
 
 
-def _fits(command: Command, stack: list[Block]) -> bool:
+def _continues_block(command: CMakeCommand, stack: list[CommandBlock]) -> bool:
     opened = stack[-1].branches[0].head.name if stack else ""
     return bool(stack) and (
         _CLOSING.get(command.name) == opened or (command.name in _BRANCHING and opened == "if")
     )
 
 
-def _branch_or_close(command: Command, stack: list[Block]) -> None:
+def _add_branch_or_close(command: CMakeCommand, stack: list[CommandBlock]) -> None:
     if command.name in _BRANCHING:
         stack[-1].branches.append(Branch(command))
     else:

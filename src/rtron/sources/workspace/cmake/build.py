@@ -4,9 +4,9 @@ import re
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from rtron.sources.workspace.package_contents import Component, Target, TargetKind
+from rtron.sources.workspace.package_contents import BuildTarget, ComponentClass, TargetKind
 from rtron.sources.workspace.package_files import PackageFiles
-from rtron.vocabulary import Evidence, Unresolved
+from rtron.vocabulary import Evidence, UnresolvedItem
 
 MAX_NOTES = 200
 
@@ -15,7 +15,7 @@ _FLAG = re.compile(r"[-/]D\s*([A-Za-z_]\w*(?:=\S*)?)")
 
 
 @dataclass(slots=True, kw_only=True)
-class Draft:
+class TargetBuilder:
     """A target while it is put together; the values of the dicts mean nothing."""
 
     name: str
@@ -25,34 +25,36 @@ class Draft:
     sources: dict[Path, None] = field(default_factory=dict)
     links: dict[str, None] = field(default_factory=dict)
     definitions: dict[str, None] = field(default_factory=dict)
-    output: str = ""
+    output_name: str = ""
 
 
 @dataclass(slots=True, kw_only=True)
-class Build:
+class PackageBuild:
     """The targets, folders and installed scripts of one package."""
 
     files: PackageFiles
-    targets: dict[str, Draft] = field(default_factory=dict)
+    targets: dict[str, TargetBuilder] = field(default_factory=dict)
     definitions: dict[Path, dict[str, None]] = field(default_factory=dict)
     include_dirs: dict[Path, None] = field(default_factory=dict)
-    found: dict[str, None] = field(default_factory=dict)
+    required_packages: dict[str, None] = field(default_factory=dict)
     installed: dict[str, Path] = field(default_factory=dict)
-    components: dict[tuple[str, str], Component] = field(default_factory=dict)
+    components: dict[tuple[str, str], ComponentClass] = field(default_factory=dict)
     exports: dict[tuple[str, Path], None] = field(default_factory=dict)
-    unresolved: list[Unresolved] = field(default_factory=list)
+    unresolved: list[UnresolvedItem] = field(default_factory=list)
 
-    def note(self, what: str, why: str, evidence: Evidence) -> None:
+    def add_unresolved(self, what: str, why: str, evidence: Evidence) -> None:
         """Note what could not be resolved, MAX_NOTES times at most."""
         if len(self.unresolved) < MAX_NOTES:
-            self.unresolved.append(Unresolved(what=what, why=why, evidence=(evidence,)))
+            self.unresolved.append(UnresolvedItem(what=what, why=why, evidence=(evidence,)))
 
-    def target(self, name: str, kind: TargetKind, folder: Path, evidence: Evidence) -> Draft:
+    def add_target(
+        self, name: str, kind: TargetKind, folder: Path, evidence: Evidence
+    ) -> TargetBuilder:
         """Return a target, a new one if there is none of that name."""
-        new = Draft(name=name, kind=kind, folder=folder, evidence=evidence)
+        new = TargetBuilder(name=name, kind=kind, folder=folder, evidence=evidence)
         return self.targets.setdefault(name, new)
 
-    def add_source(self, draft: Draft, text: str, folder: Path, evidence: Evidence) -> None:
+    def add_source(self, draft: TargetBuilder, text: str, folder: Path, evidence: Evidence) -> None:
         """Add a source as spelled in `folder`; headers and the like are not compiled."""
         if text.startswith("$<"):
             link = text.removeprefix("$<TARGET_OBJECTS:").removesuffix(">")
@@ -60,50 +62,50 @@ class Build:
             return
         path = folder / text
         if path.suffix.lower() in _COMPILED and self.files.is_file(path):
-            draft.sources[_plain(path)] = None
+            draft.sources[_resolved_path(path)] = None
         elif not path.suffix or path.suffix.lower() in _COMPILED:
             self._add_unsuffixed(draft, path, evidence)
 
     def add_include_dir(self, path: Path) -> None:
         """Add a folder of headers, if it is one of ours."""
         if self.files.is_folder(path):
-            self.include_dirs[_plain(path)] = None
+            self.include_dirs[_resolved_path(path)] = None
 
-    def define(self, folder: Path, text: str) -> None:
+    def add_definitions(self, folder: Path, text: str) -> None:
         """Define the macros of a text of compiler flags for the targets of a folder."""
-        self.definitions.setdefault(folder, {}).update(dict.fromkeys(flags(text)))
+        self.definitions.setdefault(folder, {}).update(dict.fromkeys(defined_macros(text)))
 
-    def finished(self) -> tuple[Target, ...]:
+    def build_targets(self) -> tuple[BuildTarget, ...]:
         """Return the targets, with the definitions of their folders."""
-        return tuple(self._finish(draft) for draft in self.targets.values())
+        return tuple(self._build_target(draft) for draft in self.targets.values())
 
-    def _finish(self, draft: Draft) -> Target:
+    def _build_target(self, draft: TargetBuilder) -> BuildTarget:
         folders = (draft.folder, *draft.folder.parents)
         shared = (name for folder in folders for name in self.definitions.get(folder, ()))
-        return Target(
+        return BuildTarget(
             name=draft.name,
             kind=draft.kind,
             sources=tuple(draft.sources),
             links=tuple(draft.links),
             definitions=tuple(dict.fromkeys((*draft.definitions, *shared))),
-            output=draft.output or draft.name,
+            output_name=draft.output_name or draft.name,
             evidence=draft.evidence,
         )
 
-    def _add_unsuffixed(self, draft: Draft, path: Path, evidence: Evidence) -> None:
+    def _add_unsuffixed(self, draft: TargetBuilder, path: Path, evidence: Evidence) -> None:
         found = [path.with_name(path.name + suffix) for suffix in sorted(_COMPILED)]
         found = [candidate for candidate in found if self.files.is_file(candidate)]
-        draft.sources.update((_plain(candidate), None) for candidate in found[:1])
+        draft.sources.update((_resolved_path(candidate), None) for candidate in found[:1])
         if not found:
             what = f"source {path.name} of target {draft.name}"
-            self.note(what, "is not in the package: generated or missing", evidence)
+            self.add_unresolved(what, "is not in the package: generated or missing", evidence)
 
 
-def flags(text: str) -> list[str]:
+def defined_macros(text: str) -> list[str]:
     """Return the macros that a text of compiler flags defines, as `NAME` or `NAME=value`."""
     return _FLAG.findall(text)
 
 
-def _plain(path: Path) -> Path:
+def _resolved_path(path: Path) -> Path:
     """Return a path without `..`, which no symbolic link in it may change."""
     return path.resolve() if ".." in path.parts else path

@@ -4,33 +4,33 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from rtron.sources.workspace.cmake.build import Build
-from rtron.sources.workspace.cmake.values import BoundsError, Item, Value
+from rtron.sources.workspace.cmake.build import PackageBuild
+from rtron.sources.workspace.cmake.values import BoundsError, ExpandedArgument, VariableValue
 from rtron.vocabulary import Evidence
 
 MAX_STEPS = 200_000
 
 
 @dataclass(slots=True, kw_only=True)
-class Scope:
+class VariableScope:
     """Variables of a folder or function; `parent` gets what is set with PARENT_SCOPE."""
 
     folder: Path
-    variables: dict[str, Value] = field(default_factory=dict)
-    parent: "Scope | None" = None
+    variables: dict[str, VariableValue] = field(default_factory=dict)
+    parent: "VariableScope | None" = None
 
-    def set(self, name: str, value: Value) -> None:
+    def set(self, name: str, value: VariableValue) -> None:
         """Set a variable."""
         self.variables[name] = value
 
-    def inner(self, folder: Path) -> "Scope":
+    def child(self, folder: Path) -> "VariableScope":
         """Return a scope that begins as a copy of this one."""
-        here = {"CMAKE_CURRENT_SOURCE_DIR": Value(str(folder))}
-        return Scope(folder=folder, variables={**self.variables, **here}, parent=self)
+        here = {"CMAKE_CURRENT_SOURCE_DIR": VariableValue(str(folder))}
+        return VariableScope(folder=folder, variables={**self.variables, **here}, parent=self)
 
 
 @dataclass(slots=True)
-class Budget:
+class StepBudget:
     """The steps that an evaluation may still take; a step handles some hundred characters."""
 
     left: int = MAX_STEPS
@@ -43,14 +43,14 @@ class Budget:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Call:
+class CommandCall:
     """A command with its arguments replaced."""
 
     name: str
-    items: tuple[Item, ...]
-    scope: Scope
-    build: Build
-    budget: Budget
+    items: tuple[ExpandedArgument, ...]
+    scope: VariableScope
+    build: PackageBuild
+    budget: StepBudget
     evidence: Evidence
 
     @property
@@ -61,14 +61,14 @@ class Call:
     def set(self, name: str, text: str, *, known: bool = True) -> None:
         """Set a variable in the scope of the command."""
         self.budget.spend(len(text))
-        self.scope.set(name, Value(text, known))
+        self.scope.set(name, VariableValue(text, known))
 
-    def note(self, what: str, why: str) -> None:
+    def add_unresolved(self, what: str, why: str) -> None:
         """Note what of the command could not be resolved."""
-        self.build.note(what, why, self.evidence)
+        self.build.add_unresolved(what, why, self.evidence)
 
 
-def sections(words: list[str], keywords: frozenset[str]) -> Mapping[str, list[str]]:
+def split_by_keyword(words: list[str], keywords: frozenset[str]) -> Mapping[str, list[str]]:
     """Return what follows each keyword, and under "" what comes before the first."""
     found: dict[str, list[str]] = {"": []}
     current = found[""]

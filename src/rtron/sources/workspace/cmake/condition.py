@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from rtron.sources.workspace.cmake.values import Item, Lookup, Value, split
+from rtron.sources.workspace.cmake.values import ExpandedArgument, Lookup, VariableValue, split_list
 
 MAX_NESTED = 32
 
@@ -23,7 +23,7 @@ _UNARY = frozenset(
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Facts:
+class ConditionContext:
     """What a condition may ask for: variables, targets so far, files (None: not ours to know)."""
 
     variable: Lookup
@@ -31,64 +31,64 @@ class Facts:
     exists: Callable[[str], Truth]
 
 
-def holds(condition: Sequence[Item], facts: Facts) -> Truth:
+def evaluate_condition(condition: Sequence[ExpandedArgument], facts: ConditionContext) -> Truth:
     """Return the truth of a condition; one that is no condition is unknown."""
-    return _Reader(list(condition), facts).whole()
+    return _ConditionEvaluator(list(condition), facts).evaluate()
 
 
-class _Reader:
+class _ConditionEvaluator:
     """Reads a condition from left to right: NOT binds closest, then AND, then OR."""
 
-    def __init__(self, condition: list[Item], facts: Facts) -> None:
+    def __init__(self, condition: list[ExpandedArgument], facts: ConditionContext) -> None:
         self._rest = condition[::-1]
         self._facts = facts
         self._nested = 0
 
-    def whole(self) -> Truth:
-        value = self._any()
+    def evaluate(self) -> Truth:
+        value = self._evaluate_or()
         return None if self._rest else value
 
-    def _any(self) -> Truth:
-        values = [self._all()]
-        while self._take("or"):
-            values.append(self._all())
+    def _evaluate_or(self) -> Truth:
+        values = [self._evaluate_and()]
+        while self._accept("or"):
+            values.append(self._evaluate_and())
         return any_of(values)
 
-    def _all(self) -> Truth:
-        values = [self._negated()]
-        while self._take("and"):
-            values.append(self._negated())
+    def _evaluate_and(self) -> Truth:
+        values = [self._evaluate_not()]
+        while self._accept("and"):
+            values.append(self._evaluate_not())
         return _not(any_of(map(_not, values)))
 
-    def _negated(self) -> Truth:
+    def _evaluate_not(self) -> Truth:
         negations = 0
-        while self._take("not"):
+        while self._accept("not"):
             negations += 1
-        value = self._single()
+        value = self._evaluate_single()
         return _not(value) if negations % 2 else value
 
-    def _single(self) -> Truth:
-        if self._take("("):
-            return self._nest()
+    def _evaluate_single(self) -> Truth:
+        if self._accept("("):
+            return self._evaluate_nested()
         if not self._rest:
             return None
         item = self._rest.pop()
         if self._rest and not item.quoted and item.text.lower() in _UNARY:
-            return self._test(item.text.lower(), self._rest.pop())
+            return self._evaluate_test(item.text.lower(), self._rest.pop())
         if self._rest and _is_comparison(self._rest[-1]):
             return self._compare(item)
-        return self._truth(item)
+        return self._evaluate_truth(item)
 
-    def _nest(self) -> Truth:
+    def _evaluate_nested(self) -> Truth:
         self._nested += 1
         if self._nested > MAX_NESTED:
             self._rest.clear()
             return None
-        value = self._any()
+        value = self._evaluate_or()
         self._nested -= 1
-        return value if self._take(")") else None
+        return value if self._accept(")") else None
 
-    def _test(self, test: str, item: Item) -> Truth:
+    def _evaluate_test(self, test: str, item: ExpandedArgument) -> Truth:
         if not item.known:
             return None
         if test == "defined":
@@ -100,7 +100,7 @@ class _Reader:
             return self._facts.exists(item.text)
         return item.text.startswith("/") if test == "is_absolute" else None
 
-    def _compare(self, left: Item) -> Truth:
+    def _compare(self, left: ExpandedArgument) -> Truth:
         operator = self._rest.pop().text.lower()
         right = self._operand(self._rest.pop()) if self._rest else None
         value = self._operand(left)
@@ -111,11 +111,11 @@ class _Reader:
             return None
         return COMPARISONS[operator](value.text, right.text)
 
-    def _operand(self, item: Item) -> Value:
+    def _operand(self, item: ExpandedArgument) -> VariableValue:
         value = None if item.quoted else self._facts.variable(item.text)
-        return value or Value(item.text, item.known)
+        return value or VariableValue(item.text, item.known)
 
-    def _truth(self, item: Item) -> Truth:
+    def _evaluate_truth(self, item: ExpandedArgument) -> Truth:
         constant = constant_truth(item.text)
         if not item.known or constant is not None or item.quoted:
             return bool(constant) if item.known else None
@@ -124,7 +124,7 @@ class _Reader:
             return None
         return constant_truth(value.text) is not False
 
-    def _take(self, word: str) -> bool:
+    def _accept(self, word: str) -> bool:
         here = self._rest[-1] if self._rest else None
         if here is None or here.quoted or here.text.lower() != word:
             return False
@@ -154,7 +154,7 @@ def _not(value: Truth) -> Truth:
     return None if value is None else not value
 
 
-def _is_comparison(item: Item) -> bool:
+def _is_comparison(item: ExpandedArgument) -> bool:
     return not item.quoted and item.text.lower() in COMPARISONS
 
 
@@ -202,7 +202,7 @@ COMPARISONS: dict[str, Callable[[str, str], Truth]] = {
     "strequal": lambda left, right: left == right,
     "strless": lambda left, right: left < right,
     "strgreater": lambda left, right: left > right,
-    "in_list": lambda left, right: left in split(right),
+    "in_list": lambda left, right: left in split_list(right),
     "matches": _matches,
     "equal": _by_number(0),
     "less": _by_number(-1),

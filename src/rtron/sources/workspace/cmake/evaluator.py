@@ -5,18 +5,28 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from rtron.errors import InputError
-from rtron.sources.bounded_file import read_found
+from rtron.sources.bounded_file import read_regular_file
 from rtron.sources.workspace.cmake.ament import AMENT_COMMANDS
-from rtron.sources.workspace.cmake.blocks import Block, Branch, Statement, nest
-from rtron.sources.workspace.cmake.build import Build
-from rtron.sources.workspace.cmake.command_call import Budget, Call, Scope
-from rtron.sources.workspace.cmake.condition import Facts, Truth, holds
-from rtron.sources.workspace.cmake.joining import join
+from rtron.sources.workspace.cmake.blocks import Branch, CommandBlock, Statement, nest_blocks
+from rtron.sources.workspace.cmake.build import PackageBuild
+from rtron.sources.workspace.cmake.command_call import CommandCall, StepBudget, VariableScope
+from rtron.sources.workspace.cmake.condition import ConditionContext, Truth, evaluate_condition
+from rtron.sources.workspace.cmake.joining import join_variables
 from rtron.sources.workspace.cmake.keyword_arguments import PARSING_COMMANDS
 from rtron.sources.workspace.cmake.targets import TARGET_COMMANDS
-from rtron.sources.workspace.cmake.tokenizer import Argument, Command, read_commands
-from rtron.sources.workspace.cmake.values import BoundsError, Item, Value, items, split
-from rtron.sources.workspace.cmake.variable_scope import bound, loop_values, restore
+from rtron.sources.workspace.cmake.tokenizer import CMakeCommand, CommandArgument, read_commands
+from rtron.sources.workspace.cmake.values import (
+    BoundsError,
+    ExpandedArgument,
+    VariableValue,
+    expand_arguments,
+    split_list,
+)
+from rtron.sources.workspace.cmake.variable_scope import (
+    argument_variables,
+    loop_items,
+    restore_variables,
+)
 from rtron.sources.workspace.cmake.variables import VARIABLE_COMMANDS
 from rtron.sources.workspace.package_contents import PackageContents
 from rtron.sources.workspace.package_files import PackageFiles
@@ -26,8 +36,8 @@ MAX_BYTES = 1024 * 1024
 MAX_DEPTH = 48
 LIST_FILE = "CMakeLists.txt"
 
-_HANDLERS = {**VARIABLE_COMMANDS, **PARSING_COMMANDS, **TARGET_COMMANDS, **AMENT_COMMANDS}
-_LINUX = {
+_COMMANDS = {**VARIABLE_COMMANDS, **PARSING_COMMANDS, **TARGET_COMMANDS, **AMENT_COMMANDS}
+_PLATFORM_VARIABLES = {
     **dict.fromkeys(("WIN32", "APPLE", "MSVC", "ANDROID", "CYGWIN", "MINGW", "IOS"), "0"),
     **dict.fromkeys(("UNIX", "CATKIN_ENABLE_TESTING", "CMAKE_COMPILER_IS_GNUCXX"), "1"),
     "CMAKE_SYSTEM_NAME": "Linux",
@@ -39,43 +49,43 @@ class _Return(Exception):  # noqa: N818 - CMake's return(), no error
     pass
 
 
-def evaluate(name: str, files: PackageFiles) -> PackageContents:
+def evaluate_package(name: str, files: PackageFiles) -> PackageContents:
     """Return what a package's CMakeLists.txt makes; what goes wrong is in `unresolved`.
 
     The platform is Linux, tests are built, options have their defaults.
     """
-    build = Build(files=files)
-    scope = Scope(folder=files.folder, variables=_initial(name, files.folder))
+    build = PackageBuild(files=files)
+    scope = VariableScope(folder=files.folder, variables=_initial_variables(name, files.folder))
     path = files.folder / LIST_FILE
     if files.is_file(path):
-        _carry_out(path, scope, build)
+        _run_list_file(path, scope, build)
     return PackageContents(
         name=name,
         path=files.folder,
-        targets=build.finished(),
+        targets=build.build_targets(),
         include_dirs=tuple(build.include_dirs),
-        found=tuple(build.found),
-        installed=tuple(build.installed.items()),
+        required_packages=tuple(build.required_packages),
+        installed_scripts=tuple(build.installed.items()),
         components=tuple(build.components.values()),
-        exports=tuple(build.exports),
+        plugin_descriptions=tuple(build.exports),
         unresolved=tuple(build.unresolved),
     )
 
 
-def _carry_out(path: Path, scope: Scope, build: Build) -> None:
-    evaluator = Evaluator(build=build, budget=Budget())
+def _run_list_file(path: Path, scope: VariableScope, build: PackageBuild) -> None:
+    evaluator = CMakeEvaluator(build=build, budget=StepBudget())
     try:
         evaluator.run_file(path, scope)
     except BoundsError as error:
         evidence = Evidence(file=str(evaluator.path), line=evaluator.line)
-        build.note(path.name, f"{error}; the rest is not read", evidence)
+        build.add_unresolved(path.name, f"{error}; the rest is not read", evidence)
     if flags := scope.variables.get("CMAKE_CXX_FLAGS"):
-        build.define(scope.folder, flags.text)
+        build.add_definitions(scope.folder, flags.text)
 
 
-def _initial(name: str, folder: Path) -> dict[str, Value]:
+def _initial_variables(name: str, folder: Path) -> dict[str, VariableValue]:
     variables = {
-        **_LINUX,
+        **_PLATFORM_VARIABLES,
         **dict.fromkeys(("CMAKE_SOURCE_DIR", "CMAKE_CURRENT_SOURCE_DIR"), str(folder)),
         **dict.fromkeys(("PROJECT_SOURCE_DIR", "CMAKE_CURRENT_LIST_DIR"), str(folder)),
         **dict.fromkeys(("PROJECT_NAME", "CMAKE_PROJECT_NAME"), name),
@@ -85,76 +95,80 @@ def _initial(name: str, folder: Path) -> dict[str, Value]:
         "CATKIN_PACKAGE_INCLUDE_DESTINATION": f"include/{name}",
         "CATKIN_GLOBAL_BIN_DESTINATION": "bin",
     }
-    return {variable: Value(text) for variable, text in variables.items()}
+    return {variable: VariableValue(text) for variable, text in variables.items()}
 
 
 @dataclass(slots=True, kw_only=True)
-class Evaluator:
+class CMakeEvaluator:
     """Carries out files; `path` and `line` are where it stands, `depth` how deep."""
 
-    build: Build
-    budget: Budget
+    build: PackageBuild
+    budget: StepBudget
     path: Path = field(default_factory=Path)
     line: int = 0
     depth: int = 0
-    _defined: dict[str, Branch] = field(default_factory=dict)
+    _definitions: dict[str, Branch] = field(default_factory=dict)
 
-    def run_file(self, path: Path, scope: Scope) -> None:
+    def run_file(self, path: Path, scope: VariableScope) -> None:
         """Carry out a file; raise BoundsError where it does not come to an end."""
         before, self.path = self.path, path
         try:
             statements = self._parse(path)
             self._until_return(statements, scope)
         except InputError as error:
-            self.build.note(path.name, str(error), Evidence(file=str(path)))
+            self.build.add_unresolved(path.name, str(error), Evidence(file=str(path)))
         self.path = before
 
     def _parse(self, path: Path) -> list[Statement]:
-        text = read_found(path, MAX_BYTES).decode("utf-8", "replace")
+        text = read_regular_file(path, MAX_BYTES).decode("utf-8", "replace")
         commands, faults = read_commands(text)
-        statements, nesting = nest(commands)
+        statements, nesting = nest_blocks(commands)
         for fault in (*faults, *nesting):
-            self.build.note(path.name, fault.why, Evidence(file=str(path), line=fault.line))
+            self.build.add_unresolved(
+                path.name, fault.why, Evidence(file=str(path), line=fault.line)
+            )
         return statements
 
-    def _until_return(self, statements: Sequence[Statement], scope: Scope) -> None:
+    def _until_return(self, statements: Sequence[Statement], scope: VariableScope) -> None:
         try:
             self._run(statements, scope)
         except _Return:
             return
 
-    def _run(self, statements: Sequence[Statement], scope: Scope) -> None:
+    def _run(self, statements: Sequence[Statement], scope: VariableScope) -> None:
         if self.depth == MAX_DEPTH:
             raise BoundsError(f"nests more than {MAX_DEPTH} deep")
         self.depth += 1
         try:
             for statement in statements:
                 self.budget.spend()
-                if isinstance(statement, Block):
+                if isinstance(statement, CommandBlock):
                     self._run_block(statement, scope)
                 else:
                     self._run_command(statement, scope)
         finally:
             self.depth -= 1
 
-    def _run_block(self, block: Block, scope: Scope) -> None:
+    def _run_block(self, block: CommandBlock, scope: VariableScope) -> None:
         branch = block.branches[0]
         self.line = branch.head.line
         if branch.head.name == "if":
-            self._choose(block.branches, scope)
+            self._run_if(block.branches, scope)
         elif branch.head.name == "foreach":
-            self._repeat(branch, scope)
+            self._run_foreach(branch, scope)
         elif branch.head.name == "while":
-            self._run_maybe([branch], scope)
+            self._run_alternatives([branch], scope)
         else:
-            given = items(branch.head.arguments[:1], scope.variables.get)
-            self._defined.update((item.text.lower(), branch) for item in given)
+            given = expand_arguments(branch.head.arguments[:1], scope.variables.get)
+            self._definitions.update((item.text.lower(), branch) for item in given)
 
-    def _choose(self, branches: Sequence[Branch], scope: Scope) -> None:
+    def _run_if(self, branches: Sequence[Branch], scope: VariableScope) -> None:
         possible: list[Branch] = []
         truth: Truth = False
         for branch in branches:
-            truth = branch.head.name == "else" or self._holds(branch.head.arguments, scope)
+            truth = branch.head.name == "else" or self._condition_truth(
+                branch.head.arguments, scope
+            )
             if truth is not False:
                 possible.append(branch)
             if truth:
@@ -162,9 +176,11 @@ class Evaluator:
         if len(possible) == 1 and truth:
             self._run(possible[0].body, scope)
         elif possible:
-            self._run_maybe(possible, scope, or_none=not truth)
+            self._run_alternatives(possible, scope, or_none=not truth)
 
-    def _run_maybe(self, branches: Iterable[Branch], scope: Scope, *, or_none: bool = True) -> None:
+    def _run_alternatives(
+        self, branches: Iterable[Branch], scope: VariableScope, *, or_none: bool = True
+    ) -> None:
         """Carry out branches of which one may run, and join what they set."""
         before = scope.variables
         results = [before] if or_none else []
@@ -173,45 +189,47 @@ class Evaluator:
             scope.variables = dict(before)
             self._until_return(branch.body, scope)
             results.append(scope.variables)
-        scope.variables = join(results)
+        scope.variables = join_variables(results)
 
-    def _holds(self, condition: Iterable[Argument], scope: Scope) -> Truth:
-        facts = Facts(
+    def _condition_truth(self, condition: Iterable[CommandArgument], scope: VariableScope) -> Truth:
+        facts = ConditionContext(
             variable=scope.variables.get,
             is_target=self.build.targets.__contains__,
             exists=lambda path: self._exists(scope.folder / path),
         )
-        return holds(items(condition, scope.variables.get), facts)
+        return evaluate_condition(expand_arguments(condition, scope.variables.get), facts)
 
     def _exists(self, path: Path) -> Truth:
         files = self.build.files
         return files.is_file(path) or files.is_folder(path) or None
 
-    def _repeat(self, branch: Branch, scope: Scope) -> None:
-        given = items(branch.head.arguments, scope.variables.get)
+    def _run_foreach(self, branch: Branch, scope: VariableScope) -> None:
+        given = expand_arguments(branch.head.arguments, scope.variables.get)
         self.budget.spend(sum(32 + len(item.text) for item in given))
-        for item in loop_values(given[1:], scope):
-            scope.set(given[0].text, Value(item.text, item.known))
+        for item in loop_items(given[1:], scope):
+            scope.set(given[0].text, VariableValue(item.text, item.known))
             self._run(branch.body, scope)
 
-    def _run_command(self, command: Command, scope: Scope) -> None:
+    def _run_command(self, command: CMakeCommand, scope: VariableScope) -> None:
         self.line = command.line
-        given = items(command.arguments, scope.variables.get)
+        given = expand_arguments(command.arguments, scope.variables.get)
         self.budget.spend(sum(32 + len(item.text) for item in given))
         words = [item.text for item in given if item.text]
-        if command.name in self._defined:
-            self._call_defined(self._defined[command.name], given, scope)
+        if command.name in self._definitions:
+            self._call_definition(self._definitions[command.name], given, scope)
         elif command.name == "return":
             raise _Return
         elif command.name == "project" and words:
             self._project(words[0], scope)
         elif command.name in {"include", "add_subdirectory"} and words:
-            self._enter(command.name, words[0], scope)
-        elif command.name in _HANDLERS:
-            _HANDLERS[command.name](self._call(command, given, scope))
+            self._run_other_file(command.name, words[0], scope)
+        elif command.name in _COMMANDS:
+            _COMMANDS[command.name](self._command_call(command, given, scope))
 
-    def _call(self, command: Command, given: Iterable[Item], scope: Scope) -> Call:
-        return Call(
+    def _command_call(
+        self, command: CMakeCommand, given: Iterable[ExpandedArgument], scope: VariableScope
+    ) -> CommandCall:
+        return CommandCall(
             name=command.name,
             items=tuple(given),
             scope=scope,
@@ -220,39 +238,43 @@ class Evaluator:
             evidence=Evidence(file=str(self.path), line=command.line),
         )
 
-    def _call_defined(self, branch: Branch, given: Sequence[Item], scope: Scope) -> None:
+    def _call_definition(
+        self, branch: Branch, given: Sequence[ExpandedArgument], scope: VariableScope
+    ) -> None:
         """Carry out a macro in the scope of its caller, a function in one of its own."""
         is_macro = branch.head.name == "macro"
-        inner = scope if is_macro else scope.inner(scope.folder)
-        arguments = bound([argument.text for argument in branch.head.arguments[1:]], given)
+        inner = scope if is_macro else scope.child(scope.folder)
+        arguments = argument_variables(
+            [argument.text for argument in branch.head.arguments[1:]], given
+        )
         self.budget.spend(8 * len(inner.variables))
         before = {name: inner.variables.get(name) for name in arguments}
         inner.variables.update(arguments)
         self._until_return(branch.body, inner)
         if is_macro:
-            restore(inner, before)
+            restore_variables(inner, before)
 
-    def _project(self, name: str, scope: Scope) -> None:
+    def _project(self, name: str, scope: VariableScope) -> None:
         for variable in ("PROJECT_NAME", "CMAKE_PROJECT_NAME"):
-            scope.set(variable, Value(name))
+            scope.set(variable, VariableValue(name))
         for variable in ("PROJECT_SOURCE_DIR", f"{name}_SOURCE_DIR"):
-            scope.set(variable, Value(str(scope.folder)))
+            scope.set(variable, VariableValue(str(scope.folder)))
 
-    def _enter(self, command: str, word: str, scope: Scope) -> None:
+    def _run_other_file(self, command: str, word: str, scope: VariableScope) -> None:
         files = self.build.files
         if command == "add_subdirectory":
             folder = scope.folder / word
             if files.is_file(folder / LIST_FILE):
-                self.run_file(folder / LIST_FILE, scope.inner(folder))
+                self.run_file(folder / LIST_FILE, scope.child(folder))
             return
-        modules = split(scope.variables.get("CMAKE_MODULE_PATH", Value("")).text)
+        modules = split_list(scope.variables.get("CMAKE_MODULE_PATH", VariableValue("")).text)
         named = (scope.folder / module / f"{word}.cmake" for module in modules)
         path = next(filter(files.is_file, (scope.folder / word, *named)), None)
         if path is not None:
             self._include(path, scope)
 
-    def _include(self, path: Path, scope: Scope) -> None:
-        before = scope.variables.get("CMAKE_CURRENT_LIST_DIR", Value(""))
-        scope.set("CMAKE_CURRENT_LIST_DIR", Value(str(path.parent)))
+    def _include(self, path: Path, scope: VariableScope) -> None:
+        before = scope.variables.get("CMAKE_CURRENT_LIST_DIR", VariableValue(""))
+        scope.set("CMAKE_CURRENT_LIST_DIR", VariableValue(str(path.parent)))
         self.run_file(path, scope)
         scope.set("CMAKE_CURRENT_LIST_DIR", before)

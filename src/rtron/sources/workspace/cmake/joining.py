@@ -2,10 +2,10 @@
 
 from collections.abc import Mapping, Sequence
 
-from rtron.sources.workspace.cmake.values import Value, split
+from rtron.sources.workspace.cmake.values import VariableValue, split_list
 
 
-def join(results: Sequence[Mapping[str, Value]]) -> dict[str, Value]:
+def join_variables(results: Sequence[Mapping[str, VariableValue]]) -> dict[str, VariableValue]:
     """Return the variables after a choice: where the branches differ, all their elements."""
     first, *others = results
     joined = dict(first)
@@ -13,14 +13,14 @@ def join(results: Sequence[Mapping[str, Value]]) -> dict[str, Value]:
         for name, value in other.items():
             old = joined.get(name)
             if old is not value:
-                joined[name] = _both(old, value)
+                joined[name] = _join_values(old, value)
         for name in joined.keys() - other.keys():
-            joined[name] = Value(joined[name].text, known=False)
+            joined[name] = VariableValue(joined[name].text, known=False)
     return joined
 
 
-def _both(old: Value | None, new: Value) -> Value:
+def _join_values(old: VariableValue | None, new: VariableValue) -> VariableValue:
     if old == new:
         return new
-    elements = dict.fromkeys((*(split(old.text) if old else ()), *split(new.text)))
-    return Value(";".join(elements), known=False)
+    elements = dict.fromkeys((*(split_list(old.text) if old else ()), *split_list(new.text)))
+    return VariableValue(";".join(elements), known=False)

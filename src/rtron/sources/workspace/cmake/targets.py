@@ -5,9 +5,9 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
-from rtron.sources.workspace.cmake.build import flags
-from rtron.sources.workspace.cmake.command_call import Call, sections
-from rtron.sources.workspace.cmake.values import split
+from rtron.sources.workspace.cmake.build import defined_macros
+from rtron.sources.workspace.cmake.command_call import CommandCall, split_by_keyword
+from rtron.sources.workspace.cmake.values import split_list
 from rtron.sources.workspace.cmake.variables import Handler
 from rtron.sources.workspace.package_contents import TargetKind
 
@@ -32,37 +32,39 @@ _CATKIN_WORDS = frozenset({"INCLUDE_DIRS", "LIBRARIES", "CATKIN_DEPENDS", "DEPEN
 _INSTALL_WORDS = frozenset(
     {"PROGRAMS", "DESTINATION", "RENAME", "PERMISSIONS", "CONFIGURATIONS", "COMPONENT", "OPTIONAL"}
 )
-_OUTPUTS = frozenset({"OUTPUT_NAME", "LIBRARY_OUTPUT_NAME", "RUNTIME_OUTPUT_NAME"})
-_DEFINING = frozenset({"COMPILE_DEFINITIONS", "COMPILE_FLAGS", "COMPILE_OPTIONS"})
+_OUTPUT_PROPERTIES = frozenset({"OUTPUT_NAME", "LIBRARY_OUTPUT_NAME", "RUNTIME_OUTPUT_NAME"})
+_DEFINITION_PROPERTIES = frozenset({"COMPILE_DEFINITIONS", "COMPILE_FLAGS", "COMPILE_OPTIONS"})
 
 
-def add_target(kind: TargetKind, call: Call) -> None:
+def add_target(kind: TargetKind, call: CommandCall) -> None:
     """Carry out `add_executable`, `add_library` or a relative of theirs."""
     words = call.words
     if not call.items or "IMPORTED" in words:
         return
     name = call.items[0]
     if not (name.known and name.text):
-        call.note(f"{call.name}({name.text} …)", "the target's name is not set in the file")
+        call.add_unresolved(
+            f"{call.name}({name.text} …)", "the target's name is not set in the file"
+        )
         return
-    draft = call.build.target(name.text, kind, call.scope.folder, call.evidence)
+    draft = call.build.add_target(name.text, kind, call.scope.folder, call.evidence)
     if words[1:2] == ["ALIAS"]:
         draft.links.update(dict.fromkeys(words[2:]))
         return
     for item in call.items[1:]:
         if not item.known and not item.text:
             what = f"sources of target {name.text}"
-            call.note(what, "some stand in a variable that the file does not set")
+            call.add_unresolved(what, "some stand in a variable that the file does not set")
         elif item.text not in _OPTIONS:
             call.build.add_source(draft, item.text, call.scope.folder, call.evidence)
 
 
-def add_rostest(call: Call) -> None:
+def add_rostest(call: CommandCall) -> None:
     """Carry out `add_rostest_gtest`: the second argument is a launch file."""
     add_target(TargetKind.EXECUTABLE, replace(call, items=call.items[:1] + call.items[2:]))
 
 
-def add_sources(call: Call) -> None:
+def add_sources(call: CommandCall) -> None:
     """Carry out `target_sources`."""
     words = call.words
     draft = call.build.targets.get(words[0]) if words else None
@@ -72,7 +74,7 @@ def add_sources(call: Call) -> None:
                 call.build.add_source(draft, word, call.scope.folder, call.evidence)
 
 
-def link(call: Call) -> None:
+def link_libraries(call: CommandCall) -> None:
     """Carry out `target_link_libraries`."""
     words = call.words
     draft = call.build.targets.get(words[0]) if words else None
@@ -82,47 +84,49 @@ def link(call: Call) -> None:
         draft.links.update(dict.fromkeys(names))
 
 
-def define_for_target(call: Call) -> None:
+def add_target_definitions(call: CommandCall) -> None:
     """Carry out `target_compile_definitions` and `target_compile_options`."""
     words = call.words
     draft = call.build.targets.get(words[0]) if words else None
     if draft is not None:
         given = (word for word in words[1:] if word not in _LINKAGE and "$" not in word)
-        draft.definitions.update(dict.fromkeys(_definitions(call.name, given)))
+        draft.definitions.update(dict.fromkeys(_macro_definitions(call.name, given)))
 
 
-def define_for_folder(call: Call) -> None:
+def add_folder_definitions(call: CommandCall) -> None:
     """Carry out `add_definitions`, `add_compile_options` and `add_compile_definitions`."""
     bare = call.name == "add_compile_definitions"
     for word in call.words:
-        call.build.define(call.scope.folder, f"-D{word}" if bare else word)
+        call.build.add_definitions(call.scope.folder, f"-D{word}" if bare else word)
 
 
-def undefine(call: Call) -> None:
+def remove_definitions(call: CommandCall) -> None:
     """Carry out `remove_definitions`."""
     defined = call.build.definitions.get(call.scope.folder, {})
-    for name in flags(" ".join(call.words)):
+    for name in defined_macros(" ".join(call.words)):
         defined.pop(name, None)
 
 
-def set_properties(call: Call) -> None:
+def set_properties(call: CommandCall) -> None:
     """Carry out `set_target_properties`: output names and definitions."""
-    found = sections(call.words, frozenset({"PROPERTIES"}))
+    found = split_by_keyword(call.words, frozenset({"PROPERTIES"}))
     properties = found.get("PROPERTIES", [])
     for name in found[""]:
         for key, value in zip(properties[::2], properties[1::2], strict=False):
             _set_property(call, name, key, value)
 
 
-def set_property(call: Call) -> None:
+def set_property(call: CommandCall) -> None:
     """Carry out `set_property TARGET …`."""
-    found = sections(call.words, frozenset({"TARGET", "PROPERTY", "APPEND", "APPEND_STRING"}))
+    found = split_by_keyword(
+        call.words, frozenset({"TARGET", "PROPERTY", "APPEND", "APPEND_STRING"})
+    )
     key, *values = found.get("PROPERTY") or [""]
     for name in found.get("TARGET", []):
         _set_property(call, name, key, ";".join(values))
 
 
-def include_directories(call: Call) -> None:
+def include_directories(call: CommandCall) -> None:
     """Carry out `include_directories` and `target_include_directories`."""
     of_target = call.name == "target_include_directories"
     for word in call.words[1 if of_target else 0 :]:
@@ -131,32 +135,32 @@ def include_directories(call: Call) -> None:
             call.build.add_include_dir(call.scope.folder / path)
 
 
-def find_package(call: Call) -> None:
+def find_package(call: CommandCall) -> None:
     """Carry out `find_package`: `X_LIBRARIES` becomes the package, or catkin's components."""
     words = call.words
     if not words:
         return
-    found = sections(words[1:], _PACKAGE_WORDS)
+    found = split_by_keyword(words[1:], _PACKAGE_WORDS)
     components = [part for word in _PACKAGE_WORDS for part in found.get(word, [])]
     names = components if words[0] in {"catkin", "catkin_simple"} else [words[0]]
-    call.build.found.update(dict.fromkeys(names))
+    call.build.required_packages.update(dict.fromkeys(names))
     variable = f"{words[0]}_LIBRARIES"
     old = call.scope.variables.get(variable)
-    linked = dict.fromkeys((*(split(old.text) if old else ()), *names))
+    linked = dict.fromkeys((*(split_list(old.text) if old else ()), *names))
     call.set(variable, ";".join(linked), known=False)
 
 
-def catkin_package(call: Call) -> None:
+def catkin_package(call: CommandCall) -> None:
     """Carry out `catkin_package`: the folders of headers that others see."""
-    for word in sections(call.words, _CATKIN_WORDS).get("INCLUDE_DIRS", []):
+    for word in split_by_keyword(call.words, _CATKIN_WORDS).get("INCLUDE_DIRS", []):
         call.build.add_include_dir(call.scope.folder / word)
 
 
-def install(call: Call) -> None:
-    """Remember the scripts that `install` and `catkin_install_python` install, and their names."""
+def record_install(call: CommandCall) -> None:
+    """Remember the scripts that `record_install` and `catkin_install_python` install, and their names."""
     if call.words[:1] != ["PROGRAMS"]:
         return
-    found = sections(call.words, _INSTALL_WORDS)
+    found = split_by_keyword(call.words, _INSTALL_WORDS)
     names = found.get("RENAME") or []
     for word in found["PROGRAMS"]:
         path = call.scope.folder / word
@@ -164,21 +168,21 @@ def install(call: Call) -> None:
             call.build.installed.setdefault(names[0] if names else Path(word).name, path)
 
 
-def _set_property(call: Call, name: str, key: str, value: str) -> None:
+def _set_property(call: CommandCall, name: str, key: str, value: str) -> None:
     draft = call.build.targets.get(name)
     if draft is None or not value:
         return
-    if key in _OUTPUTS:
-        draft.output = value
-    elif key in _DEFINING:
-        bare = split(value) if key == "COMPILE_DEFINITIONS" else flags(value)
+    if key in _OUTPUT_PROPERTIES:
+        draft.output_name = value
+    elif key in _DEFINITION_PROPERTIES:
+        bare = split_list(value) if key == "COMPILE_DEFINITIONS" else defined_macros(value)
         draft.definitions.update(dict.fromkeys(bare))
 
 
-def _definitions(command: str, words: Iterable[str]) -> list[str]:
+def _macro_definitions(command: str, words: Iterable[str]) -> list[str]:
     if command == "target_compile_definitions":
         return [word.removeprefix("-D") for word in words]
-    return flags(" ".join(words))
+    return defined_macros(" ".join(words))
 
 
 TARGET_COMMANDS: Mapping[str, Handler] = {
@@ -186,19 +190,19 @@ TARGET_COMMANDS: Mapping[str, Handler] = {
     **dict.fromkeys(_LIBRARY, partial(add_target, TargetKind.LIBRARY)),
     **dict.fromkeys(_ROSTEST, add_rostest),
     "target_sources": add_sources,
-    "target_link_libraries": link,
-    "target_compile_definitions": define_for_target,
-    "target_compile_options": define_for_target,
-    "add_definitions": define_for_folder,
-    "add_compile_options": define_for_folder,
-    "add_compile_definitions": define_for_folder,
-    "remove_definitions": undefine,
+    "target_link_libraries": link_libraries,
+    "target_compile_definitions": add_target_definitions,
+    "target_compile_options": add_target_definitions,
+    "add_definitions": add_folder_definitions,
+    "add_compile_options": add_folder_definitions,
+    "add_compile_definitions": add_folder_definitions,
+    "remove_definitions": remove_definitions,
     "set_target_properties": set_properties,
     "set_property": set_property,
     "include_directories": include_directories,
     "target_include_directories": include_directories,
     "find_package": find_package,
     "catkin_package": catkin_package,
-    "install": install,
-    "catkin_install_python": install,
+    "install": record_install,
+    "catkin_install_python": record_install,
 }

@@ -4,7 +4,7 @@ import re
 from bisect import bisect_right
 from dataclasses import dataclass
 
-MAX_FAULTS = 10
+MAX_PROBLEMS = 10
 MAX_ARGUMENTS = 10_000
 
 _BLANK = re.compile(r"(?:[ \t\r\n]+|#(?!\[=*\[)[^\n]*)*")
@@ -20,7 +20,7 @@ _CONTINUATION = re.compile(r"\\\r?\n")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Argument:
+class CommandArgument:
     """An argument as written: `quoted` is never split, `raw` (in brackets) never expanded."""
 
     text: str
@@ -29,41 +29,41 @@ class Argument:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Command:
+class CMakeCommand:
     """A command: its name in lower case, its arguments, parentheses among them, and its line."""
 
     name: str
-    arguments: tuple[Argument, ...] = ()
+    arguments: tuple[CommandArgument, ...] = ()
     line: int = 0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Fault:
+class SyntaxProblem:
     """What is wrong at a line of the file."""
 
     why: str
     line: int
 
 
-class _SyntaxFaultError(Exception):
+class _CMakeSyntaxError(Exception):
     pass
 
 
-def read_commands(text: str) -> tuple[list[Command], list[Fault]]:
+def read_commands(text: str) -> tuple[list[CMakeCommand], list[SyntaxProblem]]:
     """Return the commands of a file and its faults.
 
     After a fault reading goes on in the next line, MAX_FAULTS times at most.
     """
     scanner = _Scanner(text)
-    commands: list[Command] = []
-    faults: list[Fault] = []
-    while len(faults) < MAX_FAULTS:
+    commands: list[CMakeCommand] = []
+    faults: list[SyntaxProblem] = []
+    while len(faults) < MAX_PROBLEMS:
         start = scanner.position
         try:
             command = scanner.command()
-        except _SyntaxFaultError as error:
-            start = max(scanner.begun, start)
-            faults.append(Fault(why=str(error), line=scanner.line(start)))
+        except _CMakeSyntaxError as error:
+            start = max(scanner.command_start, start)
+            faults.append(SyntaxProblem(why=str(error), line=scanner.line(start)))
             scanner.skip_line(start)
             continue
         if command is None:
@@ -73,11 +73,11 @@ def read_commands(text: str) -> tuple[list[Command], list[Fault]]:
 
 
 class _Scanner:
-    """A place in the text; `begun` is where the command at hand began."""
+    """A place in the text; `command_start` is where the command at hand began."""
 
     def __init__(self, text: str) -> None:
         self.position = 0
-        self.begun = 0
+        self.command_start = 0
         self._text = text
         self._newlines = [match.start() for match in re.finditer("\n", text)]
 
@@ -90,21 +90,23 @@ class _Scanner:
         end = self._text.find("\n", position)
         self.position = len(self._text) if end < 0 else end + 1
 
-    def command(self) -> Command | None:
+    def command(self) -> CMakeCommand | None:
         """Return the next command, None at the end."""
         self._skip_blank()
-        self.begun = self.position
+        self.command_start = self.position
         if self.position == len(self._text):
             return None
         match = _NAME.match(self._text, self.position)
         if match is None:
-            raise _SyntaxFaultError("a command is expected")
+            raise _CMakeSyntaxError("a command is expected")
         self.position = match.end()
         arguments = tuple(self._arguments())
-        return Command(name=match[1].lower(), arguments=arguments, line=self.line(self.begun))
+        return CMakeCommand(
+            name=match[1].lower(), arguments=arguments, line=self.line(self.command_start)
+        )
 
-    def _arguments(self) -> list[Argument]:
-        found: list[Argument] = []
+    def _arguments(self) -> list[CommandArgument]:
+        found: list[CommandArgument] = []
         depth = 1
         while True:
             self._skip_blank()
@@ -114,40 +116,40 @@ class _Scanner:
                 self.position += 1
                 return found
             if len(found) == MAX_ARGUMENTS:
-                raise _SyntaxFaultError(f"a command has more than {MAX_ARGUMENTS} arguments")
+                raise _CMakeSyntaxError(f"a command has more than {MAX_ARGUMENTS} arguments")
             found.append(self._argument(sign))
 
-    def _argument(self, sign: str) -> Argument:
+    def _argument(self, sign: str) -> CommandArgument:
         if not sign:
-            raise _SyntaxFaultError("a command does not end")
+            raise _CMakeSyntaxError("a command does not end")
         if sign in "()":
             self.position += 1
-            return Argument(text=sign)
+            return CommandArgument(text=sign)
         if bracket := _BRACKET.match(self._text, self.position):
-            return Argument(text=self._bracketed(bracket), quoted=True, raw=True)
+            return CommandArgument(text=self._bracketed(bracket), quoted=True, raw=True)
         if sign == '"':
             return self._quoted()
         return self._unquoted()
 
-    def _quoted(self) -> Argument:
+    def _quoted(self) -> CommandArgument:
         match = _QUOTED.match(self._text, self.position)
         if match is None:
-            raise _SyntaxFaultError("a quoted argument does not end")
+            raise _CMakeSyntaxError("a quoted argument does not end")
         self.position = match.end()
-        return Argument(text=_CONTINUATION.sub("", match[1]), quoted=True)
+        return CommandArgument(text=_CONTINUATION.sub("", match[1]), quoted=True)
 
-    def _unquoted(self) -> Argument:
+    def _unquoted(self) -> CommandArgument:
         match = _UNQUOTED.match(self._text, self.position)
         if match is None:
-            raise _SyntaxFaultError("a backslash stands alone")
+            raise _CMakeSyntaxError("a backslash stands alone")
         self.position = match.end()
-        return Argument(text=match[0])
+        return CommandArgument(text=match[0])
 
     def _bracketed(self, opening: re.Match[str]) -> str:
         closing = f"]{opening[1]}]"
         end = self._text.find(closing, opening.end())
         if end < 0:
-            raise _SyntaxFaultError("a bracket does not end")
+            raise _CMakeSyntaxError("a bracket does not end")
         self.position = end + len(closing)
         return self._text[opening.end() : end]
 

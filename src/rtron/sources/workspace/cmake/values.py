@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from rtron.sources.workspace.cmake.tokenizer import Argument
+from rtron.sources.workspace.cmake.tokenizer import CommandArgument
 
 MAX_LENGTH = 256 * 1024
 
@@ -19,7 +19,7 @@ class BoundsError(Exception):
 
 
 @dataclass(frozen=True, slots=True)
-class Value:
+class VariableValue:
     """A value; `known` says that a build has this one and no other. A list is joined by `;`."""
 
     text: str
@@ -27,7 +27,7 @@ class Value:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Item:
+class ExpandedArgument:
     """An argument as a command gets it; `expanded` says that a variable stood in it."""
 
     text: str
@@ -36,20 +36,22 @@ class Item:
     expanded: bool = False
 
 
-Lookup: TypeAlias = Callable[[str], Value | None]
+Lookup: TypeAlias = Callable[[str], VariableValue | None]
 
 
-def items(arguments: Iterable[Argument], lookup: Lookup) -> list[Item]:
+def expand_arguments(
+    arguments: Iterable[CommandArgument], lookup: Lookup
+) -> list[ExpandedArgument]:
     """Return what a command gets; raise BoundsError where that is too long."""
-    return [item for argument in arguments for item in _items_of(argument, lookup)]
+    return [item for argument in arguments for item in _expand_argument(argument, lookup)]
 
 
-def split(text: str) -> list[str]:
+def split_list(text: str) -> list[str]:
     """Return the elements of a list, the empty ones left out."""
     return [part.replace("\\;", ";") for part in _SEPARATOR.split(text) if part]
 
 
-def expand(text: str, lookup: Lookup) -> Value:
+def expand_variables(text: str, lookup: Lookup) -> VariableValue:
     """Return a text with its `${…}` replaced, inner ones first; what is not set is unknown."""
     open_names: list[tuple[str, list[str]]] = [("", [])]
     known, length = True, 0
@@ -69,18 +71,18 @@ def expand(text: str, lookup: Lookup) -> Value:
         if length > MAX_LENGTH:
             raise BoundsError("a value becomes too long")
         open_names[-1][1].append(piece)
-    return Value("".join(sign + "".join(parts) for sign, parts in open_names), known)
+    return VariableValue("".join(sign + "".join(parts) for sign, parts in open_names), known)
 
 
-def _items_of(argument: Argument, lookup: Lookup) -> Iterator[Item]:
+def _expand_argument(argument: CommandArgument, lookup: Lookup) -> Iterator[ExpandedArgument]:
     if argument.raw:
-        yield Item(text=argument.text, quoted=True)
+        yield ExpandedArgument(text=argument.text, quoted=True)
         return
-    value = expand(argument.text, lookup)
+    value = expand_variables(argument.text, lookup)
     expanded = "$" in argument.text
     if argument.quoted:
-        yield Item(text=value.text, known=value.known, quoted=True, expanded=expanded)
+        yield ExpandedArgument(text=value.text, known=value.known, quoted=True, expanded=expanded)
         return
-    parts = split(value.text)
+    parts = split_list(value.text)
     for text in parts if parts or value.known else [""]:
-        yield Item(text=text, known=value.known, expanded=expanded)
+        yield ExpandedArgument(text=text, known=value.known, expanded=expanded)

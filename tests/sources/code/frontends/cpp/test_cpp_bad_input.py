@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rtron.sources.code.frontends.cpp import lower_cpp
-from rtron.sources.code.ir import Const, Language
+from rtron.sources.code.ir import Const, SourceLanguage
 
 GOOD = b"""#include "a.h"
 #define NAME(x) "n" #x
@@ -23,7 +23,7 @@ void A::f(const T& x) { for (auto& v : x) { switch (v) { case 1: g(v++); break; 
 @given(st.binary(max_size=300))
 @settings(max_examples=200, deadline=None)
 def test_bytes_never_raise(data):
-    assert lower_cpp("f.cpp", data).language is Language.CPP
+    assert lower_cpp("f.cpp", data).language is SourceLanguage.CPP
 
 
 @given(st.integers(0, len(GOOD)), st.integers(0, 20), st.binary(max_size=8))

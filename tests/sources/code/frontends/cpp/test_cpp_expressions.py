@@ -20,7 +20,7 @@ from rtron.sources.code.ir import (
     Opaque,
     Param,
     Return,
-    Sequence,
+    SequenceExpr,
     TypeRef,
     Unary,
 )
@@ -80,7 +80,7 @@ def test_literals(text, value):
         ("&C::m", Name("C::m")),
         ("a[b]", Index(A, B)),
         ("a[b][1]", Index(Index(A, B), ONE)),
-        ("m[{a, b}]", Index(Name("m"), Sequence((A, B)))),
+        ("m[{a, b}]", Index(Name("m"), SequenceExpr((A, B)))),
         ("(a)", A),
         ("static_cast<int>(a)", A),
         ("boost::shared_ptr<Foo>(a)", Call(Name("boost::shared_ptr", (FOO,)), (A,), (), 2)),
@@ -112,7 +112,10 @@ def test_literals(text, value):
         ("-a", Unary("-", A)),
         ("a ? b : c", Conditional(A, B, C)),
         ("sizeof(a)", Opaque((), "sizeof(a)")),
-        ('f({{"a", 1}})', Call(Name("f"), (Sequence((Sequence((Const("a"), ONE)),)),), (), 2)),
+        (
+            'f({{"a", 1}})',
+            Call(Name("f"), (SequenceExpr((SequenceExpr((Const("a"), ONE)),)),), (), 2),
+        ),
         (
             "boost::bind(&C::m, this, _1)",
             Call(Name("boost::bind"), (Name("C::m"), Name("this"), Name("_1")), (), 2),

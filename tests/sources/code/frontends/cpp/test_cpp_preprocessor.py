@@ -4,7 +4,7 @@ import pytest
 from cpp_cases import unit
 
 from rtron.sources.code.frontends.cpp.preprocessor import preprocess
-from rtron.sources.code.ir import Const, Declare, Name, Problem
+from rtron.sources.code.ir import Const, Declare, Name, SourceProblem
 
 
 def code(text, defined=None):
@@ -133,5 +133,5 @@ def test_expansion_is_bounded():
     read = preprocess(f"{text}A60\n", {})
     assert len(read.code) < 5_000_000
     assert read.problems == (
-        Problem(63, "macros expand to too much text; the rest is not expanded"),
+        SourceProblem(63, "macros expand to too much text; the rest is not expanded"),
     )

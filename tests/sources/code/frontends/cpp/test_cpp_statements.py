@@ -21,7 +21,7 @@ from rtron.sources.code.ir import (
     New,
     Raise,
     Return,
-    Sequence,
+    SequenceExpr,
     Try,
     TypeRef,
     While,
@@ -50,7 +50,7 @@ VECTOR = TypeRef("std::vector", (INT,))
         ("Foo x{a};", Declare("x", FOO, New(FOO, (A,), 2), line=2)),
         ("Foo x{};", Declare("x", FOO, New(FOO, (), 2), line=2)),
         ("Foo x = a;", Declare("x", FOO, A, line=2)),
-        ("Foo x = {a, b};", Declare("x", FOO, Sequence((A, B)), line=2)),
+        ("Foo x = {a, b};", Declare("x", FOO, SequenceExpr((A, B)), line=2)),
         ("std::vector<int> x(a);", Declare("x", VECTOR, New(VECTOR, (A,), 2), line=2)),
         ("Foo* x = new Foo(1);", Declare("x", FOO, New(FOO, (ONE,), 2), pointer=True, line=2)),
         ("Foo* x(a);", Declare("x", FOO, A, pointer=True, line=2)),
@@ -72,7 +72,7 @@ VECTOR = TypeRef("std::vector", (INT,))
         ("struct Foo x;", Declare("x", FOO, line=2)),
         (
             "Foo x[4] = {a, b};",
-            Declare("x", TypeRef("array", (FOO, TypeRef("4"))), Sequence((A, B)), line=2),
+            Declare("x", TypeRef("array", (FOO, TypeRef("4"))), SequenceExpr((A, B)), line=2),
         ),
         ("T<Foo>::B x;", Declare("x", TypeRef("T::B", (FOO,)), line=2)),
         (
@@ -80,7 +80,7 @@ VECTOR = TypeRef("std::vector", (INT,))
             Declare("x", TypeRef("boost::shared_ptr", (TypeRef("n::Foo"),)), line=2),
         ),
         ("__attribute__((unused)) Foo x;", Declare("x", FOO, line=2)),
-        ("auto [a, b] = c;", Assign((Sequence((A, B), "tuple"),), C, 2)),
+        ("auto [a, b] = c;", Assign((SequenceExpr((A, B), "tuple"),), C, 2)),
     ],
 )
 def test_variables(text, declared):
@@ -105,7 +105,7 @@ def test_one_declaration_declares_several():
 
 
 def test_maps_are_lists_of_pairs():
-    pairs = Sequence((Sequence((Const("a"), ONE)), Sequence((Const("b"), TWO))))
+    pairs = SequenceExpr((SequenceExpr((Const("a"), ONE)), SequenceExpr((Const("b"), TWO))))
     assert initial('std::map<std::string, int> m = {{"a", 1}, {"b", 2}};') == pairs
 
 
@@ -141,7 +141,7 @@ def test_maps_are_lists_of_pairs():
             (Assign((A,), ONE, 2), Assign((B,), TWO, 2), While(A, (), (STEP, DO_C), line=2)),
         ),
         ("for (const auto& a : b) c();", (ForEach(A, B, (DO_C,), 2),)),
-        ("for (auto& [a, b] : c) {}", (ForEach(Sequence((A, B), "tuple"), C, (), 2),)),
+        ("for (auto& [a, b] : c) {}", (ForEach(SequenceExpr((A, B), "tuple"), C, (), 2),)),
         ("BOOST_FOREACH(Foo& a, b) { c(); }", (ForEach(A, B, (DO_C,), 2),)),
         ("Q_FOREACH(Foo a, b()) c();", (ForEach(A, Call(B, (), (), 2), (DO_C,), 2),)),
         ("while (a) { break; continue; }", (While(A, (Break(), Continue()), line=2),)),
@@ -207,7 +207,7 @@ def test_a_break_deep_in_a_case_leaves_the_switch_only():
 def test_a_long_switch_is_parted_and_stays_flat():
     text = " ".join(f"case {n}: f{n}(); break;" for n in range(200))
     found, depth = statement(f"switch (a) {{ {text} default: c(); }}"), 0
-    assert found.test == Binary("in", A, Sequence(tuple(Const(n) for n in range(100))), 2)
+    assert found.test == Binary("in", A, SequenceExpr(tuple(Const(n) for n in range(100))), 2)
     while isinstance(found, If):
         found, depth = found.orelse[-1], depth + 1
     assert found == DO_C

@@ -6,7 +6,7 @@ import pytest
 
 from rtron.sources.code.frontends.python import lower_python
 from rtron.sources.code.frontends.python.python2_syntax import as_python3
-from rtron.sources.code.ir import Assign, Name, Sequence
+from rtron.sources.code.ir import Assign, Name, SequenceExpr
 
 SAME = [
     ("print", "print()"),
@@ -80,17 +80,17 @@ def test_python_2_means_what_python_3_says(old, new):
 
 def test_a_tuple_among_parameters_is_taken_apart():
     (define,) = lower_python("f.py", b"def f(a, (b, (c, d)), e=1):\n  print b\n").body
-    names = [param.name for param in define.what.params]
-    inner = Sequence((Name("c"), Name("d")), "tuple")
+    names = [param.name for param in define.definition.params]
+    inner = SequenceExpr((Name("c"), Name("d")), "tuple")
     assert names[0::2] == ["a", "e"]
-    assert define.what.body[0] == Assign(
-        (Sequence((Name("b"), inner), "tuple"),), Name(names[1]), 1
+    assert define.definition.body[0] == Assign(
+        (SequenceExpr((Name("b"), inner), "tuple"),), Name(names[1]), 1
     )
 
 
 def test_a_bracketed_parameter_is_a_plain_one():
     (define,) = lower_python("f.py", b"def f((a)): pass\n").body
-    assert [param.name for param in define.what.params] == ["a"]
+    assert [param.name for param in define.definition.params] == ["a"]
 
 
 def test_python_3_is_left_as_it_is():

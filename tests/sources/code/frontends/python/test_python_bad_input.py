@@ -12,8 +12,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rtron.sources.code.frontends.python import lower_python
-from rtron.sources.code.frontends.python.tokenizer import statements, tokenized
-from rtron.sources.code.ir import Assign, Const, Define, Language, Opaque, Problem
+from rtron.sources.code.frontends.python.tokenizer import statements, tokenize
+from rtron.sources.code.ir import Assign, Const, Define, Opaque, SourceLanguage, SourceProblem
 
 SAMPLE = """\
 # -*- coding: utf-8 -*-
@@ -40,7 +40,7 @@ def lines_of(unit):
 
 
 def names(unit):
-    return [made.what.name for made in unit.body if isinstance(made, Define)]
+    return [made.definition.name for made in unit.body if isinstance(made, Define)]
 
 
 BROKEN = {
@@ -73,7 +73,7 @@ def test_what_stands_around_a_broken_statement_keeps_its_line():
 def test_a_broken_method_does_not_lose_its_class():
     unit = lowered("class K:\n    def f(self):\n        a b\n    def g(self):\n        pass\n")
     (define,) = unit.body
-    assert [method.what.name for method in define.what.body] == ["f", "g"]
+    assert [method.definition.name for method in define.definition.body] == ["f", "g"]
     assert lines_of(unit) == [3]
 
 
@@ -119,7 +119,7 @@ def test_bytes_become_text_as_python_says(data, text, line):
 def test_nul_bytes_are_spaces():
     unit = lowered(b"a = 1\nb =\0 2\n")
     assert [statement.value for statement in unit.body] == [Const(1), Const(2)]
-    assert unit.problems == (Problem(2, "NUL bytes"),)
+    assert unit.problems == (SourceProblem(2, "NUL bytes"),)
 
 
 @pytest.mark.parametrize(("more", "read"), [(0, True), (1, False)])
@@ -191,12 +191,12 @@ def test_a_hostile_file_takes_bounded_time(kind):
 
 @given(st.binary(max_size=300))
 def test_any_bytes_are_read(data):
-    assert lowered(data).language is Language.PYTHON
+    assert lowered(data).language is SourceLanguage.PYTHON
 
 
 @given(st.lists(st.sampled_from(SAMPLE.split(" ") + list("()[]{}:,;'\"`\n\t\\=")), max_size=60))
 def test_any_words_are_read(words):
-    assert lowered(" ".join(words)).language is Language.PYTHON
+    assert lowered(" ".join(words)).language is SourceLanguage.PYTHON
 
 
 @pytest.mark.parametrize("seed", range(150))
@@ -216,7 +216,7 @@ def test_the_sample_is_read_whole():
 
 @given(st.text(max_size=200))
 def test_tokens_keep_order_and_place(text):
-    tokens = list(tokenized(text))
+    tokens = list(tokenize(text))
     assert all(text[token.start : token.end] == token.text for token in tokens)
     assert all(before.end <= token.start for before, token in pairwise(tokens))
     kept = [token for tokens in statements(text) for token in tokens]

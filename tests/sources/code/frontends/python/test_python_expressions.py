@@ -24,12 +24,12 @@ from rtron.sources.code.ir import (
     Index,
     Lambda,
     Logic,
-    Mapping,
+    MappingExpr,
     Name,
     Opaque,
     Param,
     Return,
-    Sequence,
+    SequenceExpr,
     Star,
     Unary,
     While,
@@ -64,7 +64,7 @@ CASES = {
     "a.b": Attr(A, "b"),
     "a.b.c": Attr(Attr(A, "b"), "c"),
     "a[b]": Index(A, B),
-    "a[b, c]": Index(A, Sequence((B, C), "tuple")),
+    "a[b, c]": Index(A, SequenceExpr((B, C), "tuple")),
     "a[b:c]": Index(A, Call(Name("slice"), (B, C, Const(None)), (), 1)),
     "a[::b]": Index(A, Call(Name("slice"), (Const(None), Const(None), B), (), 1)),
     "a[:]": Index(A, Call(Name("slice"), (Const(None),) * 3, (), 1)),
@@ -83,17 +83,17 @@ CASES = {
     "f'{a}/b'": Concat((A, Const("/b"))),
     "f'{a!s}'": Concat((A,)),
     "f'{{}}'": Concat((Const("{}"),)),
-    "[]": Sequence((), "list"),
-    "[a, *b]": Sequence((A, Star(B)), "list"),
-    "(a,)": Sequence((A,), "tuple"),
-    "{a, b}": Sequence((A, B), "set"),
-    "{}": Mapping(()),
-    "{a: b, **c}": Mapping(((A, B), (None, C))),
+    "[]": SequenceExpr((), "list"),
+    "[a, *b]": SequenceExpr((A, Star(B)), "list"),
+    "(a,)": SequenceExpr((A,), "tuple"),
+    "{a, b}": SequenceExpr((A, B), "set"),
+    "{}": MappingExpr(()),
+    "{a: b, **c}": MappingExpr(((A, B), (None, C))),
     "[a for a in b if c]": Comprehension("list", A, ((A, B, (C,)),)),
     "{a for a in b}": Comprehension("set", A, ((A, B, ()),)),
     "(a for b in c for a in b)": Comprehension("generator", A, ((B, C, ()), (A, B, ()))),
     "{a: b for a, b in c}": Comprehension(
-        "dict", Sequence((A, B), "tuple"), ((Sequence((A, B), "tuple"), C, ()),)
+        "dict", SequenceExpr((A, B), "tuple"), ((SequenceExpr((A, B), "tuple"), C, ()),)
     ),
 }
 
@@ -218,7 +218,7 @@ def evaluated(node):  # noqa: PLR0911
     match node:
         case Logic(word, operands):
             return reduce(DECIDED[word], map(evaluated, operands))
-        case Index(Sequence(items), Const(place)):
+        case Index(SequenceExpr(items), Const(place)):
             return evaluated(items[place])
         case Call(_, (Concat(parts),)):
             return len("".join(str(evaluated(part)) for part in parts))

@@ -19,14 +19,14 @@ from rtron.sources.code.ir import (
     Global,
     If,
     Import,
-    Language,
     Logic,
     Name,
     Opaque,
     Param,
     Raise,
     Return,
-    Sequence,
+    SequenceExpr,
+    SourceLanguage,
     Try,
     TypeRef,
     Unary,
@@ -45,7 +45,7 @@ def body(text):
 
 def test_a_unit_knows_its_file_and_language():
     unit = lower_python("f.py", b"")
-    assert (unit.file, unit.language, unit.body) == ("f.py", Language.PYTHON, ())
+    assert (unit.file, unit.language, unit.body) == ("f.py", SourceLanguage.PYTHON, ())
 
 
 CASES = {
@@ -56,7 +56,7 @@ CASES = {
     "a: int": (),
     "a: int = b": (Assign((A,), B, 1),),
     "a = b = c": (Assign((A, B), C, 1),),
-    "a, b = c": (Assign((Sequence((A, B), "tuple"),), C, 1),),
+    "a, b = c": (Assign((SequenceExpr((A, B), "tuple"),), C, 1),),
     "a += b": (Assign((A,), Binary("+", A, B, 1), 1),),
     "if a:\n b": (If(A, (Evaluate(B, 2),), (), 1),),
     "if a:\n b\nelif c:\n d": (If(A, (Evaluate(B, 2),), (If(C, (Evaluate(D, 4),), (), 3),), 1),),

@@ -6,11 +6,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rtron.sources.code.interpreter.abstract_values.items import items_of, listed
+from rtron.sources.code.interpreter.abstract_values.items import items_of, list_of
 from rtron.sources.code.interpreter.abstract_values.operators import (
     MAX_LENGTH,
     binary,
-    percent,
+    percent_format,
     unary,
 )
 from rtron.sources.code.interpreter.abstract_values.value_types import (
@@ -20,20 +20,20 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     OPEN,
     TRUE,
     Choice,
-    Foreign,
-    Hole,
-    Known,
+    ExternalSymbol,
     ListValue,
     MapValue,
-    Text,
+    PartialText,
+    Scalar,
+    Unknown,
     is_tainted,
     options,
-    spelled,
+    text_with_holes,
 )
 
-HOLE = Hole("h")
-TEXT = Text(("a", HOLE))
-OPEN_LIST = ListValue({"items": (Known("a"),), "open": True})
+HOLE = Unknown("h")
+TEXT = PartialText(("a", HOLE))
+OPEN_LIST = ListValue({"items": (Scalar("a"),), "open": True})
 COMPARED = {
     "==": operator.eq,
     "!=": operator.ne,
@@ -56,17 +56,17 @@ COMPUTED = {
 
 @given(st.sampled_from([*COMPARED]), st.integers(-9, 9), st.integers(-9, 9))
 def test_numbers_compare_as_they_do(name, left, right):
-    assert binary(name, Known(left), Known(right)) == Known(COMPARED[name](left, right))
+    assert binary(name, Scalar(left), Scalar(right)) == Scalar(COMPARED[name](left, right))
 
 
 @given(st.sampled_from([*COMPARED]), st.text(max_size=3), st.text(max_size=3))
 def test_strings_compare_as_they_do(name, left, right):
-    assert binary(name, Known(left), Known(right)) == Known(COMPARED[name](left, right))
+    assert binary(name, Scalar(left), Scalar(right)) == Scalar(COMPARED[name](left, right))
 
 
 @given(st.sampled_from([*COMPUTED]), st.integers(-99, 99), st.integers(1, 99))
 def test_numbers_compute_as_they_do(name, left, right):
-    assert binary(name, Known(left), Known(right)) == Known(COMPUTED[name](left, right))
+    assert binary(name, Scalar(left), Scalar(right)) == Scalar(COMPUTED[name](left, right))
 
 
 @pytest.mark.parametrize(
@@ -87,147 +87,150 @@ def test_numbers_compute_as_they_do(name, left, right):
     ],
 )
 def test_what_cannot_be_computed_is_a_hole(name, left, right):
-    assert isinstance(binary(name, Known(left), Known(right)), Hole)
+    assert isinstance(binary(name, Scalar(left), Scalar(right)), Unknown)
 
 
 @pytest.mark.parametrize(
     "name", [*COMPARED, *sorted(COMPUTED.keys() - {"%"}), "in", "not in", "is", "is not"]
 )
-@pytest.mark.parametrize("side", [HOLE, Text((HOLE,)), Foreign("f")])
+@pytest.mark.parametrize("side", [HOLE, PartialText((HOLE,)), ExternalSymbol("f")])
 def test_what_is_unknown_decides_nothing(name, side):
-    for left, right in ((side, Known("a")), (Known("a"), side), (side, side)):
-        assert not isinstance(binary(name, left, right), Known)
+    for left, right in ((side, Scalar("a")), (Scalar("a"), side), (side, side)):
+        assert not isinstance(binary(name, left, right), Scalar)
 
 
 def test_an_unknown_is_not_even_like_itself():
-    assert isinstance(binary("==", HOLE, HOLE), Hole)
+    assert isinstance(binary("==", HOLE, HOLE), Unknown)
 
 
 def test_options_are_combined():
-    some = Choice((Known(1), Known(2)))
-    assert set(options(binary("+", some, some))) == {Known(2), Known(3), Known(4)}
-    assert binary(">", some, Known(0)) == TRUE
-    assert set(options(binary(">", some, Known(1)))) == {TRUE, FALSE}
+    some = Choice((Scalar(1), Scalar(2)))
+    assert set(options(binary("+", some, some))) == {Scalar(2), Scalar(3), Scalar(4)}
+    assert binary(">", some, Scalar(0)) == TRUE
+    assert set(options(binary(">", some, Scalar(1)))) == {TRUE, FALSE}
 
 
 def test_many_options_stay_few():
-    many = Choice(tuple(Known(n) for n in range(MAX_CHOICES)))
-    found = binary("+", binary("*", many, Known(100)), many)
+    many = Choice(tuple(Scalar(n) for n in range(MAX_CHOICES)))
+    found = binary("+", binary("*", many, Scalar(100)), many)
     assert len(options(found)) <= 2 * MAX_CHOICES
 
 
 @pytest.mark.parametrize("name", ["+", "==", "*"])
 def test_taint_goes_on(name):
-    assert is_tainted(binary(name, Known(2, tainted=True), Known(3)))
-    assert is_tainted(binary(name, Known(2), Known(3, tainted=True)))
-    assert not is_tainted(binary(name, Known(2), Known(3)))
+    assert is_tainted(binary(name, Scalar(2, tainted=True), Scalar(3)))
+    assert is_tainted(binary(name, Scalar(2), Scalar(3, tainted=True)))
+    assert not is_tainted(binary(name, Scalar(2), Scalar(3)))
 
 
 @pytest.mark.parametrize(
     ("item", "container", "found"),
     [
-        (Known("a"), listed([Known("a")]), True),
-        (Known("b"), listed([Known("a")]), False),
-        (Known("b"), listed([]), False),
-        (Known("a"), OPEN_LIST, True),
-        (Known("b"), OPEN_LIST, None),
-        (Known("b"), listed([HOLE]), None),
-        (Known("a"), listed([HOLE, Known("a")]), True),
-        (Known("k"), MapValue({"k": TRUE}), True),
-        (Known("x"), MapValue({"k": TRUE}), False),
-        (Known("x"), MapValue({OPEN: TRUE}), None),
-        (Known("b"), Known("abc"), True),
-        (Known("x"), Known("abc"), False),
-        (Known(""), Known(""), True),
-        (HOLE, listed([Known("a")]), None),
-        (Known("a"), HOLE, None),
-        (Known("a"), Known(5), None),
+        (Scalar("a"), list_of([Scalar("a")]), True),
+        (Scalar("b"), list_of([Scalar("a")]), False),
+        (Scalar("b"), list_of([]), False),
+        (Scalar("a"), OPEN_LIST, True),
+        (Scalar("b"), OPEN_LIST, None),
+        (Scalar("b"), list_of([HOLE]), None),
+        (Scalar("a"), list_of([HOLE, Scalar("a")]), True),
+        (Scalar("k"), MapValue({"k": TRUE}), True),
+        (Scalar("x"), MapValue({"k": TRUE}), False),
+        (Scalar("x"), MapValue({OPEN: TRUE}), None),
+        (Scalar("b"), Scalar("abc"), True),
+        (Scalar("x"), Scalar("abc"), False),
+        (Scalar(""), Scalar(""), True),
+        (HOLE, list_of([Scalar("a")]), None),
+        (Scalar("a"), HOLE, None),
+        (Scalar("a"), Scalar(5), None),
     ],
 )
-def test_membership(item, container, found):
-    for name, expected in (("in", found), ("not in", None if found is None else not found)):
+def test_membership(item, container, fake_study):
+    for name, expected in (
+        ("in", fake_study),
+        ("not in", None if fake_study is None else not fake_study),
+    ):
         answer = binary(name, item, container)
-        assert (answer.value if isinstance(answer, Known) else None) is expected
+        assert (answer.value if isinstance(answer, Scalar) else None) is expected
 
 
 def test_lists_are_added_and_repeated():
-    two = binary("+", listed([TRUE]), listed([FALSE]))
+    two = binary("+", list_of([TRUE]), list_of([FALSE]))
     assert items_of(two) == ((TRUE, FALSE), True)
     assert items_of(binary("+", two, OPEN_LIST))[1] is False
-    assert items_of(binary("*", listed([NONE]), Known(3))) == ((NONE,) * 3, True)
-    assert items_of(binary("*", listed([NONE]), Known(-1))) == ((), True)
-    assert items_of(binary("*", listed([NONE]), HOLE))[1] is False
+    assert items_of(binary("*", list_of([NONE]), Scalar(3))) == ((NONE,) * 3, True)
+    assert items_of(binary("*", list_of([NONE]), Scalar(-1))) == ((), True)
+    assert items_of(binary("*", list_of([NONE]), HOLE))[1] is False
 
 
 def test_a_list_that_grows_stays_bounded():
-    grown = listed([TRUE])
+    grown = list_of([TRUE])
     for _ in range(20):
         grown = binary("+", grown, grown)
     assert len(grown.items) < 100_000
-    assert len(binary("*", listed([NONE] * 3), Known(10**12)).items) <= MAX_LENGTH
+    assert len(binary("*", list_of([NONE] * 3), Scalar(10**12)).items) <= MAX_LENGTH
 
 
 def test_a_string_that_grows_stays_bounded():
-    grown = Known("ab")
+    grown = Scalar("ab")
     for _ in range(18):
         grown = binary("+", grown, grown)
-    assert len(spelled(grown)) < 100_000
+    assert len(text_with_holes(grown)) < 100_000
 
 
 @pytest.mark.parametrize(
     ("template", "given", "whole"),
     [
         ("a", NONE, "a"),
-        ("%s", Known("x"), "x"),
-        ("%s/%s", listed([Known("x"), Known("y")], "tuple"), "x/y"),
-        ("%d_%03d", listed([Known(4), Known(7)], "tuple"), "4_007"),
-        ("%5.1f|", Known(2.25), "  2.2|"),
-        ("%%%s%%", Known("x"), "%x%"),
-        ("%(a)s-%(b)d", MapValue({"a": Known("x"), "b": Known(2)}), "x-2"),
+        ("%s", Scalar("x"), "x"),
+        ("%s/%s", list_of([Scalar("x"), Scalar("y")], "tuple"), "x/y"),
+        ("%d_%03d", list_of([Scalar(4), Scalar(7)], "tuple"), "4_007"),
+        ("%5.1f|", Scalar(2.25), "  2.2|"),
+        ("%%%s%%", Scalar("x"), "%x%"),
+        ("%(a)s-%(b)d", MapValue({"a": Scalar("x"), "b": Scalar(2)}), "x-2"),
         ("%s", HOLE, "{h}"),
-        ("%s_%s", listed([HOLE, Known("x")], "tuple"), "{h}_x"),
+        ("%s_%s", list_of([HOLE, Scalar("x")], "tuple"), "{h}_x"),
         ("%d", HOLE, "{h}"),
-        ("%s%s", Known("x"), "x{?}"),
+        ("%s%s", Scalar("x"), "x{?}"),
         ("%(a)s", MapValue(), "{a}"),
-        ("%i%u%x", listed([Known(1), Known(2), Known(255)], "tuple"), "12ff"),
-        ("%ld", Known(5), "5"),
+        ("%i%u%x", list_of([Scalar(1), Scalar(2), Scalar(255)], "tuple"), "12ff"),
+        ("%ld", Scalar(5), "5"),
         ("%", NONE, "{?}"),
         ("100%", NONE, "100{?}"),
     ],
 )
 def test_percent(template, given, whole):
-    found = spelled(percent(Known(template), given))
+    found = text_with_holes(percent_format(Scalar(template), given))
     assert found == whole or (whole.endswith("{?}") and found.startswith(whole[:-3]))
 
 
 def test_percent_with_a_choice_has_every_option():
-    found = percent(Known("%s"), Choice((Known("a"), Known("b"))))
-    assert set(options(found)) == {Known("a"), Known("b")}
+    found = percent_format(Scalar("%s"), Choice((Scalar("a"), Scalar("b"))))
+    assert set(options(found)) == {Scalar("a"), Scalar("b")}
 
 
 @pytest.mark.parametrize("template", ["%10000000000d", "%.9999999999f", "%*d", "%-99999999s", "%("])
 def test_hostile_templates_stay_small(template):
-    assert len(spelled(percent(Known(template), Known(1)))) < 100_000
+    assert len(text_with_holes(percent_format(Scalar(template), Scalar(1)))) < 100_000
 
 
 @given(st.text(alphabet="%()sdxf.0123456789*- a{}", max_size=12), st.sampled_from([1, "a", None]))
 def test_any_template_ends(template, value):
-    assert len(spelled(percent(Known(template), Known(value)))) < 100_000
+    assert len(text_with_holes(percent_format(Scalar(template), Scalar(value)))) < 100_000
 
 
 @pytest.mark.parametrize(
     ("name", "operand", "found"),
     [
-        ("-", Known(2), Known(-2)),
-        ("+", Known(2.5), Known(2.5)),
-        ("-", Choice((Known(1), Known(2))), Choice((Known(-1), Known(-2)))),
+        ("-", Scalar(2), Scalar(-2)),
+        ("+", Scalar(2.5), Scalar(2.5)),
+        ("-", Choice((Scalar(1), Scalar(2))), Choice((Scalar(-1), Scalar(-2)))),
     ],
 )
-def test_unary(name, operand, found):
-    assert unary(name, operand) == found
+def test_unary(name, operand, fake_study):
+    assert unary(name, operand) == fake_study
 
 
-@pytest.mark.parametrize("operand", [HOLE, Known("a"), NONE, ListValue(), TEXT])
+@pytest.mark.parametrize("operand", [HOLE, Scalar("a"), NONE, ListValue(), TEXT])
 @pytest.mark.parametrize("name", ["-", "+", "~"])
 def test_unary_of_what_is_no_number_is_a_hole(name, operand):
-    assert isinstance(unary(name, operand), Hole)
+    assert isinstance(unary(name, operand), Unknown)

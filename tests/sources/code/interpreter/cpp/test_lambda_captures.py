@@ -21,9 +21,9 @@ PUBLISH = "nh.advertise<std_msgs::Bool>({}, 1);"
         ('&, n = a + "_x"', "n + a", "early_xlate"),
     ],
 )
-def test_a_capture_is_a_copy_or_the_place_itself(captures, said, found):
+def test_a_capture_is_a_copy_or_the_place_itself(captures, said, fake_study):
     body = f"[{captures}]() {{ {PUBLISH.format(said)} }}"
-    assert names(cpp(MADE.format(lambda_=body, given=""))) == [found]
+    assert names(cpp(MADE.format(lambda_=body, given=""))) == [fake_study]
 
 
 def test_a_parameter_hides_what_is_taken_by_copy():

@@ -8,19 +8,28 @@ import pytest
 from rtron.sources.code.interpreter.abstract_values.items import items_of
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     FALSE,
-    Hole,
     Instance,
-    Known,
-    NativeClass,
+    LibraryClass,
+    Scalar,
+    Unknown,
 )
-from rtron.sources.code.interpreter.cpp.overload_resolution import choose
-from rtron.sources.code.interpreter.cpp.symbol_table import MAX_FILES, Symbols
+from rtron.sources.code.interpreter.cpp.overload_resolution import choose_overload
+from rtron.sources.code.interpreter.cpp.symbol_table import MAX_FILES, SymbolTable
 from rtron.sources.code.interpreter.execution.arguments import Arguments
-from rtron.sources.code.interpreter.execution.binding import bind
-from rtron.sources.code.interpreter.execution.stack_frame import Frame
-from rtron.sources.code.ir import Class, Const, Declare, Function, Language, Param, TypeRef, Unit
+from rtron.sources.code.interpreter.execution.binding import bind_parameters
+from rtron.sources.code.interpreter.execution.stack_frame import StackFrame
+from rtron.sources.code.ir import (
+    Class,
+    Const,
+    Declare,
+    Function,
+    Param,
+    SourceLanguage,
+    TypeRef,
+    Unit,
+)
 
-FRAME = Frame(file="f.cpp")
+FRAME = StackFrame(file="f.cpp")
 
 
 class Folder:
@@ -28,7 +37,8 @@ class Folder:
 
     def __init__(self, **units):
         self.units = {
-            Path(name): Unit(file=name, language=Language.CPP, **u) for name, u in units.items()
+            Path(name): Unit(file=name, language=SourceLanguage.CPP, **u)
+            for name, u in units.items()
         }
 
     def unit(self, path, language):
@@ -40,13 +50,13 @@ class Folder:
 
 
 def loaded(**units):
-    symbols = Symbols(Folder(**units))
+    symbols = SymbolTable(Folder(**units))
     symbols.load(Path(next(iter(units))))
     return symbols
 
 
 def passed(*values, **keywords):
-    return Arguments(values=tuple(map(Known, values)), keywords=keywords, frame=FRAME)
+    return Arguments(values=tuple(map(Scalar, values)), keywords=keywords, frame=FRAME)
 
 
 def params(text):
@@ -59,22 +69,22 @@ def params(text):
 
 
 def bound(text, arguments):
-    found = bind(params(text), arguments, lambda node: Known(node.value))
+    found = bind_parameters(params(text), arguments, lambda node: Scalar(node.value))
     return {
-        name: value.value if isinstance(value, Known) else value for name, value in found.items()
+        name: value.value if isinstance(value, Scalar) else value for name, value in found.items()
     }
 
 
 def test_plain_parameters_are_bound_by_place_and_name():
     assert bound("a b", passed(1, 2)) == {"a": 1, "b": 2}
-    assert bound("a b", passed(1, b=Known(2))) == {"a": 1, "b": 2}
+    assert bound("a b", passed(1, b=Scalar(2))) == {"a": 1, "b": 2}
     assert bound("a b=1", passed(5)) == {"a": 5, "b": 1}
 
 
 def test_what_nobody_gives_is_a_hole_of_its_name():
     found = bound("a b", passed(1))
-    assert isinstance(found["b"], Hole)
-    assert found["b"].why == "b"
+    assert isinstance(found["b"], Unknown)
+    assert found["b"].label == "b"
 
 
 def test_more_arguments_than_parameters_are_left():
@@ -83,16 +93,16 @@ def test_more_arguments_than_parameters_are_left():
 
 
 def test_stars_take_the_rest():
-    found = bind(
-        params("a *args !k=1 **kw"), passed(1, 2, 3, k=Known(4), c=Known(5)), lambda n: FALSE
+    found = bind_parameters(
+        params("a *args !k=1 **kw"), passed(1, 2, 3, k=Scalar(4), c=Scalar(5)), lambda n: FALSE
     )
-    assert items_of(found["args"]) == ((Known(2), Known(3)), True)
-    assert found["k"] == Known(4)
-    assert found["kw"].entries == {"c": Known(5)}
+    assert items_of(found["args"]) == ((Scalar(2), Scalar(3)), True)
+    assert found["k"] == Scalar(4)
+    assert found["kw"].entries == {"c": Scalar(5)}
 
 
 def test_stars_may_be_empty():
-    found = bind(params("a *args **kw"), passed(1), lambda n: FALSE)
+    found = bind_parameters(params("a *args **kw"), passed(1), lambda n: FALSE)
     assert items_of(found["args"]) == ((), True)
     assert found["kw"].entries == {}
 
@@ -128,30 +138,30 @@ OBJECT = overload("ros::NodeHandle")
 @pytest.mark.parametrize(
     ("functions", "values", "chosen"),
     [
-        ((TEXT, NUMBER), (Known("a"),), TEXT),
-        ((NUMBER, TEXT), (Known("a"),), TEXT),
-        ((TEXT, NUMBER), (Known(1),), NUMBER),
-        ((TEXT, BOTH), (Known("a"), Known(1)), BOTH),
-        ((BOTH, TEXT), (Known("a"),), TEXT),
-        ((TEXT, OBJECT), (Instance(NativeClass("ros::NodeHandle")),), OBJECT),
-        ((NUMBER, OBJECT), (Instance(NativeClass("ros::NodeHandle")),), OBJECT),
+        ((TEXT, NUMBER), (Scalar("a"),), TEXT),
+        ((NUMBER, TEXT), (Scalar("a"),), TEXT),
+        ((TEXT, NUMBER), (Scalar(1),), NUMBER),
+        ((TEXT, BOTH), (Scalar("a"), Scalar(1)), BOTH),
+        ((BOTH, TEXT), (Scalar("a"),), TEXT),
+        ((TEXT, OBJECT), (Instance(LibraryClass("ros::NodeHandle")),), OBJECT),
+        ((NUMBER, OBJECT), (Instance(LibraryClass("ros::NodeHandle")),), OBJECT),
         ((TEXT,), (), TEXT),
-        ((TEXT, NUMBER), (Hole("h"),), TEXT),
+        ((TEXT, NUMBER), (Unknown("h"),), TEXT),
     ],
 )
 def test_the_overload_that_fits_is_called(functions, values, chosen):
-    assert choose(functions, Arguments(values=values, frame=FRAME)) is chosen
+    assert choose_overload(functions, Arguments(values=values, frame=FRAME)) is chosen
 
 
 def test_a_default_makes_an_overload_fit():
     with_default = overload("std::string", "int", defaults=1)
-    assert choose((NUMBER, with_default), passed("a")) is with_default
+    assert choose_overload((NUMBER, with_default), passed("a")) is with_default
 
 
 def test_a_definition_is_taken_before_a_mere_declaration():
     declared = overload("int", body=None)
-    assert choose((declared, NUMBER), passed(1)) is NUMBER
-    assert choose((NUMBER, declared), passed(1)) is NUMBER
+    assert choose_overload((declared, NUMBER), passed(1)) is NUMBER
+    assert choose_overload((NUMBER, declared), passed(1)) is NUMBER
 
 
 @pytest.mark.parametrize(
@@ -163,8 +173,8 @@ def test_a_definition_is_taken_before_a_mere_declaration():
         ("::x", "a::b", ["x"]),
     ],
 )
-def test_candidates_nearest_first(name, scope, found):
-    assert [*loaded(f={}).candidates(name, scope)] == found
+def test_candidates_nearest_first(name, scope, fake_study):
+    assert [*loaded(f={}).candidates(name, scope)] == fake_study
 
 
 def test_an_opened_namespace_and_a_name_brought_in_are_candidates():
@@ -178,32 +188,32 @@ def test_aliases_are_followed_and_keep_their_arguments():
     symbols = loaded(
         f={"aliases": (("A", TypeRef("B")), ("B", TypeRef("std::vector", (TypeRef("int"),))))}
     )
-    assert symbols.type(TypeRef("A"), "") == TypeRef("std::vector", (TypeRef("int"),))
+    assert symbols.resolve_type(TypeRef("A"), "") == TypeRef("std::vector", (TypeRef("int"),))
 
 
 def test_an_alias_is_looked_up_where_it_stands():
     aliases = (("a::T", TypeRef("U")), ("a::U", TypeRef("ros::NodeHandle")), ("U", TypeRef("int")))
     symbols = loaded(f={"aliases": aliases})
-    assert symbols.type(TypeRef("T"), "a::b") == TypeRef("ros::NodeHandle")
-    assert symbols.type(TypeRef("a::T"), "") == TypeRef("ros::NodeHandle")
+    assert symbols.resolve_type(TypeRef("T"), "a::b") == TypeRef("ros::NodeHandle")
+    assert symbols.resolve_type(TypeRef("a::T"), "") == TypeRef("ros::NodeHandle")
 
 
 def test_a_namespace_alias_is_followed():
     symbols = loaded(f={"aliases": (("mf", TypeRef("message_filters")),)})
-    assert symbols.type(TypeRef("mf::Subscriber"), "").name == "message_filters::Subscriber"
+    assert symbols.resolve_type(TypeRef("mf::Subscriber"), "").name == "message_filters::Subscriber"
 
 
 @pytest.mark.parametrize("cycle", [[("A", "A")], [("A", "B"), ("B", "A")], [("A", "A::A")]])
 def test_aliases_in_a_circle_end(cycle):
     symbols = loaded(f={"aliases": tuple((name, TypeRef(of)) for name, of in cycle)})
-    assert isinstance(symbols.type(TypeRef("A"), ""), TypeRef)
+    assert isinstance(symbols.resolve_type(TypeRef("A"), ""), TypeRef)
 
 
 def test_a_scanned_class_hides_an_alias_further_out():
     symbols = loaded(
         f={"aliases": (("T", TypeRef("int")),), "classes": (Class(name="a::T", file="f"),)}
     )
-    assert symbols.type(TypeRef("T"), "a") == TypeRef("T")
+    assert symbols.resolve_type(TypeRef("T"), "a") == TypeRef("T")
     assert symbols.class_named("T", "a").name == "a::T"
     assert symbols.class_named("T", "") is None
 
@@ -214,7 +224,7 @@ def test_headers_are_taken_in_once_even_in_a_circle():
         f={"includes": ("h", "h", "missing")}, h={"includes": ("f", "h"), "functions": (f,)}
     )
     assert symbols.functions["a::f"] == [f]
-    assert symbols.named("f") == (f,)
+    assert symbols.functions_named("f") == (f,)
 
 
 def test_so_many_files_and_no_more():

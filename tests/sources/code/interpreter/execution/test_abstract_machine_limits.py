@@ -5,7 +5,7 @@ import time
 import pytest
 from ros1_runs import cpp, names, python
 
-from rtron.sources.code.interpreter.execution.abstract_machine import MAX_ALIKE
+from rtron.sources.code.interpreter.execution.abstract_machine import MAX_CALLBACKS_PER_FUNCTION
 
 SECONDS = 20
 UNKNOWN = "rospy.Time.now() > 5"
@@ -272,11 +272,13 @@ def test_cpp_calls_with_wrong_arguments_do_not_fail(called, given):
 
 
 @pytest.mark.parametrize(("more", "noted"), [(0, []), (1, ["more callbacks than are run"])])
-def test_so_many_callbacks_of_one_function_are_run(more, noted):
+def test_so_many_callbacks_of_one_function_are_run(more, skipped_entries):
     define = "def f(n):\n    rospy.Timer(1, lambda event, n=n: P('t' + str(n)))\n"
-    interface = python(f"{define}for i in range({MAX_ALIKE}):\n    f(i)\n" + "f('more')\n" * more)
-    assert names(interface) == [f"t{n}" for n in range(MAX_ALIKE)]
-    assert [one.why for one in interface.unresolved] == noted
+    interface = python(
+        f"{define}for i in range({MAX_CALLBACKS_PER_FUNCTION}):\n    f(i)\n" + "f('more')\n" * more
+    )
+    assert names(interface) == [f"t{n}" for n in range(MAX_CALLBACKS_PER_FUNCTION)]
+    assert [one.why for one in interface.unresolved] == skipped_entries
 
 
 def test_too_many_callbacks_that_join_nothing_are_not_noted():

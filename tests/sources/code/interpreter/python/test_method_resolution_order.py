@@ -8,7 +8,10 @@ from ros1_runs import python as python1
 from ros2_runs import UNLAUNCHED, names, python
 
 from rtron.sources.code.interpreter.abstract_values.value_types import ClassValue
-from rtron.sources.code.interpreter.python.method_resolution_order import MAX_CLASSES, MethodOrders
+from rtron.sources.code.interpreter.python.method_resolution_order import (
+    MAX_CLASSES,
+    MethodResolutionOrders,
+)
 from rtron.sources.code.ir import Class
 
 CLASSES = {
@@ -164,7 +167,7 @@ def _order_of_python(name, bases):
 
 @pytest.mark.parametrize("seed", range(40))
 def test_the_order_is_that_of_python(seed):
-    random, orders = Random(seed), MethodOrders()
+    random, orders = Random(seed), MethodResolutionOrders()
     made = []
     for number in range(9):
         bases = random.sample(made, k=random.randint(0, min(3, len(made))))
@@ -173,7 +176,7 @@ def test_the_order_is_that_of_python(seed):
             _own(name, tuple(own for own, _ in bases)),
             _order_of_python(name, tuple(real for _, real in bases)),
         )
-        found = [cls.name for cls in orders.of(own)]
+        found = [cls.name for cls in orders.order_of(own)]
         assert (own in orders.refused) == (real is None)
         if real is not None:
             assert found == [cls.__name__ for cls in real.__mro__[:-1]]
@@ -184,4 +187,4 @@ def test_a_long_line_of_bases_ends():
     cls = _own("C", ())
     for _ in range(5000):
         cls = _own("C", (cls,))
-    assert len(MethodOrders().of(cls)) <= MAX_CLASSES
+    assert len(MethodResolutionOrders().order_of(cls)) <= MAX_CLASSES

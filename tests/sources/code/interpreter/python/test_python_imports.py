@@ -1,10 +1,10 @@
 """What an import of Python brings: modules of the own package, and of folders in it (PEP 328)."""
 
 import pytest
-from ros2_runs import site, written
+from ros2_runs import explicit_declarations, site
 
 from rtron.sources.code.program_runner import run_python
-from rtron.sources.code.workspace_sources import WorkspaceFiles
+from rtron.sources.code.workspace_sources import WorkspaceSources
 from rtron.sources.workspace import Workspace
 
 MAIN = """import rclpy
@@ -49,8 +49,8 @@ def test_a_module_of_the_own_package_is_imported(tmp_path, imported, used, files
         path.write_text(text)
     workspace = Workspace({"p": tmp_path / "p"}, [tmp_path])
     program = tmp_path / "p" / "p" / "n.py"
-    found = run_python(program, site(), WorkspaceFiles(workspace), "main")
-    assert written(found) == ["publish /ns/a std_msgs/msg/Bool"]
+    found = run_python(program, site(), WorkspaceSources(workspace), "main")
+    assert explicit_declarations(found) == ["publish /ns/a std_msgs/msg/Bool"]
 
 
 @pytest.mark.parametrize("dots", ["...", "." * 40])
@@ -60,5 +60,5 @@ def test_no_file_outside_of_the_packages_is_imported(tmp_path, dots):
     program.write_text(MAIN.format(imported=f"from {dots} import stranger", used="stranger.make"))
     (tmp_path / "stranger.py").write_text(MAKING)
     workspace = Workspace({"p": tmp_path / "p"}, [tmp_path])
-    found = run_python(program, site(), WorkspaceFiles(workspace), "main")
-    assert not [text for text in written(found) if "std_msgs" in text]
+    found = run_python(program, site(), WorkspaceSources(workspace), "main")
+    assert not [text for text in explicit_declarations(found) if "std_msgs" in text]

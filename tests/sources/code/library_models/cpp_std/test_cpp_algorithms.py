@@ -46,10 +46,10 @@ def test_an_iterator_is_moved_and_not_written_through():
     ("asked", "expected"),
     [("any_of", True), ("all_of", False), ("none_of", False)],
 )
-def test_what_holds_of_a_known_list_is_decided(asked, expected):
+def test_what_holds_of_a_known_list_is_decided(opened_sources, expected):
     body = f"""
     std::vector<std::string> words = {{"a", "b"}};
-    bool said = std::{asked}(words.begin(), words.end(), [](auto word) {{ return word == "b"; }});
+    bool said = std::{opened_sources}(words.begin(), words.end(), [](auto word) {{ return word == "b"; }});
     create_publisher<std_msgs::msg::Bool>(said ? "yes" : "no", 1);
     """
     assert names(cpp(body)) == ["/ns/yes" if expected else "/ns/no"]

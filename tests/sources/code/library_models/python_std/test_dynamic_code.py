@@ -4,7 +4,7 @@ import pytest
 from ros1_runs import names, run_text
 
 from rtron.sources.code.program_runner import run_python
-from rtron.sources.code.workspace_sources import WorkspaceFiles
+from rtron.sources.code.workspace_sources import WorkspaceSources
 from rtron.sources.declaration import NodeSite
 from rtron.sources.workspace import Workspace
 
@@ -107,14 +107,14 @@ COMMANDS = [
 
 @pytest.mark.parametrize("command", COMMANDS)
 def test_rostopic_is_started_as_a_node(command):
-    (started,) = python(f"import os, subprocess\n{command}").starts
+    (started,) = python(f"import os, subprocess\n{command}").runtime_starts
     words = ("pub", "-r", "10", "/a", "std_msgs/Bool", "{data: 1}")
     assert (started.path, started.args[:-1]) == ("rostopic/rostopic", ("rosrun", *words))
 
 
 def test_rostopic_with_a_topic_that_is_not_known_is_noted():
     interface = python("import os\nos.system('rostopic pub ' + unknown() + ' std_msgs/Bool')")
-    assert interface.starts == ()
+    assert interface.runtime_starts == ()
     assert [note.why for note in interface.unresolved] == ["the command is not known"]
 
 
@@ -122,7 +122,7 @@ def beside(tmp_path, module, text, script="import tf\ntf.go()\n"):
     (tmp_path / module).parent.mkdir(exist_ok=True)
     (tmp_path / module).write_text(text)
     (tmp_path / "n.py").write_text(script)
-    files = WorkspaceFiles(Workspace({"p": tmp_path}, [tmp_path]))
+    files = WorkspaceSources(Workspace({"p": tmp_path}, [tmp_path]))
     return names(run_python(tmp_path / "n.py", NodeSite(name="/ns/n"), files))
 
 

@@ -7,8 +7,8 @@ from ros2_runs import UNLAUNCHED, names, site
 
 from rtron.sources.code.library_models.rclcpp.behavior_tree_xml import MAX_NODES
 from rtron.sources.code.program_runner import run_cpp
-from rtron.sources.code.workspace_sources import WorkspaceFiles
-from rtron.sources.static.ros2_scan import ros2_workspace
+from rtron.sources.code.workspace_sources import WorkspaceSources
+from rtron.sources.static.ros2_scan import read_ros2_workspace
 
 TREE = """
 namespace tree {
@@ -74,9 +74,9 @@ def engine(tmp_path: Path, loads: str = LOADS, xml: str = XML, **given):
     }
     for name, text in {"package.xml": "<package><name>trees</name></package>", **files}.items():
         (tmp_path / name).write_text(text)
-    found = ros2_workspace([tmp_path])
+    found = read_ros2_workspace([tmp_path])
     sources = found.executable("trees", "engine").sources
-    return run_cpp(sources, site(**given), WorkspaceFiles(found))
+    return run_cpp(sources, site(**given), WorkspaceSources(found))
 
 
 def test_without_a_launch_every_registered_node_is_made_with_its_ports_defaults(tmp_path):

@@ -1,7 +1,16 @@
 """What rclcpp's nodes publish, subscribe, serve and call, and the libraries around it."""
 
 import pytest
-from ros2_runs import UNLAUNCHED, cpp, implied, names, one, python, run_text, written
+from ros2_runs import (
+    UNLAUNCHED,
+    cpp,
+    explicit_declarations,
+    implicit_declarations,
+    names,
+    only_declaration,
+    python,
+    run_text,
+)
 
 from rtron.vocabulary import Durability, QoS, Reliability
 
@@ -59,18 +68,18 @@ from rtron.vocabulary import Durability, QoS, Reliability
 )
 def test_each_call_is_found(call, expected):
     body = f"auto topics = get_node_topics_interface(); {call};"
-    assert written(cpp(body)) == [expected]
+    assert explicit_declarations(cpp(body)) == [expected]
 
 
 def test_the_type_may_stand_in_the_callback():
     members = "void heard(const nav_msgs::msg::Path::SharedPtr path) {}"
     body = 'create_subscription("t", 1, std::bind(&N::heard, this, std::placeholders::_1));'
-    assert one(cpp(body, members=members)).type == "nav_msgs/msg/Path"
+    assert only_declaration(cpp(body, members=members)).type == "nav_msgs/msg/Path"
 
 
 @pytest.mark.parametrize("top", ["using std_msgs::msg::Bool;", "using Bool = std_msgs::msg::Bool;"])
 def test_a_type_may_be_brought_by_using(top):
-    assert one(cpp('create_publisher<Bool>("t", 1);', top)).type == "std_msgs/msg/Bool"
+    assert only_declaration(cpp('create_publisher<Bool>("t", 1);', top)).type == "std_msgs/msg/Bool"
 
 
 ADAPTED = """#include <sensor_msgs/msg/image.hpp>
@@ -106,7 +115,7 @@ using namespace seen;
     ],
 )
 def test_a_type_of_the_program_is_sent_as_its_message(call, type):
-    assert one(cpp(f"{call};", ADAPTED)).type == type
+    assert only_declaration(cpp(f"{call};", ADAPTED)).type == type
 
 
 BEST, TRANSIENT = Reliability.BEST_EFFORT, Durability.TRANSIENT_LOCAL
@@ -131,14 +140,17 @@ BEST, TRANSIENT = Reliability.BEST_EFFORT, Durability.TRANSIENT_LOCAL
     ],
 )
 def test_a_literal_quality_of_service_is_read(written_qos, expected):
-    assert one(cpp(f'create_publisher<std_msgs::msg::Bool>("t", {written_qos});')).qos == expected
+    assert (
+        only_declaration(cpp(f'create_publisher<std_msgs::msg::Bool>("t", {written_qos});')).qos
+        == expected
+    )
 
 
 def test_a_quality_of_service_may_have_a_class_of_its_own():
     top = """class Latched : public rclcpp::QoS {
     public: explicit Latched(const int depth = 2) : rclcpp::QoS(depth) { this->transient_local(); }
     };"""
-    found = one(cpp('create_publisher<std_msgs::msg::Bool>("t", Latched());', top))
+    found = only_declaration(cpp('create_publisher<std_msgs::msg::Bool>("t", Latched());', top))
     assert found.qos == QoS(depth=2, durability=TRANSIENT)
     assert found.latched
 
@@ -178,7 +190,7 @@ class Twister { public:
 
 
 def test_a_wrapper_is_interpreted_and_the_evidence_begins_where_the_name_is_given():
-    found = one(cpp('lib::Twister twister(this, "cmd_vel");', WRAPPER, complete=True))
+    found = only_declaration(cpp('lib::Twister twister(this, "cmd_vel");', WRAPPER, complete=True))
     assert (found.name, found.type) == ("/ns/cmd_vel", "geometry_msgs/msg/TwistStamped")
     lines = [place.line for place in found.evidence]
     top = WRAPPER.count("\n")
@@ -244,8 +256,8 @@ EVERY = {
 
 
 def test_what_every_node_declares_is_marked():
-    assert implied(cpp("")) == EVERY
-    assert implied(python("pass")) == EVERY - {"subscribe /parameter_events"}
+    assert implicit_declarations(cpp("")) == EVERY
+    assert implicit_declarations(python("pass")) == EVERY - {"subscribe /parameter_events"}
 
 
 PARAMETERS = sorted(name for name in EVERY if "parameter" in name and name.startswith("service"))
@@ -255,9 +267,11 @@ LEVELS = {f"service /other/{name}_logger_levels" for name in ("get", "set")}
 @pytest.mark.parametrize("on", [True, False])
 def test_the_services_of_loggers_are_there_where_they_are_asked_for(on):
     options = f"rclcpp::NodeOptions().enable_logger_service({str(on).lower()})"
-    found = implied(cpp(f'rclcpp::Node n("other", {options});', **UNLAUNCHED))
+    found = implicit_declarations(cpp(f'rclcpp::Node n("other", {options});', **UNLAUNCHED))
     assert {name for name in found if "logger" in name} == (LEVELS if on else set())
-    found = implied(python(f"Node('other', enable_logger_service={on})", **UNLAUNCHED))
+    found = implicit_declarations(
+        python(f"Node('other', enable_logger_service={on})", **UNLAUNCHED)
+    )
     assert {name for name in found if "logger" in name} == (LEVELS if on else set())
 
 
@@ -267,7 +281,7 @@ def test_the_services_of_loggers_are_there_where_they_are_asked_for(on):
 )
 @pytest.mark.parametrize("kind", ["Async", "Sync"])
 def test_a_client_of_parameters_calls_the_services_of_a_node_or_its_own(kind, arguments, node):
-    found = implied(cpp(f"rclcpp::{kind}ParametersClient c({arguments});")) - EVERY
+    found = implicit_declarations(cpp(f"rclcpp::{kind}ParametersClient c({arguments});")) - EVERY
     assert sorted(found) == [
         name.replace("service /ns/n", f"service_client {node}") for name in PARAMETERS
     ]
@@ -305,7 +319,7 @@ def test_a_client_of_parameters_calls_the_services_of_a_node_or_its_own(kind, ar
     ],
 )
 def test_what_a_library_declares_is_marked(made, added):
-    assert implied(cpp(f"{made};")) == EVERY | added
+    assert implicit_declarations(cpp(f"{made};")) == EVERY | added
 
 
 def test_a_listener_without_a_node_has_one_of_its_own():

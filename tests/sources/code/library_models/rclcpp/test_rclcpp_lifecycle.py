@@ -1,11 +1,11 @@
 """Lifecycle nodes, plugins and behaviour trees."""
 
 import pytest
-from ros2_runs import UNLAUNCHED, implied, names, run_text, settings, site
+from ros2_runs import UNLAUNCHED, implicit_declarations, names, run_text, settings, site
 
 from rtron.sources.code.program_runner import run_cpp
-from rtron.sources.code.workspace_sources import WorkspaceFiles
-from rtron.sources.static.ros2_scan import ros2_workspace
+from rtron.sources.code.workspace_sources import WorkspaceSources
+from rtron.sources.static.ros2_scan import read_ros2_workspace
 
 LIFECYCLE = """
 using CallbackReturn = rclcpp_lifecycle::node_interfaces::LifecycleNodeInterface::CallbackReturn;
@@ -28,7 +28,7 @@ MAIN = 'int main() { auto one = std::make_shared<L>("one"); rclcpp::spin(one); }
 def test_a_lifecycle_node_is_configured_and_activated():
     found = run_text(LIFECYCLE + MAIN, **UNLAUNCHED)
     assert names(found) == ["/configured", "/made"]
-    assert implied(found) >= {
+    assert implicit_declarations(found) >= {
         "publish /one/transition_event",
         "service /one/change_state",
         "service /one/get_transition_graph",
@@ -112,12 +112,12 @@ def workspace(tmp_path):
     }.items():
         (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / path).write_text(text)
-    return ros2_workspace([tmp_path])
+    return read_ros2_workspace([tmp_path])
 
 
 def hosted(workspace, **given):
     program = workspace.executable("host", "host")
-    return run_cpp(program.sources, site(**given), WorkspaceFiles(workspace))
+    return run_cpp(program.sources, site(**given), WorkspaceSources(workspace))
 
 
 def test_a_plugin_is_what_the_launch_says(workspace):

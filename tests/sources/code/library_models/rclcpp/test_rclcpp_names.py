@@ -1,9 +1,9 @@
 """Names of rclcpp's nodes and of what they declare (docs.ros.org: names, namespaces)."""
 
 import pytest
-from ros2_runs import CPP, UNLAUNCHED, cpp, names, run_text, written
+from ros2_runs import CPP, UNLAUNCHED, cpp, explicit_declarations, names, run_text
 
-from rtron.sources.declaration import Loading
+from rtron.sources.declaration import ComponentLoading
 
 ALL = """
 create_publisher<std_msgs::msg::Bool>("rel", 1);
@@ -223,7 +223,7 @@ def test_a_node_that_takes_no_global_arguments_keeps_its_name():
     """
     found = cpp(body)
     assert names(found) == ["/there/rel"]
-    assert [node.globally for node in found.nodes] == [True, False]
+    assert [node.uses_global_arguments for node in found.nodes] == [True, False]
 
 
 COMPONENT = """#include <rclcpp_components/register_node_macro.hpp>
@@ -242,16 +242,20 @@ RCLCPP_COMPONENTS_REGISTER_NODE(app::Driver)
 
 def test_an_executable_of_a_component_makes_it_with_the_arguments_of_the_process():
     found = run_text(COMPONENT, cls="app::Driver", name="/cell/one")
-    assert written(found) == ["subscribe /cell/joy sensor_msgs/msg/Joy"]
+    assert explicit_declarations(found) == ["subscribe /cell/joy sensor_msgs/msg/Joy"]
 
 
 def test_a_component_is_made_with_the_options_of_its_container():
     words = ("--ros-args", "-r", "__node:=one", "-r", "__ns:=/cell", "-r", "joy:=pad")
-    loading = Loading(container="/far/box")
+    loading = ComponentLoading(container="/far/box")
     found = run_text(COMPONENT, cls="app::Driver", name="/cell/one", args=words, loading=loading)
-    assert written(found) == ["subscribe /cell/joy sensor_msgs/msg/Joy"]
+    assert explicit_declarations(found) == ["subscribe /cell/joy sensor_msgs/msg/Joy"]
     (node,) = found.nodes
-    assert (node.name, node.remaps, node.globally) == ("/cell/one", (("joy", "pad"),), False)
+    assert (node.name, node.remaps, node.uses_global_arguments) == (
+        "/cell/one",
+        (("joy", "pad"),),
+        False,
+    )
 
 
 RULES = """

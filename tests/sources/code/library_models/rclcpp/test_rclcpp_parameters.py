@@ -1,7 +1,7 @@
 """Parameters of rclcpp's nodes: defaults, what a launch sets, what nobody knows."""
 
 import pytest
-from ros2_runs import UNLAUNCHED, cpp, names, one, run_text, settings
+from ros2_runs import UNLAUNCHED, cpp, names, only_declaration, run_text, settings
 
 from rtron.vocabulary import Resolution, UnknownValue
 
@@ -20,7 +20,7 @@ TOPIC = "create_publisher<std_msgs::msg::Bool>({}, 1);"
     ("given", "expected"), [({}, "/ns/default"), ({"topic": "other"}, "/ns/other")]
 )
 def test_a_default_counts_where_the_launch_sets_nothing(read, given, expected):
-    found = one(cpp(TOPIC.format(read), settings=settings(**given)))
+    found = only_declaration(cpp(TOPIC.format(read), settings=settings(**given)))
     assert (found.name, found.resolution) == (expected, Resolution.PARAMETER)
 
 
@@ -96,7 +96,9 @@ def test_the_last_setting_that_fits_counts():
 def test_what_nobody_knows_is_named_after_the_parameter(value):
     given = settings(topic=value) if value else ()
     default = "rclcpp::ParameterType::PARAMETER_STRING"
-    found = one(cpp(TOPIC.format(f'declare_parameter("topic", {default})'), settings=given))
+    found = only_declaration(
+        cpp(TOPIC.format(f'declare_parameter("topic", {default})'), settings=given)
+    )
     assert (found.name, found.resolution) == ("/ns/{~topic}", Resolution.SYMBOLIC)
 
 

@@ -1,7 +1,15 @@
 """What rclpy's nodes declare (docs.ros.org: rclpy)."""
 
 import pytest
-from ros2_runs import UNLAUNCHED, implied, names, one, python, settings, written
+from ros2_runs import (
+    UNLAUNCHED,
+    explicit_declarations,
+    implicit_declarations,
+    names,
+    only_declaration,
+    python,
+    settings,
+)
 
 from rtron.vocabulary import Durability, QoS, Reliability, Resolution
 
@@ -43,7 +51,7 @@ from rclpy.action import ActionClient, ActionServer
 from rclpy.wait_for_message import wait_for_message
 from std_srvs.srv import Trigger
 from a_msgs.action import Dock"""
-    assert written(python(line, top)) == [expected]
+    assert explicit_declarations(python(line, top)) == [expected]
 
 
 @pytest.mark.parametrize(
@@ -62,7 +70,7 @@ from a_msgs.action import Dock"""
 def test_an_interface_may_be_named_by_a_text(line, expected):
     top = """from rclpy.action import ActionClient
 from rosidl_runtime_py.utilities import get_action, get_message, get_service"""
-    assert written(python(line, top)) == [expected]
+    assert explicit_declarations(python(line, top)) == [expected]
 
 
 def test_without_a_launch_the_source_names_the_node():
@@ -84,7 +92,7 @@ from std_srvs.srv import Trigger"""
     body = """self.create_publisher(Float64, 't', 1)
 ActionServer(self, Dock, 'd', lambda g: None)
 self.create_publisher(Trigger.Request, 'u', 1)"""
-    assert written(python(body, top)) == [
+    assert explicit_declarations(python(body, top)) == [
         "publish /ns/t std_msgs/msg/Float64",
         "action_server /ns/d a_msgs/action/Dock",
         "publish /ns/u ",
@@ -118,7 +126,10 @@ def test_a_literal_quality_of_service_is_read(written_qos, expected, imported):
     top = f"""from rclpy.qos import {imported}
 profile = QoSProfile(depth=9)
 profile.durability = DurabilityPolicy.TRANSIENT_LOCAL"""
-    assert one(python(f"self.create_publisher(Bool, 't', {written_qos})", top)).qos == expected
+    assert (
+        only_declaration(python(f"self.create_publisher(Bool, 't', {written_qos})", top)).qos
+        == expected
+    )
 
 
 @pytest.mark.parametrize(
@@ -136,7 +147,9 @@ profile.durability = DurabilityPolicy.TRANSIENT_LOCAL"""
 )
 def test_a_parameter_is_read_in_many_ways(read, given, expected):
     top = "from rclpy.parameter import Parameter"
-    found = one(python(f"self.create_publisher(Bool, {read}, 1)", top, settings=settings(**given)))
+    found = only_declaration(
+        python(f"self.create_publisher(Bool, {read}, 1)", top, settings=settings(**given))
+    )
     assert found.name == expected
     assert found.resolution is Resolution.PARAMETER or not given
 
@@ -170,7 +183,7 @@ def test_transforms_are_marked():
     body = """self.buffer = Buffer()
 self.listener = TransformListener(self.buffer, self)
 StaticTransformBroadcaster(self)"""
-    found = implied(python(body, top))
+    found = implicit_declarations(python(body, top))
     assert found >= {"subscribe /tf", "subscribe /tf_static", "publish /tf_static"}
     assert "publish /tf" not in found
 
@@ -185,12 +198,14 @@ class Managed(LifecycleNode):
         return TransitionCallbackReturn.SUCCESS"""
     found = python("Managed()", top, **UNLAUNCHED)
     assert names(found) == ["/configured"]
-    assert "service /managed/change_state" in implied(found)
+    assert "service /managed/change_state" in implicit_declarations(found)
 
 
 def test_simulated_time_is_a_subscription():
-    assert "subscribe /clock" in implied(python("pass", settings=settings(use_sim_time=True)))
-    assert "subscribe /clock" not in implied(python("pass"))
+    assert "subscribe /clock" in implicit_declarations(
+        python("pass", settings=settings(use_sim_time=True))
+    )
+    assert "subscribe /clock" not in implicit_declarations(python("pass"))
 
 
 def test_no_name_of_ros_1_is_a_library_of_ros_2():
@@ -217,7 +232,7 @@ def test_a_class_that_nothing_makes_is_noted_by_its_name():
         super().__init__('unused')
         self.create_publisher(Bool, 't', 1)"""
     found = python("self.create_publisher(Bool, 'u', 1)", top)
-    assert written(found) == ["publish /ns/u std_msgs/msg/Bool"]
+    assert explicit_declarations(found) == ["publish /ns/u std_msgs/msg/Bool"]
     (note,) = found.unresolved
     assert note.what == "Unused()"
     assert "nothing that is seen calls it" in note.why

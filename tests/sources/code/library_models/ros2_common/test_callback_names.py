@@ -1,7 +1,7 @@
 """Names that callbacks may change: the one that the node is launched with counts."""
 
 import pytest
-from ros2_runs import cpp, python, settings, written
+from ros2_runs import cpp, explicit_declarations, python, settings
 
 AGAIN = "a callback may make it again while it runs, under a name that is not known before"
 PYTHON = """
@@ -47,7 +47,7 @@ std::string topic_;
 )
 def test_a_topic_that_a_parameter_may_change_has_its_first_name(add):
     found = python(PYTHON.format(add=add), members=MEMBERS, settings=settings(topic="front"))
-    assert written(found) == ["subscribe /ns/front std_msgs/msg/Bool"]
+    assert explicit_declarations(found) == ["subscribe /ns/front std_msgs/msg/Bool"]
     (note,) = found.unresolved
     assert (note.what, note.why) == ("subscribe /ns/front of /ns/n", AGAIN)
 
@@ -55,7 +55,7 @@ def test_a_topic_that_a_parameter_may_change_has_its_first_name(add):
 @pytest.mark.parametrize("watch", [f"handle_ = add_on_set_parameters_callback({CHANGES});", ONE])
 def test_in_cpp_it_is_the_same_and_a_name_in_a_message_stays_a_hole(watch):
     found = cpp(CPP.format(watch=watch), members=CPP_MEMBERS)
-    assert written(found) == [
+    assert explicit_declarations(found) == [
         "subscribe /ns/scan std_msgs/msg/Bool",
         "publish /ns/{name} std_msgs/msg/Bool",
     ]
@@ -73,7 +73,7 @@ def test_a_member_that_a_callback_reads_again_is_the_same_endpoint():
       [this](std_msgs::msg::String::ConstSharedPtr heard) { topic_ = heard->data; });
     """
     found = cpp(body, members="std::string topic_;")
-    assert written(found) == [
+    assert explicit_declarations(found) == [
         "subscribe /ns/scan std_msgs/msg/Bool",
         "service /ns/reset std_srvs/srv/Empty",
         "subscribe /ns/rename std_msgs/msg/String",
@@ -84,7 +84,7 @@ def test_a_member_that_a_callback_reads_again_is_the_same_endpoint():
 def test_what_a_change_of_parameters_makes_for_the_first_time_is_in_the_graph():
     body = f"handle_ = add_on_set_parameters_callback({CHANGES});"
     found = cpp(body, members=CPP_MEMBERS)
-    assert written(found)[0] == "subscribe /ns/{as_string()} std_msgs/msg/Bool"
+    assert explicit_declarations(found)[0] == "subscribe /ns/{as_string()} std_msgs/msg/Bool"
 
 
 ASKED = """
@@ -105,7 +105,7 @@ def test_a_method_that_is_called_of_an_unknown_object_runs_on_the_one_that_there
     sub_ = create_subscription<std_msgs::msg::String>("name", 1,
       [this](std_msgs::msg::String::ConstSharedPtr name) { look_up(name->data)->grasp(); });
     """
-    assert written(cpp(body, top=ASKED)) == [
+    assert explicit_declarations(cpp(body, top=ASKED)) == [
         "subscribe /ns/name std_msgs/msg/String",
         "publish /ns/hand std_msgs/msg/Bool",
     ]

@@ -1,7 +1,7 @@
 """Quality of service that parameters of the node override (rclcpp, rclpy: QoS overriding)."""
 
 import pytest
-from ros2_runs import UNLAUNCHED, cpp, one, python
+from ros2_runs import UNLAUNCHED, cpp, only_declaration, python
 
 from rtron.sources.declaration import ParameterSetting
 from rtron.vocabulary import Durability, Liveliness, QoS, Reliability
@@ -54,25 +54,25 @@ BOTH = pytest.mark.parametrize(
 def test_default_policies(run, default, listed, named):
     del listed, named
     given = overriding(reliability="best_effort", depth=77, durability="transient_local")
-    assert one(run(default, settings=given)).qos == QoS(depth=77, reliability=BEST)
-    assert one(run(default)).qos == QoS(depth=7)
-    assert one(run(default, **UNLAUNCHED)).qos == QoS(depth=7)
-    assert one(run(default, settings=overriding(history="keep_all"))).qos == QoS()
+    assert only_declaration(run(default, settings=given)).qos == QoS(depth=77, reliability=BEST)
+    assert only_declaration(run(default)).qos == QoS(depth=7)
+    assert only_declaration(run(default, **UNLAUNCHED)).qos == QoS(depth=7)
+    assert only_declaration(run(default, settings=overriding(history="keep_all"))).qos == QoS()
 
 
 @BOTH
 def test_listed_policies(run, default, listed, named):
     del default, named
     given = overriding(reliability="best_effort", depth=77, durability="transient_local")
-    assert one(run(listed, settings=given)).qos == QoS(depth=77, durability=TRANSIENT)
+    assert only_declaration(run(listed, settings=given)).qos == QoS(depth=77, durability=TRANSIENT)
 
 
 @BOTH
 def test_an_endpoint_with_an_id_has_parameters_of_its_own(run, default, listed, named):
     del default, listed
-    assert one(run(named, settings=overriding(depth=77))).qos == QoS(depth=7)
+    assert only_declaration(run(named, settings=overriding(depth=77))).qos == QoS(depth=7)
     given = overriding("/ns/t.publisher_x", depth=77)
-    assert one(run(named, settings=given)).qos == QoS(depth=77)
+    assert only_declaration(run(named, settings=given)).qos == QoS(depth=77)
 
 
 @BOTH
@@ -87,7 +87,7 @@ def test_the_parameters_are_declared(run, default, listed, named):
 def test_the_topic_is_the_remapped_one(run, default, listed, named):
     del listed, named
     given = overriding("/far.publisher", depth=77)
-    found = one(run(default, settings=given, rules=(("t", "/far"),)))
+    found = only_declaration(run(default, settings=given, rules=(("t", "/far"),)))
     assert (found.name, found.qos) == ("/ns/t", QoS(depth=77))
 
 
@@ -98,9 +98,9 @@ def test_what_is_open_is_noted(run, default, listed, named):
         run(default, settings=overriding(reliability="whatever")),
         run("who_knows()", settings=overriding(depth=3)),
     ):
-        assert one(found).qos is None
+        assert only_declaration(found).qos is None
         assert any("parameters override it" in note.why for note in found.unresolved)
-    assert one(run("who_knows()")).qos == QoS(depth=7)
+    assert only_declaration(run("who_knows()")).qos == QoS(depth=7)
 
 
 @pytest.mark.parametrize("run", [cpp, python])
@@ -110,7 +110,7 @@ def test_without_options_nothing_is_overridden(run):
         cpp: 'create_publisher<std_msgs::msg::Bool>("t", 7);',
         python: "self.create_publisher(Bool, 't', 7)",
     }
-    assert one(run(line[run], settings=given)).qos == QoS(depth=7)
+    assert only_declaration(run(line[run], settings=given)).qos == QoS(depth=7)
 
 
 def test_subscriptions():
@@ -118,7 +118,7 @@ def test_subscriptions():
     options.qos_overriding_options = {DEFAULT};
     create_subscription<std_msgs::msg::Bool>("t", 7, [](auto m) {{}}, options);"""
     given = overriding("/ns/t.subscription", depth=77)
-    assert one(cpp(body, settings=given)).qos == QoS(depth=77)
+    assert only_declaration(cpp(body, settings=given)).qos == QoS(depth=77)
 
 
 POLICIES = "rclcpp::QosPolicyKind::Depth, rclcpp::QosPolicyKind::History"
@@ -133,7 +133,7 @@ POLICIES = "rclcpp::QosPolicyKind::Depth, rclcpp::QosPolicyKind::History"
     ],
 )
 def test_spellings_of_cpp(options, prefix):
-    found = one(cpp_publisher(options, settings=overriding(prefix, depth=77)))
+    found = only_declaration(cpp_publisher(options, settings=overriding(prefix, depth=77)))
     assert found.qos == QoS(depth=77)
 
 
@@ -142,4 +142,4 @@ def test_times_and_liveliness():
     kinds = ("Deadline", "Lifespan", "Liveliness", "LivelinessLeaseDuration")
     options = "{" + ", ".join(f"rclcpp::QosPolicyKind::{kind}" for kind in kinds) + "}"
     expected = QoS(depth=7, deadline=5, liveliness=Liveliness.MANUAL_BY_TOPIC)
-    assert one(cpp_publisher(options, settings=given)).qos == expected
+    assert only_declaration(cpp_publisher(options, settings=given)).qos == expected

@@ -10,10 +10,10 @@ from app_launch_values import names, values, whys
 from harness import lives
 
 from rtron.errors import InputError, SourceError
-from rtron.sources.code.workspace_sources import WorkspaceFiles
+from rtron.sources.code.workspace_sources import WorkspaceSources
 from rtron.sources.launch.ros2.app import read_app_launch
 from rtron.sources.launch.ros2.executed.execution import Execution
-from rtron.sources.launch.ros2.executed.openness import leaves_open
+from rtron.sources.launch.ros2.executed.openness import is_incomplete
 from rtron.sources.launch.ros2.result import StartKind
 from rtron.sources.workspace import read_workspace
 from rtron.vocabulary import UnknownValue
@@ -39,7 +39,7 @@ class Folder:
     def __init__(self, package, tmp_path):
         self.package, self.mark = package, tmp_path / "mark"
         self.path = package / "launch" / "app.launch.py"
-        self.files = WorkspaceFiles(read_workspace([package.parent], {}))
+        self.files = WorkspaceSources(read_workspace([package.parent], {}))
 
     def write(self, actions, before=""):
         body = f"def generate_launch_description():\n    return LaunchDescription([{actions}])\n"
@@ -101,7 +101,7 @@ def test_the_same_as_reading(app):
     read = app.read(n="you")
     assert [told(start) for start in executed.starts] == [told(start) for start in read.starts]
     assert len(executed.starts) == 10
-    assert not leaves_open(read)
+    assert not is_incomplete(read)
     assert executed.unresolved == read.unresolved == ()
     assert all(start.executed for start in executed.starts)
     assert executed.arguments == read.arguments
@@ -111,7 +111,7 @@ def test_what_reading_leaves_open_is_known(app):
     before = "import hashlib\nname = 'n' + hashlib.sha1(b'x').hexdigest()[:6]"
     executed = app.execute(NODE.format("name"), before)
     assert names(executed) == ["/n11f6ad"]
-    assert leaves_open(app.read())
+    assert is_incomplete(app.read())
     assert executed.unresolved == ()
 
 
@@ -128,7 +128,7 @@ def test_what_reading_leaves_open_is_known(app):
 )
 def test_what_reading_leaves_open_is_seen(app, node):
     app.write(f"Node({node})")
-    assert leaves_open(app.read())
+    assert is_incomplete(app.read())
 
 
 def test_nothing_is_started(app):
@@ -184,7 +184,7 @@ def test_handlers_of_processes_run_in_their_order(app):
         RegisterEventHandler(OnProcessExit(target_action=lambda action: False, on_exit=[])),
     """
     executed = app.execute(body, before)
-    assert [(start.name, start.event) for start in executed.starts] == [
+    assert [(start.name, start.awaited_event) for start in executed.starts] == [
         ("first", ""),
         ("a", "OnProcessStart"),
         ("c", "OnProcessExit"),
@@ -273,8 +273,8 @@ def test_an_exception_is_told_with_its_place(app, actions, before, line, said):
     with pytest.raises(InputError) as raised:
         app.execute(actions, before)
     last = len(app.path.read_text().splitlines())
-    assert raised.value.why.startswith("launch ends: ")
-    assert said in raised.value.why
+    assert raised.value.reason.startswith("launch ends: ")
+    assert said in raised.value.reason
     assert (raised.value.path, raised.value.line) == (str(app.path), last if line < 0 else line)
     assert "without --execute-launch" in raised.value.help
 

@@ -6,19 +6,27 @@ from types import SimpleNamespace
 
 import pytest
 
-from rtron.sources.launch.ros2.executed.lines import with_lines
-from rtron.sources.launch.ros2.executed.pythons import pythons
-from rtron.sources.launch.ros2.executed.visit.clock import ImpatientLoop
-from rtron.sources.launch.ros2.executed.visit.locations import local, of_error, remembered
-from rtron.sources.launch.ros2.executed.visit.process_stub import ENDS, NO_PID, not_started
-from rtron.sources.launch.ros2.executed.visit.visit_record import Found
-from rtron.sources.launch.ros2.result import AppLaunch, Start, StartKind
+from rtron.sources.launch.ros2.executed.lines import add_lines
+from rtron.sources.launch.ros2.executed.pythons import find_pythons
+from rtron.sources.launch.ros2.executed.visit.clock import TimeSkippingLoop
+from rtron.sources.launch.ros2.executed.visit.locations import (
+    context_local,
+    creation_location,
+    error_location,
+)
+from rtron.sources.launch.ros2.executed.visit.process_stub import (
+    EXIT_DELAY_S,
+    UNUSED_PID,
+    start_nothing,
+)
+from rtron.sources.launch.ros2.executed.visit.visit_record import VisitRecord
+from rtron.sources.launch.ros2.result import AppLaunch, LaunchStart, StartKind
 from rtron.vocabulary import Evidence
 
 
 @pytest.fixture
 def loop():
-    loop = ImpatientLoop()
+    loop = TimeSkippingLoop()
     yield loop
     loop.close()
 
@@ -68,11 +76,11 @@ class _Protocol:
 def test_a_process_seems_to_run_and_to_end_well(loop):
     async def run():
         begun = loop.time()
-        transport, protocol = await not_started(_Protocol, cmd=["a"], cwd=None)
-        assert transport.get_pid() == NO_PID
+        transport, protocol = await start_nothing(_Protocol, cmd=["a"], cwd=None)
+        assert transport.get_pid() == UNUSED_PID
         assert transport.get_pipe_transport(1) is None
         code = await protocol.complete
-        return code, loop.time() - begun >= ENDS
+        return code, loop.time() - begun >= EXIT_DELAY_S
 
     assert loop.run_until_complete(run()) == (0, True)
 
@@ -81,31 +89,33 @@ def test_none_starts_again(loop):
     command = ["again"]
 
     async def run():
-        await not_started(_Protocol, cmd=command)
+        await start_nothing(_Protocol, cmd=command)
         with pytest.raises(RuntimeError, match="start again"):
-            await not_started(_Protocol, cmd=command)
-        await not_started(_Protocol, cmd=list(command))
+            await start_nothing(_Protocol, cmd=command)
+        await start_nothing(_Protocol, cmd=list(command))
 
     loop.run_until_complete(run())
 
 
 def test_a_mark_is_of_one_command():
-    found = Found()
-    first, again, other = map(found.mark, ("a b", "a b", "c"))
+    found = VisitRecord()
+    first, again, other = map(found.mark_command, ("a b", "a b", "c"))
     assert first == again != other
-    assert found.marked(f"x {other} y") == "c"
-    assert [found.marked(text) for text in ("", "x", "\ue0009\ue001", "\ue000x\ue001")] == [""] * 4
+    assert found.command_of_mark(f"x {other} y") == "c"
+    assert [
+        found.command_of_mark(text) for text in ("", "x", "\ue0009\ue001", "\ue000x\ue001")
+    ] == [""] * 4
     assert found.commands == ["a b", "c"]
 
 
 def test_places():
     context = SimpleNamespace(locals=SimpleNamespace(current_launch_file_path="/a.launch.xml"))
-    assert local(context, "nothing") is None
-    assert remembered(object(), context) == ("/a.launch.xml", 0)
+    assert context_local(context, "nothing") is None
+    assert creation_location(object(), context) == ("/a.launch.xml", 0)
     thing = SimpleNamespace(_rtron_place=("/b.py", 3))
-    assert remembered(thing, context) == ("/b.py", 3)
-    assert of_error(ValueError("never raised")) == ("", 0)
-    assert of_error(SyntaxError("s", ("/c.py", 7, 1, "("))) == ("/c.py", 7)
+    assert creation_location(thing, context) == ("/b.py", 3)
+    assert error_location(ValueError("never raised")) == ("", 0)
+    assert error_location(SyntaxError("s", ("/c.py", 7, 1, "("))) == ("/c.py", 7)
 
 
 def test_the_python_of_ros2_comes_first(tmp_path):
@@ -119,17 +129,17 @@ def test_the_python_of_ros2_comes_first(tmp_path):
     ):
         script.write_text(f"{line}\n")
         script.chmod(0o755)
-        assert list(pythons({"PATH": str(tmp_path)})) == [*first, sys.executable]
+        assert list(find_pythons({"PATH": str(tmp_path)})) == [*first, sys.executable]
     python = tmp_path / "python3"
     python.write_text("")
     python.chmod(0o755)
-    assert list(pythons({"PATH": str(tmp_path)})) == [str(python), sys.executable]
-    assert sys.executable in pythons({})
+    assert list(find_pythons({"PATH": str(tmp_path)})) == [str(python), sys.executable]
+    assert sys.executable in find_pythons({})
 
 
 def start(line, program="e"):
     place = Evidence(file="/a.launch.xml", line=line)
-    return Start(kind=StartKind.NODE, package="p", program=program, evidence=place)
+    return LaunchStart(kind=StartKind.NODE, package="p", program=program, evidence=place)
 
 
 def test_lines_come_from_reading_where_they_are_certain():
@@ -137,5 +147,5 @@ def test_lines_come_from_reading_where_they_are_certain():
     executed = AppLaunch(
         file="f", starts=(start(0), start(0, "two"), start(0, "no"), start(8, "x"))
     )
-    found = with_lines(executed, read).starts
+    found = add_lines(executed, read).starts
     assert [one.evidence.line for one in found] == [3, 0, 0, 8]

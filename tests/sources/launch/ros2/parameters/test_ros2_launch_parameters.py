@@ -3,7 +3,7 @@
 import pytest
 from app_launch_values import values, whys
 
-from rtron.sources.launch.ros2.parameters.merge import names
+from rtron.sources.launch.ros2.parameters.merge import pattern_matches
 from rtron.vocabulary import UnknownValue
 
 FILE = """
@@ -258,7 +258,7 @@ def test_a_file_that_the_build_installs_elsewhere(python, package):
     ],
 )
 def test_patterns_of_node_names(pattern, node, fits):
-    assert names(pattern, node) is fits
+    assert pattern_matches(pattern, node) is fits
 
 
 NODES = {

@@ -108,15 +108,15 @@ def test_conditions_that_are_known(python, condition, starts):
     if starts:
         [node] = app.starts
         assert [place.line for place in node.conditions] == [node.evidence.line]
-        assert not node.doubtful
+        assert not node.is_uncertain
 
 
 def test_a_condition_that_is_not_known_is_read_as_true_and_noted(python):
     condition = "IfCondition(Command(['which', 'robot']))"
     app = python(f"GroupAction([{NODE.format('n')}], condition={condition}), {NODE.format('m')}")
     inner, outer = app.starts
-    assert inner.doubtful
-    assert not outer.doubtful
+    assert inner.is_uncertain
+    assert not outer.is_uncertain
     assert any("read as if it did" in why for why in whys(app))
     assert any("is not run" in why for why in whys(app))
 

@@ -66,7 +66,7 @@ def generate_launch_description():
     assert names(program(text, sim="no")) == ["/real"]
     app = program(text)
     assert sorted(names(app)) == ["/real", "/sim"]
-    assert all(start.doubtful for start in app.starts)
+    assert all(start.is_uncertain for start in app.starts)
     assert any("both sides are read" in why for why in whys(app))
 
 
@@ -184,7 +184,7 @@ def generate_launch_description():
     return LaunchDescription([one if os.path.exists('/no/such') else other, {NODE.format("'c'")}])
 """)
     assert names(app) == ["/a", "/b", "/c"]
-    assert [start.doubtful for start in app.starts] == [True, True, False]
+    assert [start.is_uncertain for start in app.starts] == [True, True, False]
 
 
 def test_a_context_that_the_launch_file_makes_itself(program, package):

@@ -10,7 +10,7 @@ import pytest
 from rtron.errors import InputError
 from rtron.sources.launch.ros2 import limits
 from rtron.sources.launch.ros2.limits import MAX_LEVELS
-from rtron.sources.launch.ros2.reader import read_launch2
+from rtron.sources.launch.ros2.reader import read_ros2_launch
 from rtron.sources.launch.ros2.substitutions.substitution import MAX_TEXT
 
 TELEOP = '<node pkg="t" exec="t" name="teleop"/>'
@@ -26,7 +26,7 @@ def read(tmp_path):
     def tree(text, environ=None, **arguments):
         app = tmp_path / "app.launch.xml"
         app.write_text(f"<launch>{text}</launch>")
-        return read_launch2(app, arguments, environ or {}, {"pkg": tmp_path})
+        return read_ros2_launch(app, arguments, environ or {}, {"pkg": tmp_path})
 
     return tree
 
@@ -141,10 +141,10 @@ def test_what_decides_a_name_a_file_or_what_starts(read, tmp_path):
     ],
 )
 def test_a_condition_decides_where_another_value_would_start_what_was_not_read(
-    read, tmp_path, action, found
+    read, tmp_path, action, fake_study
 ):
     (tmp_path / "in.launch.xml").write_text("<launch/>")
-    assert choices(read(f'<arg name="a" default="true"/>{action}')) == found
+    assert choices(read(f'<arg name="a" default="true"/>{action}')) == fake_study
 
 
 @pytest.mark.parametrize("cmd", ["ros2 run t t", "bash -c 'ros2 launch x y'", "gzserver"])
@@ -239,7 +239,7 @@ def test_a_name_that_no_file_can_have_is_not_opened(tmp_path, place, suffix):
     app = tmp_path / "app.launch.xml"
     file = f"{place.format(long)}/{long}.launch.{suffix}"
     app.write_text(f'<launch><include file="{file}"/></launch>')
-    [note] = read_launch2(app, {}, {"AMENT_PREFIX_PATH": str(tmp_path)}, {}).unresolved
+    [note] = read_ros2_launch(app, {}, {"AMENT_PREFIX_PATH": str(tmp_path)}, {}).unresolved
     assert "File name too long" in note.why or "is not here" in note.why
 
 
@@ -250,4 +250,4 @@ def test_yaml_in_which_two_readers_can_see_two_things_is_refused(tmp_path, text)
     app = tmp_path / "app.launch.yaml"
     app.write_text(text)
     with pytest.raises(InputError, match="twice"):
-        read_launch2(app, {}, {}, {})
+        read_ros2_launch(app, {}, {}, {})

@@ -3,7 +3,7 @@
 import pytest
 from app_launch_values import names, values, whys
 
-from rtron.sources.launch.ros2.folder_search import launch_files2
+from rtron.sources.launch.ros2.folder_search import find_ros2_launch_files
 from rtron.sources.launch.ros2.result import StartKind
 
 COMPONENT = """<composable_node pkg="p" plugin="P::{0}" name="{0}" namespace="c" {1}>
@@ -113,7 +113,7 @@ def test_conditions_that_are_known_and_one_that_is_not(xml):
         {node.format("d", 'if="perhaps"')}"""
     )
     assert names(app) == ["/a", "/c", "/d"]
-    assert [start.doubtful for start in app.starts] == [False, True, True]
+    assert [start.is_uncertain for start in app.starts] == [False, True, True]
     assert any("whether it counts is not known (env NO)" in why for why in whys(app))
     assert any("launch would refuse it" in why for why in whys(app))
 
@@ -180,14 +180,14 @@ def test_which_files_are_launch_files(tmp_path, name, text, listed):
     (tmp_path / "deep").mkdir()
     (tmp_path / "deep" / name).write_text(text)
     found = [tmp_path / "deep" / name] if listed else []
-    assert list(launch_files2([tmp_path])) == found
+    assert list(find_ros2_launch_files([tmp_path])) == found
 
 
 def test_what_a_build_made_is_not_searched(tmp_path):
     for folder in ("install", "build", ".git"):
         (tmp_path / folder).mkdir()
         (tmp_path / folder / "a.launch.xml").write_text("<launch/>")
-    assert launch_files2([tmp_path]) == ()
+    assert find_ros2_launch_files([tmp_path]) == ()
 
 
 @pytest.mark.parametrize(

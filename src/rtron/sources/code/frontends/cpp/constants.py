@@ -3,7 +3,7 @@
 import operator
 from collections.abc import Callable
 
-from rtron.sources.code.frontends.cpp.lowering_context import Context
+from rtron.sources.code.frontends.cpp.lowering_context import LoweringContext
 from rtron.sources.code.ir import Binary, Const, Expr, Name, Unary
 
 _MAX_BITS = 64
@@ -24,28 +24,28 @@ _SIGNS: dict[str, Callable[[int], int]] = {
 }
 
 
-def integer(context: Context, value: Expr) -> int | None:
+def integer_value(context: LoweringContext, value: Expr) -> int | None:
     """Return the integer that an expression is, with the enumerators known so far."""
     if isinstance(value, Const):
-        return _constant(value)
+        return _literal_value(value)
     if isinstance(value, Name):
         scoped = context.enums.get(context.qualified(value.id))
         return context.enums.get(value.id) if scoped is None else scoped
     if isinstance(value, Unary):
-        operand = integer(context, value.operand)
+        operand = integer_value(context, value.operand)
         sign = _SIGNS.get(value.operator)
         return sign(operand) if sign and operand is not None else None
-    return _binary(context, value) if isinstance(value, Binary) else None
+    return _binary_value(context, value) if isinstance(value, Binary) else None
 
 
-def _constant(value: Const) -> int | None:
+def _literal_value(value: Const) -> int | None:
     if isinstance(value.value, str) and len(value.value) == 1:
         return ord(value.value)
     return int(value.value) if isinstance(value.value, int) else None
 
 
-def _binary(context: Context, value: Binary) -> int | None:
-    left, right = integer(context, value.left), integer(context, value.right)
+def _binary_value(context: LoweringContext, value: Binary) -> int | None:
+    left, right = integer_value(context, value.left), integer_value(context, value.right)
     if left is None or right is None or value.operator not in _OPERATIONS:
         return None
     result = _OPERATIONS[value.operator](left, right)

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 from tree_sitter import Node
 
-from rtron.sources.code.frontends.cpp.lowering_context import Context
-from rtron.sources.code.frontends.cpp.types import spaced
+from rtron.sources.code.frontends.cpp.lowering_context import LoweringContext
+from rtron.sources.code.frontends.cpp.types import one_line_text
 from rtron.sources.code.ir import TypeRef
 
 _INNER = {
@@ -28,7 +28,7 @@ _REFERENCES = {"reference_declarator", "abstract_reference_declarator"}
 class Declarator:
     """A declared name (None where it is abstract) and what it is made of.
 
-    `function` is the node with the parameters where a function is declared. `fixed` marks a
+    `function` is the node with the parameters where a function is declared. `is_const_pointer` marks a
     pointer that always points at the same, `* const`.
     """
 
@@ -36,19 +36,19 @@ class Declarator:
     value: Node | None = None
     function: Node | None = None
     pointer: bool = False
-    fixed: bool = False
+    is_const_pointer: bool = False
     reference: bool = False
     sizes: tuple[Node | None, ...] = ()
 
-    def typed(self, context: Context, element: TypeRef | None) -> TypeRef | None:
+    def array_type(self, context: LoweringContext, element: TypeRef | None) -> TypeRef | None:
         """Return the type with the array that the declarator makes of it."""
         for size in self.sizes:
-            text = spaced(context, size) if size else ""
+            text = one_line_text(context, size) if size else ""
             element = TypeRef("array", (element or TypeRef("auto"), TypeRef(text)))
         return element
 
 
-def declarator(node: Node | None) -> Declarator:
+def read_declarator(node: Node | None) -> Declarator:
     """Return what a declarator's node says."""
     found = Declarator()
     while node is not None:
@@ -61,7 +61,7 @@ def declarator(node: Node | None) -> Declarator:
             found.function = node
         elif kind in _POINTERS:
             found.pointer = True
-            found.fixed = any(child.text == b"const" for child in node.named_children)
+            found.is_const_pointer = any(child.text == b"const" for child in node.named_children)
             found.function = None
         elif kind in _REFERENCES:
             found.reference = True
@@ -75,12 +75,12 @@ def declarator(node: Node | None) -> Declarator:
 def _inner(node: Node) -> Node | None:
     inner = node.child_by_field_name("declarator")
     if inner is None:
-        named = [child for child in node.named_children if child.type not in _SKIPPED]
+        named = [child for child in node.named_children if child.type not in _QUALIFIERS]
         inner = named[0] if named else None
     return inner
 
 
-_SKIPPED = {"type_qualifier", "ms_based_modifier", "attribute_declaration", "parameter_list"}
+_QUALIFIERS = {"type_qualifier", "ms_based_modifier", "attribute_declaration", "parameter_list"}
 
 
 def fields_of(node: Node) -> Iterator[tuple[str | None, Node]]:
@@ -94,12 +94,12 @@ def fields_of(node: Node) -> Iterator[tuple[str | None, Node]]:
         more = cursor.goto_next_sibling()
 
 
-def kinds_of(node: Node) -> set[str]:
+def specifiers(node: Node) -> set[str]:
     """Return the kinds and texts of words such as `static`, `virtual`, `const` before a name."""
     return {child.type for child in node.children}
 
 
-def has_word(context: Context, node: Node, kind: str, word: bytes) -> bool:
+def has_specifier(context: LoweringContext, node: Node, kind: str, word: bytes) -> bool:
     """Return whether a word of a kind (`type_qualifier`: `const`) stands in a declaration."""
     if context.source.find(word, node.start_byte, node.end_byte) < 0:
         return False
@@ -109,13 +109,13 @@ def has_word(context: Context, node: Node, kind: str, word: bytes) -> bool:
     )
 
 
-def is_constant(context: Context, node: Node, found: Declarator) -> bool:
+def is_constant(context: LoweringContext, node: Node, found: Declarator) -> bool:
     """Return whether a declared name always has the same value.
 
     Of a pointer the text that it points at is its value, so both have to be constant.
     """
-    const = has_word(context, node, "type_qualifier", b"const")
-    constexpr = has_word(context, node, "type_qualifier", b"constexpr")
+    const = has_specifier(context, node, "type_qualifier", b"const")
+    constexpr = has_specifier(context, node, "type_qualifier", b"constexpr")
     if found.pointer:
-        return const and (found.fixed or constexpr)
+        return const and (found.is_const_pointer or constexpr)
     return const or (constexpr and not found.reference)

@@ -2,10 +2,15 @@
 
 from tree_sitter import Node
 
-from rtron.sources.code.frontends.cpp.literals import number, string
-from rtron.sources.code.frontends.cpp.lowering_context import Context, line_of
-from rtron.sources.code.frontends.cpp.node_lowering import expression, expressions, lowers, opaque
-from rtron.sources.code.frontends.cpp.types import named, type_of
+from rtron.sources.code.frontends.cpp.literals import number_value, string_value
+from rtron.sources.code.frontends.cpp.lowering_context import LoweringContext, line_of
+from rtron.sources.code.frontends.cpp.node_lowering import (
+    lower_expression,
+    lower_expressions,
+    lower_opaque,
+    lowers_expression,
+)
+from rtron.sources.code.frontends.cpp.types import qualified_name, type_of
 from rtron.sources.code.ir import (
     Attr,
     Call,
@@ -15,7 +20,7 @@ from rtron.sources.code.ir import (
     Name,
     New,
     Opaque,
-    Sequence,
+    SequenceExpr,
     Star,
     TypeRef,
 )
@@ -24,7 +29,7 @@ _CASTS = {"static_cast", "dynamic_cast", "const_cast", "reinterpret_cast"}
 _MAX_ITEMS = 4096
 
 
-@lowers(
+@lowers_expression(
     "identifier",
     "field_identifier",
     "type_identifier",
@@ -34,7 +39,7 @@ _MAX_ITEMS = 4096
     "sized_type_specifier",
     "auto",
 )
-def name(context: Context, node: Node) -> Expr:
+def name(context: LoweringContext, node: Node) -> Expr:
     """Return a Name, one object for each name of a file."""
     key = context.source[node.start_byte : node.end_byte]
     known = context.names.get(key)
@@ -43,7 +48,7 @@ def name(context: Context, node: Node) -> Expr:
     return known
 
 
-@lowers(
+@lowers_expression(
     "qualified_identifier",
     "template_function",
     "template_type",
@@ -52,129 +57,131 @@ def name(context: Context, node: Node) -> Expr:
     "operator_name",
     "destructor_name",
 )
-def _qualified(context: Context, node: Node) -> Expr:
-    return Name(*named(context, node))
+def _qualified(context: LoweringContext, node: Node) -> Expr:
+    return Name(*qualified_name(context, node))
 
 
-@lowers("string_literal", "raw_string_literal", "char_literal")
-def _string(context: Context, node: Node) -> Expr:
-    return Const(string(context.text(node)))
+@lowers_expression("string_literal", "raw_string_literal", "char_literal")
+def _string(context: LoweringContext, node: Node) -> Expr:
+    return Const(string_value(context.text(node)))
 
 
-@lowers("concatenated_string")
-def _concatenated(context: Context, node: Node) -> Expr:
-    parts = expressions(context, node.named_children)
+@lowers_expression("concatenated_string")
+def _concatenated(context: LoweringContext, node: Node) -> Expr:
+    parts = lower_expressions(context, node.named_children)
     texts = [part.value for part in parts if isinstance(part, Const)]
     if len(texts) < len(parts):
         return Opaque(parts, context.text(node)[:60])
     return Const("".join(map(str, texts)))
 
 
-@lowers("number_literal")
-def _number(context: Context, node: Node) -> Expr:
-    value = number(context.text(node))
-    return opaque(context, node) if value is None else Const(value)
+@lowers_expression("number_literal")
+def _number(context: LoweringContext, node: Node) -> Expr:
+    value = number_value(context.text(node))
+    return lower_opaque(context, node) if value is None else Const(value)
 
 
-@lowers("true", "false")
-def _bool(_context: Context, node: Node) -> Expr:
+@lowers_expression("true", "false")
+def _bool(_context: LoweringContext, node: Node) -> Expr:
     return Const(node.type == "true")
 
 
-@lowers("null", "nullptr")
-def _null(_context: Context, _node: Node) -> Expr:
+@lowers_expression("null", "nullptr")
+def _null(_context: LoweringContext, _node: Node) -> Expr:
     return Const(None)
 
 
-@lowers(
+@lowers_expression(
     "user_defined_literal", "parenthesized_expression", "condition_clause", "co_await_expression"
 )
-def _first(context: Context, node: Node) -> Expr:
+def _inner_expression(context: LoweringContext, node: Node) -> Expr:
     children = node.named_children
-    return expression(context, children[0]) if children else opaque(context, node)
+    return lower_expression(context, children[0]) if children else lower_opaque(context, node)
 
 
-@lowers("pointer_expression", "cast_expression")
-def _dissolved(context: Context, node: Node) -> Expr:
+@lowers_expression("pointer_expression", "cast_expression")
+def _operand(context: LoweringContext, node: Node) -> Expr:
     inner = node.child_by_field_name("argument") or node.child_by_field_name("value")
-    return expression(context, inner) if inner else opaque(context, node)
+    return lower_expression(context, inner) if inner else lower_opaque(context, node)
 
 
-@lowers("field_expression")
-def _member(context: Context, node: Node) -> Expr:
+@lowers_expression("field_expression")
+def _member(context: LoweringContext, node: Node) -> Expr:
     owner = node.child_by_field_name("argument")
     field = node.child_by_field_name("field")
     if owner is None or field is None:
-        return opaque(context, node)
-    return Attr(expression(context, owner), *named(context, field))
+        return lower_opaque(context, node)
+    return Attr(lower_expression(context, owner), *qualified_name(context, field))
 
 
-@lowers("subscript_expression")
-def _element(context: Context, node: Node) -> Expr:
+@lowers_expression("subscript_expression")
+def _element(context: LoweringContext, node: Node) -> Expr:
     owner = node.child_by_field_name("argument")
     indices = node.child_by_field_name("indices")
     if owner is None or indices is None:
-        return opaque(context, node)
-    keys = expressions(context, indices.named_children)
-    key = keys[0] if len(keys) == 1 else Sequence(keys, "tuple")
-    return Index(expression(context, owner), key)
+        return lower_opaque(context, node)
+    keys = lower_expressions(context, indices.named_children)
+    key = keys[0] if len(keys) == 1 else SequenceExpr(keys, "tuple")
+    return Index(lower_expression(context, owner), key)
 
 
-@lowers("call_expression")
-def _call(context: Context, node: Node) -> Expr:
+@lowers_expression("call_expression")
+def _call(context: LoweringContext, node: Node) -> Expr:
     function = node.child_by_field_name("function")
     if function is None:
-        return opaque(context, node)
-    args = arguments(context, node.child_by_field_name("arguments"))
+        return lower_opaque(context, node)
+    args = lower_arguments(context, node.child_by_field_name("arguments"))
     if function.type == "template_function" and len(args) == 1:
         cast = function.child_by_field_name("name")
         if cast is not None and context.text(cast) in _CASTS:
             return args[0]
-    return Call(expression(context, function), args, (), line_of(node))
+    return Call(lower_expression(context, function), args, (), line_of(node))
 
 
-def arguments(context: Context, node: Node | None) -> tuple[Expr, ...]:
+def lower_arguments(context: LoweringContext, node: Node | None) -> tuple[Expr, ...]:
     """Return the expressions of an argument or initialiser list."""
     if node is None:
         return ()
     if node.type in {"argument_list", "initializer_list"}:
-        return expressions(context, node.named_children[:_MAX_ITEMS])
-    return (expression(context, node),)
+        return lower_expressions(context, node.named_children[:_MAX_ITEMS])
+    return (lower_expression(context, node),)
 
 
-@lowers("initializer_list")
-def _list(context: Context, node: Node) -> Expr:
-    return Sequence(arguments(context, node))
+@lowers_expression("initializer_list")
+def _list(context: LoweringContext, node: Node) -> Expr:
+    return SequenceExpr(lower_arguments(context, node))
 
 
-@lowers("initializer_pair")
-def _designated(context: Context, node: Node) -> Expr:
+@lowers_expression("initializer_pair")
+def _designated_initialiser(context: LoweringContext, node: Node) -> Expr:
     value = node.child_by_field_name("value")
-    return expression(context, value) if value else opaque(context, node)
+    return lower_expression(context, value) if value else lower_opaque(context, node)
 
 
-@lowers("compound_literal_expression")
-def _literal(context: Context, node: Node) -> Expr:
+@lowers_expression("compound_literal_expression")
+def _literal(context: LoweringContext, node: Node) -> Expr:
     type = type_of(context, node.child_by_field_name("type")) or TypeRef("auto")
-    return New(type, arguments(context, node.child_by_field_name("value")), line_of(node))
+    return New(type, lower_arguments(context, node.child_by_field_name("value")), line_of(node))
 
 
-@lowers("new_expression")
-def _new(context: Context, node: Node) -> Expr:
+@lowers_expression("new_expression")
+def _new(context: LoweringContext, node: Node) -> Expr:
     type = type_of(context, node.child_by_field_name("type")) or TypeRef("auto")
     array = node.child_by_field_name("declarator")
     if array is not None:
         length = array.child_by_field_name("length")
         type = TypeRef("array", (type, TypeRef(context.text(length)[:60] if length else "")))
-    return New(type, arguments(context, node.child_by_field_name("arguments")), line_of(node))
+    return New(type, lower_arguments(context, node.child_by_field_name("arguments")), line_of(node))
 
 
-@lowers("parameter_pack_expansion")
-def _pack(context: Context, node: Node) -> Expr:
+@lowers_expression("parameter_pack_expansion")
+def _pack(context: LoweringContext, node: Node) -> Expr:
     pattern = node.child_by_field_name("pattern")
-    return Star(expression(context, pattern)) if pattern else opaque(context, node)
+    return Star(lower_expression(context, pattern)) if pattern else lower_opaque(context, node)
 
 
-@lowers("sizeof_expression", "alignof_expression", "offsetof_expression", "fold_expression")
-def _unknown(context: Context, node: Node) -> Expr:
+@lowers_expression(
+    "sizeof_expression", "alignof_expression", "offsetof_expression", "fold_expression"
+)
+def _unknown(context: LoweringContext, node: Node) -> Expr:
     return Opaque((), context.text(node)[:60])

@@ -2,25 +2,25 @@
 
 from tree_sitter import Node
 
-from rtron.sources.code.frontends.cpp.captures import captured
+from rtron.sources.code.frontends.cpp.captures import lambda_captures
 from rtron.sources.code.frontends.cpp.declarators import (
     Declarator,
-    declarator,
-    has_word,
+    has_specifier,
     is_constant,
-    kinds_of,
+    read_declarator,
+    specifiers,
 )
-from rtron.sources.code.frontends.cpp.expressions import arguments
-from rtron.sources.code.frontends.cpp.lowering_context import Context, line_of
+from rtron.sources.code.frontends.cpp.expressions import lower_arguments
+from rtron.sources.code.frontends.cpp.lowering_context import LoweringContext, line_of
 from rtron.sources.code.frontends.cpp.node_lowering import (
-    block,
-    declares,
-    expression,
-    lowers,
-    statement,
-    states,
+    lower_block,
+    lower_expression,
+    lower_statement,
+    lowers_declaration,
+    lowers_expression,
+    lowers_statement,
 )
-from rtron.sources.code.frontends.cpp.types import named, type_of
+from rtron.sources.code.frontends.cpp.types import qualified_name, type_of
 from rtron.sources.code.ir import Expr, Function, Lambda, Param, Stmt, TypeRef
 
 _PARAMETERS = {
@@ -31,47 +31,47 @@ _PARAMETERS = {
 _Initialiser = tuple[str, tuple[Expr, ...]]
 
 
-@declares("function_definition")
-def _definition(context: Context, node: Node, _out: list[Stmt]) -> None:
-    add_function(context, node, declarator(node.child_by_field_name("declarator")))
+@lowers_declaration("function_definition")
+def _definition(context: LoweringContext, node: Node, _out: list[Stmt]) -> None:
+    add_function(context, node, read_declarator(node.child_by_field_name("declarator")))
 
 
-@states("function_definition")
-def _nested(context: Context, node: Node, out: list[Stmt]) -> None:
+@lowers_statement("function_definition")
+def _nested_block(context: LoweringContext, node: Node, out: list[Stmt]) -> None:
     """Lower what looks like a function in a function, a macro with a block, as its block."""
     body = node.child_by_field_name("body")
     if body is not None:
-        statement(context, body, out)
+        lower_statement(context, body, out)
 
 
-def add_function(context: Context, node: Node, found: Declarator) -> None:
+def add_function(context: LoweringContext, node: Node, found: Declarator) -> None:
     """Add the function that a definition or declaration holds to the file's."""
     signature = found.function
     if found.name is not None and found.name.type == "operator_cast":
         signature = found.name.child_by_field_name("declarator")
-    name = named(context, found.name)[0]
-    if signature is None or not name or not _is_real(context, node, name):
+    name = qualified_name(context, found.name)[0]
+    if signature is None or not name or not _is_function(context, node, name):
         return
     full = context.qualified(name)
     template = context.take_template()
-    with context.within(full):
+    with context.enter_scope(full):
         made = Function(
             name=full,
             file=context.file,
             line=line_of(node),
-            params=params(context, signature.child_by_field_name("parameters")),
+            params=lower_parameters(context, signature.child_by_field_name("parameters")),
             body=_body(context, node),
-            returns=_returned(context, node, signature),
+            returns=_return_type(context, node, signature),
             initialisers=_initialisers(context, node),
             template=template.names,
             defaults=template.defaults,
-            static=has_word(context, node, "storage_class_specifier", b"static"),
-            virtual="virtual" in kinds_of(node) or _overrides(signature),
+            static=has_specifier(context, node, "storage_class_specifier", b"static"),
+            virtual="virtual" in specifiers(node) or _overrides(signature),
         )
     context.functions.append(made)
 
 
-def _is_real(context: Context, node: Node, name: str) -> bool:
+def _is_function(context: LoweringContext, node: Node, name: str) -> bool:
     """Return whether it is a function: without a type it needs a body or a class's name."""
     last = name.rpartition("::")[2]
     if node.type == "function_definition" or node.child_by_field_name("type") is not None:
@@ -83,22 +83,24 @@ def _overrides(signature: Node) -> bool:
     return any(child.type == "virtual_specifier" for child in signature.named_children)
 
 
-def _returned(context: Context, node: Node, signature: Node) -> TypeRef | None:
+def _return_type(context: LoweringContext, node: Node, signature: Node) -> TypeRef | None:
     for child in signature.named_children:
         if child.type == "trailing_return_type" and child.named_children:
             return type_of(context, child.named_children[0])
     return type_of(context, node.child_by_field_name("type"))
 
 
-def _body(context: Context, node: Node) -> tuple[Stmt, ...] | None:
+def _body(context: LoweringContext, node: Node) -> tuple[Stmt, ...] | None:
     body = node.child_by_field_name("body")
     if body is None:
         defaulted = any(child.type == "default_method_clause" for child in node.named_children)
         return () if defaulted else None
-    return block(context, body.named_children if body.type == "compound_statement" else [body])
+    return lower_block(
+        context, body.named_children if body.type == "compound_statement" else [body]
+    )
 
 
-def _initialisers(context: Context, node: Node) -> tuple[_Initialiser, ...]:
+def _initialisers(context: LoweringContext, node: Node) -> tuple[_Initialiser, ...]:
     lists = [child for child in node.named_children if child.type == "field_initializer_list"]
     return tuple(
         _initialiser(context, child)
@@ -108,15 +110,15 @@ def _initialisers(context: Context, node: Node) -> tuple[_Initialiser, ...]:
     )
 
 
-def _initialiser(context: Context, node: Node) -> _Initialiser:
+def _initialiser(context: LoweringContext, node: Node) -> _Initialiser:
     member, *rest = node.named_children
-    return named(context, member)[0], arguments(context, rest[0] if rest else None)
+    return qualified_name(context, member)[0], lower_arguments(context, rest[0] if rest else None)
 
 
-def params(context: Context, node: Node | None) -> tuple[Param, ...]:
+def lower_parameters(context: LoweringContext, node: Node | None) -> tuple[Param, ...]:
     """Return a function's parameters; `(void)` has none."""
     children = node.named_children if node else []
-    made = [_param(context, child) for child in children if child.type in _PARAMETERS]
+    made = [_parameter(context, child) for child in children if child.type in _PARAMETERS]
     return (
         ()
         if [param.type for param in made] == [TypeRef("void")] and not made[0].name
@@ -124,33 +126,33 @@ def params(context: Context, node: Node | None) -> tuple[Param, ...]:
     )
 
 
-def _param(context: Context, node: Node) -> Param:
-    found = declarator(node.child_by_field_name("declarator"))
+def _parameter(context: LoweringContext, node: Node) -> Param:
+    found = read_declarator(node.child_by_field_name("declarator"))
     default = node.child_by_field_name("default_value")
-    const = has_word(context, node, "type_qualifier", b"const")
+    const = has_specifier(context, node, "type_qualifier", b"const")
     return Param(
-        named(context, found.name)[0],
-        found.typed(context, type_of(context, node.child_by_field_name("type"))),
-        expression(context, default) if default else None,
+        qualified_name(context, found.name)[0],
+        found.array_type(context, type_of(context, node.child_by_field_name("type"))),
+        lower_expression(context, default) if default else None,
         "star" if node.type == "variadic_parameter_declaration" else "plain",
         reference=(found.reference or found.pointer) and not const,
         constant=is_constant(context, node, found) and not found.sizes,
     )
 
 
-@lowers("lambda_expression")
-def _lambda(context: Context, node: Node) -> Lambda:
+@lowers_expression("lambda_expression")
+def _lambda(context: LoweringContext, node: Node) -> Lambda:
     signature = node.child_by_field_name("declarator")
     parameters = signature.child_by_field_name("parameters") if signature else None
-    copies, captures = captured(context, node)
+    copies, captures = lambda_captures(context, node)
     return Lambda(
         Function(
             name="",
             file=context.file,
             line=line_of(node),
-            params=params(context, parameters),
+            params=lower_parameters(context, parameters),
             body=_body(context, node),
-            returns=_returned(context, node, signature) if signature else None,
+            returns=_return_type(context, node, signature) if signature else None,
         ),
         copies,
         captures,

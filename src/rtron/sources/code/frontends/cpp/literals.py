@@ -18,17 +18,17 @@ _MAX_DIGITS = 400
 _SURROGATES = range(0xD800, 0xE000)
 
 
-def string(text: str) -> str:
+def string_value(text: str) -> str:
     """Return the value of one string or character literal, with its prefix and quotes."""
     raw = _RAW.fullmatch(text)
     if raw:
         return raw[2]
     opened = text.find('"') if '"' in text[:3] else text.find("'")
     body = text[opened + 1 : -1]
-    return _ESCAPE.sub(_unescaped, body) if "\\" in body else body
+    return _ESCAPE.sub(_unescape, body) if "\\" in body else body
 
 
-def number(text: str) -> int | float | None:
+def number_value(text: str) -> int | float | None:
     """Return the value of a number literal, None if it is none."""
     sign = -1 if text.startswith("-") else 1
     digits = text.lstrip("+-").replace("'", "").strip()
@@ -53,7 +53,7 @@ def _hexadecimal(digits: str) -> float:
         return 0.0
 
 
-def _unescaped(found: re.Match[str]) -> str:
+def _unescape(found: re.Match[str]) -> str:
     if found[1]:
         return _SIMPLE.get(found[1], found[1])
     code = int(found[3], 8) if found[3] else int(found[2] or found[4] or found[5], 16)

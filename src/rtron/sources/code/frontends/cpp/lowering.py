@@ -15,22 +15,22 @@ from rtron.sources.code.frontends.cpp import (
     statements,
     switch_statement,
 )
-from rtron.sources.code.frontends.cpp.grammar_workarounds import mended
-from rtron.sources.code.frontends.cpp.lowering_context import Context, line_of
+from rtron.sources.code.frontends.cpp.grammar_workarounds import work_around_grammar
+from rtron.sources.code.frontends.cpp.lowering_context import LoweringContext, line_of
 from rtron.sources.code.frontends.cpp.macros import Macro
-from rtron.sources.code.frontends.cpp.node_lowering import declaration
-from rtron.sources.code.frontends.cpp.preprocessor import Preprocessed, preprocess
-from rtron.sources.code.frontends.cpp.source_text import decoded
+from rtron.sources.code.frontends.cpp.node_lowering import lower_declaration
+from rtron.sources.code.frontends.cpp.preprocessor import PreprocessedFile, preprocess
+from rtron.sources.code.frontends.cpp.source_text import decode_source
 
 MAX_BYTES = 4 * 2**20
 _MAX_ERRORS = 20
 _CPP = Language(tree_sitter_cpp.language())
-_CONSTANT = re.compile(r"[^;{}#\n]{1,400}")
-_NOTHING: Mapping[str, str] = MappingProxyType({})
+_EXPRESSION_MACRO = re.compile(r"[^;{}#\n]{1,400}")
+_NO_MACROS: Mapping[str, str] = MappingProxyType({})
 _LOWERERS = (declarations, functions, operators, statements, switch_statement)
 
 
-def lower_cpp(path: str, text: bytes, defined: Mapping[str, str] = _NOTHING) -> ir.Unit:
+def lower_cpp(path: str, text: bytes, defined: Mapping[str, str] = _NO_MACROS) -> ir.Unit:
     """Return the unit of a C++ file, a source or a header.
 
     `defined` are the macros known before it begins, name and body. Nothing is raised: what cannot
@@ -39,28 +39,30 @@ def lower_cpp(path: str, text: bytes, defined: Mapping[str, str] = _NOTHING) -> 
     """
     if len(text) > MAX_BYTES:
         why = f"larger than {MAX_BYTES // 2**20} MiB; not read"
-        return ir.Unit(file=path, language=ir.Language.CPP, problems=(ir.Problem(1, why),))
-    read = preprocess(decoded(text), defined)
-    source = mended(read.code, is_c=path.endswith(".c")).encode()
-    context = Context(path, source, problems=list(read.problems))
+        return ir.Unit(
+            file=path, language=ir.SourceLanguage.CPP, problems=(ir.SourceProblem(1, why),)
+        )
+    read = preprocess(decode_source(text), defined)
+    source = work_around_grammar(read.code, is_c=path.endswith(".c")).encode()
+    context = LoweringContext(path, source, problems=list(read.problems))
     body: list[ir.Stmt] = []
     root = Parser(_CPP).parse(source).root_node
     _note_errors(context, root)
     for child in root.named_children:
-        declaration(context, child, body)
-    body += _constants(path, read.macros)
+        lower_declaration(context, child, body)
+    body += _macro_constants(path, read.macros)
     return _unit(context, read, body)
 
 
-def _unit(context: Context, read: Preprocessed, body: list[ir.Stmt]) -> ir.Unit:
+def _unit(context: LoweringContext, read: PreprocessedFile, body: list[ir.Stmt]) -> ir.Unit:
     return ir.Unit(
         file=context.file,
-        language=ir.Language.CPP,
+        language=ir.SourceLanguage.CPP,
         body=tuple(body),
         functions=tuple(context.functions),
         classes=tuple(context.classes),
         aliases=tuple(context.aliases),
-        usings=tuple(context.usings),
+        usings=tuple(context.using_declarations),
         includes=read.includes,
         exports=tuple(context.exports),
         enums=tuple(context.enums.items()),
@@ -68,7 +70,7 @@ def _unit(context: Context, read: Preprocessed, body: list[ir.Stmt]) -> ir.Unit:
     )
 
 
-def _note_errors(context: Context, root: Node) -> None:
+def _note_errors(context: LoweringContext, root: Node) -> None:
     """Note the places the parser could not read, the outermost of each."""
     open_nodes = [root] if root.has_error else []
     noted = 0
@@ -76,24 +78,26 @@ def _note_errors(context: Context, root: Node) -> None:
         node = open_nodes.pop()
         if node.is_error or node.is_missing:
             noted += 1
-            context.problem(line_of(node), f"cannot be read: {context.text(node)[:60]!r}")
+            context.add_problem(line_of(node), f"cannot be read: {context.text(node)[:60]!r}")
         else:
-            open_nodes += [child for child in reversed(node.children) if _is_wrong(child)]
+            open_nodes += [child for child in reversed(node.children) if _has_error(child)]
 
 
-def _is_wrong(node: Node) -> bool:
+def _has_error(node: Node) -> bool:
     return node.has_error or node.is_missing
 
 
-def _constants(path: str, macros: Mapping[str, Macro]) -> list[ir.Stmt]:
+def _macro_constants(path: str, macros: Mapping[str, Macro]) -> list[ir.Stmt]:
     """Return the macros that stand for an expression, each as a variable."""
     plain = {name: macro for name, macro in macros.items() if macro.params is None}
-    useful = {name: macro for name, macro in plain.items() if _CONSTANT.fullmatch(macro.body)}
+    useful = {
+        name: macro for name, macro in plain.items() if _EXPRESSION_MACRO.fullmatch(macro.body)
+    }
     source = "\n".join(f"auto {name} = {macro.body};" for name, macro in useful.items()).encode()
-    context, body = Context(path, source), list[ir.Stmt]()
+    context, body = LoweringContext(path, source), list[ir.Stmt]()
     for child in Parser(_CPP).parse(source).root_node.named_children:
         if child.type == "declaration" and not child.has_error:
-            declaration(context, child, body)
+            lower_declaration(context, child, body)
     declared = [item for item in body if isinstance(item, ir.Declare) and item.name in useful]
     return [
         ir.Declare(item.name, None, item.value, static=True, line=useful[item.name].line)

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from tree_sitter import Node
 
-from rtron.sources.code.ir import Class, Function, Name, Problem, Stmt, TypeRef
+from rtron.sources.code.ir import Class, Function, Name, SourceProblem, Stmt, TypeRef
 
 MAX_DEPTH = 90
 _MAX_PROBLEMS = 100
@@ -23,10 +23,10 @@ class Template(NamedTuple):
 
 
 @dataclass(slots=True)
-class Context:
+class LoweringContext:
     """The file being lowered; `scope` is the namespace, class or function that names are in.
 
-    `out` takes the statements of the block being lowered, so that an assignment within an
+    `statements` takes the statements of the block being lowered, so that an assignment within an
     expression can stand before the statement it is in; it is None where it must not.
     """
 
@@ -34,16 +34,16 @@ class Context:
     source: bytes
     scope: str = ""
     depth: int = 0
-    out: list[Stmt] | None = None
+    statements: list[Stmt] | None = None
     template: tuple[tuple[str, TypeRef | None], ...] = ()
     in_class: bool = False
     functions: list[Function] = field(default_factory=list)
     classes: list[Class] = field(default_factory=list)
     aliases: list[tuple[str, TypeRef]] = field(default_factory=list)
-    usings: list[str] = field(default_factory=list)
+    using_declarations: list[str] = field(default_factory=list)
     exports: list[tuple[str, str]] = field(default_factory=list)
     enums: dict[str, int | None] = field(default_factory=dict)
-    problems: list[Problem] = field(default_factory=list)
+    problems: list[SourceProblem] = field(default_factory=list)
     names: dict[bytes, Name] = field(default_factory=dict)
     types: dict[bytes, TypeRef | None] = field(default_factory=dict)
 
@@ -51,16 +51,16 @@ class Context:
         """Return a node's source text."""
         return self.source[node.start_byte : node.end_byte].decode("utf-8", "replace")
 
-    def problem(self, line: int, why: str) -> None:
+    def add_problem(self, line: int, why: str) -> None:
         """Note a part that could not be read; the number of notes is bounded."""
         if len(self.problems) < _MAX_PROBLEMS:
-            self.problems.append(Problem(line, why))
+            self.problems.append(SourceProblem(line, why))
 
-    def too_deep(self, node: Node) -> bool:
+    def is_too_deep(self, node: Node) -> bool:
         """Return whether a node lies deeper than is read; then it becomes a problem."""
         if self.depth < MAX_DEPTH:
             return False
-        self.problem(line_of(node), "nested too deep to be read")
+        self.add_problem(line_of(node), "nested too deep to be read")
         return True
 
     def qualified(self, name: str) -> str:
@@ -84,7 +84,7 @@ class Context:
         return Template(tuple(name for name, _ in template), defaults)
 
     @contextmanager
-    def within(self, scope: str, *, in_class: bool = False) -> Iterator[None]:
+    def enter_scope(self, scope: str, *, in_class: bool = False) -> Iterator[None]:
         """Enter the scope of a namespace, class or function by its qualified name."""
         outer, self.scope, self.in_class = (self.scope, self.in_class), scope, in_class
         yield

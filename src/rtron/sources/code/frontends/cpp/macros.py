@@ -18,7 +18,7 @@ _OPEN = re.compile(r"\s*\(")
 _BODY = re.compile(rf"{RAW_STRING}|{STRING}|{CHARACTER}|(?P<paste>\s*##\s*)|#\s*(?P<str>\w+)|\w+")
 _MAX_EXPANDED = 2_000_000
 _MAX_ARGUMENTS = 5_000
-_COST_OF_NO_CALL = 1_000
+_NON_CALL_COST = 1_000
 _MAX_DEPTH = 40
 
 
@@ -31,18 +31,18 @@ class Macro:
     line: int = 0
 
 
-class Macros:
+class MacroTable:
     """The macros known at a place of a file, and what they make of its code."""
 
     def __init__(self) -> None:
         self.defined: dict[str, Macro] = {}
-        self._left = _MAX_EXPANDED
+        self._expansion_left = _MAX_EXPANDED
         self._depth = 0
 
     @property
-    def exhausted(self) -> bool:
+    def is_exhausted(self) -> bool:
         """Whether so much was expanded that the rest was left as it stands."""
-        return self._left <= 0
+        return self._expansion_left <= 0
 
     def expand(self, code: str) -> str:
         """Return the code (without directives and comments) with its macros expanded."""
@@ -56,38 +56,42 @@ class Macros:
         while found := _TOKEN.search(code, position):
             position = found.end()
             name = found.group()
-            if name in self.defined and name not in hidden and self._left > 0:
-                used = self._use(name, code, position, hidden)
+            if name in self.defined and name not in hidden and self._expansion_left > 0:
+                used = self._expand_use(name, code, position, hidden)
                 if used is not None:
                     out += (code[copied : found.start()], used[0])
                     copied = position = used[1]
         out.append(code[copied:])
         return "".join(out)
 
-    def _use(
+    def _expand_use(
         self, name: str, code: str, end: int, hidden: frozenset[str]
     ) -> tuple[str, int] | None:
         """Return what the macro becomes and where the code goes on, None if it is no use of it."""
         macro = self.defined[name]
         hidden |= {name}
         if macro.params is None and self._is_alias(macro.body, hidden):
-            return self._use(macro.body, code, end, hidden) or (macro.body, end)
+            return self._expand_use(macro.body, code, end, hidden) or (macro.body, end)
         body, lines = macro.body, 0
         if macro.params is not None:
-            call = called(code, end)
+            call = call_arguments(code, end)
             if call is None:
-                self._left -= _COST_OF_NO_CALL
+                self._expansion_left -= _NON_CALL_COST
                 return None
             args, after = call
-            expanded = [self._bounded(arg, hidden - {name}) for arg in args]
-            body, lines, end = _filled(macro, args, expanded), code.count("\n", end, after), after
-        return self._bounded(body, hidden).replace("\n", " ") + "\n" * lines, end
+            expanded = [self._expand_nested(arg, hidden - {name}) for arg in args]
+            body, lines, end = (
+                _substitute_parameters(macro, args, expanded),
+                code.count("\n", end, after),
+                after,
+            )
+        return self._expand_nested(body, hidden).replace("\n", " ") + "\n" * lines, end
 
     def _is_alias(self, body: str, hidden: frozenset[str]) -> bool:
         return body in self.defined and body not in hidden and len(hidden) < _MAX_DEPTH
 
-    def _bounded(self, body: str, hidden: frozenset[str]) -> str:
-        self._left -= len(body) + 1
+    def _expand_nested(self, body: str, hidden: frozenset[str]) -> str:
+        self._expansion_left -= len(body) + 1
         if self._depth >= _MAX_DEPTH:
             return body
         self._depth += 1
@@ -96,7 +100,7 @@ class Macros:
         return expanded
 
 
-def called(code: str, end: int) -> tuple[list[str], int] | None:
+def call_arguments(code: str, end: int) -> tuple[list[str], int] | None:
     """Return the arguments of a call that may open behind `end`, and where it closes."""
     opened = _OPEN.match(code, end)
     if not opened:
@@ -114,16 +118,16 @@ def called(code: str, end: int) -> tuple[list[str], int] | None:
     return None
 
 
-def _filled(macro: Macro, args: Sequence[str], expanded: Sequence[str]) -> str:
+def _substitute_parameters(macro: Macro, args: Sequence[str], expanded: Sequence[str]) -> str:
     """Return the macro's body with its parameters replaced."""
-    raw, full = _bound(macro, args), _bound(macro, expanded)
+    raw, full = _argument_map(macro, args), _argument_map(macro, expanded)
     body = macro.body
 
     def replaced(found: re.Match[str]) -> str:
         if found["paste"]:
             return ""
         if found["str"]:
-            return _quoted(raw[found["str"]]) if found["str"] in raw else found.group()
+            return _stringify(raw[found["str"]]) if found["str"] in raw else found.group()
         pasted = (
             body[found.end() :].lstrip()[:2] == "##" or body[: found.start()].rstrip()[-2:] == "##"
         )
@@ -132,7 +136,7 @@ def _filled(macro: Macro, args: Sequence[str], expanded: Sequence[str]) -> str:
     return _BODY.sub(replaced, body)
 
 
-def _bound(macro: Macro, args: Sequence[str]) -> dict[str, str]:
+def _argument_map(macro: Macro, args: Sequence[str]) -> dict[str, str]:
     params = macro.params or ()
     named = dict(zip((name for name in params if name != "..."), args, strict=False))
     if params[-1:] == ("...",):
@@ -140,6 +144,6 @@ def _bound(macro: Macro, args: Sequence[str]) -> dict[str, str]:
     return named
 
 
-def _quoted(text: str) -> str:
+def _stringify(text: str) -> str:
     escaped = text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", " ")
     return f'"{escaped}"'

@@ -2,13 +2,13 @@
 
 from tree_sitter import Node
 
-from rtron.sources.code.frontends.cpp.lowering_context import MAX_DEPTH, Context, line_of
+from rtron.sources.code.frontends.cpp.lowering_context import MAX_DEPTH, LoweringContext, line_of
 from rtron.sources.code.frontends.cpp.node_lowering import (
-    expression,
-    expressions,
-    lowers,
-    opaque,
-    states,
+    lower_expression,
+    lower_expressions,
+    lower_opaque,
+    lowers_expression,
+    lowers_statement,
 )
 from rtron.sources.code.ir import (
     Assign,
@@ -25,19 +25,19 @@ from rtron.sources.code.ir import (
 )
 
 _LOGIC = {"&&": "and", "||": "or", "and": "and", "or": "or"}
-_SPELLED = {"bitand": "&", "bitor": "|", "xor": "^", "not_eq": "!="}
+_ALTERNATIVE_TOKENS = {"bitand": "&", "bitor": "|", "xor": "^", "not_eq": "!="}
 _BINARY = {"+", "-", "*", "/", "%", "<<", ">>", "&", "|", "^", "==", "!=", "<", "<=", ">", ">="}
 _UNARY = {"!": "not", "not": "not", "-": "-", "+": "+", "~": "~", "compl": "~"}
 _MAX_CHAIN = MAX_DEPTH // 2
 
 
-def _operator(context: Context, node: Node) -> str:
+def _operator(context: LoweringContext, node: Node) -> str:
     found = node.child_by_field_name("operator")
     return context.text(found) if found else ""
 
 
-@lowers("binary_expression")
-def _binary(context: Context, node: Node) -> Expr:
+@lowers_expression("binary_expression")
+def _binary(context: LoweringContext, node: Node) -> Expr:
     """Lower a chain of operators that lean left, `a << b << c`, from its left end."""
     chain: list[tuple[str, Node, Node]] = []
     left: Node | None = node
@@ -48,75 +48,79 @@ def _binary(context: Context, node: Node) -> Expr:
         chain.append((_operator(context, left), left, right))
         left = left.child_by_field_name("left")
     if left is None or not chain:
-        return opaque(context, node)
-    return _folded(context, left, chain[::-1])
+        return lower_opaque(context, node)
+    return _fold_chain(context, left, chain[::-1])
 
 
-def _folded(context: Context, first: Node, chain: list[tuple[str, Node, Node]]) -> Expr:
-    value = expression(context, first)
+def _fold_chain(context: LoweringContext, first: Node, chain: list[tuple[str, Node, Node]]) -> Expr:
+    value = lower_expression(context, first)
     cut = len(chain) - _MAX_CHAIN
     if cut > 0:
         rest = [right for _, _, right in chain[:cut]]
-        value = Opaque((value, *expressions(context, rest)), context.text(first)[:60])
+        value = Opaque((value, *lower_expressions(context, rest)), context.text(first)[:60])
         chain = chain[cut:]
     for operator, node, right in chain:
-        value = _joined(context, operator, value, node, right)
+        value = _combine(context, operator, value, node, right)
     return value
 
 
-def _joined(context: Context, operator: str, left: Expr, node: Node, right: Node) -> Expr:
+def _combine(context: LoweringContext, operator: str, left: Expr, node: Node, right: Node) -> Expr:
     if operator in _LOGIC:
-        word, operand = _LOGIC[operator], _unsure(context, right)
+        word, operand = _LOGIC[operator], _lower_conditionally(context, right)
         flat = left.operands if isinstance(left, Logic) and left.operator == word else (left,)
         return Logic(word, (*flat, operand))
-    operator = _SPELLED.get(operator, operator)
-    value = expression(context, right)
+    operator = _ALTERNATIVE_TOKENS.get(operator, operator)
+    value = lower_expression(context, right)
     if operator in _BINARY:
         return Binary(operator, left, value, line_of(node))
     return Opaque((left, value), context.text(node)[:60])
 
 
-def _unsure(context: Context, node: Node) -> Expr:
+def _lower_conditionally(context: LoweringContext, node: Node) -> Expr:
     """Lower an operand that may not be evaluated: nothing of it goes before the statement."""
-    outer, context.out = context.out, None
-    value = expression(context, node)
-    context.out = outer
+    outer, context.statements = context.statements, None
+    value = lower_expression(context, node)
+    context.statements = outer
     return value
 
 
-@lowers("unary_expression")
-def _unary(context: Context, node: Node) -> Expr:
+@lowers_expression("unary_expression")
+def _unary(context: LoweringContext, node: Node) -> Expr:
     operand = node.child_by_field_name("argument")
     operator = _UNARY.get(_operator(context, node))
     if operand is None or operator is None:
-        return opaque(context, node)
-    value = expression(context, operand)
+        return lower_opaque(context, node)
+    value = lower_expression(context, operand)
     if operator == "-" and isinstance(value, Const) and type(value.value) in {int, float}:
         return Const(-value.value)  # type: ignore[operator]
     return Unary(operator, value)
 
 
-@lowers("conditional_expression")
-def _conditional(context: Context, node: Node) -> Expr:
+@lowers_expression("conditional_expression")
+def _conditional(context: LoweringContext, node: Node) -> Expr:
     test = node.child_by_field_name("condition")
     body = node.child_by_field_name("consequence")
     orelse = node.child_by_field_name("alternative")
     if test is None or body is None or orelse is None:
-        return opaque(context, node)
-    return Conditional(expression(context, test), _unsure(context, body), _unsure(context, orelse))
+        return lower_opaque(context, node)
+    return Conditional(
+        lower_expression(context, test),
+        _lower_conditionally(context, body),
+        _lower_conditionally(context, orelse),
+    )
 
 
-@lowers("comma_expression")
-def _comma(context: Context, node: Node) -> Expr:
-    *before, last = _listed(node)
-    if context.out is None:
-        return opaque(context, node)
+@lowers_expression("comma_expression")
+def _comma(context: LoweringContext, node: Node) -> Expr:
+    *before, last = _comma_operands(node)
+    if context.statements is None:
+        return lower_opaque(context, node)
     for child in before:
-        discarded(context, child, context.out)
-    return expression(context, last)
+        lower_discarded(context, child, context.statements)
+    return lower_expression(context, last)
 
 
-def _listed(node: Node) -> list[Node]:
+def _comma_operands(node: Node) -> list[Node]:
     """Return the expressions between the commas."""
     found: list[Node] = []
     inner: Node | None = node
@@ -127,7 +131,7 @@ def _listed(node: Node) -> list[Node]:
     return [*found, inner] if inner is not None else found
 
 
-def discarded(context: Context, node: Node, out: list[Stmt]) -> None:
+def lower_discarded(context: LoweringContext, node: Node, out: list[Stmt]) -> None:
     """Lower an expression whose value nobody uses into statements."""
     kind = node.type
     if kind == "assignment_expression":
@@ -135,64 +139,66 @@ def discarded(context: Context, node: Node, out: list[Stmt]) -> None:
     elif kind == "update_expression":
         out += [update] if (update := _update(context, node)) else []
     elif kind == "comma_expression":
-        for child in _listed(node):
-            discarded(context, child, out)
+        for child in _comma_operands(node):
+            lower_discarded(context, child, out)
     elif kind == "delete_expression":
-        out.append(Delete(expressions(context, node.named_children)))
+        out.append(Delete(lower_expressions(context, node.named_children)))
     else:
-        value = expression(context, node)
+        value = lower_expression(context, node)
         out.append(Evaluate(value, line_of(node)))
 
 
-@states("expression_statement")
-def _statement(context: Context, node: Node, out: list[Stmt]) -> None:
+@lowers_statement("expression_statement")
+def _statement(context: LoweringContext, node: Node, out: list[Stmt]) -> None:
     for child in node.named_children:
-        discarded(context, child, out)
+        lower_discarded(context, child, out)
 
 
-def _assignment(context: Context, node: Node) -> Assign | None:
+def _assignment(context: LoweringContext, node: Node) -> Assign | None:
     left, right = node.child_by_field_name("left"), node.child_by_field_name("right")
     targets: list[Expr] = []
     while left is not None and right is not None:
-        targets.append(expression(context, left))
+        targets.append(lower_expression(context, left))
         if _operator(context, node) != "=" or right.type != "assignment_expression":
             break
         node = right
         left, right = node.child_by_field_name("left"), node.child_by_field_name("right")
     if left is None or right is None:
         return None
-    value = expression(context, right)
+    value = lower_expression(context, right)
     operator = _operator(context, node).removesuffix("=")
     if operator:
-        value = Binary(_SPELLED.get(operator, operator), targets[-1], value, line_of(node))
+        value = Binary(
+            _ALTERNATIVE_TOKENS.get(operator, operator), targets[-1], value, line_of(node)
+        )
     return Assign(tuple(targets), value, line_of(node))
 
 
-def _update(context: Context, node: Node) -> Assign | None:
+def _update(context: LoweringContext, node: Node) -> Assign | None:
     argument = node.child_by_field_name("argument")
     if argument is None:
         return None
-    target = expression(context, argument)
+    target = lower_expression(context, argument)
     step = _operator(context, node)[:1] or "+"
     return Assign((target,), Binary(step, target, Const(1), line_of(node)), line_of(node))
 
 
-@lowers("assignment_expression")
-def _assigned(context: Context, node: Node) -> Expr:
-    assignment = _assignment(context, node) if context.out is not None else None
-    if assignment is None or context.out is None:
-        return opaque(context, node)
-    context.out.append(assignment)
+@lowers_expression("assignment_expression")
+def _assignment_value(context: LoweringContext, node: Node) -> Expr:
+    assignment = _assignment(context, node) if context.statements is not None else None
+    if assignment is None or context.statements is None:
+        return lower_opaque(context, node)
+    context.statements.append(assignment)
     return assignment.targets[0]
 
 
-@lowers("update_expression")
-def _updated(context: Context, node: Node) -> Expr:
+@lowers_expression("update_expression")
+def _update_value(context: LoweringContext, node: Node) -> Expr:
     """Put `x++` before the statement; its value, the old one, is `x - 1` then."""
-    update = _update(context, node) if context.out is not None else None
-    if update is None or context.out is None:
-        return opaque(context, node)
-    context.out.append(update)
+    update = _update(context, node) if context.statements is not None else None
+    if update is None or context.statements is None:
+        return lower_opaque(context, node)
+    context.statements.append(update)
     target = update.targets[0]
     if not node.children[0].is_named:
         return target
@@ -200,6 +206,6 @@ def _updated(context: Context, node: Node) -> Expr:
     return Binary(back, target, Const(1), line_of(node))
 
 
-@lowers("delete_expression")
-def _deleted(context: Context, node: Node) -> Expr:
-    return opaque(context, node)
+@lowers_expression("delete_expression")
+def _delete_value(context: LoweringContext, node: Node) -> Expr:
+    return lower_opaque(context, node)

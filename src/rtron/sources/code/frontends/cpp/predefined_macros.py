@@ -5,7 +5,7 @@ a form it does: Qt's (https://doc.qt.io/qt-5/signalsandslots.html), Boost.Foreac
 the registrations of plugins (ROS wiki: pluginlib, nodelet; gazebosim.org: plugins).
 """
 
-PREDEFINED = """
+PREDEFINED_MACROS = """
 #define __cplusplus 201402
 #define __linux__ 1
 #define __linux 1
@@ -91,7 +91,7 @@ PREDEFINED = """
 #define GZ_REGISTER_GUI_PLUGIN(type) PLUGINLIB_EXPORT_CLASS(type, gazebo::GUIPlugin)
 """
 
-LOGGING = "\n".join(
+LOGGING_MACROS = "\n".join(
     f"#define RCLCPP_{level}{stream}{how}(...)"
     for level in ("DEBUG", "INFO", "WARN", "ERROR", "FATAL")
     for stream in ("", "_STREAM")
@@ -102,7 +102,7 @@ LOGGING = "\n".join(
 )
 """What rclcpp's programs say, which joins no nodes (rclcpp/logging.hpp)."""
 
-QT_WORDS = """
+QT_MACROS = """
 #define slots
 #define signals public
 #define emit
@@ -110,5 +110,5 @@ QT_WORDS = """
 #define forever for (;;)
 """
 
-EXPORT = "PLUGINLIB_EXPORT_CLASS"
-ADAPTED = "RCLCPP_ADAPTED"
+EXPORT_ALIAS = "PLUGINLIB_EXPORT_CLASS"
+ADAPTER_ALIAS = "RCLCPP_ADAPTED"

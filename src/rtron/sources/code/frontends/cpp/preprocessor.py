@@ -14,11 +14,15 @@ from rtron.sources.code.frontends.cpp.macros import (
     RAW_STRING,
     STRING,
     Macro,
-    Macros,
+    MacroTable,
 )
-from rtron.sources.code.frontends.cpp.predefined_macros import LOGGING, PREDEFINED, QT_WORDS
-from rtron.sources.code.frontends.cpp.preprocessor_condition import holds
-from rtron.sources.code.ir import Problem
+from rtron.sources.code.frontends.cpp.predefined_macros import (
+    LOGGING_MACROS,
+    PREDEFINED_MACROS,
+    QT_MACROS,
+)
+from rtron.sources.code.frontends.cpp.preprocessor_condition import is_true
+from rtron.sources.code.ir import SourceProblem
 
 _CONTINUED = r"(?:\\\n|[^\n])*"
 _PIECE = re.compile(
@@ -39,28 +43,28 @@ _MAY_BE_QT = ("Q_OBJECT", "<Q", "emit ")
 
 
 @dataclass(frozen=True, slots=True)
-class Preprocessed:
+class PreprocessedFile:
     """The code that is left, on its lines, and what the directives said."""
 
     code: str
     includes: tuple[str, ...]
     macros: Mapping[str, Macro]
-    problems: tuple[Problem, ...]
+    problems: tuple[SourceProblem, ...]
 
 
-def preprocess(text: str, defined: Mapping[str, str]) -> Preprocessed:
+def preprocess(text: str, defined: Mapping[str, str]) -> PreprocessedFile:
     """Return what the compiler sees of a file; `defined` are object-like macros known before it.
 
     What cannot be read, an `#if` or an `#endif` without its `#if`, is among the problems.
     """
-    reader = _Reader(Macros())
+    reader = _DirectiveReader(MacroTable())
     reader.macros.defined.update(_predefined(qt=_is_qt(text)))
     known = {name: Macro(body) for name, body in defined.items()}
     reader.macros.defined.update(known)
     before = dict(reader.macros.defined)
     code = reader.read(text)
     macros = {k: v for k, v in reader.macros.defined.items() if before.get(k) is not v}
-    return Preprocessed(code, tuple(reader.includes), macros, tuple(reader.problems))
+    return PreprocessedFile(code, tuple(reader.includes), macros, tuple(reader.problems))
 
 
 def _is_qt(text: str) -> bool:
@@ -70,8 +74,8 @@ def _is_qt(text: str) -> bool:
 @cache
 def _predefined(*, qt: bool) -> Mapping[str, Macro]:
     """Return the macros that are defined before a file begins, read once."""
-    reader = _Reader(Macros())
-    reader.read(PREDEFINED + LOGGING + (QT_WORDS if qt else ""))
+    reader = _DirectiveReader(MacroTable())
+    reader.read(PREDEFINED_MACROS + LOGGING_MACROS + (QT_MACROS if qt else ""))
     return reader.macros.defined
 
 
@@ -79,18 +83,18 @@ def _predefined(*, qt: bool) -> Mapping[str, Macro]:
 class _Branch:
     """An open `#if`: whether its present branch lives, and whether one already did."""
 
-    live: bool
-    taken: bool
+    is_active: bool
+    was_taken: bool
     line: int
 
 
 @dataclass(slots=True)
-class _Reader:
+class _DirectiveReader:
     """Reads a file's directives in order."""
 
-    macros: Macros
+    macros: MacroTable
     includes: list[str] = field(default_factory=list)
-    problems: list[Problem] = field(default_factory=list)
+    problems: list[SourceProblem] = field(default_factory=list)
     _branches: list[_Branch] = field(default_factory=list)
     _line: int = 1
 
@@ -100,7 +104,7 @@ class _Reader:
         for branch in self._branches:
             self._problem("#if without #endif", branch.line)
         self._branches.clear()
-        if self.macros.exhausted:
+        if self.macros.is_exhausted:
             self._problem("macros expand to too much text; the rest is not expanded")
         return code
 
@@ -119,23 +123,27 @@ class _Reader:
             if piece[0] == "/":
                 segment.append(" " + "\n" * lines)
                 continue
-            yield self._finished(segment)
+            yield self._expand_segment(segment)
             self._directive(piece[1:])
             self._line += lines
             yield "\n" * lines
         segment.append(text[position:])
-        yield self._finished(segment)
+        yield self._expand_segment(segment)
 
-    def _finished(self, segment: list[str]) -> str:
+    def _expand_segment(self, segment: list[str]) -> str:
         code = "".join(segment)
         segment.clear()
         lines = code.count("\n")
         self._line += lines
-        return self.macros.expand(_SPLICED.sub(_joined, code)) if self._live else "\n" * lines
+        return (
+            self.macros.expand(_SPLICED.sub(_join_continued, code))
+            if self._is_active
+            else "\n" * lines
+        )
 
     @property
-    def _live(self) -> bool:
-        return not self._branches or self._branches[-1].live
+    def _is_active(self) -> bool:
+        return not self._branches or self._branches[-1].is_active
 
     def _directive(self, text: str) -> None:
         plain = _COMMENT.sub(_without_comment, text.replace("\\\n", " "))
@@ -143,11 +151,11 @@ class _Reader:
         name, rest = (found[1], found[2].strip()) if found else ("", "")
         if name in _CONDITIONS:
             _CONDITIONS[name](self, rest)
-        elif self._live and name in _ACTIONS:
+        elif self._is_active and name in _ACTIONS:
             _ACTIONS[name](self, rest)
 
     def _problem(self, why: str, line: int = 0) -> None:
-        self.problems.append(Problem(line or self._line, why))
+        self.problems.append(SourceProblem(line or self._line, why))
 
     def _define(self, rest: str) -> None:
         found = _DEFINE.match(rest)
@@ -162,32 +170,32 @@ class _Reader:
         self.includes.append(rest if rest[:1] in {"<", '"'} else self.macros.expand(rest))
 
     def _if(self, rest: str) -> None:
-        self._open(lambda: self._holds(rest))
+        self._open_branch(lambda: self._is_true(rest))
 
     def _ifdef(self, rest: str) -> None:
-        self._open(lambda: _first(rest) in self.macros.defined)
+        self._open_branch(lambda: _first_word(rest) in self.macros.defined)
 
     def _ifndef(self, rest: str) -> None:
-        self._open(lambda: _first(rest) not in self.macros.defined)
+        self._open_branch(lambda: _first_word(rest) not in self.macros.defined)
 
-    def _open(self, test: Callable[[], bool]) -> None:
-        outer = self._live
+    def _open_branch(self, test: Callable[[], bool]) -> None:
+        outer = self._is_active
         live = outer and test()
         self._branches.append(_Branch(live, live or not outer, self._line))
 
     def _elif(self, rest: str) -> None:
-        self._turn("#elif", lambda: self._holds(rest))
+        self._switch_branch("#elif", lambda: self._is_true(rest))
 
     def _else(self, _rest: str) -> None:
-        self._turn("#else", lambda: True)
+        self._switch_branch("#else", lambda: True)
 
-    def _turn(self, name: str, test: Callable[[], bool]) -> None:
+    def _switch_branch(self, name: str, test: Callable[[], bool]) -> None:
         if not self._branches:
             self._problem(f"{name} without #if")
             return
         branch = self._branches[-1]
-        branch.live = not branch.taken and test()
-        branch.taken |= branch.live
+        branch.is_active = not branch.was_taken and test()
+        branch.was_taken |= branch.is_active
 
     def _endif(self, _rest: str) -> None:
         if self._branches:
@@ -195,30 +203,30 @@ class _Reader:
         else:
             self._problem("#endif without #if")
 
-    def _holds(self, rest: str) -> bool:
+    def _is_true(self, rest: str) -> bool:
         try:
-            return holds(rest, self.macros)
+            return is_true(rest, self.macros)
         except ValueError as error:
             self._problem(f"#if {rest[:60]}: {error}")
             return False
 
 
-_CONDITIONS: dict[str, Callable[[_Reader, str], None]] = {
-    "if": _Reader._if,  # noqa: SLF001
-    "ifdef": _Reader._ifdef,  # noqa: SLF001
-    "ifndef": _Reader._ifndef,  # noqa: SLF001
-    "elif": _Reader._elif,  # noqa: SLF001
-    "else": _Reader._else,  # noqa: SLF001
-    "endif": _Reader._endif,  # noqa: SLF001
+_CONDITIONS: dict[str, Callable[[_DirectiveReader, str], None]] = {
+    "if": _DirectiveReader._if,  # noqa: SLF001
+    "ifdef": _DirectiveReader._ifdef,  # noqa: SLF001
+    "ifndef": _DirectiveReader._ifndef,  # noqa: SLF001
+    "elif": _DirectiveReader._elif,  # noqa: SLF001
+    "else": _DirectiveReader._else,  # noqa: SLF001
+    "endif": _DirectiveReader._endif,  # noqa: SLF001
 }
-_ACTIONS: dict[str, Callable[[_Reader, str], None]] = {
-    "define": _Reader._define,  # noqa: SLF001
-    "undef": _Reader._undef,  # noqa: SLF001
-    "include": _Reader._include,  # noqa: SLF001
+_ACTIONS: dict[str, Callable[[_DirectiveReader, str], None]] = {
+    "define": _DirectiveReader._define,  # noqa: SLF001
+    "undef": _DirectiveReader._undef,  # noqa: SLF001
+    "include": _DirectiveReader._include,  # noqa: SLF001
 }
 
 
-def _joined(found: re.Match[str]) -> str:
+def _join_continued(found: re.Match[str]) -> str:
     """Return a line that goes on behind a backslash as one line, its newlines behind it."""
     return found.group().replace("\\\n", "") + "\n" * found.group().count("\\\n")
 
@@ -227,7 +235,7 @@ def _params(text: str) -> tuple[str, ...]:
     return tuple(name.strip() for name in text.split(",") if name.strip())
 
 
-def _first(text: str) -> str:
+def _first_word(text: str) -> str:
     return text.split(maxsplit=1)[0] if text else ""
 
 

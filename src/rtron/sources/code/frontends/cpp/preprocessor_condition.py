@@ -4,10 +4,10 @@ import operator
 import re
 from collections.abc import Callable
 
-from rtron.sources.code.frontends.cpp.macros import Macros
+from rtron.sources.code.frontends.cpp.macros import MacroTable
 
 _DEFINED = re.compile(r"\bdefined\s*(?:\(\s*(\w+)\s*\)|(\w+))")
-_HAS = re.compile(r"\b__has_\w+\s*\([^()]*\)")
+_HAS_FEATURE = re.compile(r"\b__has_\w+\s*\([^()]*\)")
 _CALL = re.compile(r"\b[A-Za-z_]\w*\s*\([^()]*\)")
 _TOKEN = re.compile(
     r"\s*(0[xX][\da-fA-F']+|0[bB][01']+|\d[\d']*|[A-Za-z_]\w*|'(?:\\.|[^'\\])'|<<|>>|&&|\|\||[=!<>]=|\S)"
@@ -15,7 +15,7 @@ _TOKEN = re.compile(
 _SUFFIXED = re.compile(r"(?<=[\da-fA-F])[uUlLzZ]+\b")
 _MAX_TOKENS = 400
 _MAX_DEPTH = 60
-_WORDS = {"and": "&&", "or": "||", "not": "!"}
+_WORD_OPERATORS = {"and": "&&", "or": "||", "not": "!"}
 _LEVELS: dict[str, int] = {
     **dict.fromkeys(["*", "/", "%"], 10),
     **dict.fromkeys(["+", "-"], 9),
@@ -56,21 +56,21 @@ _UNARY: dict[str, Callable[[int], int]] = {
 }
 
 
-def holds(text: str, macros: Macros) -> bool:
+def is_true(text: str, macros: MacroTable) -> bool:
     """Return whether a condition is true; raise ValueError where it cannot be read."""
 
     def is_defined(found: re.Match[str]) -> str:
         return "1" if (found[1] or found[2]) in macros.defined else "0"
 
-    expanded = macros.expand(_HAS.sub("0", _DEFINED.sub(is_defined, text)))
-    return bool(_Reader(_SUFFIXED.sub("", _CALL.sub("0", expanded))).value())
+    expanded = macros.expand(_HAS_FEATURE.sub("0", _DEFINED.sub(is_defined, text)))
+    return bool(_IfExpressionParser(_SUFFIXED.sub("", _CALL.sub("0", expanded))).value())
 
 
-class _Reader:
+class _IfExpressionParser:
     """Reads the tokens of one condition by the levels of their operators."""
 
     def __init__(self, text: str) -> None:
-        self._tokens = [_WORDS.get(symbol, symbol) for symbol in _TOKEN.findall(text)]
+        self._tokens = [_WORD_OPERATORS.get(symbol, symbol) for symbol in _TOKEN.findall(text)]
         self._at = 0
         self._depth = 0
         if len(self._tokens) > _MAX_TOKENS:
@@ -91,19 +91,19 @@ class _Reader:
         return symbol
 
     def _ternary(self) -> int:
-        self._deeper()
+        self._enter()
         test = self._binary(1)
         if self._peek() != "?":
             self._depth -= 1
             return test
         self._next()
         body = self._ternary()
-        self._take(":")
+        self._expect(":")
         orelse = self._ternary()
         self._depth -= 1
         return body if test else orelse
 
-    def _take(self, symbol: str) -> None:
+    def _expect(self, symbol: str) -> None:
         if self._next() != symbol:
             raise ValueError(f"`{symbol}` is missing in a condition")
 
@@ -112,29 +112,29 @@ class _Reader:
         while _LEVELS.get(self._peek(), 0) >= level:
             symbol = self._next()
             right = self._binary(_LEVELS[symbol] + 1)
-            left = _applied(symbol, left, right)
+            left = _apply(symbol, left, right)
         return left
 
-    def _deeper(self) -> None:
+    def _enter(self) -> None:
         self._depth += 1
         if self._depth > _MAX_DEPTH:
             raise ValueError("the condition is nested too deep")
 
     def _unary(self) -> int:
         symbol = self._next()
-        self._deeper()
+        self._enter()
         if symbol in _UNARY:
             value = int(_UNARY[symbol](self._unary()))
         elif symbol == "(":
             value = self._ternary()
-            self._take(")")
+            self._expect(")")
         else:
             value = _literal(symbol)
         self._depth -= 1
         return value
 
 
-def _applied(symbol: str, left: int, right: int) -> int:
+def _apply(symbol: str, left: int, right: int) -> int:
     try:
         value = int(_OPERATIONS[symbol](left, right))
     except (ArithmeticError, ValueError):

@@ -2,12 +2,22 @@
 
 from tree_sitter import Node
 
-from rtron.sources.code.frontends.cpp.declarators import declarator
-from rtron.sources.code.frontends.cpp.lowering_context import Context, line_of
-from rtron.sources.code.frontends.cpp.node_lowering import block, expression, statement, states
-from rtron.sources.code.frontends.cpp.operators import discarded
-from rtron.sources.code.frontends.cpp.types import named, type_of
-from rtron.sources.code.frontends.cpp.variables import bound, declared, local, variable
+from rtron.sources.code.frontends.cpp.declarators import read_declarator
+from rtron.sources.code.frontends.cpp.lowering_context import LoweringContext, line_of
+from rtron.sources.code.frontends.cpp.node_lowering import (
+    lower_block,
+    lower_expression,
+    lower_statement,
+    lowers_statement,
+)
+from rtron.sources.code.frontends.cpp.operators import lower_discarded
+from rtron.sources.code.frontends.cpp.types import qualified_name, type_of
+from rtron.sources.code.frontends.cpp.variables import (
+    lower_local,
+    lower_variable,
+    named_declarators,
+    structured_binding,
+)
 from rtron.sources.code.ir import (
     Break,
     Const,
@@ -25,160 +35,162 @@ from rtron.sources.code.ir import (
 )
 
 
-@states("compound_statement", "ERROR", "else_clause", "init_statement", "case_statement")
-def _block(context: Context, node: Node, out: list[Stmt]) -> None:
+@lowers_statement("compound_statement", "ERROR", "else_clause", "init_statement", "case_statement")
+def _block(context: LoweringContext, node: Node, out: list[Stmt]) -> None:
     for child in node.named_children:
-        statement(context, child, out)
+        lower_statement(context, child, out)
 
 
-@states("labeled_statement", "attributed_statement")
-def _last(context: Context, node: Node, out: list[Stmt]) -> None:
+@lowers_statement("labeled_statement", "attributed_statement")
+def _lower_last(context: LoweringContext, node: Node, out: list[Stmt]) -> None:
     for child in node.named_children[-1:]:
-        statement(context, child, out)
+        lower_statement(context, child, out)
 
 
-def body_of(context: Context, node: Node | None) -> tuple[Stmt, ...]:
+def lower_body(context: LoweringContext, node: Node | None) -> tuple[Stmt, ...]:
     """Return the statements of a loop's or branch's body."""
-    return block(context, [node]) if node else ()
+    return lower_block(context, [node]) if node else ()
 
 
-def condition(context: Context, node: Node | None, out: list[Stmt]) -> Expr:
-    """Return the test of a condition; what it declares or assigns goes to `out` before."""
+def lower_condition(context: LoweringContext, node: Node | None, out: list[Stmt]) -> Expr:
+    """Return the test of a condition; what it declares or assigns goes to `statements` before."""
     if node is None:
         return Const(value=True)
     first = node.child_by_field_name("initializer")
     if first is not None:
-        statement(context, first, out)
+        lower_statement(context, first, out)
     value = node.child_by_field_name("value") or node
-    outer, context.out = context.out, out
-    test = _declared_test(context, value, out) or expression(context, value)
-    context.out = outer
+    outer, context.statements = context.statements, out
+    test = _declared_condition(context, value, out) or lower_expression(context, value)
+    context.statements = outer
     return test
 
 
-def _declared_test(context: Context, node: Node, out: list[Stmt]) -> Expr | None:
+def _declared_condition(context: LoweringContext, node: Node, out: list[Stmt]) -> Expr | None:
     if node.type != "declaration":
         return None
-    for one in declared(node):
-        name = named(context, one.declarator.name)[0]
-        out.append(variable(context, node, one, name))
+    for one in named_declarators(node):
+        name = qualified_name(context, one.declarator.name)[0]
+        out.append(lower_variable(context, node, one, name))
         return Name(name)
     return None
 
 
-@states("if_statement")
-def _if(context: Context, node: Node, out: list[Stmt]) -> None:
-    test = condition(context, node.child_by_field_name("condition"), out)
-    body = body_of(context, node.child_by_field_name("consequence"))
-    orelse = body_of(context, node.child_by_field_name("alternative"))
+@lowers_statement("if_statement")
+def _if(context: LoweringContext, node: Node, out: list[Stmt]) -> None:
+    test = lower_condition(context, node.child_by_field_name("condition"), out)
+    body = lower_body(context, node.child_by_field_name("consequence"))
+    orelse = lower_body(context, node.child_by_field_name("alternative"))
     out.append(If(test, body, orelse, line_of(node)))
 
 
-@states("while_statement")
-def _while(context: Context, node: Node, out: list[Stmt]) -> None:
+@lowers_statement("while_statement")
+def _while(context: LoweringContext, node: Node, out: list[Stmt]) -> None:
     before: list[Stmt] = []
-    test = condition(context, node.child_by_field_name("condition"), before)
+    test = lower_condition(context, node.child_by_field_name("condition"), before)
     out += before
-    body = body_of(context, node.child_by_field_name("body"))
+    body = lower_body(context, node.child_by_field_name("body"))
     out.append(While(test, body, tuple(before), line=line_of(node)))
 
 
-@states("do_statement")
-def _do(context: Context, node: Node, out: list[Stmt]) -> None:
+@lowers_statement("do_statement")
+def _do(context: LoweringContext, node: Node, out: list[Stmt]) -> None:
     before: list[Stmt] = []
-    test = condition(context, node.child_by_field_name("condition"), before)
-    body = body_of(context, node.child_by_field_name("body"))
+    test = lower_condition(context, node.child_by_field_name("condition"), before)
+    body = lower_body(context, node.child_by_field_name("body"))
     out.append(While(test, body, tuple(before), first=True, line=line_of(node)))
 
 
-@states("for_statement")
-def _for(context: Context, node: Node, out: list[Stmt]) -> None:
-    _written(context, node.child_by_field_name("initializer"), out)
+@lowers_statement("for_statement")
+def _for(context: LoweringContext, node: Node, out: list[Stmt]) -> None:
+    _lower_clause(context, node.child_by_field_name("initializer"), out)
     before: list[Stmt] = []
-    test = condition(context, node.child_by_field_name("condition"), before)
+    test = lower_condition(context, node.child_by_field_name("condition"), before)
     out += before
     step: list[Stmt] = []
-    _written(context, node.child_by_field_name("update"), step)
-    body = body_of(context, node.child_by_field_name("body"))
+    _lower_clause(context, node.child_by_field_name("update"), step)
+    body = lower_body(context, node.child_by_field_name("body"))
     out.append(While(test, body, (*step, *before), line=line_of(node)))
 
 
-def _written(context: Context, node: Node | None, out: list[Stmt]) -> None:
+def _lower_clause(context: LoweringContext, node: Node | None, out: list[Stmt]) -> None:
     if node is None:
         return
     if node.type.endswith("_expression"):
-        outer, context.out = context.out, out
-        discarded(context, node, out)
-        context.out = outer
+        outer, context.statements = context.statements, out
+        lower_discarded(context, node, out)
+        context.statements = outer
     else:
-        statement(context, node, out)
+        lower_statement(context, node, out)
 
 
-@states("for_range_loop")
-def _range(context: Context, node: Node, out: list[Stmt]) -> None:
-    _written(context, node.child_by_field_name("initializer"), out)
+@lowers_statement("for_range_loop")
+def _range(context: LoweringContext, node: Node, out: list[Stmt]) -> None:
+    _lower_clause(context, node.child_by_field_name("initializer"), out)
     values = node.child_by_field_name("right")
-    name = declarator(node.child_by_field_name("declarator")).name
+    name = read_declarator(node.child_by_field_name("declarator")).name
     target: Expr = Name("")
     if name is not None:
         binding = name.type == "structured_binding_declarator"
-        target = bound(context, name) if binding else Name(*named(context, name))
-    iterable = expression(context, values) if values else Const(None)
-    body = body_of(context, node.child_by_field_name("body"))
+        target = (
+            structured_binding(context, name) if binding else Name(*qualified_name(context, name))
+        )
+    iterable = lower_expression(context, values) if values else Const(None)
+    body = lower_body(context, node.child_by_field_name("body"))
     out.append(ForEach(target, iterable, body, line_of(node)))
 
 
-@states("return_statement", "co_return_statement")
-def _return(context: Context, node: Node, out: list[Stmt]) -> None:
+@lowers_statement("return_statement", "co_return_statement")
+def _return(context: LoweringContext, node: Node, out: list[Stmt]) -> None:
     out.append(Return(_value(context, node), line_of(node)))
 
 
-@states("throw_statement")
-def _throw(context: Context, node: Node, out: list[Stmt]) -> None:
+@lowers_statement("throw_statement")
+def _throw(context: LoweringContext, node: Node, out: list[Stmt]) -> None:
     out.append(Raise(_value(context, node)))
 
 
-@states("co_yield_statement")
-def _yield(context: Context, node: Node, out: list[Stmt]) -> None:
+@lowers_statement("co_yield_statement")
+def _yield(context: LoweringContext, node: Node, out: list[Stmt]) -> None:
     out.append(Yield(_value(context, node)))
 
 
-def _value(context: Context, node: Node) -> Expr | None:
+def _value(context: LoweringContext, node: Node) -> Expr | None:
     children = node.named_children
-    return expression(context, children[0]) if children else None
+    return lower_expression(context, children[0]) if children else None
 
 
-@states("break_statement")
-def _break(_context: Context, _node: Node, out: list[Stmt]) -> None:
+@lowers_statement("break_statement")
+def _break(_context: LoweringContext, _node: Node, out: list[Stmt]) -> None:
     out.append(Break())
 
 
-@states("continue_statement")
-def _continue(_context: Context, _node: Node, out: list[Stmt]) -> None:
+@lowers_statement("continue_statement")
+def _continue(_context: LoweringContext, _node: Node, out: list[Stmt]) -> None:
     out.append(Continue())
 
 
-@states("declaration", "field_declaration")
-def _declaration(context: Context, node: Node, out: list[Stmt]) -> None:
+@lowers_statement("declaration", "field_declaration")
+def _declaration(context: LoweringContext, node: Node, out: list[Stmt]) -> None:
     type = node.child_by_field_name("type")
     if type is not None and type.child_by_field_name("body") is not None:
-        statement(context, type, out)
-    local(context, node, out)
+        lower_statement(context, type, out)
+    lower_local(context, node, out)
 
 
-@states("try_statement")
-def _try(context: Context, node: Node, out: list[Stmt]) -> None:
-    body = body_of(context, node.child_by_field_name("body"))
+@lowers_statement("try_statement")
+def _try(context: LoweringContext, node: Node, out: list[Stmt]) -> None:
+    body = lower_body(context, node.child_by_field_name("body"))
     clauses = [child for child in node.named_children if child.type == "catch_clause"]
     out.append(Try(body, tuple(_handler(context, clause) for clause in clauses)))
 
 
-def _handler(context: Context, node: Node) -> tuple[tuple[str, ...], str, tuple[Stmt, ...]]:
-    body = body_of(context, node.child_by_field_name("body"))
+def _handler(context: LoweringContext, node: Node) -> tuple[tuple[str, ...], str, tuple[Stmt, ...]]:
+    body = lower_body(context, node.child_by_field_name("body"))
     caught = node.child_by_field_name("parameters")
     if caught is None or not caught.named_children:
         return ("...",), "", body
     param = caught.named_children[0]
     type = type_of(context, param.child_by_field_name("type"))
-    name = declarator(param.child_by_field_name("declarator")).name
-    return (str(type or "..."),), named(context, name)[0], body
+    name = read_declarator(param.child_by_field_name("declarator")).name
+    return (str(type or "..."),), qualified_name(context, name)[0], body

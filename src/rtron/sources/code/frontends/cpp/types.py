@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 from tree_sitter import Node
 
-from rtron.sources.code.frontends.cpp.lowering_context import Context
+from rtron.sources.code.frontends.cpp.lowering_context import LoweringContext
 from rtron.sources.code.ir import TypeRef
 
 Types = tuple[TypeRef, ...]
@@ -15,52 +15,52 @@ _SPECIFIERS = {"struct_specifier", "class_specifier", "union_specifier", "enum_s
 _DEDUCED = {"placeholder_type_specifier", "auto", "decltype"}
 
 
-def type_of(context: Context, node: Node | None) -> TypeRef | None:
+def type_of(context: LoweringContext, node: Node | None) -> TypeRef | None:
     """Return the type that a node names, None for `auto`, `decltype` and where there is none."""
     if node is None or node.type in _DEDUCED:
         return None
     if node.type in _SPECIFIERS:
-        return _specified(context, node)
+        return _specifier_type(context, node)
     key = context.source[node.start_byte : node.end_byte]
     if key not in context.types:
-        context.types[key] = _type(context, node)
+        context.types[key] = _read_type(context, node)
     return context.types[key]
 
 
-def _type(context: Context, node: Node) -> TypeRef | None:
+def _read_type(context: LoweringContext, node: Node) -> TypeRef | None:
     kind = node.type
     if kind == "type_descriptor":
-        return _described(context, node)
+        return _descriptor_type(context, node)
     if kind in {"dependent_type", "attributed_type"} and node.named_children:
         return type_of(context, node.named_children[0])
-    return TypeRef(*named(context, node))
+    return TypeRef(*qualified_name(context, node))
 
 
-def _specified(context: Context, node: Node) -> TypeRef | None:
+def _specifier_type(context: LoweringContext, node: Node) -> TypeRef | None:
     name = node.child_by_field_name("name")
-    return type_of(context, name) if name else TypeRef(anonymous(node))
+    return type_of(context, name) if name else TypeRef(anonymous_name(node))
 
 
-def anonymous(node: Node) -> str:
+def anonymous_name(node: Node) -> str:
     """Return the name given to a class or enum without one, by its line."""
     return f"{node.type.split('_')[0]}@{node.start_point[0] + 1}"
 
 
-def _described(context: Context, node: Node) -> TypeRef | None:
+def _descriptor_type(context: LoweringContext, node: Node) -> TypeRef | None:
     declarator = node.child_by_field_name("declarator")
     while declarator is not None and declarator.type != "abstract_function_declarator":
         declarator = declarator.child_by_field_name("declarator")
     if declarator is not None:
-        return TypeRef(spaced(context, node))
+        return TypeRef(one_line_text(context, node))
     return type_of(context, node.child_by_field_name("type"))
 
 
-def spaced(context: Context, node: Node) -> str:
+def one_line_text(context: LoweringContext, node: Node) -> str:
     """Return a node's text on one line, bounded."""
     return " ".join(context.text(node)[:200].split())
 
 
-def named(context: Context, node: Node | None) -> tuple[str, Types]:
+def qualified_name(context: LoweringContext, node: Node | None) -> tuple[str, Types]:
     """Return a name, qualified as it is written, and the last template arguments in it."""
     if node is not None and node.type in _IDENTIFIERS:
         return _plain(context, node), ()
@@ -70,59 +70,59 @@ def named(context: Context, node: Node | None) -> tuple[str, Types]:
         scope = node.child_by_field_name("scope")
         if scope is not None:
             parts.append(_part(context, scope))
-            types = arguments_of(context, scope) or types
+            types = template_arguments(context, scope) or types
         node = node.child_by_field_name("name")
-    node = _undressed(node)
+    node = _without_dependent(node)
     if node is not None:
         parts.append(_part(context, node))
-        types = arguments_of(context, node) or types
+        types = template_arguments(context, node) or types
     return "::".join(parts), types
 
 
-def _undressed(node: Node | None) -> Node | None:
+def _without_dependent(node: Node | None) -> Node | None:
     while node is not None and node.type in {"dependent_name", "dependent_type"}:
         node = node.named_children[0] if node.named_children else None
     return node
 
 
-def _part(context: Context, node: Node) -> str:
+def _part(context: LoweringContext, node: Node) -> str:
     if node.type in _NAMED_TEMPLATES:
         name = node.child_by_field_name("name")
         return _part(context, name) if name else ""
-    return _WRITTEN.get(node.type, _plain)(context, node)
+    return _NAME_SPELLINGS.get(node.type, _plain)(context, node)
 
 
-def _plain(context: Context, node: Node) -> str:
+def _plain(context: LoweringContext, node: Node) -> str:
     return context.source[node.start_byte : node.end_byte].decode("utf-8", "replace")
 
 
-def _operator(context: Context, node: Node) -> str:
-    words = spaced(context, node).removeprefix("operator").strip()
+def _operator(context: LoweringContext, node: Node) -> str:
+    words = one_line_text(context, node).removeprefix("operator").strip()
     return f"operator {words}" if words[:1].isalpha() else f"operator{words.replace(' ', '')}"
 
 
-def _conversion(context: Context, node: Node) -> str:
+def _conversion(context: LoweringContext, node: Node) -> str:
     return f"operator {type_of(context, node.child_by_field_name('type'))}"
 
 
-def _destructor(context: Context, node: Node) -> str:
+def _destructor(context: LoweringContext, node: Node) -> str:
     return _plain(context, node).replace(" ", "")
 
 
-_WRITTEN: dict[str, Callable[[Context, Node], str]] = {
+_NAME_SPELLINGS: dict[str, Callable[[LoweringContext, Node], str]] = {
     "operator_name": _operator,
     "operator_cast": _conversion,
     "destructor_name": _destructor,
-    "sized_type_specifier": spaced,
+    "sized_type_specifier": one_line_text,
 }
 
 
-def arguments_of(context: Context, node: Node) -> Types:
+def template_arguments(context: LoweringContext, node: Node) -> Types:
     """Return the template arguments that a name has; a value stands as its text."""
     if node.type not in _NAMED_TEMPLATES:
         return ()
     arguments = node.child_by_field_name("arguments")
-    if arguments is None or context.too_deep(node):
+    if arguments is None or context.is_too_deep(node):
         return ()
     context.depth += 1
     types = [_argument(context, child) for child in arguments.named_children[:_MAX_ARGUMENTS]]
@@ -130,6 +130,6 @@ def arguments_of(context: Context, node: Node) -> Types:
     return tuple(types)
 
 
-def _argument(context: Context, node: Node) -> TypeRef:
+def _argument(context: LoweringContext, node: Node) -> TypeRef:
     given = type_of(context, node) if node.type == "type_descriptor" else None
-    return given or TypeRef(spaced(context, node))
+    return given or TypeRef(one_line_text(context, node))

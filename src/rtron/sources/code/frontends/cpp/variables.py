@@ -7,15 +7,15 @@ from tree_sitter import Node
 
 from rtron.sources.code.frontends.cpp.declarators import (
     Declarator,
-    declarator,
     fields_of,
-    has_word,
+    has_specifier,
     is_constant,
+    read_declarator,
 )
-from rtron.sources.code.frontends.cpp.expressions import arguments
-from rtron.sources.code.frontends.cpp.lowering_context import Context, line_of
-from rtron.sources.code.frontends.cpp.node_lowering import expression
-from rtron.sources.code.frontends.cpp.types import named, type_of
+from rtron.sources.code.frontends.cpp.expressions import lower_arguments
+from rtron.sources.code.frontends.cpp.lowering_context import LoweringContext, line_of
+from rtron.sources.code.frontends.cpp.node_lowering import lower_expression
+from rtron.sources.code.frontends.cpp.types import qualified_name, type_of
 from rtron.sources.code.ir import (
     Assign,
     Call,
@@ -25,7 +25,7 @@ from rtron.sources.code.ir import (
     Index,
     Name,
     New,
-    Sequence,
+    SequenceExpr,
     Stmt,
     TypeRef,
 )
@@ -35,105 +35,115 @@ _EXPRESSIVE = {None, "abstract_function_declarator", "abstract_array_declarator"
 
 
 @dataclass(slots=True)
-class Declared:
+class NamedDeclarator:
     """One name of a declaration: its node, declarator and, behind it, its initialiser."""
 
     node: Node
     declarator: Declarator
 
 
-def declared(node: Node) -> Iterator[Declared]:
+def named_declarators(node: Node) -> Iterator[NamedDeclarator]:
     """Yield the names of a declaration (`int a = 1, *b;` has two)."""
-    last: Declared | None = None
+    last: NamedDeclarator | None = None
     for field, child in fields_of(node):
         if field == "declarator":
             if last:
                 yield last
-            last = Declared(child, declarator(child))
+            last = NamedDeclarator(child, read_declarator(child))
         elif field in {"value", "default_value"} and last:
             last.declarator.value = child
     if last:
         yield last
 
 
-def variable(context: Context, node: Node, one: Declared, name: str) -> Declare:
+def lower_variable(
+    context: LoweringContext, node: Node, one: NamedDeclarator, name: str
+) -> Declare:
     """Return the variable that a declaration declares under a name."""
     found = one.declarator
     element = type_of(context, node.child_by_field_name("type"))
-    type = found.typed(context, element)
+    type = found.array_type(context, element)
     return Declare(
         name,
         type,
         _initial(context, found, type),
         reference=found.reference,
         pointer=found.pointer,
-        static=has_word(context, node, "storage_class_specifier", b"static"),
+        static=has_specifier(context, node, "storage_class_specifier", b"static"),
         line=line_of(one.node),
         constant=is_constant(context, node, found),
     )
 
 
-def local(context: Context, node: Node, out: list[Stmt]) -> None:
+def lower_local(context: LoweringContext, node: Node, out: list[Stmt]) -> None:
     """Lower a declaration in a function, where `Foo foo(bar);` is a variable."""
-    for one in declared(node):
+    for one in named_declarators(node):
         name = one.declarator.name
         if name is None:
             continue
         if name.type == "structured_binding_declarator":
-            out.append(_taken_apart(context, one))
+            out.append(_lower_structured_binding(context, one))
         elif one.declarator.function is None:
-            out.append(variable(context, node, one, named(context, name)[0]))
-        elif value := _vexing(context, node, one.declarator):
+            out.append(lower_variable(context, node, one, qualified_name(context, name)[0]))
+        elif value := _vexing_arguments(context, node, one.declarator):
             _add_vexing(context, node, one, value, out)
 
 
-def bound(context: Context, node: Node) -> Sequence:
+def structured_binding(context: LoweringContext, node: Node) -> SequenceExpr:
     """Return the names of a structured binding, `[a, b]`."""
-    return Sequence(tuple(Name(context.text(child)) for child in node.named_children), "tuple")
+    return SequenceExpr(tuple(Name(context.text(child)) for child in node.named_children), "tuple")
 
 
-def _taken_apart(context: Context, one: Declared) -> Stmt:
+def _lower_structured_binding(context: LoweringContext, one: NamedDeclarator) -> Stmt:
     names, value = one.declarator.name, one.declarator.value
-    target: Expr = bound(context, names) if names else Sequence(())
-    args = arguments(context, value)
+    target: Expr = structured_binding(context, names) if names else SequenceExpr(())
+    args = lower_arguments(context, value)
     return Assign((target,), args[0] if args else Const(None), line_of(one.node))
 
 
-def _initial(context: Context, found: Declarator, type: TypeRef | None) -> Expr | None:
+def _initial(context: LoweringContext, found: Declarator, type: TypeRef | None) -> Expr | None:
     value = found.value
     if value is None:
         return None
     braced = value.type == "initializer_list"
     if not braced and value.type != "argument_list":
-        return expression(context, value)
+        return lower_expression(context, value)
     if braced and (found.sizes or _is_assigned(context, value)):
-        return expression(context, value)
-    return _made(found, type, arguments(context, value), line_of(value))
+        return lower_expression(context, value)
+    return _initialiser_value(found, type, lower_arguments(context, value), line_of(value))
 
 
-def _made(found: Declarator, type: TypeRef | None, args: tuple[Expr, ...], line: int) -> Expr:
+def _initialiser_value(
+    found: Declarator, type: TypeRef | None, args: tuple[Expr, ...], line: int
+) -> Expr:
     """Return what `T x(args)` begins with: a new T, or the argument where T makes nothing."""
     if type is None or found.pointer or found.reference:
         return args[0] if args else Const(None)
     return New(type, args, line)
 
 
-def _is_assigned(context: Context, value: Node) -> bool:
+def _is_assigned(context: LoweringContext, value: Node) -> bool:
     before = context.source[max(value.start_byte - 40, 0) : value.start_byte]
     return before.rstrip().endswith(b"=")
 
 
 def _add_vexing(
-    context: Context, node: Node, one: Declared, args: tuple[Expr, ...], out: list[Stmt]
+    context: LoweringContext,
+    node: Node,
+    one: NamedDeclarator,
+    args: tuple[Expr, ...],
+    out: list[Stmt],
 ) -> None:
-    made = variable(context, node, one, named(context, one.declarator.name)[0])
-    value = _made(one.declarator, made.type, args, made.line)
+    made = lower_variable(context, node, one, qualified_name(context, one.declarator.name)[0])
+    value = _initialiser_value(one.declarator, made.type, args, made.line)
     out.append(
         Declare(made.name, made.type, value, made.reference, made.pointer, made.static, made.line)
     )
 
 
-def _vexing(context: Context, node: Node, found: Declarator) -> tuple[Expr, ...] | None:
+def _vexing_arguments(
+    context: LoweringContext, node: Node, found: Declarator
+) -> tuple[Expr, ...] | None:
     """Return the arguments where a function's parameters are expressions in truth."""
     type = node.child_by_field_name("type")
     if found.function is None or type is None or context.text(type) == "void":
@@ -141,33 +151,33 @@ def _vexing(context: Context, node: Node, found: Declarator) -> tuple[Expr, ...]
     return _read_as_arguments(context, found.function)
 
 
-def _read_as_arguments(context: Context, function: Node) -> tuple[Expr, ...] | None:
+def _read_as_arguments(context: LoweringContext, function: Node) -> tuple[Expr, ...] | None:
     parameters = function.child_by_field_name("parameters")
     args = [_argument(context, child) for child in parameters.named_children] if parameters else []
-    kept = tuple(arg for arg in args if arg is not None)
-    return kept if len(kept) == len(args) else None
+    expressions = tuple(arg for arg in args if arg is not None)
+    return expressions if len(expressions) == len(args) else None
 
 
-def _argument(context: Context, node: Node) -> Expr | None:
+def _argument(context: LoweringContext, node: Node) -> Expr | None:
     """Return the expression that reads like a parameter without a name, None if it has one."""
     children = node.named_children
     type, inner = node.child_by_field_name("type"), node.child_by_field_name("declarator")
     bare = len(children) == 1 + bool(inner) and node.type == "parameter_declaration"
-    if type is None or not bare or type.type in _BUILT_IN or context.too_deep(node):
+    if type is None or not bare or type.type in _BUILT_IN or context.is_too_deep(node):
         return None
-    value = Name(*named(context, type))
+    value = Name(*qualified_name(context, type))
     if inner is None:
         return value
-    return _applied(context, value, inner) if inner.type in _EXPRESSIVE else None
+    return _apply_declarator(context, value, inner) if inner.type in _EXPRESSIVE else None
 
 
-def _applied(context: Context, value: Name, inner: Node) -> Expr | None:
+def _apply_declarator(context: LoweringContext, value: Name, inner: Node) -> Expr | None:
     context.depth += 1
     applied: Expr | None = None
     if inner.child_by_field_name("declarator") is None:
         if inner.type == "abstract_array_declarator":
             size = inner.child_by_field_name("size")
-            applied = Index(value, expression(context, size)) if size else None
+            applied = Index(value, lower_expression(context, size)) if size else None
         else:
             args = _read_as_arguments(context, inner)
             applied = None if args is None else Call(value, args, (), line_of(inner))

@@ -5,12 +5,12 @@ from bisect import bisect_right
 from typing import NamedTuple
 
 from rtron.sources.code.frontends.python.tokenizer import indentation, statements
-from rtron.sources.code.ir import Problem
+from rtron.sources.code.ir import SourceProblem
 
 _HEAD_WITHOUT_BODY = re.compile(r"expected an indented block.* on line (\d+)")
 
 
-class Span(NamedTuple):
+class StatementSpan(NamedTuple):
     """The lines, counted from 1, of statements that share them; their indentation and tokens."""
 
     first: int
@@ -19,39 +19,39 @@ class Span(NamedTuple):
     size: int
 
 
-class Blanks:
+class RecoverableText:
     """A text some of whose statements are blanked; `problems` has one for each."""
 
     def __init__(self, text: str) -> None:
         self._lines = text.split("\n")
         self._spans = _spans(text)
         self._firsts = [span.first for span in self._spans]
-        self._blanked: set[int] = set()
-        self.problems: list[Problem] = []
+        self._removed: set[int] = set()
+        self.problems: list[SourceProblem] = []
 
     def text(self) -> str:
         """Return the text as it is by now."""
         return "\n".join(self._lines)
 
-    def blank(self, error: SyntaxError) -> None:
+    def remove_statement(self, error: SyntaxError) -> None:
         """Take out the statement at which Python stopped, with the block below it."""
-        place = self._place(error)
-        while place > 0 and place in self._blanked:
-            place -= 1
-        if not self._spans or place in self._blanked:
-            self.blank_from(error)
+        index = self._statement_at(error)
+        while index > 0 and index in self._removed:
+            index -= 1
+        if not self._spans or index in self._removed:
+            self.remove_rest(error)
             return
-        keep_place = not isinstance(error, IndentationError) or "too many levels" in error.msg
-        self._problem(self._spans[place].first, error, "left out")
-        self._blank_block(place, keep_place=keep_place)
+        keeps_pass = not isinstance(error, IndentationError) or "too many levels" in error.msg
+        self._add_problem(self._spans[index].first, error, "left out")
+        self._remove_block(index, keeps_pass=keeps_pass)
 
-    def blank_from(self, error: SyntaxError) -> None:
+    def remove_rest(self, error: SyntaxError) -> None:
         """Take out everything from the line on at which Python stopped."""
         line = max(error.lineno or 1, 1)
-        self._problem(line, error, "all from here is left out")
-        self._blank_lines(line, len(self._lines))
+        self._add_problem(line, error, "all from here is left out")
+        self._clear_lines(line, len(self._lines))
 
-    def _place(self, error: SyntaxError) -> int:
+    def _statement_at(self, error: SyntaxError) -> int:
         head = _HEAD_WITHOUT_BODY.match(error.msg)
         line = int(head[1]) if head else error.lineno
         if line is None:
@@ -59,36 +59,36 @@ class Blanks:
         return max(bisect_right(self._firsts, line) - 1, 0)
 
     def _longest(self) -> int:
-        left = [place for place in range(len(self._spans)) if place not in self._blanked]
-        return max(left, key=lambda place: self._spans[place].size, default=0)
+        left = [index for index in range(len(self._spans)) if index not in self._removed]
+        return max(left, key=lambda index: self._spans[index].size, default=0)
 
-    def _blank_block(self, place: int, *, keep_place: bool) -> None:
-        first, last, indent, _ = self._spans[place]
-        self._blanked.add(place)
-        for below in range(place + 1, len(self._spans)):
+    def _remove_block(self, index: int, *, keeps_pass: bool) -> None:
+        first, last, indent, _ = self._spans[index]
+        self._removed.add(index)
+        for below in range(index + 1, len(self._spans)):
             if self._spans[below].indent <= indent:
                 break
-            self._blanked.add(below)
+            self._removed.add(below)
             last = self._spans[below].last
-        self._blank_lines(first, last)
-        if keep_place:
+        self._clear_lines(first, last)
+        if keeps_pass:
             self._lines[first - 1] = " " * indent + "pass"
 
-    def _blank_lines(self, first: int, last: int) -> None:
+    def _clear_lines(self, first: int, last: int) -> None:
         self._lines[first - 1 : last] = [""] * (min(last, len(self._lines)) - first + 1)
 
-    def _problem(self, line: int, error: SyntaxError, what: str) -> None:
-        self.problems.append(Problem(line, f"{what}: {error.msg}"))
+    def _add_problem(self, line: int, error: SyntaxError, what: str) -> None:
+        self.problems.append(SourceProblem(line, f"{what}: {error.msg}"))
 
 
-def _spans(text: str) -> list[Span]:
-    spans: list[Span] = []
+def _spans(text: str) -> list[StatementSpan]:
+    spans: list[StatementSpan] = []
     for tokens in statements(text):
         indent = len(indentation(text, tokens[0]).expandtabs(8))
-        span = Span(tokens[0].line, tokens[-1].last_line, indent, len(tokens))
+        span = StatementSpan(tokens[0].line, tokens[-1].last_line, indent, len(tokens))
         if spans and span.first <= spans[-1].last:
             before = spans.pop()
             last, size = max(before.last, span.last), before.size + span.size
-            span = Span(before.first, last, before.indent, size)
+            span = StatementSpan(before.first, last, before.indent, size)
         spans.append(span)
     return spans

@@ -2,9 +2,9 @@
 
 from rtron.sources.code.frontends.python.parser import parse
 from rtron.sources.code.frontends.python.source_encoding import decode
-from rtron.sources.code.frontends.python.source_file import Source
-from rtron.sources.code.frontends.python.statements import statements
-from rtron.sources.code.ir import Language, Problem, Unit
+from rtron.sources.code.frontends.python.source_file import SourceFile
+from rtron.sources.code.frontends.python.statements import lower_statements
+from rtron.sources.code.ir import SourceLanguage, SourceProblem, Unit
 
 MAX_BYTES = 2 * 2**20
 
@@ -15,17 +15,17 @@ def lower_python(path: str, text: bytes) -> Unit:
     What cannot be read is left out, and is among the unit's problems.
     """
     if len(text) > MAX_BYTES:
-        return _unread(path, f"larger than {MAX_BYTES // 2**20} MiB, not read")
-    decoded, wrong_bytes = decode(text)
-    tree, wrong_syntax = parse(decoded)
-    source = Source(file=path, lines=decoded.encode("utf-8", "replace").split(b"\n"))
+        return _unreadable_unit(path, f"larger than {MAX_BYTES // 2**20} MiB, not read")
+    decoded, encoding_problems = decode(text)
+    tree, syntax_problems = parse(decoded)
+    source = SourceFile(file=path, lines=decoded.encode("utf-8", "replace").split(b"\n"))
     try:
-        body = statements(tree.body, source)
+        body = lower_statements(tree.body, source)
     except RecursionError:
-        return _unread(path, "nested too deep, not read")
-    problems = (*wrong_bytes, *wrong_syntax, *source.problems)
-    return Unit(file=path, language=Language.PYTHON, body=body, problems=problems)
+        return _unreadable_unit(path, "nested too deep, not read")
+    problems = (*encoding_problems, *syntax_problems, *source.problems)
+    return Unit(file=path, language=SourceLanguage.PYTHON, body=body, problems=problems)
 
 
-def _unread(path: str, why: str) -> Unit:
-    return Unit(file=path, language=Language.PYTHON, problems=(Problem(0, why),))
+def _unreadable_unit(path: str, why: str) -> Unit:
+    return Unit(file=path, language=SourceLanguage.PYTHON, problems=(SourceProblem(0, why),))

@@ -8,14 +8,14 @@ from rtron.sources.code.ir import Expr, Param, TypeRef
 _MAX_DEPTH = 20
 
 
-def parameters(
+def lower_parameters(
     node: ast.arguments, lowered: Callable[[ast.expr | None], Expr | None]
 ) -> tuple[Param, ...]:
     """Return the parameters in the order in which they are written."""
     return tuple(_parameters(node, lowered))
 
 
-def dotted(node: ast.expr | None) -> str:
+def dotted_name(node: ast.expr | None) -> str:
     """Return the name `a.b.c` that an expression is, else an empty string."""
     parts: list[str] = []
     while isinstance(node, ast.Attribute):
@@ -24,15 +24,15 @@ def dotted(node: ast.expr | None) -> str:
     return ".".join(reversed([*parts, node.id])) if isinstance(node, ast.Name) else ""
 
 
-def type_of(node: ast.expr | None, depth: int = 0) -> TypeRef | None:
+def annotation_type(node: ast.expr | None, depth: int = 0) -> TypeRef | None:
     """Return an annotation that names a type: `a.B`, `"B"`, `List[a.B]`; else None."""
     if isinstance(node, ast.Constant) and isinstance(node.value, str):
         return TypeRef(node.value)
     if isinstance(node, ast.Subscript) and depth < _MAX_DEPTH:
         items = node.slice.elts if isinstance(node.slice, ast.Tuple) else [node.slice]
-        args = tuple(found for item in items if (found := type_of(item, depth + 1)))
-        return TypeRef(name, args) if (name := dotted(node.value)) else None
-    return TypeRef(name) if (name := dotted(node)) else None
+        args = tuple(found for item in items if (found := annotation_type(item, depth + 1)))
+        return TypeRef(name, args) if (name := dotted_name(node.value)) else None
+    return TypeRef(name) if (name := dotted_name(node)) else None
 
 
 def _parameters(
@@ -41,10 +41,10 @@ def _parameters(
     plain = [*node.posonlyargs, *node.args]
     missing: list[ast.expr | None] = [None] * (len(plain) - len(node.defaults))
     for arg, default in zip(plain, [*missing, *node.defaults], strict=True):
-        yield Param(arg.arg, type_of(arg.annotation), lowered(default))
+        yield Param(arg.arg, annotation_type(arg.annotation), lowered(default))
     if node.vararg:
-        yield Param(node.vararg.arg, type_of(node.vararg.annotation), kind="star")
+        yield Param(node.vararg.arg, annotation_type(node.vararg.annotation), kind="star")
     for arg, default in zip(node.kwonlyargs, node.kw_defaults, strict=True):
-        yield Param(arg.arg, type_of(arg.annotation), lowered(default), kind="keyword")
+        yield Param(arg.arg, annotation_type(arg.annotation), lowered(default), kind="keyword")
     if node.kwarg:
-        yield Param(node.kwarg.arg, type_of(node.kwarg.annotation), kind="stars")
+        yield Param(node.kwarg.arg, annotation_type(node.kwarg.annotation), kind="stars")

@@ -9,10 +9,10 @@ from typing import NamedTuple
 
 from rtron.sources.code.frontends.python.tokenizer import (
     Token,
-    at_depth_0,
-    depth_behind,
+    bracket_depth_after,
     indentation,
     statements,
+    top_level_indices,
 )
 
 TUPLE_PARAMETER = "_tuple_"
@@ -22,8 +22,8 @@ _RAW_UNICODE = re.compile(r"[uU][rR](?=['\"])")
 _NOT_AN_ESCAPE = re.compile(
     r"(?<!\\)((?:\\\\)*)\\(?=u(?![0-9a-fA-F]{4})|U(?!00(?:0[0-9a-fA-F]|10)[0-9a-fA-F]{4})|N(?!\{))"
 )
-_MOST_TOKENS = 2000
-_MOST_LAMBDAS = 20
+_MAX_TOKENS = 2000
+_MAX_LAMBDAS = 20
 _CLOSING = frozenset({")", "]", "}", ",", ";", "for"})
 
 
@@ -52,18 +52,18 @@ def as_python3(text: str) -> str:
 
 def _edits(text: str, tokens: list[Token]) -> Iterator[Edit]:
     yield from _indentation(text, tokens[0])
-    yield from _words(tokens)
-    yield from _lambdas(text, tokens)
+    yield from _token_edits(tokens)
+    yield from _lambda_edits(text, tokens)
     if tokens[0].text == "def":
-        yield from _def(text, tokens)
+        yield from _def_edits(text, tokens)
     elif tokens[0].text == "print":
-        yield from _print(text, tokens)
+        yield from _print_edits(text, tokens)
     elif tokens[0].text == "exec":
-        yield from _exec(tokens)
+        yield from _exec_edits(tokens)
     elif tokens[0].text == "except":
-        yield from _except(tokens)
+        yield from _except_edits(tokens)
     elif tokens[0].text == "raise":
-        yield from _raise(tokens)
+        yield from _raise_edits(tokens)
 
 
 def _indentation(text: str, first: Token) -> Iterator[Edit]:
@@ -73,10 +73,10 @@ def _indentation(text: str, first: Token) -> Iterator[Edit]:
         yield Edit(first.start - len(white), first.start, white.expandtabs(8))
 
 
-def _words(tokens: list[Token]) -> Iterator[Edit]:
+def _token_edits(tokens: list[Token]) -> Iterator[Edit]:
     quoted = False
     for token, behind in zip(tokens, [*tokens[1:], tokens[-1]], strict=True):
-        new = _word(token, behind)
+        new = _python3_token(token, behind)
         if token.text == "`":
             quoted = not quoted
             new = "repr(" if quoted else ")"
@@ -84,7 +84,7 @@ def _words(tokens: list[Token]) -> Iterator[Edit]:
             yield Edit(token.start, token.end, new)
 
 
-def _word(token: Token, behind: Token) -> str:
+def _python3_token(token: Token, behind: Token) -> str:
     """Return a token as Python 3 spells it; `async` was a name of any kind."""
     if token.kind == "number":
         return _number(token.text)
@@ -108,21 +108,21 @@ def _string(text: str) -> str:
     return _NOT_AN_ESCAPE.sub(r"\1\\\\", text)
 
 
-def _print(text: str, tokens: list[Token]) -> Iterator[Edit]:
+def _print_edits(text: str, tokens: list[Token]) -> Iterator[Edit]:
     keyword, *rest = tokens
-    if rest and (rest[0].text in (".", "=") or _is_bracketed(rest)):
+    if rest and (rest[0].text in (".", "=") or _is_parenthesised(rest)):
         return
     if rest and rest[0].text == ">>":
-        yield from _print_to(text, keyword, rest)
+        yield from _print_file_edits(text, keyword, rest)
         return
     yield Edit(keyword.start, keyword.end, "print(" if rest else "print()")
     if rest:
         yield Edit(tokens[-1].end, tokens[-1].end, ")")
 
 
-def _print_to(text: str, keyword: Token, rest: list[Token]) -> Iterator[Edit]:
+def _print_file_edits(text: str, keyword: Token, rest: list[Token]) -> Iterator[Edit]:
     """`print >>file, values`: the file goes behind the values, its line ends stay."""
-    commas = at_depth_0(rest, ",")
+    commas = top_level_indices(rest, ",")
     end = rest[commas[0]].end if commas else rest[-1].end
     file = text[rest[0].end : rest[commas[0]].start if commas else end]
     comma = ", " if end < rest[-1].end and rest[-1].text != "," else ""
@@ -130,64 +130,66 @@ def _print_to(text: str, keyword: Token, rest: list[Token]) -> Iterator[Edit]:
     yield Edit(rest[-1].end, rest[-1].end, f"{comma}file={' '.join(file.split())})")
 
 
-def _exec(tokens: list[Token]) -> Iterator[Edit]:
+def _exec_edits(tokens: list[Token]) -> Iterator[Edit]:
     keyword, *rest = tokens
-    if not rest or _is_bracketed(rest):
+    if not rest or _is_parenthesised(rest):
         return
     yield Edit(keyword.start, keyword.end, "exec(")
-    for place in at_depth_0(rest, "in")[:1]:
-        yield Edit(rest[place].start, rest[place].end, ",")
+    for index in top_level_indices(rest, "in")[:1]:
+        yield Edit(rest[index].start, rest[index].end, ",")
     yield Edit(rest[-1].end, rest[-1].end, ")")
 
 
-def _is_bracketed(tokens: list[Token]) -> bool:
+def _is_parenthesised(tokens: list[Token]) -> bool:
     """Whether all of it stands in one pair of round brackets."""
-    return tokens[0].text == "(" and _closing(tokens, 0) == len(tokens) - 1
+    return tokens[0].text == "(" and _closing_index(tokens, 0) == len(tokens) - 1
 
 
-def _except(tokens: list[Token]) -> Iterator[Edit]:
+def _except_edits(tokens: list[Token]) -> Iterator[Edit]:
     """`except E, e:`; a variable that is no plain name cannot be kept."""
-    for place in at_depth_0(tokens, ",")[:1]:
-        comma, behind = tokens[place], tokens[place + 1 : -1]
+    for index in top_level_indices(tokens, ",")[:1]:
+        comma, behind = tokens[index], tokens[index + 1 : -1]
         if len(behind) == 1 and behind[0].kind == "name":
             yield Edit(comma.start, comma.end, " as")
         elif tokens[-1].text == ":":
             yield Edit(comma.start, tokens[-1].start, "")
 
 
-def _raise(tokens: list[Token]) -> Iterator[Edit]:
+def _raise_edits(tokens: list[Token]) -> Iterator[Edit]:
     """`raise E, value, traceback`: the traceback becomes an argument too."""
-    for place in at_depth_0(tokens, ",")[:1]:
-        yield Edit(tokens[place].start, tokens[place].end, "(")
+    for index in top_level_indices(tokens, ",")[:1]:
+        yield Edit(tokens[index].start, tokens[index].end, "(")
         yield Edit(tokens[-1].end, tokens[-1].end, ")")
 
 
-def _def(text: str, tokens: list[Token]) -> Iterator[Edit]:
-    opening = next((place for place, token in enumerate(tokens) if token.text == "("), None)
-    for begin, end in _tuples(tokens, opening) if opening is not None else ():
+def _def_edits(text: str, tokens: list[Token]) -> Iterator[Edit]:
+    opening = next((index for index, token in enumerate(tokens) if token.text == "("), None)
+    for begin, end in _tuple_parameters(tokens, opening) if opening is not None else ():
         start, stop = tokens[begin].start, tokens[end].end
-        if _is_single(tokens[begin:end]):
+        if _has_no_comma(tokens[begin:end]):
             yield Edit(start, stop, text[start + 1 : stop - 1])
         else:
             yield Edit(start, stop, f"{TUPLE_PARAMETER}{start}: {text[start:stop]}")
 
 
-def _lambdas(text: str, tokens: list[Token]) -> Iterator[Edit]:
+def _lambda_edits(text: str, tokens: list[Token]) -> Iterator[Edit]:
     """Take tuples among the parameters of lambdas apart, in a statement of a human's making."""
-    if len(tokens) > _MOST_TOKENS:
+    if len(tokens) > _MAX_TOKENS:
         return
-    places = [place for place, token in enumerate(tokens) if token.text == "lambda"]
-    for place in places[:_MOST_LAMBDAS]:
-        if pairs := _tuples(tokens, place):
-            yield from _lambda(text, tokens, pairs)
+    indices = [index for index, token in enumerate(tokens) if token.text == "lambda"]
+    for index in indices[:_MAX_LAMBDAS]:
+        if pairs := _tuple_parameters(tokens, index):
+            yield from _one_lambda_edits(text, tokens, pairs)
 
 
-def _lambda(text: str, tokens: list[Token], pairs: list[tuple[int, int]]) -> Iterator[Edit]:
+def _one_lambda_edits(
+    text: str, tokens: list[Token], pairs: list[tuple[int, int]]
+) -> Iterator[Edit]:
     """`lambda (a, b): e` is `lambda t: (lambda a, b: (e))(*t)`."""
     inner, given = [], []
     for begin, end in pairs:
         start, stop = tokens[begin].start, tokens[end].end
-        single = _is_single(tokens[begin:end])
+        single = _has_no_comma(tokens[begin:end])
         name = text[start + 1 : stop - 1] if single else f"{TUPLE_PARAMETER}{start}"
         yield Edit(start, stop, name)
         if not single:
@@ -200,38 +202,38 @@ def _lambda(text: str, tokens: list[Token], pairs: list[tuple[int, int]]) -> Ite
         yield Edit(end, end, f"))({', '.join(given)})")
 
 
-def _end_of_body(tokens: list[Token], place: int) -> int:
-    """Return where the body of a lambda ends that begins at `place`."""
+def _end_of_body(tokens: list[Token], index: int) -> int:
+    """Return where the body of a lambda ends that begins at `index`."""
     depth = 0
-    for before, token in zip(tokens[place - 1 :], tokens[place:], strict=False):
+    for before, token in zip(tokens[index - 1 :], tokens[index:], strict=False):
         if not depth and token.text in _CLOSING:
             return before.end
-        depth = depth_behind(token, depth)
+        depth = bracket_depth_after(token, depth)
     return tokens[-1].end
 
 
-def _tuples(tokens: list[Token], place: int) -> list[tuple[int, int]]:
+def _tuple_parameters(tokens: list[Token], index: int) -> list[tuple[int, int]]:
     """Return where each bracketed parameter begins and ends, behind a `lambda` or a `(`."""
     found, depth = [], 0
-    for at in range(place + 1, len(tokens)):
+    for at in range(index + 1, len(tokens)):
         text = tokens[at].text
         if not depth and text in (")", ":", "]", "}"):
             break
-        if not depth and text == "(" and (at == place + 1 or tokens[at - 1].text == ","):
-            found.append((at, _closing(tokens, at)))
-        depth = depth_behind(tokens[at], depth)
+        if not depth and text == "(" and (at == index + 1 or tokens[at - 1].text == ","):
+            found.append((at, _closing_index(tokens, at)))
+        depth = bracket_depth_after(tokens[at], depth)
     return found
 
 
-def _closing(tokens: list[Token], place: int) -> int:
-    """Return the place of the bracket that closes the one at `place`, or the last place."""
+def _closing_index(tokens: list[Token], index: int) -> int:
+    """Return the place of the bracket that closes the one at `index`, or the last place."""
     depth = 0
-    for at in range(place, len(tokens)):
-        depth = depth_behind(tokens[at], depth)
+    for at in range(index, len(tokens)):
+        depth = bracket_depth_after(tokens[at], depth)
         if not depth:
             return at
     return len(tokens) - 1
 
 
-def _is_single(tokens: list[Token]) -> bool:
+def _has_no_comma(tokens: list[Token]) -> bool:
     return not any(token.text == "," for token in tokens)

@@ -3,7 +3,7 @@
 import codecs
 import re
 
-from rtron.sources.code.ir import Problem
+from rtron.sources.code.ir import SourceProblem
 
 _COOKIE = re.compile(rb"[ \t\f]*#.*?coding[:=][ \t]*([-\w.]+)")
 _BLANK = re.compile(rb"[ \t\f]*(?:#.*)?")
@@ -12,7 +12,7 @@ _KNOWN = re.compile(
 )
 
 
-def decode(data: bytes) -> tuple[str, tuple[Problem, ...]]:
+def decode(data: bytes) -> tuple[str, tuple[SourceProblem, ...]]:
     """Return a file's text with a line feed at its line ends, and what was wrong with its bytes.
 
     Bytes that are not of the file's encoding are read as Latin-1, NUL bytes as spaces: lines
@@ -21,14 +21,14 @@ def decode(data: bytes) -> tuple[str, tuple[Problem, ...]]:
     data = data.removeprefix(codecs.BOM_UTF8)
     encoding = _named_encoding(data)
     try:
-        text, problems = data.decode(encoding), list[Problem]()
+        text, problems = data.decode(encoding), list[SourceProblem]()
     except UnicodeDecodeError as error:
         line = data.count(b"\n", 0, error.start) + 1
-        text, problems = data.decode("latin-1"), [Problem(line, f"this is not {encoding}")]
+        text, problems = data.decode("latin-1"), [SourceProblem(line, f"this is not {encoding}")]
     text = text.replace("\r\n", "\n").replace("\r", "\n")
     if "\0" in text:
         line = text.count("\n", 0, text.index("\0")) + 1
-        problems.append(Problem(line, "NUL bytes"))
+        problems.append(SourceProblem(line, "NUL bytes"))
     return text.replace("\0", " "), tuple(problems)
 
 

@@ -5,32 +5,32 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
-from rtron.sources.code.ir import Problem, Stmt
+from rtron.sources.code.ir import SourceProblem, Stmt
 
 _MAX_DEPTH = 100
 _TEXT = 60
 
 
 @dataclass(slots=True, kw_only=True)
-class Source:
+class SourceFile:
     """The file that is being lowered.
 
-    `before` collects what an expression does before its statement runs (`:=`, `yield`), which is
-    known only where it is surely evaluated (`sure`). Nesting beyond 100 levels is a problem.
+    `preceding` collects what an expression does before its statement runs (`:=`, `yield`), which is
+    known only where it is surely evaluated (`is_unconditional`). Nesting beyond 100 levels is a problem.
     """
 
     file: str
     lines: list[bytes]
-    problems: list[Problem] = field(default_factory=list)
-    before: list[Stmt] = field(default_factory=list)
-    sure: bool = True
+    problems: list[SourceProblem] = field(default_factory=list)
+    preceding: list[Stmt] = field(default_factory=list)
+    is_unconditional: bool = True
     depth: int = 0
 
     def is_too_deep(self, line: int) -> bool:
         """Whether a node lies deeper than we go; note the problem, once a line."""
         if self.depth < _MAX_DEPTH:
             return False
-        problem = Problem(line, "nested too deep, left out")
+        problem = SourceProblem(line, "nested too deep, left out")
         if problem not in self.problems[-1:]:
             self.problems.append(problem)
         return True
@@ -42,10 +42,10 @@ class Source:
         return line[node.col_offset : end].decode("utf-8", "replace")[:_TEXT]
 
     @contextmanager
-    def unsure(self) -> Iterator[None]:
+    def conditional(self) -> Iterator[None]:
         """Within: an expression that may be evaluated never, or many times."""
-        sure, self.sure = self.sure, False
+        sure, self.is_unconditional = self.is_unconditional, False
         try:
             yield
         finally:
-            self.sure = sure
+            self.is_unconditional = sure

@@ -52,7 +52,7 @@ class Token(NamedTuple):
         return self.line + self.text.count("\n")
 
 
-def tokenized(text: str) -> Iterator[Token]:
+def tokenize(text: str) -> Iterator[Token]:
     """Yield all tokens but blanks; line ends are tokens too."""
     line = 1
     for match in _TOKEN.finditer(text):
@@ -67,20 +67,20 @@ def statements(text: str) -> Iterator[list[Token]]:
     """Yield the tokens of each statement; the head of a compound one ends with its colon."""
     found: list[Token] = []
     depth = lambdas = 0
-    begins = True
-    for token in tokenized(text):
-        if begins and depth and token.text in _NEVER_IN_BRACKETS:
+    starts_line = True
+    for token in tokenize(text):
+        if starts_line and depth and token.text in _NEVER_IN_BRACKETS:
             yield found
             found, depth, lambdas = [], 0, 0
-        begins = token.kind == "newline"
-        depth = depth_behind(token, depth)
-        ends = begins or token.text == ";"
-        if not ends:
+        starts_line = token.kind == "newline"
+        depth = bracket_depth_after(token, depth)
+        is_end = starts_line or token.text == ";"
+        if not is_end:
             found.append(token)
         if depth or not found:
             continue
         lambdas += token.text == "lambda"
-        if ends or (token.text == ":" and not lambdas and found[0].text in _COMPOUND):
+        if is_end or (token.text == ":" and not lambdas and found[0].text in _COMPOUND):
             yield found
             found, lambdas = [], 0
         lambdas -= token.text == ":" and lambdas > 0
@@ -96,18 +96,18 @@ def indentation(text: str, token: Token) -> str:
     return text[begin : token.start] if not begin or text[begin - 1] == "\n" else ""
 
 
-def depth_behind(token: Token, depth: int) -> int:
+def bracket_depth_after(token: Token, depth: int) -> int:
     """Return how many brackets are open behind a token."""
     if token.text in ("(", "[", "{"):
         return depth + 1
     return max(depth - 1, 0) if token.text in (")", "]", "}") else depth
 
 
-def at_depth_0(tokens: list[Token], text: str) -> list[int]:
+def top_level_indices(tokens: list[Token], text: str) -> list[int]:
     """Return the places of an operator or word that stands in no brackets."""
-    places, depth = [], 0
-    for place, token in enumerate(tokens):
-        depth = depth_behind(token, depth)
+    indices, depth = [], 0
+    for index, token in enumerate(tokens):
+        depth = bracket_depth_after(token, depth)
         if not depth and token.text == text:
-            places.append(place)
-    return places
+            indices.append(index)
+    return indices

@@ -4,45 +4,45 @@ from rtron.sources.code.interpreter.abstract_values.items import items_of
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     OPEN,
     ClassValue,
-    Hole,
     Instance,
-    Known,
+    LibraryClass,
     ListValue,
     MapValue,
-    NativeClass,
-    Text,
+    PartialText,
+    Scalar,
+    Unknown,
     Value,
     concat,
     is_tainted,
     join,
-    spelled,
+    text_with_holes,
 )
 
-SLICE = NativeClass("slice")
+SLICE = LibraryClass("slice")
 
 
 def element(owner: Value, key: Value) -> Value:
     """Return an element or slice, or a hole that is called after the owner and the key."""
     if is_slice(key):
-        return _sliced(owner, key)
+        return _slice_value(owner, key)
     if isinstance(owner, MapValue):
-        return _entry(owner, key)
-    if isinstance(owner, ClassValue) and isinstance(key, Known):
-        return owner.fields.get(key.value, Hole(str(key.value)))
-    if isinstance(key, Known) and isinstance(key.value, int):
+        return _map_entry(owner, key)
+    if isinstance(owner, ClassValue) and isinstance(key, Scalar):
+        return owner.fields.get(key.value, Unknown(str(key.value)))
+    if isinstance(key, Scalar) and isinstance(key.value, int):
         items, certain = items_of(owner)
         if -len(items) <= key.value < len(items) and (certain or key.value >= 0):
             return items[key.value]
     elif isinstance(owner, ListValue) and owner.items:
         return join(owner.items)
-    return _unknown(owner, key)
+    return _unknown_element(owner, key)
 
 
-def _unknown(owner: Value, key: Value) -> Hole:
-    why = owner.why if isinstance(owner, Hole) else ""
-    shown = spelled(key).strip("{}")
-    below = is_tainted(owner) and isinstance(key, Known) and isinstance(key.value, str)
-    return Hole(f"{why}/{shown}" if below and why else f"{why}[{shown}]", is_tainted(owner))
+def _unknown_element(owner: Value, key: Value) -> Unknown:
+    why = owner.label if isinstance(owner, Unknown) else ""
+    shown = text_with_holes(key).strip("{}")
+    below = is_tainted(owner) and isinstance(key, Scalar) and isinstance(key.value, str)
+    return Unknown(f"{why}/{shown}" if below and why else f"{why}[{shown}]", is_tainted(owner))
 
 
 def is_slice(key: Value) -> bool:
@@ -54,50 +54,50 @@ def slice_of(key: Value) -> slice | None:
     """Return the slice that a key is; None if it is none, or its ends are not known."""
     if not isinstance(key, Instance) or key.type is not SLICE:
         return None
-    ends = [key.fields[name] for name in ("start", "stop", "step")]
-    numbers = [end.value for end in ends if isinstance(end, Known)]
-    known = len(numbers) == len(ends) and numbers[2] != 0
+    bounds = [key.fields[name] for name in ("start", "stop", "step")]
+    numbers = [bound.value for bound in bounds if isinstance(bound, Scalar)]
+    known = len(numbers) == len(bounds) and numbers[2] != 0
     if not known or any(not isinstance(number, (int, type(None))) for number in numbers):
         return None
     return slice(*numbers)
 
 
-def _sliced(owner: Value, key: Value) -> Value:
-    places = slice_of(key)
-    if places is None:
-        return Hole("slice", is_tainted(owner))
+def _slice_value(owner: Value, key: Value) -> Value:
+    bounds = slice_of(key)
+    if bounds is None:
+        return Unknown("slice", is_tainted(owner))
     if isinstance(owner, ListValue):
-        return ListValue({"items": owner.items[places], "open": owner.open}, owner.kind)
-    if isinstance(owner, Known) and isinstance(owner.value, (str, bytes)):
-        return Known(owner.value[places], owner.tainted)
+        return ListValue({"items": owner.items[bounds], "open": owner.open}, owner.kind)
+    if isinstance(owner, Scalar) and isinstance(owner.value, (str, bytes)):
+        return Scalar(owner.value[bounds], owner.tainted)
     return (
-        _cut(owner, places.start, places.stop, places.step)
-        if isinstance(owner, Text)
-        else Hole("slice", is_tainted(owner))
+        _slice_text(owner, bounds.start, bounds.stop, bounds.step)
+        if isinstance(owner, PartialText)
+        else Unknown("slice", is_tainted(owner))
     )
 
 
-def _cut(owner: Text, start: int | None, stop: int | None, step: int | None) -> Value:
+def _slice_text(owner: PartialText, start: int | None, stop: int | None, step: int | None) -> Value:
     """Cut off what is known at the ends of a string: `text[1:]`, `text[:-1]`."""
     first, last = owner.parts[0], owner.parts[-1]
     front, back = start or 0, -(stop or 0)
     cuts = 0 <= front <= _length(first) and 0 <= back <= _length(last)
     if not cuts or step not in {None, 1} or stop == 0 or len(owner.parts) == 1:
-        return Hole("slice", owner.tainted)
+        return Unknown("slice", owner.tainted)
     parts = [*owner.parts]
     parts[0] = first[front:] if isinstance(first, str) else first
     parts[-1] = last[: len(last) - back] if isinstance(last, str) else last
     return concat(
-        [part if isinstance(part, Hole) else Known(part, owner.tainted) for part in parts]
+        [part if isinstance(part, Unknown) else Scalar(part, owner.tainted) for part in parts]
     )
 
 
-def _length(part: str | Hole) -> int:
+def _length(part: str | Unknown) -> int:
     return len(part) if isinstance(part, str) else 0
 
 
-def _entry(owner: MapValue, key: Value) -> Value:
-    if not isinstance(key, Known):
-        return join(owner.entries.values()) if owner.entries else Hole(spelled(key))
-    missing = owner.fields.get(OPEN, Hole(str(key.value)))
+def _map_entry(owner: MapValue, key: Value) -> Value:
+    if not isinstance(key, Scalar):
+        return join(owner.entries.values()) if owner.entries else Unknown(text_with_holes(key))
+    missing = owner.fields.get(OPEN, Unknown(str(key.value)))
     return owner.fields.get(key.value, missing)

@@ -5,12 +5,12 @@ from collections.abc import Iterator
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     Choice,
     ClassValue,
-    Hole,
     Instance,
-    Known,
+    LibraryClass,
     ListValue,
     MapValue,
-    NativeClass,
+    Scalar,
+    Unknown,
     Value,
     is_tainted,
     options,
@@ -18,7 +18,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
 
 _MAX_DEPTH = 4
 
-PAIR = NativeClass("std::pair")
+PAIR = LibraryClass("std::pair")
 
 
 def items_of(value: Value) -> tuple[tuple[Value, ...], bool]:
@@ -29,38 +29,38 @@ def items_of(value: Value) -> tuple[tuple[Value, ...], bool]:
     if isinstance(value, ListValue):
         return value.items, not value.open
     if isinstance(value, MapValue):
-        return _entries(value), not value.open
+        return _map_items(value), not value.open
     if isinstance(value, Instance):
-        return _of_instance(value)
+        return _instance_items(value)
     if isinstance(value, ClassValue):
         return tuple(_members(value)), True
-    return _of_plain(value)
+    return _scalar_items(value)
 
 
 def is_record(type: object) -> bool:
     """Tell whether a class is a namedtuple, whose objects have their items for fields."""
-    return isinstance(type, NativeClass) and "_asdict" in type.methods
+    return isinstance(type, LibraryClass) and "_asdict" in type.methods
 
 
-def pair(first: Value, second: Value) -> Instance:
+def pair_of(first: Value, second: Value) -> Instance:
     """Return a std::pair."""
     return Instance(PAIR, {"first": first, "second": second})
 
 
-def listed(items: "tuple[Value, ...] | list[Value]", kind: str = "list") -> ListValue:
+def list_of(items: "tuple[Value, ...] | list[Value]", kind: str = "list") -> ListValue:
     """Return a list of just these items."""
     return ListValue({"items": tuple(items)}, kind)
 
 
-def unpacked(value: Value, count: int) -> tuple[Value, ...]:
+def unpack(value: Value, count: int) -> tuple[Value, ...]:
     """Return a value taken apart into `count` variables."""
     items, certain = items_of(value)
     if certain and len(items) == count:
         return items
-    return tuple(Hole(getattr(value, "why", "?")) for _ in range(count))
+    return tuple(Unknown(getattr(value, "why", "?")) for _ in range(count))
 
 
-def _of_instance(value: Instance) -> tuple[tuple[Value, ...], bool]:
+def _instance_items(value: Instance) -> tuple[tuple[Value, ...], bool]:
     if value.type is PAIR:
         return (value.fields["first"], value.fields["second"]), True
     if is_record(value.type):
@@ -68,25 +68,25 @@ def _of_instance(value: Instance) -> tuple[tuple[Value, ...], bool]:
     return (), False
 
 
-def _of_plain(value: Value) -> tuple[tuple[Value, ...], bool]:
+def _scalar_items(value: Value) -> tuple[tuple[Value, ...], bool]:
     """Return the letters of a text; None has no items, of others they are not known."""
-    if isinstance(value, Known) and isinstance(value.value, str):
-        return tuple(Known(letter, value.tainted) for letter in value.value), True
-    return (), value == Known(None)
+    if isinstance(value, Scalar) and isinstance(value.value, str):
+        return tuple(Scalar(letter, value.tainted) for letter in value.value), True
+    return (), value == Scalar(None)
 
 
-def _entries(value: MapValue) -> tuple[Value, ...]:
-    if value.pairs:
-        return tuple(pair(_key(key, entry), entry) for key, entry in value.entries.items())
+def _map_items(value: MapValue) -> tuple[Value, ...]:
+    if value.iterates_pairs:
+        return tuple(pair_of(_key(key, entry), entry) for key, entry in value.entries.items())
     return tuple(_key(key, entry) for key, entry in value.entries.items())
 
 
-def _key(key: object, entry: Value) -> Known:
+def _key(key: object, entry: Value) -> Scalar:
     """Return a map's key, marked as its entry is: both came out of the parameter server."""
-    return Known(key, _is_parameter(entry))
+    return Scalar(key, _holds_parameter(entry))
 
 
-def _is_parameter(value: Value, depth: int = _MAX_DEPTH) -> bool:
+def _holds_parameter(value: Value, depth: int = _MAX_DEPTH) -> bool:
     """Tell whether anything in a value, which may hold itself, is a parameter's."""
     if isinstance(value, MapValue):
         inner = tuple(value.entries.values())
@@ -94,7 +94,7 @@ def _is_parameter(value: Value, depth: int = _MAX_DEPTH) -> bool:
         inner = value.items
     else:
         return is_tainted(value)
-    return depth > 0 and any(_is_parameter(item, depth - 1) for item in inner)
+    return depth > 0 and any(_holds_parameter(item, depth - 1) for item in inner)
 
 
 def _members(cls: ClassValue) -> Iterator[Value]:
@@ -104,11 +104,11 @@ def _members(cls: ClassValue) -> Iterator[Value]:
             yield value
 
 
-def unpacked_around(value: Value, before: int, after: int) -> tuple[Value, ...]:
+def unpack_with_rest(value: Value, before: int, after: int) -> tuple[Value, ...]:
     """Return a value taken apart into `before` variables, a list of the rest, and `after` more."""
     items, certain = items_of(value)
     if not certain or len(items) < before + after:
         rest = ListValue({"items": (), "open": True})
-        return (*(Hole("?") for _ in range(before)), rest, *(Hole("?") for _ in range(after)))
+        return (*(Unknown("?") for _ in range(before)), rest, *(Unknown("?") for _ in range(after)))
     end = len(items) - after
-    return (*items[:before], listed(items[before:end]), *items[end:])
+    return (*items[:before], list_of(items[before:end]), *items[end:])

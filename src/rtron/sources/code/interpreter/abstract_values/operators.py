@@ -6,12 +6,12 @@ from typing import Any
 
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     Choice,
-    Foreign,
-    Hole,
-    Known,
+    ExternalSymbol,
     ListValue,
     MapValue,
-    Text,
+    PartialText,
+    Scalar,
+    Unknown,
     Value,
     concat,
     is_tainted,
@@ -59,17 +59,17 @@ def _binary(name: str, left: Value, right: Value) -> Value:
     if name in {"in", "not in"}:
         return _membership(name, left, right)
     if name in _COMPARISONS:
-        return _compared(name, left, right)
+        return _compare(name, left, right)
     if name == "%" and _is_text(left):
-        return percent(left, right)
+        return percent_format(left, right)
     if name == "+":
-        return _added(left, right)
+        return _add(left, right)
     if name == "*" and isinstance(left, ListValue):
-        return _repeated(left, right)
+        return _repeat(left, right)
     return _arithmetic(name, left, right)
 
 
-def _added(left: Value, right: Value) -> Value:
+def _add(left: Value, right: Value) -> Value:
     if isinstance(left, ListValue) and isinstance(right, ListValue):
         items = left.items + right.items
         cut = len(items) > MAX_LENGTH
@@ -82,27 +82,27 @@ def _added(left: Value, right: Value) -> Value:
 
 def _arithmetic(name: str, left: Value, right: Value) -> Value:
     tainted = is_tainted(left) or is_tainted(right)
-    if not (isinstance(left, Known) and isinstance(right, Known)) or name not in _ARITHMETIC:
-        return Hole(_hole_name(left, right), tainted)
+    if not (isinstance(left, Scalar) and isinstance(right, Scalar)) or name not in _ARITHMETIC:
+        return Unknown(_hole_name(left, right), tainted)
     try:
-        if name == "*" and not _small(left.value, right.value):
-            return Hole("large", tainted)
-        return Known(_bounded(_ARITHMETIC[name](left.value, right.value)), tainted)
+        if name == "*" and not _is_short_repetition(left.value, right.value):
+            return Unknown("large", tainted)
+        return Scalar(_check_size(_ARITHMETIC[name](left.value, right.value)), tainted)
     except TypeError:
         is_path = name == "/" and _is_text(left) and _is_text(right)
-        return concat((left, Known("/"), right)) if is_path else Hole("?", tainted)
+        return concat((left, Scalar("/"), right)) if is_path else Unknown("?", tainted)
     except (ArithmeticError, ValueError):
-        return Hole("?", tainted)
+        return Unknown("?", tainted)
 
 
-def _small(left: Any, right: Any) -> bool:  # noqa: ANN401 - any Python values
+def _is_short_repetition(left: Any, right: Any) -> bool:  # noqa: ANN401 - any Python values
     for text, times in ((left, right), (right, left)):
         if isinstance(text, (str, bytes)) and isinstance(times, int):
             return len(text) * times <= MAX_LENGTH
     return True
 
 
-def _bounded(value: Any) -> Any:  # noqa: ANN401 - any Python value
+def _check_size(value: Any) -> Any:  # noqa: ANN401 - any Python value
     if isinstance(value, int) and value.bit_length() > MAX_BITS:
         raise ValueError("large")
     if isinstance(value, str) and len(value) > MAX_LENGTH:
@@ -110,91 +110,99 @@ def _bounded(value: Any) -> Any:  # noqa: ANN401 - any Python value
     return value
 
 
-def _compared(name: str, left: Value, right: Value) -> Value:
-    if left is right and not isinstance(left, (Hole, Foreign, Text)):
-        return Known(name in {"==", "is", "<=", ">="})
-    if isinstance(left, Known) and isinstance(right, Known):
+def _compare(name: str, left: Value, right: Value) -> Value:
+    if left is right and not isinstance(left, (Unknown, ExternalSymbol, PartialText)):
+        return Scalar(name in {"==", "is", "<=", ">="})
+    if isinstance(left, Scalar) and isinstance(right, Scalar):
         try:
             answer = _COMPARISONS[name](left.value, right.value)
         except TypeError:
-            return Hole("comparison")
-        return Known(answer, left.tainted or right.tainted)
+            return Unknown("comparison")
+        return Scalar(answer, left.tainted or right.tainted)
     if isinstance(left, ListValue) and isinstance(right, ListValue):
-        return Hole("comparison")
-    if _undecidable(left) or _undecidable(right):
-        return Hole("comparison")
-    return Known(name in {"!=", "is not"})
+        return Unknown("comparison")
+    if _is_undecidable(left) or _is_undecidable(right):
+        return Unknown("comparison")
+    return Scalar(name in {"!=", "is not"})
 
 
-def _undecidable(value: Value) -> bool:
-    return isinstance(value, (Hole, Foreign, Text))
+def _is_undecidable(value: Value) -> bool:
+    return isinstance(value, (Unknown, ExternalSymbol, PartialText))
 
 
 def _membership(name: str, item: Value, container: Value) -> Value:
     found = _contains(item, container)
-    return Hole("in") if found is None else Known(found is (name == "in"))
+    return Unknown("in") if found is None else Scalar(found is (name == "in"))
 
 
 def _contains(item: Value, container: Value) -> bool | None:
-    if not isinstance(item, Known):
+    if not isinstance(item, Scalar):
         return None
-    if isinstance(container, Known) and isinstance(container.value, str):
+    if isinstance(container, Scalar) and isinstance(container.value, str):
         return str(item.value) in container.value
     if isinstance(container, MapValue):
         return True if item.value in container.entries else (None if container.open else False)
     if isinstance(container, ListValue):
-        return _among(item, container)
+        return _is_item(item, container)
     return None
 
 
-def _among(item: Known, container: ListValue) -> bool | None:
-    answers = [_compared("==", item, option) for option in container.items]
-    if any(isinstance(answer, Known) and answer.value for answer in answers):
+def _is_item(item: Scalar, container: ListValue) -> bool | None:
+    answers = [_compare("==", item, option) for option in container.items]
+    if any(isinstance(answer, Scalar) and answer.value for answer in answers):
         return True
-    unsure = container.open or any(isinstance(answer, Hole) for answer in answers)
+    unsure = container.open or any(isinstance(answer, Unknown) for answer in answers)
     return None if unsure else False
 
 
-def _repeated(items: ListValue, times: Value) -> Value:
-    if isinstance(times, Known) and isinstance(times.value, int):
+def _repeat(items: ListValue, times: Value) -> Value:
+    if isinstance(times, Scalar) and isinstance(times.value, int):
         count = max(0, min(times.value, MAX_LENGTH // max(1, len(items.items))))
         return ListValue({"items": items.items * count}, items.kind)
     return ListValue({"items": items.items, "open": True}, items.kind)
 
 
 def _is_text(value: Value) -> bool:
-    return isinstance(value, Text) or (isinstance(value, Known) and isinstance(value.value, str))
+    return isinstance(value, PartialText) or (
+        isinstance(value, Scalar) and isinstance(value.value, str)
+    )
 
 
 def _hole_name(left: Value, right: Value) -> str:
     holes = [
-        part.why for side in (left, right) for part in parts_of(side) if isinstance(part, Hole)
+        part.label for side in (left, right) for part in parts_of(side) if isinstance(part, Unknown)
     ]
     return holes[0] if holes else "?"
 
 
-def percent(template: Value, given: Value) -> Value:
+def percent_format(template: Value, given: Value) -> Value:
     """Return `template % given`, holes and all (Python: printf-style formatting)."""
     values: list[Value] = list(given.items) if isinstance(given, ListValue) else [given]
     mapping = given.entries if isinstance(given, MapValue) else {}
     parts: list[Value] = []
     for part in parts_of(template):
-        parts.extend(_formatted(part, values, mapping) if isinstance(part, str) else [part])
+        parts.extend(
+            _format_conversions(part, values, mapping) if isinstance(part, str) else [part]
+        )
     return concat(parts)
 
 
-def _formatted(text: str, values: list[Value], mapping: Mapping[Any, Value]) -> list[Value]:
+def _format_conversions(
+    text: str, values: list[Value], mapping: Mapping[Any, Value]
+) -> list[Value]:
     parts: list[Value] = []
     rest = text
     while "%" in rest:
         before, _, after = rest.partition("%")
-        parts.append(Known(before))
-        part, rest = _one(after, values, mapping)
+        parts.append(Scalar(before))
+        part, rest = _format_conversion(after, values, mapping)
         parts.append(part)
-    return [*parts, Known(rest)]
+    return [*parts, Scalar(rest)]
 
 
-def _one(after: str, values: list[Value], mapping: Mapping[Any, Value]) -> tuple[Value, str]:
+def _format_conversion(
+    after: str, values: list[Value], mapping: Mapping[Any, Value]
+) -> tuple[Value, str]:
     """Return what one conversion puts in, and the text behind it; `after` begins behind the %."""
     name, rest = None, after
     if after.startswith("("):
@@ -202,16 +210,18 @@ def _one(after: str, values: list[Value], mapping: Mapping[Any, Value]) -> tuple
     flags = len(rest) - len(rest.lstrip("#0- +.123456789lh"))
     spec, kind, rest = rest[:flags], rest[flags : flags + 1], rest[flags + 1 :]
     if kind == "%":
-        return Known("%"), rest
-    value = mapping.get(name, Hole(name)) if name else (values.pop(0) if values else Hole("?"))
-    return _shown(spec + kind, value), rest
+        return Scalar("%"), rest
+    value = (
+        mapping.get(name, Unknown(name)) if name else (values.pop(0) if values else Unknown("?"))
+    )
+    return _format_value(spec + kind, value), rest
 
 
-def _shown(spec: str, value: Value) -> Value:
-    if isinstance(value, Known) and spec != "s" and len(spec) < 8:  # noqa: PLR2004
+def _format_value(spec: str, value: Value) -> Value:
+    if isinstance(value, Scalar) and spec != "s" and len(spec) < 8:  # noqa: PLR2004
         try:
             shown = ("%" + spec.replace("l", "")) % value.value
-            return Known(_bounded(shown), value.tainted)
+            return Scalar(_check_size(shown), value.tainted)
         except (TypeError, ValueError):
             return value
     return value
@@ -221,10 +231,10 @@ def unary(name: str, operand: Value) -> Value:
     """Return `-x`, `+x` or `~x`."""
     if isinstance(operand, Choice):
         return join([unary(name, option) for option in operand.options])
-    if isinstance(operand, Known) and isinstance(operand.value, (int, float)):
+    if isinstance(operand, Scalar) and isinstance(operand.value, (int, float)):
         value = operand.value
         if name == "-":
-            return Known(-value, operand.tainted)
+            return Scalar(-value, operand.tainted)
         if name == "+":
             return operand
-    return Hole("?", is_tainted(operand))
+    return Unknown("?", is_tainted(operand))

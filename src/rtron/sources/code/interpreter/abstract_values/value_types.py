@@ -17,7 +17,7 @@ MAX_LENGTH = 4096
 
 
 @record(frozen=True, slots=True)
-class Known:
+class Scalar:
     """A str, int, float, bool, bytes or None."""
 
     value: Any
@@ -25,19 +25,19 @@ class Known:
 
 
 @record(frozen=True, slots=True)
-class Hole:
+class Unknown:
     """A value that cannot be known, and what it is called in the source: `~prefix`, `argv[1]`."""
 
-    why: str = "?"
+    label: str = "?"
     tainted: bool = False
     type: TypeRef | None = None
 
 
 @record(frozen=True, slots=True)
-class Text:
+class PartialText:
     """A string of which parts are holes."""
 
-    parts: tuple[str | Hole, ...]
+    parts: tuple[str | Unknown, ...]
     tainted: bool = False
 
 
@@ -55,7 +55,7 @@ class Instance:
     `types` are its template arguments, `bindings` those of its bases by their class's name.
     """
 
-    type: "ClassValue | NativeClass"
+    type: "ClassValue | LibraryClass"
     fields: dict[Any, "Value"] = field(default_factory=dict)
     types: tuple[TypeRef, ...] = ()
     bindings: dict[str, tuple[TypeRef, ...]] = field(default_factory=dict)
@@ -83,12 +83,12 @@ class ListValue:
 class MapValue:
     """A dict or std::map; keys are the Known values' own, `OPEN` marks unknown further entries.
 
-    `pairs` marks a map of C++, whose items are pairs; `missing` makes what it has for a new key.
+    `iterates_pairs` marks a map of C++, whose items are pairs; `default_factory` makes what it has for a new key.
     """
 
     fields: dict[Any, "Value"] = field(default_factory=dict)
-    pairs: bool = False
-    missing: Callable[[], "Value"] | None = None
+    iterates_pairs: bool = False
+    default_factory: Callable[[], "Value"] | None = None
 
     @property
     def entries(self) -> dict[Any, "Value"]:
@@ -101,47 +101,47 @@ class MapValue:
         return OPEN in self.fields
 
 
-class _Open:
+class _OpenKey:
     """The key of a MapValue's unknown entries."""
 
 
-OPEN = _Open()
+OPEN = _OpenKey()
 
 
 @dataclass(eq=False, slots=True)
 class FunctionValue:
     """A scanned function, with the frame it was defined in and the object it is bound to.
 
-    `given` and `named` are arguments that it already has (functools.partial, boost::bind).
+    `bound_arguments` and `bound_keywords` are arguments that it already has (functools.partial, boost::bind).
     """
 
     function: Function
     closure: Any = None
     owner: "Value | None" = None
-    given: tuple["Value", ...] = ()
+    bound_arguments: tuple["Value", ...] = ()
     cls: "ClassValue | None" = None
     types: tuple[TypeRef, ...] = ()
     overloads: tuple[Function, ...] = ()
-    named: Mapping[str, "Value"] = field(default_factory=dict)
+    bound_keywords: Mapping[str, "Value"] = field(default_factory=dict)
 
-    def chosen(self, function: Function) -> "FunctionValue":
+    def with_overload(self, function: Function) -> "FunctionValue":
         """Return the same call of one of its overloads."""
         return FunctionValue(
             function,
             closure=self.closure,
             owner=self.owner,
-            given=self.given,
+            bound_arguments=self.bound_arguments,
             cls=self.cls,
             types=self.types,
-            named=self.named,
+            bound_keywords=self.bound_keywords,
         )
 
 
 @record(frozen=True, slots=True)
-class Placeholder:
+class BindPlaceholder:
     """`_1`, `_2` in boost::bind."""
 
-    place: int
+    position: int
 
 
 @dataclass(eq=False, slots=True)
@@ -176,7 +176,7 @@ class MessageType:
 
 
 @record(frozen=True, slots=True)
-class Native:
+class LibraryFunction:
     """A function of a library that RTron knows; `owner` is what it is bound to."""
 
     name: str
@@ -186,29 +186,29 @@ class Native:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class NativeClass:
+class LibraryClass:
     """A class of a library that RTron knows: how it is made and what its methods do.
 
-    `called` are the virtual methods that the library calls by itself, in this order.
+    `virtual_callbacks` are the virtual methods that the library calls by itself, in this order.
     """
 
     name: str
-    make: Callable[..., "Value"] | None = None
+    construct: Callable[..., "Value"] | None = None
     methods: dict[str, Callable[..., "Value"]] = field(default_factory=dict)
-    called: tuple[str, ...] = ()
+    virtual_callbacks: tuple[str, ...] = ()
 
 
 @record(frozen=True, slots=True)
-class Foreign:
+class ExternalSymbol:
     """Something of a library nobody knows, by its dotted name."""
 
     name: str
 
 
 Value: TypeAlias = (
-    Known
-    | Hole
-    | Text
+    Scalar
+    | Unknown
+    | PartialText
     | Choice
     | Instance
     | ListValue
@@ -217,15 +217,15 @@ Value: TypeAlias = (
     | ClassValue
     | ModuleValue
     | MessageType
-    | Native
-    | NativeClass
-    | Foreign
-    | Placeholder
+    | LibraryFunction
+    | LibraryClass
+    | ExternalSymbol
+    | BindPlaceholder
 )
 
-NONE = Known(None)
-TRUE = Known(value=True)
-FALSE = Known(value=False)
+NONE = Scalar(None)
+TRUE = Scalar(value=True)
+FALSE = Scalar(value=False)
 
 
 def options(value: "Value | None") -> tuple[Value, ...]:
@@ -240,23 +240,23 @@ def join(values: Iterable[Value]) -> Value:
     found: list[Value] = []
     for value in values:
         for option in options(value):
-            if not _among(option, found):
+            if not _contains(option, found):
                 found.append(option)
     if not found:
         return NONE
     if len(found) > MAX_CHOICES:
-        return Hole("many")
+        return Unknown("many")
     return found[0] if len(found) == 1 else Choice(tuple(found))
 
 
-def _among(value: Value, found: list[Value]) -> bool:
+def _contains(value: Value, found: list[Value]) -> bool:
     for other in found:  # noqa: SIM110 - of each value there is: a generator takes twice as long
         if value is other or (type(value) is type(other) and value == other):
             return True
     return False
 
 
-def each(value: Value, function: Callable[[Value], Value]) -> Value:
+def map_options(value: Value, function: Callable[[Value], Value]) -> Value:
     """Return what `function` makes of each option."""
     if not isinstance(value, Choice):
         return function(value)
@@ -281,7 +281,7 @@ def _truth_of_container(value: Any) -> bool | None:  # noqa: ANN401 - a list or 
 
 
 def _truth_of_instance(value: Any) -> bool | None:  # noqa: ANN401 - an Instance
-    if not isinstance(value.type, NativeClass):
+    if not isinstance(value.type, LibraryClass):
         return True
     return truth(value.fields["truth"]) if "truth" in value.fields else None
 
@@ -291,37 +291,39 @@ def _truth_of_text(value: Any) -> bool | None:  # noqa: ANN401 - a Text
 
 
 _TRUTHS: Mapping[type, Callable[[Any], bool | None]] = {
-    Known: lambda value: bool(value.value),
+    Scalar: lambda value: bool(value.value),
     ListValue: _truth_of_container,
     MapValue: _truth_of_container,
     Instance: _truth_of_instance,
-    Text: _truth_of_text,
-    Hole: lambda _: None,
-    Foreign: lambda _: None,
+    PartialText: _truth_of_text,
+    Unknown: lambda _: None,
+    ExternalSymbol: lambda _: None,
 }
 
 
 def is_text(value: Value) -> bool:
     """Tell whether a value is a string, known whole or in part."""
-    return isinstance(value, Text) or (isinstance(value, Known) and isinstance(value.value, str))
+    return isinstance(value, PartialText) or (
+        isinstance(value, Scalar) and isinstance(value.value, str)
+    )
 
 
 def is_tainted(value: Value) -> bool:
     """Tell whether a value came out of the parameter server, or has a part that did."""
     if isinstance(value, Choice):
         return any(map(is_tainted, value.options))
-    return isinstance(value, (Known, Hole, Text)) and value.tainted
+    return isinstance(value, (Scalar, Unknown, PartialText)) and value.tainted
 
 
-def parts_of(value: Value) -> tuple[str | Hole, ...]:
+def parts_of(value: Value) -> tuple[str | Unknown, ...]:
     """Return a value as the parts of a string."""
-    if isinstance(value, Known):
+    if isinstance(value, Scalar):
         return (plain(value.value),)
-    if isinstance(value, Text):
+    if isinstance(value, PartialText):
         return value.parts
-    if isinstance(value, Hole):
+    if isinstance(value, Unknown):
         return (value,)
-    return (Hole("?"),)
+    return (Unknown("?"),)
 
 
 def plain(value: object) -> str:
@@ -331,32 +333,34 @@ def plain(value: object) -> str:
 
 def concat(values: Iterable[Value]) -> Value:
     """Return the string that `values` make together, over every combination of options."""
-    results: list[tuple[tuple[str | Hole, ...], bool]] = [((), False)]
+    results: list[tuple[tuple[str | Unknown, ...], bool]] = [((), False)]
     for value in values:
         results = [
             (parts + parts_of(option), tainted or is_tainted(option))
             for parts, tainted in results
             for option in options(value)
         ][:MAX_CHOICES]
-    return join([_text(parts, tainted=tainted) for parts, tainted in results])
+    return join([_merge_parts(parts, tainted=tainted) for parts, tainted in results])
 
 
-def _text(parts: tuple[str | Hole, ...], *, tainted: bool) -> Value:
+def _merge_parts(parts: tuple[str | Unknown, ...], *, tainted: bool) -> Value:
     if sum(len(part) for part in parts if isinstance(part, str)) > MAX_LENGTH:
-        return Hole("long", tainted)
-    merged: list[str | Hole] = []
+        return Unknown("long", tainted)
+    merged: list[str | Unknown] = []
     for part in parts:
         if isinstance(part, str) and merged and isinstance(merged[-1], str):
             merged[-1] += part
         elif part != "":
             merged.append(part)
     if len(merged) > MAX_PARTS:
-        return Hole("long", tainted)
+        return Unknown("long", tainted)
     if all(isinstance(part, str) for part in merged):
-        return Known("".join(map(str, merged)), tainted)
-    return Text(tuple(merged), tainted)
+        return Scalar("".join(map(str, merged)), tainted)
+    return PartialText(tuple(merged), tainted)
 
 
-def spelled(value: Value) -> str:
+def text_with_holes(value: Value) -> str:
     """Return a string value with its holes in braces."""
-    return "".join(part if isinstance(part, str) else f"{{{part.why}}}" for part in parts_of(value))
+    return "".join(
+        part if isinstance(part, str) else f"{{{part.label}}}" for part in parts_of(value)
+    )

@@ -3,84 +3,84 @@
 from dataclasses import dataclass, field, replace
 
 from rtron.sources.code.interpreter.abstract_values.value_types import (
+    BindPlaceholder,
     ClassValue,
     FunctionValue,
-    Hole,
     Instance,
     ListValue,
     MapValue,
-    Placeholder,
+    Unknown,
     Value,
 )
 from rtron.sources.code.interpreter.cpp.types import CppTypes
-from rtron.sources.code.interpreter.execution.abstract_machine import Machine
+from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
-from rtron.sources.code.interpreter.execution.binding import bind
-from rtron.sources.code.interpreter.execution.stack_frame import Frame
+from rtron.sources.code.interpreter.execution.binding import bind_parameters
+from rtron.sources.code.interpreter.execution.stack_frame import StackFrame
 from rtron.sources.code.ir import Expr, Param
-from rtron.sources.code.library_models.common.containers import copied
+from rtron.sources.code.library_models.common.containers import copy_instance
 
 
 @dataclass(eq=False, slots=True, kw_only=True)
 class CppCalls(CppTypes):
     """The calls of one program."""
 
-    machine: Machine = field(init=False)
+    machine: AbstractMachine = field(init=False)
 
-    def frame(self, called: FunctionValue, arguments: Arguments) -> Frame:
+    def call_frame(self, called: FunctionValue, arguments: Arguments) -> StackFrame:
         """Return the frame of a call: parameters bound, references to the caller's places."""
         function = called.function
-        passed = _given(called, arguments)
+        passed = _with_bound_arguments(called, arguments)
         outer = called.closure
-        frame = Frame(
+        frame = StackFrame(
             file=function.file,
             function=function,
-            closure=outer if isinstance(outer, Frame) else None,
+            closure=outer if isinstance(outer, StackFrame) else None,
             this=called.owner if called.owner is not None else getattr(outer, "this", None),
             cls=called.cls,
             scope=getattr(outer, "scope", "") or function.name.rpartition("::")[0],
-            types=self.bound_types(called, passed),
+            types=self.bind_template_parameters(called, passed),
             caller=arguments,
             constants={param.name: param.constant for param in function.params},
         )
 
         def default(node: Expr) -> Value:
             types = frame.types
-            around = Frame(file=function.file, scope=frame.scope, this=frame.this, types=types)
+            around = StackFrame(file=function.file, scope=frame.scope, this=frame.this, types=types)
             return self.machine.evaluate(node, around)
 
-        frame.variables = bind(function.params, passed, default)
+        frame.variables = bind_parameters(function.params, passed, default)
         for at, param in enumerate(function.params):
-            place = passed.place(at)
-            if param.reference and place is not None and place.key != "this":
-                frame.aliases[param.name] = place
+            slot = passed.slot(at)
+            if param.reference and slot is not None and slot.key != "this":
+                frame.aliases[param.name] = slot
             elif not param.reference and param.kind == "plain":
                 value = frame.variables[param.name]
                 if isinstance(value, (Instance, ListValue, MapValue)):
-                    frame.variables[param.name] = self._by_value(value, param, frame)
+                    frame.variables[param.name] = self._copy_argument(value, param, frame)
         return frame
 
-    def _by_value(self, value: Value, param: Param, frame: Frame) -> Value:
+    def _copy_argument(self, value: Value, param: Param, frame: StackFrame) -> Value:
         """Return what a parameter without & and * holds: a copy."""
         if isinstance(value, Instance) and isinstance(value.type, ClassValue) and param.type:
-            return copied(value) if self.class_of(param.type, frame) is value.type else value
-        return container_copied(value)
+            return copy_instance(value) if self.class_of(param.type, frame) is value.type else value
+        return copy_container(value)
 
 
-def container_copied(value: Value) -> Value:
+def copy_container(value: Value) -> Value:
     """Return a list or map as a new one with the same items, any other value as it is."""
     if isinstance(value, ListValue):
         return ListValue(dict(value.fields), value.kind)
     return replace(value, fields=dict(value.fields)) if isinstance(value, MapValue) else value
 
 
-def _given(called: FunctionValue, arguments: Arguments) -> Arguments:
+def _with_bound_arguments(called: FunctionValue, arguments: Arguments) -> Arguments:
     """Return the arguments, what boost::bind gave put in their places."""
-    if not called.given:
+    if not called.bound_arguments:
         return arguments
     left = list(arguments.values)
     values = [
-        (left.pop(0) if left else Hole("?")) if isinstance(value, Placeholder) else value
-        for value in called.given
+        (left.pop(0) if left else Unknown("?")) if isinstance(value, BindPlaceholder) else value
+        for value in called.bound_arguments
     ]
     return Arguments(values=(*values, *left), line=arguments.line, frame=arguments.frame)

@@ -3,114 +3,125 @@
 from rtron.sources.code.interpreter.abstract_values.items import items_of
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     Choice,
-    Hole,
     Instance,
-    Known,
+    LibraryClass,
     ListValue,
-    NativeClass,
+    Scalar,
+    Unknown,
     Value,
 )
-from rtron.sources.code.interpreter.execution.abstract_machine import Machine
+from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 
-_END, _OWNER = "end", "owner"
+_END, _CONTAINER = "end", "owner"
 
 
-def begin(_: Machine, owner: Value, __: Arguments) -> Value:
+def begin(_: AbstractMachine, owner: Value, __: Arguments) -> Value:
     """`container.begin()`."""
     items, certain = items_of(owner)
-    holder = Instance(NativeClass("items"), {**dict(enumerate(items)), _OWNER: owner})
-    return _at(holder, 0, len(items), certain=certain)
+    holder = Instance(LibraryClass("items"), {**dict(enumerate(items)), _CONTAINER: owner})
+    return _iterator_at(holder, 0, len(items), certain=certain)
 
 
-def items_from(value: Value | None) -> tuple[list[tuple[Instance, Value]], bool] | None:
+def items_after(value: Value | None) -> tuple[list[tuple[Instance, Value]], bool] | None:
     """Return the places from an iterator on with what is there, and whether these are all."""
     if not isinstance(value, Instance) or value.type is not ITERATOR or _END in value.fields:
         return None
-    items, place, count = (value.fields[name] for name in ("items", "at", "count"))
-    if not (isinstance(items, Instance) and isinstance(place, Known) and isinstance(count, Known)):
+    items, position, count = (value.fields[name] for name in ("items", "at", "count"))
+    if not (
+        isinstance(items, Instance) and isinstance(position, Scalar) and isinstance(count, Scalar)
+    ):
         return None
-    certain = value.fields["certain"] == Known(value=True)
-    places = range(place.value, count.value)
-    found = [_at(items, at, count.value, certain=certain) for at in places]
-    return [(one, item_at(one)) for one in found], certain
+    certain = value.fields["certain"] == Scalar(value=True)
+    positions = range(position.value, count.value)
+    found = [_iterator_at(items, at, count.value, certain=certain) for at in positions]
+    return [(one, dereference(one)) for one in found], certain
 
 
-def written(machine: Machine, held: Value | None, value: Value) -> bool:
+def write_through(machine: AbstractMachine, held: Value | None, value: Value) -> bool:
     """Do `*it = value`: a variable that holds an iterator can get nothing but iterators itself."""
     if not isinstance(held, Instance) or held.type is not ITERATOR or _END in held.fields:
         return False
-    if isinstance(value, (Hole, Choice)) or getattr(value, "type", None) is ITERATOR:
+    if isinstance(value, (Unknown, Choice)) or getattr(value, "type", None) is ITERATOR:
         return False
-    items, place = held.fields["items"], held.fields["at"]
-    if isinstance(items, Instance) and isinstance(place, Known):
-        machine.trail.set(items.fields, place.value, value)
-        owner = items.fields[_OWNER]
-        if isinstance(owner, ListValue) and place.value < len(owner.items):
-            changed = (*owner.items[: place.value], value, *owner.items[place.value + 1 :])
-            machine.trail.set(owner.fields, "items", changed)
+    items, position = held.fields["items"], held.fields["at"]
+    if isinstance(items, Instance) and isinstance(position, Scalar):
+        machine.undo_log.set(items.fields, position.value, value)
+        owner = items.fields[_CONTAINER]
+        if isinstance(owner, ListValue) and position.value < len(owner.items):
+            changed = (*owner.items[: position.value], value, *owner.items[position.value + 1 :])
+            machine.undo_log.set(owner.fields, "items", changed)
     return True
 
 
-def end(_: Machine, __: Value, ___: Arguments) -> Value:
+def end(_: AbstractMachine, __: Value, ___: Arguments) -> Value:
     """`container.end()`."""
-    return Instance(ITERATOR, {_END: Known(value=True)})
+    return Instance(ITERATOR, {_END: Scalar(value=True)})
 
 
-def item_at(value: Value) -> Value:
+def dereference(value: Value) -> Value:
     """Return what an iterator points at; any other value is itself."""
     if not isinstance(value, Instance) or value.type is not ITERATOR or _END in value.fields:
         return value
     items = value.fields["items"]
-    place = value.fields["at"]
+    position = value.fields["at"]
     found = (
-        items.fields.get(place.value)
-        if isinstance(items, Instance) and isinstance(place, Known)
+        items.fields.get(position.value)
+        if isinstance(items, Instance) and isinstance(position, Scalar)
         else None
     )
-    return found or Hole("item")
+    return found or Unknown("item")
 
 
-def _at(items: Instance, place: int, count: int, *, certain: bool) -> Instance:
+def _iterator_at(items: Instance, position: int, count: int, *, certain: bool) -> Instance:
     return Instance(
         ITERATOR,
-        {"items": items, "at": Known(place), "count": Known(count), "certain": Known(certain)},
+        {
+            "items": items,
+            "at": Scalar(position),
+            "count": Scalar(count),
+            "certain": Scalar(certain),
+        },
     )
 
 
-def _next(_: Machine, owner: Instance, __: Arguments) -> Value:
-    items, place, count = (owner.fields.get(name) for name in ("items", "at", "count"))
-    if not (isinstance(items, Instance) and isinstance(place, Known) and isinstance(count, Known)):
-        return Hole("iterator")
-    certain = owner.fields["certain"] == Known(value=True)
-    return _at(items, place.value + 1, count.value, certain=certain)
+def _advance(_: AbstractMachine, owner: Instance, __: Arguments) -> Value:
+    items, position, count = (owner.fields.get(name) for name in ("items", "at", "count"))
+    if not (
+        isinstance(items, Instance) and isinstance(position, Scalar) and isinstance(count, Scalar)
+    ):
+        return Unknown("iterator")
+    certain = owner.fields["certain"] == Scalar(value=True)
+    return _iterator_at(items, position.value + 1, count.value, certain=certain)
 
 
-def _differs(_: Machine, owner: Instance, arguments: Arguments) -> Value:
+def _not_equal(_: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
     other = arguments.get(0)
     is_end = isinstance(other, Instance) and _END in other.fields
     if is_end and _END in owner.fields:
-        return Known(value=False)
+        return Scalar(value=False)
     if not is_end or _END in owner.fields:
-        return Hole("iterator")
-    place, count = owner.fields["at"], owner.fields["count"]
-    inside = isinstance(place, Known) and isinstance(count, Known) and place.value < count.value
-    if inside or owner.fields["certain"] == Known(value=True):
-        return Known(inside)
-    return Hole("iterator")
+        return Unknown("iterator")
+    position, count = owner.fields["at"], owner.fields["count"]
+    inside = (
+        isinstance(position, Scalar) and isinstance(count, Scalar) and position.value < count.value
+    )
+    if inside or owner.fields["certain"] == Scalar(value=True):
+        return Scalar(inside)
+    return Unknown("iterator")
 
 
-def _equals(machine: Machine, owner: Instance, arguments: Arguments) -> Value:
-    answer = _differs(machine, owner, arguments)
-    return Known(not answer.value) if isinstance(answer, Known) else answer
+def _equal(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
+    answer = _not_equal(machine, owner, arguments)
+    return Scalar(not answer.value) if isinstance(answer, Scalar) else answer
 
 
-ITERATOR = NativeClass(
+ITERATOR = LibraryClass(
     "iterator",
     methods={
-        "operator+": _next,
-        "operator!=": _differs,
-        "operator==": _equals,
-        "operator<": _differs,
+        "operator+": _advance,
+        "operator!=": _not_equal,
+        "operator==": _equal,
+        "operator<": _not_equal,
     },
 )

@@ -5,10 +5,10 @@ from collections.abc import Mapping
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     ClassValue,
     FunctionValue,
-    Hole,
     Instance,
-    Known,
-    Text,
+    PartialText,
+    Scalar,
+    Unknown,
     Value,
 )
 from rtron.sources.code.interpreter.execution.arguments import Arguments
@@ -18,10 +18,10 @@ _NUMBERS = {"int", "double", "float", "bool", "long", "short", "size_t", "uint32
 _TEXTS = {"std::string", "string", "char", "QString"}
 
 
-def choose(functions: tuple[Function, ...], arguments: Arguments) -> Function:
+def choose_overload(functions: tuple[Function, ...], arguments: Arguments) -> Function:
     """Return the function that fits a call best: by the number of arguments, then their types."""
     count = len(arguments.values)
-    ranks = [(_takes(function, count), function.body is not None) for function in functions]
+    ranks = [(_accepts_count(function, count), function.body is not None) for function in functions]
     best = max(ranks)
     fitting = [function for function, rank in zip(functions, ranks, strict=True) if rank == best]
     if len(fitting) == 1:
@@ -29,7 +29,7 @@ def choose(functions: tuple[Function, ...], arguments: Arguments) -> Function:
     return max(fitting, key=lambda function: _score(function, arguments))
 
 
-def _takes(function: Function, count: int) -> bool:
+def _accepts_count(function: Function, count: int) -> bool:
     """Tell whether a function can be called with so many arguments."""
     most = len(function.params)
     least = [param for param in function.params if param.default is None and param.kind == "plain"]
@@ -41,32 +41,36 @@ def _takes(function: Function, count: int) -> bool:
 def _score(function: Function, arguments: Arguments) -> int:
     pairs = zip(function.params, arguments.values, strict=False)
     given = dict(zip(function.template, arguments.types, strict=False))
-    return sum([_match(param, value, function, given) for param, value in pairs])
+    return sum([_parameter_score(param, value, function, given) for param, value in pairs])
 
 
-def _match(param: Param, value: Value, function: Function, given: Mapping[str, TypeRef]) -> int:
+def _parameter_score(
+    param: Param, value: Value, function: Function, given: Mapping[str, TypeRef]
+) -> int:
     """Tell how well a value fits a parameter, whose type the call's template arguments may give."""
     if param.type is None:
         return 0
     bound = given.get(param.type.name)
     if param.type.name in function.template and bound is None:
         return 1
-    found = _fit(bound or param.type, value)
+    found = _type_score(bound or param.type, value)
     return found or int(bound is not None)
 
 
-def _fit_unknown(type: str, value: Hole) -> int:
+def _unknown_type_score(type: str, value: Unknown) -> int:
     """Tell whether an object nobody knows fits: it is called like its class."""
-    return 3 if value.why.rpartition("::")[2] == f"{type}()" else 0
+    return 3 if value.label.rpartition("::")[2] == f"{type}()" else 0
 
 
-def _fit(type: TypeRef, value: Value) -> int:
+def _type_score(type: TypeRef, value: Value) -> int:
     last = type.name.rpartition("::")[2]
-    if isinstance(value, Hole):
-        return _fit_unknown(last, value)
-    if isinstance(value, Text) or (isinstance(value, Known) and isinstance(value.value, str)):
+    if isinstance(value, Unknown):
+        return _unknown_type_score(last, value)
+    if isinstance(value, PartialText) or (
+        isinstance(value, Scalar) and isinstance(value.value, str)
+    ):
         return 2 if type.name in _TEXTS else -_is_scalar(type)
-    if isinstance(value, Known):
+    if isinstance(value, Scalar):
         return 1 if type.name in _NUMBERS else -1
     if isinstance(value, Instance):
         name = value.type.name.rpartition("::")[2]

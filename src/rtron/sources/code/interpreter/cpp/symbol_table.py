@@ -4,11 +4,11 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from rtron.sources.code.interpreter.execution.source_provider import Files
-from rtron.sources.code.ir import Class, Declare, Function, Language, TypeRef, Unit
+from rtron.sources.code.interpreter.execution.source_provider import SourceProvider
+from rtron.sources.code.ir import Class, Declare, Function, SourceLanguage, TypeRef, Unit
 
 MAX_FILES = 600
-NATIVE_FOLDERS = frozenset(
+MODELLED_FOLDERS = frozenset(
     [
         "ros",
         "actionlib",
@@ -40,15 +40,15 @@ _MAX_ALIASES = 12
 
 
 @dataclass(eq=False, slots=True)
-class Symbols:
+class SymbolTable:
     """Functions, classes, variables, aliases and enumerators, by their qualified names.
 
-    `everywhere` says that what another package defines is looked for in its sources when needed.
+    `searches_packages` says that what another package defines is looked for in its sources when needed.
     """
 
-    files: Files
+    files: SourceProvider
     sources: tuple[Path, ...] = ()
-    everywhere: bool = False
+    searches_packages: bool = False
     functions: dict[str, list[Function]] = field(default_factory=dict)
     classes: dict[str, Class] = field(default_factory=dict)
     variables: dict[str, tuple[Declare, str]] = field(default_factory=dict)
@@ -57,67 +57,67 @@ class Symbols:
     usings: list[str] = field(default_factory=list)
     exports: list[tuple[str, str]] = field(default_factory=list)
     units: dict[Path, Unit] = field(default_factory=dict)
-    _plain: dict[str, list[Function]] = field(default_factory=dict)
+    _by_unqualified_name: dict[str, list[Function]] = field(default_factory=dict)
     _methods: dict[str, list[str]] = field(default_factory=dict)
     _candidates: dict[tuple[str, str], tuple[str, ...]] = field(default_factory=dict)
-    _followed: dict[tuple[TypeRef, str], TypeRef] = field(default_factory=dict)
-    _plainly: dict[tuple[str, str], TypeRef] = field(default_factory=dict)
-    _meant: dict[tuple[str, str], Class | None] = field(default_factory=dict)
-    _own: dict[str, bool] = field(default_factory=dict)
-    _ends: set[str] = field(default_factory=set)
+    _resolved_types: dict[tuple[TypeRef, str], TypeRef] = field(default_factory=dict)
+    _resolved_plain_types: dict[tuple[str, str], TypeRef] = field(default_factory=dict)
+    _class_cache: dict[tuple[str, str], Class | None] = field(default_factory=dict)
+    _program_files: dict[str, bool] = field(default_factory=dict)
+    _unqualified_names: set[str] = field(default_factory=set)
     version: int = 0
-    _sought: set[tuple[str, str]] = field(default_factory=set)
+    _searched: set[tuple[str, str]] = field(default_factory=set)
 
     def load(self, path: Path) -> None:
         """Take in a file and the headers it includes, headers first."""
         if path in self.units or len(self.units) >= MAX_FILES:
             return
-        unit = self.files.unit(path, Language.CPP)
+        unit = self.files.lowered_unit(path, SourceLanguage.CPP)
         self.units[path] = unit
         for include in unit.includes:
-            if include.strip('<>"').partition("/")[0] in NATIVE_FOLDERS:
+            if include.strip('<>"').partition("/")[0] in MODELLED_FOLDERS:
                 continue
             header = self.files.header(include, path)
             if header is not None:
                 self.load(header)
-        self._take(unit)
+        self._add_unit(unit)
 
-    def seek(self, function: Function) -> bool:
+    def load_definition(self, function: Function) -> bool:
         """Take in the sources that may define a function which is only declared so far.
 
         Those of its header's package; tell whether there are any.
         """
         owner, _, plain = function.name.rpartition("::")
         word = owner.rpartition("::")[2] if owner in self.classes else plain
-        if not self.everywhere or (function.file, word) in self._sought:
+        if not self.searches_packages or (function.file, word) in self._searched:
             return False
-        self._sought.add((function.file, word))
-        found = self.files.implementing(Path(function.file), word)
+        self._searched.add((function.file, word))
+        found = self.files.sources_defining(Path(function.file), word)
         missing = [path for path in found if path not in self.units]
         for path in missing:
             self.load(path)
         return bool(missing)
 
-    def named(self, plain: str) -> tuple[Function, ...]:
+    def functions_named(self, plain: str) -> tuple[Function, ...]:
         """Return the functions whose last part is a name."""
-        return tuple(self._plain.get(plain, ()))
+        return tuple(self._by_unqualified_name.get(plain, ()))
 
-    def is_own(self, file: str) -> bool:
+    def is_program_file(self, file: str) -> bool:
         """Tell whether a file is one of the program's sources, or a header of its package."""
-        if file not in self._own:
+        if file not in self._program_files:
             path = Path(file)
-            self._own[file] = path in self.sources or any(
+            self._program_files[file] = path in self.sources or any(
                 path.is_relative_to(folder)
                 for source in self.sources
                 for folder in source.parents[:2]
             )
-        return self._own[file]
+        return self._program_files[file]
 
-    def is_end(self, name: str) -> bool:
+    def is_known_name(self, name: str) -> bool:
         """Tell whether anything's name ends as this one does: if not, it means nothing here."""
-        return name.rpartition("::")[2] in self._ends
+        return name.rpartition("::")[2] in self._unqualified_names
 
-    def methods(self, cls: str) -> list[str]:
+    def method_names(self, cls: str) -> list[str]:
         """Return the names of the methods defined for a class."""
         return self._methods.get(cls, [])
 
@@ -141,32 +141,32 @@ class Symbols:
                 yield using + name[len(head) :]
             yield f"{using}::{name}"
 
-    def type(self, type: TypeRef, scope: str) -> TypeRef:
+    def resolve_type(self, type: TypeRef, scope: str) -> TypeRef:
         """Return a type with its typedefs and namespace aliases followed."""
         if not type.args:
-            return self._of_plain(type, scope)
+            return self._resolve_plain(type, scope)
         key = type, scope
-        if key not in self._followed:
-            self._followed[key] = self._follow(type, scope)
-        return self._followed[key]
+        if key not in self._resolved_types:
+            self._resolved_types[key] = self._follow_aliases(type, scope)
+        return self._resolved_types[key]
 
-    def _of_plain(self, type: TypeRef, scope: str) -> TypeRef:
+    def _resolve_plain(self, type: TypeRef, scope: str) -> TypeRef:
         """Return what a type without arguments means: a text is faster to look up than a type."""
         key = type.name, scope
-        found = self._plainly.get(key)
+        found = self._resolved_plain_types.get(key)
         if found is None:
-            found = self._plainly[key] = self._follow(type, scope)
+            found = self._resolved_plain_types[key] = self._follow_aliases(type, scope)
         return found
 
-    def _follow(self, type: TypeRef, scope: str) -> TypeRef:
+    def _follow_aliases(self, type: TypeRef, scope: str) -> TypeRef:
         for at in range(_MAX_ALIASES):
-            known = self._aliased(type, scope)
+            known = self._alias_target(type, scope)
             if known is None:
-                return self._full(type, scope) if at else type
+                return self._qualified_type(type, scope) if at else type
             type, scope = known
         return type
 
-    def _full(self, type: TypeRef, scope: str) -> TypeRef:
+    def _qualified_type(self, type: TypeRef, scope: str) -> TypeRef:
         """Return the type that an alias means by its full name, which holds in any scope."""
         found = (name for name in self.candidates(type.name, scope) if name in self.classes)
         name = next(found, None)
@@ -175,27 +175,27 @@ class Symbols:
     def class_named(self, name: str, scope: str) -> Class | None:
         """Return the scanned class that a name means."""
         key = name, scope
-        if key not in self._meant:
-            if not self.is_end(name):
+        if key not in self._class_cache:
+            if not self.is_known_name(name):
                 return None
             found = (self.classes.get(candidate) for candidate in self.candidates(name, scope))
-            self._meant[key] = next(filter(None, found), None)
-        return self._meant[key]
+            self._class_cache[key] = next(filter(None, found), None)
+        return self._class_cache[key]
 
-    def _aliased(self, type: TypeRef, scope: str) -> tuple[TypeRef, str] | None:
-        for candidate in self.candidates(type.name, scope) if self.is_end(type.name) else ():
+    def _alias_target(self, type: TypeRef, scope: str) -> tuple[TypeRef, str] | None:
+        for candidate in self.candidates(type.name, scope) if self.is_known_name(type.name) else ():
             if candidate in self.classes:
                 return None
             found = self.aliases.get(candidate)
             if found is not None and found != type:
                 inner = candidate.rpartition("::")[0]
                 return TypeRef(found.name, found.args or type.args), inner
-        return self._in_aliased_namespace(type, scope)
+        return self._namespace_alias_target(type, scope)
 
-    def _in_aliased_namespace(self, type: TypeRef, scope: str) -> tuple[TypeRef, str] | None:
+    def _namespace_alias_target(self, type: TypeRef, scope: str) -> tuple[TypeRef, str] | None:
         """`namespace mf = message_filters;`: `mf::Subscriber` is `message_filters::Subscriber`."""
         head, _, rest = type.name.partition("::")
-        if not rest or head not in self._ends:
+        if not rest or head not in self._unqualified_names:
             return None
         for candidate in self.candidates(head, scope):
             found = self.aliases.get(candidate)
@@ -203,45 +203,45 @@ class Symbols:
                 return TypeRef(f"{found.name}::{rest}", type.args), ""
         return None
 
-    def _forget(self) -> None:
+    def _clear_caches(self) -> None:
         """Forget what names meant, since a file brings others."""
         self.version += 1
-        for known in (self._followed, self._plainly, self._meant):
+        for known in (self._resolved_types, self._resolved_plain_types, self._class_cache):
             known.clear()
 
-    def _use(self, names: Iterable[str]) -> None:
+    def _add_usings(self, names: Iterable[str]) -> None:
         new = [name for name in dict.fromkeys(names) if name not in self.usings]
         if new:
             self.usings.extend(new)
             self._candidates.clear()
 
-    def _take(self, unit: Unit) -> None:
-        self._forget()
+    def _add_unit(self, unit: Unit) -> None:
+        self._clear_caches()
         named = (*dict(unit.aliases), *dict(unit.enums), *(cls.name for cls in unit.classes))
-        self._ends.update(name.rpartition("::")[2] for name in named)
+        self._unqualified_names.update(name.rpartition("::")[2] for name in named)
         self.aliases.update(unit.aliases)
         self.enums.update(unit.enums)
-        self._use(unit.usings)
+        self._add_usings(unit.usings)
         for definition in unit.classes:
             self.classes.setdefault(definition.name, definition)
             for member in definition.fields:
                 if member.static:
                     name = f"{definition.name}::{member.name}"
-                    self._take_variable(replace(member, name=name), unit.file)
-        self._forget()
-        for function in map(self._qualified, unit.functions):
+                    self._add_variable(replace(member, name=name), unit.file)
+        self._clear_caches()
+        for function in map(self._qualify, unit.functions):
             self.functions.setdefault(function.name, []).append(function)
             owner, _, plain = function.name.rpartition("::")
-            self._ends.add(plain)
-            self._plain.setdefault(plain, []).append(function)
+            self._unqualified_names.add(plain)
+            self._by_unqualified_name.setdefault(plain, []).append(function)
             if function.body is not None:
                 self._methods.setdefault(owner, []).append(plain)
         for statement in unit.body:
             if isinstance(statement, Declare):
-                self._take_variable(statement, unit.file)
+                self._add_variable(statement, unit.file)
         self.exports.extend(unit.exports)
 
-    def _qualified(self, function: Function) -> Function:
+    def _qualify(self, function: Function) -> Function:
         """Return a function under its full name: `using namespace a; B::run() {}` is a::B::run."""
         owner, _, plain = function.name.rpartition("::")
         if not owner or owner in self.classes:
@@ -251,8 +251,8 @@ class Symbols:
             return function
         return replace(function, name=f"{definition.name}::{plain}")
 
-    def _take_variable(self, declared: Declare, file: str) -> None:
-        self._ends.add(declared.name.rpartition("::")[2])
+    def _add_variable(self, declared: Declare, file: str) -> None:
+        self._unqualified_names.add(declared.name.rpartition("::")[2])
         known, first = self.variables.get(declared.name, (declared, file))
         constant = known.constant and declared.constant
         if known.value is None:

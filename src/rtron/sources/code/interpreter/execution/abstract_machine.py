@@ -3,7 +3,7 @@
 Where a condition is decided, one side runs; where it is not, both do, from the same state. Loops
 over what is known are unrolled; others run once, with what they change made unknown. What is
 called by a library nobody sees (callbacks, threads, virtual methods) runs after the program.
-`doubts` counts what may have thrown while a `try` runs.
+`possible_throws` counts what may have thrown while a `try` runs.
 """
 
 from collections.abc import Callable, Iterator
@@ -15,30 +15,33 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     OPEN,
     ClassValue,
     FunctionValue,
-    Hole,
     Instance,
-    Known,
     ListValue,
     MapValue,
+    Scalar,
+    Unknown,
     Value,
     join,
 )
-from rtron.sources.code.interpreter.cpp.overload_resolution import choose
+from rtron.sources.code.interpreter.cpp.overload_resolution import choose_overload
 from rtron.sources.code.interpreter.execution.arguments import Arguments
-from rtron.sources.code.interpreter.execution.declaration_recorder import Recorder
-from rtron.sources.code.interpreter.execution.exceptions import may_fail, may_throw
-from rtron.sources.code.interpreter.execution.language_runtime import World
-from rtron.sources.code.interpreter.execution.stack_frame import Frame
-from rtron.sources.code.interpreter.execution.undo_log import Trail
+from rtron.sources.code.interpreter.execution.declaration_recorder import DeclarationRecorder
+from rtron.sources.code.interpreter.execution.exceptions import (
+    expression_may_throw,
+    statement_may_throw,
+)
+from rtron.sources.code.interpreter.execution.language_runtime import LanguageRuntime
+from rtron.sources.code.interpreter.execution.stack_frame import StackFrame
+from rtron.sources.code.interpreter.execution.undo_log import UndoLog
 from rtron.sources.code.ir import Expr, Function, Stmt
 from rtron.vocabulary import Evidence
 
 MAX_STEPS = 800_000
-MAX_ASIDE = 4_000
+MAX_IRRELEVANT_STEPS = 4_000
 MAX_CALLS = 48
-MAX_SAME = 3
-MAX_HANDED = 1_000
-MAX_ALIKE = 128
+MAX_RECURSION = 3
+MAX_PASSED_FUNCTIONS = 1_000
+MAX_CALLBACKS_PER_FUNCTION = 128
 """How many callbacks of one function are run: as often as a loop is unrolled."""
 
 Outcome: TypeAlias = str | None
@@ -55,10 +58,10 @@ class ThrownError(Exception):
     `open` says that not all of the bases are known.
     """
 
-    def __init__(self, *names: str, open: bool = False) -> None:
+    def __init__(self, *names: str, has_unknown_bases: bool = False) -> None:
         super().__init__(names[0])
         self.names = names
-        self.open = open
+        self.has_unknown_bases = has_unknown_bases
 
     @property
     def name(self) -> str:
@@ -67,67 +70,71 @@ class ThrownError(Exception):
 
 
 @dataclass(eq=False, slots=True)
-class Machine:
+class AbstractMachine:
     """The state of one run: what was written, what was declared, what is still to be called."""
 
-    world: World
-    recorder: Recorder
-    evaluators: dict[type, Callable[["Machine", "Expr", Frame], Value]]
-    executors: dict[type, Callable[["Machine", "Stmt", Frame], Outcome]]
-    trail: Trail = field(default_factory=Trail)
-    pending: list[FunctionValue] = field(default_factory=list)
-    deferred: list[Callable[[], object]] = field(default_factory=list)
-    handed: list[FunctionValue] = field(default_factory=list)
-    escaped: list[Function] = field(default_factory=list)
-    setters: list[Function] = field(default_factory=list)
-    asked: set[str] = field(default_factory=set)
-    called_back: int = 0
+    runtime: LanguageRuntime
+    recorder: DeclarationRecorder
+    evaluators: dict[type, Callable[["AbstractMachine", "Expr", StackFrame], Value]]
+    executors: dict[type, Callable[["AbstractMachine", "Stmt", StackFrame], Outcome]]
+    undo_log: UndoLog = field(default_factory=UndoLog)
+    pending_callbacks: list[FunctionValue] = field(default_factory=list)
+    deferred_actions: list[Callable[[], object]] = field(default_factory=list)
+    passed_functions: list[FunctionValue] = field(default_factory=list)
+    escaped_functions: list[Function] = field(default_factory=list)
+    parameter_callbacks: list[Function] = field(default_factory=list)
+    unknown_method_names: set[str] = field(default_factory=set)
+    next_callback: int = 0
     instances: list[Value] = field(default_factory=list)
     volatile: frozenset[str] = frozenset()
-    shared: set[int] = field(default_factory=set)
-    transitions: set[tuple[int, str]] = field(default_factory=set)
+    pointer_held: set[int] = field(default_factory=set)
+    started_callbacks: set[tuple[int, str]] = field(default_factory=set)
     parameters: dict[str, Value] = field(default_factory=dict)
-    joining: dict[tuple[str, int, str], bool] = field(default_factory=dict)
-    joining_at: int = 0
-    ran: set[tuple[str, int, str]] = field(default_factory=set)
-    catching: list[tuple[str, ...]] = field(default_factory=list)
-    doubts: int = 0
-    discovering: int = 0
-    matters: Callable[["Machine", Function], bool] = lambda machine, function: True
+    joins_cache: dict[tuple[str, int, str], bool] = field(default_factory=dict)
+    joins_cache_version: int = 0
+    executed_functions: set[tuple[str, int, str]] = field(default_factory=set)
+    active_handlers: list[tuple[str, ...]] = field(default_factory=list)
+    possible_throws: int = 0
+    trial_depth: int = 0
+    is_relevant: Callable[["AbstractMachine", Function], bool] = lambda machine, function: True
     _steps: int = 0
-    _limit: int = MAX_STEPS
-    _loops: int = 0
-    _stack: list[Function] = field(default_factory=list)
+    _step_limit: int = MAX_STEPS
+    _loop_depth: int = 0
+    _call_stack: list[Function] = field(default_factory=list)
 
     @property
-    def spent(self) -> int:
+    def steps_taken(self) -> int:
         """How many steps the program has taken."""
         return self._steps
 
-    def work(self, steps: int) -> None:
+    def count_steps(self, steps: int) -> None:
         """Count the steps of what takes several; raise StepsExceededError for too many."""
         self._steps += steps
-        if self._steps > self._limit:
+        if self._steps > self._step_limit:
             raise StepsExceededError
 
-    def evaluate(self, node: Expr, frame: Frame) -> Value:
+    def evaluate(self, node: Expr, frame: StackFrame) -> Value:
         """Return the value of an expression."""
         self._steps += 1
-        if self._steps > self._limit:
+        if self._steps > self._step_limit:
             raise StepsExceededError
         value = self.evaluators[type(node)](self, node, frame)
-        if self.catching and may_throw(node, value, dynamic=not self.world.by_reference):
-            self.doubts += 1
+        if self.active_handlers and expression_may_throw(
+            node, value, dynamic=not self.runtime.passes_by_reference
+        ):
+            self.possible_throws += 1
         return value
 
-    def execute(self, block: tuple[Stmt, ...], frame: Frame) -> Outcome:
+    def execute(self, block: tuple[Stmt, ...], frame: StackFrame) -> Outcome:
         """Run statements until one ends the block."""
         for statement in block:
             self._steps += 1
-            if self._steps > self._limit:
+            if self._steps > self._step_limit:
                 raise StepsExceededError
-            if self.catching and may_fail(statement, dynamic=not self.world.by_reference):
-                self.doubts += 1
+            if self.active_handlers and statement_may_throw(
+                statement, dynamic=not self.runtime.passes_by_reference
+            ):
+                self.possible_throws += 1
             outcome = self.executors[type(statement)](self, statement, frame)
             if outcome is not None:
                 return outcome
@@ -136,135 +143,137 @@ class Machine:
     def call(self, called: FunctionValue, arguments: Arguments) -> Value:
         """Call a scanned function; recursion that does not end is a hole."""
         if len(called.overloads) > 1:
-            called = called.chosen(choose(called.overloads, arguments))
+            called = called.with_overload(choose_overload(called.overloads, arguments))
         function = called.function
         if function.body is None or not self._may_enter(function):
-            self.doubts += 1
-            self._note_left(function, arguments)
-            return Hole(f"{function.name}()", type=function.returns)
-        self.hand_on(arguments)
-        frame = self.world.frame(called, arguments)
+            self.possible_throws += 1
+            self._note_skipped_call(function, arguments)
+            return Unknown(f"{function.name}()", type=function.returns)
+        self.note_passed_functions(arguments)
+        frame = self.runtime.call_frame(called, arguments)
         try:
-            ended = self._run_within(function, frame)
+            ended = self._run_bounded(function, frame)
         except ThrownError:
             if not frame.returns:
                 raise
-            self.doubts += 1
+            self.possible_throws += 1
             ended = True
         if not ended:
-            return Hole(f"{function.name}()", type=function.returns)
+            return Unknown(f"{function.name}()", type=function.returns)
         if frame.yields:
             return ListValue({"items": tuple(frame.yields)})
         return join(frame.returns)
 
-    def _run_within(self, function: Function, frame: Frame) -> bool:
+    def _run_bounded(self, function: Function, frame: StackFrame) -> bool:
         """Run a function; one that joins no nodes may take few steps. Tell whether it ended."""
-        if self.matters(self, function):
+        if self.is_relevant(self, function):
             self.run(function, frame)
             return True
-        outer, depth = self._limit, len(self._stack)
-        self._limit = min(outer, self._steps + MAX_ASIDE)
+        outer, depth = self._step_limit, len(self._call_stack)
+        self._step_limit = min(outer, self._steps + MAX_IRRELEVANT_STEPS)
         try:
             self.run(function, frame)
         except StepsExceededError:
-            del self._stack[depth:]
-            if self._limit == outer:
+            del self._call_stack[depth:]
+            if self._step_limit == outer:
                 raise
-            self.doubts += 1
+            self.possible_throws += 1
             return False
         finally:
-            self._limit = outer
+            self._step_limit = outer
         return True
 
-    def run(self, function: Function, frame: Frame) -> None:
+    def run(self, function: Function, frame: StackFrame) -> None:
         """Run a function's body in a frame that is ready."""
         if not self._may_enter(function):
             return
-        self.ran.add((function.file, function.line, function.name))
-        self._stack.append(function)
+        self.executed_functions.add((function.file, function.line, function.name))
+        self._call_stack.append(function)
         try:
             self.execute(function.body or (), frame)
         finally:
-            self._stack.pop()
+            self._call_stack.pop()
 
-    def seen(self, name: str, value: Value) -> Value:
+    def volatile_value(self, name: str, value: Value) -> Value:
         """Return what a member or global holds; one that callbacks change may hold anything."""
         if name not in self.volatile:
             return value
-        if isinstance(value, Known):
-            return join((value, Hole(name)))
+        if isinstance(value, Scalar):
+            return join((value, Unknown(name)))
         if isinstance(value, ListValue) and not value.open:
-            self.trail.open(value.fields)
+            self.undo_log.mark_open(value.fields)
         elif isinstance(value, MapValue) and not value.open:
-            self.trail.set(value.fields, OPEN, Hole(name))
+            self.undo_log.set(value.fields, OPEN, Unknown(name))
         return value
 
     def escape(self, value: Value | None) -> None:
         """Remember a function, or an object that is called like one, for somebody else to call."""
         if isinstance(value, Instance) and isinstance(value.type, ClassValue):
-            name = "operator()" if self.world.by_reference else "__call__"
-            value = self.world.attribute(value, name, ())
+            name = "operator()" if self.runtime.passes_by_reference else "__call__"
+            value = self.runtime.attribute(value, name, ())
         if isinstance(value, FunctionValue):
-            self._wait(value)
+            self._queue_callback(value)
 
-    def _wait(self, value: FunctionValue) -> None:
+    def _queue_callback(self, value: FunctionValue) -> None:
         """Remember a callback once; too many of one function are noted if they could join nodes."""
         function = value.function
-        alike = [other for other in self.pending if other.function is function]
-        if any(_same_call(value, other) for other in alike):
+        same_function = [other for other in self.pending_callbacks if other.function is function]
+        if any(_same_call(value, other) for other in same_function):
             return
-        if len(alike) < MAX_ALIKE:
-            self.pending.append(value)
-            self.escaped.append(function)
-        elif self.matters(self, function):
-            place = Evidence(file=function.file, line=function.line)
-            self.recorder.unresolved(function.name, "more callbacks than are run", place)
+        if len(same_function) < MAX_CALLBACKS_PER_FUNCTION:
+            self.pending_callbacks.append(value)
+            self.escaped_functions.append(function)
+        elif self.is_relevant(self, function):
+            location = Evidence(file=function.file, line=function.line)
+            self.recorder.add_unresolved(function.name, "more callbacks than are run", location)
 
-    def hand_on(self, arguments: Arguments) -> None:
+    def note_passed_functions(self, arguments: Arguments) -> None:
         """Remember the functions that a call passes, in case that nothing seen calls them."""
-        if self.recorder.site.ros > 1 and len(self.handed) < MAX_HANDED:
+        if self.recorder.site.ros > 1 and len(self.passed_functions) < MAX_PASSED_FUNCTIONS:
             given = [value for value in arguments.values if isinstance(value, FunctionValue)]
-            self.handed.extend(value for value in given if value not in self.handed)
+            self.passed_functions.extend(
+                value for value in given if value not in self.passed_functions
+            )
 
     @contextmanager
-    def looping(self) -> Iterator[int]:
+    def enter_loop(self) -> Iterator[int]:
         """Run a loop; what is given is how many are around its body."""
-        self._loops += 1
+        self._loop_depth += 1
         try:
-            yield self._loops
+            yield self._loop_depth
         finally:
-            self._loops -= 1
+            self._loop_depth -= 1
 
     @contextmanager
-    def budget(self, steps: int) -> Iterator[None]:
+    def step_budget(self, steps: int) -> Iterator[None]:
         """Run something that may take so many steps."""
-        before, self._limit = self._limit, self._steps + steps
+        before, self._step_limit = self._step_limit, self._steps + steps
         try:
             yield
         finally:
-            self._limit = before
+            self._step_limit = before
 
     @contextmanager
-    def unheard(self) -> Iterator[None]:
+    def trial_run(self) -> Iterator[None]:
         """Run something only to see what it changes: what it declares is not recorded."""
-        self.discovering += 1
+        self.trial_depth += 1
         self.recorder.muted += 1
         try:
             yield
         finally:
             self.recorder.muted -= 1
-            self.discovering -= 1
+            self.trial_depth -= 1
 
-    def _note_left(self, function: Function, arguments: Arguments) -> None:
+    def _note_skipped_call(self, function: Function, arguments: Arguments) -> None:
         """Note a call that goes too deep, if it could join nodes."""
-        if function.body is not None and self.matters(self, function):
-            self.recorder.unresolved(
+        if function.body is not None and self.is_relevant(self, function):
+            self.recorder.add_unresolved(
                 f"{function.name}()", "calls itself, or too deep", arguments.evidence
             )
 
     def _may_enter(self, function: Function) -> bool:
-        same = [active for active in self._stack if active is function]
-        return len(self._stack) < MAX_CALLS and len(same) < MAX_SAME
+        same = [active for active in self._call_stack if active is function]
+        return len(self._call_stack) < MAX_CALLS and len(same) < MAX_RECURSION
 
 
 def _same_call(value: FunctionValue, other: FunctionValue) -> bool:
@@ -272,6 +281,6 @@ def _same_call(value: FunctionValue, other: FunctionValue) -> bool:
     return (
         value.owner is other.owner
         and value.closure is other.closure
-        and value.given == other.given
-        and value.named == other.named
+        and value.bound_arguments == other.bound_arguments
+        and value.bound_keywords == other.bound_keywords
     )

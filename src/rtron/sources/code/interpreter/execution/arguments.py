@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import field
 
 from rtron.sources.code.interpreter.abstract_values.value_types import Value
-from rtron.sources.code.interpreter.execution.stack_frame import Frame, Place
+from rtron.sources.code.interpreter.execution.stack_frame import StackFrame, StorageSlot
 from rtron.sources.code.ir import TypeRef
 from rtron.sources.code.record import record
 from rtron.vocabulary import Evidence
@@ -19,10 +19,10 @@ class Arguments:
 
     values: tuple[Value, ...] = ()
     keywords: Mapping[str, Value] = field(default_factory=dict)
-    places: tuple[Place | None, ...] = ()
+    slots: tuple[StorageSlot | None, ...] = ()
     types: tuple[TypeRef, ...] = ()
     line: int = 0
-    frame: Frame
+    frame: StackFrame
 
     @property
     def evidence(self) -> Evidence:
@@ -35,20 +35,20 @@ class Arguments:
             return self.values[index]
         return self.keywords.get(keyword) if keyword else None
 
-    def place(self, index: int) -> Place | None:
+    def slot(self, index: int) -> StorageSlot | None:
         """Return where the argument of a position is kept."""
-        return self.places[index] if index < len(self.places) else None
+        return self.slots[index] if index < len(self.slots) else None
 
-    def shifted(self, count: int) -> "Arguments":
+    def without_first(self, count: int) -> "Arguments":
         """Return the arguments behind the first `count`."""
         return Arguments(
             values=self.values[count:],
             keywords=self.keywords,
-            places=self.places[count:],
+            slots=self.slots[count:],
             types=self.types,
             line=self.line,
             frame=self.frame,
         )
 
 
-NativeCall = Callable[..., Value]
+LibraryCall = Callable[..., Value]

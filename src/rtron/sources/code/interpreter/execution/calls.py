@@ -6,36 +6,40 @@ from rtron.sources.code.interpreter.abstract_values.items import items_of
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     Choice,
     ClassValue,
-    Foreign,
+    ExternalSymbol,
     FunctionValue,
-    Hole,
     Instance,
-    Known,
+    LibraryClass,
+    LibraryFunction,
     MapValue,
     MessageType,
-    Native,
-    NativeClass,
-    Text,
+    PartialText,
+    Scalar,
+    Unknown,
     Value,
     is_tainted,
     is_text,
     join,
-    spelled,
+    text_with_holes,
 )
-from rtron.sources.code.interpreter.cpp.iterators import item_at
+from rtron.sources.code.interpreter.cpp.iterators import dereference
 from rtron.sources.code.interpreter.cpp.mutating_methods import mutate
-from rtron.sources.code.interpreter.execution.abstract_machine import Machine, ThrownError
+from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine, ThrownError
 from rtron.sources.code.interpreter.execution.arguments import Arguments
-from rtron.sources.code.interpreter.execution.assignment import place_of
-from rtron.sources.code.interpreter.execution.exceptions import call_may_throw, is_sure, logs
-from rtron.sources.code.interpreter.execution.stack_frame import Frame, Place
+from rtron.sources.code.interpreter.execution.assignment import slot_of
+from rtron.sources.code.interpreter.execution.exceptions import (
+    call_may_throw,
+    is_fully_known,
+    is_logging_call,
+)
+from rtron.sources.code.interpreter.execution.stack_frame import StackFrame, StorageSlot
 from rtron.sources.code.ir import Attr, Call, Expr, Index, Name, Star, TypeRef
 
-WRITING = frozenset(
+MUTATING_FUNCTIONS = frozenset(
     {"replace", "transform", "reverse", "rotate", "swap", "generate", "fill", "sort", "strcat"}
 )
 """Functions of the standard library that change what they are given."""
-READING = frozenset(
+READ_ONLY_FUNCTIONS = frozenset(
     [
         *("printf", "fprintf", "puts", "fputs", "perror", "syslog", "strlen", "strncmp", "strstr"),
         *("stol", "stoll", "stoul", "stoull", "stof", "strtol", "strtoul", "strtod"),
@@ -43,46 +47,52 @@ READING = frozenset(
     ]
 )
 """Functions of the C and C++ libraries that leave the texts as they are which they are given."""
-JOINING = frozenset({"advertise", "subscribe", "advertiseService", "serviceClient"})
+ROS_API_METHODS = frozenset({"advertise", "subscribe", "advertiseService", "serviceClient"})
 
 
-def call(machine: Machine, node: Call, frame: Frame) -> Value:
+def call(machine: AbstractMachine, node: Call, frame: StackFrame) -> Value:
     """Return what a call returns."""
-    if machine.world.by_reference:
+    if machine.runtime.passes_by_reference:
         changed = mutate(machine, node, frame)
         if changed is not None:
-            machine.doubts += not is_sure(changed)
+            machine.possible_throws += not is_fully_known(changed)
             return changed
-    before = machine.doubts
+    before = machine.possible_throws
     called = machine.evaluate(node.function, frame)
-    if logs(node):
-        machine.doubts = before
-    arguments = _arguments(machine, node, frame)
-    if isinstance(node.function, Attr) and isinstance(called, Hole):
-        machine.asked.add(node.function.name)
-        _note_unknown(machine, node.function.name, arguments)
+    if is_logging_call(node):
+        machine.possible_throws = before
+    arguments = _evaluate_arguments(machine, node, frame)
+    if isinstance(node.function, Attr) and isinstance(called, Unknown):
+        machine.unknown_method_names.add(node.function.name)
+        _note_unknown_receiver(machine, node.function.name, arguments)
     returned = dispatch(machine, called, arguments)
-    if machine.catching and not logs(node) and call_may_throw(called, arguments, returned):
-        machine.doubts += 1
+    if (
+        machine.active_handlers
+        and not is_logging_call(node)
+        and call_may_throw(called, arguments, returned)
+    ):
+        machine.possible_throws += 1
     return returned
 
 
-def _note_unknown(machine: Machine, name: str, arguments: Arguments) -> None:
+def _note_unknown_receiver(machine: AbstractMachine, name: str, arguments: Arguments) -> None:
     """Note a call that would join nodes, if only it were known what it is called on."""
-    joins = name in JOINING and arguments.types and arguments.values
-    if machine.world.by_reference and joins:
-        what = f"{name}({spelled(arguments.values[0])})"
-        machine.recorder.unresolved(what, "what it is called on is not known", arguments.evidence)
+    joins = name in ROS_API_METHODS and arguments.types and arguments.values
+    if machine.runtime.passes_by_reference and joins:
+        what = f"{name}({text_with_holes(arguments.values[0])})"
+        machine.recorder.add_unresolved(
+            what, "what it is called on is not known", arguments.evidence
+        )
 
 
-def dispatch(machine: Machine, called: Value, arguments: Arguments) -> Value:
+def dispatch(machine: AbstractMachine, called: Value, arguments: Arguments) -> Value:
     """Call any value; of several, each."""
     if isinstance(called, Choice):
         return _dispatch_each(machine, called, arguments)
-    return _CALLS.get(type(called), _call_unknown)(machine, called, arguments)
+    return _DISPATCH.get(type(called), _call_unknown)(machine, called, arguments)
 
 
-def _dispatch_each(machine: Machine, called: Choice, arguments: Arguments) -> Value:
+def _dispatch_each(machine: AbstractMachine, called: Choice, arguments: Arguments) -> Value:
     """Call each of several; an exception is certain where all of them throw."""
     found: list[Value] = []
     thrown: ThrownError | None = None
@@ -93,94 +103,100 @@ def _dispatch_each(machine: Machine, called: Choice, arguments: Arguments) -> Va
             thrown = error
     if thrown is not None and not found:
         raise thrown
-    machine.doubts += thrown is not None
+    machine.possible_throws += thrown is not None
     return join(found)
 
 
-def _call_native_class(machine: Machine, called: NativeClass, arguments: Arguments) -> Value:
-    return called.make(machine, arguments) if called.make else Instance(called)
+def _call_library_class(
+    machine: AbstractMachine, called: LibraryClass, arguments: Arguments
+) -> Value:
+    return called.construct(machine, arguments) if called.construct else Instance(called)
 
 
-def _call_message(_: Machine, called: MessageType, arguments: Arguments) -> Value:
-    return Instance(NativeClass(called.name), dict(arguments.keywords))
+def _call_message(_: AbstractMachine, called: MessageType, arguments: Arguments) -> Value:
+    return Instance(LibraryClass(called.name), dict(arguments.keywords))
 
 
-def _call_unknown(machine: Machine, called: Value, arguments: Arguments) -> Value:
+def _call_unknown(machine: AbstractMachine, called: Value, arguments: Arguments) -> Value:
     """Whoever is called may call back what it is given."""
     if isinstance(called, Instance):
-        name = "operator()" if machine.world.by_reference else "__call__"
-        method = machine.world.attribute(called, name, ())
+        name = "operator()" if machine.runtime.passes_by_reference else "__call__"
+        method = machine.runtime.attribute(called, name, ())
         if method is not None:
             return dispatch(machine, method, arguments)
     for value in (*arguments.values, *arguments.keywords.values()):
         machine.escape(value)
-    name = called_name(called)
-    note_handed(machine, name, arguments)
-    if not (name.isupper() or name.removeprefix("std::") in READING):
-        _may_write(machine, name.rpartition("::")[2], arguments)
-    return Hole(f"{name}()")
+    name = callee_name(called)
+    note_passed_handle(machine, name, arguments)
+    if not (name.isupper() or name.removeprefix("std::") in READ_ONLY_FUNCTIONS):
+        _forget_written_strings(machine, name.rpartition("::")[2], arguments)
+    return Unknown(f"{name}()")
 
 
-def note_handed(machine: Machine, name: str, arguments: Arguments) -> None:
+def note_passed_handle(machine: AbstractMachine, name: str, arguments: Arguments) -> None:
     """Note that code which is not here gets what it takes to join nodes."""
     for value in arguments.values:
         is_handle = isinstance(value, Instance) and "namespace" in value.fields
-        is_library = isinstance(value, (Foreign, Native)) and value.name.startswith("rospy")
+        is_library = isinstance(value, (ExternalSymbol, LibraryFunction)) and value.name.startswith(
+            "rospy"
+        )
         if is_handle or is_library:
             why = "is not in the source, and gets what it takes to join nodes"
-            machine.recorder.unresolved(f"{name}()", why, arguments.evidence)
+            machine.recorder.add_unresolved(f"{name}()", why, arguments.evidence)
 
 
-def _may_write(machine: Machine, name: str, arguments: Arguments) -> None:
+def _forget_written_strings(machine: AbstractMachine, name: str, arguments: Arguments) -> None:
     """Forget the strings that a C++ function nobody knows may have changed."""
-    for place in filter(None, arguments.places):
-        before = place.holder.get(place.key)
-        if isinstance(before, (Known, Text)) and is_text(before):
-            after = Hole(str(place.key), is_tainted(before))
-            machine.trail.set(*place, after if name in WRITING else join((before, after)))
+    for slot in filter(None, arguments.slots):
+        before = slot.holder.get(slot.key)
+        if isinstance(before, (Scalar, PartialText)) and is_text(before):
+            after = Unknown(str(slot.key), is_tainted(before))
+            machine.undo_log.set(
+                *slot, after if name in MUTATING_FUNCTIONS else join((before, after))
+            )
 
 
-def called_name(called: Value) -> str:
+def callee_name(called: Value) -> str:
     """Return what something unknown is called in the source."""
-    if isinstance(called, Foreign):
+    if isinstance(called, ExternalSymbol):
         return called.name
-    return called.why if isinstance(called, Hole) else "?"
+    return called.label if isinstance(called, Unknown) else "?"
 
 
-def _arguments(machine: Machine, node: Call, frame: Frame) -> Arguments:
+def _evaluate_arguments(machine: AbstractMachine, node: Call, frame: StackFrame) -> Arguments:
     values: list[Value] = []
     for arg in node.args:
         if isinstance(arg, Star):
             values.extend(items_of(machine.evaluate(arg.value, frame))[0])
         else:
             value = machine.evaluate(arg, frame)
-            values.append(item_at(value) if isinstance(arg, Name) else value)
-    by_reference = machine.world.by_reference
+            values.append(dereference(value) if isinstance(arg, Name) else value)
+    by_reference = machine.runtime.passes_by_reference
     return Arguments(
         values=tuple(values),
-        keywords=_keywords(machine, node, frame) if node.keywords else {},
-        places=tuple([_place(machine, a, frame) for a in node.args]) if by_reference else (),
-        types=_types(node.function),
+        keywords=_evaluate_keywords(machine, node, frame) if node.keywords else {},
+        slots=tuple([_argument_slot(machine, a, frame) for a in node.args]) if by_reference else (),
+        types=_template_arguments(node.function),
         line=node.line,
         frame=frame,
     )
 
 
-def _place(machine: Machine, node: Expr, frame: Frame) -> Place | None:
+def _argument_slot(machine: AbstractMachine, node: Expr, frame: StackFrame) -> StorageSlot | None:
     """Return where an argument is kept that may be written to; `s.begin()`, `&s[0]` lead to s."""
     if isinstance(node, Name):
-        fixed = machine.world.is_constant(node.id, frame)
-        return None if fixed else machine.world.place(node.id, frame)
+        fixed = machine.runtime.is_constant(node.id, frame)
+        return None if fixed else machine.runtime.slot(node.id, frame)
     if isinstance(node, Call) and isinstance(node.function, Attr):
         inner = node.function.owner if node.function.name in {"begin", "end"} else None
-        return place_of(machine, inner, frame) if inner is not None else None
-    found = place_of(machine, node, frame)
+        return slot_of(machine, inner, frame) if inner is not None else None
+    found = slot_of(machine, node, frame)
     if found is None and isinstance(node, Index):
-        return place_of(machine, node.owner, frame)
+        return slot_of(machine, node.owner, frame)
     return found
 
 
-def _keywords(machine: Machine, node: Call, frame: Frame) -> dict[str, Value]:
+def _evaluate_keywords(machine: AbstractMachine, node: Call, frame: StackFrame) -> dict[str, Value]:
     keywords: dict[str, Value] = {}
     for name, expression in node.keywords:
         value = machine.evaluate(expression, frame)
@@ -191,14 +207,16 @@ def _keywords(machine: Machine, node: Call, frame: Frame) -> dict[str, Value]:
     return keywords
 
 
-def _types(function: Expr) -> tuple[TypeRef, ...]:
+def _template_arguments(function: Expr) -> tuple[TypeRef, ...]:
     return function.types if isinstance(function, (Name, Attr)) else ()
 
 
-_CALLS: Mapping[type, Callable[..., Value]] = {
-    Native: lambda machine, called, arguments: called.call(machine, called.owner, arguments),
-    NativeClass: _call_native_class,
+_DISPATCH: Mapping[type, Callable[..., Value]] = {
+    LibraryFunction: lambda machine, called, arguments: called.call(
+        machine, called.owner, arguments
+    ),
+    LibraryClass: _call_library_class,
     FunctionValue: lambda machine, called, arguments: machine.call(called, arguments),
-    ClassValue: lambda machine, called, arguments: machine.world.instantiate(called, arguments),
+    ClassValue: lambda machine, called, arguments: machine.runtime.instantiate(called, arguments),
     MessageType: _call_message,
 }

@@ -6,51 +6,60 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from rtron.sources.code.interpreter.abstract_values.value_types import (
-    Hole,
-    Known,
-    Text,
+    PartialText,
+    Scalar,
+    Unknown,
     Value,
     is_tainted,
     options,
-    spelled,
+    text_with_holes,
 )
-from rtron.sources.code.ir import Problem
+from rtron.sources.code.ir import SourceProblem
 from rtron.sources.declaration import (
+    CreatedNode,
     Declaration,
     DeclarationKind,
-    MadeNode,
     NodeInterface,
     NodeSite,
-    StartedLaunch,
+    RuntimeStart,
 )
-from rtron.vocabulary import Evidence, NodeParameter, PlainValue, QoS, Resolution, Unresolved
+from rtron.vocabulary import (
+    Evidence,
+    NodeParameter,
+    NodeParameterValue,
+    QoS,
+    Resolution,
+    UnresolvedItem,
+)
 from rtron.vocabulary.launch import resolve_name
 
 MAX_DECLARATIONS = 2000
-MAX_PLACES = 24
+MAX_LOCATIONS = 24
 
 
 @dataclass(slots=True)
-class Recorder:
+class DeclarationRecorder:
     """What a node at `site` declares; `muted` counts the trial runs that must leave no trace.
 
-    `spun` says that all is set up and callbacks run, `setting` that one of them runs which a change
+    `is_spinning` says that all is set up and callbacks run, `in_parameter_callback` that one of them runs which a change
     of parameters calls (ROS 2).
     """
 
     site: NodeSite
     muted: int = 0
-    spun: bool = False
-    setting: bool = False
+    is_spinning: bool = False
+    in_parameter_callback: bool = False
     _declarations: dict[tuple[DeclarationKind, str, str, str], Declaration] = field(
         default_factory=dict
     )
-    _handling: int = 0
-    _caught: dict[tuple[DeclarationKind, str, str, str], Declaration] = field(default_factory=dict)
-    _nodes: dict[str, MadeNode] = field(default_factory=dict)
+    _handler_depth: int = 0
+    _handler_declarations: dict[tuple[DeclarationKind, str, str, str], Declaration] = field(
+        default_factory=dict
+    )
+    _nodes: dict[str, CreatedNode] = field(default_factory=dict)
     _parameters: dict[tuple[str, str], NodeParameter] = field(default_factory=dict)
-    _starts: dict[StartedLaunch, None] = field(default_factory=dict)
-    _unresolved: dict[Unresolved, None] = field(default_factory=dict)
+    _starts: dict[RuntimeStart, None] = field(default_factory=dict)
+    _unresolved: dict[UnresolvedItem, None] = field(default_factory=dict)
 
     def declare(
         self,
@@ -64,10 +73,12 @@ class Recorder:
         qos: QoS | None = None,
     ) -> None:
         """Record a declared name, once for each of its options."""
-        for option in self._first((kind, type, node), self.likely(name), evidence):
+        for option in self._without_callback_names(
+            (kind, type, node), self.reported_options(name), evidence
+        ):
             declared = Declaration(
                 kind=kind,
-                name=resolve_name(spelled(option), self.site.name),
+                name=resolve_name(text_with_holes(option), self.site.name),
                 type=type,
                 node=node,
                 qos=qos,
@@ -76,11 +87,11 @@ class Recorder:
                 resolution=_resolution(option),
                 evidence=evidence,
             )
-            self._add(declared)
+            self._add_declaration(declared)
 
-    def _first(
+    def _without_callback_names(
         self,
-        end: tuple[DeclarationKind, str, str],
+        endpoint: tuple[DeclarationKind, str, str],
         found: tuple[Value, ...],
         evidence: tuple[Evidence, ...],
     ) -> tuple[Value, ...]:
@@ -89,34 +100,36 @@ class Recorder:
         A callback makes something again if it may have the name that the node has it by, or if a
         change of parameters calls it and the node has something of its kind and type.
         """
-        later = [option for option in found if not isinstance(option, Known)]
-        if not (later and (self.spun or self.setting)):
+        later = [option for option in found if not isinstance(option, Scalar)]
+        if not (later and (self.is_spinning or self.in_parameter_callback)):
             return found
-        kept = tuple(option for option in found if option not in later)
-        names = {resolve_name(spelled(option), self.site.name) for option in kept}
-        had = [name for kind, name, type, node in self._declarations if end == (kind, type, node)]
-        if not (names.intersection(had) or (self.setting and had)):
+        remaining = tuple(option for option in found if option not in later)
+        names = {resolve_name(text_with_holes(option), self.site.name) for option in remaining}
+        existing = [
+            name for kind, name, type, node in self._declarations if endpoint == (kind, type, node)
+        ]
+        if not (names.intersection(existing) or (self.in_parameter_callback and existing)):
             return found
-        name = next((name for name in had if name in names), had[0] if had else "")
+        name = next((name for name in existing if name in names), existing[0] if existing else "")
         why = "a callback may make it again while it runs, under a name that is not known before"
-        self.unresolved(f"{end[0].value} {name} of {end[2]}", why, evidence[0])
-        return kept
+        self.add_unresolved(f"{endpoint[0].value} {name} of {endpoint[2]}", why, evidence[0])
+        return remaining
 
     @contextmanager
-    def in_handler(self) -> Iterator[None]:
+    def exception_handler(self) -> Iterator[None]:
         """Record what only an exception handler declares, which may be reached or not."""
-        self._handling += 1
+        self._handler_depth += 1
         try:
             yield
         finally:
-            self._handling -= 1
+            self._handler_depth -= 1
 
-    def node(self, made: MadeNode) -> None:
+    def add_node(self, made: CreatedNode) -> None:
         """Record a node that the process makes."""
         if not self.muted and len(self._nodes) < MAX_DECLARATIONS:
             self._nodes.setdefault(made.name, made)
 
-    def parameter(self, node: str, name: str, value: PlainValue | None) -> None:
+    def add_parameter(self, node: str, name: str, value: NodeParameterValue | None) -> None:
         """Record a parameter that a node declares; one that may be this or that is not known."""
         if not self.muted and len(self._parameters) < MAX_DECLARATIONS:
             found = NodeParameter(node=node, name=name, value=value)
@@ -124,56 +137,58 @@ class Recorder:
             if known != found:
                 self._parameters[node, name] = replace(found, value=None)
 
-    def likely(self, name: Value) -> tuple[Value, ...]:
+    def reported_options(self, name: Value) -> tuple[Value, ...]:
         """Return what to report of a name: where no launch is known, a default is the answer."""
         found = options(name)
-        known = tuple(option for option in found if isinstance(option, Known))
-        return known if known and not self.site.complete else found
+        known = tuple(option for option in found if isinstance(option, Scalar))
+        return known if known and not self.site.parameters_complete else found
 
-    def start(self, path: str, args: tuple[str, ...], evidence: Evidence) -> None:
+    def add_start(self, path: str, args: tuple[str, ...], evidence: Evidence) -> None:
         """Record a launch file that the node starts."""
         if not self.muted:
-            self._starts[StartedLaunch(path=path, args=args, evidence=(evidence,))] = None
+            self._starts[RuntimeStart(path=path, args=args, evidence=(evidence,))] = None
 
-    def unresolved(self, what: str, why: str, evidence: Evidence) -> None:
+    def add_unresolved(self, what: str, why: str, evidence: Evidence) -> None:
         """Record what could not be found out."""
         if not self.muted and len(self._unresolved) < MAX_DECLARATIONS:
-            self._unresolved[Unresolved(what=what, why=why, evidence=(evidence,))] = None
+            self._unresolved[UnresolvedItem(what=what, why=why, evidence=(evidence,))] = None
 
-    def problem(self, path: Path, problem: Problem) -> None:
+    def add_problem(self, path: Path, problem: SourceProblem) -> None:
         """Record a part of a file that could not be read."""
-        place = Evidence(file=str(path), line=problem.line)
-        self.unresolved(path.name, problem.why, place)
+        location = Evidence(file=str(path), line=problem.line)
+        self.add_unresolved(path.name, problem.why, location)
 
     def result(self) -> NodeInterface:
         """Return all that was recorded."""
-        for caught in self._caught.values():
+        for caught in self._handler_declarations.values():
             what = f"{caught.kind.value} {caught.name}"
             why = "only an exception handler declares it, and whether that is reached is not known"
-            self.unresolved(what, why, caught.evidence[0])
+            self.add_unresolved(what, why, caught.evidence[0])
         return NodeInterface(
             nodes=tuple(self._nodes.values()),
             declarations=tuple(self._declarations.values()),
-            starts=tuple(self._starts),
+            runtime_starts=tuple(self._starts),
             unresolved=tuple(self._unresolved),
             parameters=tuple(self._parameters.values()),
         )
 
-    def _add(self, declared: Declaration) -> None:
+    def _add_declaration(self, declared: Declaration) -> None:
         if self.muted or len(self._declarations) >= MAX_DECLARATIONS:
             return
         key = (declared.kind, declared.name, declared.type, declared.node)
-        if not self._handling:
-            self._caught.pop(key, None)
+        if not self._handler_depth:
+            self._handler_declarations.pop(key, None)
         elif key not in self._declarations and declared.evidence and not declared.implicit:
-            self._caught[key] = declared
+            self._handler_declarations[key] = declared
         known = self._declarations.setdefault(key, declared)
-        if known is not declared and declared.node and len(known.evidence) < MAX_PLACES:
-            places = dict.fromkeys((*known.evidence, *declared.evidence))
-            self._declarations[key] = replace(known, evidence=tuple(places))
+        if known is not declared and declared.node and len(known.evidence) < MAX_LOCATIONS:
+            locations = dict.fromkeys((*known.evidence, *declared.evidence))
+            self._declarations[key] = replace(known, evidence=tuple(locations))
 
 
 def _resolution(name: Value) -> Resolution:
-    if not isinstance(name, Known):
-        return Resolution.SYMBOLIC if isinstance(name, (Hole, Text)) else Resolution.LITERAL
+    if not isinstance(name, Scalar):
+        return (
+            Resolution.SYMBOLIC if isinstance(name, (Unknown, PartialText)) else Resolution.LITERAL
+        )
     return Resolution.PARAMETER if is_tainted(name) else Resolution.LITERAL

@@ -10,15 +10,15 @@ import re
 
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     Choice,
-    Foreign,
+    ExternalSymbol,
     FunctionValue,
-    Hole,
-    Known,
+    LibraryFunction,
     ListValue,
     MapValue,
     MessageType,
-    Native,
-    Text,
+    PartialText,
+    Scalar,
+    Unknown,
     Value,
 )
 from rtron.sources.code.interpreter.execution.arguments import Arguments
@@ -44,67 +44,72 @@ from rtron.sources.code.ir import (
 _EQUALITY = {"==", "!=", "is", "is not"}
 _LOGGING = {"debug", "info", "warn", "warning", "error", "fatal", "critical"}
 _MACRO = re.compile(r"(RCLCPP|ROS|RCUTILS)(_[A-Z0-9]+)+")
-_KINDS: dict[str, type] = {"as_string": str, "as_int": int, "as_double": float, "as_bool": bool}
+_PARAMETER_GETTERS: dict[str, type] = {
+    "as_string": str,
+    "as_int": int,
+    "as_double": float,
+    "as_bool": bool,
+}
 _ENDPOINTS = {"create_publisher", "create_subscription", "create_service", "create_client"}
-_SURE = {
+_NON_THROWING = {
     *_ENDPOINTS,
     *("create_timer", "create_wall_timer", "declare_parameter", "get_parameter"),
     *("get_parameter_or", "has_parameter", "get_parameter_value", "get_name", "get_namespace"),
     *("c_str", "empty", "size", "length", "print", "str"),
 }
-_READ = {"get", "get_value"}
-_OPERATIONS = (Opaque, Star, Index, Binary, Unary)
-_PLAIN = {
+_READ_METHODS = {"get", "get_value"}
+_THROWING_NODES = (Opaque, Star, Index, Binary, Unary)
+_NON_THROWING_TYPES = {
     *("std::string", "string", "int", "double", "float", "bool", "size_t", "int64_t"),
     *("rclcpp::QoS", "rclcpp::SensorDataQoS", "rclcpp::SystemDefaultsQoS", "rclcpp::Parameter"),
 }
 
 
-def is_sure(value: Value) -> bool:
+def is_fully_known(value: Value) -> bool:
     """Tell whether all that a value may be is known: to make it did not throw."""
     if isinstance(value, Choice):
-        return all(map(is_sure, value.options))
+        return all(map(is_fully_known, value.options))
     if isinstance(value, (ListValue, MapValue)):
         return not value.open
-    return not isinstance(value, (Hole, Foreign, Text))
+    return not isinstance(value, (Unknown, ExternalSymbol, PartialText))
 
 
-def fit(operator: str, left: Value, right: Value) -> bool:
+def operands_fit(operator: str, left: Value, right: Value) -> bool:
     """Tell whether Python's operator takes two values, as far as both are known."""
-    if operator in _EQUALITY or not (isinstance(left, Known) and isinstance(right, Known)):
+    if operator in _EQUALITY or not (isinstance(left, Scalar) and isinstance(right, Scalar)):
         return True
     values = (left.value, right.value)
     return None not in values and len({isinstance(value, str) for value in values}) == 1
 
 
-def may_throw(node: Expr, value: Value, *, dynamic: bool) -> bool:
+def expression_may_throw(node: Expr, value: Value, *, dynamic: bool) -> bool:
     """Tell whether an expression that is no call may have thrown; `dynamic` is Python's way."""
     if isinstance(node, New):
-        return node.type.name not in _PLAIN
+        return node.type.name not in _NON_THROWING_TYPES
     if dynamic and isinstance(node, Name):
-        return isinstance(value, (Hole, Foreign))
-    kinds = (Opaque, Star, Index, Binary, Unary, Attr) if dynamic else _OPERATIONS
-    return isinstance(node, kinds) and not is_sure(value)
+        return isinstance(value, (Unknown, ExternalSymbol))
+    kinds = (Opaque, Star, Index, Binary, Unary, Attr) if dynamic else _THROWING_NODES
+    return isinstance(node, kinds) and not is_fully_known(value)
 
 
-def may_fail(node: Stmt, *, dynamic: bool) -> bool:
+def statement_may_throw(node: Stmt, *, dynamic: bool) -> bool:
     """Tell whether a statement may throw beside its expressions."""
     if isinstance(node, Declare):
-        return node.type is not None and node.type.name not in _PLAIN
+        return node.type is not None and node.type.name not in _NON_THROWING_TYPES
     if isinstance(node, Assign):
         return any(not isinstance(target, (Name, Attr)) for target in node.targets)
     return isinstance(node, (ForEach, Import)) or (dynamic and isinstance(node, Delete))
 
 
-def logs(node: Call) -> bool:
+def is_logging_call(node: Call) -> bool:
     """Tell whether a call writes to a node's log: `get_logger().info(…)`, `RCLCPP_INFO(…)`."""
     function = node.function
     if isinstance(function, Name):
         return bool(_MACRO.fullmatch(function.id))
     if not isinstance(function, Attr):
         return False
-    asked = function.owner.function if isinstance(function.owner, Call) else None
-    named = isinstance(asked, Attr) and asked.name == "get_logger"
+    receiver_call = function.owner.function if isinstance(function.owner, Call) else None
+    named = isinstance(receiver_call, Attr) and receiver_call.name == "get_logger"
     return function.name == "get_logger" or (named and function.name in _LOGGING)
 
 
@@ -115,13 +120,13 @@ def call_may_throw(called: Value, arguments: Arguments, returned: Value) -> bool
         return False
     if isinstance(called, MessageType):
         return bool(given)
-    if not isinstance(called, Native):
+    if not isinstance(called, LibraryFunction):
         return True
     name = called.name
-    if name in _READ or name in _KINDS:
-        return not _is_of(returned, _KINDS.get(name))
-    return name not in _SURE or not all(map(is_sure, given))
+    if name in _READ_METHODS or name in _PARAMETER_GETTERS:
+        return not _is_scalar_of(returned, _PARAMETER_GETTERS.get(name))
+    return name not in _NON_THROWING or not all(map(is_fully_known, given))
 
 
-def _is_of(value: Value, kind: type | None) -> bool:
-    return isinstance(value, Known) and (kind is None or type(value.value) is kind)
+def _is_scalar_of(value: Value, kind: type | None) -> bool:
+    return isinstance(value, Scalar) and (kind is None or type(value.value) is kind)

@@ -9,8 +9,8 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     Value,
 )
 from rtron.sources.code.interpreter.execution.arguments import Arguments
-from rtron.sources.code.interpreter.execution.source_provider import Files
-from rtron.sources.code.interpreter.execution.stack_frame import Frame, Place
+from rtron.sources.code.interpreter.execution.source_provider import SourceProvider
+from rtron.sources.code.interpreter.execution.stack_frame import StackFrame, StorageSlot
 from rtron.sources.code.ir import (
     Class,
     Declare,
@@ -24,24 +24,24 @@ from rtron.sources.code.ir import (
 )
 
 
-class World(Protocol):
+class LanguageRuntime(Protocol):
     """The names a program can see, and how its objects are made.
 
-    `by_reference` says that a call may write to what it is given (C++).
+    `passes_by_reference` says that a call may write to what it is given (C++).
     """
 
-    by_reference: bool
-    files: Files
+    passes_by_reference: bool
+    files: SourceProvider
 
-    def lookup(self, name: Name, frame: Frame) -> Value:
+    def lookup(self, name: Name, frame: StackFrame) -> Value:
         """Return what a name means; a Hole or Foreign where nobody knows."""
         ...
 
-    def place(self, name: str, frame: Frame) -> Place:
+    def slot(self, name: str, frame: StackFrame) -> StorageSlot:
         """Return where a name is kept when it is assigned to."""
         ...
 
-    def is_constant(self, name: str, frame: Frame) -> bool:
+    def is_constant(self, name: str, frame: StackFrame) -> bool:
         """Tell whether a name is of a constant: whoever is given it cannot change it."""
         ...
 
@@ -49,27 +49,27 @@ class World(Protocol):
         """Return a member of a value, bound to it; None where it has none of that name."""
         ...
 
-    def new(self, node: New, frame: Frame) -> Value:
+    def new(self, node: New, frame: StackFrame) -> Value:
         """Make an object (C++)."""
         ...
 
-    def declare(self, node: Declare, frame: Frame) -> None:
+    def declare(self, node: Declare, frame: StackFrame) -> None:
         """Make a variable (C++)."""
         ...
 
-    def around(self, node: Lambda, frame: Frame) -> Frame:
+    def closure_frame(self, node: Lambda, frame: StackFrame) -> StackFrame:
         """Return the frame that a lambda made in a frame stands in (C++)."""
         ...
 
-    def define(self, node: Define, frame: Frame) -> None:
+    def define(self, node: Define, frame: StackFrame) -> None:
         """Bind a function or class (Python)."""
         ...
 
-    def import_(self, node: Import, frame: Frame) -> None:
+    def import_(self, node: Import, frame: StackFrame) -> None:
         """Bind what an import brings (Python)."""
         ...
 
-    def frame(self, called: FunctionValue, arguments: Arguments) -> Frame:
+    def call_frame(self, called: FunctionValue, arguments: Arguments) -> StackFrame:
         """Return the frame that a call of a scanned function runs in, its parameters bound."""
         ...
 
@@ -85,48 +85,48 @@ class World(Protocol):
         """Yield a class and its bases, in the order in which a member is looked for."""
         ...
 
-    def named(self, name: str) -> tuple[Function, ...]:
+    def functions_named(self, name: str) -> tuple[Function, ...]:
         """Return the scanned functions with a plain name, in whatever class."""
         ...
 
-    def size(self) -> int:
+    def version(self) -> int:
         """Return a number that changes when the program's functions do."""
         ...
 
-    def own_functions(self) -> Iterator[tuple[str, Function]]:
+    def program_functions(self) -> Iterator[tuple[str, Function]]:
         """Yield the functions of the program's own files, each with what it is called by."""
         ...
 
 
-class Cpp(World, Protocol):
+class CppLanguageRuntime(LanguageRuntime, Protocol):
     """What native functions of C++ ask besides."""
 
-    def make(self, type: TypeRef, arguments: Arguments) -> Value:
+    def construct(self, type: TypeRef, arguments: Arguments) -> Value:
         """Make an object of a type from values."""
         ...
 
-    def default(
-        self, type: TypeRef | None, frame: Frame, *, pointer: bool = False, line: int = 0
+    def default_value(
+        self, type: TypeRef | None, frame: StackFrame, *, pointer: bool = False, line: int = 0
     ) -> Value:
         """Return what a variable without an initialiser holds."""
         ...
 
-    def message_in(self, type: TypeRef | None, scope: str, types: Mapping[str, TypeRef]) -> str:
+    def message_type(self, type: TypeRef | None, scope: str, types: Mapping[str, TypeRef]) -> str:
         """Return the message that a type means in a scope."""
         ...
 
-    def types_of(self, called: FunctionValue) -> Mapping[str, TypeRef]:
+    def template_bindings(self, called: FunctionValue) -> Mapping[str, TypeRef]:
         """Return what a method's template parameters, and those of its class, mean."""
         ...
 
-    def owned(self, called: FunctionValue, owner: Instance) -> FunctionValue:
+    def bind_method(self, called: FunctionValue, owner: Instance) -> FunctionValue:
         """Return a method named by `&Class::method`, bound to an object of that class."""
         ...
 
-    def taken_in(self, sources: tuple[object, ...], name: str) -> tuple[Function, ...]:
+    def load_functions(self, sources: tuple[object, ...], name: str) -> tuple[Function, ...]:
         """Take in sources, and return the functions of a name that they define."""
         ...
 
-    def plugin(self, name: str, base: str, arguments: Arguments) -> Value | None:
+    def create_plugin(self, name: str, base: str, arguments: Arguments) -> Value | None:
         """Make the object of a plugin, its library's sources taken in first."""
         ...

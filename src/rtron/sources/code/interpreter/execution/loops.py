@@ -4,16 +4,16 @@ from collections.abc import Callable, Iterator
 
 from rtron.sources.code.interpreter.abstract_values.items import items_of
 from rtron.sources.code.interpreter.abstract_values.value_types import (
-    Hole,
     Instance,
-    Known,
-    Text,
+    PartialText,
+    Scalar,
+    Unknown,
     Value,
     truth,
 )
-from rtron.sources.code.interpreter.execution.abstract_machine import Machine, Outcome
-from rtron.sources.code.interpreter.execution.assignment import assign, place_of
-from rtron.sources.code.interpreter.execution.stack_frame import Frame
+from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine, Outcome
+from rtron.sources.code.interpreter.execution.assignment import assign, slot_of
+from rtron.sources.code.interpreter.execution.stack_frame import StackFrame
 from rtron.sources.code.ir import Expr, ForEach, Name, While
 from rtron.sources.code.ir.references import assigned_names
 
@@ -21,62 +21,64 @@ MAX_ROUNDS = (128, 32, 8, 2)
 """How often a loop is unrolled: an outermost one, one within it, and so on."""
 MAX_DISCOVERIES = 2
 
-_LEAVES = {"return", "raise"}
+_EXITS = {"return", "raise"}
 
 
-def for_each(machine: Machine, node: ForEach, frame: Frame) -> Outcome:
+def for_each(machine: AbstractMachine, node: ForEach, frame: StackFrame) -> Outcome:
     """Run `for target in iterable`."""
     items, certain = items_of(machine.evaluate(node.iterable, frame))
-    if machine.world.by_reference and _changes_items(node):
-        place = place_of(machine, node.iterable, frame)
-        if place is not None:
-            machine.trail.set(*place, Hole(str(place.key)))
-    with machine.looping() as depth:
-        most = _rounds(depth)
+    if machine.runtime.passes_by_reference and _changes_items(node):
+        slot = slot_of(machine, node.iterable, frame)
+        if slot is not None:
+            machine.undo_log.set(*slot, Unknown(str(slot.key)))
+    with machine.enter_loop() as depth:
+        most = _max_rounds(depth)
         for item in items[:most]:
             assign(machine, node.target, item, frame)
             outcome = machine.execute(node.body, frame)
             if outcome == "break":
                 return None
-            if outcome in _LEAVES:
+            if outcome in _EXITS:
                 return outcome
         if not certain or len(items) > most:
             written = assigned_names(node.body)
-            in_doubt(machine, frame, lambda: _round(machine, node, frame), written)
+            run_once_with_unknowns(
+                machine, frame, lambda: _run_unknown_round(machine, node, frame), written
+            )
     return None
 
 
 def _changes_items(node: ForEach) -> bool:
     """`for (auto& item : items) item = …`: what the items are then is left open."""
-    return named(node.target) in assigned_names(node.body)
+    return target_name(node.target) in assigned_names(node.body)
 
 
-def _rounds(depth: int) -> int:
+def _max_rounds(depth: int) -> int:
     return MAX_ROUNDS[min(depth, len(MAX_ROUNDS)) - 1]
 
 
-def named(target: Expr) -> str:
+def target_name(target: Expr) -> str:
     """Return what a loop's unknown item is called."""
     return target.id if isinstance(target, Name) else "?"
 
 
-def _round(machine: Machine, node: ForEach, frame: Frame) -> Outcome:
-    hole = Hole(named(node.target))
+def _run_unknown_round(machine: AbstractMachine, node: ForEach, frame: StackFrame) -> Outcome:
+    hole = Unknown(target_name(node.target))
     assign(machine, node.target, hole, frame)
     return machine.execute(node.body, frame)
 
 
-def while_(machine: Machine, node: While, frame: Frame) -> Outcome:
+def while_(machine: AbstractMachine, node: While, frame: StackFrame) -> Outcome:
     """Run `while`, `do … while` and `for (;;)`."""
     if node.first:
         outcome = machine.execute(node.body, frame)
         if outcome not in {None, "continue"}:
-            return outcome if outcome in _LEAVES else None
-    with machine.looping() as depth:
-        return _turns(machine, node, frame, _rounds(depth))
+            return outcome if outcome in _EXITS else None
+    with machine.enter_loop() as depth:
+        return _run_rounds(machine, node, frame, _max_rounds(depth))
 
 
-def _turns(machine: Machine, node: While, frame: Frame, most: int) -> Outcome:
+def _run_rounds(machine: AbstractMachine, node: While, frame: StackFrame, most: int) -> Outcome:
     for _ in range(most):
         decided = truth(machine.evaluate(node.test, frame))
         if decided is None:
@@ -84,17 +86,19 @@ def _turns(machine: Machine, node: While, frame: Frame, most: int) -> Outcome:
         outcome = machine.execute(node.body, frame) if decided else "break"
         if outcome == "break":
             return None
-        if outcome in _LEAVES:
+        if outcome in _EXITS:
             return outcome
         machine.execute(node.step, frame)
     written = assigned_names(node.body) | assigned_names(node.step)
-    in_doubt(machine, frame, lambda: machine.execute(node.body + node.step, frame), written)
+    run_once_with_unknowns(
+        machine, frame, lambda: machine.execute(node.body + node.step, frame), written
+    )
     return None
 
 
-def in_doubt(
-    machine: Machine,
-    frame: Frame,
+def run_once_with_unknowns(
+    machine: AbstractMachine,
+    frame: StackFrame,
     run: Callable[[], Outcome],
     written: frozenset[str] | None = None,
 ) -> None:
@@ -103,31 +107,31 @@ def in_doubt(
     What it counts is found by a trial, or is what of `written` holds a number or a string.
     """
     if written is not None and machine.recorder.site.ros > 1:
-        _unknown(machine, frame, written)
-    elif machine.discovering < MAX_DISCOVERIES:
-        for place, key, value in list(_changed(machine, run)):
-            machine.trail.set(place, key, value)
-    machine.trail.either([lambda: run() is None, lambda: True], frame.variables)
+        _forget_scalars(machine, frame, written)
+    elif machine.trial_depth < MAX_DISCOVERIES:
+        for storage, key, value in list(_changed_scalars(machine, run)):
+            machine.undo_log.set(storage, key, value)
+    machine.undo_log.run_branches([lambda: run() is None, lambda: True], frame.variables)
 
 
-def _unknown(machine: Machine, frame: Frame, written: frozenset[str]) -> None:
+def _forget_scalars(machine: AbstractMachine, frame: StackFrame, written: frozenset[str]) -> None:
     for name in written:
-        place, key = machine.world.place(name, frame)
-        if _is_scalar(place.get(key)):
-            machine.trail.set(place, key, Hole(str(key)))
+        storage, key = machine.runtime.slot(name, frame)
+        if _is_scalar(storage.get(key)):
+            machine.undo_log.set(storage, key, Unknown(str(key)))
 
 
-def _changed(
-    machine: Machine, run: Callable[[], Outcome]
+def _changed_scalars(
+    machine: AbstractMachine, run: Callable[[], Outcome]
 ) -> Iterator[tuple[dict[object, object], object, Value]]:
     """Yield the places whose number or string the body changes, with a hole for each."""
-    with machine.unheard():
-        writes, _ = machine.trail.trial(lambda: run() is None)
-    for place, key, after in writes.values():
-        before = place.get(key)
+    with machine.trial_run():
+        writes, _ = machine.undo_log.run_and_undo(lambda: run() is None)
+    for storage, key, after in writes.values():
+        before = storage.get(key)
         if _is_scalar(before) and _is_scalar(after) and before != after:
-            yield place, key, Hole(str(key))
+            yield storage, key, Unknown(str(key))
 
 
 def _is_scalar(value: object) -> bool:
-    return isinstance(value, (Known, Text)) and not isinstance(value, Instance)
+    return isinstance(value, (Scalar, PartialText)) and not isinstance(value, Instance)

@@ -3,20 +3,20 @@
 from pathlib import Path
 from typing import NamedTuple, Protocol
 
-from rtron.sources.code.ir import Language, Unit
+from rtron.sources.code.ir import SourceLanguage, Unit
 
 
-class Plugin(NamedTuple):
+class PluginSource(NamedTuple):
     """A class that pluginlib would load, and the sources of its library."""
 
-    cls: str
+    class_name: str
     sources: tuple[Path, ...]
 
 
-class Files(Protocol):
+class SourceProvider(Protocol):
     """The source around a program."""
 
-    def unit(self, path: Path, language: Language) -> Unit:
+    def lowered_unit(self, path: Path, language: SourceLanguage) -> Unit:
         """Return a file, lowered."""
         ...
 
@@ -28,7 +28,7 @@ class Files(Protocol):
         """Return the file of a Python module or package, where the workspace has it."""
         ...
 
-    def has_message(self, package: str, name: str) -> bool | None:
+    def has_message_type(self, package: str, name: str) -> bool | None:
         """Tell whether a package defines a message type; None if the package is not known."""
         ...
 
@@ -36,31 +36,31 @@ class Files(Protocol):
         """Return where a package lies."""
         ...
 
-    def text(self, path: Path) -> str | None:
+    def read_text(self, path: Path) -> str | None:
         """Return a data file of the workspace; None for one that is not there or too large."""
         ...
 
-    def plugin(self, name: str, base: str) -> Plugin | None:
+    def find_plugin(self, name: str, base: str) -> PluginSource | None:
         """Return the class that pluginlib knows by a name or type."""
         ...
 
-    def plugins(self, base: str) -> tuple[str, ...]:
+    def plugin_names(self, base: str) -> tuple[str, ...]:
         """Return the names of all plugins of a base class."""
         ...
 
-    def library(self, name: str) -> tuple[Path, ...]:
+    def library_sources(self, name: str) -> tuple[Path, ...]:
         """Return the sources of the library that a file name means."""
         ...
 
-    def libraries_naming(self, word: str) -> tuple[tuple[Path, ...], ...]:
+    def libraries_containing(self, word: str) -> tuple[tuple[Path, ...], ...]:
         """Return the sources of each library that has a word in one of them."""
         ...
 
-    def naming(self, sources: tuple[Path, ...], word: str) -> tuple[Path, ...]:
+    def sources_containing(self, sources: tuple[Path, ...], word: str) -> tuple[Path, ...]:
         """Return those of some sources whose text has a word."""
         ...
 
-    def implementing(self, header: Path, word: str) -> tuple[Path, ...]:
+    def sources_defining(self, header: Path, word: str) -> tuple[Path, ...]:
         """Return the sources of a header's package that may define a class or function.
 
         `word` is the plain name of the class or function.

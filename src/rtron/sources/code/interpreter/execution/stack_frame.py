@@ -8,7 +8,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import ClassValu
 from rtron.sources.code.ir import Function, TypeRef
 
 
-class Place(NamedTuple):
+class StorageSlot(NamedTuple):
     """Where a value is kept: a frame's variables or an object's fields, and the key in them."""
 
     holder: dict[Any, Any]
@@ -16,7 +16,7 @@ class Place(NamedTuple):
 
 
 @dataclass(eq=False, slots=True, kw_only=True)
-class Frame:
+class StackFrame:
     """One call of a function, or the top of a file.
 
     `closure` is the frame around a Python function. `aliases` are C++ references: names that
@@ -28,13 +28,13 @@ class Frame:
     file: str
     function: Function | None = None
     variables: dict[Any, Any] = field(default_factory=dict)
-    closure: "Frame | None" = None
+    closure: "StackFrame | None" = None
     globals: set[str] = field(default_factory=set)
     this: Value | None = None
     cls: ClassValue | None = None
     scope: str = ""
     types: Mapping[str, TypeRef] = field(default_factory=dict)
-    aliases: dict[str, Place] = field(default_factory=dict)
+    aliases: dict[str, StorageSlot] = field(default_factory=dict)
     constants: dict[str, bool] = field(default_factory=dict)
     returns: list[Value] = field(default_factory=list)
     yields: list[Value] = field(default_factory=list)

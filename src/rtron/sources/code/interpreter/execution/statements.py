@@ -12,9 +12,13 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     truth,
 )
 from rtron.sources.code.interpreter.execution import loops
-from rtron.sources.code.interpreter.execution.abstract_machine import Machine, Outcome, ThrownError
-from rtron.sources.code.interpreter.execution.assignment import assign, remove
-from rtron.sources.code.interpreter.execution.stack_frame import Frame
+from rtron.sources.code.interpreter.execution.abstract_machine import (
+    AbstractMachine,
+    Outcome,
+    ThrownError,
+)
+from rtron.sources.code.interpreter.execution.assignment import assign, remove_element
+from rtron.sources.code.interpreter.execution.stack_frame import StackFrame
 from rtron.sources.code.ir import (
     Assign,
     Break,
@@ -38,10 +42,12 @@ from rtron.sources.code.ir import (
     While,
     Yield,
 )
-from rtron.sources.code.ir.references import effects
+from rtron.sources.code.ir.references import side_effects
 
 
-def branch(machine: Machine, frame: Frame, blocks: tuple[tuple[Stmt, ...], ...]) -> Outcome:
+def run_branches(
+    machine: AbstractMachine, frame: StackFrame, blocks: tuple[tuple[Stmt, ...], ...]
+) -> Outcome:
     """Run each of the blocks, one of which is taken; return how they all end, if alike."""
     outcomes: list[Outcome] = []
 
@@ -50,115 +56,119 @@ def branch(machine: Machine, frame: Frame, blocks: tuple[tuple[Stmt, ...], ...])
             outcomes.append(machine.execute(block, frame))
         except ThrownError:
             outcomes.append("raise")
-        machine.doubts += outcomes[-1] == "raise"
+        machine.possible_throws += outcomes[-1] == "raise"
         return outcomes[-1] is None
 
-    machine.trail.either([partial(run, block) for block in blocks], frame.variables)
+    machine.undo_log.run_branches([partial(run, block) for block in blocks], frame.variables)
     return outcomes[0] if len(set(outcomes)) == 1 else None
 
 
-def _evaluate(machine: Machine, node: Evaluate, frame: Frame) -> Outcome:
+def _evaluate(machine: AbstractMachine, node: Evaluate, frame: StackFrame) -> Outcome:
     machine.evaluate(node.value, frame)
     return None
 
 
-def _assign(machine: Machine, node: Assign, frame: Frame) -> Outcome:
+def _assign(machine: AbstractMachine, node: Assign, frame: StackFrame) -> Outcome:
     value = machine.evaluate(node.value, frame)
     for target in node.targets:
         assign(machine, target, value, frame)
     return None
 
 
-def _declare(machine: Machine, node: Declare, frame: Frame) -> Outcome:
-    machine.world.declare(node, frame)
+def _declare(machine: AbstractMachine, node: Declare, frame: StackFrame) -> Outcome:
+    machine.runtime.declare(node, frame)
     return None
 
 
-def _if(machine: Machine, node: If, frame: Frame) -> Outcome:
+def _if(machine: AbstractMachine, node: If, frame: StackFrame) -> Outcome:
     decided = truth(machine.evaluate(node.test, frame))
     if decided is None:
-        if machine.recorder.site.ros > 1 and not (effects(node.body) or effects(node.orelse)):
-            machine.doubts += 1
+        if machine.recorder.site.ros > 1 and not (
+            side_effects(node.body) or side_effects(node.orelse)
+        ):
+            machine.possible_throws += 1
             return None
-        return branch(machine, frame, (node.body, node.orelse))
+        return run_branches(machine, frame, (node.body, node.orelse))
     return machine.execute(node.body if decided else node.orelse, frame)
 
 
-def _return(machine: Machine, node: Return, frame: Frame) -> Outcome:
+def _return(machine: AbstractMachine, node: Return, frame: StackFrame) -> Outcome:
     value = machine.evaluate(node.value, frame) if node.value is not None else NONE
     frame.returns.append(value)
     return "return"
 
 
-def _yield(machine: Machine, node: Yield, frame: Frame) -> Outcome:
+def _yield(machine: AbstractMachine, node: Yield, frame: StackFrame) -> Outcome:
     if node.value is not None:
         frame.yields.append(machine.evaluate(node.value, frame))
     return None
 
 
-def _raise(machine: Machine, node: Raise, frame: Frame) -> Outcome:
+def _raise(machine: AbstractMachine, node: Raise, frame: StackFrame) -> Outcome:
     """Leave for whoever catches it; where nobody seen does, only this function ends."""
     value = machine.evaluate(node.value, frame) if node.value is not None else None
-    thrown = _thrown(machine, node.value, value)
-    if not any(_catches(names, thrown) for names in machine.catching):
-        machine.doubts += 1
+    thrown = _thrown_error(machine, node.value, value)
+    if not any(_catches(names, thrown) for names in machine.active_handlers):
+        machine.possible_throws += 1
         return "raise"
     raise thrown
 
 
-def _thrown(machine: Machine, node: Expr | None, value: Value | None) -> ThrownError:
+def _thrown_error(machine: AbstractMachine, node: Expr | None, value: Value | None) -> ThrownError:
     owner = value.type if isinstance(value, Instance) else value
     if not isinstance(owner, ClassValue):
-        return ThrownError(_written(node), open=True)
-    lineage = list(machine.world.lineage(owner))
+        return ThrownError(_exception_name(node), has_unknown_bases=True)
+    lineage = list(machine.runtime.lineage(owner))
     names = [cls.name.rpartition("::")[2] for cls in lineage if isinstance(cls, ClassValue)]
-    return ThrownError(*names, open=len(names) < len(lineage))
+    return ThrownError(*names, has_unknown_bases=len(names) < len(lineage))
 
 
-def _written(node: Expr | None) -> str:
+def _exception_name(node: Expr | None) -> str:
     """Return the plain name of the exception as it is written."""
     if isinstance(node, Call):
-        return _written(node.function)
+        return _exception_name(node.function)
     if isinstance(node, New):
         return node.type.name.rpartition("::")[2]
     name = getattr(node, "name", None) or getattr(node, "id", None) or "an exception"
     return str(name).rpartition("::")[2]
 
 
-def _try(machine: Machine, node: Try, frame: Frame) -> Outcome:
-    before = machine.doubts
-    thrown, outcome = _attempt(machine, node, frame)
-    doubted = machine.doubts > before
-    if any(_takes_all(names) for names, _, _ in node.handlers):
-        machine.doubts = before
+def _try(machine: AbstractMachine, node: Try, frame: StackFrame) -> Outcome:
+    before = machine.possible_throws
+    thrown, outcome = _run_body(machine, node, frame)
+    may_have_thrown = machine.possible_throws > before
+    if any(_catches_all(names) for names, _, _ in node.handlers):
+        machine.possible_throws = before
     if thrown is None and outcome is None:
         outcome = machine.execute(node.orelse, frame)
     handlers = [b for names, _, b in node.handlers if thrown is None or _catches(names, thrown)]
     if handlers and (thrown is not None or outcome == "raise"):
         outcome = machine.execute(handlers[0], frame)
-    elif handlers and thrown is None and doubted:
-        with machine.recorder.in_handler():
-            branch(machine, frame, ((), *handlers))
+    elif handlers and thrown is None and may_have_thrown:
+        with machine.recorder.exception_handler():
+            run_branches(machine, frame, ((), *handlers))
     ended = machine.execute(node.final, frame)
     if thrown is not None and not handlers:
         raise thrown
     return ended or outcome
 
 
-def _takes_all(names: tuple[str, ...]) -> bool:
+def _catches_all(names: tuple[str, ...]) -> bool:
     """Tell whether a handler takes what may be thrown, whatever it is."""
     return not names or not {"...", "Exception", "BaseException"}.isdisjoint(names)
 
 
-def _attempt(machine: Machine, node: Try, frame: Frame) -> tuple[ThrownError | None, Outcome]:
-    depth = len(machine.catching)
-    machine.catching.extend(names for names, _, _ in node.handlers)
+def _run_body(
+    machine: AbstractMachine, node: Try, frame: StackFrame
+) -> tuple[ThrownError | None, Outcome]:
+    depth = len(machine.active_handlers)
+    machine.active_handlers.extend(names for names, _, _ in node.handlers)
     try:
         return None, machine.execute(node.body, frame)
     except ThrownError as error:
         return error, None
     finally:
-        del machine.catching[depth:]
+        del machine.active_handlers[depth:]
 
 
 def _catches(names: tuple[str, ...], thrown: ThrownError) -> bool:
@@ -167,7 +177,7 @@ def _catches(names: tuple[str, ...], thrown: ThrownError) -> bool:
     if thrown.name != "SystemExit":
         wide |= (
             {"Exception", "LookupError", "exception", "runtime_error"}
-            if thrown.open
+            if thrown.has_unknown_bases
             else {
                 "Exception",
                 "exception",
@@ -177,26 +187,26 @@ def _catches(names: tuple[str, ...], thrown: ThrownError) -> bool:
     return not names or bool(plain & {*wide, *thrown.names})
 
 
-def _define(machine: Machine, node: Define, frame: Frame) -> Outcome:
-    machine.world.define(node, frame)
+def _define(machine: AbstractMachine, node: Define, frame: StackFrame) -> Outcome:
+    machine.runtime.define(node, frame)
     return None
 
 
-def _import(machine: Machine, node: Import, frame: Frame) -> Outcome:
-    machine.world.import_(node, frame)
+def _import(machine: AbstractMachine, node: Import, frame: StackFrame) -> Outcome:
+    machine.runtime.import_(node, frame)
     return None
 
 
-def _global(_: Machine, node: Global, frame: Frame) -> Outcome:
+def _global(_: AbstractMachine, node: Global, frame: StackFrame) -> Outcome:
     frame.globals.update(node.names)
     return None
 
 
-def _delete(machine: Machine, node: Delete, frame: Frame) -> Outcome:
+def _delete(machine: AbstractMachine, node: Delete, frame: StackFrame) -> Outcome:
     for target in node.targets:
         if isinstance(target, Index):
             owner, key = machine.evaluate(target.owner, frame), machine.evaluate(target.key, frame)
-            remove(machine, owner, key)
+            remove_element(machine, owner, key)
     return None
 
 

@@ -12,7 +12,7 @@ MISSING = object()
 
 
 @dataclass(slots=True)
-class Trail:
+class UndoLog:
     """Every write to a frame's variables or an object's fields goes through `set`.
 
     `elementwise` says that lists of one length, left by branches, are joined item by item.
@@ -23,45 +23,47 @@ class Trail:
     _depth: int = 0
 
     @property
-    def undecided(self) -> bool:
+    def is_undecided(self) -> bool:
         """Whether we are inside a branch that may not be taken."""
         return self._depth > 0
 
-    def set(self, place: dict[Any, Any], key: Any, value: Any) -> None:  # noqa: ANN401 - any key
+    def set(self, storage: dict[Any, Any], key: Any, value: Any) -> None:  # noqa: ANN401 - any key
         """Write a value where it can be taken back."""
         if self._depth:
-            self._log.append((place, key, place.get(key, MISSING)))
-        place[key] = value
+            self._log.append((storage, key, storage.get(key, MISSING)))
+        storage[key] = value
 
-    def open(self, place: dict[Any, Any]) -> None:
+    def mark_open(self, storage: dict[Any, Any]) -> None:
         """Note that a list may hold more than its items."""
-        self.set(place, "open", value=True)
+        self.set(storage, "open", value=True)
 
-    def remove(self, place: dict[Any, Any], key: Any) -> None:  # noqa: ANN401 - any key
+    def remove(self, storage: dict[Any, Any], key: Any) -> None:  # noqa: ANN401 - any key
         """Take a key away where it can be put back."""
         if self._depth:
-            self._log.append((place, key, place[key]))
-        del place[key]
+            self._log.append((storage, key, storage[key]))
+        del storage[key]
 
-    def either(self, branches: Sequence[Callable[[], bool]], locals_: dict[Any, Any]) -> None:
+    def run_branches(self, branches: Sequence[Callable[[], bool]], locals_: dict[Any, Any]) -> None:
         """Run each branch from the same state, then let every place hold what any of them left.
 
         A branch returns whether it goes on behind the branches; of one that does not, what it
         wrote to `locals_` is forgotten.
         """
-        results = [self.trial(branch) for branch in branches]
-        kept = [_kept(writes, locals_, goes_on=goes_on) for writes, goes_on in results]
-        written = {key: (place, name) for w in kept for key, (place, name, _) in w.items()}
-        for key, (place, name) in written.items():
-            before = place.get(name, MISSING)
-            after = [w[key][2] if key in w else before for w in kept]
+        results = [self.run_and_undo(branch) for branch in branches]
+        surviving = [
+            _surviving_writes(writes, locals_, goes_on=goes_on) for writes, goes_on in results
+        ]
+        written = {key: (storage, name) for w in surviving for key, (storage, name, _) in w.items()}
+        for key, (storage, name) in written.items():
+            before = storage.get(name, MISSING)
+            after = [w[key][2] if key in w else before for w in surviving]
             found = [value for value in after if value is not MISSING]
             if found:
-                self.set(place, name, _joined(found, elementwise=self.elementwise))
-            elif name in place:
-                self.remove(place, name)
+                self.set(storage, name, _join_values(found, elementwise=self.elementwise))
+            elif name in storage:
+                self.remove(storage, name)
 
-    def trial(self, branch: Callable[[], bool]) -> tuple[Writes, bool]:
+    def run_and_undo(self, branch: Callable[[], bool]) -> tuple[Writes, bool]:
         """Run a branch and take its writes back; return them, and what the branch returned."""
         mark = len(self._log)
         self._depth += 1
@@ -75,24 +77,24 @@ class Trail:
     def _undo(self, mark: int) -> Writes:
         writes: Writes = {}
         while len(self._log) > mark:
-            place, key, old = self._log.pop()
-            at = id(place), key
+            storage, key, old = self._log.pop()
+            at = id(storage), key
             if at not in writes:
-                writes[at] = (place, key, place.get(key, MISSING))
+                writes[at] = (storage, key, storage.get(key, MISSING))
             if old is MISSING:
-                place.pop(key, None)
+                storage.pop(key, None)
             else:
-                place[key] = old
+                storage[key] = old
         return writes
 
 
-def _kept(writes: Writes, locals_: dict[Any, Any], *, goes_on: bool) -> Writes:
+def _surviving_writes(writes: Writes, locals_: dict[Any, Any], *, goes_on: bool) -> Writes:
     if goes_on:
         return writes
     return {key: write for key, write in writes.items() if write[0] is not locals_}
 
 
-def _all_items(values: list[tuple[Any, ...]]) -> tuple[Any, ...]:
+def _union_items(values: list[tuple[Any, ...]]) -> tuple[Any, ...]:
     """Return the items of every branch, each once."""
     longest = max(values, key=len)
     others = (item for value in values if value is not longest for item in value)
@@ -102,15 +104,15 @@ def _all_items(values: list[tuple[Any, ...]]) -> tuple[Any, ...]:
     )
 
 
-def _joined(values: list[Any], *, elementwise: bool) -> Any:  # noqa: ANN401 - a Value, a tuple of items or a flag
+def _join_values(values: list[Any], *, elementwise: bool) -> Any:  # noqa: ANN401 - a Value, a tuple of items or a flag
     first = values[0] if values else None
     if all(value is first or value == first for value in values):
         return first
     if isinstance(first, tuple) and elementwise and len(set(map(len, values))) == 1:
         return tuple(map(join, zip(*values, strict=True)))
     if isinstance(first, tuple):
-        return _all_items(values)
+        return _union_items(values)
     if isinstance(first, bool):
         return any(values)
-    wanted: list[Value] = values
-    return join(wanted)
+    choices: list[Value] = values
+    return join(choices)

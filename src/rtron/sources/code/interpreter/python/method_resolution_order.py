@@ -6,63 +6,63 @@ It is C3, as "The Python 2.3 Method Resolution Order" (docs.python.org: howto/mr
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
-from rtron.sources.code.interpreter.abstract_values.items import listed
+from rtron.sources.code.interpreter.abstract_values.items import list_of
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     ClassValue,
     Instance,
-    NativeClass,
+    LibraryClass,
     Value,
     options,
 )
 
 MAX_CLASSES = 32
 _Order = tuple[Value, ...]
-SUPER = NativeClass("super")
+SUPER = LibraryClass("super")
 
 
 @dataclass(eq=False, slots=True)
-class MethodOrders:
+class MethodResolutionOrders:
     """The orders of the classes of one program, each worked out once.
 
     `refused` are those whose bases contradict each other: Python does not make such a class.
     """
 
     refused: set[ClassValue] = field(default_factory=set)
-    _known: dict[ClassValue, _Order] = field(default_factory=dict)
+    _orders: dict[ClassValue, _Order] = field(default_factory=dict)
 
-    def of(self, cls: Value, depth: int = 0) -> _Order:
+    def order_of(self, cls: Value, depth: int = 0) -> _Order:
         """Return a class and its bases, as many as count; nearest first where C3 refuses."""
         if not isinstance(cls, ClassValue) or depth > MAX_CLASSES:
             return (cls,)
-        if cls not in self._known:
-            self._known[cls] = self._found(cls, depth)
-        return self._known[cls]
+        if cls not in self._orders:
+            self._orders[cls] = self._linearise(cls, depth)
+        return self._orders[cls]
 
-    def _found(self, cls: ClassValue, depth: int) -> _Order:
+    def _linearise(self, cls: ClassValue, depth: int) -> _Order:
         bases = _bases(cls)
-        merged = _merged([*(self.of(base, depth + 1) for base in bases), bases])
+        merged = _merge([*(self.order_of(base, depth + 1) for base in bases), bases])
         if merged is None:
             self.refused.add(cls)
             return _nearest_first(cls)
         return (cls, *merged)[:MAX_CLASSES]
 
 
-def seen_behind(owner: Instance | ClassValue, cls: ClassValue, order: _Order) -> Instance:
+def super_object(owner: Instance | ClassValue, cls: ClassValue, order: _Order) -> Instance:
     """Return what `super()` is in a method of a class: the object, as the classes behind see it."""
-    behind = order[order.index(cls) + 1 :]
-    return Instance(SUPER, {"owner": owner, "behind": listed(behind, "tuple")})
+    following = order[order.index(cls) + 1 :]
+    return Instance(SUPER, {"owner": owner, "behind": list_of(following, "tuple")})
 
 
 def _bases(cls: ClassValue) -> _Order:
     return tuple(option for base in cls.bases for option in options(base))[:MAX_CLASSES]
 
 
-def _merged(orders: list[_Order]) -> _Order | None:
+def _merge(orders: list[_Order]) -> _Order | None:
     """Merge orders so that each is kept; None where they contradict each other."""
     merged: list[Value] = []
     left = [order for order in orders if order]
     while left and len(merged) < MAX_CLASSES:
-        head = next((order[0] for order in left if not _is_later(order[0], left)), None)
+        head = next((order[0] for order in left if not _is_in_tail(order[0], left)), None)
         if head is None:
             return None
         merged.append(head)
@@ -70,7 +70,7 @@ def _merged(orders: list[_Order]) -> _Order | None:
     return tuple(merged)
 
 
-def _is_later(cls: Value, orders: list[_Order]) -> bool:
+def _is_in_tail(cls: Value, orders: list[_Order]) -> bool:
     return any(cls in order[1:] for order in orders)
 
 

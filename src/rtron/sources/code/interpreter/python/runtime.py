@@ -5,51 +5,63 @@ from dataclasses import dataclass
 
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     ClassValue,
-    Foreign,
+    ExternalSymbol,
     FunctionValue,
-    Hole,
     Instance,
-    Known,
+    LibraryClass,
+    LibraryFunction,
     ListValue,
     MapValue,
     ModuleValue,
-    Native,
-    NativeClass,
-    Text,
+    PartialText,
+    Scalar,
+    Unknown,
     Value,
 )
 from rtron.sources.code.interpreter.execution.arguments import Arguments
-from rtron.sources.code.interpreter.execution.binding import bind, defaults
-from rtron.sources.code.interpreter.execution.stack_frame import Frame, Place
+from rtron.sources.code.interpreter.execution.binding import bind_parameters, evaluate_defaults
+from rtron.sources.code.interpreter.execution.stack_frame import StackFrame, StorageSlot
 from rtron.sources.code.interpreter.python.objects import PythonObjects
 from rtron.sources.code.ir import Class, Declare, Define, Lambda, Name, New, TypeRef
-from rtron.sources.code.library_models.common.containers import LIST, PYTHON_MAP, bound
-from rtron.sources.code.library_models.common.strings import PYTHON_TEXT, text_method
-from rtron.sources.code.library_models.python_std.environment import ENVIRONMENT, Environment
-from rtron.sources.code.library_models.python_std.paths import PathText, path_member
+from rtron.sources.code.library_models.common.containers import (
+    DICT_METHODS,
+    LIST_METHODS,
+    bound_method,
+)
+from rtron.sources.code.library_models.common.strings import (
+    PYTHON_STRING_METHODS,
+    bound_string_method,
+)
+from rtron.sources.code.library_models.python_std.environment import (
+    ENVIRONMENT_METHODS,
+    EnvironmentValue,
+)
+from rtron.sources.code.library_models.python_std.paths import PathString, path_member
 
 
 @dataclass(eq=False, slots=True, kw_only=True)
-class PythonWorld(PythonObjects):
+class PythonRuntime(PythonObjects):
     """One program as the machine asks for it."""
 
     builtins: Mapping[str, Value]
 
-    by_reference = False
+    passes_by_reference = False
 
-    def lookup(self, name: Name, frame: Frame) -> Value:
+    def lookup(self, name: Name, frame: StackFrame) -> Value:
         """Return what a name means: local, enclosing, of the module, built in."""
-        around: Frame | None = frame
+        around: StackFrame | None = frame
         while around is not None:
             if name.id in around.variables:
                 found: Value = around.variables[name.id]
-                return self.machine.seen(name.id, found) if around.closure is None else found
+                return (
+                    self.machine.volatile_value(name.id, found) if around.closure is None else found
+                )
             root, around = around, around.closure
         if name.id in self.builtins:
             return self.builtins[name.id]
-        return self._starred(name.id, root) or Hole(name.id)
+        return self._star_imported_name(name.id, root) or Unknown(name.id)
 
-    def place(self, name: str, frame: Frame) -> Place:
+    def slot(self, name: str, frame: StackFrame) -> StorageSlot:
         """Return where an assignment to a name goes."""
         if name in frame.globals:
             around = frame
@@ -57,10 +69,10 @@ class PythonWorld(PythonObjects):
                 around = around.closure
                 if name in around.variables:
                     break
-            return Place(around.variables, name)
-        return Place(frame.variables, name)
+            return StorageSlot(around.variables, name)
+        return StorageSlot(frame.variables, name)
 
-    def is_constant(self, name: str, frame: Frame) -> bool:
+    def is_constant(self, name: str, frame: StackFrame) -> bool:
         """Python has no constants."""
         del name, frame
         return False
@@ -69,50 +81,56 @@ class PythonWorld(PythonObjects):
         """Return a member, bound to its owner."""
         del types
         if isinstance(owner, Instance):
-            return self._of_instance(owner, name)
-        if isinstance(owner, (ClassValue, NativeClass)):
-            return self._of_type(owner, name)
-        if isinstance(owner, (ModuleValue, Foreign, Native)):
-            return self._of_module(owner, name)
-        return _of_value(owner, name)
+            return self._instance_member(owner, name)
+        if isinstance(owner, (ClassValue, LibraryClass)):
+            return self._class_attribute(owner, name)
+        if isinstance(owner, (ModuleValue, ExternalSymbol, LibraryFunction)):
+            return self._module_member(owner, name)
+        return _value_member(owner, name)
 
-    def new(self, node: New, frame: Frame) -> Value:
+    def new(self, node: New, frame: StackFrame) -> Value:
         """Python has no `new`."""
         raise TypeError(node, frame)
 
-    def declare(self, node: Declare, frame: Frame) -> None:
+    def declare(self, node: Declare, frame: StackFrame) -> None:
         """Python has no declarations."""
         raise TypeError(node, frame)
 
-    def around(self, node: Lambda, frame: Frame) -> Frame:
+    def closure_frame(self, node: Lambda, frame: StackFrame) -> StackFrame:
         """Python's lambdas share all."""
         raise TypeError(node, frame)
 
-    def define(self, node: Define, frame: Frame) -> None:
+    def define(self, node: Define, frame: StackFrame) -> None:
         """Bind a function or class by its name, under its decorators."""
-        if isinstance(node.what, Class):
-            value: Value = self._class(node.what, frame)
+        if isinstance(node.definition, Class):
+            value: Value = self._create_class(node.definition, frame)
         else:
-            named = defaults(node.what, lambda default: self.machine.evaluate(default, frame))
-            value = FunctionValue(node.what, closure=frame, named=named)
+            named = evaluate_defaults(
+                node.definition, lambda default: self.machine.evaluate(default, frame)
+            )
+            value = FunctionValue(node.definition, closure=frame, bound_keywords=named)
         for decorator in reversed(node.decorators):
-            value = self._decorated(self.machine.evaluate(decorator, frame), value, frame)
-        self.machine.trail.set(*self.place(node.what.name, frame), value)
+            value = self._apply_decorator(self.machine.evaluate(decorator, frame), value, frame)
+        self.machine.undo_log.set(*self.slot(node.definition.name, frame), value)
 
-    def frame(self, called: FunctionValue, arguments: Arguments) -> Frame:
+    def call_frame(self, called: FunctionValue, arguments: Arguments) -> StackFrame:
         """Return the frame of a call."""
-        given = called.given if called.owner is None else (called.owner, *called.given)
+        given = (
+            called.bound_arguments
+            if called.owner is None
+            else (called.owner, *called.bound_arguments)
+        )
         passed = Arguments(
             values=(*given, *arguments.values),
-            keywords={**called.named, **arguments.keywords},
+            keywords={**called.bound_keywords, **arguments.keywords},
             line=arguments.line,
             frame=arguments.frame,
         )
         closure = called.closure or arguments.frame
-        variables = bind(
+        variables = bind_parameters(
             called.function.params, passed, lambda node: self.machine.evaluate(node, closure)
         )
-        return Frame(
+        return StackFrame(
             file=called.function.file,
             function=called.function,
             variables=variables,
@@ -122,18 +140,20 @@ class PythonWorld(PythonObjects):
         )
 
 
-def _of_value(owner: Value, name: str) -> Value | None:
+def _value_member(owner: Value, name: str) -> Value | None:
     """Return a method of a list, a dictionary or a text."""
     if isinstance(owner, ListValue):
-        return bound(LIST, owner, name)
-    if isinstance(owner, Environment):
-        return bound(ENVIRONMENT, owner, name)
+        return bound_method(LIST_METHODS, owner, name)
+    if isinstance(owner, EnvironmentValue):
+        return bound_method(ENVIRONMENT_METHODS, owner, name)
     if isinstance(owner, MapValue):
-        return bound(PYTHON_MAP, owner, name)
-    if isinstance(owner, Known) and isinstance(owner.value, PathText):
+        return bound_method(DICT_METHODS, owner, name)
+    if isinstance(owner, Scalar) and isinstance(owner.value, PathString):
         member = path_member(owner, name)
         if member is not None:
             return member
-    if isinstance(owner, Text) or (isinstance(owner, Known) and isinstance(owner.value, str)):
-        return text_method(PYTHON_TEXT, owner, name)
+    if isinstance(owner, PartialText) or (
+        isinstance(owner, Scalar) and isinstance(owner.value, str)
+    ):
+        return bound_string_method(PYTHON_STRING_METHODS, owner, name)
     return None

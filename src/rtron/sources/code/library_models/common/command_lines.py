@@ -3,13 +3,13 @@
 import shlex
 from collections.abc import Iterator
 
-from rtron.sources.code.interpreter.execution.abstract_machine import Machine
+from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
-from rtron.sources.code.shell_script import positional
+from rtron.sources.code.shell_script import positional_words
 
 _MIN_WORDS = 2
-_TOOLS = frozenset({"roslaunch", "rosrun", "rostopic"})
-_JOINING = frozenset({"pub", "echo", "hz", "bw", "delay"})
+_ROS_TOOLS = frozenset({"roslaunch", "rosrun", "rostopic"})
+_ENDPOINT_VERBS = frozenset({"pub", "echo", "hz", "bw", "delay"})
 _SEPARATORS = frozenset({";", "&", "&&", "|", "||"})
 _WRAPPERS = frozenset(
     [
@@ -46,57 +46,57 @@ def shell_words(command: str) -> list[str]:
         return command.split()
 
 
-def started_by_words(machine: Machine, words: list[str], at: Arguments) -> None:
+def record_started(machine: AbstractMachine, words: list[str], at: Arguments) -> None:
     """Record what a command line starts; other commands are none of our business."""
-    for tool, given in _commands(words):
+    for tool, given in _tool_commands(words):
         rest = [word for word in given if not word.startswith("-")]
         if tool == "rostopic":
-            _topic_tool(machine, given, at)
+            _record_topic_tool(machine, given, at)
         elif any("{" in word for word in rest[:_MIN_WORDS]) or not rest:
             what = " ".join([tool, *rest[:_MIN_WORDS]])
-            machine.recorder.unresolved(what, "the command is not known", at.evidence)
+            machine.recorder.add_unresolved(what, "the command is not known", at.evidence)
         elif tool == "rosrun" and len(rest) >= _MIN_WORDS:
-            machine.recorder.start("/".join(rest[:2]), ("rosrun", *rest[2:]), at.evidence)
+            machine.recorder.add_start("/".join(rest[:2]), ("rosrun", *rest[2:]), at.evidence)
         elif tool == "roslaunch":
-            machine.recorder.start(*_launch(rest), at.evidence)
+            machine.recorder.add_start(*_launch_arguments(rest), at.evidence)
 
 
-def _topic_tool(machine: Machine, words: list[str], at: Arguments) -> None:
+def _record_topic_tool(machine: AbstractMachine, words: list[str], at: Arguments) -> None:
     """Record `rostopic VERB TOPIC …`, a node whose name is another at every start."""
-    named = positional(words)[:3]
-    if named and named[0] not in _JOINING and "{" not in named[0]:
+    named = positional_words(words)[:3]
+    if named and named[0] not in _ENDPOINT_VERBS and "{" not in named[0]:
         return
     if len(named) < _MIN_WORDS or any("{" in word for word in named):
         what = " ".join(["rostopic", *named])
-        machine.recorder.unresolved(what, "the command is not known", at.evidence)
+        machine.recorder.add_unresolved(what, "the command is not known", at.evidence)
         return
     started = ("rosrun", *words, "__name:=rostopic_*")
-    machine.recorder.start("rostopic/rostopic", started, at.evidence)
+    machine.recorder.add_start("rostopic/rostopic", started, at.evidence)
 
 
-def _commands(words: list[str]) -> Iterator[tuple[str, list[str]]]:
+def _tool_commands(words: list[str]) -> Iterator[tuple[str, list[str]]]:
     """Yield each tool that a command line runs, with its words; a shell's `-c` holds another."""
-    words = [inner for word in words for inner in _parts(word)]
+    words = [inner for word in words for inner in _inner_words(word)]
     while words:
         end = next((at for at, word in enumerate(words) if word in _SEPARATORS), len(words))
         command, words = words[:end], words[end + 1 :]
-        while command and _is_before(command[0]):
+        while command and _is_prefix(command[0]):
             command.pop(0)
         tool = command[0].rpartition("/")[2] if command else ""
-        if tool in _TOOLS:
+        if tool in _ROS_TOOLS:
             yield tool, command[1:]
 
 
-def _parts(word: str) -> list[str]:
+def _inner_words(word: str) -> list[str]:
     inner = shell_words(word) if " " in word else [word]
-    return inner if inner[0].rpartition("/")[2] in _TOOLS | _WRAPPERS else [word]
+    return inner if inner[0].rpartition("/")[2] in _ROS_TOOLS | _WRAPPERS else [word]
 
 
-def _is_before(word: str) -> bool:
+def _is_prefix(word: str) -> bool:
     return word.startswith("-") or "=" in word or word.rpartition("/")[2] in _WRAPPERS
 
 
-def _launch(words: list[str]) -> tuple[str, tuple[str, ...]]:
+def _launch_arguments(words: list[str]) -> tuple[str, tuple[str, ...]]:
     if words[0].endswith((".launch", ".xml")) or len(words) == 1:
         return words[0], tuple(words[1:])
     return "/".join(words[:2]), tuple(words[2:])

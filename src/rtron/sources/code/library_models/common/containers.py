@@ -4,236 +4,238 @@ from collections.abc import Callable, Mapping
 from functools import partial
 
 from rtron.sources.code.interpreter.abstract_values.elements import element
-from rtron.sources.code.interpreter.abstract_values.items import items_of, listed, pair
+from rtron.sources.code.interpreter.abstract_values.items import items_of, list_of, pair_of
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     NONE,
     OPEN,
     ClassValue,
-    Hole,
     Instance,
-    Known,
+    LibraryFunction,
     ListValue,
     MapValue,
-    Native,
+    Scalar,
+    Unknown,
     Value,
     join,
 )
-from rtron.sources.code.interpreter.execution.abstract_machine import Machine
+from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
-from rtron.sources.code.interpreter.execution.assignment import remove
-from rtron.sources.code.library_models.common.sorting import in_order
+from rtron.sources.code.interpreter.execution.assignment import remove_element
+from rtron.sources.code.library_models.common.sorting import sort_items
 
 MAX_ITEMS = 1024
-Methods = Mapping[str, Callable[..., Value]]
+LibraryMethods = Mapping[str, Callable[..., Value]]
 
 
-def _write(machine: Machine, owner: ListValue, items: tuple[Value, ...]) -> Value:
-    machine.trail.set(owner.fields, "items", items[:MAX_ITEMS])
+def _write(machine: AbstractMachine, owner: ListValue, items: tuple[Value, ...]) -> Value:
+    machine.undo_log.set(owner.fields, "items", items[:MAX_ITEMS])
     if len(items) > MAX_ITEMS:
-        machine.trail.open(owner.fields)
+        machine.undo_log.mark_open(owner.fields)
     return NONE
 
 
-def _append(machine: Machine, owner: ListValue, arguments: Arguments) -> Value:
+def _append(machine: AbstractMachine, owner: ListValue, arguments: Arguments) -> Value:
     item = arguments.get(0) or NONE
     return _write(machine, owner, (*owner.items, item))
 
 
-def _append_left(machine: Machine, owner: ListValue, arguments: Arguments) -> Value:
+def _append_left(machine: AbstractMachine, owner: ListValue, arguments: Arguments) -> Value:
     return _write(machine, owner, (arguments.get(0) or NONE, *owner.items))
 
 
-def _push(machine: Machine, owner: ListValue, arguments: Arguments) -> Value:
+def _push(machine: AbstractMachine, owner: ListValue, arguments: Arguments) -> Value:
     """`push_back`: an object of a class is copied, as C++ does."""
     item = arguments.get(0) or NONE
-    item = item if id(item) in machine.shared else copied(item)
+    item = item if id(item) in machine.pointer_held else copy_instance(item)
     return _write(machine, owner, (*owner.items, item))
 
 
-def copied(value: Value) -> Value:
+def copy_instance(value: Value) -> Value:
     """Return a C++ object of a scanned class as a new one, members and all."""
     if isinstance(value, Instance) and isinstance(value.type, ClassValue):
         return Instance(value.type, dict(value.fields), value.types, value.bindings)
     return value
 
 
-def _extend(machine: Machine, owner: ListValue, arguments: Arguments) -> Value:
-    items, certain = items_of(arguments.get(0) or Hole("?"))
+def _extend(machine: AbstractMachine, owner: ListValue, arguments: Arguments) -> Value:
+    items, certain = items_of(arguments.get(0) or Unknown("?"))
     if not certain:
-        machine.trail.open(owner.fields)
+        machine.undo_log.mark_open(owner.fields)
     return _write(machine, owner, (*owner.items, *items))
 
 
-def _insert(machine: Machine, owner: ListValue, arguments: Arguments) -> Value:
-    place = arguments.get(0)
-    if arguments.get(1) and isinstance(place, Known) and isinstance(place.value, int):
-        before, after = owner.items[: place.value], owner.items[place.value :]
+def _insert(machine: AbstractMachine, owner: ListValue, arguments: Arguments) -> Value:
+    index = arguments.get(0)
+    if arguments.get(1) and isinstance(index, Scalar) and isinstance(index.value, int):
+        before, after = owner.items[: index.value], owner.items[index.value :]
         return _write(machine, owner, (*before, arguments.get(1) or NONE, *after))
     return _write(machine, owner, (*owner.items, arguments.get(1) or arguments.get(0) or NONE))
 
 
-def _pop(machine: Machine, owner: ListValue, arguments: Arguments) -> Value:
-    key = arguments.get(0) or Known(-1)
-    found = element(owner, key) if owner.items else Hole("pop")
-    remove(machine, owner, key)
+def _pop(machine: AbstractMachine, owner: ListValue, arguments: Arguments) -> Value:
+    key = arguments.get(0) or Scalar(-1)
+    found = element(owner, key) if owner.items else Unknown("pop")
+    remove_element(machine, owner, key)
     return found
 
 
-def _remove_item(machine: Machine, owner: ListValue, arguments: Arguments) -> Value:
-    wanted = arguments.get(0)
-    if wanted in owner.items and isinstance(wanted, Known):
-        remove(machine, owner, Known(owner.items.index(wanted)))
+def _remove_item(machine: AbstractMachine, owner: ListValue, arguments: Arguments) -> Value:
+    item = arguments.get(0)
+    if item in owner.items and isinstance(item, Scalar):
+        remove_element(machine, owner, Scalar(owner.items.index(item)))
     return NONE
 
 
-def _pop_entry(machine: Machine, owner: MapValue, arguments: Arguments) -> Value:
+def _pop_entry(machine: AbstractMachine, owner: MapValue, arguments: Arguments) -> Value:
     found = _get(machine, owner, arguments)
-    remove(machine, owner, arguments.get(0) or Hole("?"))
+    remove_element(machine, owner, arguments.get(0) or Unknown("?"))
     return found
 
 
-def _clear_map(machine: Machine, owner: MapValue, _: Arguments) -> Value:
+def _clear_map(machine: AbstractMachine, owner: MapValue, _: Arguments) -> Value:
     for key in list(owner.fields):
-        machine.trail.remove(owner.fields, key)
+        machine.undo_log.remove(owner.fields, key)
     return NONE
 
 
-def _clear(machine: Machine, owner: ListValue, _: Arguments) -> Value:
+def _clear(machine: AbstractMachine, owner: ListValue, _: Arguments) -> Value:
     return _write(machine, owner, ())
 
 
-def _size(_: Machine, owner: ListValue, __: Arguments) -> Value:
-    return Hole("size") if owner.open else Known(len(owner.items))
+def _size(_: AbstractMachine, owner: ListValue, __: Arguments) -> Value:
+    return Unknown("size") if owner.open else Scalar(len(owner.items))
 
 
-def _empty(_: Machine, owner: ListValue, __: Arguments) -> Value:
+def _empty(_: AbstractMachine, owner: ListValue, __: Arguments) -> Value:
     return (
-        Known(value=False) if owner.items else (Hole("empty") if owner.open else Known(value=True))
+        Scalar(value=False)
+        if owner.items
+        else (Unknown("empty") if owner.open else Scalar(value=True))
     )
 
 
-def _at(_: Machine, owner: ListValue, arguments: Arguments) -> Value:
-    return element(owner, arguments.get(0) or Known(0))
+def _at(_: AbstractMachine, owner: ListValue, arguments: Arguments) -> Value:
+    return element(owner, arguments.get(0) or Scalar(0))
 
 
-def _last(_: Machine, owner: ListValue, __: Arguments) -> Value:
-    return element(owner, Known(-1))
+def _last(_: AbstractMachine, owner: ListValue, __: Arguments) -> Value:
+    return element(owner, Scalar(-1))
 
 
-def _resize(machine: Machine, owner: ListValue, arguments: Arguments) -> Value:
-    count, fill = arguments.get(0), arguments.get(1) or Hole("item")
-    if not (isinstance(count, Known) and isinstance(count.value, int)):
-        machine.trail.open(owner.fields)
+def _resize(machine: AbstractMachine, owner: ListValue, arguments: Arguments) -> Value:
+    count, fill = arguments.get(0), arguments.get(1) or Unknown("item")
+    if not (isinstance(count, Scalar) and isinstance(count.value, int)):
+        machine.undo_log.mark_open(owner.fields)
         return NONE
     items = (*owner.items, *[fill] * min(count.value, MAX_ITEMS))
     return _write(machine, owner, items[: max(0, count.value)])
 
 
-def _copied(_: Machine, owner: ListValue, __: Arguments) -> Value:
+def _copy(_: AbstractMachine, owner: ListValue, __: Arguments) -> Value:
     return ListValue(dict(owner.fields), owner.kind)
 
 
-def _nothing(_: Machine, __: Value, ___: Arguments) -> Value:
+def _do_nothing(_: AbstractMachine, __: Value, ___: Arguments) -> Value:
     return NONE
 
 
-def _sort(machine: Machine, owner: ListValue, arguments: Arguments) -> Value:
+def _sort(machine: AbstractMachine, owner: ListValue, arguments: Arguments) -> Value:
     machine.escape(arguments.get(0))
     if owner.open:
         machine.escape(arguments.keywords.get("key"))
-    return _write(machine, owner, in_order(machine, owner.items, arguments))
+    return _write(machine, owner, sort_items(machine, owner.items, arguments))
 
 
-def _reverse(machine: Machine, owner: ListValue, _: Arguments) -> Value:
+def _reverse(machine: AbstractMachine, owner: ListValue, _: Arguments) -> Value:
     return _write(machine, owner, owner.items[::-1])
 
 
-def _get(_: Machine, owner: MapValue, arguments: Arguments) -> Value:
-    key, default = arguments.get(0) or Hole("?"), arguments.get(1) or NONE
-    if isinstance(key, Known) and key.value not in owner.entries:
+def _get(_: AbstractMachine, owner: MapValue, arguments: Arguments) -> Value:
+    key, default = arguments.get(0) or Unknown("?"), arguments.get(1) or NONE
+    if isinstance(key, Scalar) and key.value not in owner.entries:
         return join([default, owner.fields[OPEN]]) if owner.open else default
     return element(owner, key)
 
 
-def _keys(_: Machine, owner: MapValue, __: Arguments) -> Value:
+def _keys(_: AbstractMachine, owner: MapValue, __: Arguments) -> Value:
     return ListValue({"items": items_of(owner)[0], "open": owner.open})
 
 
-def _values(_: Machine, owner: MapValue, __: Arguments) -> Value:
+def _values(_: AbstractMachine, owner: MapValue, __: Arguments) -> Value:
     return ListValue({"items": tuple(owner.entries.values()), "open": owner.open})
 
 
-def _items(_: Machine, owner: MapValue, __: Arguments) -> Value:
+def _items(_: AbstractMachine, owner: MapValue, __: Arguments) -> Value:
     keys, _certain = items_of(owner)
     rows = zip(keys, owner.entries.values(), strict=True)
-    pairs = tuple(listed(row, "tuple") for row in rows)
+    pairs = tuple(list_of(row, "tuple") for row in rows)
     return ListValue({"items": pairs, "open": owner.open})
 
 
-def _update(machine: Machine, owner: MapValue, arguments: Arguments) -> Value:
+def _update(machine: AbstractMachine, owner: MapValue, arguments: Arguments) -> Value:
     given = arguments.get(0)
     fields = dict(given.fields) if isinstance(given, MapValue) else {}
     for key, value in {**fields, **arguments.keywords}.items():
-        machine.trail.set(owner.fields, key, value)
+        machine.undo_log.set(owner.fields, key, value)
     return NONE
 
 
-def _set_default(machine: Machine, owner: MapValue, arguments: Arguments) -> Value:
+def _set_default(machine: AbstractMachine, owner: MapValue, arguments: Arguments) -> Value:
     key = arguments.get(0)
-    if isinstance(key, Known) and key.value not in owner.fields:
-        machine.trail.set(owner.fields, key.value, arguments.get(1) or NONE)
-    return element(owner, key or Hole("?"))
+    if isinstance(key, Scalar) and key.value not in owner.fields:
+        machine.undo_log.set(owner.fields, key.value, arguments.get(1) or NONE)
+    return element(owner, key or Unknown("?"))
 
 
-def _has_key(_: Machine, owner: MapValue, arguments: Arguments) -> Value:
+def _has_key(_: AbstractMachine, owner: MapValue, arguments: Arguments) -> Value:
     key = arguments.get(0)
-    if isinstance(key, Known):
+    if isinstance(key, Scalar):
         found = key.value in owner.entries
-        return Known(found) if found or not owner.open else Hole("has_key")
-    return Hole("has_key")
+        return Scalar(found) if found or not owner.open else Unknown("has_key")
+    return Unknown("has_key")
 
 
-def _count(machine: Machine, owner: MapValue, arguments: Arguments) -> Value:
+def _count(machine: AbstractMachine, owner: MapValue, arguments: Arguments) -> Value:
     found = _has_key(machine, owner, arguments)
-    return Known(int(found.value)) if isinstance(found, Known) else found
+    return Scalar(int(found.value)) if isinstance(found, Scalar) else found
 
 
-def _insert_pair(machine: Machine, owner: MapValue, arguments: Arguments) -> Value:
-    items, _ = items_of(arguments.get(0) or Hole("?"))
+def _insert_pair(machine: AbstractMachine, owner: MapValue, arguments: Arguments) -> Value:
+    items, _ = items_of(arguments.get(0) or Unknown("?"))
     if len(arguments.values) > 1:
         items = arguments.values
-    key, value = (*items, Hole("?"), Hole("?"))[:2]
-    machine.trail.set(owner.fields, key.value if isinstance(key, Known) else OPEN, value)
+    key, value = (*items, Unknown("?"), Unknown("?"))[:2]
+    machine.undo_log.set(owner.fields, key.value if isinstance(key, Scalar) else OPEN, value)
     return NONE
 
 
-def _find_pair(machine: Machine, owner: MapValue, arguments: Arguments) -> Value:
+def _find_pair(machine: AbstractMachine, owner: MapValue, arguments: Arguments) -> Value:
     key = arguments.get(0)
     found = _has_key(machine, owner, arguments)
-    if isinstance(found, Known) and isinstance(key, Known):
-        return pair(key, owner.fields[key.value]) if found.value else _END
-    return Hole("find")
+    if isinstance(found, Scalar) and isinstance(key, Scalar):
+        return pair_of(key, owner.fields[key.value]) if found.value else _END
+    return Unknown("find")
 
 
-def _end(_: Machine, __: Value, ___: Arguments) -> Value:
+def _end(_: AbstractMachine, __: Value, ___: Arguments) -> Value:
     return _END
 
 
-def _map_size(_: Machine, owner: MapValue, __: Arguments) -> Value:
-    return Hole("size") if owner.open else Known(len(owner.entries))
+def _map_size(_: AbstractMachine, owner: MapValue, __: Arguments) -> Value:
+    return Unknown("size") if owner.open else Scalar(len(owner.entries))
 
 
-def _map_empty(_: Machine, owner: MapValue, __: Arguments) -> Value:
+def _map_empty(_: AbstractMachine, owner: MapValue, __: Arguments) -> Value:
     return (
-        Known(value=False)
+        Scalar(value=False)
         if owner.entries
-        else (Hole("empty") if owner.open else Known(value=True))
+        else (Unknown("empty") if owner.open else Scalar(value=True))
     )
 
 
-_END = Known("end()")
+_END = Scalar("end()")
 
-LIST: Methods = {
+LIST_METHODS: LibraryMethods = {
     "append": _append,
     "add": _append,
     "appendleft": _append_left,
@@ -251,19 +253,19 @@ LIST: Methods = {
     "front": _at,
     "back": _last,
     "resize": _resize,
-    "copy": _copied,
-    "data": _copied,
+    "copy": _copy,
+    "data": _copy,
     "remove": _remove_item,
     "discard": _remove_item,
     "pop_back": _pop,
     "pop_front": lambda machine, owner, arguments: _pop(
-        machine, owner, Arguments(values=(Known(0),), frame=arguments.frame)
+        machine, owner, Arguments(values=(Scalar(0),), frame=arguments.frame)
     ),
-    "reserve": _nothing,
+    "reserve": _do_nothing,
     "reverse": _reverse,
     "sort": _sort,
 }
-PYTHON_MAP: Methods = {
+DICT_METHODS: LibraryMethods = {
     "get": _get,
     "keys": _keys,
     "values": _values,
@@ -277,7 +279,7 @@ PYTHON_MAP: Methods = {
     "pop": _pop_entry,
     "clear": _clear_map,
 }
-CPP_MAP: Methods = {
+CPP_MAP_METHODS: LibraryMethods = {
     "at": partial(_get),
     "count": _count,
     "contains": _has_key,
@@ -293,7 +295,7 @@ CPP_MAP: Methods = {
 }
 
 
-def bound(methods: Methods, owner: Value, name: str) -> Value | None:
+def bound_method(methods: LibraryMethods, owner: Value, name: str) -> Value | None:
     """Return a method of a container, bound to it."""
     call = methods.get(name)
-    return Native(name, call, owner) if call is not None else None
+    return LibraryFunction(name, call, owner) if call is not None else None

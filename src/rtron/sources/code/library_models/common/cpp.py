@@ -2,10 +2,10 @@
 
 from typing import cast
 
-from rtron.sources.code.interpreter.execution.abstract_machine import Machine
-from rtron.sources.code.interpreter.execution.language_runtime import Cpp
+from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
+from rtron.sources.code.interpreter.execution.language_runtime import CppLanguageRuntime
 
 
-def cpp(machine: Machine) -> Cpp:
+def cpp_runtime(machine: AbstractMachine) -> CppLanguageRuntime:
     """Return the machine's world, which natives of C++ only ever see as C++'s."""
-    return cast("Cpp", machine.world)
+    return cast("CppLanguageRuntime", machine.runtime)

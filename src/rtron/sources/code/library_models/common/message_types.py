@@ -3,9 +3,9 @@
 from rtron.sources.code.interpreter.abstract_values.value_types import MessageType
 from rtron.sources.code.ir import TypeRef
 
-_KINDS = {"msg", "srv"}
-FOLDERS = {"msg", "srv", "action"}
-_POINTERS = {
+_PYTHON_MODULES = {"msg", "srv"}
+INTERFACE_FOLDERS = {"msg", "srv", "action"}
+_POINTER_TYPES = {
     "boost::shared_ptr",
     "std::shared_ptr",
     "shared_ptr",
@@ -17,24 +17,24 @@ _POINTERS = {
     "unique_ptr",
     "rclcpp::LoanedMessage",
 }
-_NO_PACKAGES = {"std", "boost", "ros", "cv", "Eigen", "pcl", "tf", "tf2"}
+_NON_MESSAGE_NAMESPACES = {"std", "boost", "ros", "cv", "Eigen", "pcl", "tf", "tf2"}
 _SUFFIXES = ("ConstPtr", "Ptr", "ConstWeakPtr", "Request", "Response")
 
 
 def is_message_package(dotted: str) -> bool:
     """Tell whether a Python module is one of generated messages: `std_msgs.msg`."""
-    return dotted.rpartition(".")[2] in _KINDS and dotted.count(".") == 1
+    return dotted.rpartition(".")[2] in _PYTHON_MODULES and dotted.count(".") == 1
 
 
-def message_type(dotted: str) -> MessageType | None:
+def python_message_type(dotted: str) -> MessageType | None:
     """Return the type that `std_msgs.msg.String` means; None for any other name."""
     parts = dotted.split(".")
-    if len(parts) == 3 and parts[1] in _KINDS and parts[2][:1].isalpha():  # noqa: PLR2004
+    if len(parts) == 3 and parts[1] in _PYTHON_MODULES and parts[2][:1].isalpha():  # noqa: PLR2004
         return MessageType(f"{parts[0]}/{parts[2]}")
     return None
 
 
-def cpp_message(type: TypeRef | None) -> str:
+def cpp_message_type(type: TypeRef | None) -> str:
     """Return the message that a C++ type means: `std_msgs::String::ConstPtr` is std_msgs/String.
 
     In ROS 2, `std_msgs::msg::String::SharedPtr` is std_msgs/msg/String.
@@ -45,16 +45,16 @@ def cpp_message(type: TypeRef | None) -> str:
     """
     if type is None:
         return ""
-    if type.name in _POINTERS and type.args:
-        return cpp_message(type.args[0])
+    if type.name in _POINTER_TYPES and type.args:
+        return cpp_message_type(type.args[0])
     if type.name.startswith("pcl::PointCloud"):
         return "sensor_msgs/PointCloud2"
     parts = [part for part in type.name.split("::") if part]
-    if len(parts) > 2 and parts[1] in FOLDERS:  # noqa: PLR2004
+    if len(parts) > 2 and parts[1] in INTERFACE_FOLDERS:  # noqa: PLR2004
         return "/".join(parts[:3])
     if len(parts) > 2 and parts[-1] in _SUFFIXES:  # noqa: PLR2004
         parts.pop()
-    if len(parts) != 2 or parts[0] in _NO_PACKAGES or parts[1] in _SUFFIXES:  # noqa: PLR2004
+    if len(parts) != 2 or parts[0] in _NON_MESSAGE_NAMESPACES or parts[1] in _SUFFIXES:  # noqa: PLR2004
         return ""
     return f"{parts[0]}/{cpp_message_name(parts[1])}"
 

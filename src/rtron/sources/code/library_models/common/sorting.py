@@ -5,33 +5,33 @@ from typing import Any
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     FALSE,
     NONE,
-    Known,
     ListValue,
+    Scalar,
     Value,
     truth,
 )
-from rtron.sources.code.interpreter.execution.abstract_machine import Machine
+from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.calls import dispatch
 
 Items = tuple[Value, ...]
 
 
-def in_order(machine: Machine, items: Items, arguments: Arguments) -> Items:
+def sort_items(machine: AbstractMachine, items: Items, arguments: Arguments) -> Items:
     """Return items sorted by `key` and `reverse`; as they are where that cannot be known."""
-    keys = _keys(machine, items, arguments)
+    keys = _sort_keys(machine, items, arguments)
     backwards = truth(arguments.keywords.get("reverse") or FALSE)
     if backwards is None:
         return items
     try:
-        plain = [_plain(key) for key in keys]
+        plain = [_comparable(key) for key in keys]
         order = sorted(range(len(items)), key=plain.__getitem__, reverse=backwards)
     except TypeError:
         return items
-    return tuple(items[place] for place in order)
+    return tuple(items[index] for index in order)
 
 
-def _keys(machine: Machine, items: Items, at: Arguments) -> Items:
+def _sort_keys(machine: AbstractMachine, items: Items, at: Arguments) -> Items:
     function = at.keywords.get("key", NONE)
     if function == NONE:
         return items
@@ -41,10 +41,10 @@ def _keys(machine: Machine, items: Items, at: Arguments) -> Items:
     )
 
 
-def _plain(key: Value) -> Any:  # noqa: ANN401
+def _comparable(key: Value) -> Any:  # noqa: ANN401
     """Return what Python compares; a TypeError where it is not known."""
     if isinstance(key, ListValue) and not key.open:
-        return tuple(_plain(item) for item in key.items)
-    if isinstance(key, Known):
+        return tuple(_comparable(item) for item in key.items)
+    if isinstance(key, Scalar):
         return key.value
     raise TypeError(key)

@@ -7,26 +7,26 @@ from string import Formatter
 from typing import Any
 
 from rtron.sources.code.interpreter.abstract_values.elements import element
-from rtron.sources.code.interpreter.abstract_values.items import items_of, listed
+from rtron.sources.code.interpreter.abstract_values.items import items_of, list_of
 from rtron.sources.code.interpreter.abstract_values.value_types import (
-    Hole,
-    Known,
-    Native,
-    Text,
+    LibraryFunction,
+    PartialText,
+    Scalar,
+    Unknown,
     Value,
     concat,
     is_tainted,
     parts_of,
 )
-from rtron.sources.code.interpreter.execution.abstract_machine import Machine
+from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 
 MAX_LENGTH = 4096
-MAX_LONG = 2**20
+MAX_LONG_LENGTH = 2**20
 """The most that a method leaves of a text longer than that, as the description of a robot is."""
-_PER_STEP = 64
+_CHARACTERS_PER_STEP = 64
 """As many characters of a long text take a step."""
-_PLAIN = [
+_STR_METHODS = [
     "strip",
     "lstrip",
     "rstrip",
@@ -50,35 +50,41 @@ _PLAIN = [
     "zfill",
 ]
 
-_PER_PART = frozenset({"lower", "upper", "replace", "swapcase"})
-_ENDS = frozenset({"strip", "lstrip", "rstrip"})
+_PARTWISE_METHODS = frozenset({"lower", "upper", "replace", "swapcase"})
+_STRIP_METHODS = frozenset({"strip", "lstrip", "rstrip"})
 
 
-def _plain(name: str, machine: Machine, owner: Value, arguments: Arguments) -> Value:
+def _call_str_method(
+    name: str, machine: AbstractMachine, owner: Value, arguments: Arguments
+) -> Value:
     values = arguments.values
-    if not all(isinstance(value, Known) for value in values):
-        return owner if name in {"strip", "lstrip", "rstrip"} else Hole(name, is_tainted(owner))
-    if isinstance(owner, Text):
-        return _plain_in_part(name, owner, [value.value for value in values])  # type: ignore[union-attr]
-    if not isinstance(owner, Known):
-        return owner if name in {*_PER_PART, *_ENDS} else Hole(name, is_tainted(owner))
+    if not all(isinstance(value, Scalar) for value in values):
+        return owner if name in {"strip", "lstrip", "rstrip"} else Unknown(name, is_tainted(owner))
+    if isinstance(owner, PartialText):
+        return _call_on_parts(name, owner, [value.value for value in values])  # type: ignore[union-attr]
+    if not isinstance(owner, Scalar):
+        return (
+            owner
+            if name in {*_PARTWISE_METHODS, *_STRIP_METHODS}
+            else Unknown(name, is_tainted(owner))
+        )
     try:
-        found = _called(machine, name, owner.value, [value.value for value in values])  # type: ignore[union-attr]
+        found = _call_bounded(machine, name, owner.value, [value.value for value in values])  # type: ignore[union-attr]
     except (TypeError, ValueError, AttributeError):
-        return Hole(name)
-    return Known(found, owner.tainted)
+        return Unknown(name)
+    return Scalar(found, owner.tainted)
 
 
-def _called(machine: Machine, name: str, text: Any, values: list[Any]) -> Any:  # noqa: ANN401 - any Python values
+def _call_bounded(machine: AbstractMachine, name: str, text: Any, values: list[Any]) -> Any:  # noqa: ANN401 - any Python values
     """Return what a method gives; raise ValueError where that may be too long."""
-    most = _most(name, text, values)
-    if most > (MAX_LENGTH if len(text) <= MAX_LENGTH else MAX_LONG):
+    most = _max_result_length(name, text, values)
+    if most > (MAX_LENGTH if len(text) <= MAX_LENGTH else MAX_LONG_LENGTH):
         raise ValueError(f"more than {MAX_LENGTH} characters")
-    machine.work(most // _PER_STEP)
+    machine.count_steps(most // _CHARACTERS_PER_STEP)
     return getattr(text, name)(*values)
 
 
-def _most(name: str, text: str, values: list[Any]) -> int:
+def _max_result_length(name: str, text: str, values: list[Any]) -> int:
     """Return how many characters a method leaves at most; case changes only in their places."""
     if name == "replace":
         old, new = values[:2]
@@ -86,14 +92,14 @@ def _most(name: str, text: str, values: list[Any]) -> int:
     return max(len(text), *values) if name == "zfill" else len(text)
 
 
-def _plain_in_part(name: str, owner: Text, values: list[Any]) -> Value:
+def _call_on_parts(name: str, owner: PartialText, values: list[Any]) -> Value:
     """Do to the known parts of a string what its method does to the whole."""
     if name in {"startswith", "endswith"}:
-        return _decided_at_end(name, owner, values)
+        return _starts_or_ends_with(name, owner, values)
     last = len(owner.parts) - 1
     touched = {"lstrip": {0}, "rstrip": {last}, "strip": {0, last}}.get(name, range(last + 1))
-    if name not in _PER_PART and name not in _ENDS:
-        return Hole(name, owner.tainted)
+    if name not in _PARTWISE_METHODS and name not in _STRIP_METHODS:
+        return Unknown(name, owner.tainted)
     method = {(0, "strip"): "lstrip", (last, "strip"): "rstrip"}
     try:
         parts = [
@@ -103,190 +109,200 @@ def _plain_in_part(name: str, owner: Text, values: list[Any]) -> Value:
             for at, part in enumerate(owner.parts)
         ]
     except (TypeError, ValueError):
-        return Hole(name, owner.tainted)
+        return Unknown(name, owner.tainted)
     return concat(
-        [part if isinstance(part, Hole) else Known(part, owner.tainted) for part in parts]
+        [part if isinstance(part, Unknown) else Scalar(part, owner.tainted) for part in parts]
     )
 
 
-def _decided_at_end(name: str, owner: Text, values: list[Any]) -> Value:
+def _starts_or_ends_with(name: str, owner: PartialText, values: list[Any]) -> Value:
     part = owner.parts[0 if name == "startswith" else -1]
-    wanted = values[0] if values else None
-    if isinstance(part, str) and isinstance(wanted, str) and len(part) >= len(wanted):
-        return Known(getattr(part, name)(wanted), owner.tainted)
-    return Hole(name, owner.tainted)
+    affix = values[0] if values else None
+    if isinstance(part, str) and isinstance(affix, str) and len(part) >= len(affix):
+        return Scalar(getattr(part, name)(affix), owner.tainted)
+    return Unknown(name, owner.tainted)
 
 
-def _split(name: str, _: Machine, owner: Value, arguments: Arguments) -> Value:
+def _split(name: str, _: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
     separator = arguments.get(0, "sep")
-    if not isinstance(owner, Known) or isinstance(separator, (Hole, Text)):
-        return Hole(name)
-    given = separator.value if isinstance(separator, Known) else None
+    if not isinstance(owner, Scalar) or isinstance(separator, (Unknown, PartialText)):
+        return Unknown(name)
+    given = separator.value if isinstance(separator, Scalar) else None
     limit = arguments.get(1, "maxsplit")
-    most = limit.value if isinstance(limit, Known) and isinstance(limit.value, int) else -1
+    most = limit.value if isinstance(limit, Scalar) and isinstance(limit.value, int) else -1
     try:
         pieces = getattr(str(owner.value), name)(given or None, most)
     except (TypeError, ValueError):
-        return Hole(name)
-    return listed([Known(piece, owner.tainted) for piece in pieces])
+        return Unknown(name)
+    return list_of([Scalar(piece, owner.tainted) for piece in pieces])
 
 
-def _lines(_: Machine, owner: Value, __: Arguments) -> Value:
-    if not isinstance(owner, Known):
-        return Hole("splitlines", is_tainted(owner))
-    return listed([Known(line, owner.tainted) for line in str(owner.value).splitlines()])
+def _splitlines(_: AbstractMachine, owner: Value, __: Arguments) -> Value:
+    if not isinstance(owner, Scalar):
+        return Unknown("splitlines", is_tainted(owner))
+    return list_of([Scalar(line, owner.tainted) for line in str(owner.value).splitlines()])
 
 
-def _recoded(_: Machine, owner: Value, arguments: Arguments) -> Value:
+def _encode_or_decode(_: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
     """Text and bytes are one here; what `errors` leaves out is not known."""
-    plain = isinstance(owner, Known) and str(owner.value).isascii()
-    return owner if plain or not arguments.get(1, "errors") else Hole("encode", is_tainted(owner))
+    plain = isinstance(owner, Scalar) and str(owner.value).isascii()
+    return (
+        owner if plain or not arguments.get(1, "errors") else Unknown("encode", is_tainted(owner))
+    )
 
 
-def _partition(name: str, _: Machine, owner: Value, arguments: Arguments) -> Value:
+def _partition(name: str, _: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
     separator = arguments.get(0)
-    if isinstance(owner, Known) and isinstance(separator, Known) and separator.value:
+    if isinstance(owner, Scalar) and isinstance(separator, Scalar) and separator.value:
         pieces = getattr(str(owner.value), name)(str(separator.value))
-        return listed([Known(piece, owner.tainted) for piece in pieces], "tuple")
-    return Hole(name)
+        return list_of([Scalar(piece, owner.tainted) for piece in pieces], "tuple")
+    return Unknown(name)
 
 
-def _join(_: Machine, owner: Value, arguments: Arguments) -> Value:
-    items, certain = items_of(arguments.get(0) or Hole("?"))
+def _join(_: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
+    items, certain = items_of(arguments.get(0) or Unknown("?"))
     if not certain:
-        return Hole("join")
+        return Unknown("join")
     spread = [part for item in items for part in (owner, item)]
     return concat(spread[1:])
 
 
-def _format(machine: Machine, owner: Value, arguments: Arguments) -> Value:
+def _format(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
     """`"…".format(…)`: fields by place and name, with attributes and elements."""
     parts: list[Value] = []
     for part in parts_of(owner):
-        if isinstance(part, Hole):
+        if isinstance(part, Unknown):
             parts.append(part)
         else:
-            parts.extend(_fields(machine, part, arguments))
+            parts.extend(_format_fields(machine, part, arguments))
     return concat(parts)
 
 
-def _fields(machine: Machine, text: str, arguments: Arguments) -> list[Value]:
+def _format_fields(machine: AbstractMachine, text: str, arguments: Arguments) -> list[Value]:
     parts: list[Value] = []
     try:
         pieces = list(Formatter().parse(text))
     except ValueError:
-        return [Hole("format")]
-    place = 0
+        return [Unknown("format")]
+    index = 0
     for before, name, spec, _ in pieces:
-        parts.append(Known(before))
+        parts.append(Scalar(before))
         if name is not None:
             is_next = not name or name[0] in ".["
-            value = _field(machine, f"{place}{name}" if is_next else name, arguments)
-            parts.append(_specified(value, spec or ""))
-            place += is_next
+            value = _format_field(machine, f"{index}{name}" if is_next else name, arguments)
+            parts.append(_apply_format_spec(value, spec or ""))
+            index += is_next
     return parts
 
 
-def _field(machine: Machine, name: str, arguments: Arguments) -> Value:
+def _format_field(machine: AbstractMachine, name: str, arguments: Arguments) -> Value:
     key = re.split(r"[.\[]", name, maxsplit=1)[0]
     value = arguments.get(int(key)) if key.isdigit() else arguments.keywords.get(key)
     for attribute, item in re.findall(r"\.(\w+)|\[([^\]]*)\]", name[len(key) :]):
         if value is None:
             break
         if attribute:
-            value = machine.world.attribute(value, attribute, ())
+            value = machine.runtime.attribute(value, attribute, ())
         else:
-            value = element(value, Known(int(item) if item.isdigit() else item))
-    return Hole(name) if value is None else value
+            value = element(value, Scalar(int(item) if item.isdigit() else item))
+    return Unknown(name) if value is None else value
 
 
-def _specified(value: Value, spec: str) -> Value:
-    if spec and isinstance(value, Known) and len(spec) < 8:  # noqa: PLR2004
+def _apply_format_spec(value: Value, spec: str) -> Value:
+    if spec and isinstance(value, Scalar) and len(spec) < 8:  # noqa: PLR2004
         try:
-            return Known(format(value.value, spec), value.tainted)
+            return Scalar(format(value.value, spec), value.tainted)
         except (TypeError, ValueError):
-            return Hole(spec, value.tainted)
+            return Unknown(spec, value.tainted)
     return value
 
 
-def _same(_: Machine, owner: Value, __: Arguments) -> Value:
+def _return_self(_: AbstractMachine, owner: Value, __: Arguments) -> Value:
     return owner
 
 
-def _length(_: Machine, owner: Value, __: Arguments) -> Value:
-    return Known(len(str(owner.value)), owner.tainted) if isinstance(owner, Known) else Hole("size")
+def _length(_: AbstractMachine, owner: Value, __: Arguments) -> Value:
+    return (
+        Scalar(len(str(owner.value)), owner.tainted)
+        if isinstance(owner, Scalar)
+        else Unknown("size")
+    )
 
 
-def _empty(_: Machine, owner: Value, __: Arguments) -> Value:
-    if isinstance(owner, Known):
-        return Known(not owner.value, owner.tainted)
-    sure = isinstance(owner, Text) and any(isinstance(part, str) and part for part in owner.parts)
-    return Known(value=False) if sure else Hole("empty", is_tainted(owner))
+def _empty(_: AbstractMachine, owner: Value, __: Arguments) -> Value:
+    if isinstance(owner, Scalar):
+        return Scalar(not owner.value, owner.tainted)
+    sure = isinstance(owner, PartialText) and any(
+        isinstance(part, str) and part for part in owner.parts
+    )
+    return Scalar(value=False) if sure else Unknown("empty", is_tainted(owner))
 
 
-def _substr(_: Machine, owner: Value, arguments: Arguments) -> Value:
-    numbers = [value.value for value in arguments.values if isinstance(value, Known)]
-    if not isinstance(owner, Known) or len(numbers) != len(arguments.values):
-        return Hole("substr")
+def _substr(_: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
+    numbers = [value.value for value in arguments.values if isinstance(value, Scalar)]
+    if not isinstance(owner, Scalar) or len(numbers) != len(arguments.values):
+        return Unknown("substr")
     if not all(isinstance(number, int) for number in numbers):
-        return Hole("substr")
+        return Unknown("substr")
     start = numbers[0] if numbers else 0
     end = start + numbers[1] if len(numbers) > 1 else None
-    return Known(str(owner.value)[start:end], owner.tainted)
+    return Scalar(str(owner.value)[start:end], owner.tainted)
 
 
-def _find(name: str, _: Machine, owner: Value, arguments: Arguments) -> Value:
-    wanted = arguments.get(0)
-    if not (isinstance(owner, Known) and isinstance(wanted, Known)):
-        return Hole(name)
-    return Known(getattr(str(owner.value), name)(str(wanted.value)))
+def _find(name: str, _: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
+    sought = arguments.get(0)
+    if not (isinstance(owner, Scalar) and isinstance(sought, Scalar)):
+        return Unknown(name)
+    return Scalar(getattr(str(owner.value), name)(str(sought.value)))
 
 
-def _compare(_: Machine, owner: Value, arguments: Arguments) -> Value:
+def _compare(_: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
     other = arguments.get(0)
-    if not (isinstance(owner, Known) and isinstance(other, Known)):
-        return Hole("compare")
+    if not (isinstance(owner, Scalar) and isinstance(other, Scalar)):
+        return Unknown("compare")
     left, right = str(owner.value), str(other.value)
-    return Known((left > right) - (left < right), owner.tainted)
+    return Scalar((left > right) - (left < right), owner.tainted)
 
 
-def _at(_: Machine, owner: Value, arguments: Arguments) -> Value:
-    place = arguments.get(0) or Known(0)
-    if isinstance(owner, Known) and isinstance(place, Known) and owner.value:
+def _at(_: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
+    index = arguments.get(0) or Scalar(0)
+    if isinstance(owner, Scalar) and isinstance(index, Scalar) and owner.value:
         text = str(owner.value)
-        if isinstance(place.value, int) and -len(text) <= place.value < len(text):
-            return Known(text[place.value], owner.tainted)
-    return Hole("at")
+        if isinstance(index.value, int) and -len(text) <= index.value < len(text):
+            return Scalar(text[index.value], owner.tainted)
+    return Unknown("at")
 
 
-Methods = Mapping[str, Callable[..., Value]]
+StringMethods = Mapping[str, Callable[..., Value]]
 
-PYTHON_TEXT: Methods = {
-    **{name: partial(_plain, name) for name in _PLAIN},
+PYTHON_STRING_METHODS: StringMethods = {
+    **{name: partial(_call_str_method, name) for name in _STR_METHODS},
     **{name: partial(_split, name) for name in ("split", "rsplit")},
     **{name: partial(_partition, name) for name in ("partition", "rpartition")},
     "join": _join,
     "format": _format,
-    "encode": _recoded,
-    "decode": _recoded,
-    "splitlines": _lines,
+    "encode": _encode_or_decode,
+    "decode": _encode_or_decode,
+    "splitlines": _splitlines,
 }
 
 
-def _bounds(name: str, _: Machine, owner: Value, arguments: Arguments) -> Value:
+def _cpp_starts_or_ends_with(
+    name: str, _: AbstractMachine, owner: Value, arguments: Arguments
+) -> Value:
     """`text.starts_with(part)`, `text.ends_with(part)`."""
     part = arguments.get(0)
-    if isinstance(owner, Known) and isinstance(part, Known) and isinstance(part.value, str):
+    if isinstance(owner, Scalar) and isinstance(part, Scalar) and isinstance(part.value, str):
         text = str(owner.value)
         found = text.startswith(part.value) if name == "starts_with" else text.endswith(part.value)
-        return Known(found, owner.tainted)
-    return Hole(name)
+        return Scalar(found, owner.tainted)
+    return Unknown(name)
 
 
-CPP_TEXT: Methods = {
-    **dict.fromkeys(("c_str", "data", "str", "toStdString", "toUtf8", "constData"), _same),
-    **dict.fromkeys(("string", "generic_string"), _same),
-    **{name: partial(_bounds, name) for name in ("starts_with", "ends_with")},
+CPP_STRING_METHODS: StringMethods = {
+    **dict.fromkeys(("c_str", "data", "str", "toStdString", "toUtf8", "constData"), _return_self),
+    **dict.fromkeys(("string", "generic_string"), _return_self),
+    **{name: partial(_cpp_starts_or_ends_with, name) for name in ("starts_with", "ends_with")},
     **dict.fromkeys(("size", "length"), _length),
     "empty": _empty,
     "substr": _substr,
@@ -296,12 +312,12 @@ CPP_TEXT: Methods = {
     "at": _at,
     "front": _at,
     "back": lambda machine, owner, arguments: _at(
-        machine, owner, Arguments(values=(Known(-1),), frame=arguments.frame)
+        machine, owner, Arguments(values=(Scalar(-1),), frame=arguments.frame)
     ),
 }
 
 
-def text_method(methods: Methods, owner: Value, name: str) -> Value | None:
+def bound_string_method(methods: StringMethods, owner: Value, name: str) -> Value | None:
     """Return a method of a string, bound to it."""
     call: Any = methods.get(name)
-    return Native(name, call, owner) if call is not None else None
+    return LibraryFunction(name, call, owner) if call is not None else None

@@ -8,105 +8,111 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     FALSE,
     NONE,
     TRUE,
-    Hole,
-    Known,
+    Scalar,
+    Unknown,
     Value,
     truth,
 )
-from rtron.sources.code.interpreter.cpp.iterators import end, items_from
-from rtron.sources.code.interpreter.execution.abstract_machine import Machine
+from rtron.sources.code.interpreter.cpp.iterators import end, items_after
+from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.calls import dispatch
 
-_WANTED = 2
+_THIRD_ARGUMENT = 2
 """The place of the function, or of the value looked for: behind both iterators."""
 
 
-def _for_each(machine: Machine, _: object, arguments: Arguments) -> Value:
+def _for_each(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
     """`std::for_each(xs.begin(), xs.end(), function)`."""
-    found, function = items_from(arguments.get(0)), arguments.get(_WANTED) or NONE
+    found, function = items_after(arguments.get(0)), arguments.get(_THIRD_ARGUMENT) or NONE
     if found is None:
         machine.escape(function)
         return NONE
-    for _place, item in found[0]:
-        _called(machine, function, item, arguments)
+    for _iterator, item in found[0]:
+        _call_with_item(machine, function, item, arguments)
     return NONE
 
 
-def _called(machine: Machine, function: Value, item: Value, arguments: Arguments) -> Value:
+def _call_with_item(
+    machine: AbstractMachine, function: Value, item: Value, arguments: Arguments
+) -> Value:
     given = Arguments(values=(item,), line=arguments.line, frame=arguments.frame)
     return dispatch(machine, function, given)
 
 
-def _find(machine: Machine, _: object, arguments: Arguments) -> Value:
+def _find(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
     """`std::find(xs.begin(), xs.end(), value)`."""
-    wanted = arguments.get(_WANTED) or NONE
-    return _first(machine, arguments, lambda item: binary("==", item, wanted))
+    sought = arguments.get(_THIRD_ARGUMENT) or NONE
+    return _first_match(machine, arguments, lambda item: binary("==", item, sought))
 
 
-def _find_if(machine: Machine, _: object, arguments: Arguments, *, wanted: bool) -> Value:
+def _find_if(machine: AbstractMachine, _: object, arguments: Arguments, *, expected: bool) -> Value:
     """`std::find_if(xs.begin(), xs.end(), predicate)`."""
-    function = arguments.get(_WANTED) or NONE
+    function = arguments.get(_THIRD_ARGUMENT) or NONE
 
     def fits(item: Value) -> Value:
-        answer = truth(_called(machine, function, item, arguments))
-        return Hole("find_if") if answer is None else Known(answer is wanted)
+        answer = truth(_call_with_item(machine, function, item, arguments))
+        return Unknown("find_if") if answer is None else Scalar(answer is expected)
 
-    return _first(machine, arguments, fits)
+    return _first_match(machine, arguments, fits)
 
 
-def _first(machine: Machine, arguments: Arguments, fits: Callable[[Value], Value]) -> Value:
+def _first_match(
+    machine: AbstractMachine, arguments: Arguments, fits: Callable[[Value], Value]
+) -> Value:
     """Return the place of the first item that fits, the end where certainly none does."""
-    found = items_from(arguments.get(0))
+    found = items_after(arguments.get(0))
     if found is None:
-        machine.escape(arguments.get(_WANTED))
-        return Hole("find")
-    for place, item in found[0]:
+        machine.escape(arguments.get(_THIRD_ARGUMENT))
+        return Unknown("find")
+    for iterator, item in found[0]:
         answer = truth(fits(item))
         if answer is not False:
-            return place if answer else Hole("find")
-    return end(machine, NONE, arguments) if found[1] else Hole("find")
+            return iterator if answer else Unknown("find")
+    return end(machine, NONE, arguments) if found[1] else Unknown("find")
 
 
-def _any_of(machine: Machine, _: object, arguments: Arguments) -> Value:
+def _any_of(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
     """`std::any_of(xs.begin(), xs.end(), predicate)`."""
-    return _among(machine, arguments, decides=True)
+    return _quantify(machine, arguments, decides=True)
 
 
-def _all_of(machine: Machine, _: object, arguments: Arguments) -> Value:
+def _all_of(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
     """`std::all_of(xs.begin(), xs.end(), predicate)`."""
-    return _among(machine, arguments, decides=False)
+    return _quantify(machine, arguments, decides=False)
 
 
-def _none_of(machine: Machine, _: object, arguments: Arguments) -> Value:
+def _none_of(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
     """`std::none_of(xs.begin(), xs.end(), predicate)`."""
-    answer = _among(machine, arguments, decides=True)
-    return Known(not answer.value) if isinstance(answer, Known) else answer
+    answer = _quantify(machine, arguments, decides=True)
+    return Scalar(not answer.value) if isinstance(answer, Scalar) else answer
 
 
-def _among(machine: Machine, arguments: Arguments, *, decides: bool) -> Value:
+def _quantify(machine: AbstractMachine, arguments: Arguments, *, decides: bool) -> Value:
     """Return the answer that one item decides, or the other one where none does."""
-    found = items_from(arguments.get(0))
+    found = items_after(arguments.get(0))
     if found is None:
-        machine.escape(arguments.get(_WANTED))
-        return Hole("any_of")
-    answers = set(_answers(machine, arguments, [item for _, item in found[0]]))
+        machine.escape(arguments.get(_THIRD_ARGUMENT))
+        return Unknown("any_of")
+    answers = set(_predicate_results(machine, arguments, [item for _, item in found[0]]))
     if decides in answers:
-        return Known(decides)
-    return (FALSE if decides else TRUE) if found[1] and None not in answers else Hole("any_of")
+        return Scalar(decides)
+    return (FALSE if decides else TRUE) if found[1] and None not in answers else Unknown("any_of")
 
 
-def _answers(machine: Machine, arguments: Arguments, items: list[Value]) -> Iterator[bool | None]:
-    function = arguments.get(_WANTED) or NONE
+def _predicate_results(
+    machine: AbstractMachine, arguments: Arguments, items: list[Value]
+) -> Iterator[bool | None]:
+    function = arguments.get(_THIRD_ARGUMENT) or NONE
     for item in items:
-        yield truth(_called(machine, function, item, arguments))
+        yield truth(_call_with_item(machine, function, item, arguments))
 
 
 ALGORITHMS: Mapping[str, Callable[..., Value]] = {
     "for_each": _for_each,
     "find": _find,
-    "find_if": partial(_find_if, wanted=True),
-    "find_if_not": partial(_find_if, wanted=False),
+    "find_if": partial(_find_if, expected=True),
+    "find_if_not": partial(_find_if, expected=False),
     "any_of": _any_of,
     "all_of": _all_of,
     "none_of": _none_of,

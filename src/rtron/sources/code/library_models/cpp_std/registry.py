@@ -3,59 +3,59 @@
 from collections.abc import Callable, Mapping
 from functools import partial
 
-from rtron.sources.code.interpreter.abstract_values.items import listed
+from rtron.sources.code.interpreter.abstract_values.items import list_of
 from rtron.sources.code.interpreter.abstract_values.value_types import (
-    Hole,
-    Known,
+    BindPlaceholder,
+    LibraryClass,
+    LibraryFunction,
     ListValue,
     MapValue,
-    Native,
-    NativeClass,
-    Placeholder,
+    Scalar,
+    Unknown,
     Value,
 )
-from rtron.sources.code.interpreter.execution.abstract_machine import Machine
+from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.library_models.cpp_std.algorithms import ALGORITHMS
 from rtron.sources.code.library_models.cpp_std.command_line import COMMAND_LINE
 from rtron.sources.code.library_models.cpp_std.containers import (
-    call_make_pair,
-    get_item,
+    get_tuple_item,
     make_array,
     make_map,
     make_pair,
+    make_pair_function,
     make_vector,
 )
 from rtron.sources.code.library_models.cpp_std.functional import (
     bind,
     end_program,
     getenv,
-    hidden,
     make_function,
     make_pointer,
     make_shared,
     make_thread,
-    same,
-    system,
+    note_hidden_code,
+    return_argument,
+    run_system,
 )
 from rtron.sources.code.library_models.cpp_std.strings import (
     FORMAT,
     STREAM,
-    compare_texts,
-    copy_text,
+    compare_strings,
+    copy_string,
     getline,
-    joined,
+    join_strings,
     lexical_cast,
-    make_number,
-    make_text,
-    parsed,
-    split,
+    make_number_value,
+    make_string,
+    parse_number,
+    split_string,
     sprintf,
-    text_of,
+    stream_text,
     to_string,
 )
 
-_NUMBERS: Mapping[str, object] = {
+_NUMBER_DEFAULTS: Mapping[str, object] = {
     **dict.fromkeys(
         ("int", "long", "short", "size_t", "unsigned", "uint32_t", "int32_t", "uint8_t"), 0
     ),
@@ -64,36 +64,38 @@ _NUMBERS: Mapping[str, object] = {
 }
 
 
-PARAMETER_KIND = "XmlRpc::XmlRpcValue::Type"
+PARAMETER_TYPE_PREFIX = "XmlRpc::XmlRpcValue::Type"
 
 
-def kind_of(_: Machine, owner: Value, __: Arguments) -> Value:
+def parameter_type_of(_: AbstractMachine, owner: Value, __: Arguments) -> Value:
     """`XmlRpcValue::getType()`: the part behind `Type` of its name (XmlRpcValue.h)."""
     if isinstance(owner, ListValue):
-        return Known("Array")
+        return Scalar("Array")
     if isinstance(owner, MapValue):
-        return Known("Struct")
-    if not isinstance(owner, Known):
-        return Hole("getType")
+        return Scalar("Struct")
+    if not isinstance(owner, Scalar):
+        return Unknown("getType")
     kinds = {bool: "Boolean", int: "Int", float: "Double", str: "String"}
-    return Known(kinds.get(type(owner.value), "Invalid"))
+    return Scalar(kinds.get(type(owner.value), "Invalid"))
 
 
-def _classes() -> dict[str, NativeClass]:
-    classes = {name: NativeClass(name, partial(make_number, name)) for name in _NUMBERS}
-    for name, make in _MAKERS.items():
+def _classes() -> dict[str, LibraryClass]:
+    classes = {
+        name: LibraryClass(name, partial(make_number_value, name)) for name in _NUMBER_DEFAULTS
+    }
+    for name, make in _CONSTRUCTORS.items():
         for space in ("", "std::", "boost::", "boost::unordered::"):
-            classes[space + name] = NativeClass(space + name, make)
+            classes[space + name] = LibraryClass(space + name, make)
     for name in ("stringstream", "ostringstream", "istringstream"):
         classes["std::" + name] = classes[name] = STREAM
     for name in ("boost::format", "format"):
         classes[name] = FORMAT
-    classes["QString"] = classes["char"] = NativeClass("QString", make_text)
+    classes["QString"] = classes["char"] = LibraryClass("QString", make_string)
     return classes
 
 
-_MAKERS: Mapping[str, Callable[..., Value]] = {
-    "string": make_text,
+_CONSTRUCTORS: Mapping[str, Callable[..., Value]] = {
+    "string": make_string,
     **dict.fromkeys(
         ("vector", "list", "deque", "set", "unordered_set", "queue", "stack"), make_vector
     ),
@@ -108,34 +110,35 @@ _MAKERS: Mapping[str, Callable[..., Value]] = {
 }
 
 
-_CALLS: Mapping[str, Callable[..., Value]] = {
+_STD_FUNCTIONS: Mapping[str, Callable[..., Value]] = {
     **dict.fromkeys(("make_shared", "make_unique"), make_shared),
     **dict.fromkeys(
-        ("move", "ref", "cref", "forward", "static_pointer_cast", "dynamic_pointer_cast"), same
+        ("move", "ref", "cref", "forward", "static_pointer_cast", "dynamic_pointer_cast"),
+        return_argument,
     ),
-    "make_pair": call_make_pair,
+    "make_pair": make_pair_function,
     "to_string": to_string,
     "lexical_cast": lexical_cast,
     "bind": bind,
-    "mem_fn": same,
+    "mem_fn": return_argument,
     "getline": getline,
-    "stoi": partial(parsed, int),
-    "stod": partial(parsed, float),
+    "stoi": partial(parse_number, int),
+    "stod": partial(parse_number, float),
     **ALGORITHMS,
-    "join": joined,
+    "join": join_strings,
     "exit": end_program,
     "abort": end_program,
     "quick_exit": end_program,
-    "make_tuple": lambda machine, _, arguments: listed(arguments.values, "tuple"),
-    "get": get_item,
-    "split": split,
-    "is_any_of": same,
-    "str": text_of,
+    "make_tuple": lambda machine, _, arguments: list_of(arguments.values, "tuple"),
+    "get": get_tuple_item,
+    "split": split_string,
+    "is_any_of": return_argument,
+    "str": stream_text,
     "async": lambda machine, _, arguments: make_thread(machine, arguments),
 }
 
 
-_HIDDEN = (
+_HIDDEN_CODE_FUNCTIONS = (
     "dlopen",
     "execl",
     "execlp",
@@ -148,38 +151,40 @@ _HIDDEN = (
     "ros::TopicManager::instance",
     "ros::ServiceManager::instance",
 )
-_PLAIN: Mapping[str, Callable[..., Value]] = {
+_GLOBAL_FUNCTIONS: Mapping[str, Callable[..., Value]] = {
     "bind": bind,
     "sprintf": partial(sprintf, 1),
     "snprintf": partial(sprintf, 2),
-    "atoi": partial(parsed, int),
-    "atof": partial(parsed, float),
+    "atoi": partial(parse_number, int),
+    "atof": partial(parse_number, float),
     **dict.fromkeys(("exit", "_exit", "abort"), end_program),
-    **dict.fromkeys(("strcpy", "std::strcpy", "strncpy"), copy_text),
-    **dict.fromkeys(_HIDDEN, hidden),
+    **dict.fromkeys(("strcpy", "std::strcpy", "strncpy"), copy_string),
+    **dict.fromkeys(_HIDDEN_CODE_FUNCTIONS, note_hidden_code),
     **COMMAND_LINE,
     **dict.fromkeys(("getenv", "std::getenv"), getenv),
-    **dict.fromkeys(("system", "std::system", "popen"), system),
-    "strcmp": compare_texts,
-    "QString::fromStdString": same,
-    "std::ref": same,
+    **dict.fromkeys(("system", "std::system", "popen"), run_system),
+    "strcmp": compare_strings,
+    "QString::fromStdString": return_argument,
+    "std::ref": return_argument,
 }
 
 
-def _functions() -> dict[str, Native]:
+def _functions() -> dict[str, LibraryFunction]:
     functions = {
-        f"{space}{name}": Native(name, call)
-        for name, call in _CALLS.items()
+        f"{space}{name}": LibraryFunction(name, call)
+        for name, call in _STD_FUNCTIONS.items()
         for space in ("std::", "boost::", "boost::algorithm::", "boost::this_thread::")
     }
-    return functions | {name: Native(name, call) for name, call in _PLAIN.items()}
+    return functions | {
+        name: LibraryFunction(name, call) for name, call in _GLOBAL_FUNCTIONS.items()
+    }
 
 
-CONSTANTS: Mapping[str, Value] = {"std::string::npos": Known(-1), "string::npos": Known(-1)}
+CONSTANTS: Mapping[str, Value] = {"std::string::npos": Scalar(-1), "string::npos": Scalar(-1)}
 
 
 PLACEHOLDERS = {
-    f"{space}_{n}": Placeholder(n)
+    f"{space}_{n}": BindPlaceholder(n)
     for space in ("", "boost::placeholders::", "std::placeholders::", "placeholders::")
     for n in range(1, 10)
 }

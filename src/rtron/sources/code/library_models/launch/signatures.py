@@ -89,7 +89,7 @@ _CONDITIONS: Mapping[str, tuple[str, ...]] = {
     "LaunchConfigurationNotEquals": ("launch_configuration_name", "expected_value"),
     "UnlessCondition": ("predicate_expression",),
 }
-_HANDLERS: Mapping[str, tuple[str, ...]] = {
+_EVENT_HANDLERS: Mapping[str, tuple[str, ...]] = {
     "OnExecutionComplete": (),
     "OnIncludeLaunchDescription": (),
     "OnProcessExit": (),
@@ -97,8 +97,8 @@ _HANDLERS: Mapping[str, tuple[str, ...]] = {
     "OnProcessStart": (),
     "OnShutdown": (),
 }
-_ROS_HANDLERS: Mapping[str, tuple[str, ...]] = {"OnStateTransition": ()}
-_SOURCES: Mapping[str, tuple[str, ...]] = {
+_ROS_EVENT_HANDLERS: Mapping[str, tuple[str, ...]] = {"OnStateTransition": ()}
+_DESCRIPTION_SOURCES: Mapping[str, tuple[str, ...]] = {
     f"{kind}LaunchDescriptionSource": ("location",)
     for kind in ("Any", "Frontend", "Python", "XML", "YAML")
 }
@@ -129,15 +129,15 @@ _LAUNCH: Mapping[str, tuple[str, ...]] = {
 
 _BRIDGE, _SIMULATOR = ("RosGzBridge",), ("GzServer", "GzSpawnModel")
 
-CLASSES: Mapping[str, tuple[str, ...]] = {
+POSITIONAL_PARAMETERS: Mapping[str, tuple[str, ...]] = {
     **_ACTIONS,
     **_ROS_ACTIONS,
     **_SUBSTITUTIONS,
     **_ROS_SUBSTITUTIONS,
     **_CONDITIONS,
-    **_HANDLERS,
-    **_ROS_HANDLERS,
-    **_SOURCES,
+    **_EVENT_HANDLERS,
+    **_ROS_EVENT_HANDLERS,
+    **_DESCRIPTION_SOURCES,
     **_DESCRIPTIONS,
     **_NAV2,
     **_LAUNCH,
@@ -145,21 +145,21 @@ CLASSES: Mapping[str, tuple[str, ...]] = {
 }
 """The classes, and the names of those parameters that may be given by their place."""
 
-MODULES: Mapping[str, tuple[str, ...]] = {
+CLASSES_BY_MODULE: Mapping[str, tuple[str, ...]] = {
     "launch": tuple(_LAUNCH),
     "launch.launch_description": ("LaunchDescription",),
     "launch.event_handler": ("EventHandler",),
     "launch.actions": tuple(_ACTIONS),
     "launch.substitutions": tuple(_SUBSTITUTIONS),
     "launch.conditions": tuple(_CONDITIONS),
-    "launch.event_handlers": tuple(_HANDLERS),
+    "launch.event_handlers": tuple(_EVENT_HANDLERS),
     "launch.descriptions": ("Executable",),
-    "launch.launch_description_sources": tuple(_SOURCES),
+    "launch.launch_description_sources": tuple(_DESCRIPTION_SOURCES),
     "launch_xml.launch_description_sources": ("XMLLaunchDescriptionSource",),
     "launch_yaml.launch_description_sources": ("YAMLLaunchDescriptionSource",),
     "launch_ros.actions": tuple(_ROS_ACTIONS),
     "launch_ros.substitutions": (*_ROS_SUBSTITUTIONS, "Parameter"),
-    "launch_ros.event_handlers": tuple(_ROS_HANDLERS),
+    "launch_ros.event_handlers": tuple(_ROS_EVENT_HANDLERS),
     "launch_ros.descriptions": tuple(_DESCRIPTIONS),
     "launch_ros.parameter_descriptions": ("Parameter", "ParameterFile", "ParameterValue"),
     "launch_testing.actions": ("ReadyToTest",),

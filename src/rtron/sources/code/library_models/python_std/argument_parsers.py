@@ -4,83 +4,83 @@ import argparse
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any, NoReturn
 
-from rtron.sources.code.interpreter.abstract_values.items import items_of, listed
+from rtron.sources.code.interpreter.abstract_values.items import items_of, list_of
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     NONE,
-    Hole,
     Instance,
-    Known,
+    LibraryClass,
+    LibraryFunction,
     ListValue,
-    Native,
-    NativeClass,
+    Scalar,
+    Unknown,
     Value,
 )
-from rtron.sources.code.interpreter.execution.abstract_machine import Machine
+from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.calls import dispatch
 from rtron.sources.code.library_models.python_std.builtin_functions import BUILTINS
 from rtron.sources.declaration import NodeSite
 
 _ACTIONS = {"store", "store_true", "store_false", "store_const", "append", "append_const", "count"}
-_PLAIN = ("action", "nargs", "const", "dest")
-_STARRED = {"*", "+", "?", argparse.REMAINDER}
-_REFUSED = (ValueError, TypeError, IndexError, AttributeError, argparse.ArgumentError)
+_FORWARDED_SETTINGS = ("action", "nargs", "const", "dest")
+_VARIADIC_NARGS = {"*", "+", "?", argparse.REMAINDER}
+_PARSER_ERRORS = (ValueError, TypeError, IndexError, AttributeError, argparse.ArgumentError)
 MAX_WORDS = 64
 
 
-class _Parser(argparse.ArgumentParser):
+class _ScriptArgumentParser(argparse.ArgumentParser):
     """Goes by the words as far as they fit: a scanned program never ends this one.
 
     One positional argument may take any number of words: more make matching them slow.
     """
 
-    starred = False
+    has_variadic = False
 
     def error(self, message: str) -> NoReturn:
         raise ValueError(message)
 
 
-def command_line(site: NodeSite) -> ListValue:
+def command_line_value(site: NodeSite) -> ListValue:
     """Return a node's words, the program's name first; open where nobody says how it is started."""
-    words = (Known(site.name.rpartition("/")[2]), *map(Known, site.args))
-    return ListValue({"items": words, "open": not site.complete})
+    words = (Scalar(site.name.rpartition("/")[2]), *map(Scalar, site.args))
+    return ListValue({"items": words, "open": not site.parameters_complete})
 
 
-def _parser(_: Machine, __: object, ___: Arguments) -> Value:
+def _parser(_: AbstractMachine, __: object, ___: Arguments) -> Value:
     return Instance(_ARGPARSE)
 
 
-def _option_parser(_: Machine, __: object, ___: Arguments) -> Value:
+def _option_parser(_: AbstractMachine, __: object, ___: Arguments) -> Value:
     return Instance(_OPTPARSE)
 
 
-def _add_argument(machine: Machine, owner: Instance, arguments: Arguments) -> Value:
+def _add_argument(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
     """`add_argument("name" or "--name", default=…)`."""
-    option = Instance(_OPTION, {"flags": listed(arguments.values), **arguments.keywords})
-    machine.trail.set(owner.fields, len(owner.fields), option)
+    option = Instance(_OPTION, {"flags": list_of(arguments.values), **arguments.keywords})
+    machine.undo_log.set(owner.fields, len(owner.fields), option)
     return option
 
 
-def _add_subparsers(machine: Machine, owner: Instance, arguments: Arguments) -> Value:
+def _add_subparsers(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
     """Take what the sub-parsers add for the parser's own; the command is a word before it."""
-    dest = arguments.keywords.get("dest", Known("command"))
+    dest = arguments.keywords.get("dest", Scalar("command"))
     command = Arguments(values=(dest,), keywords={}, frame=arguments.frame)
     _add_argument(machine, owner, command)
     return owner
 
 
-def _parse_args(machine: Machine, owner: Instance, arguments: Arguments) -> Value:
-    return _parsed(machine, owner, arguments)[0]
+def _parse_args(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
+    return _parse(machine, owner, arguments)[0]
 
 
-def _parse_known_args(machine: Machine, owner: Instance, arguments: Arguments) -> Value:
-    return listed(_parsed(machine, owner, arguments), "tuple")
+def _parse_known_args(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
+    return list_of(_parse(machine, owner, arguments), "tuple")
 
 
-def _parsed(machine: Machine, owner: Instance, arguments: Arguments) -> tuple[Value, Value]:
+def _parse(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> tuple[Value, Value]:
     given = arguments.get(0, "args")
     if given is None or given == NONE:
-        line = command_line(machine.recorder.site)
+        line = command_line_value(machine.recorder.site)
         given = ListValue({"items": line.items[1:], "open": line.open})
     words, certain = items_of(given)
     namespace, rest = _namespace(machine, owner, words, arguments)
@@ -88,100 +88,110 @@ def _parsed(machine: Machine, owner: Instance, arguments: Arguments) -> tuple[Va
 
 
 def _namespace(
-    machine: Machine, owner: Instance, words: tuple[Value, ...], at: Arguments
+    machine: AbstractMachine, owner: Instance, words: tuple[Value, ...], at: Arguments
 ) -> tuple[Value, list[Value]]:
     """Return the values of all options, and the words that none of them takes."""
     options = [option for option in owner.fields.values() if isinstance(option, Instance)]
-    parser, found, marked = _Parser(add_help=False), argparse.Namespace(), list(_marked(words))
+    parser, found, marked = (
+        _ScriptArgumentParser(add_help=False),
+        argparse.Namespace(),
+        list(_with_stand_ins(words)),
+    )
     marks = dict(marked)
-    dests = {_added(parser, option): option for option in options}
+    dests = {_add_to_parser(parser, option): option for option in options}
     try:
         _, rest = parser.parse_known_args([text for text, _ in marked], found)
-    except _REFUSED:
+    except _PARSER_ERRORS:
         rest = []
     fields = {
-        dest: _value(machine, option, getattr(found, dest, None), marks, at)
+        dest: _option_value(machine, option, getattr(found, dest, None), marks, at)
         for dest, option in dests.items()
         if dest
     }
-    return Instance(_NAMESPACE, fields), [marks.get(word, Known(word)) for word in rest]
+    return Instance(_NAMESPACE, fields), [marks.get(word, Scalar(word)) for word in rest]
 
 
-def _marked(words: tuple[Value, ...]) -> Iterator[tuple[str, Value]]:
+def _with_stand_ins(words: tuple[Value, ...]) -> Iterator[tuple[str, Value]]:
     """Yield each word with the text that stands for it, for those that are not known too."""
-    for place, word in enumerate(words[:MAX_WORDS]):
-        yield (str(word.value) if isinstance(word, Known) else f"\0{place}"), word
+    for index, word in enumerate(words[:MAX_WORDS]):
+        yield (str(word.value) if isinstance(word, Scalar) else f"\0{index}"), word
 
 
-def _added(parser: _Parser, option: Instance) -> str:
+def _add_to_parser(parser: _ScriptArgumentParser, option: Instance) -> str:
     """Add an option to the real parser; return where its value goes, empty if it cannot be."""
     flags = [
-        str(flag.value) for flag in items_of(option.fields["flags"])[0] if isinstance(flag, Known)
+        str(flag.value) for flag in items_of(option.fields["flags"])[0] if isinstance(flag, Scalar)
     ]
-    given = {name: option.fields.get(name) for name in _PLAIN}
-    plain: dict[str, Any] = {n: v.value for n, v in given.items() if isinstance(v, Known)}
+    given = {name: option.fields.get(name) for name in _FORWARDED_SETTINGS}
+    plain: dict[str, Any] = {n: v.value for n, v in given.items() if isinstance(v, Scalar)}
     if plain.get("action", "store") not in _ACTIONS:
         plain = {}
-    if not _may_take(parser, flags, plain.get("nargs")):
+    if not _accepts_nargs(parser, flags, plain.get("nargs")):
         return ""
     try:
         return parser.add_argument(*flags, default=argparse.SUPPRESS, **plain).dest
-    except _REFUSED:
+    except _PARSER_ERRORS:
         return ""
 
 
-def _may_take(parser: _Parser, flags: list[str], count: object) -> bool:
+def _accepts_nargs(parser: _ScriptArgumentParser, flags: list[str], count: object) -> bool:
     if isinstance(count, int):
         return count <= MAX_WORDS
-    if count not in _STARRED or (flags[:1] and flags[0].startswith("-")):
+    if count not in _VARIADIC_NARGS or (flags[:1] and flags[0].startswith("-")):
         return True
-    parser.starred, before = True, parser.starred
+    parser.has_variadic, before = True, parser.has_variadic
     return not before
 
 
-def _value(
-    machine: Machine, option: Instance, found: object, marks: Mapping[str, Value], at: Arguments
+def _option_value(
+    machine: AbstractMachine,
+    option: Instance,
+    found: object,
+    marks: Mapping[str, Value],
+    at: Arguments,
 ) -> Value:
     if isinstance(found, list):
-        return listed([_value(machine, option, item, marks, at) for item in found])
+        return list_of([_option_value(machine, option, item, marks, at) for item in found])
     if isinstance(found, str):
-        return _typed(machine, option, marks.get(found, Known(found)), at)
-    return Known(found) if found is not None else _default(machine, option, at)
+        return _convert(machine, option, marks.get(found, Scalar(found)), at)
+    return Scalar(found) if found is not None else _option_default(machine, option, at)
 
 
-def _default(machine: Machine, option: Instance, at: Arguments) -> Value:
+def _option_default(machine: AbstractMachine, option: Instance, at: Arguments) -> Value:
     given, action = option.fields.get("default"), option.fields.get("action", NONE)
-    is_flag = action in {Known("store_true"), Known("store_false")}
-    if is_flag and not machine.recorder.site.complete:
-        return Hole("flag")
+    is_flag = action in {Scalar("store_true"), Scalar("store_false")}
+    if is_flag and not machine.recorder.site.parameters_complete:
+        return Unknown("flag")
     if given is not None:
-        is_text = isinstance(given, Known) and isinstance(given.value, str)
-        return _typed(machine, option, given, at) if is_text else given
+        is_text = isinstance(given, Scalar) and isinstance(given.value, str)
+        return _convert(machine, option, given, at) if is_text else given
     if is_flag:
-        return Known(action == Known("store_false"))
+        return Scalar(action == Scalar("store_false"))
     flags = items_of(option.fields["flags"])[0]
-    first = str(flags[0].value) if flags and isinstance(flags[0], Known) else "?"
-    return NONE if first.startswith("-") else Hole(first)
+    first = str(flags[0].value) if flags and isinstance(flags[0], Scalar) else "?"
+    return NONE if first.startswith("-") else Unknown(first)
 
 
-def _typed(machine: Machine, option: Instance, word: Value, at: Arguments) -> Value:
+def _convert(machine: AbstractMachine, option: Instance, word: Value, at: Arguments) -> Value:
     type = option.fields.get("type")
-    if isinstance(type, Known):
+    if isinstance(type, Scalar):
         type = BUILTINS.get({"string": "str"}.get(str(type.value), str(type.value)))
     if type is None:
         return word
     return dispatch(machine, type, Arguments(values=(word,), line=at.line, frame=at.frame))
 
 
-def _itself(_: Machine, owner: Instance, __: Arguments) -> Value:
+def _return_self(_: AbstractMachine, owner: Instance, __: Arguments) -> Value:
     return owner
 
 
 _GROUPS = {
-    **dict.fromkeys(("add_argument_group", "add_mutually_exclusive_group", "add_parser"), _itself),
+    **dict.fromkeys(
+        ("add_argument_group", "add_mutually_exclusive_group", "add_parser"), _return_self
+    ),
     "add_subparsers": _add_subparsers,
 }
-_ARGPARSE = NativeClass(
+_ARGPARSE = LibraryClass(
     "argparse.ArgumentParser",
     methods={
         **_GROUPS,
@@ -190,18 +200,20 @@ _ARGPARSE = NativeClass(
         "parse_known_args": _parse_known_args,
     },
 )
-_OPTPARSE = NativeClass(
+_OPTPARSE = LibraryClass(
     "optparse.OptionParser",
     methods={
         "add_option": _add_argument,
-        "add_option_group": _itself,
+        "add_option_group": _return_self,
         "parse_args": _parse_known_args,
     },
 )
-_NAMESPACE = NativeClass("argparse.Namespace")
-_OPTION = NativeClass("argparse.Action")
+_NAMESPACE = LibraryClass("argparse.Namespace")
+_OPTION = LibraryClass("argparse.Action")
 _CALLS: Mapping[str, Callable[..., Value]] = {
     "argparse.ArgumentParser": _parser,
     "optparse.OptionParser": _option_parser,
 }
-PYTHON_ARGUMENTS: Mapping[str, Value] = {name: Native(name, call) for name, call in _CALLS.items()}
+ARGUMENT_PARSERS: Mapping[str, Value] = {
+    name: LibraryFunction(name, call) for name, call in _CALLS.items()
+}

@@ -4,52 +4,52 @@ from rtron.sources.code.interpreter.abstract_values.items import items_of
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     ClassValue,
     FunctionValue,
-    Hole,
     Instance,
-    Known,
+    LibraryClass,
     ListValue,
     MapValue,
-    NativeClass,
+    Scalar,
+    Unknown,
     Value,
-    spelled,
+    text_with_holes,
 )
-from rtron.sources.code.interpreter.execution.abstract_machine import Machine
+from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.ir import Class
 
 
-def with_members(cls: ClassValue) -> ClassValue:
+def add_enum_members(cls: ClassValue) -> ClassValue:
     """Make the plain values in an enumeration's body its members."""
     for name, value in cls.fields.items():
         if not name.startswith("_") and not isinstance(value, (FunctionValue, Instance)):
-            cls.fields[name] = Instance(cls, {"name": Known(name), "value": value})
+            cls.fields[name] = Instance(cls, {"name": Scalar(name), "value": value})
     return cls
 
 
-def member(cls: ClassValue, value: Value) -> Value:
+def enum_member(cls: ClassValue, value: Value) -> Value:
     """Return what `Class(value)` is: the member of that value."""
     for found in items_of(cls)[0]:
         if isinstance(found, Instance) and found.fields["value"] == value:
             return found
-    return Hole(cls.name)
+    return Unknown(cls.name)
 
 
-def _make(_: Machine, arguments: Arguments) -> Value:
+def _make_enum(_: AbstractMachine, arguments: Arguments) -> Value:
     """`Enum("Name", "LEFT RIGHT")`, `Enum("Name", ["LEFT", "RIGHT"])` or with a dict."""
-    name = spelled(arguments.get(0) or Hole("Enum"))
+    name = text_with_holes(arguments.get(0) or Unknown("Enum"))
     definition = Class(name=name, file=arguments.frame.file, line=arguments.line)
-    fields = _members(arguments.get(1, "names") or Hole("?"))
-    return with_members(ClassValue(definition, (ENUM,), fields))
+    fields = _enum_values(arguments.get(1, "names") or Unknown("?"))
+    return add_enum_members(ClassValue(definition, (ENUM,), fields))
 
 
-def _members(names: Value) -> dict[str, Value]:
+def _enum_values(names: Value) -> dict[str, Value]:
     if isinstance(names, MapValue):
         return {str(key): value for key, value in names.entries.items()}
     if isinstance(names, ListValue):
-        words = [spelled(item) for item in names.items]
+        words = [text_with_holes(item) for item in names.items]
     else:
-        words = spelled(names).replace(",", " ").split()
-    return {word: Known(place) for place, word in enumerate(words, start=1)}
+        words = text_with_holes(names).replace(",", " ").split()
+    return {word: Scalar(number) for number, word in enumerate(words, start=1)}
 
 
-ENUM = NativeClass("enum.Enum", _make)
+ENUM = LibraryClass("enum.Enum", _make_enum)

@@ -7,44 +7,44 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     NONE,
     ClassValue,
     FunctionValue,
-    Hole,
     Instance,
-    Native,
-    NativeClass,
+    LibraryClass,
+    LibraryFunction,
+    Unknown,
     Value,
-    spelled,
+    text_with_holes,
 )
-from rtron.sources.code.interpreter.execution.abstract_machine import Machine
+from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.calls import dispatch
 
-_DATACLASS = NativeClass("dataclass")
+_DATACLASS = LibraryClass("dataclass")
 
 
-def _decorate(_: Machine, __: object, arguments: Arguments) -> Value:
+def _decorate_class(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
     """`@dataclass`, or `@dataclass(frozen=True)`, which returns the decorator."""
     cls = arguments.get(0)
     if cls is None:
-        return Native("dataclass", _decorate)
+        return LibraryFunction("dataclass", _decorate_class)
     if isinstance(cls, ClassValue):
-        cls.fields.setdefault("__init__", Native("__init__", _init, _DATACLASS))
+        cls.fields.setdefault("__init__", LibraryFunction("__init__", _initialise, _DATACLASS))
     return cls
 
 
-def _init(machine: Machine, owner: Instance, arguments: Arguments) -> Value:
-    for place, (name, default) in enumerate(_fields(machine, owner)):
-        value = arguments.get(place, name) or default or Hole(name)
-        machine.trail.set(owner.fields, name, value)
+def _initialise(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
+    for index, (name, default) in enumerate(_dataclass_fields(machine, owner)):
+        value = arguments.get(index, name) or default or Unknown(name)
+        machine.undo_log.set(owner.fields, name, value)
     return NONE
 
 
-def _fields(machine: Machine, owner: Instance) -> list[tuple[str, Value | None]]:
+def _dataclass_fields(machine: AbstractMachine, owner: Instance) -> list[tuple[str, Value | None]]:
     """Return the fields of a class and its bases: those without a default come first."""
     found: dict[str, Value | None] = {}
-    classes = [cls for cls in machine.world.lineage(owner.type) if isinstance(cls, ClassValue)]
+    classes = [cls for cls in machine.runtime.lineage(owner.type) if isinstance(cls, ClassValue)]
     for cls in reversed(classes):
         bare = items_of(cls.fields.get("__fields__", NONE))[0]
-        found.update({spelled(name): None for name in bare})
+        found.update({text_with_holes(name): None for name in bare})
         own = {n: v for n, v in cls.fields.items() if _is_field(n, v)}
         found.update(own)
     return list(found.items())
@@ -54,14 +54,14 @@ def _is_field(name: str, value: Value) -> bool:
     return not name.startswith("__") and not isinstance(value, (FunctionValue, ClassValue))
 
 
-def _field(machine: Machine, _: object, arguments: Arguments) -> Value:
+def _make_field(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
     factory = arguments.keywords.get("default_factory")
     if factory is not None:
         return dispatch(machine, factory, Arguments(line=arguments.line, frame=arguments.frame))
-    return arguments.keywords.get("default", Hole("field"))
+    return arguments.keywords.get("default", Unknown("field"))
 
 
 DATACLASSES: Mapping[str, Value] = {
-    "dataclasses.dataclass": Native("dataclass", _decorate),
-    "dataclasses.field": Native("field", _field),
+    "dataclasses.dataclass": LibraryFunction("dataclass", _decorate_class),
+    "dataclasses.field": LibraryFunction("field", _make_field),
 }

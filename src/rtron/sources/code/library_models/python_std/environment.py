@@ -4,44 +4,44 @@ from dataclasses import dataclass
 
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     NONE,
-    Hole,
-    Known,
     MapValue,
+    Scalar,
+    Unknown,
     Value,
-    spelled,
+    text_with_holes,
 )
-from rtron.sources.code.interpreter.execution.abstract_machine import Machine
+from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
-from rtron.sources.code.library_models.common.containers import PYTHON_MAP, Methods
+from rtron.sources.code.library_models.common.containers import DICT_METHODS, LibraryMethods
 from rtron.sources.declaration import NodeSite
 
 
 @dataclass(eq=False, slots=True)
-class Environment(MapValue):
+class EnvironmentValue(MapValue):
     """The variables of a node's environment."""
 
 
-def environment(site: NodeSite) -> Environment:
+def environment_value(site: NodeSite) -> EnvironmentValue:
     """Return what a node sees as `os.environ`."""
-    return Environment({name: Known(value) for name, value in site.environ})
+    return EnvironmentValue({name: Scalar(value) for name, value in site.environ})
 
 
-def getenv(machine: Machine, owner: object, arguments: Arguments) -> Value:
+def getenv(machine: AbstractMachine, owner: object, arguments: Arguments) -> Value:
     """`os.getenv(name, default)`, `os.environ.get(name, default)`; the default is noted."""
     name, default = arguments.get(0, "key"), arguments.get(1, "default") or NONE
     fields = (
         owner.fields
-        if isinstance(owner, Environment)
-        else environment(machine.recorder.site).fields
+        if isinstance(owner, EnvironmentValue)
+        else environment_value(machine.recorder.site).fields
     )
-    if not isinstance(name, Known):
-        return Hole("environ")
+    if not isinstance(name, Scalar):
+        return Unknown("environ")
     if name.value in fields:
         return fields[name.value]
     what = f"environment variable {name.value}"
-    why = f"is not given; `{spelled(default)}` counts"
-    machine.recorder.unresolved(what, why, arguments.evidence)
+    why = f"is not given; `{text_with_holes(default)}` counts"
+    machine.recorder.add_unresolved(what, why, arguments.evidence)
     return default
 
 
-ENVIRONMENT: Methods = {**PYTHON_MAP, "get": getenv}
+ENVIRONMENT_METHODS: LibraryMethods = {**DICT_METHODS, "get": getenv}

@@ -5,136 +5,138 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path, PurePosixPath
 
-from rtron.sources.code.interpreter.abstract_values.items import listed
+from rtron.sources.code.interpreter.abstract_values.items import list_of
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     NONE,
     TRUE,
-    Hole,
     Instance,
-    Known,
+    LibraryFunction,
     ListValue,
-    Native,
+    Scalar,
+    Unknown,
     Value,
     concat,
-    each,
+    map_options,
 )
-from rtron.sources.code.interpreter.execution.abstract_machine import Machine
+from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.library_models.python_std.builtin_functions import FILE
 
 
-class PathText(str):
+class PathString(str):
     """A path object's text."""
 
     __slots__ = ()
 
-    def __truediv__(self, other: str) -> "PathText":
-        return PathText(os.path.join(str(self), str(other)))  # noqa: PTH118 - no path is looked at
+    def __truediv__(self, other: str) -> "PathString":
+        return PathString(os.path.join(str(self), str(other)))  # noqa: PTH118 - no path is looked at
 
-    def __rtruediv__(self, other: str) -> "PathText":
-        return PathText(other) / self
+    def __rtruediv__(self, other: str) -> "PathString":
+        return PathString(other) / self
 
 
-def path_member(owner: Known, name: str) -> Value | None:
+def path_member(owner: Scalar, name: str) -> Value | None:
     """Return a member of a path object; None for what a text has too."""
     path = PurePosixPath(str(owner.value))
     if name in _PATHS:
-        return Known(PathText(getattr(path, name)))
+        return Scalar(PathString(getattr(path, name)))
     if name in _TEXTS:
-        return Known(getattr(path, name))
+        return Scalar(getattr(path, name))
     if name == "parents":
-        return listed([Known(PathText(parent)) for parent in path.parents])
+        return list_of([Scalar(PathString(parent)) for parent in path.parents])
     method = _METHODS.get(name)
-    return Native(name, method, owner) if method is not None else None
+    return LibraryFunction(name, method, owner) if method is not None else None
 
 
-def joined(_: Machine, __: object, arguments: Arguments) -> Value:
+def join_paths(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
     """`Path(first, second, …)`."""
-    values = arguments.values or (Known("."),)
-    if all(isinstance(value, Known) for value in values):
+    values = arguments.values or (Scalar("."),)
+    if all(isinstance(value, Scalar) for value in values):
         return _path(os.path.join(*(str(value.value) for value in values)))  # type: ignore[union-attr] # noqa: PTH118
-    slashed = [part for value in values for part in (Known("/"), value)][1:]
+    slashed = [part for value in values for part in (Scalar("/"), value)][1:]
     return concat(slashed)
 
 
-def _join(machine: Machine, owner: Known, arguments: Arguments) -> Value:
+def _join_to_path(machine: AbstractMachine, owner: Scalar, arguments: Arguments) -> Value:
     values = (owner, *arguments.values)
-    return joined(machine, None, Arguments(values=values, frame=arguments.frame))
+    return join_paths(machine, None, Arguments(values=values, frame=arguments.frame))
 
 
-def _path(text: str) -> Known:
-    return Known(PathText(PurePosixPath(text)))
+def _path(text: str) -> Scalar:
+    return Scalar(PathString(PurePosixPath(text)))
 
 
-def _absolute(_: Machine, owner: Known, __: Arguments) -> Value:
+def _absolute(_: AbstractMachine, owner: Scalar, __: Arguments) -> Value:
     return _path(os.path.normpath(str(owner.value)))
 
 
-def _text(_: Machine, owner: Known, __: Arguments) -> Value:
-    return Known(str(owner.value))
+def _text(_: AbstractMachine, owner: Scalar, __: Arguments) -> Value:
+    return Scalar(str(owner.value))
 
 
-def _changed(name: str, _: Machine, owner: Known, arguments: Arguments) -> Value:
+def _change_path(name: str, _: AbstractMachine, owner: Scalar, arguments: Arguments) -> Value:
     """`with_suffix(text)`, `with_name(text)`, `with_stem(text)`, `relative_to(path)`."""
-    wanted = arguments.get(0)
-    if not isinstance(wanted, Known):
-        return Hole(name)
+    argument = arguments.get(0)
+    if not isinstance(argument, Scalar):
+        return Unknown(name)
     try:
-        return _path(str(getattr(PurePosixPath(str(owner.value)), name)(str(wanted.value))))
+        return _path(str(getattr(PurePosixPath(str(owner.value)), name)(str(argument.value))))
     except (TypeError, ValueError):
-        return Hole(name)
+        return Unknown(name)
 
 
-def _opened(_: Machine, owner: Known, __: Arguments) -> Value:
+def _open_path(_: AbstractMachine, owner: Scalar, __: Arguments) -> Value:
     return Instance(FILE, {"path": owner})
 
 
-def _read(machine: Machine, owner: Known, _: Arguments) -> Value:
-    text = machine.world.files.text(Path(str(owner.value)))
-    return Hole("file") if text is None else Known(text, tainted=True)
+def _read(machine: AbstractMachine, owner: Scalar, _: Arguments) -> Value:
+    text = machine.runtime.files.read_text(Path(str(owner.value)))
+    return Unknown("file") if text is None else Scalar(text, tainted=True)
 
 
-def _unlisted(_: Machine, __: Known, ___: Arguments) -> Value:
+def _unknown_listing(_: AbstractMachine, __: Scalar, ___: Arguments) -> Value:
     return ListValue({"items": (), "open": True})
 
 
-def _is_there(_: Machine, owner: Known, __: Arguments) -> Value:
-    return _there(owner)
+def _path_exists(_: AbstractMachine, owner: Scalar, __: Arguments) -> Value:
+    return _existence(owner)
 
 
-def _there(path: Value) -> Value:
+def _existence(path: Value) -> Value:
     """Return whether a path is there; what is not may be made by a build, or at run time."""
-    if not isinstance(path, Known):
-        return Hole("exists")
+    if not isinstance(path, Scalar):
+        return Unknown("exists")
     try:
-        return TRUE if Path(str(path.value)).exists() else Hole("exists")
+        return TRUE if Path(str(path.value)).exists() else Unknown("exists")
     except (OSError, ValueError):
-        return Hole("exists")
+        return Unknown("exists")
 
 
-def _exists(_: Machine, __: object, arguments: Arguments) -> Value:
-    return each(arguments.get(0, "path") or NONE, _there)
+def _exists_function(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
+    return map_options(arguments.get(0, "path") or NONE, _existence)
 
 
 _PATHS, _TEXTS = frozenset({"parent"}), frozenset({"name", "stem", "suffix"})
 _METHODS: Mapping[str, Callable[..., Value]] = {
-    "joinpath": _join,
+    "joinpath": _join_to_path,
     **dict.fromkeys(("absolute", "resolve", "expanduser"), _absolute),
     **dict.fromkeys(("as_posix", "__str__", "__fspath__"), _text),
     **{
-        name: partial(_changed, name)
+        name: partial(_change_path, name)
         for name in ("with_suffix", "with_name", "with_stem", "relative_to")
     },
-    **dict.fromkeys(("exists", "is_file", "is_dir"), _is_there),
-    **dict.fromkeys(("glob", "rglob", "iterdir"), _unlisted),
-    "open": _opened,
+    **dict.fromkeys(("exists", "is_file", "is_dir"), _path_exists),
+    **dict.fromkeys(("glob", "rglob", "iterdir"), _unknown_listing),
+    "open": _open_path,
     "read_text": _read,
 }
 PYTHON_PATHS: Mapping[str, Value] = {
     **dict.fromkeys(
-        ("pathlib.Path", "pathlib.PurePath", "pathlib.PosixPath"), Native("Path", joined)
+        ("pathlib.Path", "pathlib.PurePath", "pathlib.PosixPath"),
+        LibraryFunction("Path", join_paths),
     ),
     **dict.fromkeys(
-        ("os.path.exists", "os.path.isfile", "os.path.isdir"), Native("exists", _exists)
+        ("os.path.exists", "os.path.isfile", "os.path.isdir"),
+        LibraryFunction("exists", _exists_function),
     ),
 }

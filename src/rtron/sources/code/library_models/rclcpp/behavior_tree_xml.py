@@ -7,7 +7,7 @@ from rtron.errors import InputError
 from rtron.sources.launch.common.xml_document import Element, line_of, parse_xml_bytes
 
 MAX_NODES = 2000
-BUILT_IN = frozenset(
+BUILT_IN_NODES = frozenset(
     {
         *("Sequence", "AsyncSequence", "ReactiveSequence", "SequenceWithMemory", "SequenceStar"),
         *("Fallback", "AsyncFallback", "ReactiveFallback", "Parallel", "ParallelAll", "TryCatch"),
@@ -35,7 +35,7 @@ class TreeNode:
     line: int
 
 
-def tree_nodes(text: str, path: str, wanted: str = "") -> Iterator[TreeNode]:
+def read_tree_nodes(text: str, path: str, tree_id: str = "") -> Iterator[TreeNode]:
     """Yield the nodes of a file's main tree, or of the one that is wanted, with its subtrees.
 
     Raise InputError for what is no XML of trees, or has too many nodes.
@@ -43,7 +43,7 @@ def tree_nodes(text: str, path: str, wanted: str = "") -> Iterator[TreeNode]:
     root = parse_xml_bytes(text.encode("utf-8", "replace"), path)
     trees = {str(tree.get("ID", "")): tree for tree in root.iterchildren("BehaviorTree")}
     first = str(root.get("main_tree_to_execute") or next(iter(trees), ""))
-    waiting, seen, count = [wanted if wanted in trees else first], set[str](), 0
+    waiting, seen, count = [tree_id if tree_id in trees else first], set[str](), 0
     while waiting:
         tree = waiting.pop()
         if tree in trees and tree not in seen:
@@ -54,10 +54,10 @@ def tree_nodes(text: str, path: str, wanted: str = "") -> Iterator[TreeNode]:
                     raise InputError(f"has more than {MAX_NODES} nodes", path=path)
                 if element.tag in _SUBTREE:
                     waiting.append(str(element.get("ID", "")))
-                yield _node(element)
+                yield _read_node(element)
 
 
-def _node(element: Element) -> TreeNode:
+def _read_node(element: Element) -> TreeNode:
     tag, given = str(element.tag), {str(k): str(v) for k, v in element.attrib.items()}
     ports = tuple((k, v) for k, v in given.items() if k not in _NO_PORTS and not k.startswith("_"))
     return TreeNode(given.get("ID", tag) if tag in _EXPLICIT else tag, ports, line_of(element))

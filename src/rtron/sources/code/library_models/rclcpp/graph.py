@@ -3,24 +3,29 @@
 from collections.abc import Callable, Mapping
 from functools import partial
 
-from rtron.sources.code.interpreter.abstract_values.value_types import Hole, Instance, Known, Value
-from rtron.sources.code.interpreter.execution.abstract_machine import Machine
+from rtron.sources.code.interpreter.abstract_values.value_types import (
+    Instance,
+    Scalar,
+    Unknown,
+    Value,
+)
+from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
-from rtron.sources.code.library_models.ros2_common.names import expanded
-from rtron.sources.code.library_models.ros2_common.nodes import name_of
+from rtron.sources.code.library_models.ros2_common.names import expand_name
+from rtron.sources.code.library_models.ros2_common.nodes import node_name
 
 
-def _resolved_name(_: Machine, owner: Instance, arguments: Arguments) -> Value:
+def _resolve_name(_: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
     """`get_node_topics_interface()->resolve_topic_name(name)`: it adds no sub-namespace."""
-    return expanded(arguments.get(0) or Hole("?"), name_of(owner), Known(""))
+    return expand_name(arguments.get(0) or Unknown("?"), node_name(owner), Scalar(""))
 
 
-def _asked(name: str, _: Machine, __: Instance, ___: Arguments) -> Value:
+def _unknown_graph_query(name: str, _: AbstractMachine, __: Instance, ___: Arguments) -> Value:
     """Return what only the running graph tells; what is asked for stays as it is."""
-    return Hole(f"{name}()")
+    return Unknown(f"{name}()")
 
 
-_QUESTIONS = (
+_GRAPH_QUERIES = (
     *("count_publishers", "count_subscribers", "count_clients", "count_services"),
     *("get_publishers_info_by_topic", "get_subscriptions_info_by_topic"),
     *("get_clients_info_by_service", "get_servers_info_by_service"),
@@ -29,6 +34,6 @@ _QUESTIONS = (
     *("describe_parameter", "describe_parameters", "get_parameter_types", "list_parameters"),
 )
 GRAPH_METHODS: Mapping[str, Callable[..., Value]] = {
-    **dict.fromkeys(("resolve_topic_name", "resolve_service_name"), _resolved_name),
-    **{name: partial(_asked, name) for name in _QUESTIONS},
+    **dict.fromkeys(("resolve_topic_name", "resolve_service_name"), _resolve_name),
+    **{name: partial(_unknown_graph_query, name) for name in _GRAPH_QUERIES},
 }

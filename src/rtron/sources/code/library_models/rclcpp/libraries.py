@@ -5,71 +5,71 @@ from functools import partial
 
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     TRUE,
-    Hole,
     Instance,
-    Known,
-    NativeClass,
+    LibraryClass,
+    Scalar,
+    Unknown,
     Value,
     concat,
     is_text,
     options,
 )
-from rtron.sources.code.interpreter.execution.abstract_machine import Machine
+from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.library_models.common.cpp_arguments import (
-    escape_all,
-    message_of,
-    take_callbacks,
+    escape_functions,
+    message_type_of,
+    register_callbacks,
 )
-from rtron.sources.code.library_models.rclcpp.endpoints import owned
+from rtron.sources.code.library_models.rclcpp.endpoints import split_node_argument
 from rtron.sources.code.library_models.ros2_common import endpoints, libraries
 from rtron.sources.code.library_models.ros2_common.nodes import (
-    node_among,
+    first_node,
 )
-from rtron.sources.code.library_models.ros2_common.parameters import watch_changes
-from rtron.sources.code.library_models.ros2_common.qos import PROFILES, is_qos, qos_of
+from rtron.sources.code.library_models.ros2_common.parameters import note_parameter_callbacks
+from rtron.sources.code.library_models.ros2_common.qos import QOS_PROFILES, is_qos, read_qos
 from rtron.sources.declaration import DeclarationKind
 
 _PUBLISH, _SUBSCRIBE = DeclarationKind.PUBLISH, DeclarationKind.SUBSCRIBE
-_NONE = Known(None)
+_NO_OWNER = Scalar(None)
 
 
-def _names(arguments: Arguments) -> list[Value]:
+def _name_arguments(arguments: Arguments) -> list[Value]:
     """Return the arguments that are, or may be, texts."""
     return [
         value
         for value in arguments.values
-        if any(is_text(o) or isinstance(o, Hole) for o in options(value))
+        if any(is_text(o) or isinstance(o, Unknown) for o in options(value))
     ]
 
 
-def _transforms(
-    kind: DeclarationKind, machine: Machine, arguments: Arguments, *, static: bool = False
+def _make_transform_endpoint(
+    kind: DeclarationKind, machine: AbstractMachine, arguments: Arguments, *, static: bool = False
 ) -> Value:
-    libraries.transforms(kind, machine, arguments, static=static)
+    libraries.declare_transforms(kind, machine, arguments, static=static)
     return Instance(_LIBRARY, {"truth": TRUE})
 
 
-def _buffer(machine: Machine, arguments: Arguments) -> Value:
-    libraries.buffer(machine, arguments)
+def _make_buffer(machine: AbstractMachine, arguments: Arguments) -> Value:
+    libraries.declare_buffer(machine, arguments)
     return Instance(_LIBRARY, {"truth": TRUE})
 
 
-def _diagnostics(machine: Machine, arguments: Arguments) -> Value:
-    libraries.diagnostics(machine, arguments)
+def _make_diagnostics(machine: AbstractMachine, arguments: Arguments) -> Value:
+    libraries.declare_diagnostics(machine, arguments)
     return Instance(_UPDATER, {"truth": TRUE})
 
 
-def _bond(machine: Machine, arguments: Arguments) -> Value:
+def _make_bond(machine: AbstractMachine, arguments: Arguments) -> Value:
     """`bond::Bond(topic, id, node)` both speaks and hears."""
-    node = node_among(arguments.values)
+    node = first_node(arguments.values)
     for kind in (_PUBLISH, _SUBSCRIBE) if node is not None else ():
         name, type = arguments.get(0), "bond/msg/Status"
-        endpoints.declare(machine, kind, node, name, type, arguments, implicit=True)  # type: ignore[arg-type]
+        endpoints.declare_endpoint(machine, kind, node, name, type, arguments, implicit=True)  # type: ignore[arg-type]
     return Instance(_LIBRARY, {"truth": TRUE})
 
 
-def _filter_subscriber(machine: Machine, arguments: Arguments) -> Value:
+def _filter_subscriber(machine: AbstractMachine, arguments: Arguments) -> Value:
     """`message_filters::Subscriber<T>(node, topic, qos)`, or later by `subscribe`."""
     made = Instance(_FILTER, {"truth": TRUE}, arguments.types)
     if arguments.values:
@@ -77,24 +77,24 @@ def _filter_subscriber(machine: Machine, arguments: Arguments) -> Value:
     return made
 
 
-def _filter_subscribe(machine: Machine, filter_: Instance, arguments: Arguments) -> Value:
-    node, rest = owned(_NONE, arguments)
+def _filter_subscribe(machine: AbstractMachine, filter_: Instance, arguments: Arguments) -> Value:
+    node, rest = split_node_argument(_NO_OWNER, arguments)
     if not rest.values:
         return filter_
     if node is None:
-        endpoints.unknown_owner(machine, "Subscriber", rest.get(0), rest)
+        endpoints.note_unknown_node(machine, "Subscriber", rest.get(0), rest)
         return filter_
-    type = message_of(machine, filter_.types[0] if filter_.types else None, arguments)
+    type = message_type_of(machine, filter_.types[0] if filter_.types else None, arguments)
     found = next((value for value in rest.values[1:] if is_qos(value)), None)
-    qos = qos_of(found) if found is not None else PROFILES["default"]
-    endpoints.declare(machine, _SUBSCRIBE, node, rest.get(0), type, rest, qos=qos)
+    qos = read_qos(found) if found is not None else QOS_PROFILES["default"]
+    endpoints.declare_endpoint(machine, _SUBSCRIBE, node, rest.get(0), type, rest, qos=qos)
     return filter_
 
 
-def _marker_server(machine: Machine, arguments: Arguments) -> Value:
+def _marker_server(machine: AbstractMachine, arguments: Arguments) -> Value:
     """`InteractiveMarkerServer(topic_namespace, node)`."""
-    node = node_among(arguments.values)
-    space = next(iter(_names(arguments)), Hole("topic_namespace"))
+    node = first_node(arguments.values)
+    space = next(iter(_name_arguments(arguments)), Unknown("topic_namespace"))
     if node is not None:
         for kind, name, type in (
             (_PUBLISH, "update", "visualization_msgs/msg/InteractiveMarkerUpdate"),
@@ -105,75 +105,77 @@ def _marker_server(machine: Machine, arguments: Arguments) -> Value:
                 "visualization_msgs/srv/GetInteractiveMarkers",
             ),
         ):
-            full = concat((space, Known(f"/{name}")))
-            endpoints.declare(machine, kind, node, full, type, arguments, implicit=True)
+            full = concat((space, Scalar(f"/{name}")))
+            endpoints.declare_endpoint(machine, kind, node, full, type, arguments, implicit=True)
     return Instance(_LIBRARY, {"truth": TRUE})
 
 
-def _camera_info_manager(machine: Machine, arguments: Arguments) -> Value:
+def _camera_info_manager(machine: AbstractMachine, arguments: Arguments) -> Value:
     """`CameraInfoManager(node, …)` offers set_camera_info."""
-    node = node_among(arguments.values)
+    node = first_node(arguments.values)
     if node is not None:
-        kind, name = DeclarationKind.SERVICE, Known("~/set_camera_info")
+        kind, name = DeclarationKind.SERVICE, Scalar("~/set_camera_info")
         type = "sensor_msgs/srv/SetCameraInfo"
-        endpoints.declare(machine, kind, node, name, type, arguments, implicit=True)
+        endpoints.declare_endpoint(machine, kind, node, name, type, arguments, implicit=True)
     return Instance(_LIBRARY, {"truth": TRUE})
 
 
-def _parameters_client(machine: Machine, arguments: Arguments) -> Value:
+def _parameters_client(machine: AbstractMachine, arguments: Arguments) -> Value:
     """`AsyncParametersClient(node, remote)` calls the parameter services of a node, or its own."""
-    node, rest = owned(_NONE, arguments)
+    node, rest = split_node_argument(_NO_OWNER, arguments)
     remote = rest.get(0)
-    remote = Known("~") if remote in (None, Known("")) else remote
+    remote = Scalar("~") if remote in (None, Scalar("")) else remote
     for name, type in endpoints.PARAMETER_SERVICES.items() if node else ():
-        kind, full = DeclarationKind.SERVICE_CLIENT, concat((remote, Known(f"/{name}")))
-        endpoints.declare(machine, kind, node, full, type, arguments, implicit=True)  # type: ignore[arg-type]
+        kind, full = DeclarationKind.SERVICE_CLIENT, concat((remote, Scalar(f"/{name}")))
+        endpoints.declare_endpoint(machine, kind, node, full, type, arguments, implicit=True)  # type: ignore[arg-type]
     return Instance(_LIBRARY, {"truth": TRUE})
 
 
-def _event_handler(machine: Machine, arguments: Arguments) -> Value:
+def _event_handler(machine: AbstractMachine, arguments: Arguments) -> Value:
     """`rclcpp::ParameterEventHandler(node)`."""
-    node = node_among(arguments.values)
+    node = first_node(arguments.values)
     if node is not None:
-        name, type = Known("/parameter_events"), "rcl_interfaces/msg/ParameterEvent"
-        endpoints.declare(machine, _SUBSCRIBE, node, name, type, arguments, implicit=True)
+        name, type = Scalar("/parameter_events"), "rcl_interfaces/msg/ParameterEvent"
+        endpoints.declare_endpoint(machine, _SUBSCRIBE, node, name, type, arguments, implicit=True)
     return Instance(_EVENT_HANDLER, {"truth": TRUE})
 
 
-def _take_changes(machine: Machine, owner: Value, arguments: Arguments) -> Value:
+def _register_parameter_callback(
+    machine: AbstractMachine, owner: Value, arguments: Arguments
+) -> Value:
     """`add_parameter_callback(name, callback)` and its kin."""
-    watch_changes(machine, arguments)
-    return take_callbacks(machine, owner, arguments)
+    note_parameter_callbacks(machine, arguments)
+    return register_callbacks(machine, owner, arguments)
 
 
-def _callbacks(machine: Machine, arguments: Arguments) -> Value:
-    escape_all(machine, arguments)
+def _make_filter(machine: AbstractMachine, arguments: Arguments) -> Value:
+    escape_functions(machine, arguments)
     return Instance(_UPDATER, {"truth": TRUE})
 
 
-_LIBRARY = NativeClass("library")
-_UPDATER = NativeClass(
+_LIBRARY = LibraryClass("library")
+_UPDATER = LibraryClass(
     "updater",
-    methods=dict.fromkeys(("add", "registerCallback"), take_callbacks),
+    methods=dict.fromkeys(("add", "registerCallback"), register_callbacks),
 )
-_EVENT_HANDLER = NativeClass(
+_EVENT_HANDLER = LibraryClass(
     "rclcpp::ParameterEventHandler",
     methods=dict.fromkeys(
-        ("add_parameter_callback", "add_parameter_event_callback"), _take_changes
+        ("add_parameter_callback", "add_parameter_event_callback"), _register_parameter_callback
     ),
 )
-_FILTER = NativeClass(
+_FILTER = LibraryClass(
     "message_filters::Subscriber",
     _filter_subscriber,
-    {"subscribe": _filter_subscribe, "registerCallback": take_callbacks},
+    {"subscribe": _filter_subscribe, "registerCallback": register_callbacks},
 )
-_MADE: Mapping[str, Callable[..., Value]] = {
-    "tf2_ros::TransformListener": partial(_transforms, _SUBSCRIBE),
-    "tf2_ros::TransformBroadcaster": partial(_transforms, _PUBLISH),
-    "tf2_ros::StaticTransformBroadcaster": partial(_transforms, _PUBLISH, static=True),
-    "tf2_ros::Buffer": _buffer,
-    "diagnostic_updater::Updater": _diagnostics,
-    "bond::Bond": _bond,
+_CONSTRUCTORS: Mapping[str, Callable[..., Value]] = {
+    "tf2_ros::TransformListener": partial(_make_transform_endpoint, _SUBSCRIBE),
+    "tf2_ros::TransformBroadcaster": partial(_make_transform_endpoint, _PUBLISH),
+    "tf2_ros::StaticTransformBroadcaster": partial(_make_transform_endpoint, _PUBLISH, static=True),
+    "tf2_ros::Buffer": _make_buffer,
+    "diagnostic_updater::Updater": _make_diagnostics,
+    "bond::Bond": _make_bond,
     "interactive_markers::InteractiveMarkerServer": _marker_server,
     "camera_info_manager::CameraInfoManager": _camera_info_manager,
     **dict.fromkeys(
@@ -185,10 +187,13 @@ _MADE: Mapping[str, Callable[..., Value]] = {
             *("message_filters::Synchronizer", "message_filters::TimeSynchronizer"),
             *("message_filters::Cache", "message_filters::Chain", "tf2_ros::MessageFilter"),
         ),
-        _callbacks,
+        _make_filter,
     ),
 }
-LIBRARY_CLASSES: Mapping[str, NativeClass] = {
+LIBRARY_CLASSES: Mapping[str, LibraryClass] = {
     _FILTER.name: _FILTER,
-    **{name: NativeClass(name, make, dict(_UPDATER.methods)) for name, make in _MADE.items()},
+    **{
+        name: LibraryClass(name, make, dict(_UPDATER.methods))
+        for name, make in _CONSTRUCTORS.items()
+    },
 }

@@ -3,51 +3,62 @@
 from collections.abc import Callable, Mapping
 from functools import partial
 
-from rtron.sources.code.interpreter.abstract_values.items import listed
+from rtron.sources.code.interpreter.abstract_values.items import list_of
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     FALSE,
     NONE,
     TRUE,
-    Hole,
     Instance,
-    Known,
-    NativeClass,
+    LibraryClass,
+    Scalar,
+    Unknown,
     Value,
     is_text,
     options,
     truth,
 )
-from rtron.sources.code.interpreter.execution.abstract_machine import Machine
+from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.calls import dispatch
 from rtron.sources.code.library_models.rclcpp.endpoints import ENDPOINT_METHODS
 from rtron.sources.code.library_models.rclcpp.graph import GRAPH_METHODS
-from rtron.sources.code.library_models.rclcpp.parameters import PARAMETER_METHODS, parameter, watch
-from rtron.sources.code.library_models.ros1_common.names import value_of
+from rtron.sources.code.library_models.rclcpp.parameters import (
+    PARAMETER_METHODS,
+    parameter_object,
+    register_callbacks,
+)
+from rtron.sources.code.library_models.ros1_common.names import abstract_value
 from rtron.sources.code.library_models.ros2_common import endpoints
 from rtron.sources.code.library_models.ros2_common.nodes import (
-    GLOBALLY,
-    NAME,
-    SUB,
-    NodeWords,
-    base_at,
+    GLOBAL_ARGUMENTS_FIELD,
+    NAME_FIELD,
+    SUB_NAMESPACE_FIELD,
+    NodeArguments,
     full_name,
-    name_of,
-    namespace_at,
-    own_settings,
-    resolved,
+    node_base_name,
+    node_name,
+    node_namespace,
+    own_parameters,
+    resolve_at_node,
     sub_node,
 )
-from rtron.sources.code.library_models.ros2_common.parameters import AUTOMATIC, OVERRIDES
+from rtron.sources.code.library_models.ros2_common.parameters import (
+    AUTOMATIC_FIELD,
+    OVERRIDES_FIELD,
+)
 from rtron.sources.declaration import NodeSite
 
-_UNKNOWN = Hole("?")
-_ARGUMENTS, _GLOBALLY, _GIVEN = "options.arguments", "options.globally", "options.overrides"
+_UNKNOWN = Unknown("?")
+_ARGUMENTS, _USES_GLOBAL_ARGUMENTS, _OVERRIDES = (
+    "options.arguments",
+    "options.globally",
+    "options.overrides",
+)
 _OPTIONS = "node.options"
 _SERVICES, _AUTOMATIC = "options.services", "options.automatic"
 _ROSOUT, _EVENTS, _LOGGERS = "options.rosout", "options.events", "options.loggers"
-_FLAGS = {
-    "use_global_arguments": _GLOBALLY,
+_FLAG_FIELDS = {
+    "use_global_arguments": _USES_GLOBAL_ARGUMENTS,
     "start_parameter_services": _SERVICES,
     "automatically_declare_parameters_from_overrides": _AUTOMATIC,
     "enable_rosout": _ROSOUT,
@@ -55,11 +66,11 @@ _FLAGS = {
     "enable_logger_service": _LOGGERS,
 }
 _DEFAULTS: Mapping[object, Value] = {
-    **dict.fromkeys((_GLOBALLY, _SERVICES, _ROSOUT, _EVENTS), TRUE),
+    **dict.fromkeys((_USES_GLOBAL_ARGUMENTS, _SERVICES, _ROSOUT, _EVENTS), TRUE),
     **dict.fromkeys((_AUTOMATIC, _LOGGERS), FALSE),
 }
-_EXTRA = {"forward_global_arguments": _GLOBALLY, **_FLAGS}
-_ASKED = {
+_EXTRA_ARGUMENT_FIELDS = {"forward_global_arguments": _USES_GLOBAL_ARGUMENTS, **_FLAG_FIELDS}
+_OPTION_FIELDS = {
     "parameter_services": _SERVICES,
     "rosout": _ROSOUT,
     "parameter_events": _EVENTS,
@@ -67,144 +78,170 @@ _ASKED = {
 }
 
 
-def make_options(_: Machine, arguments: Arguments) -> Instance:
+def make_options(_: AbstractMachine, arguments: Arguments) -> Instance:
     """`rclcpp::NodeOptions()`, or a copy of others."""
     given = arguments.get(0)
-    before = given.fields if isinstance(given, Instance) and _GLOBALLY in given.fields else {}
-    fields: dict[object, Value] = {_ARGUMENTS: listed(()), _GIVEN: listed(())}
+    before = (
+        given.fields
+        if isinstance(given, Instance) and _USES_GLOBAL_ARGUMENTS in given.fields
+        else {}
+    )
+    fields: dict[object, Value] = {_ARGUMENTS: list_of(()), _OVERRIDES: list_of(())}
     return Instance(OPTIONS, {**fields, **_DEFAULTS, **before})
 
 
-def bare_options(machine: Machine, at: Arguments) -> Instance:
+def container_options(machine: AbstractMachine, at: Arguments) -> Instance:
     """Return options without parameter services and parameter events, as a container has them."""
     made = make_options(machine, Arguments(frame=at.frame))
     made.fields |= {_SERVICES: FALSE, _EVENTS: FALSE}
     return made
 
 
-def declaring_options(machine: Machine, at: Arguments) -> Instance:
+def controller_options(machine: AbstractMachine, at: Arguments) -> Instance:
     """Return options by which all that is set is declared, as a controller's node has them."""
     made = make_options(machine, Arguments(frame=at.frame))
     made.fields |= {_AUTOMATIC: TRUE}
     return made
 
 
-def loading_options(site: NodeSite) -> Instance:
+def component_options(site: NodeSite) -> Instance:
     """Return the options that a component is made with (rclcpp_components).
 
     What a container loads takes no arguments of the process, unless its extra arguments say so; an
     executable that is registered for one component makes it with the process's.
     """
-    own = (parameter(Known(name), value_of(value, f"~{name}")) for name, value in site.overrides)
-    fields: dict[object, Value] = {_ARGUMENTS: listed(tuple(map(Known, site.args)))}
-    fields |= {_GIVEN: listed(tuple(own)), **_DEFAULTS}
+    own = (
+        parameter_object(Scalar(name), abstract_value(value, f"~{name}"))
+        for name, value in site.overrides
+    )
+    fields: dict[object, Value] = {_ARGUMENTS: list_of(tuple(map(Scalar, site.args)))}
+    fields |= {_OVERRIDES: list_of(tuple(own)), **_DEFAULTS}
     if site.loading is not None:
         extra = dict(site.loading.options)
-        fields[_GLOBALLY] = FALSE
-        fields |= {_EXTRA[name]: Known(value) for name, value in extra.items() if name in _EXTRA}
+        fields[_USES_GLOBAL_ARGUMENTS] = FALSE
+        fields |= {
+            _EXTRA_ARGUMENT_FIELDS[name]: Scalar(value)
+            for name, value in extra.items()
+            if name in _EXTRA_ARGUMENT_FIELDS
+        }
     return Instance(OPTIONS, fields)
 
 
-def _set(field: str, machine: Machine, owner: Instance, arguments: Arguments) -> Value:
+def _get_or_set_option(
+    field: str, machine: AbstractMachine, owner: Instance, arguments: Arguments
+) -> Value:
     """Set an option and return all; without an argument, return the option."""
     if not arguments.values:
         return owner.fields[field]
-    machine.trail.set(owner.fields, field, arguments.values[0])
+    machine.undo_log.set(owner.fields, field, arguments.values[0])
     return owner
 
 
-def _append_override(machine: Machine, owner: Instance, arguments: Arguments) -> Value:
+def _append_override(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
     """`append_parameter_override(name, value)`."""
-    before = getattr(owner.fields[_GIVEN], "items", ())
-    added = parameter(arguments.get(0) or _UNKNOWN, arguments.get(1) or NONE)
-    machine.trail.set(owner.fields, _GIVEN, listed((*before, added)))
+    before = getattr(owner.fields[_OVERRIDES], "items", ())
+    added = parameter_object(arguments.get(0) or _UNKNOWN, arguments.get(1) or NONE)
+    machine.undo_log.set(owner.fields, _OVERRIDES, list_of((*before, added)))
     return owner
 
 
-def _itself(_: Machine, owner: Instance, __: Arguments) -> Value:
+def _return_self(_: AbstractMachine, owner: Instance, __: Arguments) -> Value:
     return owner
 
 
-def make_node(machine: Machine, arguments: Arguments, *, lifecycle: bool = False) -> Instance:
+def make_node(
+    machine: AbstractMachine, arguments: Arguments, *, lifecycle: bool = False
+) -> Instance:
     """`Node(name[, namespace][, options])`."""
-    given = [v for v in arguments.values if isinstance(v, Instance) and _GLOBALLY in v.fields]
+    given = [
+        v
+        for v in arguments.values
+        if isinstance(v, Instance) and _USES_GLOBAL_ARGUMENTS in v.fields
+    ]
     chosen = given[0] if given else make_options(machine, Arguments(frame=arguments.frame))
-    words = _words(arguments, chosen)
-    fields = {NAME: full_name(machine, words), SUB: Known("")}
-    fields |= {_OPTIONS: chosen, GLOBALLY: Known(words.globally)}
-    fields |= {OVERRIDES: _overrides(chosen), AUTOMATIC: chosen.fields[_AUTOMATIC]}
+    words = _node_arguments(arguments, chosen)
+    fields = {NAME_FIELD: full_name(machine, words), SUB_NAMESPACE_FIELD: Scalar("")}
+    fields |= {_OPTIONS: chosen, GLOBAL_ARGUMENTS_FIELD: Scalar(words.uses_global_arguments)}
+    fields |= {
+        OVERRIDES_FIELD: _parameter_overrides(chosen),
+        AUTOMATIC_FIELD: chosen.fields[_AUTOMATIC],
+    }
     made = Instance(LIFECYCLE_NODE if lifecycle else NODE, fields)
-    _join(machine, made, words, chosen, arguments)
+    _declare_node(machine, made, words, chosen, arguments)
     return made
 
 
-def _join(
-    machine: Machine, made: Instance, words: NodeWords, chosen: Instance, at: Arguments
+def _declare_node(
+    machine: AbstractMachine, made: Instance, words: NodeArguments, chosen: Instance, at: Arguments
 ) -> None:
-    def asked(option: str) -> bool:
-        field = _ASKED.get(option)
+    def is_enabled(option: str) -> bool:
+        field = _OPTION_FIELDS.get(option)
         return field is None or truth(chosen.fields[field]) is not False
 
-    endpoints.join_app(machine, made, words, at, asked)
+    endpoints.declare_node(machine, made, words, at, is_enabled)
     if made.type is LIFECYCLE_NODE and not (at.values and at.values[-1] == FALSE):
-        endpoints.lifecycle(machine, made, at)
+        endpoints.declare_lifecycle(machine, made, at)
 
 
-def _words(arguments: Arguments, chosen: Instance) -> NodeWords:
-    return NodeWords(
-        name=arguments.get(0) or Hole("node"),
-        namespace=_space(arguments) or Known(""),
+def _node_arguments(arguments: Arguments, chosen: Instance) -> NodeArguments:
+    return NodeArguments(
+        name=arguments.get(0) or Unknown("node"),
+        namespace=_namespace_argument(arguments) or Scalar(""),
         arguments=chosen.fields[_ARGUMENTS],
-        globally=truth(chosen.fields[_GLOBALLY]) is not False,
+        uses_global_arguments=truth(chosen.fields[_USES_GLOBAL_ARGUMENTS]) is not False,
     )
 
 
-def _space(arguments: Arguments) -> Value | None:
+def _namespace_argument(arguments: Arguments) -> Value | None:
     """Return a namespace among the arguments; what is unknown there may be the options."""
     second, third = arguments.get(1), arguments.get(2)
-    may_be = any(map(is_text, options(second))) or (isinstance(second, Hole) and third is not None)
+    may_be = any(map(is_text, options(second))) or (
+        isinstance(second, Unknown) and third is not None
+    )
     return second if may_be else None
 
 
-def _overrides(chosen: Instance) -> Value:
+def _parameter_overrides(chosen: Instance) -> Value:
     """Return the parameters that the options set: their overrides count over their arguments."""
-    given = getattr(chosen.fields[_GIVEN], "items", ())
-    pairs = own_settings(chosen.fields[_ARGUMENTS])
-    return listed((*(parameter(Known(name), value) for name, value in pairs), *given))
+    given = getattr(chosen.fields[_OVERRIDES], "items", ())
+    pairs = own_parameters(chosen.fields[_ARGUMENTS])
+    return list_of((*(parameter_object(Scalar(name), value) for name, value in pairs), *given))
 
 
-def _sub_node(_: Machine, owner: Instance, arguments: Arguments) -> Value:
+def _sub_node(_: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
     return sub_node(owner, arguments.get(0) or _UNKNOWN)
 
 
-def _effective(_: Machine, owner: Instance, __: Arguments) -> Value:
-    sub = owner.fields.get(SUB, Known(""))
-    return namespace_at(owner) if sub == Known("") else resolved(owner, Known("")) or sub
+def _effective_namespace(_: AbstractMachine, owner: Instance, __: Arguments) -> Value:
+    sub = owner.fields.get(SUB_NAMESPACE_FIELD, Scalar(""))
+    return node_namespace(owner) if sub == Scalar("") else resolve_at_node(owner, Scalar("")) or sub
 
 
-def _own_options(machine: Machine, owner: Instance, arguments: Arguments) -> Value:
+def _copy_node_options(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
     given = owner.fields.get(_OPTIONS)
     values = (given,) if given is not None else ()
     return make_options(machine, Arguments(values=values, frame=arguments.frame))
 
 
-def _field(field: str, _: Machine, owner: Instance, arguments: Arguments) -> Value:
+def _get_field(field: str, _: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
     del arguments
     return owner.fields.get(field, _UNKNOWN)
 
 
-def _transition(callback: str, machine: Machine, owner: Instance, arguments: Arguments) -> Value:
+def _run_transition(
+    callback: str, machine: AbstractMachine, owner: Instance, arguments: Arguments
+) -> Value:
     """`configure()` and its kin call what the class has for it."""
-    method = machine.world.attribute(owner, callback, ())
-    if method is not None and (id(owner), callback) not in machine.transitions:
-        state = Arguments(values=(Hole("state"),), line=arguments.line, frame=arguments.frame)
-        machine.transitions.add((id(owner), callback))
+    method = machine.runtime.attribute(owner, callback, ())
+    if method is not None and (id(owner), callback) not in machine.started_callbacks:
+        state = Arguments(values=(Unknown("state"),), line=arguments.line, frame=arguments.frame)
+        machine.started_callbacks.add((id(owner), callback))
         dispatch(machine, method, state)
-    return Hole("state")
+    return Unknown("state")
 
 
-def _succeed(_: Machine, __: Instance, ___: Arguments) -> Value:
-    return Hole("success")
+def _return_success(_: AbstractMachine, __: Instance, ___: Arguments) -> Value:
+    return Unknown("success")
 
 
 _TRANSITIONS = ("configure", "activate", "deactivate", "cleanup", "shutdown")
@@ -216,46 +253,46 @@ NODE_METHODS: Mapping[str, Callable[..., Value]] = {
     **ENDPOINT_METHODS,
     **PARAMETER_METHODS,
     **GRAPH_METHODS,
-    **{f"get_node_{interface}_interface": _itself for interface in _INTERFACES},
-    **dict.fromkeys(("shared_from_this", "weak_from_this"), _itself),
-    "get_name": lambda machine, owner, arguments: base_at(owner),
-    "get_namespace": lambda machine, owner, arguments: namespace_at(owner),
-    "get_fully_qualified_name": lambda machine, owner, arguments: name_of(owner),
-    "get_sub_namespace": partial(_field, SUB),
-    "get_effective_namespace": _effective,
+    **{f"get_node_{interface}_interface": _return_self for interface in _INTERFACES},
+    **dict.fromkeys(("shared_from_this", "weak_from_this"), _return_self),
+    "get_name": lambda machine, owner, arguments: node_base_name(owner),
+    "get_namespace": lambda machine, owner, arguments: node_namespace(owner),
+    "get_fully_qualified_name": lambda machine, owner, arguments: node_name(owner),
+    "get_sub_namespace": partial(_get_field, SUB_NAMESPACE_FIELD),
+    "get_effective_namespace": _effective_namespace,
     "create_sub_node": _sub_node,
-    "get_node_options": _own_options,
+    "get_node_options": _copy_node_options,
 }
-NODE = NativeClass("rclcpp::Node", make_node, dict(NODE_METHODS))
-LIFECYCLE_NODE = NativeClass(
+NODE = LibraryClass("rclcpp::Node", make_node, dict(NODE_METHODS))
+LIFECYCLE_NODE = LibraryClass(
     "rclcpp_lifecycle::LifecycleNode",
     partial(make_node, lifecycle=True),
     {
         **NODE_METHODS,
-        **{name: partial(_transition, f"on_{name}") for name in _TRANSITIONS},
-        **{f"register_on_{name}": watch for name in (*_TRANSITIONS, "error")},
-        **{f"on_{name}": _succeed for name in (*_TRANSITIONS, "error")},
+        **{name: partial(_run_transition, f"on_{name}") for name in _TRANSITIONS},
+        **{f"register_on_{name}": register_callbacks for name in (*_TRANSITIONS, "error")},
+        **{f"on_{name}": _return_success for name in (*_TRANSITIONS, "error")},
     },
-    called=("on_configure", "on_activate", "on_deactivate", "on_cleanup", "on_shutdown"),
+    virtual_callbacks=("on_configure", "on_activate", "on_deactivate", "on_cleanup", "on_shutdown"),
 )
-OPTIONS = NativeClass(
+OPTIONS = LibraryClass(
     "rclcpp::NodeOptions",
     make_options,
     {
-        "arguments": partial(_set, _ARGUMENTS),
-        "parameter_overrides": partial(_set, _GIVEN),
+        "arguments": partial(_get_or_set_option, _ARGUMENTS),
+        "parameter_overrides": partial(_get_or_set_option, _OVERRIDES),
         "append_parameter_override": _append_override,
-        **{name: partial(_set, field) for name, field in _FLAGS.items()},
+        **{name: partial(_get_or_set_option, field) for name, field in _FLAG_FIELDS.items()},
         **dict.fromkeys(
             (
                 *("allow_undeclared_parameters", "use_intra_process_comms", "context", "clock_qos"),
                 "use_clock_thread",
                 *("parameter_event_qos", "rosout_qos", "enable_topic_statistics", "allocator"),
             ),
-            _itself,
+            _return_self,
         ),
     },
 )
-NODE_CLASSES: Mapping[str, NativeClass] = {
+NODE_CLASSES: Mapping[str, LibraryClass] = {
     native.name: native for native in (NODE, LIFECYCLE_NODE, OPTIONS)
 }

@@ -2,194 +2,207 @@
 
 from collections.abc import Callable, Mapping
 
-from rtron.sources.code.interpreter.abstract_values.items import items_of, listed
+from rtron.sources.code.interpreter.abstract_values.items import items_of, list_of
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     FALSE,
     NONE,
     TRUE,
-    Hole,
     Instance,
-    Known,
+    LibraryClass,
     ListValue,
-    NativeClass,
+    Scalar,
+    Unknown,
     Value,
     concat,
     join,
     options,
 )
-from rtron.sources.code.interpreter.execution.abstract_machine import Machine
+from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
-from rtron.sources.code.library_models.common.cpp_arguments import escape_all
-from rtron.sources.code.library_models.ros2_common.parameter_types import is_kind, is_unset, kind_of
+from rtron.sources.code.library_models.common.cpp_arguments import escape_functions
+from rtron.sources.code.library_models.ros2_common.parameter_types import (
+    is_parameter_type,
+    is_unset,
+    parameter_type,
+)
 from rtron.sources.code.library_models.ros2_common.parameters import (
-    AUTOMATIC,
-    declared,
+    AUTOMATIC_FIELD,
+    declare_node_parameter,
     is_declared,
-    known,
-    read,
-    watch_changes,
-    written,
+    node_parameter_value,
+    note_parameter_callbacks,
+    read_node_parameter,
+    set_node_parameter,
 )
 
-_UNKNOWN = Hole("?")
+_UNKNOWN = Unknown("?")
 
 
-def parameter(name: Value, value: Value) -> Instance:
+def parameter_object(name: Value, value: Value) -> Instance:
     """Return an rclcpp::Parameter."""
     return Instance(PARAMETER, {"name": name, "value": value})
 
 
-def _value(value: Value | None) -> Value | None:
+def _unwrapped(value: Value | None) -> Value | None:
     """Return what a parameter or a ParameterValue holds."""
     is_parameter = isinstance(value, Instance) and value.type is PARAMETER
     return value.fields["value"] if is_parameter else value  # type: ignore[union-attr]
 
 
-def declare_parameter(machine: Machine, owner: Value, arguments: Arguments) -> Value:
+def declare_parameter(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
     """`declare_parameter<T>(name[, default])`, `declare_parameter(name, type)`."""
-    default = _value(arguments.get(1))
-    if isinstance(default, Instance) and not is_kind(default):
+    default = _unwrapped(arguments.get(1))
+    if isinstance(default, Instance) and not is_parameter_type(default):
         default = None
-    return declared(machine, owner, arguments.get(0) or _UNKNOWN, default)
+    return declare_node_parameter(machine, owner, arguments.get(0) or _UNKNOWN, default)
 
 
-def declare_parameters(machine: Machine, owner: Value, arguments: Arguments) -> Value:
+def declare_parameters(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
     """`declare_parameters(namespace, {{name, default}, …})`."""
     found: list[Value] = []
     for item in items_of(arguments.get(1) or NONE)[0]:
         name, default = (*items_of(item)[0], _UNKNOWN, None)[:2]
-        full = _joined(arguments.get(0), name or _UNKNOWN)
-        found.append(declared(machine, owner, full, _value(default)))
-    return listed(found)
+        full = _prefixed_name(arguments.get(0), name or _UNKNOWN)
+        found.append(declare_node_parameter(machine, owner, full, _unwrapped(default)))
+    return list_of(found)
 
 
-def _joined(namespace: Value | None, name: Value) -> Value:
-    if namespace is None or namespace == Known(""):
+def _prefixed_name(namespace: Value | None, name: Value) -> Value:
+    if namespace is None or namespace == Scalar(""):
         return name
-    return concat((namespace, Known("."), name))
+    return concat((namespace, Scalar("."), name))
 
 
-def get_parameter(machine: Machine, owner: Value, arguments: Arguments) -> Value:
+def get_parameter(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
     """`get_parameter(name)`, or `get_parameter(name, variable)`, which tells whether it is set."""
     name = arguments.get(0) or _UNKNOWN
     if len(arguments.values) < 2:  # noqa: PLR2004 - a name and a variable
-        return parameter(name, read(machine, owner, name))
-    return _written(machine, arguments, known(machine, owner, name))
+        return parameter_object(name, read_node_parameter(machine, owner, name))
+    return _write_variable(machine, arguments, node_parameter_value(machine, owner, name))
 
 
-def _written(machine: Machine, arguments: Arguments, found: Value | None) -> Value:
-    place, is_parameter = arguments.place(1), isinstance(arguments.get(1), Instance)
+def _write_variable(machine: AbstractMachine, arguments: Arguments, found: Value | None) -> Value:
+    slot, is_parameter = arguments.slot(1), isinstance(arguments.get(1), Instance)
     if found is None or is_unset(found):
         return FALSE
-    if place is not None:
+    if slot is not None:
         name = arguments.get(0) or _UNKNOWN
-        machine.trail.set(*place, parameter(name, found) if is_parameter else found)
-    return Hole("get_parameter") if isinstance(found, Hole) else TRUE
+        machine.undo_log.set(*slot, parameter_object(name, found) if is_parameter else found)
+    return Unknown("get_parameter") if isinstance(found, Unknown) else TRUE
 
 
-def get_parameter_or(machine: Machine, owner: Value, arguments: Arguments) -> Value:
+def get_parameter_or(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
     """`get_parameter_or(name, variable, default)`, `get_parameter_or(name, default)`."""
     default = arguments.get(len(arguments.values) - 1) or _UNKNOWN
-    found = known(machine, owner, arguments.get(0) or _UNKNOWN)
+    found = node_parameter_value(machine, owner, arguments.get(0) or _UNKNOWN)
     if found is None or is_unset(found):
         value = default
     else:
-        value = join((default, found)) if isinstance(found, Hole) else found
-    place = arguments.place(1)
+        value = join((default, found)) if isinstance(found, Unknown) else found
+    slot = arguments.slot(1)
     if len(arguments.values) < 3:  # noqa: PLR2004 - a name, a variable and a default
         return value
-    if place is not None:
-        machine.trail.set(*place, value)
+    if slot is not None:
+        machine.undo_log.set(*slot, value)
     return FALSE if found is None or is_unset(found) else TRUE
 
 
-def get_parameters(machine: Machine, owner: Value, arguments: Arguments) -> Value:
+def get_parameters(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
     """`get_parameters({name, …})`."""
     names, certain = items_of(arguments.get(0) or NONE)
-    found = [(name, known(machine, owner, name)) for name in names]
-    items = [parameter(n, Hole("parameter", tainted=True) if v is None else v) for n, v in found]
+    found = [(name, node_parameter_value(machine, owner, name)) for name in names]
+    items = [
+        parameter_object(n, Unknown("parameter", tainted=True) if v is None else v)
+        for n, v in found
+    ]
     return ListValue({"items": tuple(items), "open": not certain})
 
 
-def has_parameter(machine: Machine, owner: Value, arguments: Arguments) -> Value:
+def has_parameter(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
     """`has_parameter(name)`: whether it is declared."""
     answer = is_declared(machine, owner, arguments.get(0) or _UNKNOWN)
-    if answer is False and _declares_all(owner):
-        found = known(machine, owner, arguments.get(0) or _UNKNOWN)
+    if answer is False and _is_automatic(owner):
+        found = node_parameter_value(machine, owner, arguments.get(0) or _UNKNOWN)
         return (
-            FALSE if found is None else Hole("has_parameter") if isinstance(found, Hole) else TRUE
+            FALSE
+            if found is None
+            else Unknown("has_parameter")
+            if isinstance(found, Unknown)
+            else TRUE
         )
-    return Hole("has_parameter") if answer is None else Known(answer)
+    return Unknown("has_parameter") if answer is None else Scalar(answer)
 
 
-def _declares_all(owner: Value) -> bool:
-    return isinstance(owner, Instance) and owner.fields.get(AUTOMATIC) == TRUE
+def _is_automatic(owner: Value) -> bool:
+    return isinstance(owner, Instance) and owner.fields.get(AUTOMATIC_FIELD) == TRUE
 
 
-def set_parameter(machine: Machine, owner: Value, arguments: Arguments) -> Value:
+def set_parameter(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
     """`set_parameter(Parameter(name, value))`, `set_parameters({…})`."""
     given = arguments.get(0) or NONE
     for item in items_of(given)[0] if isinstance(given, ListValue) else options(given):
         if isinstance(item, Instance) and item.type is PARAMETER:
-            written(machine, owner, item.fields["name"], item.fields["value"])
-    return Hole("set_parameter")
+            set_node_parameter(machine, owner, item.fields["name"], item.fields["value"])
+    return Unknown("set_parameter")
 
 
-def watch(machine: Machine, owner: Value, arguments: Arguments) -> Value:
+def register_callbacks(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
     """`register_on_configure(…)` and its kin."""
     del owner
-    escape_all(machine, arguments)
-    return Hole("handle")
+    escape_functions(machine, arguments)
+    return Unknown("handle")
 
 
-def _watch_parameters(machine: Machine, owner: Value, arguments: Arguments) -> Value:
+def _register_parameter_callbacks(
+    machine: AbstractMachine, owner: Value, arguments: Arguments
+) -> Value:
     """`add_on_set_parameters_callback(…)` and its kin."""
-    watch_changes(machine, arguments)
-    return watch(machine, owner, arguments)
+    note_parameter_callbacks(machine, arguments)
+    return register_callbacks(machine, owner, arguments)
 
 
-def _make_parameter(_: Machine, arguments: Arguments) -> Value:
+def _make_parameter(_: AbstractMachine, arguments: Arguments) -> Value:
     """`rclcpp::Parameter(name, value)`."""
-    return parameter(arguments.get(0) or _UNKNOWN, _value(arguments.get(1)) or NONE)
+    return parameter_object(arguments.get(0) or _UNKNOWN, _unwrapped(arguments.get(1)) or NONE)
 
 
-def _make_value(_: Machine, arguments: Arguments) -> Value:
+def _make_parameter_value(_: AbstractMachine, arguments: Arguments) -> Value:
     """`rclcpp::ParameterValue(x)` is x."""
-    return _value(arguments.get(0)) or _UNKNOWN
+    return _unwrapped(arguments.get(0)) or _UNKNOWN
 
 
-def _get(_: Machine, owner: Instance, __: Arguments) -> Value:
+def _get(_: AbstractMachine, owner: Instance, __: Arguments) -> Value:
     return owner.fields["value"]
 
 
-def _get_name(_: Machine, owner: Instance, __: Arguments) -> Value:
+def _get_name(_: AbstractMachine, owner: Instance, __: Arguments) -> Value:
     return owner.fields["name"]
 
 
-def _itself(_: Machine, owner: Instance, __: Arguments) -> Value:
+def _return_self(_: AbstractMachine, owner: Instance, __: Arguments) -> Value:
     return owner
 
 
-def _kind(_: Machine, owner: Instance, __: Arguments) -> Value:
-    return kind_of(owner.fields["value"])
+def _parameter_type(_: AbstractMachine, owner: Instance, __: Arguments) -> Value:
+    return parameter_type(owner.fields["value"])
 
 
 _AS = ("string", "int", "double", "bool")
-PARAMETER = NativeClass(
+PARAMETER = LibraryClass(
     "rclcpp::Parameter",
     _make_parameter,
     {
         **{f"as_{kind}": _get for kind in _AS},
         **{f"as_{kind}_array": _get for kind in (*_AS, "integer", "byte")},
         **dict.fromkeys(("get_value", "value_to_string", "get"), _get),
-        "get_parameter_value": _itself,
+        "get_parameter_value": _return_self,
         "get_name": _get_name,
-        "get_type": _kind,
+        "get_type": _parameter_type,
     },
 )
-PARAMETER_CLASSES: Mapping[str, NativeClass] = {
+PARAMETER_CLASSES: Mapping[str, LibraryClass] = {
     "rclcpp::Parameter": PARAMETER,
-    "rclcpp::ParameterValue": NativeClass("rclcpp::ParameterValue", _make_value),
+    "rclcpp::ParameterValue": LibraryClass("rclcpp::ParameterValue", _make_parameter_value),
 }
 PARAMETER_METHODS: Mapping[str, Callable[..., Value]] = {
     "declare_parameter": declare_parameter,
@@ -207,6 +220,6 @@ PARAMETER_METHODS: Mapping[str, Callable[..., Value]] = {
             "add_post_set_parameters_callback",
             "add_pre_set_parameters_callback",
         ),
-        _watch_parameters,
+        _register_parameter_callbacks,
     ),
 }

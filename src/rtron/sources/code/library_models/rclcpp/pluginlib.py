@@ -6,106 +6,112 @@ from collections.abc import Mapping
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     FALSE,
     TRUE,
-    Hole,
     Instance,
-    Known,
-    NativeClass,
+    LibraryClass,
+    Scalar,
+    Unknown,
     Value,
     join,
     options,
     parts_of,
-    spelled,
+    text_with_holes,
 )
-from rtron.sources.code.interpreter.execution.abstract_machine import Machine
+from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
-from rtron.sources.code.library_models.common.cpp import cpp
-from rtron.sources.code.library_models.cpp_std.functional import shared
+from rtron.sources.code.library_models.common.cpp import cpp_runtime
+from rtron.sources.code.library_models.cpp_std.functional import hold_by_pointer
 
-_UNKNOWN = Hole("?")
+_UNKNOWN = Unknown("?")
 _CREATE = (
     *("createInstance", "createSharedInstance", "createUniqueInstance"),
     "createUnmanagedInstance",
 )
 
 
-def _loader(_: Machine, arguments: Arguments) -> Value:
+def _make_loader(_: AbstractMachine, arguments: Arguments) -> Value:
     """`pluginlib::ClassLoader<Base>(package, base)`."""
     return Instance(_LOADER, {"base": arguments.get(1) or _UNKNOWN, "truth": TRUE})
 
 
-def _create(machine: Machine, owner: Instance, arguments: Arguments) -> Value:
+def _create_plugins(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
     """Make a plugin from its source; each that the workspace has where only the launch knows."""
     base = owner.fields.get("base", _UNKNOWN)
     found: dict[str, Value] = {}
     for option in options(arguments.get(0) or _UNKNOWN):
-        names = _meant(machine, option, base, arguments)
-        if not names and not machine.recorder.site.complete:
+        names = _possible_plugins(machine, option, base, arguments)
+        if not names and not machine.recorder.site.parameters_complete:
             continue
         for name in names or [option]:
-            _load(machine, name, base, arguments, found)
-    if not found and (machine.recorder.site.complete or not isinstance(base, Known)):
-        _missed(machine, arguments.get(0) or _UNKNOWN, arguments)
-    return join(found.values()) if found else Hole("plugin")
+            _load_plugin(machine, name, base, arguments, found)
+    if not found and (machine.recorder.site.parameters_complete or not isinstance(base, Scalar)):
+        _note_missing(machine, arguments.get(0) or _UNKNOWN, arguments)
+    return join(found.values()) if found else Unknown("plugin")
 
 
-def _load(
-    machine: Machine, name: Value, base: Value, arguments: Arguments, found: dict[str, Value]
+def _load_plugin(
+    machine: AbstractMachine,
+    name: Value,
+    base: Value,
+    arguments: Arguments,
+    found: dict[str, Value],
 ) -> None:
-    spelled_name = spelled(name)
-    if spelled_name in found or not (isinstance(name, Known) and isinstance(base, Known)):
+    spelled_name = text_with_holes(name)
+    if spelled_name in found or not (isinstance(name, Scalar) and isinstance(base, Scalar)):
         return
-    made = cpp(machine).plugin(str(name.value), str(base.value), arguments)
+    made = cpp_runtime(machine).create_plugin(str(name.value), str(base.value), arguments)
     if made is not None:
-        found[spelled_name] = shared(machine, made)
+        found[spelled_name] = hold_by_pointer(machine, made)
     else:
-        _missed(machine, name, arguments)
+        _note_missing(machine, name, arguments)
 
 
-def _missed(machine: Machine, name: Value, at: Arguments) -> None:
+def _note_missing(machine: AbstractMachine, name: Value, at: Arguments) -> None:
     """Note a plugin that is not here, or that only the running app names."""
-    why = "its source is not found" if isinstance(name, Known) else "which one it is, is not known"
-    machine.recorder.unresolved(f"plugin {spelled(name)}", why, at.evidence)
+    why = "its source is not found" if isinstance(name, Scalar) else "which one it is, is not known"
+    machine.recorder.add_unresolved(f"plugin {text_with_holes(name)}", why, at.evidence)
 
 
-def _meant(machine: Machine, name: Value, base: Value, at: Arguments) -> list[Value]:
+def _possible_plugins(
+    machine: AbstractMachine, name: Value, base: Value, at: Arguments
+) -> list[Value]:
     """Return the plugins that a name may mean: all of the base where no launch is known.
 
     These are taken once for each place: a plugin may load plugins of its own kind.
     """
-    if isinstance(name, Known):
+    if isinstance(name, Scalar):
         return [name]
-    if machine.recorder.site.complete or not isinstance(base, Known):
+    if machine.recorder.site.parameters_complete or not isinstance(base, Scalar):
         return []
-    place = (at.evidence.file, at.evidence.line, f"plugins of {base.value}")
-    if place in machine.ran:
+    location = (at.evidence.file, at.evidence.line, f"plugins of {base.value}")
+    if location in machine.executed_functions:
         return []
-    machine.ran.add(place)
+    machine.executed_functions.add(location)
     form = re.compile("".join(re.escape(p) if isinstance(p, str) else ".*" for p in parts_of(name)))
-    names = filter(form.fullmatch, machine.world.files.plugins(str(base.value)))
-    return [Known(one, tainted=True) for one in names]
+    names = filter(form.fullmatch, machine.runtime.files.plugin_names(str(base.value)))
+    return [Scalar(one, tainted=True) for one in names]
 
 
-def _available(machine: Machine, owner: Instance, arguments: Arguments) -> Value:
+def _is_class_available(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
     """`isClassAvailable(name)`."""
     name, base = arguments.get(0), owner.fields.get("base", _UNKNOWN)
-    if not (isinstance(name, Known) and isinstance(base, Known)):
-        return Hole("isClassAvailable")
-    found = machine.world.files.plugin(str(name.value), str(base.value))
-    return FALSE if found is None and machine.recorder.site.complete else TRUE
+    if not (isinstance(name, Scalar) and isinstance(base, Scalar)):
+        return Unknown("isClassAvailable")
+    found = machine.runtime.files.find_plugin(str(name.value), str(base.value))
+    return FALSE if found is None and machine.recorder.site.parameters_complete else TRUE
 
 
-def _type(_: Machine, __: Instance, arguments: Arguments) -> Value:
+def _class_type(_: AbstractMachine, __: Instance, arguments: Arguments) -> Value:
     """`getClassType(name)`: what a plugin is called, taken for its type."""
     return arguments.get(0) or _UNKNOWN
 
 
-_LOADER = NativeClass(
+_LOADER = LibraryClass(
     "pluginlib::ClassLoader",
-    _loader,
+    _make_loader,
     {
-        **dict.fromkeys(_CREATE, _create),
-        "isClassAvailable": _available,
-        **dict.fromkeys(("getClassType", "getName"), _type),
+        **dict.fromkeys(_CREATE, _create_plugins),
+        "isClassAvailable": _is_class_available,
+        **dict.fromkeys(("getClassType", "getName"), _class_type),
     },
 )
-PLUGIN_CLASSES: Mapping[str, NativeClass] = {_LOADER.name: _LOADER}
+PLUGIN_CLASSES: Mapping[str, LibraryClass] = {_LOADER.name: _LOADER}

@@ -4,98 +4,108 @@ from collections.abc import Callable, Mapping
 from functools import partial
 
 from rtron.sources.code.interpreter.abstract_values.value_types import (
-    Hole,
     Instance,
-    Known,
-    NativeClass,
+    LibraryClass,
+    Scalar,
+    Unknown,
     Value,
 )
-from rtron.sources.code.interpreter.execution.abstract_machine import Machine
+from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.library_models.ros2_common.qos import (
-    DEFAULT,
-    DEPTH,
-    DURABILITY,
-    PROFILES,
-    RELIABILITY,
-    fields_of,
+    DEFAULT_QOS,
+    DEPTH_FIELD,
+    DURABILITY_FIELD,
+    QOS_PROFILES,
+    RELIABILITY_FIELD,
     is_qos,
-    made,
-    policy,
+    policy_value,
+    qos_fields,
+    qos_object,
 )
 from rtron.vocabulary import Durability, Reliability
 
-_UNKNOWN = Hole("?")
+_UNKNOWN = Unknown("?")
 
 
-def _profile(name: str, machine: Machine, arguments: Arguments) -> Value:
+def _make_profile(name: str, machine: AbstractMachine, arguments: Arguments) -> Value:
     """Make a profile: `rclcpp::QoS(10)`, `QoS(KeepLast(10))`, `SensorDataQoS()`."""
     del machine
-    new = made(QOS, PROFILES[name])
+    new = qos_object(QOS, QOS_PROFILES[name])
     for value in arguments.values:
         if isinstance(value, Instance) and is_qos(value):
-            new.fields.update({key: value.fields[key] for key in fields_of(DEFAULT)})
-        elif isinstance(value, Instance) and DEPTH in value.fields:
-            new.fields[DEPTH] = value.fields[DEPTH]
-        elif isinstance(value, Known) and isinstance(value.value, int):
-            new.fields[DEPTH] = value
+            new.fields.update({key: value.fields[key] for key in qos_fields(DEFAULT_QOS)})
+        elif isinstance(value, Instance) and DEPTH_FIELD in value.fields:
+            new.fields[DEPTH_FIELD] = value.fields[DEPTH_FIELD]
+        elif isinstance(value, Scalar) and isinstance(value.value, int):
+            new.fields[DEPTH_FIELD] = value
     return new
 
 
-def _depth(_: Machine, arguments: Arguments) -> Value:
+def _make_initialization(_: AbstractMachine, arguments: Arguments) -> Value:
     """`rclcpp::KeepLast(n)`, `rclcpp::KeepAll()`."""
-    return Instance(_INITIALISATION, {DEPTH: arguments.get(0) or Known(0)})
+    return Instance(_INITIALIZATION, {DEPTH_FIELD: arguments.get(0) or Scalar(0)})
 
 
-def _from_rmw(_: Machine, __: object, arguments: Arguments) -> Value:
+def _from_rmw(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
     """`rclcpp::QoSInitialization::from_rmw(profile)`."""
     return arguments.get(0) or _UNKNOWN
 
 
-def _set(field: str, value: Value, machine: Machine, owner: Instance, _: Arguments) -> Value:
-    machine.trail.set(owner.fields, field, value)
+def _set_policy(
+    field: str, value: Value, machine: AbstractMachine, owner: Instance, _: Arguments
+) -> Value:
+    machine.undo_log.set(owner.fields, field, value)
     return owner
 
 
-def _set_given(field: str, machine: Machine, owner: Instance, arguments: Arguments) -> Value:
+def _set_policy_argument(
+    field: str, machine: AbstractMachine, owner: Instance, arguments: Arguments
+) -> Value:
     given = arguments.get(0)
-    value = given if field == DEPTH and given is not None else policy(given)
-    machine.trail.set(owner.fields, field, value)
+    value = given if field == DEPTH_FIELD and given is not None else policy_value(given)
+    machine.undo_log.set(owner.fields, field, value)
     return owner
 
 
-def _itself(_: Machine, owner: Instance, __: Arguments) -> Value:
+def _return_self(_: AbstractMachine, owner: Instance, __: Arguments) -> Value:
     return owner
 
 
-def _get(field: str, _: Machine, owner: Instance, arguments: Arguments) -> Value:
+def _get_policy(field: str, _: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
     del arguments
     return owner.fields.get(field, _UNKNOWN)
 
 
 _METHODS: Mapping[str, Callable[..., Value]] = {
-    "reliable": partial(_set, RELIABILITY, Known(Reliability.RELIABLE.value)),
-    "best_effort": partial(_set, RELIABILITY, Known(Reliability.BEST_EFFORT.value)),
-    "reliability_best_available": partial(_set, RELIABILITY, Hole("best available")),
-    "transient_local": partial(_set, DURABILITY, Known(Durability.TRANSIENT_LOCAL.value)),
-    "durability_volatile": partial(_set, DURABILITY, Known(Durability.VOLATILE.value)),
-    "durability_best_available": partial(_set, DURABILITY, Hole("best available")),
-    "reliability": partial(_set_given, RELIABILITY),
-    "durability": partial(_set_given, DURABILITY),
-    "keep_last": partial(_set_given, DEPTH),
-    "keep_all": partial(_set, DEPTH, Known(0)),
-    "depth": partial(_get, DEPTH),
+    "reliable": partial(_set_policy, RELIABILITY_FIELD, Scalar(Reliability.RELIABLE.value)),
+    "best_effort": partial(_set_policy, RELIABILITY_FIELD, Scalar(Reliability.BEST_EFFORT.value)),
+    "reliability_best_available": partial(
+        _set_policy, RELIABILITY_FIELD, Unknown("best available")
+    ),
+    "transient_local": partial(
+        _set_policy, DURABILITY_FIELD, Scalar(Durability.TRANSIENT_LOCAL.value)
+    ),
+    "durability_volatile": partial(
+        _set_policy, DURABILITY_FIELD, Scalar(Durability.VOLATILE.value)
+    ),
+    "durability_best_available": partial(_set_policy, DURABILITY_FIELD, Unknown("best available")),
+    "reliability": partial(_set_policy_argument, RELIABILITY_FIELD),
+    "durability": partial(_set_policy_argument, DURABILITY_FIELD),
+    "keep_last": partial(_set_policy_argument, DEPTH_FIELD),
+    "keep_all": partial(_set_policy, DEPTH_FIELD, Scalar(0)),
+    "depth": partial(_get_policy, DEPTH_FIELD),
     **dict.fromkeys(
         (
             *("deadline", "lifespan", "liveliness", "liveliness_lease_duration", "history"),
             *("avoid_ros_namespace_conventions", "get_rmw_qos_profile"),
         ),
-        _itself,
+        _return_self,
     ),
 }
-QOS = NativeClass("rclcpp::QoS", partial(_profile, "default"), dict(_METHODS))
-_INITIALISATION = NativeClass("rclcpp::QoSInitialization", _depth)
-_NAMED = {
+QOS = LibraryClass("rclcpp::QoS", partial(_make_profile, "default"), dict(_METHODS))
+_INITIALIZATION = LibraryClass("rclcpp::QoSInitialization", _make_initialization)
+_PROFILE_CLASSES = {
     "SensorDataQoS": "sensor_data",
     "ServicesQoS": "services_default",
     "ParametersQoS": "parameters",
@@ -105,19 +115,21 @@ _NAMED = {
     "SystemDefaultsQoS": "system_default",
 }
 
-QOS_CLASSES: Mapping[str, NativeClass] = {
+QOS_CLASSES: Mapping[str, LibraryClass] = {
     "rclcpp::QoS": QOS,
     **{
-        f"rclcpp::{name}": NativeClass(f"rclcpp::{name}", partial(_profile, profile), QOS.methods)
-        for name, profile in _NAMED.items()
+        f"rclcpp::{name}": LibraryClass(
+            f"rclcpp::{name}", partial(_make_profile, profile), QOS.methods
+        )
+        for name, profile in _PROFILE_CLASSES.items()
     },
     **dict.fromkeys(
-        ("rclcpp::KeepLast", "rclcpp::KeepAll", "rclcpp::QoSInitialization"), _INITIALISATION
+        ("rclcpp::KeepLast", "rclcpp::KeepAll", "rclcpp::QoSInitialization"), _INITIALIZATION
     ),
 }
 QOS_FUNCTIONS: Mapping[str, Callable[..., Value]] = {
     "rclcpp::QoSInitialization::from_rmw": _from_rmw
 }
 QOS_CONSTANTS: Mapping[str, Value] = {
-    f"rmw_qos_profile_{name}": made(QOS, qos) for name, qos in PROFILES.items()
+    f"rmw_qos_profile_{name}": qos_object(QOS, qos) for name, qos in QOS_PROFILES.items()
 }

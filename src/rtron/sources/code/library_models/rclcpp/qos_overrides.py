@@ -2,16 +2,16 @@
 
 from collections.abc import Callable, Mapping, Sequence
 
-from rtron.sources.code.interpreter.abstract_values.items import listed
+from rtron.sources.code.interpreter.abstract_values.items import list_of
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     NONE,
     Instance,
-    Known,
+    LibraryClass,
     ListValue,
-    NativeClass,
+    Scalar,
     Value,
 )
-from rtron.sources.code.interpreter.execution.abstract_machine import Machine
+from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.library_models.ros2_common import qos_overrides
 
@@ -20,51 +20,55 @@ _ID_AT = 2
 _NAMES = ("PublisherOptions", "SubscriptionOptions")
 
 
-def options_among(arguments: Arguments) -> Value | None:
+def overriding_options_argument(arguments: Arguments) -> Value | None:
     """Return the options of overriding among what an endpoint is made with."""
     for value in arguments.values[1:]:
         if isinstance(value, Instance) and _FIELD in value.fields:
             given = value.fields[_FIELD]
-            return _made(given.items) if isinstance(given, ListValue) else given
+            return _overriding_options(given.items) if isinstance(given, ListValue) else given
     return None
 
 
-def _options(_: Machine, arguments: Arguments) -> Value:
+def _make_endpoint_options(_: AbstractMachine, arguments: Arguments) -> Value:
     """`rclcpp::PublisherOptions()`, or a copy of others."""
     before = next((v.fields for v in arguments.values if isinstance(v, Instance)), {})
-    return Instance(OPTIONS, {_FIELD: NONE, **before})
+    return Instance(ENDPOINT_OPTIONS, {_FIELD: NONE, **before})
 
 
-def _overriding(_: Machine, arguments: Arguments) -> Value:
+def _make_overriding_options(_: AbstractMachine, arguments: Arguments) -> Value:
     """`QosOverridingOptions({QosPolicyKind::Depth, …}, callback, id)`, or the policies alone."""
-    return _made(arguments.values)
+    return _overriding_options(arguments.values)
 
 
-def _made(values: Sequence[Value]) -> Value:
-    first = values[0] if values else listed(())
-    if isinstance(first, Instance) and qos_overrides.POLICIES in first.fields:
+def _overriding_options(values: Sequence[Value]) -> Value:
+    first = values[0] if values else list_of(())
+    if isinstance(first, Instance) and qos_overrides.POLICIES_FIELD in first.fields:
         return first
     if not isinstance(first, ListValue):
-        return qos_overrides.overriding(_OVERRIDING, listed(tuple(values)), None)
+        return qos_overrides.overriding_options(_OVERRIDING, list_of(tuple(values)), None)
     identity = values[_ID_AT] if len(values) > _ID_AT else None
-    return qos_overrides.overriding(_OVERRIDING, first, identity)
+    return qos_overrides.overriding_options(_OVERRIDING, first, identity)
 
 
-def _by_default(_: Machine, __: object, arguments: Arguments) -> Value:
+def _with_default_policies(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
     """`QosOverridingOptions::with_default_policies(callback, id)`."""
     return qos_overrides.with_default_policies(_OVERRIDING, arguments.get(1))
 
 
-OPTIONS = NativeClass("rclcpp::PublisherOptions", _options)
-_OVERRIDING = NativeClass("rclcpp::QosOverridingOptions", _overriding)
-OVERRIDING_CLASSES: Mapping[str, NativeClass] = {
-    **{f"rclcpp::{name}{more}": OPTIONS for name in _NAMES for more in ("", "WithAllocator")},
+ENDPOINT_OPTIONS = LibraryClass("rclcpp::PublisherOptions", _make_endpoint_options)
+_OVERRIDING = LibraryClass("rclcpp::QosOverridingOptions", _make_overriding_options)
+OVERRIDING_CLASSES: Mapping[str, LibraryClass] = {
+    **{
+        f"rclcpp::{name}{more}": ENDPOINT_OPTIONS
+        for name in _NAMES
+        for more in ("", "WithAllocator")
+    },
     "rclcpp::QosOverridingOptions": _OVERRIDING,
 }
 OVERRIDING_FUNCTIONS: Mapping[str, Callable[..., Value]] = {
-    "rclcpp::QosOverridingOptions::with_default_policies": _by_default
+    "rclcpp::QosOverridingOptions::with_default_policies": _with_default_policies
 }
 OVERRIDING_CONSTANTS: Mapping[str, Value] = {
-    f"rclcpp::QosPolicyKind::{kind.title().replace('_', '')}": Known(kind)
-    for kind in qos_overrides.KINDS
+    f"rclcpp::QosPolicyKind::{kind.title().replace('_', '')}": Scalar(kind)
+    for kind in qos_overrides.POLICY_KINDS
 }

@@ -4,32 +4,32 @@ from collections.abc import Mapping
 from functools import partial
 
 from rtron.sources.code.interpreter.abstract_values.value_types import (
-    Foreign,
-    Hole,
+    ExternalSymbol,
     Instance,
-    Known,
-    Native,
-    NativeClass,
+    LibraryClass,
+    LibraryFunction,
+    Scalar,
+    Unknown,
     Value,
-    each,
-    spelled,
+    map_options,
+    text_with_holes,
 )
-from rtron.sources.code.interpreter.execution.abstract_machine import Machine
+from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.library_models.ros2_common.qos import (
-    DEFAULT,
-    DEPTH,
-    DURABILITY,
-    PROFILES,
-    RELIABILITY,
-    policy,
-    qos_of,
+    DEFAULT_QOS,
+    DEPTH_FIELD,
+    DURABILITY_FIELD,
+    QOS_PROFILES,
+    RELIABILITY_FIELD,
+    policy_value,
+    read_qos,
 )
 from rtron.sources.declaration import DeclarationKind
 from rtron.vocabulary import QoS
 
-_FIELDS = {"depth": DEPTH, "reliability": RELIABILITY, "durability": DURABILITY}
-_PLACES = {DeclarationKind.PUBLISH: 2, DeclarationKind.SUBSCRIBE: 3}
+_FIELDS = {"depth": DEPTH_FIELD, "reliability": RELIABILITY_FIELD, "durability": DURABILITY_FIELD}
+_QOS_POSITIONS = {DeclarationKind.PUBLISH: 2, DeclarationKind.SUBSCRIBE: 3}
 _PRESETS = {
     "SENSOR_DATA": "sensor_data",
     "SYSTEM_DEFAULT": "system_default",
@@ -40,65 +40,69 @@ _PRESETS = {
 }
 
 
-def quality(kind: DeclarationKind, arguments: Arguments, at: int) -> QoS | None:
+def endpoint_qos(kind: DeclarationKind, arguments: Arguments, at: int) -> QoS | None:
     """Return the quality of service that an endpoint is made with, where it is literal."""
-    if kind not in _PLACES:
+    if kind not in _QOS_POSITIONS:
         return None
-    return read(arguments.get(at + _PLACES[kind], "qos_profile"))
+    return read_profile(arguments.get(at + _QOS_POSITIONS[kind], "qos_profile"))
 
 
-def read(value: Value | None) -> QoS | None:
+def read_profile(value: Value | None) -> QoS | None:
     """Return what a profile, or a depth alone, says."""
     if not isinstance(value, Instance) or value.type is not _PROFILE:
-        return qos_of(value)
+        return read_qos(value)
     found = {key: value.fields[name] for name, key in _FIELDS.items()}
-    plain = {key: one if key == DEPTH else policy(one) for key, one in found.items()}
-    return qos_of(Instance(_PROFILE, plain))
+    plain = {key: one if key == DEPTH_FIELD else policy_value(one) for key, one in found.items()}
+    return read_qos(Instance(_PROFILE, plain))
 
 
-def _make(_: Machine, arguments: Arguments) -> Value:
+def _make_profile(_: AbstractMachine, arguments: Arguments) -> Value:
     """`QoSProfile(depth=…, reliability=…, durability=…)`."""
-    made = _profile(DEFAULT)
+    made = _profile_object(DEFAULT_QOS)
     made.fields.update({n: v for n, v in arguments.keywords.items() if n in _FIELDS})
     return made
 
 
-def _profile(qos: QoS) -> Instance:
+def _profile_object(qos: QoS) -> Instance:
     fields: dict[object, Value] = {
-        "depth": Known(qos.depth),
-        "reliability": Known(qos.reliability.value),
-        "durability": Known(qos.durability.value),
+        "depth": Scalar(qos.depth),
+        "reliability": Scalar(qos.reliability.value),
+        "durability": Scalar(qos.durability.value),
     }
     return Instance(_PROFILE, fields)
 
 
-def profiles() -> Mapping[str, Value]:
+def library_profiles() -> Mapping[str, Value]:
     """Return the profiles of rclpy.qos, new ones for each program."""
     presets: dict[str, Value] = {
-        name: Instance(_PRESET, {"value": _profile(PROFILES[profile])})
+        name: Instance(_PRESET_PROFILES, {"value": _profile_object(QOS_PROFILES[profile])})
         for name, profile in _PRESETS.items()
     }
-    named = {f"rclpy.qos.qos_profile_{name}": _profile(qos) for name, qos in PROFILES.items()}
+    named = {
+        f"rclpy.qos.qos_profile_{name}": _profile_object(qos) for name, qos in QOS_PROFILES.items()
+    }
     return {
-        **{f"{_PRESET.name}.{name}": preset for name, preset in presets.items()},
-        f"{_PRESET.name}.get_from_short_key": Native("key", partial(_of_short_key, presets)),
-        _PRESET.name: Foreign(_PRESET.name),
+        **{f"{_PRESET_PROFILES.name}.{name}": preset for name, preset in presets.items()},
+        f"{_PRESET_PROFILES.name}.get_from_short_key": LibraryFunction(
+            "key", partial(_preset_by_key, presets)
+        ),
+        _PRESET_PROFILES.name: ExternalSymbol(_PRESET_PROFILES.name),
         **named,
         _PROFILE.name: _PROFILE,
     }
 
 
-def _of_short_key(
-    presets: Mapping[str, Value], _: Machine, __: object, arguments: Arguments
+def _preset_by_key(
+    presets: Mapping[str, Value], _: AbstractMachine, __: object, arguments: Arguments
 ) -> Value:
     """`QoSPresetProfiles.get_from_short_key("sensor_data")`."""
 
     def named(key: Value) -> Value:
-        found = presets.get(spelled(key).upper())
-        return found.fields["value"] if isinstance(found, Instance) else Hole("profile")
+        found = presets.get(text_with_holes(key).upper())
+        return found.fields["value"] if isinstance(found, Instance) else Unknown("profile")
 
-    return each(arguments.get(0, "name") or Hole("?"), named)
+    return map_options(arguments.get(0, "name") or Unknown("?"), named)
 
 
-_PROFILE = NativeClass("rclpy.qos.QoSProfile", _make)
-_PRESET = NativeClass("rclpy.qos.QoSPresetProfiles")
+_PROFILE = LibraryClass("rclpy.qos.QoSProfile", _make_profile)
+_PRESET_PROFILES = LibraryClass("rclpy.qos.QoSPresetProfiles")

@@ -4,14 +4,14 @@ from collections.abc import Mapping
 from functools import partial
 
 from rtron.sources.code.interpreter.abstract_values.value_types import (
-    Hole,
-    Known,
+    LibraryFunction,
     MessageType,
-    Native,
+    Scalar,
+    Unknown,
     Value,
-    each,
+    map_options,
 )
-from rtron.sources.code.interpreter.execution.abstract_machine import Machine
+from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 
 _PARTS = 3
@@ -23,19 +23,21 @@ _FOLDERS = {
 }
 
 
-def _interface(folders: set[str], _: Machine, __: object, arguments: Arguments) -> Value:
+def _get_interface(
+    folders: set[str], _: AbstractMachine, __: object, arguments: Arguments
+) -> Value:
     """`get_message("std_msgs/msg/String")`."""
 
     def named(value: Value) -> Value:
-        name = value.value if isinstance(value, Known) else None
+        name = value.value if isinstance(value, Scalar) else None
         parts = name.split("/") if isinstance(name, str) else []
         is_full = len(parts) == _PARTS and all(parts) and parts[1] in folders
-        return MessageType("/".join(parts)) if is_full else Hole("interface")
+        return MessageType("/".join(parts)) if is_full else Unknown("interface")
 
-    return each(arguments.get(0, "identifier") or Hole("?"), named)
+    return map_options(arguments.get(0, "identifier") or Unknown("?"), named)
 
 
 ROSIDL: Mapping[str, Value] = {
-    f"rosidl_runtime_py.utilities.{name}": Native(name, partial(_interface, folders))
+    f"rosidl_runtime_py.utilities.{name}": LibraryFunction(name, partial(_get_interface, folders))
     for name, folders in _FOLDERS.items()
 }

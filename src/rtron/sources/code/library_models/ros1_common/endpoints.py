@@ -1,9 +1,9 @@
 """What the client libraries declare: the same calls in both languages end here."""
 
-from rtron.sources.code.interpreter.abstract_values.value_types import Known, Value, concat
-from rtron.sources.code.interpreter.execution.abstract_machine import Machine
+from rtron.sources.code.interpreter.abstract_values.value_types import Scalar, Value, concat
+from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
-from rtron.sources.code.library_models.ros1_common.names import remapped, resolve
+from rtron.sources.code.library_models.ros1_common.names import remap_name, resolve_name
 from rtron.sources.declaration import DeclarationKind
 from rtron.vocabulary import Evidence
 
@@ -18,8 +18,8 @@ _PUBLISH = DeclarationKind.PUBLISH
 _SUBSCRIBE = DeclarationKind.SUBSCRIBE
 
 
-def declare(
-    machine: Machine,
+def declare_endpoint(
+    machine: AbstractMachine,
     kind: DeclarationKind,
     name: Value,
     type: str,
@@ -33,70 +33,76 @@ def declare(
     machine.recorder.declare(kind, name, type, evidence, implicit=implicit, latched=latched)
 
 
-def below(namespace: Value, *names: str) -> Value:
+def name_below(namespace: Value, *names: str) -> Value:
     """Return a name below an absolute namespace."""
-    return concat((namespace, Known("/" + "/".join(names))))
+    return concat((namespace, Scalar("/" + "/".join(names))))
 
 
-def dynamic_reconfigure(machine: Machine, namespace: Value, at: Arguments) -> None:
+def declare_dynamic_reconfigure(machine: AbstractMachine, namespace: Value, at: Arguments) -> None:
     """Record what a dynamic_reconfigure server declares (ROS wiki: dynamic_reconfigure)."""
     for name, type in (
         ("parameter_descriptions", "dynamic_reconfigure/ConfigDescription"),
         ("parameter_updates", "dynamic_reconfigure/Config"),
     ):
-        declare(machine, _PUBLISH, below(namespace, name), type, at, implicit=True, latched=True)
-    service = below(namespace, "set_parameters")
+        declare_endpoint(
+            machine, _PUBLISH, name_below(namespace, name), type, at, implicit=True, latched=True
+        )
+    service = name_below(namespace, "set_parameters")
     type = "dynamic_reconfigure/Reconfigure"
-    declare(machine, DeclarationKind.SERVICE, service, type, at, implicit=True)
+    declare_endpoint(machine, DeclarationKind.SERVICE, service, type, at, implicit=True)
 
 
-def transforms(machine: Machine, kind: DeclarationKind, at: Arguments, *, static: bool) -> None:
+def declare_transforms(
+    machine: AbstractMachine, kind: DeclarationKind, at: Arguments, *, static: bool
+) -> None:
     """Record that a node sends or hears transforms (ROS wiki: tf2)."""
     sent = ("/tf_static",) if static else ("/tf",)
     for name in ("/tf", "/tf_static") if kind is _SUBSCRIBE else sent:
-        declare(machine, kind, Known(name), "tf2_msgs/TFMessage", at, implicit=True)
+        declare_endpoint(machine, kind, Scalar(name), "tf2_msgs/TFMessage", at, implicit=True)
 
 
-def diagnostics(machine: Machine, at: Arguments) -> None:
+def declare_diagnostics(machine: AbstractMachine, at: Arguments) -> None:
     """Record a diagnostic_updater (ROS wiki: diagnostic_updater)."""
     type = "diagnostic_msgs/DiagnosticArray"
-    declare(machine, _PUBLISH, Known("/diagnostics"), type, at, implicit=True)
+    declare_endpoint(machine, _PUBLISH, Scalar("/diagnostics"), type, at, implicit=True)
 
 
-def bond(machine: Machine, name: Value, at: Arguments) -> None:
+def declare_bond(machine: AbstractMachine, name: Value, at: Arguments) -> None:
     """Record a bond, which both speaks and hears (ROS wiki: bond)."""
     for kind in (_PUBLISH, _SUBSCRIBE):
-        declare(machine, kind, name, "bond/Status", at, implicit=True)
+        declare_endpoint(machine, kind, name, "bond/Status", at, implicit=True)
 
 
-def image_publisher(machine: Machine, name: Value, at: Arguments) -> None:
+def declare_image_publisher(machine: AbstractMachine, name: Value, at: Arguments) -> None:
     """Record what image_transport advertises: the image, and what its plugins add to it."""
-    declare(machine, _PUBLISH, name, "sensor_msgs/Image", at)
-    base = remapped(machine, name)
+    declare_endpoint(machine, _PUBLISH, name, "sensor_msgs/Image", at)
+    base = remap_name(machine, name)
     for transport, type in TRANSPORTS.items():
-        topic = below(base, transport)
-        declare(machine, _PUBLISH, topic, type, at, implicit=True)
-        dynamic_reconfigure(machine, topic, at)
+        topic = name_below(base, transport)
+        declare_endpoint(machine, _PUBLISH, topic, type, at, implicit=True)
+        declare_dynamic_reconfigure(machine, topic, at)
 
 
-def image_subscriber(machine: Machine, name: Value, transport: Value | None, at: Arguments) -> None:
+def declare_image_subscriber(
+    machine: AbstractMachine, name: Value, transport: Value | None, at: Arguments
+) -> None:
     """Record what image_transport subscribes: the image itself, or one transport of it."""
-    chosen = transport.value if isinstance(transport, Known) else "raw"
+    chosen = transport.value if isinstance(transport, Scalar) else "raw"
     if chosen in TRANSPORTS:
-        topic = below(remapped(machine, name), str(chosen))
-        declare(machine, _SUBSCRIBE, topic, TRANSPORTS[str(chosen)], at)
+        topic = name_below(remap_name(machine, name), str(chosen))
+        declare_endpoint(machine, _SUBSCRIBE, topic, TRANSPORTS[str(chosen)], at)
     else:
-        declare(machine, _SUBSCRIBE, name, "sensor_msgs/Image", at)
+        declare_endpoint(machine, _SUBSCRIBE, name, "sensor_msgs/Image", at)
 
 
-def camera_info(machine: Machine, image: Value) -> Value:
+def camera_info_topic(machine: AbstractMachine, image: Value) -> Value:
     """Return where the camera info of an image topic is (image_transport: getCameraInfoTopic)."""
-    name = remapped(machine, image)
-    if isinstance(name, Known):
-        return Known(str(name.value).rpartition("/")[0] + "/camera_info", name.tainted)
-    return below(name, "..", "camera_info")
+    name = remap_name(machine, image)
+    if isinstance(name, Scalar):
+        return Scalar(str(name.value).rpartition("/")[0] + "/camera_info", name.tainted)
+    return name_below(name, "..", "camera_info")
 
 
-def own_namespace(machine: Machine, name: str = "~") -> Value:
+def resolve_private(machine: AbstractMachine, name: str = "~") -> Value:
     """Return a name resolved in the node itself."""
-    return resolve(machine, Known(name))
+    return resolve_name(machine, Scalar(name))

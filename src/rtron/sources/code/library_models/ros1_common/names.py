@@ -1,113 +1,117 @@
 """How names resolve in a node, and what the parameter server says, for names known in part."""
 
-from rtron.sources.code.interpreter.abstract_values.items import listed
+from rtron.sources.code.interpreter.abstract_values.items import list_of
 from rtron.sources.code.interpreter.abstract_values.value_types import (
-    Hole,
-    Known,
     MapValue,
-    Text,
+    PartialText,
+    Scalar,
+    Unknown,
     Value,
     concat,
-    each,
     is_tainted,
     join,
+    map_options,
     options,
     parts_of,
-    spelled,
+    text_with_holes,
 )
-from rtron.sources.code.interpreter.execution.abstract_machine import Machine
+from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.vocabulary import ParameterValue, UnknownValue
 from rtron.vocabulary.launch import canonical_name
 
 
-def node_namespace(machine: Machine) -> str:
+def node_namespace(machine: AbstractMachine) -> str:
     """Return the namespace that the node stands in."""
     return machine.recorder.site.name.rpartition("/")[0] or "/"
 
 
-def resolve(machine: Machine, name: Value, namespace: Value | None = None) -> Value:
+def resolve_name(machine: AbstractMachine, name: Value, namespace: Value | None = None) -> Value:
     """Return a name as it resolves below a namespace, before remapping (ROS wiki: Names)."""
-    below = namespace if namespace is not None else Known(node_namespace(machine))
-    return join([_resolve(machine, one, base) for one in options(name) for base in options(below)])
+    below = namespace if namespace is not None else Scalar(node_namespace(machine))
+    return join(
+        [_resolve_one(machine, one, base) for one in options(name) for base in options(below)]
+    )
 
 
-def _resolve(machine: Machine, name: Value, namespace: Value) -> Value:
+def _resolve_one(machine: AbstractMachine, name: Value, namespace: Value) -> Value:
     parts = parts_of(name)
     first = parts[0] if parts else ""
     if isinstance(first, str) and first.startswith("/"):
-        return _clean(name)
+        return _canonical(name)
     if isinstance(first, str) and first.startswith("~"):
-        private = Text((first[1:], *parts[1:]), is_tainted(name))
-        return _clean(concat((Known(machine.recorder.site.name + "/"), private)))
-    return _clean(concat((namespace, Known("/"), name)))
+        private = PartialText((first[1:], *parts[1:]), is_tainted(name))
+        return _canonical(concat((Scalar(machine.recorder.site.name + "/"), private)))
+    return _canonical(concat((namespace, Scalar("/"), name)))
 
 
-def _clean(name: Value) -> Value:
+def _canonical(name: Value) -> Value:
     def cleaned(option: Value) -> Value:
-        if isinstance(option, Known):
-            return Known(canonical_name("/" + str(option.value)), option.tainted)
+        if isinstance(option, Scalar):
+            return Scalar(canonical_name("/" + str(option.value)), option.tainted)
         return option
 
-    return each(name, cleaned)
+    return map_options(name, cleaned)
 
 
-def remapped(machine: Machine, name: Value) -> Value:
+def remap_name(machine: AbstractMachine, name: Value) -> Value:
     """Return an absolute name as the node's remaps leave it."""
     remaps = dict(machine.recorder.site.remaps)
 
     def moved(option: Value) -> Value:
-        if isinstance(option, Known):
-            return Known(remaps.get(str(option.value), option.value), option.tainted)
+        if isinstance(option, Scalar):
+            return Scalar(remaps.get(str(option.value), option.value), option.tainted)
         return option
 
-    return each(name, moved)
+    return map_options(name, moved)
 
 
-def parameter(machine: Machine, name: Value) -> Value | None:
+def parameter_value(machine: AbstractMachine, name: Value) -> Value | None:
     """Return a parameter by its absolute name; None where it is certainly not set.
 
     What may or may not be set is a Hole that is called after the parameter.
     """
-    found = [_parameter(machine, option) for option in options(name)]
+    found = [_one_parameter(machine, option) for option in options(name)]
     known = [value for value in found if value is not None]
     return join(known) if known else None
 
 
-def _parameter(machine: Machine, name: Value) -> Value | None:
-    if not isinstance(name, Known):
-        return Hole(spelled(name), tainted=True)
-    site, full = machine.recorder.site, str(remapped(machine, name).value)  # type: ignore[union-attr]
+def _one_parameter(machine: AbstractMachine, name: Value) -> Value | None:
+    if not isinstance(name, Scalar):
+        return Unknown(text_with_holes(name), tainted=True)
+    site, full = machine.recorder.site, str(remap_name(machine, name).value)  # type: ignore[union-attr]
     if full in machine.parameters:
         return machine.parameters[full]
     found = site.parameters.get(full)
     if found is not None:
-        return value_of(found.value, short(machine, full))
-    return None if site.complete else Hole(short(machine, full), tainted=True)
+        return abstract_value(found.value, short_name(machine, full))
+    return None if site.parameters_complete else Unknown(short_name(machine, full), tainted=True)
 
 
-def short(machine: Machine, name: str) -> str:
+def short_name(machine: AbstractMachine, name: str) -> str:
     """Return an absolute name as a node's author would write it: `~topic` for a private one."""
     private = machine.recorder.site.name + "/"
     return "~" + name.removeprefix(private) if name.startswith(private) else name
 
 
-def value_of(value: ParameterValue, name: str = "?") -> Value:
+def abstract_value(value: ParameterValue, name: str = "?") -> Value:
     """Return what a parameter holds as the interpreter's value, marked as a parameter's."""
     if isinstance(value, UnknownValue):
-        return Hole(name, tainted=True)
+        return Unknown(name, tainted=True)
     if isinstance(value, dict):
-        return MapValue({key: value_of(inner, f"{name}/{key}") for key, inner in value.items()})
+        return MapValue(
+            {key: abstract_value(inner, f"{name}/{key}") for key, inner in value.items()}
+        )
     if isinstance(value, (list, tuple)):
-        return listed([value_of(inner, name) for inner in value])
-    return Known(value, tainted=True)
+        return list_of([abstract_value(inner, name) for inner in value])
+    return Scalar(value, tainted=True)
 
 
-def search(machine: Machine, name: Value, namespace: Value) -> Value | None:
+def search_parameter(machine: AbstractMachine, name: Value, namespace: Value) -> Value | None:
     """Return a parameter's full name, found upwards (ROS wiki: searchParam); None if nowhere."""
-    if not (isinstance(name, Known) and isinstance(namespace, Known)):
-        return Hole(spelled(name), tainted=True)
+    if not (isinstance(name, Scalar) and isinstance(namespace, Scalar)):
+        return Unknown(text_with_holes(name), tainted=True)
     site = machine.recorder.site
     found = site.parameters.search(str(name.value), str(namespace.value))
     if found is None:
-        return None if site.complete else resolve(machine, name, namespace)
-    return Known(found)
+        return None if site.parameters_complete else resolve_name(machine, name, namespace)
+    return Scalar(found)

@@ -4,20 +4,28 @@ import re
 from collections.abc import Callable, Iterator, Mapping
 
 from rtron.sources.code.interpreter.abstract_values.value_types import (
-    Hole,
-    Known,
-    Text,
+    PartialText,
+    Scalar,
+    Unknown,
     Value,
     join,
     options,
-    spelled,
+    text_with_holes,
     truth,
 )
-from rtron.sources.code.interpreter.execution.abstract_machine import Machine
+from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
-from rtron.sources.code.library_models.ros2_common.nodes import NodeWords, name_of, record, resolved
-from rtron.sources.code.library_models.ros2_common.parameters import declared, tell_overrides
-from rtron.sources.code.library_models.ros2_common.qos import DEFAULT, PROFILES
+from rtron.sources.code.library_models.ros2_common.nodes import (
+    NodeArguments,
+    node_name,
+    record_node,
+    resolve_at_node,
+)
+from rtron.sources.code.library_models.ros2_common.parameters import (
+    declare_node_parameter,
+    record_overrides,
+)
+from rtron.sources.code.library_models.ros2_common.qos import DEFAULT_QOS, QOS_PROFILES
 from rtron.sources.declaration import DeclarationKind
 from rtron.vocabulary import Evidence, QoS
 
@@ -26,7 +34,7 @@ _NAME = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+")
 
 _PUBLISH, _SUBSCRIBE = DeclarationKind.PUBLISH, DeclarationKind.SUBSCRIBE
 _SERVICE = DeclarationKind.SERVICE
-_FOLDERS = {
+_TYPE_FOLDERS = {
     _PUBLISH: "msg",
     _SUBSCRIBE: "msg",
     _SERVICE: "srv",
@@ -53,12 +61,12 @@ LOGGER_SERVICES: Mapping[str, str] = {
     "get_logger_levels": "rcl_interfaces/srv/GetLoggerLevels",
     "set_logger_levels": "rcl_interfaces/srv/SetLoggerLevels",
 }
-_STATIC_TF = QoS(depth=1, durability=PROFILES["rosout"].durability)
+_STATIC_TF = QoS(depth=1, durability=QOS_PROFILES["rosout"].durability)
 _TF = QoS(depth=100)
 
 
-def declare(  # noqa: PLR0913 - what the graph has of an endpoint
-    machine: Machine,
+def declare_endpoint(  # noqa: PLR0913 - what the graph has of an endpoint
+    machine: AbstractMachine,
     kind: DeclarationKind,
     node: Value,
     name: Value | None,
@@ -69,128 +77,145 @@ def declare(  # noqa: PLR0913 - what the graph has of an endpoint
     implicit: bool = False,
 ) -> Value:
     """Record a name of a node, and return it as it resolves there."""
-    full = resolved(node, _named(name))
-    machine.doubts += not (type and _is_name(full))
-    places = tuple(chain(at, name)) if name is not None else (at.evidence,)
-    for owner in options(name_of(node)):
+    full = resolve_at_node(node, _without_empty_names(name))
+    machine.possible_throws += not (type and _is_valid_name(full))
+    locations = tuple(caller_chain(at, name)) if name is not None else (at.evidence,)
+    for owner in options(node_name(node)):
         machine.recorder.declare(
             kind,
             full,
-            typed(kind, type),
-            *places,
+            full_type_name(kind, type),
+            *locations,
             implicit=implicit,
             latched=kind is _PUBLISH
             and qos is not None
             and qos.durability is _STATIC_TF.durability,
-            node=spelled(owner),
+            node=text_with_holes(owner),
             qos=qos,
         )
     return full
 
 
-def _is_name(full: Value) -> bool:
+def _is_valid_name(full: Value) -> bool:
     """Tell whether a name is certainly one that rcl takes (design.ros2.org: topic names)."""
-    return isinstance(full, Known) and bool(_NAME.fullmatch(str(full.value)))
+    return isinstance(full, Scalar) and bool(_NAME.fullmatch(str(full.value)))
 
 
-def _named(name: Value | None) -> Value | None:
+def _without_empty_names(name: Value | None) -> Value | None:
     """Return a name without the options that cannot be one: rcl refuses an empty name."""
     found = [option for option in options(name) if getattr(option, "value", None) != ""]
     return join(found) if found else name
 
 
-def typed(kind: DeclarationKind, type: str) -> str:
+def full_type_name(kind: DeclarationKind, type: str) -> str:
     """Return a type with the folder of its kind: `std_msgs/String` is std_msgs/msg/String."""
     package, slash, name = type.partition("/")
-    return f"{package}/{_FOLDERS[kind]}/{name}" if slash and "/" not in name else type
+    return f"{package}/{_TYPE_FOLDERS[kind]}/{name}" if slash and "/" not in name else type
 
 
-def chain(at: Arguments, name: Value) -> Iterator[Evidence]:
+def caller_chain(at: Arguments, name: Value) -> Iterator[Evidence]:
     """Yield the calls that hand a name on, from the one where it is given to the one at hand."""
-    places, current = [at.evidence], at.frame.caller
-    while isinstance(current, Arguments) and len(places) < MAX_CALLERS:
+    locations, current = [at.evidence], at.frame.caller
+    while isinstance(current, Arguments) and len(locations) < MAX_CALLERS:
         if not any(_is_same(value, name) for value in current.values):
             break
-        places.append(current.evidence)
+        locations.append(current.evidence)
         current = current.frame.caller
-    return reversed(places)
+    return reversed(locations)
 
 
 def _is_same(value: Value, name: Value) -> bool:
     if value is name:
         return True
-    if isinstance(value, (Hole, Text)):
+    if isinstance(value, (Unknown, PartialText)):
         return value == name
-    is_text = isinstance(value, Known) and isinstance(value.value, str)
-    return is_text and isinstance(name, Known) and value.value == name.value  # type: ignore[union-attr]
+    is_text = isinstance(value, Scalar) and isinstance(value.value, str)
+    return is_text and isinstance(name, Scalar) and value.value == name.value  # type: ignore[union-attr]
 
 
-def join_app(
-    machine: Machine, node: Value, words: NodeWords, at: Arguments, ask: Callable[[str], bool]
+def declare_node(
+    machine: AbstractMachine,
+    node: Value,
+    words: NodeArguments,
+    at: Arguments,
+    is_enabled: Callable[[str], bool],
 ) -> None:
-    """Record a node and what every node declares; `ask` tells whether an option is on.
+    """Record a node and what every node declares; `is_enabled` tells whether an option is on.
 
     `parameter_event_listener` is rclcpp's alone.
     """
-    record(machine, name_of(node), words, at)
-    if ask("rosout"):
-        _implied(machine, _PUBLISH, node, "/rosout", "rcl_interfaces/msg/Log", at, "rosout")
+    record_node(machine, node_name(node), words, at)
+    if is_enabled("rosout"):
+        _declare_implicit(
+            machine, _PUBLISH, node, "/rosout", "rcl_interfaces/msg/Log", at, "rosout"
+        )
     event, events = "rcl_interfaces/msg/ParameterEvent", "/parameter_events"
-    if ask("parameter_events"):
-        _implied(machine, _PUBLISH, node, events, event, at, "parameter_events")
-    if ask("parameter_event_listener"):
-        _implied(machine, _SUBSCRIBE, node, events, event, at, "parameter_events")
-    if ask("parameter_services"):
-        services(machine, node, PARAMETER_SERVICES, at)
-    if ask("logger_service"):
-        services(machine, node, LOGGER_SERVICES, at)
+    if is_enabled("parameter_events"):
+        _declare_implicit(machine, _PUBLISH, node, events, event, at, "parameter_events")
+    if is_enabled("parameter_event_listener"):
+        _declare_implicit(machine, _SUBSCRIBE, node, events, event, at, "parameter_events")
+    if is_enabled("parameter_services"):
+        declare_services(machine, node, PARAMETER_SERVICES, at)
+    if is_enabled("logger_service"):
+        declare_services(machine, node, LOGGER_SERVICES, at)
     description = "type_description_interfaces/srv/GetTypeDescription"
-    services(machine, node, {"get_type_description": description}, at)
-    tell_overrides(machine, node)
-    simulated = declared(machine, node, Known("use_sim_time"), Known(value=False))
+    declare_services(machine, node, {"get_type_description": description}, at)
+    record_overrides(machine, node)
+    simulated = declare_node_parameter(machine, node, Scalar("use_sim_time"), Scalar(value=False))
     if truth(simulated):
-        _implied(machine, _SUBSCRIBE, node, "/clock", "rosgraph_msgs/msg/Clock", at, "clock")
+        _declare_implicit(
+            machine, _SUBSCRIBE, node, "/clock", "rosgraph_msgs/msg/Clock", at, "clock"
+        )
 
 
-def lifecycle(machine: Machine, node: Value, at: Arguments) -> None:
+def declare_lifecycle(machine: AbstractMachine, node: Value, at: Arguments) -> None:
     """Record what a lifecycle node declares (design.ros2.org: Managed nodes)."""
-    name, type = Known("~/transition_event"), "lifecycle_msgs/msg/TransitionEvent"
-    declare(machine, _PUBLISH, node, name, type, at, qos=DEFAULT, implicit=True)
-    services(machine, node, LIFECYCLE_SERVICES, at)
+    name, type = Scalar("~/transition_event"), "lifecycle_msgs/msg/TransitionEvent"
+    declare_endpoint(machine, _PUBLISH, node, name, type, at, qos=DEFAULT_QOS, implicit=True)
+    declare_services(machine, node, LIFECYCLE_SERVICES, at)
 
 
-def services(machine: Machine, node: Value, names: Mapping[str, str], at: Arguments) -> None:
+def declare_services(
+    machine: AbstractMachine, node: Value, names: Mapping[str, str], at: Arguments
+) -> None:
     """Record services below a node that a library offers."""
     for name, type in names.items():
-        declare(machine, _SERVICE, node, Known(f"~/{name}"), type, at, implicit=True)
+        declare_endpoint(machine, _SERVICE, node, Scalar(f"~/{name}"), type, at, implicit=True)
 
 
-def transforms(
-    machine: Machine, kind: DeclarationKind, node: Value, at: Arguments, *, static: bool = False
+def declare_transforms(
+    machine: AbstractMachine,
+    kind: DeclarationKind,
+    node: Value,
+    at: Arguments,
+    *,
+    static: bool = False,
 ) -> None:
     """Record that a node sends or hears transforms (docs.ros.org: tf2)."""
     both = {"/tf": _TF, "/tf_static": _STATIC_TF}
     sent = "/tf_static" if static else "/tf"
     for name, qos in both.items() if kind is _SUBSCRIBE else [(sent, both[sent])]:
         type = "tf2_msgs/msg/TFMessage"
-        declare(machine, kind, node, Known(name), type, at, qos=qos, implicit=True)
+        declare_endpoint(machine, kind, node, Scalar(name), type, at, qos=qos, implicit=True)
 
 
-def diagnostics(machine: Machine, node: Value, at: Arguments) -> None:
+def declare_diagnostics(machine: AbstractMachine, node: Value, at: Arguments) -> None:
     """Record a diagnostic_updater."""
     type = "diagnostic_msgs/msg/DiagnosticArray"
-    name = Known("/diagnostics")
-    declare(machine, _PUBLISH, node, name, type, at, qos=QoS(depth=1), implicit=True)
+    name = Scalar("/diagnostics")
+    declare_endpoint(machine, _PUBLISH, node, name, type, at, qos=QoS(depth=1), implicit=True)
 
 
-def unknown_owner(machine: Machine, what: str, name: Value | None, at: Arguments) -> None:
+def note_unknown_node(
+    machine: AbstractMachine, what: str, name: Value | None, at: Arguments
+) -> None:
     """Note a call that joins nodes on what is not known to be a node."""
-    shown = f"{what}({spelled(name or Hole('?'))})"
-    machine.recorder.unresolved(shown, "which node it is called on is not known", at.evidence)
+    shown = f"{what}({text_with_holes(name or Unknown('?'))})"
+    machine.recorder.add_unresolved(shown, "which node it is called on is not known", at.evidence)
 
 
-def _implied(
-    machine: Machine,
+def _declare_implicit(
+    machine: AbstractMachine,
     kind: DeclarationKind,
     node: Value,
     name: str,
@@ -198,5 +223,5 @@ def _implied(
     at: Arguments,
     profile: str,
 ) -> None:
-    qos = PROFILES[profile]
-    declare(machine, kind, node, Known(name), type, at, qos=qos, implicit=True)
+    qos = QOS_PROFILES[profile]
+    declare_endpoint(machine, kind, node, Scalar(name), type, at, qos=qos, implicit=True)

@@ -8,169 +8,185 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from rtron.sources.code.interpreter.abstract_values.items import items_of, listed
+from rtron.sources.code.interpreter.abstract_values.items import items_of, list_of
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     FALSE,
     NONE,
     TRUE,
-    Hole,
     Instance,
-    Known,
-    Text,
+    PartialText,
+    Scalar,
+    Unknown,
     Value,
     concat,
-    each,
+    map_options,
     options,
     parts_of,
-    spelled,
+    text_with_holes,
 )
-from rtron.sources.code.interpreter.execution.abstract_machine import Machine
+from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.library_models.ros2_common.names import (
-    base_of,
-    below,
-    clean,
-    expanded,
+    base_name,
+    clean_name,
+    expand_name,
+    name_below,
     namespace_of,
 )
-from rtron.sources.declaration import MadeNode
+from rtron.sources.declaration import CreatedNode
 
-NAME, SUB, GLOBALLY = "node.name", "node.sub", "node.globally"
+NAME_FIELD, SUB_NAMESPACE_FIELD, GLOBAL_ARGUMENTS_FIELD = "node.name", "node.sub", "node.globally"
 """The fields of a node; no member of a class can be called like them."""
 
-_EMPTY = Known("")
+_EMPTY = Scalar("")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class NodeWords:
+class NodeArguments:
     """What a node is made with: its name and namespace as written, and its own arguments."""
 
     name: Value
     namespace: Value = _EMPTY
     arguments: Value = NONE
-    globally: bool = True
+    uses_global_arguments: bool = True
 
 
 def is_node(value: Value | None) -> bool:
     """Tell whether a value is a node, or one of a node's interfaces."""
-    return isinstance(value, Instance) and NAME in value.fields
+    return isinstance(value, Instance) and NAME_FIELD in value.fields
 
 
-def node_among(values: Iterable[Value]) -> Instance | None:
+def first_node(values: Iterable[Value]) -> Instance | None:
     """Return the first value that is, or may be, a node."""
     for value in values:
         for option in options(value):
-            if isinstance(option, Instance) and NAME in option.fields:
+            if isinstance(option, Instance) and NAME_FIELD in option.fields:
                 return option
     return None
 
 
-def name_of(node: Value) -> Value:
+def node_name(node: Value) -> Value:
     """Return a node's full name."""
-    name = node.fields.get(NAME) if isinstance(node, Instance) else None
-    return name if name is not None else Hole("node")
+    name = node.fields.get(NAME_FIELD) if isinstance(node, Instance) else None
+    return name if name is not None else Unknown("node")
 
 
-def takes_globals(node: Value) -> bool:
+def uses_global_arguments(node: Value) -> bool:
     """Tell whether the arguments of its process count for a node."""
-    return not isinstance(node, Instance) or node.fields.get(GLOBALLY) != FALSE
+    return not isinstance(node, Instance) or node.fields.get(GLOBAL_ARGUMENTS_FIELD) != FALSE
 
 
-def namespace_at(node: Value) -> Value:
+def node_namespace(node: Value) -> Value:
     """Return a node's namespace."""
-    return namespace_of(name_of(node))
+    return namespace_of(node_name(node))
 
 
-def base_at(node: Value) -> Value:
+def node_base_name(node: Value) -> Value:
     """Return a node's name without its namespace."""
-    return base_of(name_of(node))
+    return base_name(node_name(node))
 
 
-def resolved(node: Value, name: Value | None) -> Value:
+def resolve_at_node(node: Value, name: Value | None) -> Value:
     """Return a name as it resolves at a node, before remapping."""
-    sub = node.fields.get(SUB, _EMPTY) if isinstance(node, Instance) else _EMPTY
-    return expanded(name if name is not None else Hole("?"), name_of(node), sub)
+    sub = node.fields.get(SUB_NAMESPACE_FIELD, _EMPTY) if isinstance(node, Instance) else _EMPTY
+    return expand_name(name if name is not None else Unknown("?"), node_name(node), sub)
 
 
-def full_name(machine: Machine, words: NodeWords) -> Value:
+def full_name(machine: AbstractMachine, words: NodeArguments) -> Value:
     """Return the full name of a node that is made: the first rule that fits counts (rcl: remap)."""
     site = machine.recorder.site
-    written = listed(()) if site.loading else listed(tuple(map(Known, site.args)))
-    rules = [*_rules(words.arguments), *(_rules(written) if words.globally else ())]
+    written = list_of(()) if site.loading else list_of(tuple(map(Scalar, site.args)))
+    rules = [
+        *_remap_rules(words.arguments),
+        *(_remap_rules(written) if words.uses_global_arguments else ()),
+    ]
     name, namespace = words.name, words.namespace
-    if words.globally and site.named:
-        name = Known(site.process.rpartition("/")[2])
-    if words.globally and site.placed:
-        namespace = Known(site.process.rpartition("/")[0] or "/")
-    name = next(_targets(rules, "__node", words.name), name)
-    namespace = next(_targets(rules, "__ns", name), namespace)
-    return clean(below(concat((Known("/"), namespace)), name))
+    if words.uses_global_arguments and site.has_launch_name:
+        name = Scalar(site.process_name.rpartition("/")[2])
+    if words.uses_global_arguments and site.has_launch_namespace:
+        namespace = Scalar(site.process_name.rpartition("/")[0] or "/")
+    name = next(_rule_targets(rules, "__node", words.name), name)
+    namespace = next(_rule_targets(rules, "__ns", name), namespace)
+    return clean_name(name_below(concat((Scalar("/"), namespace)), name))
 
 
-def record(machine: Machine, full: Value, words: NodeWords, at: Arguments) -> None:
+def record_node(machine: AbstractMachine, full: Value, words: NodeArguments, at: Arguments) -> None:
     """Record a node that the program makes."""
-    rules = [r for r in _rules(words.arguments) if not r.left.startswith("__")]
-    own = tuple((f"{r.node}:{r.left}" if r.node else r.left, spelled(r.target)) for r in rules)
+    rules = [r for r in _remap_rules(words.arguments) if not r.left.startswith("__")]
+    own = tuple(
+        (f"{r.node}:{r.left}" if r.node else r.left, text_with_holes(r.target)) for r in rules
+    )
     for option in options(full):
-        name = spelled(option)
-        made = MadeNode(name=name, remaps=own, globally=words.globally, evidence=(at.evidence,))
-        machine.recorder.node(made)
+        name = text_with_holes(option)
+        made = CreatedNode(
+            name=name,
+            remaps=own,
+            uses_global_arguments=words.uses_global_arguments,
+            evidence=(at.evidence,),
+        )
+        machine.recorder.add_node(made)
 
 
 def sub_node(node: Instance, name: Value) -> Instance:
     """Return `node->create_sub_node(name)`: the same node with a longer namespace."""
-    before = node.fields.get(SUB, _EMPTY)
-    longer = name if before == _EMPTY else below(before, name)
-    return Instance(node.type, {**node.fields, SUB: longer}, node.types, node.bindings)
+    before = node.fields.get(SUB_NAMESPACE_FIELD, _EMPTY)
+    longer = name if before == _EMPTY else name_below(before, name)
+    return Instance(
+        node.type, {**node.fields, SUB_NAMESPACE_FIELD: longer}, node.types, node.bindings
+    )
 
 
-def own_settings(words: Value) -> Iterator[tuple[str, Value]]:
+def own_parameters(words: Value) -> Iterator[tuple[str, Value]]:
     """Yield the parameters among the arguments of a node's options: `-p name:=value`."""
-    for word, following in _flagged(words):
+    for word, following in _word_pairs(words):
         if word in {"-p", "--param"}:
-            yield from ((name, _plain(value)) for name, value in _assigned(following))
+            yield from ((name, _bool_or_text(value)) for name, value in _assignments(following))
 
 
-def _plain(value: Value) -> Value:
+def _bool_or_text(value: Value) -> Value:
     """Return the bool that an argument's text means."""
-    text = value.value if isinstance(value, Known) else None
+    text = value.value if isinstance(value, Scalar) else None
     return {"true": TRUE, "false": FALSE}.get(str(text), value)
 
 
 @dataclass(frozen=True, slots=True)
-class _Rule:
-    """`node:left:=target`; without `node` it is for every node."""
+class _RemapRule:
+    """`node:left:=target`; without `add_node` it is for every node."""
 
     node: str
     left: str
     target: Value
 
 
-def _rules(words: Value) -> Iterator[_Rule]:
+def _remap_rules(words: Value) -> Iterator[_RemapRule]:
     """Yield the remap rules among the arguments of a node, or of a process."""
-    for word, following in _flagged(words):
+    for word, following in _word_pairs(words):
         if word in {"-r", "--remap"}:
-            for rule, target in _assigned(following):
+            for rule, target in _assignments(following):
                 node, colon, rest = rule.partition(":")
-                alone = not colon or rest.startswith("//")
-                yield _Rule("", rule, target) if alone else _Rule(node, rest, target)
+                applies_to_all = not colon or rest.startswith("//")
+                yield (
+                    _RemapRule("", rule, target)
+                    if applies_to_all
+                    else _RemapRule(node, rest, target)
+                )
 
 
-def _targets(rules: Iterable[_Rule], left: str, name: Value) -> Iterator[Value]:
+def _rule_targets(rules: Iterable[_RemapRule], left: str, name: Value) -> Iterator[Value]:
     """Yield what the rules for a node of this name say, the first one counts."""
     for rule in rules:
-        if rule.left == left and rule.node in {"", spelled(name)}:
+        if rule.left == left and rule.node in {"", text_with_holes(name)}:
             yield rule.target
 
 
-def _flagged(words: Value) -> Iterator[tuple[str, Value]]:
+def _word_pairs(words: Value) -> Iterator[tuple[str, Value]]:
     items: Sequence[Value] = items_of(words)[0]
     for word, following in pairwise(items):
-        if isinstance(word, Known):
+        if isinstance(word, Scalar):
             yield str(word.value), following
 
 
-def _assigned(word: Value) -> Iterator[tuple[str, Value]]:
+def _assignments(word: Value) -> Iterator[tuple[str, Value]]:
     """Yield `left:=right`, whose right side may be known in part."""
     for option in options(word):
         parts = parts_of(option)
@@ -178,22 +194,22 @@ def _assigned(word: Value) -> Iterator[tuple[str, Value]]:
         left, assigned, right = first.partition(":=")
         if assigned:
             rest = (right, *parts[1:]) if right else parts[1:]
-            yield left, _text(rest)
+            yield left, _join_parts(rest)
 
 
-def _text(parts: Sequence[str | Hole]) -> Value:
-    return concat(tuple(p if isinstance(p, Hole) else Known(p) for p in parts))
+def _join_parts(parts: Sequence[str | Unknown]) -> Value:
+    return concat(tuple(p if isinstance(p, Unknown) else Scalar(p) for p in parts))
 
 
-def stripped(name: Value) -> Value:
+def without_leading_slash(name: Value) -> Value:
     """Return names without a slash at their beginning."""
 
     def cut(option: Value) -> Value:
-        if isinstance(option, Known):
-            return Known(str(option.value).lstrip("/"), option.tainted)
-        if isinstance(option, Text) and isinstance(option.parts[0], str):
+        if isinstance(option, Scalar):
+            return Scalar(str(option.value).lstrip("/"), option.tainted)
+        if isinstance(option, PartialText) and isinstance(option.parts[0], str):
             first = option.parts[0].lstrip("/")
-            return Text((first, *option.parts[1:]), option.tainted)
+            return PartialText((first, *option.parts[1:]), option.tainted)
         return option
 
-    return each(name, cut)
+    return map_options(name, cut)

@@ -3,72 +3,82 @@
 from collections.abc import Mapping
 
 from rtron.sources.code.interpreter.abstract_values.value_types import (
-    Foreign,
-    Hole,
+    ExternalSymbol,
     Instance,
-    Known,
+    LibraryClass,
     ListValue,
-    NativeClass,
+    Scalar,
+    Unknown,
     Value,
 )
-from rtron.sources.code.interpreter.execution.abstract_machine import Machine
+from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.ir import TypeRef
 
-_KIND = NativeClass("rclcpp::ParameterType")
+_PARAMETER_TYPE = LibraryClass("rclcpp::ParameterType")
 _UNSET = TypeRef("rclcpp::ParameterType::PARAMETER_NOT_SET")
-_PLAIN: Mapping[type, str] = {
+_SCALAR_TYPES: Mapping[type, str] = {
     bool: "BOOL",
     int: "INTEGER",
     float: "DOUBLE",
     str: "STRING",
 }
-_ARRAYS = ("BYTE_ARRAY", "BOOL_ARRAY", "INTEGER_ARRAY", "DOUBLE_ARRAY", "STRING_ARRAY")
-_KINDS = {name: Instance(_KIND) for name in ("NOT_SET", *_PLAIN.values(), *_ARRAYS)}
-_SPACES = ("rclcpp::", "rclcpp::ParameterType::", "rcl_interfaces::msg::ParameterType::")
-KIND_CONSTANTS: Mapping[str, Value] = {
-    f"{space}PARAMETER_{name}": kind for space in _SPACES for name, kind in _KINDS.items()
+_ARRAY_TYPES = ("BYTE_ARRAY", "BOOL_ARRAY", "INTEGER_ARRAY", "DOUBLE_ARRAY", "STRING_ARRAY")
+_PARAMETER_TYPES = {
+    name: Instance(_PARAMETER_TYPE) for name in ("NOT_SET", *_SCALAR_TYPES.values(), *_ARRAY_TYPES)
+}
+_NAMESPACES = ("rclcpp::", "rclcpp::ParameterType::", "rcl_interfaces::msg::ParameterType::")
+PARAMETER_TYPE_CONSTANTS: Mapping[str, Value] = {
+    f"{space}PARAMETER_{name}": kind
+    for space in _NAMESPACES
+    for name, kind in _PARAMETER_TYPES.items()
 }
 
 
-def parameter_kind(_: Machine, owner: Value, __: Arguments) -> Value:
+def get_type(_: AbstractMachine, owner: Value, __: Arguments) -> Value:
     """`ParameterValue::get_type()`; what a ParameterValue holds stands for it."""
-    return kind_of(owner)
+    return parameter_type(owner)
 
 
-def kind_of(value: Value) -> Value:
+def parameter_type(value: Value) -> Value:
     """Return the kind of a parameter's value."""
     if is_unset(value):
-        return _KINDS["NOT_SET"]
-    if isinstance(value, Known):
-        name = _PLAIN.get(type(value.value))
+        return _PARAMETER_TYPES["NOT_SET"]
+    if isinstance(value, Scalar):
+        name = _SCALAR_TYPES.get(type(value.value))
     else:
         items = value.items if isinstance(value, ListValue) else ()
         first = items[0] if items else None
-        name = f"{_PLAIN.get(type(first.value))}_ARRAY" if isinstance(first, Known) else None
-    return _KINDS[name] if name in _KINDS else Hole("get_type")
+        name = (
+            f"{_SCALAR_TYPES.get(type(first.value))}_ARRAY" if isinstance(first, Scalar) else None
+        )
+    return _PARAMETER_TYPES[name] if name in _PARAMETER_TYPES else Unknown("get_type")
 
 
-def python_kind(value: Value | None) -> Value | None:
+def python_parameter_type(value: Value | None) -> Value | None:
     """Return the kind that `Parameter.Type.STRING` names in rclpy; None for any other value."""
-    name = value.why if isinstance(value, Hole) else getattr(value, "name", "")
-    return _KINDS.get(str(name).rpartition(".")[2]) if isinstance(value, (Hole, Foreign)) else None
+    name = value.label if isinstance(value, Unknown) else getattr(value, "name", "")
+    return (
+        _PARAMETER_TYPES.get(str(name).rpartition(".")[2])
+        if isinstance(value, (Unknown, ExternalSymbol))
+        else None
+    )
 
 
-def unset(name: str) -> Hole:
+def unset_value(name: str) -> Unknown:
     """Return what a parameter holds that is declared by its type alone, and that nobody sets."""
-    return Hole(name, tainted=True, type=_UNSET)
+    return Unknown(name, tainted=True, type=_UNSET)
 
 
 def is_unset(value: Value | None) -> bool:
     """Tell whether a parameter is declared and certainly not set."""
-    return isinstance(value, Hole) and value.type is _UNSET
+    return isinstance(value, Unknown) and value.type is _UNSET
 
 
-def is_kind(value: Value) -> bool:
+def is_parameter_type(value: Value) -> bool:
     """Tell whether what a parameter is declared with is a type: `rclcpp::PARAMETER_STRING`."""
     if isinstance(value, Instance):
-        return value.type is _KIND
-    name = value.name if isinstance(value, Foreign) else ""
-    name = value.why if isinstance(value, Hole) else name
+        return value.type is _PARAMETER_TYPE
+    name = value.name if isinstance(value, ExternalSymbol) else ""
+    name = value.label if isinstance(value, Unknown) else name
     return "PARAMETER_" in name or "Parameter.Type" in name or "get_type" in name

@@ -4,22 +4,22 @@ from collections.abc import Mapping
 from typing import TypeVar
 
 from rtron.sources.code.interpreter.abstract_values.value_types import (
-    Hole,
     Instance,
-    Known,
-    NativeClass,
+    LibraryClass,
+    Scalar,
+    Unknown,
     Value,
 )
 from rtron.vocabulary import Durability, QoS, Reliability
 
-DEPTH, RELIABILITY, DURABILITY = "qos.depth", "qos.reliability", "qos.durability"
+DEPTH_FIELD, RELIABILITY_FIELD, DURABILITY_FIELD = "qos.depth", "qos.reliability", "qos.durability"
 
 _Policy = TypeVar("_Policy", Reliability, Durability)
-DEFAULT = QoS(depth=10)
-PROFILES: Mapping[str, QoS] = {
-    "default": DEFAULT,
+DEFAULT_QOS = QoS(depth=10)
+QOS_PROFILES: Mapping[str, QoS] = {
+    "default": DEFAULT_QOS,
     "sensor_data": QoS(depth=5, reliability=Reliability.BEST_EFFORT),
-    "services_default": DEFAULT,
+    "services_default": DEFAULT_QOS,
     "parameters": QoS(depth=1000),
     "parameter_events": QoS(depth=1000),
     "clock": QoS(depth=1, reliability=Reliability.BEST_EFFORT),
@@ -30,41 +30,41 @@ PROFILES: Mapping[str, QoS] = {
 """rmw/qos_profiles.h, with what Fast DDS takes where the system's default is asked for."""
 
 
-def fields_of(qos: QoS) -> dict[object, Value]:
+def qos_fields(qos: QoS) -> dict[object, Value]:
     """Return a quality of service as the fields of an Instance."""
     return {
-        DEPTH: Known(qos.depth),
-        RELIABILITY: Known(qos.reliability.value),
-        DURABILITY: Known(qos.durability.value),
+        DEPTH_FIELD: Scalar(qos.depth),
+        RELIABILITY_FIELD: Scalar(qos.reliability.value),
+        DURABILITY_FIELD: Scalar(qos.durability.value),
     }
 
 
-def made(cls: NativeClass, qos: QoS) -> Instance:
+def qos_object(cls: LibraryClass, qos: QoS) -> Instance:
     """Return a quality of service as an object of a class."""
-    return Instance(cls, fields_of(qos))
+    return Instance(cls, qos_fields(qos))
 
 
-def qos_of(value: Value | None) -> QoS | None:
+def read_qos(value: Value | None) -> QoS | None:
     """Return what a value says: a depth alone has the other defaults; None where it is open."""
-    if isinstance(value, Known) and isinstance(value.value, int):
+    if isinstance(value, Scalar) and isinstance(value.value, int):
         return QoS(depth=value.value)
-    if not isinstance(value, Instance) or RELIABILITY not in value.fields:
+    if not isinstance(value, Instance) or RELIABILITY_FIELD not in value.fields:
         return None
-    fields = {**value.fields, **_assigned(value)}
-    reliability = _word(Reliability, fields[RELIABILITY])
-    durability = _word(Durability, fields.get(DURABILITY))
+    fields = {**value.fields, **_member_assignments(value)}
+    reliability = _policy_word(Reliability, fields[RELIABILITY_FIELD])
+    durability = _policy_word(Durability, fields.get(DURABILITY_FIELD))
     if reliability is None or durability is None:
         return None
-    depth = fields.get(DEPTH)
-    count = depth.value if isinstance(depth, Known) and isinstance(depth.value, int) else 0
+    depth = fields.get(DEPTH_FIELD)
+    count = depth.value if isinstance(depth, Scalar) and isinstance(depth.value, int) else 0
     return QoS(depth=count, reliability=reliability, durability=durability)
 
 
-def _assigned(profile: Instance) -> dict[object, Value]:
+def _member_assignments(profile: Instance) -> dict[object, Value]:
     """Return what is assigned to the members of an `rmw_qos_profile_t`."""
     given = {name: profile.fields.get(name) for name in ("depth", "reliability", "durability")}
     return {
-        f"qos.{name}": value if name == "depth" else policy(value)
+        f"qos.{name}": value if name == "depth" else policy_value(value)
         for name, value in given.items()
         if value is not None
     }
@@ -72,22 +72,22 @@ def _assigned(profile: Instance) -> dict[object, Value]:
 
 def is_qos(value: Value | None) -> bool:
     """Tell whether a value is a quality of service."""
-    return isinstance(value, Instance) and RELIABILITY in value.fields
+    return isinstance(value, Instance) and RELIABILITY_FIELD in value.fields
 
 
-def policy(value: Value | None) -> Value:
+def policy_value(value: Value | None) -> Value:
     """Return a policy as the fields have it: `ReliabilityPolicy.BEST_EFFORT` is `best_effort`."""
     name = getattr(value, "name", "") or getattr(value, "why", "")
     found = getattr(value, "value", None)
     if isinstance(found, str):
-        return Known(found)
+        return Scalar(found)
     last = str(name).rpartition("::")[2].rpartition(".")[2].lower()
     for word in (*Reliability, *Durability):
         if last in {word.value, word.value.replace("_", "")} or last.endswith(f"_{word.value}"):
-            return Known(word.value)
-    return Hole("policy")
+            return Scalar(word.value)
+    return Unknown("policy")
 
 
-def _word(kind: type[_Policy], value: Value | None) -> _Policy | None:
-    known = value.value if isinstance(value, Known) else None
+def _policy_word(kind: type[_Policy], value: Value | None) -> _Policy | None:
+    known = value.value if isinstance(value, Scalar) else None
     return next((word for word in kind if word.value == known), None)

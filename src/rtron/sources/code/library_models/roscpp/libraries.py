@@ -4,115 +4,125 @@ from collections.abc import Callable, Mapping
 from functools import partial
 
 from rtron.sources.code.interpreter.abstract_values.value_types import (
-    Hole,
     Instance,
-    Known,
-    NativeClass,
+    LibraryClass,
+    Scalar,
+    Unknown,
     Value,
 )
-from rtron.sources.code.interpreter.execution.abstract_machine import Machine
+from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.library_models.common.cpp_arguments import (
-    escape_all,
-    in_handle,
-    message_of,
-    take_callbacks,
-    texts,
+    escape_functions,
+    message_type_of,
+    name_arguments,
+    register_callbacks,
+    resolve_in_handle,
 )
 from rtron.sources.code.library_models.ros1_common import endpoints
-from rtron.sources.code.library_models.ros1_common.names import remapped, resolve
+from rtron.sources.code.library_models.ros1_common.names import remap_name, resolve_name
 from rtron.sources.code.library_models.roscpp.node_handle import (
     ENDPOINT,
-    given_handle,
-    handle_among,
+    handle_argument,
+    handle_argument_or_default,
     private_handle,
 )
 from rtron.sources.declaration import DeclarationKind
 
-_UNKNOWN = Hole("?")
+_UNKNOWN = Unknown("?")
 _PUBLISH, _SUBSCRIBE = DeclarationKind.PUBLISH, DeclarationKind.SUBSCRIBE
 
 
-def _transforms(
-    kind: DeclarationKind, machine: Machine, arguments: Arguments, *, static: bool = False
+def _make_transform_endpoint(
+    kind: DeclarationKind, machine: AbstractMachine, arguments: Arguments, *, static: bool = False
 ) -> Value:
-    endpoints.transforms(machine, kind, arguments, static=static)
+    endpoints.declare_transforms(machine, kind, arguments, static=static)
     return Instance(ENDPOINT)
 
 
-def _action_server(machine: Machine, arguments: Arguments) -> Value:
+def _action_server(machine: AbstractMachine, arguments: Arguments) -> Value:
     """`SimpleActionServer<T>([handle,] name, …)`."""
-    return _action(DeclarationKind.ACTION_SERVER, machine, arguments)
+    return _make_action(DeclarationKind.ACTION_SERVER, machine, arguments)
 
 
-def _action_client(machine: Machine, arguments: Arguments) -> Value:
+def _action_client(machine: AbstractMachine, arguments: Arguments) -> Value:
     """`SimpleActionClient<T>([handle,] name, …)`."""
-    return _action(DeclarationKind.ACTION_CLIENT, machine, arguments)
+    return _make_action(DeclarationKind.ACTION_CLIENT, machine, arguments)
 
 
-def _action(kind: DeclarationKind, machine: Machine, arguments: Arguments) -> Value:
-    names = texts(arguments)
+def _make_action(kind: DeclarationKind, machine: AbstractMachine, arguments: Arguments) -> Value:
+    names = name_arguments(arguments)
     if names:
-        name = in_handle(machine, handle_among(machine, arguments), names[0])
-        type = message_of(machine, arguments.types[0] if arguments.types else None, arguments)
-        endpoints.declare(machine, kind, name, type, arguments)
-    escape_all(machine, arguments)
+        name = resolve_in_handle(machine, handle_argument_or_default(machine, arguments), names[0])
+        type = message_type_of(machine, arguments.types[0] if arguments.types else None, arguments)
+        endpoints.declare_endpoint(machine, kind, name, type, arguments)
+    escape_functions(machine, arguments)
     return Instance(_ACTION)
 
 
-def _reconfigure(machine: Machine, arguments: Arguments) -> Value:
+def _reconfigure(machine: AbstractMachine, arguments: Arguments) -> Value:
     """`dynamic_reconfigure::Server<T>([mutex,] handle)`; the node's private names by default."""
-    owner = given_handle(arguments) or private_handle(machine)
-    endpoints.dynamic_reconfigure(machine, owner.fields["namespace"], arguments)
+    owner = handle_argument(arguments) or private_handle(machine)
+    endpoints.declare_dynamic_reconfigure(machine, owner.fields["namespace"], arguments)
     return Instance(_RECONFIGURE)
 
 
-def _diagnostics(machine: Machine, arguments: Arguments) -> Value:
-    endpoints.diagnostics(machine, arguments)
+def _diagnostics(machine: AbstractMachine, arguments: Arguments) -> Value:
+    endpoints.declare_diagnostics(machine, arguments)
     return Instance(_UPDATER)
 
 
-def _bond(machine: Machine, arguments: Arguments) -> Value:
-    names = texts(arguments)
-    endpoints.bond(machine, resolve(machine, names[0] if names else _UNKNOWN), arguments)
+def _make_bond(machine: AbstractMachine, arguments: Arguments) -> Value:
+    names = name_arguments(arguments)
+    endpoints.declare_bond(
+        machine, resolve_name(machine, names[0] if names else _UNKNOWN), arguments
+    )
     return Instance(ENDPOINT)
 
 
-def _realtime_publisher(machine: Machine, arguments: Arguments) -> Value:
+def _realtime_publisher(machine: AbstractMachine, arguments: Arguments) -> Value:
     """`realtime_tools::RealtimePublisher<T>(handle, topic, queue, latched)`."""
-    topic = in_handle(machine, handle_among(machine, arguments), arguments.get(1))
-    type = message_of(machine, arguments.types[0] if arguments.types else None, arguments)
-    endpoints.declare(machine, _PUBLISH, topic, type, arguments)
-    return Instance(ENDPOINT, {"name": remapped(machine, topic)})
+    topic = resolve_in_handle(
+        machine, handle_argument_or_default(machine, arguments), arguments.get(1)
+    )
+    type = message_type_of(machine, arguments.types[0] if arguments.types else None, arguments)
+    endpoints.declare_endpoint(machine, _PUBLISH, topic, type, arguments)
+    return Instance(ENDPOINT, {"name": remap_name(machine, topic)})
 
 
-def _marker_server(machine: Machine, arguments: Arguments) -> Value:
+def _marker_server(machine: AbstractMachine, arguments: Arguments) -> Value:
     """`InteractiveMarkerServer(topic_ns)` (ROS wiki: interactive_markers)."""
-    base = resolve(machine, arguments.get(0) or _UNKNOWN)
+    base = resolve_name(machine, arguments.get(0) or _UNKNOWN)
     for kind, name, type in (
         (_PUBLISH, "update", "visualization_msgs/InteractiveMarkerUpdate"),
         (_PUBLISH, "update_full", "visualization_msgs/InteractiveMarkerInit"),
         (_SUBSCRIBE, "feedback", "visualization_msgs/InteractiveMarkerFeedback"),
     ):
-        endpoints.declare(
-            machine, kind, endpoints.below(base, name), type, arguments, implicit=True
+        endpoints.declare_endpoint(
+            machine, kind, endpoints.name_below(base, name), type, arguments, implicit=True
         )
     return Instance(ENDPOINT)
 
 
-def _shape_shifter(machine: Machine, _: Value, arguments: Arguments) -> Value:
+def _shape_shifter(machine: AbstractMachine, _: Value, arguments: Arguments) -> Value:
     """`ShapeShifter::advertise(handle, topic, queue)`: any message type."""
-    topic = in_handle(machine, handle_among(machine, arguments), arguments.get(1))
-    endpoints.declare(machine, _PUBLISH, topic, "*", arguments)
-    return Instance(ENDPOINT, {"name": remapped(machine, topic)})
+    topic = resolve_in_handle(
+        machine, handle_argument_or_default(machine, arguments), arguments.get(1)
+    )
+    endpoints.declare_endpoint(machine, _PUBLISH, topic, "*", arguments)
+    return Instance(ENDPOINT, {"name": remap_name(machine, topic)})
 
 
-def _controller_manager(machine: Machine, arguments: Arguments) -> Value:
+def _controller_manager(machine: AbstractMachine, arguments: Arguments) -> Value:
     """`ControllerManager(robot, handle)` (ROS wiki: controller_manager)."""
-    base = in_handle(machine, handle_among(machine, arguments), Known("controller_manager"))
+    base = resolve_in_handle(
+        machine, handle_argument_or_default(machine, arguments), Scalar("controller_manager")
+    )
     for name, type in _MANAGER_SERVICES.items():
-        kind, service = DeclarationKind.SERVICE, endpoints.below(base, name)
-        endpoints.declare(machine, kind, service, f"controller_manager_msgs/{type}", arguments)
+        kind, service = DeclarationKind.SERVICE, endpoints.name_below(base, name)
+        endpoints.declare_endpoint(
+            machine, kind, service, f"controller_manager_msgs/{type}", arguments
+        )
     return Instance(ENDPOINT)
 
 
@@ -124,37 +134,39 @@ _MANAGER_SERVICES = {
     "switch_controller": "SwitchController",
     "reload_controller_libraries": "ReloadControllerLibraries",
 }
-_ACTION = NativeClass(
+_ACTION = LibraryClass(
     "actionlib",
     methods=dict.fromkeys(
         ("registerGoalCallback", "registerPreemptCallback", "sendGoal", "registerCancelCallback"),
-        take_callbacks,
+        register_callbacks,
     ),
 )
-_RECONFIGURE = NativeClass(
-    "dynamic_reconfigure::Server", _reconfigure, {"setCallback": take_callbacks}
+_RECONFIGURE = LibraryClass(
+    "dynamic_reconfigure::Server", _reconfigure, {"setCallback": register_callbacks}
 )
-_UPDATER = NativeClass("diagnostic_updater::Updater", _diagnostics, {"add": take_callbacks})
-_SHAPE_SHIFTER = NativeClass("topic_tools::ShapeShifter", methods={"advertise": _shape_shifter})
-_RECEIVE = partial(_transforms, _SUBSCRIBE)
-_SEND = partial(_transforms, _PUBLISH)
-_SEND_STATIC = partial(_transforms, _PUBLISH, static=True)
+_UPDATER = LibraryClass("diagnostic_updater::Updater", _diagnostics, {"add": register_callbacks})
+_SHAPE_SHIFTER = LibraryClass("topic_tools::ShapeShifter", methods={"advertise": _shape_shifter})
+_TRANSFORM_LISTENER = partial(_make_transform_endpoint, _SUBSCRIBE)
+_TRANSFORM_BROADCASTER = partial(_make_transform_endpoint, _PUBLISH)
+_STATIC_TRANSFORM_BROADCASTER = partial(_make_transform_endpoint, _PUBLISH, static=True)
 
-_MADE: Mapping[str, Callable[..., Value]] = {
-    **dict.fromkeys(("tf::TransformListener", "tf2_ros::TransformListener"), _RECEIVE),
-    **dict.fromkeys(("tf::TransformBroadcaster", "tf2_ros::TransformBroadcaster"), _SEND),
-    "tf2_ros::StaticTransformBroadcaster": _SEND_STATIC,
+_CONSTRUCTORS: Mapping[str, Callable[..., Value]] = {
+    **dict.fromkeys(("tf::TransformListener", "tf2_ros::TransformListener"), _TRANSFORM_LISTENER),
+    **dict.fromkeys(
+        ("tf::TransformBroadcaster", "tf2_ros::TransformBroadcaster"), _TRANSFORM_BROADCASTER
+    ),
+    "tf2_ros::StaticTransformBroadcaster": _STATIC_TRANSFORM_BROADCASTER,
     "actionlib::SimpleActionServer": _action_server,
     "actionlib::ActionServer": _action_server,
     "actionlib::SimpleActionClient": _action_client,
     "actionlib::ActionClient": _action_client,
-    "bond::Bond": _bond,
+    "bond::Bond": _make_bond,
     "controller_manager::ControllerManager": _controller_manager,
     "realtime_tools::RealtimePublisher": _realtime_publisher,
     "interactive_markers::InteractiveMarkerServer": _marker_server,
 }
 
 SERVER_CLASSES = {
-    **{name: NativeClass(name, make) for name, make in _MADE.items()},
+    **{name: LibraryClass(name, make) for name, make in _CONSTRUCTORS.items()},
     **{native.name: native for native in (_RECONFIGURE, _UPDATER, _SHAPE_SHIFTER)},
 }

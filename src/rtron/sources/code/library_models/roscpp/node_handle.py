@@ -6,25 +6,29 @@ from functools import partial
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     NONE,
     TRUE,
-    Hole,
     Instance,
-    Known,
+    LibraryClass,
     MapValue,
-    NativeClass,
+    Scalar,
+    Unknown,
     Value,
     options,
     truth,
 )
-from rtron.sources.code.interpreter.execution.abstract_machine import Machine
+from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.library_models.common.cpp_arguments import (
-    callback_message,
-    escape_all,
-    in_handle,
-    typed,
+    callback_message_type,
+    escape_functions,
+    resolve_in_handle,
+    template_message_type,
 )
 from rtron.sources.code.library_models.ros1_common import endpoints
-from rtron.sources.code.library_models.ros1_common.names import node_namespace, remapped, resolve
+from rtron.sources.code.library_models.ros1_common.names import (
+    node_namespace,
+    remap_name,
+    resolve_name,
+)
 from rtron.sources.code.library_models.roscpp.parameters import (
     get_param,
     has_param,
@@ -34,28 +38,28 @@ from rtron.sources.code.library_models.roscpp.parameters import (
 )
 from rtron.sources.declaration import DeclarationKind
 
-_UNKNOWN = Hole("?")
+_UNKNOWN = Unknown("?")
 
 
-def make_handle(machine: Machine, arguments: Arguments) -> Value:
+def make_handle(machine: AbstractMachine, arguments: Arguments) -> Value:
     """`NodeHandle()`, `NodeHandle("ns")`, `NodeHandle(parent, "ns")`."""
     first, second = arguments.get(0), arguments.get(1)
     if isinstance(arguments.values[-1] if arguments.values else None, MapValue):
-        note_remaps(machine, arguments)
+        note_program_remaps(machine, arguments)
     if isinstance(first, Instance) and "namespace" in first.fields:
         parent = first.fields["namespace"]
-        if second is None or second == Known(""):
+        if second is None or second == Scalar(""):
             return handle(parent)
-        return handle(remapped(machine, resolve(machine, second, parent)))
-    if first is None or first == Known(""):
-        return handle(Known(node_namespace(machine)))
-    return handle(remapped(machine, resolve(machine, first)))
+        return handle(remap_name(machine, resolve_name(machine, second, parent)))
+    if first is None or first == Scalar(""):
+        return handle(Scalar(node_namespace(machine)))
+    return handle(remap_name(machine, resolve_name(machine, first)))
 
 
-def note_remaps(machine: Machine, arguments: Arguments) -> None:
+def note_program_remaps(machine: AbstractMachine, arguments: Arguments) -> None:
     """Note remaps that the program gives itself, beside the launch's."""
     why = "the program remaps names itself; they are shown as declared"
-    machine.recorder.unresolved("remaps in the program", why, arguments.evidence)
+    machine.recorder.add_unresolved("remaps in the program", why, arguments.evidence)
 
 
 def handle(namespace: Value) -> Instance:
@@ -63,73 +67,79 @@ def handle(namespace: Value) -> Instance:
     return Instance(NODE_HANDLE, {"namespace": namespace})
 
 
-def private_handle(machine: Machine) -> Instance:
+def private_handle(machine: AbstractMachine) -> Instance:
     """Return the handle of the node's private names."""
-    return handle(endpoints.own_namespace(machine))
+    return handle(endpoints.resolve_private(machine))
 
 
-def given_handle(arguments: Arguments) -> Instance | None:
+def handle_argument(arguments: Arguments) -> Instance | None:
     """Return the first argument that is certainly a node handle."""
     given = (v for v in arguments.values if isinstance(v, Instance) and "namespace" in v.fields)
     return next(given, None)
 
 
-def handle_among(machine: Machine, arguments: Arguments) -> Instance:
+def handle_argument_or_default(machine: AbstractMachine, arguments: Arguments) -> Instance:
     """Return the node handle among the arguments, or the node's own."""
     for value in arguments.values:
         for option in options(value):
             if isinstance(option, Instance) and "namespace" in option.fields:
                 return option
-    return handle(Known(node_namespace(machine)))
+    return handle(Scalar(node_namespace(machine)))
 
 
-def advertise(machine: Machine, owner: Value, arguments: Arguments) -> Value:
+def advertise(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
     """`advertise<T>(topic, queue_size, …, latch)`, `advertise(AdvertiseOptions)`."""
     first = arguments.get(0)
     if isinstance(first, Instance) and "options" in first.fields:
         name, type = first.fields["options"], str(getattr(first.fields["type"], "value", ""))
     else:
-        name, type = first or _UNKNOWN, typed(machine, arguments)
-    topic = in_handle(machine, owner, name)
-    latched = any(value == TRUE for value in arguments.values[2:]) or _says_latch(first)
-    escape_all(machine, arguments)
+        name, type = first or _UNKNOWN, template_message_type(machine, arguments)
+    topic = resolve_in_handle(machine, owner, name)
+    latched = any(value == TRUE for value in arguments.values[2:]) or _has_latch(first)
+    escape_functions(machine, arguments)
     kind = DeclarationKind.PUBLISH
-    endpoints.declare(machine, kind, topic, type, arguments, latched=latched)
-    return Instance(ENDPOINT, {"name": remapped(machine, topic)})
+    endpoints.declare_endpoint(machine, kind, topic, type, arguments, latched=latched)
+    return Instance(ENDPOINT, {"name": remap_name(machine, topic)})
 
 
-def _says_latch(options: Value | None) -> bool:
+def _has_latch(options: Value | None) -> bool:
     return isinstance(options, Instance) and options.fields.get("latch") == TRUE
 
 
-def subscribe(machine: Machine, owner: Value, arguments: Arguments) -> Value:
+def subscribe(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
     """`subscribe<T>(topic, queue_size, callback, …)`, `subscribe(SubscribeOptions)`."""
     first = arguments.get(0)
     if isinstance(first, Instance) and "options" in first.fields:
         name, type = first.fields["options"], str(getattr(first.fields["type"], "value", ""))
     else:
         name = first or _UNKNOWN
-        type = typed(machine, arguments) or callback_message(machine, arguments, 1)
-    topic = in_handle(machine, owner, name)
-    escape_all(machine, arguments)
-    endpoints.declare(machine, DeclarationKind.SUBSCRIBE, topic, type, arguments)
-    return Instance(ENDPOINT, {"name": remapped(machine, topic)})
+        type = template_message_type(machine, arguments) or callback_message_type(
+            machine, arguments, 1
+        )
+    topic = resolve_in_handle(machine, owner, name)
+    escape_functions(machine, arguments)
+    endpoints.declare_endpoint(machine, DeclarationKind.SUBSCRIBE, topic, type, arguments)
+    return Instance(ENDPOINT, {"name": remap_name(machine, topic)})
 
 
-def _service(kind: DeclarationKind, machine: Machine, owner: Value, arguments: Arguments) -> Value:
+def _declare_service(
+    kind: DeclarationKind, machine: AbstractMachine, owner: Value, arguments: Arguments
+) -> Value:
     first = arguments.get(0)
     given = (
         first.fields["options"]
         if isinstance(first, Instance) and "options" in first.fields
         else first
     )
-    name = in_handle(machine, owner, given)
-    type = typed(machine, arguments) or _service_type(callback_message(machine, arguments, 1))
+    name = resolve_in_handle(machine, owner, given)
+    type = template_message_type(machine, arguments) or _service_type(
+        callback_message_type(machine, arguments, 1)
+    )
     if not type and arguments.types:
-        type = _service_type(typed(machine, arguments))
-    escape_all(machine, arguments)
-    endpoints.declare(machine, kind, name, _service_type(type), arguments)
-    return Instance(ENDPOINT, {"name": remapped(machine, name)})
+        type = _service_type(template_message_type(machine, arguments))
+    escape_functions(machine, arguments)
+    endpoints.declare_endpoint(machine, kind, name, _service_type(type), arguments)
+    return Instance(ENDPOINT, {"name": remap_name(machine, name)})
 
 
 def _service_type(request: str) -> str:
@@ -137,34 +147,34 @@ def _service_type(request: str) -> str:
     return request.removesuffix("::Request").removesuffix("Request")
 
 
-def _resolve_name(machine: Machine, owner: Value, arguments: Arguments) -> Value:
-    name = in_handle(machine, owner, arguments.get(0))
+def _resolve_name(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
+    name = resolve_in_handle(machine, owner, arguments.get(0))
     plain = truth(arguments.get(1) or TRUE) is False
-    return name if plain else remapped(machine, name)
+    return name if plain else remap_name(machine, name)
 
 
-def _get_namespace(machine: Machine, owner: Value, _: Arguments) -> Value:
-    return in_handle(machine, owner, Known(""))
+def _get_namespace(machine: AbstractMachine, owner: Value, _: Arguments) -> Value:
+    return resolve_in_handle(machine, owner, Scalar(""))
 
 
-def _callback(machine: Machine, _: Value, arguments: Arguments) -> Value:
-    escape_all(machine, arguments)
+def _register_callback(machine: AbstractMachine, _: Value, arguments: Arguments) -> Value:
+    escape_functions(machine, arguments)
     return Instance(ENDPOINT)
 
 
-def _topic(_: Machine, owner: Instance, __: Arguments) -> Value:
-    return owner.fields.get("name", Hole("topic"))
+def _topic_name(_: AbstractMachine, owner: Instance, __: Arguments) -> Value:
+    return owner.fields.get("name", Unknown("topic"))
 
 
-def _is_set(_: Machine, __: Instance, ___: Arguments) -> Value:
-    return Hole("set")
+def _unknown_state(_: AbstractMachine, __: Instance, ___: Arguments) -> Value:
+    return Unknown("set")
 
 
 _HANDLE_METHODS: Mapping[str, Callable[..., Value]] = {
     "advertise": advertise,
     "subscribe": subscribe,
-    "advertiseService": partial(_service, DeclarationKind.SERVICE),
-    "serviceClient": partial(_service, DeclarationKind.SERVICE_CLIENT),
+    "advertiseService": partial(_declare_service, DeclarationKind.SERVICE),
+    "serviceClient": partial(_declare_service, DeclarationKind.SERVICE_CLIENT),
     "param": param,
     "getParam": get_param,
     "getParamCached": get_param,
@@ -174,22 +184,22 @@ _HANDLE_METHODS: Mapping[str, Callable[..., Value]] = {
     "resolveName": _resolve_name,
     "getNamespace": _get_namespace,
     "getUnresolvedNamespace": _get_namespace,
-    **dict.fromkeys(("createTimer", "createWallTimer", "createSteadyTimer"), _callback),
+    **dict.fromkeys(("createTimer", "createWallTimer", "createSteadyTimer"), _register_callback),
 }
-NODE_HANDLE = NativeClass("ros::NodeHandle", make_handle, dict(_HANDLE_METHODS))
-ENDPOINT = NativeClass(
+NODE_HANDLE = LibraryClass("ros::NodeHandle", make_handle, dict(_HANDLE_METHODS))
+ENDPOINT = LibraryClass(
     "ros::Publisher",
     methods={
-        **dict.fromkeys(("getTopic", "getService"), _topic),
-        **dict.fromkeys(("getNumSubscribers", "getNumPublishers", "isValid"), _is_set),
-        **dict.fromkeys(("registerCallback", "setCallback", "call"), _callback),
+        **dict.fromkeys(("getTopic", "getService"), _topic_name),
+        **dict.fromkeys(("getNumSubscribers", "getNumPublishers", "isValid"), _unknown_state),
+        **dict.fromkeys(("registerCallback", "setCallback", "call"), _register_callback),
     },
 )
-_POINTER = NativeClass("pointer", lambda machine, arguments: arguments.get(0) or NONE)
+_HANDLE_POINTER = LibraryClass("pointer", lambda machine, arguments: arguments.get(0) or NONE)
 
 HANDLE_CLASSES = {
     "ros::NodeHandle": NODE_HANDLE,
-    **dict.fromkeys(("ros::NodeHandlePtr", "ros::NodeHandleConstPtr"), _POINTER),
+    **dict.fromkeys(("ros::NodeHandlePtr", "ros::NodeHandleConstPtr"), _HANDLE_POINTER),
     **dict.fromkeys(("ros::Publisher", "ros::Subscriber", "ros::ServiceServer"), ENDPOINT),
     **dict.fromkeys(("ros::ServiceClient", "ros::Timer", "ros::WallTimer"), ENDPOINT),
 }

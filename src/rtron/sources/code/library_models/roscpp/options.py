@@ -1,49 +1,52 @@
 """roscpp's AdvertiseOptions and its kin: a name and a type for a later call."""
 
 from rtron.sources.code.interpreter.abstract_values.value_types import (
-    Hole,
     Instance,
-    Known,
-    NativeClass,
+    LibraryClass,
+    Scalar,
+    Unknown,
     Value,
 )
-from rtron.sources.code.interpreter.execution.abstract_machine import Machine
+from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
-from rtron.sources.code.library_models.common.cpp_arguments import escape_all, typed
+from rtron.sources.code.library_models.common.cpp_arguments import (
+    escape_functions,
+    template_message_type,
+)
 
-_UNKNOWN = Hole("?")
+_UNKNOWN = Unknown("?")
 
 
-def options_of(machine: Machine, _: object, arguments: Arguments) -> Value:
+def create_options(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
     """`AdvertiseOptions::create<T>(topic, …)`, `SubscribeOptions::create<T>(topic, …)`."""
-    escape_all(machine, arguments)
-    type = Known(typed(machine, arguments))
-    return Instance(OPTIONS, {"options": arguments.get(0) or _UNKNOWN, "type": type})
+    escape_functions(machine, arguments)
+    type = Scalar(template_message_type(machine, arguments))
+    return Instance(ADVERTISE_OPTIONS, {"options": arguments.get(0) or _UNKNOWN, "type": type})
 
 
-def _no_options(_: Machine, arguments: Arguments) -> Value:
+def _make_options(_: AbstractMachine, arguments: Arguments) -> Value:
     return (
-        Instance(OPTIONS, {"options": _UNKNOWN, "type": Known("")})
+        Instance(ADVERTISE_OPTIONS, {"options": _UNKNOWN, "type": Scalar("")})
         if arguments
-        else Hole("options")
+        else Unknown("options")
     )
 
 
-def _init_options(machine: Machine, owner: Instance, arguments: Arguments) -> Value:
+def _init_options(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
     """`SubscribeOptions::init<T>(topic, queue, callback)`."""
-    escape_all(machine, arguments)
-    machine.trail.set(owner.fields, "options", arguments.get(0) or _UNKNOWN)
-    machine.trail.set(owner.fields, "type", Known(typed(machine, arguments)))
+    escape_functions(machine, arguments)
+    machine.undo_log.set(owner.fields, "options", arguments.get(0) or _UNKNOWN)
+    machine.undo_log.set(owner.fields, "type", Scalar(template_message_type(machine, arguments)))
     return owner
 
 
-OPTIONS = NativeClass(
+ADVERTISE_OPTIONS = LibraryClass(
     "ros::AdvertiseOptions",
     methods=dict.fromkeys(("init", "initByFullCallbackType"), _init_options),
 )
 
 OPTIONS_CLASSES = {
-    name: NativeClass(name, _no_options)
+    name: LibraryClass(name, _make_options)
     for name in (
         "ros::AdvertiseOptions",
         "ros::SubscribeOptions",

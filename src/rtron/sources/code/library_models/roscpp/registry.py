@@ -4,25 +4,29 @@ from collections.abc import Callable, Mapping
 
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     NONE,
-    Hole,
-    Known,
     ListValue,
     MapValue,
+    Scalar,
+    Unknown,
     Value,
     concat,
 )
-from rtron.sources.code.interpreter.execution.abstract_machine import Machine
+from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
-from rtron.sources.code.library_models.common.cpp_arguments import message_of
+from rtron.sources.code.library_models.common.cpp_arguments import message_type_of
 from rtron.sources.code.library_models.ros1_common import endpoints
-from rtron.sources.code.library_models.ros1_common.names import node_namespace, remapped, resolve
+from rtron.sources.code.library_models.ros1_common.names import (
+    node_namespace,
+    remap_name,
+    resolve_name,
+)
 from rtron.sources.code.library_models.roscpp.node_handle import (
-    given_handle,
     handle,
-    note_remaps,
+    handle_argument,
+    note_program_remaps,
     subscribe,
 )
-from rtron.sources.code.library_models.roscpp.options import options_of
+from rtron.sources.code.library_models.roscpp.options import create_options
 from rtron.sources.code.library_models.roscpp.parameters import (
     get_param,
     has_param,
@@ -32,66 +36,68 @@ from rtron.sources.code.library_models.roscpp.parameters import (
 )
 from rtron.sources.declaration import DeclarationKind
 
-_UNKNOWN = Hole("?")
+_UNKNOWN = Unknown("?")
 
 
-def _without_handle(method: Callable[..., Value]) -> Callable[..., Value]:
+def _with_node_handle(method: Callable[..., Value]) -> Callable[..., Value]:
     """`ros::param::get` and its kin resolve in the node's own namespace."""
 
-    def called(machine: Machine, _: object, arguments: Arguments) -> Value:
-        return method(machine, handle(Known(node_namespace(machine))), arguments)
+    def called(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+        return method(machine, handle(Scalar(node_namespace(machine))), arguments)
 
     return called
 
 
-def _wait_for_message(machine: Machine, _: object, arguments: Arguments) -> Value:
+def _wait_for_message(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
     """`ros::topic::waitForMessage<T>(topic, handle)`."""
-    owner = given_handle(arguments) or handle(Known(node_namespace(machine)))
+    owner = handle_argument(arguments) or handle(Scalar(node_namespace(machine)))
     subscribe(machine, owner, arguments)
-    return Hole("message")
+    return Unknown("message")
 
 
-def _node_name(machine: Machine, _: object, __: Arguments) -> Value:
-    return Known(machine.recorder.site.name)
+def _node_name(machine: AbstractMachine, _: object, __: Arguments) -> Value:
+    return Scalar(machine.recorder.site.name)
 
 
-def _node_namespace(machine: Machine, _: object, __: Arguments) -> Value:
-    return Known(node_namespace(machine))
+def _node_namespace(machine: AbstractMachine, _: object, __: Arguments) -> Value:
+    return Scalar(node_namespace(machine))
 
 
-def _resolve(machine: Machine, _: object, arguments: Arguments) -> Value:
-    return remapped(machine, resolve(machine, arguments.get(len(arguments.values) - 1) or _UNKNOWN))
+def _resolve(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+    return remap_name(
+        machine, resolve_name(machine, arguments.get(len(arguments.values) - 1) or _UNKNOWN)
+    )
 
 
-def _append(_: Machine, __: object, arguments: Arguments) -> Value:
+def _append(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
     left, right = arguments.get(0) or _UNKNOWN, arguments.get(1) or _UNKNOWN
-    return concat((left, Known("/"), right))
+    return concat((left, Scalar("/"), right))
 
 
-def _call_service(machine: Machine, _: object, arguments: Arguments) -> Value:
+def _call_service(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
     """`ros::service::call("name", service)`."""
-    name = resolve(machine, arguments.get(0) or _UNKNOWN)
+    name = resolve_name(machine, arguments.get(0) or _UNKNOWN)
     service = arguments.get(1)
-    made = service.type if isinstance(service, Hole) else None
-    type = message_of(machine, made, arguments)
-    endpoints.declare(machine, DeclarationKind.SERVICE_CLIENT, name, type, arguments)
-    return Hole("call")
+    made = service.type if isinstance(service, Unknown) else None
+    type = message_type_of(machine, made, arguments)
+    endpoints.declare_endpoint(machine, DeclarationKind.SERVICE_CLIENT, name, type, arguments)
+    return Unknown("call")
 
 
-def _init(machine: Machine, _: object, arguments: Arguments) -> Value:
+def _init(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
     """`ros::init(argc, argv, name)`, or with remaps in the place of the command line."""
     if isinstance(arguments.get(0), (MapValue, ListValue)):
-        note_remaps(machine, arguments)
+        note_program_remaps(machine, arguments)
     return NONE
 
 
-FUNCTIONS: Mapping[str, Callable[..., Value]] = {
-    "ros::param::get": _without_handle(get_param),
-    "ros::param::getCached": _without_handle(get_param),
-    "ros::param::param": _without_handle(param),
-    "ros::param::has": _without_handle(has_param),
-    "ros::param::set": _without_handle(set_param),
-    "ros::param::search": _without_handle(search_param),
+ROSCPP_FUNCTIONS: Mapping[str, Callable[..., Value]] = {
+    "ros::param::get": _with_node_handle(get_param),
+    "ros::param::getCached": _with_node_handle(get_param),
+    "ros::param::param": _with_node_handle(param),
+    "ros::param::has": _with_node_handle(has_param),
+    "ros::param::set": _with_node_handle(set_param),
+    "ros::param::search": _with_node_handle(search_param),
     "ros::topic::waitForMessage": _wait_for_message,
     "ros::init": _init,
     "ros::service::call": _call_service,
@@ -101,8 +107,8 @@ FUNCTIONS: Mapping[str, Callable[..., Value]] = {
     "ros::names::remap": _resolve,
     "ros::names::append": _append,
     "ros::names::clean": lambda machine, owner, arguments: arguments.get(0) or _UNKNOWN,
-    "ros::AdvertiseServiceOptions::create": options_of,
-    "ros::AdvertiseOptions::create": options_of,
-    "ros::SubscribeOptions::create": options_of,
-    "ros::ok": lambda machine, owner, arguments: Hole("ok"),
+    "ros::AdvertiseServiceOptions::create": create_options,
+    "ros::AdvertiseOptions::create": create_options,
+    "ros::SubscribeOptions::create": create_options,
+    "ros::ok": lambda machine, owner, arguments: Unknown("ok"),
 }

@@ -9,32 +9,32 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     NONE,
     TRUE,
     FunctionValue,
-    Hole,
     Instance,
-    Known,
+    LibraryClass,
+    LibraryFunction,
     MessageType,
-    Native,
-    NativeClass,
+    Scalar,
+    Unknown,
     Value,
-    each,
+    map_options,
     options,
-    spelled,
+    text_with_holes,
     truth,
 )
-from rtron.sources.code.interpreter.execution.abstract_machine import Machine, ThrownError
+from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine, ThrownError
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.library_models.ros1_common import endpoints
 from rtron.sources.code.library_models.ros1_common.names import (
     node_namespace,
-    parameter,
-    remapped,
-    resolve,
-    search,
+    parameter_value,
+    remap_name,
+    resolve_name,
+    search_parameter,
 )
 from rtron.sources.declaration import DeclarationKind
 
 
-def type_name(value: Value | None) -> str:
+def message_type_name(value: Value | None) -> str:
     """Return a message class as `package/Name`; empty where it is not known."""
     for option in options(value):
         if isinstance(option, MessageType):
@@ -42,175 +42,192 @@ def type_name(value: Value | None) -> str:
     return ""
 
 
-def _endpoint(kind: DeclarationKind, machine: Machine, _: object, arguments: Arguments) -> Instance:
+def _declare_endpoint(
+    kind: DeclarationKind, machine: AbstractMachine, _: object, arguments: Arguments
+) -> Instance:
     """`Publisher(name, data_class, …)`, `Subscriber(name, data_class, callback, …)` and so on."""
-    name = resolve(machine, arguments.get(0, "name") or Hole("?"))
-    type = type_name(arguments.get(1, "data_class") or arguments.get(1, "service_class"))
+    name = resolve_name(machine, arguments.get(0, "name") or Unknown("?"))
+    type = message_type_name(arguments.get(1, "data_class") or arguments.get(1, "service_class"))
     latched = truth(arguments.keywords.get("latch", FALSE)) is True
-    endpoints.declare(machine, kind, name, type, arguments, latched=latched)
+    endpoints.declare_endpoint(machine, kind, name, type, arguments, latched=latched)
     if arguments.get(3, "callback_args") is None:
-        _escape_all(machine, arguments)
-    final = remapped(machine, name)
+        _escape_arguments(machine, arguments)
+    final = remap_name(machine, name)
     return Instance(_ENDPOINT, {"name": final, "resolved_name": final})
 
 
-def _subscriber(machine: Machine, _: object, arguments: Arguments) -> Instance:
+def _declare_subscriber(machine: AbstractMachine, _: object, arguments: Arguments) -> Instance:
     """`Subscriber(name, data_class, callback, callback_args)`: its callback gets both."""
-    made = _endpoint(DeclarationKind.SUBSCRIBE, machine, None, arguments)
+    made = _declare_endpoint(DeclarationKind.SUBSCRIBE, machine, None, arguments)
     given = arguments.get(3, "callback_args")
     if given is not None:
         for callback in options(arguments.get(2, "callback")):
-            machine.escape(_with_second(callback, given))
+            machine.escape(_with_callback_args(callback, given))
     return made
 
 
-def _with_second(callback: Value, given: Value) -> Value:
+def _with_callback_args(callback: Value, given: Value) -> Value:
     if not isinstance(callback, FunctionValue):
         return callback
-    before = len(callback.given) + (callback.owner is not None)
+    before = len(callback.bound_arguments) + (callback.owner is not None)
     second = callback.function.params[before + 1 : before + 2]
-    return replace(callback, named={**callback.named, **{p.name: given for p in second}})
+    return replace(
+        callback, bound_keywords={**callback.bound_keywords, **{p.name: given for p in second}}
+    )
 
 
-def _escape_all(machine: Machine, arguments: Arguments) -> None:
+def _escape_arguments(machine: AbstractMachine, arguments: Arguments) -> None:
     for value in (*arguments.values, *arguments.keywords.values()):
         machine.escape(value)
 
 
-def _wait_for_message(machine: Machine, _: object, arguments: Arguments) -> Value:
-    _endpoint(DeclarationKind.SUBSCRIBE, machine, None, arguments)
-    return Hole("message")
+def _wait_for_message(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+    _declare_endpoint(DeclarationKind.SUBSCRIBE, machine, None, arguments)
+    return Unknown("message")
 
 
-def _get_param(machine: Machine, _: object, arguments: Arguments) -> Value:
-    name = resolve(machine, arguments.get(0, "param_name") or Hole("?"))
-    default, found = arguments.get(1, "default"), parameter(machine, name)
+def _get_param(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+    name = resolve_name(machine, arguments.get(0, "param_name") or Unknown("?"))
+    default, found = arguments.get(1, "default"), parameter_value(machine, name)
     if found is None and default is None:
-        if machine.catching:
+        if machine.active_handlers:
             raise ThrownError("KeyError")
-        return Hole(spelled(arguments.get(0, "param_name") or NONE), tainted=True)
+        return Unknown(text_with_holes(arguments.get(0, "param_name") or NONE), tainted=True)
     if found is None:
-        return _tainted(default)
-    return found if not isinstance(found, Hole) or default is None else _tainted(default)
+        return _tainted_value(default)
+    return found if not isinstance(found, Unknown) or default is None else _tainted_value(default)
 
 
-def _tainted(value: Value | None) -> Value:
-    return Known(value.value, tainted=True) if isinstance(value, Known) else value or NONE
+def _tainted_value(value: Value | None) -> Value:
+    return Scalar(value.value, tainted=True) if isinstance(value, Scalar) else value or NONE
 
 
-def _has_param(machine: Machine, _: object, arguments: Arguments) -> Value:
-    found = parameter(machine, resolve(machine, arguments.get(0, "param_name") or Hole("?")))
-    return FALSE if found is None else Hole("has_param") if isinstance(found, Hole) else TRUE
+def _has_param(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+    found = parameter_value(
+        machine, resolve_name(machine, arguments.get(0, "param_name") or Unknown("?"))
+    )
+    return FALSE if found is None else Unknown("has_param") if isinstance(found, Unknown) else TRUE
 
 
-def _set_param(machine: Machine, _: object, arguments: Arguments) -> Value:
-    name = resolve(machine, arguments.get(0, "param_name") or Hole("?"))
-    if isinstance(name, Known):
-        machine.trail.set(machine.parameters, str(name.value), arguments.get(1, "param_value"))
+def _set_param(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+    name = resolve_name(machine, arguments.get(0, "param_name") or Unknown("?"))
+    if isinstance(name, Scalar):
+        machine.undo_log.set(machine.parameters, str(name.value), arguments.get(1, "param_value"))
     return NONE
 
 
-def _search_param(machine: Machine, _: object, arguments: Arguments) -> Value:
-    namespace = Known(machine.recorder.site.name)
-    return search(machine, arguments.get(0, "param_name") or Hole("?"), namespace) or NONE
+def _search_param(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+    namespace = Scalar(machine.recorder.site.name)
+    return (
+        search_parameter(machine, arguments.get(0, "param_name") or Unknown("?"), namespace) or NONE
+    )
 
 
-def _resolve_name(machine: Machine, _: object, arguments: Arguments) -> Value:
-    return remapped(machine, resolve(machine, arguments.get(0, "name") or Hole("?")))
+def _resolve_name(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+    return remap_name(machine, resolve_name(machine, arguments.get(0, "name") or Unknown("?")))
 
 
-def _get_name(machine: Machine, _: object, __: Arguments) -> Value:
-    return Known(machine.recorder.site.name)
+def _get_name(machine: AbstractMachine, _: object, __: Arguments) -> Value:
+    return Scalar(machine.recorder.site.name)
 
 
-def _get_namespace(machine: Machine, _: object, __: Arguments) -> Value:
+def _get_namespace(machine: AbstractMachine, _: object, __: Arguments) -> Value:
     namespace = node_namespace(machine)
-    return Known(namespace if namespace == "/" else namespace + "/")
+    return Scalar(namespace if namespace == "/" else namespace + "/")
 
 
-def _timer(machine: Machine, _: object, arguments: Arguments) -> Value:
-    _escape_all(machine, arguments)
-    return Hole("timer")
+def _register_callback(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+    _escape_arguments(machine, arguments)
+    return Unknown("timer")
 
 
-def _action(kind: DeclarationKind, machine: Machine, _: object, arguments: Arguments) -> Value:
-    name = resolve(machine, arguments.get(0, "ns") or arguments.get(0, "name") or Hole("?"))
+def _declare_action(
+    kind: DeclarationKind, machine: AbstractMachine, _: object, arguments: Arguments
+) -> Value:
+    name = resolve_name(machine, arguments.get(0, "ns") or arguments.get(0, "name") or Unknown("?"))
     type = arguments.get(1, "ActionSpec") or arguments.get(1, "action_spec")
-    endpoints.declare(machine, kind, name, type_name(type), arguments)
-    _escape_all(machine, arguments)
+    endpoints.declare_endpoint(machine, kind, name, message_type_name(type), arguments)
+    _escape_arguments(machine, arguments)
     return Instance(_ENDPOINT)
 
 
-def _reconfigure(machine: Machine, _: object, arguments: Arguments) -> Value:
-    namespace = arguments.keywords.get("namespace") or arguments.get(2) or Known("")
-    private = endpoints.own_namespace(machine)
-    endpoints.dynamic_reconfigure(machine, resolve(machine, namespace, private), arguments)
-    _escape_all(machine, arguments)
+def _declare_reconfigure_server(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+    namespace = arguments.keywords.get("namespace") or arguments.get(2) or Scalar("")
+    private = endpoints.resolve_private(machine)
+    endpoints.declare_dynamic_reconfigure(
+        machine, resolve_name(machine, namespace, private), arguments
+    )
+    _escape_arguments(machine, arguments)
     return Instance(_ENDPOINT)
 
 
-def _reconfigure_client(machine: Machine, _: object, arguments: Arguments) -> Value:
-    namespace = resolve(machine, arguments.get(0, "name") or Hole("?"))
+def _declare_reconfigure_client(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+    namespace = resolve_name(machine, arguments.get(0, "name") or Unknown("?"))
     for name, type in (
         ("parameter_descriptions", "dynamic_reconfigure/ConfigDescription"),
         ("parameter_updates", "dynamic_reconfigure/Config"),
     ):
-        topic = endpoints.below(namespace, name)
+        topic = endpoints.name_below(namespace, name)
         kind = DeclarationKind.SUBSCRIBE
-        endpoints.declare(machine, kind, topic, type, arguments, implicit=True)
-    service, type = endpoints.below(namespace, "set_parameters"), "dynamic_reconfigure/Reconfigure"
+        endpoints.declare_endpoint(machine, kind, topic, type, arguments, implicit=True)
+    service, type = (
+        endpoints.name_below(namespace, "set_parameters"),
+        "dynamic_reconfigure/Reconfigure",
+    )
     kind = DeclarationKind.SERVICE_CLIENT
-    endpoints.declare(machine, kind, service, type, arguments, implicit=True)
+    endpoints.declare_endpoint(machine, kind, service, type, arguments, implicit=True)
     return Instance(_ENDPOINT)
 
 
-def _transforms(
+def _declare_transforms(
     kind: DeclarationKind,
-    machine: Machine,
+    machine: AbstractMachine,
     _: object,
     arguments: Arguments,
     *,
     static: bool = False,
 ) -> Value:
-    endpoints.transforms(machine, kind, arguments, static=static)
+    endpoints.declare_transforms(machine, kind, arguments, static=static)
     return Instance(_ENDPOINT)
 
 
-def _diagnostics(machine: Machine, _: object, arguments: Arguments) -> Value:
-    endpoints.diagnostics(machine, arguments)
+def _declare_diagnostics(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+    endpoints.declare_diagnostics(machine, arguments)
     return Instance(_ENDPOINT)
 
 
-def _bond(machine: Machine, _: object, arguments: Arguments) -> Value:
-    endpoints.bond(machine, resolve(machine, arguments.get(0, "topic") or Hole("?")), arguments)
+def _declare_bond(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+    endpoints.declare_bond(
+        machine, resolve_name(machine, arguments.get(0, "topic") or Unknown("?")), arguments
+    )
     return Instance(_ENDPOINT)
 
 
-def _wait_for_service(_: Machine, __: object, ___: Arguments) -> Value:
+def _wait_for_service(_: AbstractMachine, __: object, ___: Arguments) -> Value:
     return NONE
 
 
-def _method(machine: Machine, owner: Instance, arguments: Arguments) -> Value:
+def _register_callbacks(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
     """`registerCallback`, `register_goal_callback` and their kin take callbacks."""
-    _escape_all(machine, arguments)
+    _escape_arguments(machine, arguments)
     return owner
 
 
-def _message_class(_: Machine, __: object, arguments: Arguments) -> Value:
+def _message_class(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
     """`get_message_class("std_msgs/String")` (roslib.message)."""
 
     def named(value: Value) -> Value:
-        is_type = isinstance(value, Known) and str(value.value).count("/") == 1
-        return MessageType(spelled(value)) if is_type else Hole("message class")
+        is_type = isinstance(value, Scalar) and str(value.value).count("/") == 1
+        return MessageType(text_with_holes(value)) if is_type else Unknown("message class")
 
-    return each(arguments.get(0) or Hole("?"), named)
-
-
-def _not_shut_down(_: Machine, __: object, ___: Arguments) -> Value:
-    return Hole("is_shutdown")
+    return map_options(arguments.get(0) or Unknown("?"), named)
 
 
-_ENDPOINT = NativeClass(
+def _is_shutdown(_: AbstractMachine, __: object, ___: Arguments) -> Value:
+    return Unknown("is_shutdown")
+
+
+_ENDPOINT = LibraryClass(
     "endpoint",
     methods=dict.fromkeys(
         [
@@ -223,18 +240,18 @@ _ENDPOINT = NativeClass(
             "send_goal_and_wait",
             "setCallback",
         ],
-        _method,
+        _register_callbacks,
     ),
 )
 
 
-PythonFunction = Callable[..., Value]
+RospyFunction = Callable[..., Value]
 
-_CALLS: dict[str, PythonFunction] = {
-    "rospy.Publisher": partial(_endpoint, DeclarationKind.PUBLISH),
-    "rospy.Subscriber": _subscriber,
-    "rospy.Service": partial(_endpoint, DeclarationKind.SERVICE),
-    "rospy.ServiceProxy": partial(_endpoint, DeclarationKind.SERVICE_CLIENT),
+_CALLS: dict[str, RospyFunction] = {
+    "rospy.Publisher": partial(_declare_endpoint, DeclarationKind.PUBLISH),
+    "rospy.Subscriber": _declare_subscriber,
+    "rospy.Service": partial(_declare_endpoint, DeclarationKind.SERVICE),
+    "rospy.ServiceProxy": partial(_declare_endpoint, DeclarationKind.SERVICE_CLIENT),
     "rospy.wait_for_message": _wait_for_message,
     "rospy.wait_for_service": _wait_for_service,
     "rospy.get_param": _get_param,
@@ -245,33 +262,33 @@ _CALLS: dict[str, PythonFunction] = {
     "rospy.resolve_name": _resolve_name,
     "rospy.remap_name": _resolve_name,
     "rospy.names.resolve_name": _resolve_name,
-    "rospy.names.ns_join": lambda machine, _, a: resolve(machine, a.get(1), a.get(0)),
+    "rospy.names.ns_join": lambda machine, _, a: resolve_name(machine, a.get(1), a.get(0)),
     "rospy.get_name": _get_name,
     "rospy.get_namespace": _get_namespace,
     "roslib.message.get_message_class": _message_class,
-    "rospy.is_shutdown": _not_shut_down,
-    "rospy.Timer": _timer,
-    "rospy.on_shutdown": _timer,
-    "message_filters.Subscriber": partial(_endpoint, DeclarationKind.SUBSCRIBE),
-    "actionlib.SimpleActionClient": partial(_action, DeclarationKind.ACTION_CLIENT),
-    "actionlib.ActionClient": partial(_action, DeclarationKind.ACTION_CLIENT),
-    "actionlib.SimpleActionServer": partial(_action, DeclarationKind.ACTION_SERVER),
-    "actionlib.ActionServer": partial(_action, DeclarationKind.ACTION_SERVER),
-    "dynamic_reconfigure.server.Server": _reconfigure,
-    "dynamic_reconfigure.client.Client": _reconfigure_client,
-    "tf.TransformListener": partial(_transforms, DeclarationKind.SUBSCRIBE),
-    "tf.TransformBroadcaster": partial(_transforms, DeclarationKind.PUBLISH),
-    "tf2_ros.TransformListener": partial(_transforms, DeclarationKind.SUBSCRIBE),
-    "tf2_ros.TransformBroadcaster": partial(_transforms, DeclarationKind.PUBLISH),
+    "rospy.is_shutdown": _is_shutdown,
+    "rospy.Timer": _register_callback,
+    "rospy.on_shutdown": _register_callback,
+    "message_filters.Subscriber": partial(_declare_endpoint, DeclarationKind.SUBSCRIBE),
+    "actionlib.SimpleActionClient": partial(_declare_action, DeclarationKind.ACTION_CLIENT),
+    "actionlib.ActionClient": partial(_declare_action, DeclarationKind.ACTION_CLIENT),
+    "actionlib.SimpleActionServer": partial(_declare_action, DeclarationKind.ACTION_SERVER),
+    "actionlib.ActionServer": partial(_declare_action, DeclarationKind.ACTION_SERVER),
+    "dynamic_reconfigure.server.Server": _declare_reconfigure_server,
+    "dynamic_reconfigure.client.Client": _declare_reconfigure_client,
+    "tf.TransformListener": partial(_declare_transforms, DeclarationKind.SUBSCRIBE),
+    "tf.TransformBroadcaster": partial(_declare_transforms, DeclarationKind.PUBLISH),
+    "tf2_ros.TransformListener": partial(_declare_transforms, DeclarationKind.SUBSCRIBE),
+    "tf2_ros.TransformBroadcaster": partial(_declare_transforms, DeclarationKind.PUBLISH),
     "tf2_ros.StaticTransformBroadcaster": partial(
-        _transforms, DeclarationKind.PUBLISH, static=True
+        _declare_transforms, DeclarationKind.PUBLISH, static=True
     ),
-    "diagnostic_updater.Updater": _diagnostics,
-    "diagnostic_updater.DiagnosticUpdater": _diagnostics,
-    "bondpy.bondpy.Bond": _bond,
-    "bondpy.Bond": _bond,
+    "diagnostic_updater.Updater": _declare_diagnostics,
+    "diagnostic_updater.DiagnosticUpdater": _declare_diagnostics,
+    "bondpy.bondpy.Bond": _declare_bond,
+    "bondpy.Bond": _declare_bond,
 }
-_SAME = {
+_ALIASES = {
     "actionlib.simple_action_client.SimpleActionClient": "actionlib.SimpleActionClient",
     "actionlib.simple_action_server.SimpleActionServer": "actionlib.SimpleActionServer",
     "actionlib.action_client.ActionClient": "actionlib.ActionClient",
@@ -288,9 +305,9 @@ _SAME = {
     "roslib.message.get_service_class": "roslib.message.get_message_class",
 }
 
-PYTHON_ROS: dict[str, Value] = {
-    **{name: Native(name, call) for name, call in _CALLS.items()},
-    **{alias: Native(of, _CALLS[of]) for alias, of in _SAME.items()},
+ROSPY: dict[str, Value] = {
+    **{name: LibraryFunction(name, call) for name, call in _CALLS.items()},
+    **{alias: LibraryFunction(of, _CALLS[of]) for alias, of in _ALIASES.items()},
     "rospy.AnyMsg": MessageType("*"),
     "rospy.msg.AnyMsg": MessageType("*"),
 }

@@ -13,21 +13,21 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rtron.errors import InputError, SourceError
-from rtron.sources.code.workspace_sources import WorkspaceFiles
-from rtron.sources.launch.ros2.choices import Choices
-from rtron.sources.launch.ros2.evaluator import Evaluator
-from rtron.sources.launch.ros2.executed.python_process import run_bounded
-from rtron.sources.launch.ros2.executed.pythons import pythons
-from rtron.sources.launch.ros2.executed.report import Report, read_report
-from rtron.sources.launch.ros2.executed.report_text import Marks
-from rtron.sources.launch.ros2.executed.report_translator import Launched
-from rtron.sources.launch.ros2.reader import absolute
+from rtron.sources.code.workspace_sources import WorkspaceSources
+from rtron.sources.launch.ros2.choices import LaunchChoices
+from rtron.sources.launch.ros2.evaluator import LaunchEvaluator
+from rtron.sources.launch.ros2.executed.python_process import run_with_timeout
+from rtron.sources.launch.ros2.executed.pythons import find_pythons
+from rtron.sources.launch.ros2.executed.report import VisitReport, read_report
+from rtron.sources.launch.ros2.executed.report_text import ReportTexts
+from rtron.sources.launch.ros2.executed.report_translator import ReportTranslator
+from rtron.sources.launch.ros2.reader import absolute_path
 from rtron.sources.launch.ros2.result import AppLaunch
-from rtron.sources.launch.ros2.substitutions.template import shown
+from rtron.sources.launch.ros2.substitutions.template import display_text
 
-SECONDS = 60.0
+DEFAULT_TIMEOUT_S = 60.0
 _VISIT = Path(__file__).parent / "visit"
-_MAX_SAID = 400
+_MAX_LOG_BYTES = 400
 _NAME = re.compile(r"[A-Za-z0-9][\w.-]{0,200}")
 
 
@@ -36,37 +36,39 @@ class Execution:
     """How launch files are executed; `python` is one that has launch, None to look for one."""
 
     python: str | None = None
-    seconds: float = SECONDS
+    seconds: float = DEFAULT_TIMEOUT_S
 
     def launch(
         self,
         path: Path,
         arguments: Mapping[str, str],
         environ: Mapping[str, str],
-        files: WorkspaceFiles,
+        files: WorkspaceSources,
     ) -> AppLaunch:
         """Return what a launch file starts with these arguments: its Python is run.
 
         Raise InputError where launch is not there, or the launch file raises; SourceError where it
         does not end.
         """
-        with _folder() as folder:
-            visit = _Visit(self, absolute(path), Path(folder), dict(files.workspace.packages))
+        with _temporary_folder() as folder:
+            visit = _Visit(self, absolute_path(path), Path(folder), dict(files.workspace.packages))
             report = visit.report(arguments, environ)
-            choices = Choices(arguments=arguments, environ=environ)
+            choices = LaunchChoices(arguments=arguments, environ=environ)
             packages = visit.packages
-            evaluator = Evaluator(
+            evaluator = LaunchEvaluator(
                 environ=environ, packages=packages, choices=choices, symbolic=True
             )
-            marks = Marks(
+            texts = ReportTexts(
                 commands=report.commands,
                 file=visit.file,
                 prefix=str(visit.prefix),
                 packages=packages,
                 evaluator=evaluator,
             )
-            _check(report, marks)
-            return Launched(report=report, marks=marks, made=visit.made).launch()
+            _check_error(report, texts)
+            return ReportTranslator(
+                report=report, texts=texts, generated_folder=visit.generated_folder
+            ).launch()
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,39 +86,43 @@ class _Visit:
         return self.folder / "prefix"
 
     @property
-    def made(self) -> Path:
+    def generated_folder(self) -> Path:
         """Where the files lie that launch makes, and what it logs."""
         return self.folder / "made"
 
-    def report(self, arguments: Mapping[str, str], environ: Mapping[str, str]) -> Report:
+    def report(self, arguments: Mapping[str, str], environ: Mapping[str, str]) -> VisitReport:
         """Return what a visit with the first Python tells that has launch."""
-        self.made.mkdir()
-        self._install()
+        self.generated_folder.mkdir()
+        self._install_packages()
         result, request = self.folder / "result.json", self.folder / "request.json"
-        asked = {"file": self.file, "arguments": list(arguments.items()), "result": str(result)}
-        request.write_text(json.dumps(asked), encoding="utf-8")
-        around = self._environ({**os.environ, **environ})
-        own = self.execution.python
-        tried = [own] if own else list(pythons(around))
-        for python in tried:
-            self._run([python, str(_VISIT), str(request)], around)
+        request_fields = {
+            "file": self.file,
+            "arguments": list(arguments.items()),
+            "result": str(result),
+        }
+        request.write_text(json.dumps(request_fields), encoding="utf-8")
+        visit_environ = self._environ({**os.environ, **environ})
+        chosen_python = self.execution.python
+        candidates = [chosen_python] if chosen_python else list(find_pythons(visit_environ))
+        for python in candidates:
+            self._run([python, str(_VISIT), str(request)], visit_environ)
             report = read_report(result)
             if not report.missing:
                 return report
         help = "source your ROS 2, or name a Python that has launch: --launch-python"
-        raise InputError(f"launch_ros is not installed in {', '.join(tried)}", help=help)
+        raise InputError(f"launch_ros is not installed in {', '.join(candidates)}", help=help)
 
     def _run(self, command: list[str], environ: Mapping[str, str]) -> None:
-        said = self.folder / "said"
+        log = self.folder / "said"
         try:
-            with said.open("wb") as stream:
-                run_bounded(command, environ, self.execution.seconds, stream)
+            with log.open("wb") as stream:
+                run_with_timeout(command, environ, self.execution.seconds, stream)
         except SourceError as error:
             raise SourceError(f"{self.file}: {error}") from None
         if not (self.folder / "result.json").exists():
-            raise SourceError(f"{self.file}: the visit ended without a word: {_last_words(said)}")
+            raise SourceError(f"{self.file}: the visit ended without a word: {_log_tail(log)}")
 
-    def _install(self) -> None:
+    def _install_packages(self) -> None:
         """Let the packages of the source be found, after those that are installed."""
         index = self.prefix / "share" / "ament_index" / "resource_index" / "packages"
         index.mkdir(parents=True)
@@ -131,30 +137,30 @@ class _Visit:
             **environ,
             "AMENT_PREFIX_PATH": ":".join(filter(None, (before, str(self.prefix)))),
             "PYTHONDONTWRITEBYTECODE": "1",
-            "ROS_LOG_DIR": str(self.made),
-            "TMPDIR": str(self.made),
+            "ROS_LOG_DIR": str(self.generated_folder),
+            "TMPDIR": str(self.generated_folder),
         }
 
 
-def _folder() -> "tempfile.TemporaryDirectory[str]":
+def _temporary_folder() -> "tempfile.TemporaryDirectory[str]":
     return tempfile.TemporaryDirectory(prefix="rtron-visit-", ignore_cleanup_errors=True)
 
 
-def _last_words(said: Path) -> str:
-    with said.open("rb") as stream:
-        stream.seek(-min(_MAX_SAID, said.stat().st_size), os.SEEK_END)
+def _log_tail(log: Path) -> str:
+    with log.open("rb") as stream:
+        stream.seek(-min(_MAX_LOG_BYTES, log.stat().st_size), os.SEEK_END)
         return stream.read().decode(errors="replace").strip()
 
 
-def _check(report: Report, marks: Marks) -> None:
+def _check_error(report: VisitReport, texts: ReportTexts) -> None:
     """Raise InputError for an exception that ended the launch."""
     if report.error is None:
         return
-    place = report.error.place
+    location = report.error.place
     help = "without --execute-launch the file is read, nothing of it is run"
     raise InputError(
-        f"launch ends: {shown(marks.text(report.error.text))}",
-        path=marks.path(place.file) or marks.file,
-        line=place.line,
+        f"launch ends: {display_text(texts.resolve(report.error.text))}",
+        path=texts.resolve_path(location.file) or texts.file,
+        line=location.line,
         help=help,
     )

@@ -12,36 +12,36 @@ from uuid import uuid4
 
 from rtron.errors import SourceError
 
-_TOKEN = "RTRON_VISIT"  # noqa: S105 - a name of a variable
-_PAUSE = 0.02
-_ROUNDS = 20
+_TOKEN_VARIABLE = "RTRON_VISIT"  # noqa: S105 - a name of a variable
+_POLL_S = 0.02
+_MAX_ATTEMPTS = 20
 
 
-def run_bounded(
-    command: Sequence[str], environ: Mapping[str, str], seconds: float, said: BinaryIO
+def run_with_timeout(
+    command: Sequence[str], environ: Mapping[str, str], seconds: float, log: BinaryIO
 ) -> None:
     """Run a command to its end; raise SourceError where it takes longer. Nothing of it stays.
 
-    What it says to standard error goes to `said`, its standard output nowhere.
+    What it says to standard error goes to `log`, its standard output nowhere.
     """
-    token = f"{_TOKEN}={uuid4().hex}"
+    token = f"{_TOKEN_VARIABLE}={uuid4().hex}"
     name, _, value = token.partition("=")
-    with _started(command, {**environ, name: value}, said) as process:
+    with _start(command, {**environ, name: value}, log) as process:
         try:
-            _await_end(process, seconds)
+            _wait_for_exit(process, seconds)
         finally:
-            _end_group(process)
-            _end_marked(token.encode())
+            _kill_group(process)
+            _kill_tagged(token.encode())
 
 
 @contextmanager
-def _started(
-    command: Sequence[str], environ: Mapping[str, str], said: BinaryIO
+def _start(
+    command: Sequence[str], environ: Mapping[str, str], log: BinaryIO
 ) -> Iterator["subprocess.Popen[bytes]"]:
     null = subprocess.DEVNULL
     try:
         process = subprocess.Popen(  # noqa: S603 - the user asked for it
-            command, env=environ, stdin=null, stdout=null, stderr=said, start_new_session=True
+            command, env=environ, stdin=null, stdout=null, stderr=log, start_new_session=True
         )
     except OSError as error:
         raise SourceError(f"{command[0]}: {error.strerror}") from None
@@ -49,31 +49,31 @@ def _started(
         yield process
 
 
-def _await_end(process: "subprocess.Popen[bytes]", seconds: float) -> None:
+def _wait_for_exit(process: "subprocess.Popen[bytes]", seconds: float) -> None:
     """Wait for a process, and leave it to be reaped: until then its group's number is its own."""
-    end = time.monotonic() + seconds
+    deadline = time.monotonic() + seconds
     flags = os.WEXITED | os.WNOWAIT | os.WNOHANG
     while os.waitid(os.P_PID, process.pid, flags) is None:
-        if time.monotonic() > end:
+        if time.monotonic() > deadline:
             raise SourceError(f"it did not end within {seconds:g} s and was ended")
-        time.sleep(_PAUSE)
+        time.sleep(_POLL_S)
 
 
-def _end_group(process: "subprocess.Popen[bytes]") -> None:
+def _kill_group(process: "subprocess.Popen[bytes]") -> None:
     with suppress(ProcessLookupError, PermissionError):
         os.killpg(process.pid, signal.SIGKILL)
 
 
-def _end_marked(token: bytes) -> None:
+def _kill_tagged(token: bytes) -> None:
     """End all processes that have the token in their environment, also those of other sessions."""
-    for _ in range(_ROUNDS):
-        found = [pid for pid in _pids() if _end_if_marked(pid, token)]
-        if not found:
+    for _ in range(_MAX_ATTEMPTS):
+        killed = [pid for pid in _pids() if _kill_if_tagged(pid, token)]
+        if not killed:
             return
-        time.sleep(_PAUSE)
+        time.sleep(_POLL_S)
 
 
-def _end_if_marked(pid: int, token: bytes) -> bool:
+def _kill_if_tagged(pid: int, token: bytes) -> bool:
     """End a process that has the token; the descriptor is of it alone, whatever its number."""
     with suppress(OSError):
         descriptor = os.pidfd_open(pid)
@@ -88,4 +88,4 @@ def _end_if_marked(pid: int, token: bytes) -> bool:
 
 def _pids() -> Iterator[int]:
     with suppress(OSError):
-        yield from (int(one.name) for one in Path("/proc").iterdir() if one.name.isdigit())
+        yield from (int(entry.name) for entry in Path("/proc").iterdir() if entry.name.isdigit())

@@ -8,14 +8,17 @@ from pathlib import Path
 _MAX_LINE = 256
 
 
-def pythons(environ: Mapping[str, str]) -> Iterator[str]:
+def find_pythons(environ: Mapping[str, str]) -> Iterator[str]:
     """Yield where launch may be: the Python of `ros2`, that of the PATH, RTron's own."""
     path = environ.get("PATH", "")
-    found = [_of_script(shutil.which("ros2", path=path)), shutil.which("python3", path=path)]
-    yield from dict.fromkeys(filter(None, (*found, sys.executable)))
+    candidates = [
+        _script_interpreter(shutil.which("ros2", path=path)),
+        shutil.which("python3", path=path),
+    ]
+    yield from dict.fromkeys(filter(None, (*candidates, sys.executable)))
 
 
-def _of_script(script: str | None) -> str | None:
+def _script_interpreter(script: str | None) -> str | None:
     """Return the interpreter that a script's first line names; None where `env` finds it."""
     if script is None:
         return None

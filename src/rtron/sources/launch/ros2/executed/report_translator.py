@@ -5,145 +5,180 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from rtron.sources.launch.ros2.command_line import (
-    is_run,
-    parameters_in,
-    remaps_in,
-    run_node,
-    special,
+    argument_parameters,
+    argument_remaps,
+    is_ros2_run,
+    node_of_ros2_run,
+    special_remap,
 )
-from rtron.sources.launch.ros2.executed.rcl_arguments import Given
-from rtron.sources.launch.ros2.executed.report import Component, Declared, Place, Process, Report
-from rtron.sources.launch.ros2.executed.report_text import Marks
-from rtron.sources.launch.ros2.launch_context import canonical
+from rtron.sources.launch.ros2.executed.rcl_arguments import RclArguments
+from rtron.sources.launch.ros2.executed.report import (
+    ReportedArgument,
+    ReportedComponent,
+    ReportedLocation,
+    ReportedProcess,
+    VisitReport,
+)
+from rtron.sources.launch.ros2.executed.report_text import ReportTexts
+from rtron.sources.launch.ros2.launch_context import canonical_namespace
 from rtron.sources.launch.ros2.parameters.merge import ParameterSource
-from rtron.sources.launch.ros2.result import AppLaunch, Argument, Included, Start, StartKind
-from rtron.sources.launch.ros2.shell import commands
-from rtron.sources.launch.ros2.substitutions.template import shown
-from rtron.vocabulary import Evidence, Unresolved
+from rtron.sources.launch.ros2.result import (
+    AppLaunch,
+    DeclaredArgument,
+    IncludedFile,
+    LaunchStart,
+    StartKind,
+)
+from rtron.sources.launch.ros2.shell import split_commands
+from rtron.sources.launch.ros2.substitutions.template import display_text
+from rtron.vocabulary import Evidence, UnresolvedItem
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Launched:
-    """Turns a report into what starts; files in `made` are there for the visit only."""
+class ReportTranslator:
+    """Turns a report into what starts; files in `generated_folder` are there for the visit only."""
 
-    report: Report
-    marks: Marks
-    made: Path
+    report: VisitReport
+    texts: ReportTexts
+    generated_folder: Path
 
     def launch(self) -> AppLaunch:
         """Return what the launch file starts."""
-        starts = tuple(start for one in self.report.starts for start in self._starts(one))
+        starts = tuple(start for entry in self.report.starts for start in self._starts(entry))
         notes = tuple(self._notes())
         return AppLaunch(
-            file=self.marks.file,
+            file=self.texts.file,
             starts=starts,
             arguments=tuple(map(self._argument, self.report.arguments)),
             includes=tuple(self._includes()),
-            unresolved=(*self.marks.evaluator.unresolved, *notes),
+            unresolved=(*self.texts.evaluator.unresolved, *notes),
         )
 
-    def _starts(self, one: Process | Component) -> Iterator[Start]:
-        if isinstance(one, Component):
-            yield self._component(one)
-        elif one.kind == "process":
-            yield from self._processes(one)
+    def _starts(self, entry: ReportedProcess | ReportedComponent) -> Iterator[LaunchStart]:
+        if isinstance(entry, ReportedComponent):
+            yield self._component(entry)
+        elif entry.kind == "process":
+            yield from self._processes(entry)
         else:
-            yield self._node(one)
+            yield self._node(entry)
 
-    def _node(self, one: Process) -> Start:
-        given = self._given(one.place)
-        words = self._words(one)
-        early = tuple(remaps_in(words))
-        space = special(words, "__ns") or self._special(one, "__ns")
-        own = special(words, "__node") or special(words, "__name") or self._special(one, "__node")
-        return Start(
-            kind=StartKind(one.kind),
-            package=self._text(one.package),
-            program=self._text(one.program),
-            name=own,
-            namespace=space or "/",
-            placed=bool(space),
-            remaps=(*early, *given.rules(one.added)),
-            shared=len(early) + one.shared,
-            sources=(*parameters_in(words, given.place), *given.sources(one.added)),
+    def _node(self, entry: ReportedProcess) -> LaunchStart:
+        rcl_arguments = self._rcl_arguments(entry.place)
+        words = self._words(entry)
+        argument_rules = tuple(argument_remaps(words))
+        namespace = special_remap(words, "__ns") or self._special_remap(entry, "__ns")
+        name = (
+            special_remap(words, "__node")
+            or special_remap(words, "__name")
+            or self._special_remap(entry, "__node")
+        )
+        return LaunchStart(
+            kind=StartKind(entry.kind),
+            package=self._text(entry.package),
+            program=self._text(entry.program),
+            name=name,
+            namespace=namespace or "/",
+            has_namespace=bool(namespace),
+            remaps=(*argument_rules, *rcl_arguments.remap_rules(entry.added)),
+            global_remap_count=len(argument_rules) + entry.shared,
+            parameter_sources=(
+                *argument_parameters(words, rcl_arguments.location),
+                *rcl_arguments.parameter_sources(entry.added),
+            ),
             arguments=words,
-            environ=self._environ(one),
-            event=one.event,
-            evidence=given.place,
+            environ=self._environ_pairs(entry),
+            awaited_event=entry.event,
+            evidence=rcl_arguments.location,
             executed=True,
         )
 
-    def _processes(self, one: Process) -> Iterator[Start]:
+    def _processes(self, entry: ReportedProcess) -> Iterator[LaunchStart]:
         """Yield a process, or each command of one that a shell runs."""
-        given = self._given(one.place)
-        for words in commands(one.words, shell=one.shell):
-            self.marks.evaluator.bounds.node(self.marks.file)
-            found = Start(
+        rcl_arguments = self._rcl_arguments(entry.place)
+        for words in split_commands(entry.words, shell=entry.shell):
+            self.texts.evaluator.limits.count_node(self.texts.file)
+            process = LaunchStart(
                 kind=StartKind.PROCESS,
                 arguments=tuple(map(self._text, words)),
-                environ=self._environ(one),
-                event=one.event,
-                evidence=given.place,
+                environ=self._environ_pairs(entry),
+                awaited_event=entry.event,
+                evidence=rcl_arguments.location,
                 executed=True,
             )
-            yield _node_of(found, given.sources(words)) if is_run(words) else found
+            yield (
+                _node_of_process(process, rcl_arguments.parameter_sources(words))
+                if is_ros2_run(words)
+                else process
+            )
 
-    def _component(self, one: Component) -> Start:
-        given = self._given(one.place)
-        return Start(
+    def _component(self, entry: ReportedComponent) -> LaunchStart:
+        rcl_arguments = self._rcl_arguments(entry.place)
+        return LaunchStart(
             kind=StartKind.COMPONENT,
-            package=self._text(one.package),
-            program=self._text(one.program),
-            name=self._text(one.name),
-            namespace=self._text(one.namespace) or "/",
-            placed=bool(one.namespace),
-            remaps=tuple(given.pairs(one.remaps)),
-            shared=one.shared,
-            sources=given.component(one.parameters),
-            container=canonical(self._text(one.container)),
-            extra=given.named(one.extra),
-            event=one.event,
-            evidence=given.place,
+            package=self._text(entry.package),
+            program=self._text(entry.program),
+            name=self._text(entry.name),
+            namespace=self._text(entry.namespace) or "/",
+            has_namespace=bool(entry.namespace),
+            remaps=tuple(rcl_arguments.parse_rules(entry.remaps)),
+            global_remap_count=entry.shared,
+            parameter_sources=rcl_arguments.component_parameters(entry.parameters),
+            container=canonical_namespace(self._text(entry.container)),
+            extra_arguments=rcl_arguments.named_parameters(entry.extra),
+            awaited_event=entry.event,
+            evidence=rcl_arguments.location,
             executed=True,
         )
 
-    def _argument(self, one: Declared) -> Argument:
-        return Argument(
-            name=one.name,
-            default=None if one.default is None else self._text(one.default),
-            description=one.description,
-            evidence=self._evidence(one.place),
+    def _argument(self, entry: ReportedArgument) -> DeclaredArgument:
+        return DeclaredArgument(
+            name=entry.name,
+            default=None if entry.default is None else self._text(entry.default),
+            description=entry.description,
+            evidence=self._location(entry.place),
         )
 
-    def _includes(self) -> Iterator[Included]:
-        for one in self.report.includes:
-            given = tuple((self._text(name), self._text(value)) for name, value in one.arguments)
-            place = self._evidence(one.place)
-            yield Included(file=self.marks.path(one.file), arguments=given, evidence=place)
+    def _includes(self) -> Iterator[IncludedFile]:
+        for entry in self.report.includes:
+            arguments = tuple(
+                (self._text(name), self._text(value)) for name, value in entry.arguments
+            )
+            location = self._location(entry.place)
+            yield IncludedFile(
+                file=self.texts.resolve_path(entry.file), arguments=arguments, evidence=location
+            )
 
-    def _notes(self) -> Iterator[Unresolved]:
-        for one in self.report.notes:
-            place = self._evidence(one.place)
-            yield Unresolved(what=Path(place.file).name, why=self._text(one.why), evidence=(place,))
+    def _notes(self) -> Iterator[UnresolvedItem]:
+        for entry in self.report.notes:
+            location = self._location(entry.place)
+            yield UnresolvedItem(
+                what=Path(location.file).name, why=self._text(entry.why), evidence=(location,)
+            )
 
-    def _words(self, one: Process) -> tuple[str, ...]:
-        return tuple(map(self._text, one.words))
+    def _words(self, entry: ReportedProcess) -> tuple[str, ...]:
+        return tuple(map(self._text, entry.words))
 
-    def _special(self, one: Process, key: str) -> str:
-        return special(tuple(map(self.marks.text, one.added)), key)
+    def _special_remap(self, entry: ReportedProcess, key: str) -> str:
+        return special_remap(tuple(map(self.texts.resolve, entry.added)), key)
 
-    def _environ(self, one: Process) -> tuple[tuple[str, str], ...]:
-        return tuple((self._text(name), self._text(text)) for name, text in one.environ.items())
+    def _environ_pairs(self, entry: ReportedProcess) -> tuple[tuple[str, str], ...]:
+        return tuple((self._text(name), self._text(text)) for name, text in entry.environ.items())
 
-    def _given(self, place: Place) -> Given:
-        return Given(marks=self.marks, made=self.made, place=self._evidence(place))
+    def _rcl_arguments(self, reported: ReportedLocation) -> RclArguments:
+        return RclArguments(
+            texts=self.texts,
+            generated_folder=self.generated_folder,
+            location=self._location(reported),
+        )
 
-    def _evidence(self, place: Place) -> Evidence:
-        return Evidence(file=self.marks.path(place.file) or self.marks.file, line=place.line)
+    def _location(self, reported: ReportedLocation) -> Evidence:
+        return Evidence(
+            file=self.texts.resolve_path(reported.file) or self.texts.file, line=reported.line
+        )
 
     def _text(self, text: str) -> str:
-        return shown(self.marks.text(text))
+        return display_text(self.texts.resolve(text))
 
 
-def _node_of(process: Start, sources: Iterator[ParameterSource]) -> Start:
-    return replace(run_node(process), sources=tuple(sources))
+def _node_of_process(process: LaunchStart, sources: Iterator[ParameterSource]) -> LaunchStart:
+    return replace(node_of_ros2_run(process), parameter_sources=tuple(sources))

@@ -10,7 +10,7 @@ from typing import TypeAlias
 
 from rtron.vocabulary.parameters import Parameter
 
-ALL = "/**"
+ALL_NODES = "/**"
 """The pattern of all nodes."""
 
 Entries: TypeAlias = tuple[tuple[str, Mapping[str, Parameter]], ...]
@@ -30,43 +30,45 @@ class ParameterSource:
     shared: bool = False
 
 
-def given_parameters(sources: Iterable[ParameterSource], node: str) -> dict[str, Parameter]:
+def merge_node_parameters(sources: Iterable[ParameterSource], node: str) -> dict[str, Parameter]:
     """Return the parameters of a node, the last of a name counts.
 
     A pattern's place is where it stands first, and a wildcard behind a node's own name counts
     before it: so rclcpp since Humble, and rclpy as 9.1.2 was observed to. An older rclpy (its
     node.cpp at github.com/ros2/rclpy@05327460) knew `/**` only, and took the full name last.
     """
-    gathered: dict[str, dict[str, Parameter]] = {}
+    by_pattern: dict[str, dict[str, Parameter]] = {}
     for source in sources:
         for pattern, values in source.entries:
-            gathered.setdefault(_absolute(pattern), {}).update(values)
-    fitting = (values for pattern, values in gathered.items() if names(pattern, node))
-    return {name: value for values in fitting for name, value in values.items()}
+            by_pattern.setdefault(_absolute(pattern), {}).update(values)
+    matching = (values for pattern, values in by_pattern.items() if pattern_matches(pattern, node))
+    return {name: value for values in matching for name, value in values.items()}
 
 
-def loaded_parameters(sources: Iterable[ParameterSource], node: str) -> dict[str, Parameter]:
+def merge_component_parameters(
+    sources: Iterable[ParameterSource], node: str
+) -> dict[str, Parameter]:
     """Return the parameters that a component is loaded with: source after source.
 
     Of a file count what stands for all nodes, then what stands below the full name itself; no
     other pattern does, and what stands there twice counts where it stands last (launch_ros:
     to_parameters_list).
     """
-    found: dict[str, Parameter] = {}
+    merged: dict[str, Parameter] = {}
     for source in sources:
         by_pattern = {_absolute(pattern): values for pattern, values in source.entries}
-        for wanted in (ALL, node):
-            found.update(by_pattern.get(wanted, {}))
-    return found
+        for pattern_of_node in (ALL_NODES, node):
+            merged.update(by_pattern.get(pattern_of_node, {}))
+    return merged
 
 
-def names(pattern: str, node: str) -> bool:
+def pattern_matches(pattern: str, node: str) -> bool:
     """Tell whether a pattern of a parameter file names a node (rclcpp: parameter_map)."""
     parts = _absolute(pattern).split("/")[1:]
-    return re.fullmatch("".join(map(_part, parts)), node) is not None
+    return re.fullmatch("".join(map(_part_pattern, parts)), node) is not None
 
 
-def _part(part: str) -> str:
+def _part_pattern(part: str) -> str:
     if part == "**":
         return r"(/[^/]+)*"
     return "/" + re.escape(part).replace(r"\*", "[^/]+")

@@ -6,143 +6,147 @@ from itertools import pairwise
 
 from rtron.errors import InputError
 from rtron.sources.launch.common.yaml_tree import YamlLeaf, YamlTree
-from rtron.sources.launch.ros2.command_line import parameters_in
-from rtron.sources.launch.ros2.evaluator import Evaluator
-from rtron.sources.launch.ros2.inclusion import Place, evidence_of
-from rtron.sources.launch.ros2.launch_context import Scope
-from rtron.sources.launch.ros2.parameters.file import entries_of, text_value, yaml_value
-from rtron.sources.launch.ros2.parameters.merge import ALL, Entries, ParameterSource
-from rtron.sources.launch.ros2.substitutions.template import has_hole, shown
+from rtron.sources.launch.ros2.command_line import argument_parameters
+from rtron.sources.launch.ros2.evaluator import LaunchEvaluator
+from rtron.sources.launch.ros2.inclusion import FileInclusion, element_location
+from rtron.sources.launch.ros2.launch_context import LaunchContext
+from rtron.sources.launch.ros2.parameters.file import parameter_entries, parse_value, string_value
+from rtron.sources.launch.ros2.parameters.merge import ALL_NODES, Entries, ParameterSource
+from rtron.sources.launch.ros2.substitutions.template import display_text, has_placeholder
 from rtron.sources.launch.ros2.xml_yaml.element import Element
 from rtron.vocabulary import ParameterValue
 from rtron.vocabulary.parameters import Parameter
 
 _STRINGS = frozenset({"str", "string"})
-_YES = frozenset({"true", "1", "yes", "on"})
+_TRUE = frozenset({"true", "1", "yes", "on"})
 
 
 @dataclass(frozen=True, slots=True)
-class Given:
+class NodeConfiguration:
     """Evaluates what elements give at one place."""
 
-    evaluator: Evaluator
-    scope: Scope
-    place: Place
+    evaluator: LaunchEvaluator
+    context: LaunchContext
+    file: FileInclusion
 
-    def own(self, element: Element, pattern: str) -> Iterator[ParameterSource]:
+    def node_parameters(self, element: Element, pattern: str) -> Iterator[ParameterSource]:
         """Yield a node's own parameters, file by file and value by value, in order.
 
         `pattern` is for which nodes the values count that stand in the launch file itself.
         """
-        for param in element.named("param"):
+        for param in element.children_named("param"):
             if "from" in param.attributes:
-                yield from self._file(param, "from")
+                yield from self._parameter_files(param, "from")
             else:
-                yield ParameterSource(entries=((pattern, dict(self._values(param, ""))),))
+                yield ParameterSource(entries=((pattern, dict(self._param_values(param, ""))),))
 
-    def in_words(self, words: Sequence[str], element: Element) -> Iterator[ParameterSource]:
+    def command_line_parameters(
+        self, arguments: Sequence[str], element: Element
+    ) -> Iterator[ParameterSource]:
         """Yield the parameters in a command line, in order (docs.ros.org: ROS arguments)."""
-        for pair in pairwise(words):
+        for pair in pairwise(arguments):
             if pair[0] == "--params-file":
-                yield from self._named_file(pair[1], element, replaced=False)
+                yield from self._parameter_file(pair[1], element, substitutes=False)
             else:
-                yield from parameters_in(pair, evidence_of(element, self.place))
+                yield from argument_parameters(pair, element_location(element, self.file))
 
-    def shared(self, element: Element) -> ParameterSource | None:
+    def global_parameters(self, element: Element) -> ParameterSource | None:
         """Return what an action gives to all nodes."""
         if element.tag == "set_parameters_from_file":
-            found = next(self._file(element, "filename"), None)
-            return found and ParameterSource(entries=found.entries, file=found.file, shared=True)
+            file_source = next(self._parameter_files(element, "filename"), None)
+            return file_source and ParameterSource(
+                entries=file_source.entries, file=file_source.file, shared=True
+            )
         name = self._text(element, "name")
-        entries = ((ALL, {shown(name): self._parameter(element)}),)
+        entries = ((ALL_NODES, {display_text(name): self._parameter(element)}),)
         return ParameterSource(entries=entries, shared=True)
 
     def extra_arguments(self, element: Element) -> Mapping[str, Parameter]:
         """Return the extra arguments of a component."""
-        found: dict[str, Parameter] = {}
-        for argument in element.named("extra_arg"):
-            found.update(self._values(argument, ""))
-        return found
+        arguments: dict[str, Parameter] = {}
+        for argument in element.children_named("extra_arg"):
+            arguments.update(self._param_values(argument, ""))
+        return arguments
 
     def environ(self, element: Element) -> tuple[tuple[str, str], ...]:
         """Return what the launch sets in a process's environment."""
         before = self.evaluator.environ
-        found = {
-            name: value for name, value in self.scope.environ.items() if before.get(name) != value
+        changed = {
+            name: value for name, value in self.context.environ.items() if before.get(name) != value
         }
-        for variable in element.named("env"):
-            found[self._text(variable, "name")] = self._text(variable, "value")
-        return tuple((shown(name), shown(value)) for name, value in found.items())
+        for variable in element.children_named("env"):
+            changed[self._text(variable, "name")] = self._text(variable, "value")
+        return tuple((display_text(name), display_text(value)) for name, value in changed.items())
 
-    def _values(self, param: Element, prefix: str) -> Iterator[tuple[str, Parameter]]:
-        name = prefix + shown(self._text(param, "name"))
+    def _param_values(self, param: Element, prefix: str) -> Iterator[tuple[str, Parameter]]:
+        name = prefix + display_text(self._text(param, "name"))
         inner = tuple(child for child in param.children if child.tag == param.tag)
         for child in inner:
-            yield from self._values(child, f"{name}.")
+            yield from self._param_values(child, f"{name}.")
         if not inner:
             yield name, self._parameter(param)
 
     def _parameter(self, param: Element) -> Parameter:
-        return Parameter(value=self._value(param), evidence=evidence_of(param, self.place))
+        return Parameter(value=self._value(param), evidence=element_location(param, self.file))
 
     def _value(self, param: Element) -> ParameterValue:
-        items = tuple(param.named("item"))
+        items = tuple(param.children_named("item"))
         if items:
-            return _uniform([self._value(item) for item in items])
-        text, separator = self._text(param, "value"), param.plain("value-sep")
+            return _uniform_numbers([self._value(item) for item in items])
+        text, separator = self._text(param, "value"), param.plain_text("value-sep")
         if separator:
-            return [yaml_value(part) for part in text.split(separator)]
-        plain = param.plain("type") in _STRINGS or not text
-        return text_value(text) if plain else yaml_value(text)
+            return [parse_value(part) for part in text.split(separator)]
+        plain = param.plain_text("type") in _STRINGS or not text
+        return string_value(text) if plain else parse_value(text)
 
-    def _file(self, element: Element, key: str) -> Iterator[ParameterSource]:
+    def _parameter_files(self, element: Element, key: str) -> Iterator[ParameterSource]:
         """Yield what a parameter file says; one that cannot be read is noted.
 
         One whose name is not known has no entries, and a hole in its name.
         """
-        replaced = self._text(element, "allow_substs").lower() in _YES
-        yield from self._named_file(self._text(element, key), element, replaced=replaced)
+        substitutes = self._text(element, "allow_substs").lower() in _TRUE
+        yield from self._parameter_file(self._text(element, key), element, substitutes=substitutes)
 
-    def _named_file(
-        self, path: str, element: Element, *, replaced: bool
+    def _parameter_file(
+        self, path: str, element: Element, *, substitutes: bool
     ) -> Iterator[ParameterSource]:
-        if has_hole(path):
+        if has_placeholder(path):
             yield ParameterSource(entries=(), file=path)
             return
-        with self.evaluator.noting(element, self.place):
-            yield ParameterSource(entries=self._entries(path, element, replaced), file=path)
+        with self.evaluator.collect_errors(element, self.file):
+            yield ParameterSource(entries=self._file_entries(path, element, substitutes), file=path)
 
-    def _entries(self, path: str, element: Element, replaced: bool) -> Entries:  # noqa: FBT001
+    def _file_entries(self, path: str, element: Element, substitutes: bool) -> Entries:  # noqa: FBT001
         """Return what a file says; that of a plain one is kept once for all nodes."""
         files = self.evaluator.files
-        if not replaced:
+        if not substitutes:
             return files.entries(path)
-        entries = entries_of(self._replaced(files.read(path), element), path)
-        self.evaluator.bounds.value(path, sum(len(values) for _, values in entries))
+        entries = parameter_entries(self._substituted_tree(files.read(path), element), path)
+        self.evaluator.limits.count_values(path, sum(len(values) for _, values in entries))
         return entries
 
-    def _replaced(self, tree: YamlTree, element: Element) -> YamlTree:
+    def _substituted_tree(self, tree: YamlTree, element: Element) -> YamlTree:
         """Return a file's tree with the substitutions in its texts replaced."""
         if isinstance(tree, YamlLeaf):
-            return YamlLeaf(value=self._substituted(tree.value, element), line=tree.line)
-        return {key: self._replaced(inner, element) for key, inner in tree.items()}
+            return YamlLeaf(value=self._substituted_value(tree.value, element), line=tree.line)
+        return {key: self._substituted_tree(inner, element) for key, inner in tree.items()}
 
-    def _substituted(self, value: ParameterValue, element: Element) -> ParameterValue:
+    def _substituted_value(self, value: ParameterValue, element: Element) -> ParameterValue:
         if isinstance(value, list):
-            return [self._substituted(item, element) for item in value]
+            return [self._substituted_value(item, element) for item in value]
         if not isinstance(value, str) or "$(" not in value:
             return value
-        replace = self.evaluator.substitution(element, self.scope, self.place).replace
+        replace = self.evaluator.substitution_evaluator(element, self.context, self.file).evaluate
         try:
-            return yaml_value(replace(value))
+            return parse_value(replace(value))
         except ValueError as error:
-            raise InputError(f"{value[:80]}: {error}", path=self.place.path) from None
+            raise InputError(f"{value[:80]}: {error}", path=self.file.path) from None
 
     def _text(self, element: Element, key: str) -> str:
-        return self.evaluator.value(element, key, self.scope, self.place) or ""
+        return self.evaluator.value(element, key, self.context, self.file) or ""
 
 
-def _uniform(values: list[ParameterValue]) -> list[ParameterValue]:
+def _uniform_numbers(values: list[ParameterValue]) -> list[ParameterValue]:
     """Return a list of numbers as floats if one of them is a float."""
     numbers = {type(value) for value in values}
     return [float(value) for value in values] if numbers == {int, float} else values

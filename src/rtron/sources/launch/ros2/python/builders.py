@@ -4,100 +4,119 @@ from collections.abc import Mapping
 from functools import partial
 
 from rtron.sources.code.interpreter.abstract_values.value_types import NONE, Instance, truth
-from rtron.sources.code.library_models.launch.constructor_calls import call_name, given
-from rtron.sources.launch.ros2.python.actions import Actions, Attributes, Build
-from rtron.sources.launch.ros2.python.nodes import load, node
-from rtron.sources.launch.ros2.python.parameters import parameter
-from rtron.sources.launch.ros2.python.substitutions import Fields, plain_text, says_no
+from rtron.sources.code.library_models.launch.constructor_calls import (
+    constructor_arguments,
+    launch_class_name,
+)
+from rtron.sources.launch.ros2.python.actions import ActionTranslator, Attributes, Build
+from rtron.sources.launch.ros2.python.nodes import load_element, node_element
+from rtron.sources.launch.ros2.python.parameters import parameter_element
+from rtron.sources.launch.ros2.python.substitutions import Fields, is_false, plain_text
 from rtron.sources.launch.ros2.xml_yaml.element import Element
 
-_ON = ("on_exit", "on_start", "on_completion", "on_shutdown", "on_stdin", "on_stdout")
-_EVENTS = frozenset({*_ON, "on_stderr", "on_event", "entities", "handler"})
+_EVENT_FIELDS = ("on_exit", "on_start", "on_completion", "on_shutdown", "on_stdin", "on_stdout")
+_ACTION_FIELDS = frozenset({*_EVENT_FIELDS, "on_stderr", "on_event", "entities", "handler"})
 """The parameters of event handlers that have actions."""
 
 
-def _plain(tag: str, **keys: str) -> Build:
+def _text_element(tag: str, **keys: str) -> Build:
     """Return what makes an element of texts only."""
-    return lambda actions, fields: Element(tag, actions.texts_of(fields, **keys))
+    return lambda actions, fields: Element(tag, actions.attributes_of(fields, **keys))
 
 
-def _same(tag: str, *keys: str) -> Build:
+def _same_named(tag: str, *keys: str) -> Build:
     """Return what makes an element whose attributes are called like the parameters."""
-    return _plain(tag, **{key: key for key in keys})
+    return _text_element(tag, **{key: key for key in keys})
 
 
-def _named(tag: str) -> Build:
+def _empty_element(tag: str) -> Build:
     return lambda actions, fields: Element(tag, {})
 
 
-def _group(actions: Actions, fields: Fields) -> Element:
+def _group(actions: ActionTranslator, fields: Fields) -> Element:
     flags: Attributes = {
-        key: "false" for key in ("scoped", "forwarding") if says_no(fields.get(key))
+        key: "false" for key in ("scoped", "forwarding") if is_false(fields.get(key))
     }
-    keep = actions.pairs("keep", fields.get("launch_configurations"), "name", "value")
-    return Element("group", flags, (*keep, *actions.elements(fields.get("actions", NONE))))
+    preserved_elements = actions.pair_elements(
+        "keep", fields.get("launch_configurations"), "name", "value"
+    )
+    return Element(
+        "group", flags, (*preserved_elements, *actions.elements(fields.get("actions", NONE)))
+    )
 
 
-def _include(actions: Actions, fields: Fields) -> Element:
-    file = actions.texts.pieces(fields.get("launch_description_source"))
-    arguments = actions.pairs("arg", fields.get("launch_arguments"), "name", "value")
+def _include(actions: ActionTranslator, fields: Fields) -> Element:
+    file = actions.translator.template(fields.get("launch_description_source"))
+    arguments = actions.pair_elements("arg", fields.get("launch_arguments"), "name", "value")
     return Element("include", {"file": file}, arguments)
 
 
-def _argument(actions: Actions, fields: Fields) -> Element:
-    attributes = actions.texts_of(fields, name="name", default="default_value")
+def _argument(actions: ActionTranslator, fields: Fields) -> Element:
+    attributes = actions.attributes_of(fields, name="name", default="default_value")
     attributes["description"] = plain_text(fields.get("description"))
     return Element("arg", attributes)
 
 
-def _shared(actions: Actions, fields: Fields) -> Element:
+def _set_parameter(actions: ActionTranslator, fields: Fields) -> Element:
     """Return the element of a parameter for all nodes."""
-    name = actions.texts.pieces(fields.get("name"))
-    return parameter(actions.texts, name, fields.get("value", NONE), "set_parameter")
+    name = actions.translator.template(fields.get("name"))
+    return parameter_element(actions.translator, name, fields.get("value", NONE), "set_parameter")
 
 
-def _timer(actions: Actions, fields: Fields) -> Element:
-    attributes = actions.texts_of(fields, period="period")
+def _timer(actions: ActionTranslator, fields: Fields) -> Element:
+    attributes = actions.attributes_of(fields, period="period")
     return Element("timer", attributes, actions.elements(fields.get("actions", NONE)))
 
 
-def _handler(actions: Actions, fields: Fields) -> Element:
+def _event_handler(actions: ActionTranslator, fields: Fields) -> Element:
     handler = fields.get("event_handler", NONE)
-    name = call_name(handler)
+    name = launch_class_name(handler)
     if not isinstance(handler, Instance) or not name:
         return Element("unknown_handler", {})
-    found = [value for key, value in given(handler).items() if key in _EVENTS]
-    inner = [child for value in found for child in actions.event(name, value).children]
+    handler_values = [
+        value for key, value in constructor_arguments(handler).items() if key in _ACTION_FIELDS
+    ]
+    inner = [
+        child for value in handler_values for child in actions.event_element(name, value).children
+    ]
     return Element("event_handler", {"event": name}, tuple(inner))
 
 
-def _function(actions: Actions, fields: Fields) -> Element:
-    called = actions.functions.called(fields, actions.elements, event=False)
-    return Element("function", {}, run=called)
+def _opaque_function(actions: ActionTranslator, fields: Fields) -> Element:
+    called = actions.callbacks.callback(fields, actions.elements, event=False)
+    return Element("function", {}, expand=called)
 
 
-def _loop(actions: Actions, fields: Fields) -> Element:
-    return Element("function", {}, run=actions.functions.looped(fields, actions.elements))
+def _loop(actions: ActionTranslator, fields: Fields) -> Element:
+    return Element("function", {}, expand=actions.callbacks.loop_callback(fields, actions.elements))
 
 
-def _process(actions: Actions, fields: Fields) -> Element:
+def _process(actions: ActionTranslator, fields: Fields) -> Element:
     description = fields.get("process_description", NONE)
-    own = given(description) if isinstance(description, Instance) else fields
+    process_fields = (
+        constructor_arguments(description) if isinstance(description, Instance) else fields
+    )
     environ = (
-        *actions.pairs("env", own.get("env"), "name", "value"),
-        *actions.pairs("env", own.get("additional_env"), "name", "value"),
+        *actions.pair_elements("env", process_fields.get("env"), "name", "value"),
+        *actions.pair_elements("env", process_fields.get("additional_env"), "name", "value"),
     )
     shell = {"shell": "true"} if truth(fields.get("shell", NONE)) is True else {}
-    attributes = {**actions.texts_of(own, name="name"), **shell}
-    return Element("executable", attributes, (*actions.words("cmd", own.get("cmd")), *environ))
+    attributes = {**actions.attributes_of(process_fields, name="name"), **shell}
+    return Element(
+        "executable",
+        attributes,
+        (*actions.word_elements("cmd", process_fields.get("cmd")), *environ),
+    )
 
 
-def _reset(actions: Actions, fields: Fields) -> Element:
-    kept = actions.pairs("keep", fields.get("launch_configurations"), "name", "value")
-    return Element("reset", {}, kept)
+def _reset(actions: ActionTranslator, fields: Fields) -> Element:
+    preserved_elements = actions.pair_elements(
+        "keep", fields.get("launch_configurations"), "name", "value"
+    )
+    return Element("reset", {}, preserved_elements)
 
 
-_SILENT = (
+_IGNORED_ACTIONS = (
     "EmitEvent",
     "LifecycleTransition",
     "Log",
@@ -111,40 +130,44 @@ _SILENT = (
     "Shutdown",
     "UnregisterEventHandler",
 )
-_APPEND = {"name": "name", "value": "value", "prepend": "prepend", "separator": "separator"}
-_COMPOSED = ("container_name", "create_own_container", "use_composition")
+_APPEND_FIELDS = {"name": "name", "value": "value", "prepend": "prepend", "separator": "separator"}
+_COMPOSITION_FIELDS = ("container_name", "create_own_container", "use_composition")
 BUILDERS: Mapping[str, Build] = {
-    **dict.fromkeys(_SILENT, _named("log")),
-    "AppendEnvironmentVariable": _plain("append_env", **_APPEND),
-    "ComposableNodeContainer": partial(node, tag="node_container"),
+    **dict.fromkeys(_IGNORED_ACTIONS, _empty_element("log")),
+    "AppendEnvironmentVariable": _text_element("append_env", **_APPEND_FIELDS),
+    "ComposableNodeContainer": partial(node_element, tag="node_container"),
     "DeclareLaunchArgument": _argument,
     "ExecuteLocal": _process,
     "ExecuteProcess": _process,
     "ForEach": _loop,
     "ForLoop": _loop,
     "GroupAction": _group,
-    "GzServer": _same("gz_server", "world_sdf_file", "world_sdf_string", *_COMPOSED),
-    "GzSpawnModel": _same("gz_spawn_model", "file", "model_string", "topic", "entity_name"),
+    "GzServer": _same_named(
+        "gz_server", "world_sdf_file", "world_sdf_string", *_COMPOSITION_FIELDS
+    ),
+    "GzSpawnModel": _same_named("gz_spawn_model", "file", "model_string", "topic", "entity_name"),
     "IncludeLaunchDescription": _include,
-    "LifecycleNode": partial(node, tag="lifecycle_node"),
-    "LoadComposableNodes": load,
-    "Node": partial(node, tag="node"),
-    "OpaqueCoroutine": _function,
-    "OpaqueFunction": _function,
-    "PushROSNamespace": _plain("push_ros_namespace", namespace="namespace"),
-    "PushRosNamespace": _plain("push_ros_namespace", namespace="namespace"),
-    "RegisterEventHandler": _handler,
-    "ResetEnvironment": _named("reset_env"),
+    "LifecycleNode": partial(node_element, tag="lifecycle_node"),
+    "LoadComposableNodes": load_element,
+    "Node": partial(node_element, tag="node"),
+    "OpaqueCoroutine": _opaque_function,
+    "OpaqueFunction": _opaque_function,
+    "PushROSNamespace": _text_element("push_ros_namespace", namespace="namespace"),
+    "PushRosNamespace": _text_element("push_ros_namespace", namespace="namespace"),
+    "RegisterEventHandler": _event_handler,
+    "ResetEnvironment": _empty_element("reset_env"),
     "ResetLaunchConfigurations": _reset,
     "ROSTimer": _timer,
-    "RosGzBridge": _same("ros_gz_bridge", "bridge_name", "namespace", "config_file", *_COMPOSED),
+    "RosGzBridge": _same_named(
+        "ros_gz_bridge", "bridge_name", "namespace", "config_file", *_COMPOSITION_FIELDS
+    ),
     "RosTimer": _timer,
-    "SetEnvironmentVariable": _plain("set_env", name="name", value="value"),
-    "SetLaunchConfiguration": _plain("let", name="name", value="value"),
-    "SetParameter": _shared,
-    "SetParametersFromFile": _plain("set_parameters_from_file", filename="filename"),
-    "SetRemap": _plain("set_remap", **{"from": "src", "to": "dst"}),
+    "SetEnvironmentVariable": _text_element("set_env", name="name", value="value"),
+    "SetLaunchConfiguration": _text_element("let", name="name", value="value"),
+    "SetParameter": _set_parameter,
+    "SetParametersFromFile": _text_element("set_parameters_from_file", filename="filename"),
+    "SetRemap": _text_element("set_remap", **{"from": "src", "to": "dst"}),
     "TimerAction": _timer,
-    "UnsetEnvironmentVariable": _plain("unset_env", name="name"),
-    "UnsetLaunchConfiguration": _plain("unset", name="name"),
+    "UnsetEnvironmentVariable": _text_element("unset_env", name="name"),
+    "UnsetLaunchConfiguration": _text_element("unset", name="name"),
 }

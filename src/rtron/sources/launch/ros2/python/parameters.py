@@ -6,100 +6,115 @@ from rtron.sources.code.interpreter.abstract_values.items import items_of
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     NONE,
     Choice,
-    Foreign,
+    ExternalSymbol,
     Instance,
-    Known,
+    LibraryFunction,
     ListValue,
     MapValue,
-    Native,
+    Scalar,
     Value,
     options,
     truth,
 )
-from rtron.sources.code.library_models.launch.constructor_calls import call_name, given
-from rtron.sources.launch.ros2.python.substitutions import Texts
-from rtron.sources.launch.ros2.substitutions.template import Pieces, Written, hole
+from rtron.sources.code.library_models.launch.constructor_calls import (
+    constructor_arguments,
+    launch_class_name,
+)
+from rtron.sources.launch.ros2.python.substitutions import SubstitutionTranslator
+from rtron.sources.launch.ros2.substitutions.template import Template, TemplateText, placeholder
 from rtron.sources.launch.ros2.xml_yaml.element import Element
 
 MAX_DEPTH = 24
 
 
-def parameters(texts: Texts, value: Value | None) -> Iterator[Element]:
+def parameter_elements(
+    translator: SubstitutionTranslator, value: Value | None
+) -> Iterator[Element]:
     """Yield an element for each parameter, or file of them, in a list of both."""
     items, certain = items_of(value) if value is not None else ((), True)
     for item in items:
         for option in options(item):
-            yield from _source(texts, option)
+            yield from _source_elements(translator, option)
     if not certain:
-        more: dict[str, Written] = {"from": (hole("more parameters"),)}
+        more: dict[str, TemplateText] = {"from": (placeholder("more parameters"),)}
         yield Element("param", more)
 
 
-def _source(texts: Texts, value: Value) -> Iterator[Element]:
-    name = call_name(value)
+def _source_elements(translator: SubstitutionTranslator, value: Value) -> Iterator[Element]:
+    name = launch_class_name(value)
     if isinstance(value, MapValue):
-        yield from entries(texts, value)
+        yield from entry_elements(translator, value)
     elif isinstance(value, Instance) and name == "Parameter":
-        fields = given(value)
-        yield parameter(texts, texts.pieces(fields.get("name")), fields.get("value", NONE))
+        fields = constructor_arguments(value)
+        yield parameter_element(
+            translator, translator.template(fields.get("name")), fields.get("value", NONE)
+        )
     elif value != NONE:
-        attributes: dict[str, Written] = {"from": texts.pieces(value)}
+        attributes: dict[str, TemplateText] = {"from": translator.template(value)}
         if isinstance(value, Instance) and name == "ParameterFile":
-            allowed = given(value).get("allow_substs", NONE)
-            known = truth(allowed) if not call_name(allowed) else None
-            text = (str(bool(known)),) if known is not None else texts.pieces(allowed)
+            allowed = constructor_arguments(value).get("allow_substs", NONE)
+            known = truth(allowed) if not launch_class_name(allowed) else None
+            text = (str(bool(known)),) if known is not None else translator.template(allowed)
             attributes["allow_substs"] = text
         yield Element("param", attributes)
 
 
-def entries(texts: Texts, value: MapValue, tag: str = "param", depth: int = 0) -> Iterator[Element]:
+def entry_elements(
+    translator: SubstitutionTranslator, value: MapValue, tag: str = "param", depth: int = 0
+) -> Iterator[Element]:
     """Yield an element for each entry of a dict."""
-    texts.count()
+    translator.count()
     for key, inner in value.entries.items():
-        name: Pieces = (str(key),)
+        name: Template = (str(key),)
         if isinstance(inner, MapValue) and depth < MAX_DEPTH:
-            below = tuple(entries(texts, inner, tag, depth + 1))
+            below = tuple(entry_elements(translator, inner, tag, depth + 1))
             yield Element(tag, {"name": name}, below)
         elif inner != NONE:
-            yield parameter(texts, name, inner, tag)
+            yield parameter_element(translator, name, inner, tag)
 
 
-def parameter(texts: Texts, name: Pieces, value: Value, tag: str = "param") -> Element:
+def parameter_element(
+    translator: SubstitutionTranslator, name: Template, value: Value, tag: str = "param"
+) -> Element:
     """Return an element for one parameter; what is a text in Python stays one, unless evaluated."""
-    attributes, children = _value(texts, value)
+    attributes, children = _value_attributes(translator, value)
     return Element(tag, {"name": name, **attributes}, children)
 
 
-def _value(texts: Texts, value: Value) -> tuple[dict[str, Written], tuple[Element, ...]]:
+def _value_attributes(
+    translator: SubstitutionTranslator, value: Value
+) -> tuple[dict[str, TemplateText], tuple[Element, ...]]:
     if isinstance(value, Choice):
-        return {"value": texts.pieces(value)}, ()
-    if isinstance(value, Instance) and call_name(value) == "ParameterValue":
-        fields = given(value)
-        inner, children = _value(texts, fields.get("value", NONE))
+        return {"value": translator.template(value)}, ()
+    if isinstance(value, Instance) and launch_class_name(value) == "ParameterValue":
+        fields = constructor_arguments(value)
+        inner, children = _value_attributes(translator, fields.get("value", NONE))
         kind = fields.get("value_type", NONE)
-        if isinstance(kind, (Native, Foreign)) and kind.name == "str":
-            return {"value": texts.pieces(fields.get("value")), "type": "str"}, ()
+        if isinstance(kind, (LibraryFunction, ExternalSymbol)) and kind.name == "str":
+            return {"value": translator.template(fields.get("value")), "type": "str"}, ()
         return inner, children
-    if isinstance(value, Known):
-        plain: dict[str, Written] = {"type": "str"} if isinstance(value.value, str) else {}
-        return {"value": (str(value.value),), **plain}, ()
+    if isinstance(value, Scalar):
+        type_attribute: dict[str, TemplateText] = (
+            {"type": "str"} if isinstance(value.value, str) else {}
+        )
+        return {"value": (str(value.value),), **type_attribute}, ()
     if isinstance(value, ListValue) and not _is_one_text(value):
-        return {"value": ("[]",)}, tuple(_item(texts, item) for item in value.items)
-    return {"value": texts.pieces(value)}, ()
+        return {"value": ("[]",)}, tuple(_item_element(translator, item) for item in value.items)
+    return {"value": translator.template(value)}, ()
 
 
-def _item(texts: Texts, value: Value) -> Element:
+def _item_element(translator: SubstitutionTranslator, value: Value) -> Element:
     """Return an item of a list; a list in it is one text (launch_ros: normalize_parameters)."""
     if isinstance(value, ListValue):
-        return Element("item", {"value": texts.pieces(value)})
-    return Element("item", *_value(texts, value))
+        return Element("item", {"value": translator.template(value)})
+    return Element("item", *_value_attributes(translator, value))
 
 
 def _is_one_text(value: ListValue) -> bool:
     """Tell whether a list of strings and substitutions makes one string."""
-    called = [call_name(item) for item in value.items]
+    called = [launch_class_name(item) for item in value.items]
     plain = all(
-        name or (isinstance(item, Known) and isinstance(item.value, str))
+        name or (isinstance(item, Scalar) and isinstance(item.value, str))
         for name, item in zip(called, value.items, strict=True)
     )
     return value.open or (any(called) and plain)

@@ -7,41 +7,43 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
 from rtron.sources.launch.common.yaml_tree import YamlLeaf, YamlTree
-from rtron.sources.launch.ros2.substitutions.template import has_hole, shown
+from rtron.sources.launch.ros2.substitutions.template import display_text, has_placeholder
 from rtron.vocabulary import ParameterValue, UnknownValue
 
 Texts = Mapping[str, str]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Rewriting:
-    """What is changed: parameters by their key or whole path, values, keys; `root` goes above."""
+class ParameterRewrite:
+    """What is changed: parameters by their key or whole path, values, keys; `root_key` goes above."""
 
     parameters: Texts = field(default_factory=dict)
     values: Texts = field(default_factory=dict)
     keys: Texts = field(default_factory=dict)
-    root: str = ""
-    numbers: bool = False
+    root_key: str = ""
+    converts_numbers: bool = False
 
     def apply(self, tree: YamlTree) -> YamlTree:
         """Return the tree as it is written for the launch."""
-        found = self._parameters(tree, "")
-        for path in self.parameters.keys() - set(_paths(tree, "")):
+        rewritten = self._parameters(tree, "")
+        for path in self.parameters.keys() - set(_leaf_paths(tree, "")):
             if "ros__parameters" in path.split("."):
-                found = _put(found, path.split("."), self._leaf(self.parameters[path], 0))
-        found = self._values(self._keys(found))
-        return {self.root: found} if self.root else found
+                rewritten = _with_leaf(
+                    rewritten, path.split("."), self._leaf(self.parameters[path], 0)
+                )
+        rewritten = self._values(self._keys(rewritten))
+        return {self.root_key: rewritten} if self.root_key else rewritten
 
     def _parameters(self, tree: YamlTree, path: str) -> YamlTree:
         if isinstance(tree, YamlLeaf):
             return tree
-        found: dict[str, YamlTree] = {}
+        rewritten: dict[str, YamlTree] = {}
         for key, inner in tree.items():
             below = f"{path}.{key}" if path else key
             text = self.parameters.get(below, self.parameters.get(key))
             changed = None if text is None else self._leaf(text, _line(inner))
-            found[key] = self._parameters(inner, below) if changed is None else changed
-        return found
+            rewritten[key] = self._parameters(inner, below) if changed is None else changed
+        return rewritten
 
     def _leaf(self, text: str, line: int) -> YamlLeaf:
         return YamlLeaf(value=self._converted(text), line=line)
@@ -63,9 +65,9 @@ class Rewriting:
         return {self.keys.get(key, key): self._keys(inner) for key, inner in tree.items()}
 
     def _converted(self, text: str) -> ParameterValue:
-        if has_hole(text):
-            return UnknownValue(shown(text))
-        if self.numbers:
+        if has_placeholder(text):
+            return UnknownValue(display_text(text))
+        if self.converts_numbers:
             try:
                 return float(text) if "." in text else int(text)
             except ValueError:
@@ -77,16 +79,16 @@ def _line(tree: YamlTree) -> int:
     return tree.line if isinstance(tree, YamlLeaf) else 0
 
 
-def _paths(tree: YamlTree, path: str) -> Iterator[str]:
+def _leaf_paths(tree: YamlTree, path: str) -> Iterator[str]:
     if isinstance(tree, YamlLeaf):
         yield path
         return
     for key, inner in tree.items():
-        yield from _paths(inner, f"{path}.{key}" if path else key)
+        yield from _leaf_paths(inner, f"{path}.{key}" if path else key)
 
 
-def _put(tree: YamlTree, path: list[str], leaf: YamlLeaf) -> YamlTree:
+def _with_leaf(tree: YamlTree, path: list[str], leaf: YamlLeaf) -> YamlTree:
     first, *rest = path
-    found = dict(tree) if isinstance(tree, dict) else {}
-    found[first] = _put(found.get(first, {}), rest, leaf) if rest else leaf
-    return found
+    rewritten = dict(tree) if isinstance(tree, dict) else {}
+    rewritten[first] = _with_leaf(rewritten.get(first, {}), rest, leaf) if rest else leaf
+    return rewritten

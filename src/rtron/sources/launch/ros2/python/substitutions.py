@@ -8,174 +8,210 @@ from rtron.sources.code.interpreter.abstract_values.items import items_of
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     NONE,
     Choice,
-    Foreign,
-    Hole,
+    ExternalSymbol,
     Instance,
-    Known,
     ListValue,
-    Text,
+    PartialText,
+    Scalar,
+    Unknown,
     Value,
     concat,
     options,
     plain,
-    spelled,
+    text_with_holes,
     truth,
 )
-from rtron.sources.code.interpreter.execution.abstract_machine import Machine
+from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.calls import dispatch
-from rtron.sources.code.interpreter.execution.stack_frame import Frame
-from rtron.sources.code.library_models.launch.constructor_calls import ALL, call_name, given
-from rtron.sources.code.library_models.launch.signatures import MODULES
-from rtron.sources.launch.ros2.context_view import View
-from rtron.sources.launch.ros2.substitutions.substitution import MAX_PRINTED
-from rtron.sources.launch.ros2.substitutions.template import Call, Deferred, Pieces, hole, parts
+from rtron.sources.code.interpreter.execution.stack_frame import StackFrame
+from rtron.sources.code.library_models.launch.constructor_calls import (
+    ARGUMENTS_FIELD,
+    constructor_arguments,
+    launch_class_name,
+)
+from rtron.sources.code.library_models.launch.signatures import CLASSES_BY_MODULE
+from rtron.sources.launch.ros2.context_view import ContextView
+from rtron.sources.launch.ros2.substitutions.substitution import MAX_COMMAND_OUTPUT
+from rtron.sources.launch.ros2.substitutions.template import (
+    DeferredSubstitution,
+    SubstitutionCall,
+    Template,
+    placeholder,
+    split_placeholders,
+)
 
 Fields: TypeAlias = Mapping[str, Value]
-Run: TypeAlias = Callable[[View], str]
+PerformSubstitution: TypeAlias = Callable[[ContextView], str]
 MAX_DEPTH = 24
 
 
 @dataclass(frozen=True, slots=True)
-class Texts:
+class SubstitutionTranslator:
     """Turns values into texts; `context` makes what a function of the file gets as its context.
 
     `count` is called for each part, and ends what has too many.
-    `files` are the substitutions that make a file: each returns what makes it.
+    `file_substitutions` are the substitutions that make a file: each returns what makes it.
     """
 
-    machine: Machine
-    context: Callable[[View], Instance]
-    files: Mapping[str, Callable[["Texts", Fields], Run]]
+    machine: AbstractMachine
+    context: Callable[[ContextView], Instance]
+    file_substitutions: Mapping[
+        str, Callable[["SubstitutionTranslator", Fields], PerformSubstitution]
+    ]
     count: Callable[[], None]
 
-    def pieces(self, value: Value | None, depth: int = 0) -> Pieces:
+    def template(self, value: Value | None, depth: int = 0) -> Template:
         """Return a text: a string, a substitution, or a list of both."""
         self.count()
         if value is None or value == NONE or depth > MAX_DEPTH:
             return ()
-        if isinstance(value, Known):
+        if isinstance(value, Scalar):
             text = plain(value.value)
-            return (text if len(text) <= MAX_PRINTED else hole("a long text"),)
-        if isinstance(value, Text):
-            return ("".join(p if isinstance(p, str) else hole(p.why) for p in value.parts),)
+            return (text if len(text) <= MAX_COMMAND_OUTPUT else placeholder("a long text"),)
+        if isinstance(value, PartialText):
+            return (
+                "".join(p if isinstance(p, str) else placeholder(p.label) for p in value.parts),
+            )
         if isinstance(value, ListValue):
-            found = [piece for item in value.items for piece in self.pieces(item, depth + 1)]
-            return (*found, hole("more")) if value.open else tuple(found)
+            parts_of_list = [
+                piece for item in value.items for piece in self.template(item, depth + 1)
+            ]
+            return (*parts_of_list, placeholder("more")) if value.open else tuple(parts_of_list)
         if isinstance(value, Instance):
-            return self._of_instance(value, depth)
-        return (hole(_called(value)),)
+            return self._template_of_instance(value, depth)
+        return (placeholder(_placeholder_name(value)),)
 
-    def _of_instance(self, value: Instance, depth: int) -> Pieces:
-        name, fields = call_name(value), given(value)
-        if name in self.files:
-            return (self._deferred(self.files[name](self, fields)),)
-        if name in _CALLS:
-            return (_CALLS[name](self, fields, value, depth + 1),)
-        if name in _TEXT:
-            return self.pieces(fields.get(_TEXT[name]), depth + 1)
-        method = self.machine.world.attribute(value, "perform", ())
+    def _template_of_instance(self, value: Instance, depth: int) -> Template:
+        name, fields = launch_class_name(value), constructor_arguments(value)
+        if name in self.file_substitutions:
+            return (self._deferred_substitution(self.file_substitutions[name](self, fields)),)
+        if name in _CALL_BUILDERS:
+            return (_CALL_BUILDERS[name](self, fields, value, depth + 1),)
+        if name in _TEXT_FIELDS:
+            return self.template(fields.get(_TEXT_FIELDS[name]), depth + 1)
+        method = self.machine.runtime.attribute(value, "perform", ())
         if method is not None and not name:
-            return (self._deferred(lambda view: self._performed(method, view)),)
-        return (hole(name or "object"),)
+            return (self._deferred_substitution(lambda view: self._perform_custom(method, view)),)
+        return (placeholder(name or "object"),)
 
-    def _deferred(self, run: Run) -> Deferred:
-        return Deferred(lambda view: run(view) if isinstance(view, View) else hole("made"))
+    def _deferred_substitution(self, run: PerformSubstitution) -> DeferredSubstitution:
+        return DeferredSubstitution(
+            lambda view: run(view) if isinstance(view, ContextView) else placeholder("made")
+        )
 
-    def _performed(self, method: Value, view: View) -> str:
+    def _perform_custom(self, method: Value, view: ContextView) -> str:
         """Return what a substitution of the launch file's own makes."""
-        arguments = Arguments(values=(self.context(view),), frame=Frame(file=""))
-        return view.perform(self.pieces(dispatch(self.machine, method, arguments)))
+        arguments = Arguments(values=(self.context(view),), frame=StackFrame(file=""))
+        return view.perform(self.template(dispatch(self.machine, method, arguments)))
 
 
 def value_of(text: str) -> Value:
     """Return an evaluated text as the interpreter's value."""
-    return concat([Hole(part) if is_hole else Known(part) for part, is_hole in parts(text)])
+    return concat(
+        [Unknown(part) if is_hole else Scalar(part) for part, is_hole in split_placeholders(text)]
+    )
 
 
 def plain_text(value: Value | None) -> str:
     """Return a text that holds no substitutions."""
-    return spelled(value) if isinstance(value, (Known, Text)) else ""
+    return text_with_holes(value) if isinstance(value, (Scalar, PartialText)) else ""
 
 
-def says_no(value: Value | None) -> bool:
+def is_false(value: Value | None) -> bool:
     """Tell whether a value that is true by default is not."""
     return value is not None and truth(value) is False
 
 
-def _called(value: Value) -> str:
+def _placeholder_name(value: Value) -> str:
     if isinstance(value, Choice):
-        return " or ".join(spelled(option) for option in options(value)[:4])
-    return value.name if isinstance(value, Foreign) else getattr(value, "why", "?")
+        return " or ".join(text_with_holes(option) for option in options(value)[:4])
+    return value.name if isinstance(value, ExternalSymbol) else getattr(value, "why", "?")
 
 
-def _call(name: str, *keys: str) -> Callable[[Texts, Fields, Instance, int], Call]:
+def _call_builder(
+    name: str, *keys: str
+) -> Callable[[SubstitutionTranslator, Fields, Instance, int], SubstitutionCall]:
     """Return what makes a call whose arguments are parameters; those at the end may be missing."""
 
-    def made(texts: Texts, fields: Fields, _: Instance, depth: int) -> Call:
-        words = [fields[key] for key in keys if fields.get(key, NONE) != NONE]
-        return Call(name, tuple(texts.pieces(word, depth) for word in words))
+    def made(
+        translator: SubstitutionTranslator, fields: Fields, _: Instance, depth: int
+    ) -> SubstitutionCall:
+        arguments = [fields[key] for key in keys if fields.get(key, NONE) != NONE]
+        return SubstitutionCall(
+            name, tuple(translator.template(argument, depth) for argument in arguments)
+        )
 
     return made
 
 
-def _items(name: str, key: str) -> Callable[[Texts, Fields, Instance, int], Call]:
+def _list_call_builder(
+    name: str, key: str
+) -> Callable[[SubstitutionTranslator, Fields, Instance, int], SubstitutionCall]:
     """Return what makes a call whose arguments are a list's items."""
 
-    def made(texts: Texts, fields: Fields, value: Instance, depth: int) -> Call:
-        listed = value.fields[ALL] if key == ALL else fields.get(key, NONE)
-        before = (texts.pieces(fields.get("delimiter")),) if name == "string-join" else ()
+    def made(
+        translator: SubstitutionTranslator, fields: Fields, value: Instance, depth: int
+    ) -> SubstitutionCall:
+        listed = value.fields[ARGUMENTS_FIELD] if key == ARGUMENTS_FIELD else fields.get(key, NONE)
+        before = (translator.template(fields.get("delimiter")),) if name == "string-join" else ()
         items, certain = items_of(listed) if isinstance(listed, ListValue) else ((listed,), True)
-        found = tuple(texts.pieces(item, depth) for item in items)
-        return Call(name, (*before, *found, *(() if certain else ((hole("more"),),))))
+        templates = tuple(translator.template(item, depth) for item in items)
+        return SubstitutionCall(
+            name, (*before, *templates, *(() if certain else ((placeholder("more"),),)))
+        )
 
     return made
 
 
-def _as_bool(texts: Texts, fields: Fields, _: Instance, depth: int) -> Call:
-    named = Call("var", (texts.pieces(fields.get("name"), depth),))
-    return Call("as-bool", ((named,),))
+def _as_bool(
+    translator: SubstitutionTranslator, fields: Fields, _: Instance, depth: int
+) -> SubstitutionCall:
+    named = SubstitutionCall("var", (translator.template(fields.get("name"), depth),))
+    return SubstitutionCall("as-bool", ((named,),))
 
 
-_TEXT = {
+_TEXT_FIELDS = {
     "TextSubstitution": "text",
     "PathSubstitution": "path",
     "ParameterFile": "param_file",
     "ParameterValue": "value",
     "IfCondition": "predicate_expression",
-    **dict.fromkeys(MODULES["launch.launch_description_sources"], "location"),
+    **dict.fromkeys(CLASSES_BY_MODULE["launch.launch_description_sources"], "location"),
 }
-_CALLS: Mapping[str, Callable[[Texts, Fields, Instance, int], Call]] = {
-    "LaunchConfiguration": _call("var", "variable_name", "default"),
-    "EnvironmentVariable": _call("env", "name", "default_value"),
-    "PathJoinSubstitution": _items("path-join", "substitutions"),
-    "StringJoinSubstitution": _items("string-join", "substitutions"),
-    "PythonExpression": _call("eval", "expression"),
-    "Command": _call("command", "command"),
-    "FileContent": _call("file-content", "path"),
-    "FindExecutable": _call("find-exec", "name"),
-    "ForEachVar": _call("for-var", "name", "default_value"),
-    "ForLoopIndex": _call("index", "name"),
-    "Parameter": _call("param", "name", "default"),
-    "ThisLaunchFile": _call("filename"),
-    "ThisLaunchFileDir": _call("dirname"),
-    "LaunchLogDir": _call("log_dir"),
-    "LocalSubstitution": _call("local", "expression"),
-    "AnonName": _call("anon", "name"),
-    "NotSubstitution": _call("not", "value"),
-    "AndSubstitution": _call("and", "left", "right"),
-    "OrSubstitution": _call("or", "left", "right"),
-    "AnySubstitution": _items("any", ALL),
-    "AllSubstitution": _items("all", ALL),
-    "EqualsSubstitution": _call("equals", "left", "right"),
-    "NotEqualsSubstitution": _call("not-equals", "left", "right"),
-    "IfElseSubstitution": _call("if", "condition", "if_value", "else_value"),
-    "FindPackageShare": _call("find-pkg-share", "package"),
-    "FindPackagePrefix": _call("find-pkg-prefix", "package"),
-    "FindPackage": _call("find-pkg-prefix", "package"),
-    "ExecutableInPackage": _call("exec-in-pkg", "executable", "package"),
-    "UnlessCondition": _call("not", "predicate_expression"),
-    "LaunchConfigurationEquals": _call(
+_CALL_BUILDERS: Mapping[
+    str, Callable[[SubstitutionTranslator, Fields, Instance, int], SubstitutionCall]
+] = {
+    "LaunchConfiguration": _call_builder("var", "variable_name", "default"),
+    "EnvironmentVariable": _call_builder("env", "name", "default_value"),
+    "PathJoinSubstitution": _list_call_builder("path-join", "substitutions"),
+    "StringJoinSubstitution": _list_call_builder("string-join", "substitutions"),
+    "PythonExpression": _call_builder("eval", "expression"),
+    "Command": _call_builder("command", "command"),
+    "FileContent": _call_builder("file-content", "path"),
+    "FindExecutable": _call_builder("find-exec", "name"),
+    "ForEachVar": _call_builder("for-var", "name", "default_value"),
+    "ForLoopIndex": _call_builder("index", "name"),
+    "Parameter": _call_builder("param", "name", "default"),
+    "ThisLaunchFile": _call_builder("filename"),
+    "ThisLaunchFileDir": _call_builder("dirname"),
+    "LaunchLogDir": _call_builder("log_dir"),
+    "LocalSubstitution": _call_builder("local", "expression"),
+    "AnonName": _call_builder("anon", "name"),
+    "NotSubstitution": _call_builder("not", "value"),
+    "AndSubstitution": _call_builder("and", "left", "right"),
+    "OrSubstitution": _call_builder("or", "left", "right"),
+    "AnySubstitution": _list_call_builder("any", ARGUMENTS_FIELD),
+    "AllSubstitution": _list_call_builder("all", ARGUMENTS_FIELD),
+    "EqualsSubstitution": _call_builder("equals", "left", "right"),
+    "NotEqualsSubstitution": _call_builder("not-equals", "left", "right"),
+    "IfElseSubstitution": _call_builder("if", "condition", "if_value", "else_value"),
+    "FindPackageShare": _call_builder("find-pkg-share", "package"),
+    "FindPackagePrefix": _call_builder("find-pkg-prefix", "package"),
+    "FindPackage": _call_builder("find-pkg-prefix", "package"),
+    "ExecutableInPackage": _call_builder("exec-in-pkg", "executable", "package"),
+    "UnlessCondition": _call_builder("not", "predicate_expression"),
+    "LaunchConfigurationEquals": _call_builder(
         "config-equals", "launch_configuration_name", "expected_value"
     ),
     "LaunchConfigAsBool": _as_bool,

@@ -9,59 +9,59 @@ from typing import TypeAlias
 
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     NONE,
-    Hole,
     Instance,
-    Known,
+    LibraryClass,
+    LibraryFunction,
     MapValue,
-    Native,
-    NativeClass,
+    Scalar,
+    Unknown,
     Value,
     plain,
-    spelled,
+    text_with_holes,
 )
-from rtron.sources.code.interpreter.execution.abstract_machine import Machine
+from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
-from rtron.sources.launch.common.commands import Xacro
+from rtron.sources.launch.common.commands import XacroCommand
 from rtron.sources.launch.common.errors import UnresolvableError
 
-Describe: TypeAlias = Callable[[Xacro], str]
+DescribeXacro: TypeAlias = Callable[[XacroCommand], str]
 """Returns a robot's description; raises UnresolvableError where that is not known."""
-_TEXT = "text"
+_TEXT_FIELD = "text"
 
 
-def _text(_: Machine, owner: Instance, __: Arguments) -> Value:
-    return owner.fields[_TEXT]
+def _text(_: AbstractMachine, owner: Instance, __: Arguments) -> Value:
+    return owner.fields[_TEXT_FIELD]
 
 
-_DOCUMENT = NativeClass("xacro.Document", methods=dict.fromkeys(("toxml", "toprettyxml"), _text))
+_DOCUMENT = LibraryClass("xacro.Document", methods=dict.fromkeys(("toxml", "toprettyxml"), _text))
 
 
 @dataclass(frozen=True, slots=True)
 class XacroModule:
     """The functions of xacro that give a description."""
 
-    describe: Describe
+    describe: DescribeXacro
 
-    def natives(self) -> dict[str, Value]:
+    def library_models(self) -> dict[str, Value]:
         """Return the functions by their names."""
         return {
-            "xacro.process": Native("process", self._process),
-            "xacro.process_file": Native("process_file", self._process_file),
+            "xacro.process": LibraryFunction("process", self._process),
+            "xacro.process_file": LibraryFunction("process_file", self._process_file),
         }
 
-    def _process_file(self, machine: Machine, _: object, arguments: Arguments) -> Value:
-        return Instance(_DOCUMENT, {_TEXT: self._process(machine, None, arguments)})
+    def _process_file(self, machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+        return Instance(_DOCUMENT, {_TEXT_FIELD: self._process(machine, None, arguments)})
 
-    def _process(self, machine: Machine, _: object, arguments: Arguments) -> Value:
+    def _process(self, machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
         file = arguments.get(0, "input_file_name") or NONE
         mappings = _mappings(arguments.keywords.get("mappings", NONE))
-        if not isinstance(file, Known) or mappings is None:
-            return Hole(f"xacro {spelled(file)}")
+        if not isinstance(file, Scalar) or mappings is None:
+            return Unknown(f"xacro {text_with_holes(file)}")
         try:
-            return Known(self.describe(Xacro(file=plain(file.value), mappings=mappings)))
+            return Scalar(self.describe(XacroCommand(file=plain(file.value), mappings=mappings)))
         except UnresolvableError as error:
-            machine.recorder.unresolved("xacro", str(error), arguments.evidence)
-            return Hole(f"xacro {plain(file.value)}")
+            machine.recorder.add_unresolved("xacro", str(error), arguments.evidence)
+            return Unknown(f"xacro {plain(file.value)}")
 
 
 def _mappings(value: Value) -> Mapping[str, str] | None:
@@ -69,5 +69,9 @@ def _mappings(value: Value) -> Mapping[str, str] | None:
     if value == NONE:
         return {}
     entries = value.fields if isinstance(value, MapValue) else {None: NONE}
-    found = {plain(key): plain(one.value) for key, one in entries.items() if isinstance(one, Known)}
-    return found if len(found) == len(entries) and NONE not in entries.values() else None
+    mappings = {
+        plain(key): plain(entry.value)
+        for key, entry in entries.items()
+        if isinstance(entry, Scalar)
+    }
+    return mappings if len(mappings) == len(entries) and NONE not in entries.values() else None

@@ -8,15 +8,15 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from rtron.errors import InputError
-from rtron.folders import is_there
-from rtron.sources.launch.common.commands import Cat, Xacro, recognise
+from rtron.folders import path_exists
+from rtron.sources.launch.common.commands import CatCommand, XacroCommand, recognise_command
 from rtron.sources.launch.common.errors import UnresolvableError
-from rtron.sources.launch.ros2.parameters.file import read_text
-from rtron.sources.launch.ros2.substitutions.functions import closed
-from rtron.sources.launch.ros2.substitutions.substitution import MAX_PRINTED
-from rtron.sources.launch.ros2.substitutions.template import shown
+from rtron.sources.launch.ros2.parameters.file import read_text_file
+from rtron.sources.launch.ros2.substitutions.functions import require_known
+from rtron.sources.launch.ros2.substitutions.substitution import MAX_COMMAND_OUTPUT
+from rtron.sources.launch.ros2.substitutions.template import display_text
 from rtron.sources.xacro import evaluate_xacro
-from rtron.vocabulary import Unresolved
+from rtron.vocabulary import UnresolvedItem
 
 MAX_DESCRIPTIONS = 32
 
@@ -24,65 +24,71 @@ _Key = tuple[str, tuple[tuple[str, str], ...]]
 
 
 @dataclass(slots=True, kw_only=True)
-class Commands:
+class CommandOutput:
     """Knows what xacro and cat would print; what else a command is, it is not known.
 
-    `notes` gets what in a description has no value, `installed` finds the source of a file.
+    `unresolved` gets what in a description has no value, `locate_source` finds the source of a file.
     """
 
     packages: Mapping[str, Path]
     environ: Mapping[str, str]
-    installed: Callable[[str], str]
-    notes: list[Unresolved]
-    _described: dict[_Key, str | InputError] = field(default_factory=dict)
+    locate_source: Callable[[str], str]
+    unresolved: list[UnresolvedItem]
+    _descriptions: dict[_Key, str | InputError] = field(default_factory=dict)
 
-    def printed(self, command: str) -> str:
+    def output_of_line(self, command: str) -> str:
         """Return what a command line prints; raise UnresolvableError where that is not known."""
-        run = recognise(command)
-        if run is None:
-            raise UnresolvableError(f"$(command {shown(command)[:80]}) is not run")
-        closed(command)
-        return self.output(run)
+        program = recognise_command(command)
+        if program is None:
+            raise UnresolvableError(f"$(command {display_text(command)[:80]}) is not run")
+        require_known(command)
+        return self.output_of_command(program)
 
-    def output(self, run: Cat | Xacro) -> str:
+    def output_of_command(self, program: CatCommand | XacroCommand) -> str:
         """Return what a program prints; raise UnresolvableError where that is not known."""
-        if not run.file.startswith("/"):
-            raise UnresolvableError(f"{run.file[:80]}: the folder of the launch is not known")
-        text = self._file(run) if isinstance(run, Cat) else self._description(run)
-        if len(text) > MAX_PRINTED:
-            raise UnresolvableError(f"{run.file}: more than {MAX_PRINTED} characters are printed")
+        if not program.file.startswith("/"):
+            raise UnresolvableError(f"{program.file[:80]}: the folder of the launch is not known")
+        text = (
+            self._file_text(program)
+            if isinstance(program, CatCommand)
+            else self._description(program)
+        )
+        if len(text) > MAX_COMMAND_OUTPUT:
+            raise UnresolvableError(
+                f"{program.file}: more than {MAX_COMMAND_OUTPUT} characters are printed"
+            )
         return text
 
-    def _file(self, run: Cat) -> str:
+    def _file_text(self, program: CatCommand) -> str:
         try:
-            return read_text(self.installed(run.file))
+            return read_text_file(self.locate_source(program.file))
         except InputError as error:
             raise UnresolvableError(str(error)) from None
 
-    def _description(self, run: Xacro) -> str:
-        key = self.installed(run.file), tuple(sorted(run.mappings.items()))
-        if key not in self._described:
-            if len(self._described) == MAX_DESCRIPTIONS:
+    def _description(self, program: XacroCommand) -> str:
+        key = self.locate_source(program.file), tuple(sorted(program.mappings.items()))
+        if key not in self._descriptions:
+            if len(self._descriptions) == MAX_DESCRIPTIONS:
                 raise UnresolvableError(f"more than {MAX_DESCRIPTIONS} robots are described")
-            self._described[key] = self._evaluated(Path(key[0]), run.mappings)
-        found = self._described[key]
-        if isinstance(found, InputError):
-            raise UnresolvableError(str(found))
-        return found
+            self._descriptions[key] = self._evaluate_xacro(Path(key[0]), program.mappings)
+        description = self._descriptions[key]
+        if isinstance(description, InputError):
+            raise UnresolvableError(str(description))
+        return description
 
-    def _evaluated(self, path: Path, mappings: Mapping[str, str]) -> str | InputError:
+    def _evaluate_xacro(self, path: Path, mappings: Mapping[str, str]) -> str | InputError:
         try:
-            result = evaluate_xacro(path, mappings, self._shares(), self.environ)
+            result = evaluate_xacro(path, mappings, self._share_folders(), self.environ)
         except InputError as error:
             return error
-        self.notes.extend(result.unresolved)
+        self.unresolved.extend(result.unresolved)
         return result.text
 
-    def _shares(self) -> dict[str, Path]:
+    def _share_folders(self) -> dict[str, Path]:
         """Return where the packages of the workspace and of AMENT_PREFIX_PATH lie."""
-        found: dict[str, Path] = {}
+        folders: dict[str, Path] = {}
         for prefix in filter(None, self.environ.get("AMENT_PREFIX_PATH", "").split(":")):
             share = Path(prefix) / "share"
-            for folder in share.iterdir() if is_there(share) and share.is_dir() else ():
-                found.setdefault(folder.name, folder)
-        return {**found, **self.packages}
+            for folder in share.iterdir() if path_exists(share) and share.is_dir() else ():
+                folders.setdefault(folder.name, folder)
+        return {**folders, **self.packages}

@@ -9,146 +9,158 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from rtron.sources.launch.common.errors import MissingArgumentError, UnresolvableError
-from rtron.sources.launch.ros2.substitutions.functions import PURE, Function, given
+from rtron.sources.launch.ros2.substitutions.functions import (
+    PURE_FUNCTIONS,
+    Function,
+    require_arguments,
+)
 from rtron.sources.launch.ros2.substitutions.template import (
-    Call,
-    Deferred,
-    Pieces,
-    Written,
-    first_hole,
+    DeferredSubstitution,
+    SubstitutionCall,
+    Template,
+    TemplateText,
+    first_placeholder,
 )
 
 MAX_TEXT = 16_384
-MAX_LONG = 65_536
+MAX_GRAPH_TEXT = 65_536
 """The most for what only the graph asks for."""
-MAX_PRINTED = 2**20
+MAX_COMMAND_OUTPUT = 2**20
 """The most that a command prints: a parameter may be the description of a robot."""
-_WHOLE = frozenset({"command", "file-content", "var", "if"})
+_UNBOUNDED_CALLS = frozenset({"command", "file-content", "var", "if"})
 """What gives a text as it is, and may be longer where nothing stands beside it."""
 _MAX_DEPTH = 24
 _NAME = re.compile(r"[A-Za-z][\w-]*")
 
 
 @dataclass(slots=True)
-class _Parser:
+class _TemplateParser:
     """Takes a text apart; raises ValueError where it is malformed."""
 
     text: str
-    at: int = 0
+    position: int = 0
     depth: int = 0
 
-    def fragments(self, ends: str) -> Pieces:
-        """Return what stands up to one of the characters `ends`, or to the end of the text."""
-        pieces: list[str | Call | Deferred] = []
-        plain: list[str] = []
-        while self.at < len(self.text) and self.text[self.at] not in ends:
-            if self.text.startswith("$(", self.at):
-                pieces += filter(None, ["".join(plain), self._call()])
-                plain = []
+    def fragments(self, terminators: str) -> Template:
+        """Return what stands up to one of the characters `terminators`, or to the end of the text."""
+        parts: list[str | SubstitutionCall | DeferredSubstitution] = []
+        literal: list[str] = []
+        while self.position < len(self.text) and self.text[self.position] not in terminators:
+            if self.text.startswith("$(", self.position):
+                parts += filter(None, ["".join(literal), self._call()])
+                literal = []
                 continue
-            escaped = self.text[self.at] == "\\" and self.at + 1 < len(self.text)
-            self.at += escaped
-            plain.append(self.text[self.at])
-            self.at += 1
-        return (*pieces, "".join(plain)) if plain else tuple(pieces)
+            escaped = self.text[self.position] == "\\" and self.position + 1 < len(self.text)
+            self.position += escaped
+            literal.append(self.text[self.position])
+            self.position += 1
+        return (*parts, "".join(literal)) if literal else tuple(parts)
 
-    def _call(self) -> Call:
+    def _call(self) -> SubstitutionCall:
         self.depth += 1
         if self.depth > _MAX_DEPTH:
             raise ValueError(f"more than {_MAX_DEPTH} substitutions in each other")
-        self.at += len("$(")
-        name = _NAME.match(self.text, self.at)
+        self.position += len("$(")
+        name = _NAME.match(self.text, self.position)
         if name is None:
             raise ValueError("`$(` without a name")
-        self.at = name.end()
-        call = Call(name[0], tuple(self._arguments()))
+        self.position = name.end()
+        call = SubstitutionCall(name[0], tuple(self._arguments()))
         self.depth -= 1
         return call
 
-    def _arguments(self) -> list[Pieces]:
-        found: list[Pieces] = []
-        while self.at < len(self.text):
-            character = self.text[self.at]
-            self.at += 1
+    def _arguments(self) -> list[Template]:
+        arguments: list[Template] = []
+        while self.position < len(self.text):
+            character = self.text[self.position]
+            self.position += 1
             if character == ")":
-                return found
+                return arguments
             if character in "'\"":
-                found.append(self.fragments(character))
-                self.at += 1
+                arguments.append(self.fragments(character))
+                self.position += 1
             elif character != " ":
-                self.at -= 1
-                found.append(self.fragments(" )"))
+                self.position -= 1
+                arguments.append(self.fragments(" )"))
         raise ValueError("`$(` without `)`")
 
 
 @dataclass(slots=True)
-class Substitution:
+class SubstitutionEvaluator:
     """Replaces substitutions; `functions` are those that depend on where the text stands.
 
-    `failed` gets what has no value here and returns what stands for it, or raises; `view` is what a
+    `on_error` gets what has no value here and returns what stands for it, or raises; `context_view` is what a
     substitution gets that the launch file defines itself.
     """
 
     functions: Mapping[str, Function]
-    failed: Callable[[str, Exception], str] | None = None
-    view: object = None
-    most: int = MAX_TEXT
+    on_error: Callable[[str, Exception], str] | None = None
+    context_view: object = None
+    max_length: int = MAX_TEXT
 
-    def replace(self, text: Written) -> str:
+    def evaluate(self, text: TemplateText) -> str:
         """Return a text with its substitutions replaced.
 
         Raise ValueError if it is malformed, UnresolvableError if it has no value here.
         """
-        return self.perform(self.parsed(text))
+        return self.evaluate_template(self.parse(text))
 
-    def parsed(self, text: Written) -> Pieces:
+    def parse(self, text: TemplateText) -> Template:
         """Return a text taken apart; raise ValueError if it is malformed."""
-        return _Parser(self._bounded(text)).fragments("") if isinstance(text, str) else text
+        return (
+            _TemplateParser(self._check_length(text)).fragments("")
+            if isinstance(text, str)
+            else text
+        )
 
-    def perform(self, pieces: Pieces) -> str:
+    def evaluate_template(self, template: Template) -> str:
         """Return a text that is taken apart already, its substitutions replaced."""
-        found = (piece if isinstance(piece, str) else self._piece(piece) for piece in pieces)
-        text = "".join(found)
-        return text if len(pieces) == 1 and _is_whole(pieces[0]) else self._bounded(text)
+        parts = (part if isinstance(part, str) else self._evaluate_part(part) for part in template)
+        text = "".join(parts)
+        return (
+            text if len(template) == 1 and _may_be_long(template[0]) else self._check_length(text)
+        )
 
-    def _piece(self, piece: Call | Deferred) -> str:
-        if isinstance(piece, Deferred):
-            return piece.run(self.view)
-        arguments = [self.perform(argument) for argument in piece.arguments]
-        if self.failed is None:
-            return self._called(piece.name, arguments)
+    def _evaluate_part(self, part: SubstitutionCall | DeferredSubstitution) -> str:
+        if isinstance(part, DeferredSubstitution):
+            return part.perform(self.context_view)
+        arguments = [self.evaluate_template(argument) for argument in part.arguments]
+        if self.on_error is None:
+            return self._call_function(part.name, arguments)
         try:
-            return self._called(piece.name, arguments)
+            return self._call_function(part.name, arguments)
         except (UnresolvableError, MissingArgumentError, ValueError, LookupError) as error:
-            return self.failed(_called(piece.name, arguments), error)
+            return self.on_error(_call_name(part.name, arguments), error)
 
-    def _bounded(self, text: str) -> str:
-        if len(text) > self.most:
-            raise ValueError(f"longer than {self.most} characters")
+    def _check_length(self, text: str) -> str:
+        if len(text) > self.max_length:
+            raise ValueError(f"longer than {self.max_length} characters")
         return text
 
-    def _called(self, name: str, arguments: list[str]) -> str:
-        function = self.functions.get(name) or PURE.get(name)
+    def _call_function(self, name: str, arguments: list[str]) -> str:
+        function = self.functions.get(name) or PURE_FUNCTIONS.get(name)
         if function is None:
             raise UnresolvableError(f"$({name} …) is not evaluated")
         return function(arguments)
 
 
-def _is_whole(piece: str | Call | Deferred) -> bool:
-    return isinstance(piece, str) or (isinstance(piece, Call) and piece.name in _WHOLE)
+def _may_be_long(part: str | SubstitutionCall | DeferredSubstitution) -> bool:
+    return isinstance(part, str) or (
+        isinstance(part, SubstitutionCall) and part.name in _UNBOUNDED_CALLS
+    )
 
 
-def _called(name: str, arguments: list[str]) -> str:
+def _call_name(name: str, arguments: list[str]) -> str:
     """Return what to call what has no value: as what is not known in it, where there is any."""
     text = " ".join(arguments)
-    return first_hole(text) or (arguments[0] if name == "var" else f"{name} {text}".strip())
+    return first_placeholder(text) or (arguments[0] if name == "var" else f"{name} {text}".strip())
 
 
-def variable(configurations: Mapping[str, str]) -> Function:
+def configuration_function(configurations: Mapping[str, str]) -> Function:
     """Return what `$(var name default)` does."""
 
     def found(arguments: list[str]) -> str:
-        name, *default = given(arguments, 1, 2)
+        name, *default = require_arguments(arguments, 1, 2)
         if name in configurations:
             return configurations[name]
         if default:
@@ -158,11 +170,11 @@ def variable(configurations: Mapping[str, str]) -> Function:
     return found
 
 
-def environment(environ: Mapping[str, str]) -> Function:
+def environment_function(environ: Mapping[str, str]) -> Function:
     """Return what `$(env NAME default)` does."""
 
     def found(arguments: list[str]) -> str:
-        name, *default = given(arguments, 1, 2)
+        name, *default = require_arguments(arguments, 1, 2)
         value = environ.get(name, default[0] if default else None)
         if value is None:
             raise UnresolvableError(f"the environment has no {name}")

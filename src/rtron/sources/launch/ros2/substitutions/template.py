@@ -10,56 +10,56 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 _OPEN, _CLOSE = "\ue000", "\ue001"
-_HOLE = re.compile(f"{_OPEN}([^{_OPEN}{_CLOSE}]*){_CLOSE}")
+_PLACEHOLDER = re.compile(f"{_OPEN}([^{_OPEN}{_CLOSE}]*){_CLOSE}")
 
 
 @dataclass(frozen=True, slots=True)
-class Call:
+class SubstitutionCall:
     """A substitution: `$(name argument…)`."""
 
     name: str
-    arguments: tuple["Pieces", ...] = ()
+    arguments: tuple["Template", ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Deferred:
-    """A substitution that a Python launch file defines itself; `run` gets what a launch knows."""
+class DeferredSubstitution:
+    """A substitution that a Python launch file defines itself; `perform` gets what a launch knows."""
 
-    run: Callable[[object], str]
+    perform: Callable[[object], str]
 
 
-Pieces: TypeAlias = "tuple[str | Call | Deferred, ...]"
-Written: TypeAlias = "str | Pieces"
+Template: TypeAlias = "tuple[str | SubstitutionCall | DeferredSubstitution, ...]"
+TemplateText: TypeAlias = "str | Template"
 """A text as it stands in XML or YAML, or taken apart."""
 
 
-def hole(why: str) -> str:
+def placeholder(name: str) -> str:
     """Return the mark for a part of a text that is not known."""
-    return f"{_OPEN}{shown(why)[:80]}{_CLOSE}"
+    return f"{_OPEN}{display_text(name)[:80]}{_CLOSE}"
 
 
-def has_hole(text: str) -> bool:
+def has_placeholder(text: str) -> bool:
     """Tell whether a part of a text is not known."""
     return _OPEN in text
 
 
-def first_hole(text: str) -> str:
+def first_placeholder(text: str) -> str:
     """Return what the first hole of a text says; empty where it has none."""
-    found = _HOLE.search(text)
-    return found[1] if found else ""
+    match = _PLACEHOLDER.search(text)
+    return match[1] if match else ""
 
 
-def shown(text: str) -> str:
+def display_text(text: str) -> str:
     """Return a text with each hole in braces."""
-    return _HOLE.sub(r"{\1}", text).replace(_OPEN, "").replace(_CLOSE, "")
+    return _PLACEHOLDER.sub(r"{\1}", text).replace(_OPEN, "").replace(_CLOSE, "")
 
 
-def with_holes(text: str, changed: Callable[[str], str]) -> str:
+def map_placeholders(text: str, change: Callable[[str], str]) -> str:
     """Return a text with what each of its holes says changed."""
-    return _HOLE.sub(lambda found: hole(changed(found[1])), text)
+    return _PLACEHOLDER.sub(lambda found: placeholder(change(found[1])), text)
 
 
-def parts(text: str) -> list[tuple[str, bool]]:
+def split_placeholders(text: str) -> list[tuple[str, bool]]:
     """Return a text's parts, and of each whether it is a hole; then it is what the hole says."""
-    found = [(part, at % 2 == 1) for at, part in enumerate(_HOLE.split(text))]
-    return [(part, is_hole) for part, is_hole in found if part or is_hole]
+    split = [(part, at % 2 == 1) for at, part in enumerate(_PLACEHOLDER.split(text))]
+    return [(part, is_placeholder) for part, is_placeholder in split if part or is_placeholder]

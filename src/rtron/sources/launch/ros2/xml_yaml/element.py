@@ -6,9 +6,9 @@ from pathlib import Path
 
 from rtron.errors import InputError
 from rtron.sources.launch.common.xml_document import line_of, parse_xml
-from rtron.sources.launch.ros2.context_view import View
-from rtron.sources.launch.ros2.substitutions.template import Written
-from rtron.sources.launch.ros2.xml_yaml.yaml_document import YamlBody, yaml_body
+from rtron.sources.launch.ros2.context_view import ContextView
+from rtron.sources.launch.ros2.substitutions.template import TemplateText
+from rtron.sources.launch.ros2.xml_yaml.yaml_document import YamlElement, read_yaml_element
 
 _YAML = (".yaml", ".yml")
 
@@ -17,34 +17,34 @@ _YAML = (".yaml", ".yml")
 class Element:
     """An action of a launch file, or what belongs to one.
 
-    `place` counts the elements of an XML text in document order, the root being 0; in YAML it is
+    `position` counts the elements of an XML text in document order, the root being 0; in YAML it is
     where the element's value begins in the text, in characters. `file` is empty where it is that of
-    the launch itself. `run` calls a function of a Python launch file, for the actions it returns.
+    the launch itself. `expand` calls a function of a Python launch file, for the actions it returns.
     """
 
     tag: str
-    attributes: Mapping[str, Written]
+    attributes: Mapping[str, TemplateText]
     children: tuple["Element", ...] = ()
-    place: int = 0
+    position: int = 0
     line: int = 0
     file: str = ""
-    run: Callable[[View], tuple["Element", ...]] | None = None
+    expand: Callable[[ContextView], tuple["Element", ...]] | None = None
 
-    def named(self, tag: str) -> Iterator["Element"]:
+    def children_named(self, tag: str) -> Iterator["Element"]:
         """Yield the children of one kind."""
         return (child for child in self.children if child.tag == tag)
 
-    def placed(self, line: int, file: str) -> "Element":
+    def with_location(self, line: int, file: str) -> "Element":
         """Return it, and what is in it, at a line of a file where they have no place yet."""
-        children = tuple(child.placed(line, file) for child in self.children)
+        children = tuple(child.with_location(line, file) for child in self.children)
         return replace(self, children=children, line=self.line or line, file=self.file or file)
 
-    def plain(self, key: str) -> str:
+    def plain_text(self, key: str) -> str:
         """Return an attribute as it is written; empty where it is not plain text."""
-        written = self.attributes.get(key, "")
-        if isinstance(written, str):
-            return written
-        return "".join(piece for piece in written if isinstance(piece, str))
+        text = self.attributes.get(key, "")
+        if isinstance(text, str):
+            return text
+        return "".join(part for part in text if isinstance(part, str))
 
 
 def parse_elements(path: str) -> Element:
@@ -57,28 +57,28 @@ def parse_elements(path: str) -> Element:
 
 def _xml(path: str) -> Element:
     root = parse_xml(Path(path))
-    made: dict[object, Element] = {}
-    listed = list(root.iter("*"))
-    for place, element in reversed(list(enumerate(listed))):
-        made[element] = Element(
+    elements: dict[object, Element] = {}
+    document_order = list(root.iter("*"))
+    for position, element in reversed(list(enumerate(document_order))):
+        elements[element] = Element(
             tag=str(element.tag),
             attributes={str(name): str(value) for name, value in element.attrib.items()},
-            children=tuple(made[child] for child in element if child in made),
-            place=place,
+            children=tuple(elements[child] for child in element if child in elements),
+            position=position,
             line=line_of(element),
         )
-    return made[root]
+    return elements[root]
 
 
 def _yaml(path: str) -> Element:
-    return _of_body(yaml_body(path))
+    return _element_of_mapping(read_yaml_element(path))
 
 
-def _of_body(body: YamlBody) -> Element:
+def _element_of_mapping(body: YamlElement) -> Element:
     return Element(
         tag=body.tag,
         attributes=body.attributes,
-        children=tuple(map(_of_body, body.children)),
-        place=body.place,
+        children=tuple(map(_element_of_mapping, body.children)),
+        position=body.position,
         line=body.line,
     )

@@ -7,7 +7,7 @@ from pathlib import Path
 import yaml
 
 from rtron.errors import InputError
-from rtron.folders import is_there
+from rtron.folders import path_exists
 from rtron.sources.bounded_file import read_bounded
 
 MAX_BYTES = 256 * 1024
@@ -15,19 +15,19 @@ MAX_DEPTH = 60
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class YamlBody:
+class YamlElement:
     """What stands behind a key: its plain values, and the actions and parts in it."""
 
     tag: str
     attributes: Mapping[str, str]
-    children: tuple["YamlBody", ...]
-    place: int
+    children: tuple["YamlElement", ...]
+    position: int
     line: int
 
 
-def yaml_body(path: str) -> YamlBody:
+def read_yaml_element(path: str) -> YamlElement:
     """Return a file's one root; raise InputError if it is not YAML, too large, or has aliases."""
-    if is_there(Path(path)) and not Path(path).is_file():
+    if path_exists(Path(path)) and not Path(path).is_file():
         raise InputError("is no file", path=path, help="devices and pipes are not read")
     try:
         text = read_bounded(Path(path), MAX_BYTES).decode()
@@ -43,7 +43,7 @@ def yaml_body(path: str) -> YamlBody:
         raise InputError(f"not YAML: {error}", path=path) from None
     if not isinstance(root, yaml.MappingNode) or len(root.value) != 1:
         raise InputError("has not one root, `launch:`", path=path, line=1)
-    return next(_bodies([root], path))
+    return next(_elements_of_list([root], path))
 
 
 def _refuse_unsafe(text: str, path: str) -> None:
@@ -59,41 +59,41 @@ def _refuse_unsafe(text: str, path: str) -> None:
             raise InputError(f"has more than {MAX_DEPTH} levels", path=path, line=line)
 
 
-def _bodies(items: list[yaml.Node], path: str) -> Iterator[YamlBody]:
+def _elements_of_list(items: list[yaml.Node], path: str) -> Iterator[YamlElement]:
     """Yield the actions of a list, each a mapping of one key."""
     for item in items:
         if not isinstance(item, yaml.MappingNode) or len(item.value) != 1:
             line = item.start_mark.line + 1
             raise InputError("an action is a mapping of one key", path=path, line=line)
         key, value = item.value[0]
-        yield _body(str(key.value), value, path)
+        yield _element_of_entry(str(key.value), value, path)
 
 
-def _body(tag: str, value: yaml.Node, path: str) -> YamlBody:
+def _element_of_entry(tag: str, value: yaml.Node, path: str) -> YamlElement:
     entries = value.value if isinstance(value, yaml.MappingNode) else []
     keys = [str(key.value) for key, _ in entries]
     if len(set(keys)) < len(keys) or "<<" in keys:
         line = value.start_mark.line + 1
         raise InputError("says a key twice, or merges others in", path=path, line=line)
-    children: list[YamlBody] = []
+    children: list[YamlElement] = []
     if isinstance(value, yaml.SequenceNode):
-        children += _bodies(value.value, path)
+        children += _elements_of_list(value.value, path)
     for key, inner in entries:
         if isinstance(inner, yaml.SequenceNode) and key.value == "children":
-            children += _bodies(inner.value, path)
+            children += _elements_of_list(inner.value, path)
         elif isinstance(inner, yaml.SequenceNode):
             children += (
-                _body(str(key.value), part, path)
+                _element_of_entry(str(key.value), part, path)
                 for part in inner.value
                 if isinstance(part, yaml.MappingNode)
             )
-    return YamlBody(
+    return YamlElement(
         tag=tag,
         attributes={
             str(key.value): text for key, inner in entries if (text := _text(inner)) is not None
         },
         children=tuple(children),
-        place=value.start_mark.index,
+        position=value.start_mark.index,
         line=value.start_mark.line + 1,
     )
 

@@ -5,10 +5,10 @@ import selectors
 from typing import Any, NoReturn
 
 
-class _Impatient(selectors.DefaultSelector):
+class _SkippingSelector(selectors.DefaultSelector):
     """Lets the clock go on where it should wait; without a timeout it waits."""
 
-    ahead = 0.0
+    skipped_seconds = 0.0
 
     def select(self, timeout: float | None = None) -> list[tuple[selectors.SelectorKey, int]]:
         """Return what is ready; where that is nothing, the timeout is over at once."""
@@ -16,16 +16,16 @@ class _Impatient(selectors.DefaultSelector):
             return super().select(timeout)
         ready = super().select(0)
         if not ready:
-            self.ahead += timeout
+            self.skipped_seconds += timeout
         return ready
 
 
-class ImpatientLoop(asyncio.SelectorEventLoop):
+class TimeSkippingLoop(asyncio.SelectorEventLoop):
     """A loop whose timers fire in their order, each as soon as nothing else is to be done."""
 
     def __init__(self) -> None:
-        self._impatient = _Impatient()
-        super().__init__(self._impatient)
+        self._skipping_selector = _SkippingSelector()
+        super().__init__(self._skipping_selector)
 
     async def subprocess_exec(self, *_: Any, **__: Any) -> NoReturn:  # noqa: ANN401 - all the same
         """Raise RuntimeError: no process is started, whoever asks for it."""
@@ -35,4 +35,4 @@ class ImpatientLoop(asyncio.SelectorEventLoop):
 
     def time(self) -> float:
         """Return the time, with all that was not waited for."""
-        return super().time() + self._impatient.ahead
+        return super().time() + self._skipping_selector.skipped_seconds

@@ -6,14 +6,14 @@ from typing import Any, TypeAlias
 import launch.actions
 import launch.events
 
-from .locations import local, remembered
-from .process_stub import ENDS
-from .visit_record import Found
+from .locations import context_local, creation_location
+from .process_stub import EXIT_DELAY_S
+from .visit_record import VisitRecord
 
 Thing: TypeAlias = Any
 Method: TypeAlias = Callable[..., Any]
 
-_EVENT = "rtron_event"
+_EVENT_LOCAL = "rtron_event"
 _TRANSITION = "OnStateTransition"
 _NAMES = {
     "ExecutionComplete": "OnExecutionComplete",
@@ -25,56 +25,62 @@ _NAMES = {
 }
 
 
-def event_of(context: Thing) -> str:
+def current_event(context: Thing) -> str:
     """Return what the action waited for that is being executed; empty for nothing."""
-    told = local(context, _EVENT)
-    event = local(context, "event")
+    event_name = context_local(context, _EVENT_LOCAL)
+    event = context_local(context, "event")
     name = type(event).__name__
-    return str(told) if told is not None else _NAMES.get(name, name) if event is not None else ""
+    return (
+        str(event_name)
+        if event_name is not None
+        else _NAMES.get(name, name)
+        if event is not None
+        else ""
+    )
 
 
-class Waiting:
+class EventPatches:
     """Lets timers and handlers run, and notes the handlers whose event does not come."""
 
-    def __init__(self, found: Found) -> None:
-        self._found = found
+    def __init__(self, record: VisitRecord) -> None:
+        self._record = record
 
-    def emitting(self, original: Method, action: Thing, context: Thing) -> object:
+    def execute_emit(self, original: Method, action: Thing, context: Thing) -> object:
         """Emit an event, but no shutdown: what would start later is to be seen."""
         if isinstance(action.event, launch.events.Shutdown):
             return None
         return original(action, context)
 
-    def firing(self, original: Method, timer: Thing, context: Thing) -> object:
+    def handle_timer(self, original: Method, timer: Thing, context: Thing) -> object:
         """Return a timer's actions; they wait for it, or for what it stands for."""
         result = original(timer, context)
-        context.extend_locals({_EVENT: getattr(timer, _EVENT, "timer")})
+        context.extend_locals({_EVENT_LOCAL: getattr(timer, _EVENT_LOCAL, "timer")})
         return result
 
-    def registering(self, original: Method, action: Thing, context: Thing) -> object:
+    def execute_register(self, original: Method, action: Thing, context: Thing) -> object:
         """Register a handler; a lifecycle node's state comes without the node."""
         handler = action.event_handler
         entities = getattr(handler, "entities", None)
         if type(handler).__name__ == _TRANSITION and not callable(entities):
-            return [self._reached(entities)]
-        self._watch(handler, action, context)
+            return [self._state_timer(entities)]
+        self._note_until_handled(handler, action, context)
         return original(action, context)
 
-    def _reached(self, entities: Thing) -> Thing:
-        listed = list(entities) if isinstance(entities, Iterable) else [entities]
-        timer = launch.actions.TimerAction(period=ENDS / 2, actions=listed)
-        setattr(timer, _EVENT, _TRANSITION)
+    def _state_timer(self, entities: Thing) -> Thing:
+        actions = list(entities) if isinstance(entities, Iterable) else [entities]
+        timer = launch.actions.TimerAction(period=EXIT_DELAY_S / 2, actions=actions)
+        setattr(timer, _EVENT_LOCAL, _TRANSITION)
         return timer
 
-    def _watch(self, handler: Thing, action: Thing, context: Thing) -> None:
+    def _note_until_handled(self, handler: Thing, action: Thing, context: Thing) -> None:
         """Note a handler until its event comes."""
         why = f"{type(handler).__name__}: its event does not come while nothing runs"
-        self._found.note(why, remembered(action, context))
-        note, handle = self._found.notes[-1], handler.handle
+        self._record.note(why, creation_location(action, context))
+        note, handle = self._record.notes[-1], handler.handle
 
         def handled(event: object, context: object) -> object:
-            if note in self._found.notes:
-                self._found.notes.remove(note)
+            if note in self._record.notes:
+                self._record.notes.remove(note)
             return handle(event, context)
 
         handler.handle = handled

@@ -6,18 +6,18 @@ from typing import Any, TypeAlias
 
 Protocol: TypeAlias = Any
 
-ENDS = 1e6
+EXIT_DELAY_S = 1e6
 """After how many seconds of the clock one ends: when all timers of a launch have fired."""
-NO_PID = 2**30
+UNUSED_PID = 2**30
 """More than any system gives (Linux: pid_max), so that nobody else gets a signal."""
-_begun: list[object] = []
+_started_commands: list[object] = []
 
 
 class _Transport:
     """A process's transport, as far as launch uses it."""
 
     def get_pid(self) -> int:
-        return NO_PID
+        return UNUSED_PID
 
     def get_returncode(self) -> int:
         return 0
@@ -35,14 +35,14 @@ class _Transport:
         """Do nothing: nothing is open."""
 
 
-async def not_started(
+async def start_nothing(
     protocol_class: Callable[[], Protocol], cmd: object = None, **_: object
 ) -> tuple[_Transport, Protocol]:
     """Return what `async_execute_process` returns, with no process; none starts twice."""
-    if any(cmd is one for one in _begun):
+    if any(cmd is started for started in _started_commands):
         raise RuntimeError("it would start again")
-    _begun.append(cmd)
+    _started_commands.append(cmd)
     transport, protocol = _Transport(), protocol_class()
     protocol.connection_made(transport)
-    asyncio.get_running_loop().call_later(ENDS, protocol.process_exited)
+    asyncio.get_running_loop().call_later(EXIT_DELAY_S, protocol.process_exited)
     return transport, protocol

@@ -8,16 +8,16 @@ from typing import Any, TypeAlias
 from launch_ros.actions import ComposableNodeContainer, LifecycleNode, Node
 from launch_ros.actions.load_composable_nodes import get_composable_node_load_request
 
-from .event_patches import event_of
-from .locations import local, remembered
-from .substitution_patches import text
-from .visit_record import Found, Values, placed
+from .event_patches import current_event
+from .locations import context_local, creation_location
+from .substitution_patches import perform_text
+from .visit_record import Values, VisitRecord, location_fields
 
 Thing: TypeAlias = Any
 Method: TypeAlias = Callable[..., Any]
 
-_WORDS = "_rtron_words"
-_OF_VALUE = {
+_ARGUMENT_COUNT = "_rtron_words"
+_VALUE_FIELDS = {
     1: "bool_value",
     2: "integer_value",
     3: "double_value",
@@ -31,94 +31,100 @@ _OF_VALUE = {
 """rcl_interfaces/ParameterType: the field of a ParameterValue by its type."""
 
 
-class Recording:
+class LaunchRecorder:
     """Keeps what the launch of the file `root` does."""
 
-    def __init__(self, found: Found, root: str) -> None:
-        self._found = found
+    def __init__(self, record: VisitRecord, root: str) -> None:
+        self._record = record
         self._root = root
         self._environ = dict(os.environ)
 
-    def counting(self, original: Method, node: Thing, **given: Thing) -> object:
+    def count_arguments(self, original: Method, node: Thing, **arguments: Thing) -> object:
         """Count the words that a node is given: in its command line they stand first."""
         for key in ("arguments", "ros_arguments"):
-            if given.get(key) is not None:
-                given[key] = list(given[key])
-        ros = given.get("ros_arguments")
-        count = len(given.get("arguments") or ()) + (0 if ros is None else 1 + len(ros))
-        setattr(node, _WORDS, count)
-        return original(node, **given)
+            if arguments.get(key) is not None:
+                arguments[key] = list(arguments[key])
+        ros = arguments.get("ros_arguments")
+        count = len(arguments.get("arguments") or ()) + (0 if ros is None else 1 + len(ros))
+        setattr(node, _ARGUMENT_COUNT, count)
+        return original(node, **arguments)
 
-    def executing(self, original: Method, action: Thing, context: Thing) -> object:
+    def execute_process(self, original: Method, action: Thing, context: Thing) -> object:
         """Let launch make the command line of a process, and keep it."""
         shared = len(context.launch_configurations.get("ros_remaps") or ())
         result = original(action, context)
         command, environ = action.process_details["cmd"], action.process_details.get("env")
         changed = {k: v for k, v in (environ or {}).items() if self._environ.get(k) != v}
-        before = len(command) - len(action.process_description.cmd)
-        own = self._node(action, context, command[before:]) if isinstance(action, Node) else {}
-        started = {"kind": "process", "words": list(command[before:]), "environ": changed}
-        said = {"shell": action.shell is True, "shared": shared}
-        self._keep({**started, **own, **said}, action, context)
+        prefix_length = len(command) - len(action.process_description.cmd)
+        node_fields = (
+            self._node_fields(action, context, command[prefix_length:])
+            if isinstance(action, Node)
+            else {}
+        )
+        started = {"kind": "process", "words": list(command[prefix_length:]), "environ": changed}
+        common_fields = {"shell": action.shell is True, "shared": shared}
+        self._add_start({**started, **node_fields, **common_fields}, action, context)
         return result
 
-    def _node(self, action: Thing, context: Thing, command: list[str]) -> Values:
+    def _node_fields(self, action: Thing, context: Thing, command: list[str]) -> Values:
         """Return what a node has beside a process: its own words, and those that launch adds."""
-        end = 1 + getattr(action, _WORDS)
+        end = 1 + getattr(action, _ARGUMENT_COUNT)
         return {
             "kind": _kind(action),
-            "package": text(context, action.node_package),
-            "program": text(context, action.node_executable),
+            "package": perform_text(context, action.node_package),
+            "program": perform_text(context, action.node_executable),
             "words": list(command[1:end]),
             "added": list(command[end:]),
         }
 
-    def loading(self, _: Method, action: Thing, context: Thing) -> None:
+    def execute_load(self, _: Method, action: Thing, context: Thing) -> None:
         """Keep the components that a container would be asked to load."""
         target = action._LoadComposableNodes__target_container  # noqa: SLF001 - no other way
-        name = target.node_name if isinstance(target, Node) else text(context, target)
+        name = target.node_name if isinstance(target, Node) else perform_text(context, target)
         shared = len(context.launch_configurations.get("ros_remaps") or ())
-        for one in action._LoadComposableNodes__composable_node_descriptions:  # noqa: SLF001
-            request = get_composable_node_load_request(one, context)
+        for description in action._LoadComposableNodes__composable_node_descriptions:  # noqa: SLF001
+            request = get_composable_node_load_request(description, context)
             if request is not None:
-                loaded = {"container": name, **_loaded(request), "shared": shared}
-                self._keep(loaded, one, context)
+                loaded = {"container": name, **_load_request_fields(request), "shared": shared}
+                self._add_start(loaded, description, context)
 
-    def evaluating(self, original: Method, file: Thing, context: Thing) -> object:
+    def evaluate_parameter_file(self, original: Method, file: Thing, context: Thing) -> object:
         """Note a parameter file that is not there: launch goes on without it."""
         path = original(file, context)
         if not Path(str(path)).is_file():
             why = f"{path} is no file here: its parameters are not known"
-            self._found.note(why, remembered(file, context))
+            self._record.note(why, creation_location(file, context))
         return path
 
-    def declaring(self, original: Method, action: Thing, context: Thing) -> object:
+    def execute_declare(self, original: Method, action: Thing, context: Thing) -> object:
         """Keep an argument that the root file declares."""
-        if local(context, "current_launch_file_path") == self._root:
+        if context_local(context, "current_launch_file_path") == self._root:
             default = action.default_value
             declared = {
                 "name": action.name,
-                "default": None if default is None else text(context, default),
+                "default": None if default is None else perform_text(context, default),
                 "description": str(action.description or ""),
-                "place": placed(remembered(action, context)),
+                "place": location_fields(creation_location(action, context)),
             }
-            self._found.arguments.append(declared)
+            self._record.arguments.append(declared)
         return original(action, context)
 
-    def including(self, original: Method, action: Thing, context: Thing) -> object:
+    def execute_include(self, original: Method, action: Thing, context: Thing) -> object:
         """Keep which file is included, and with what."""
-        place = remembered(action, context)
+        location = creation_location(action, context)
         result = original(action, context)
-        given = [[text(context, part) for part in pair] for pair in action.launch_arguments]
-        file = str(local(context, "current_launch_file_path") or "")
-        if place[0]:
-            included = {"file": file, "arguments": given, "place": placed(place)}
-            self._found.includes.append(included)
+        passed = [
+            [perform_text(context, part) for part in pair] for pair in action.launch_arguments
+        ]
+        file = str(context_local(context, "current_launch_file_path") or "")
+        if location[0]:
+            included = {"file": file, "arguments": passed, "place": location_fields(location)}
+            self._record.includes.append(included)
         return result
 
-    def _keep(self, started: Values, thing: Thing, context: Thing) -> None:
-        place = placed(remembered(thing, context))
-        self._found.starts.append({**started, "event": event_of(context), "place": place})
+    def _add_start(self, started: Values, thing: Thing, context: Thing) -> None:
+        location = location_fields(creation_location(thing, context))
+        self._record.starts.append({**started, "event": current_event(context), "place": location})
 
 
 def _kind(action: Thing) -> str:
@@ -126,7 +132,7 @@ def _kind(action: Thing) -> str:
     return next((kind for cls, kind in kinds if isinstance(action, cls)), "node")
 
 
-def _loaded(request: Thing) -> Values:
+def _load_request_fields(request: Thing) -> Values:
     """Return a request to load a component (composition_interfaces/LoadNode)."""
     return {
         "kind": "component",
@@ -135,15 +141,15 @@ def _loaded(request: Thing) -> Values:
         "name": request.node_name,
         "namespace": request.node_namespace,
         "remaps": list(request.remap_rules),
-        "parameters": [_parameter(one) for one in request.parameters],
-        "extra": [_parameter(one) for one in request.extra_arguments],
+        "parameters": [_parameter(parameter) for parameter in request.parameters],
+        "extra": [_parameter(parameter) for parameter in request.extra_arguments],
     }
 
 
 def _parameter(message: Thing) -> list[Any]:
     """Return a parameter's name and value (rcl_interfaces/Parameter)."""
-    value = getattr(message.value, _OF_VALUE[message.value.type])
-    plain = value if isinstance(value, (bool, int, float, str)) else list(value)
+    value = getattr(message.value, _VALUE_FIELDS[message.value.type])
+    content = value if isinstance(value, (bool, int, float, str)) else list(value)
     if message.value.type == 5:  # noqa: PLR2004 - of bytes, each one
-        plain = [int.from_bytes(one, "big") for one in value]
-    return [message.name, plain]
+        content = [int.from_bytes(byte, "big") for byte in value]
+    return [message.name, content]
