@@ -11,8 +11,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from bench import chain, load
 from bench.common import discovery, policies, replay, rules, violations
-from bench.common.testbed import ROOT, Testbed, open_testbed
-from bench.part import Part
+from bench.common.testbed import ROOT, Part, Testbed, open_testbed
 from bench.ros1 import actions, audit, audit_cost, churn, hop, memory, silence, supervisor
 from bench.ros2 import audit, discovery, hop
 from bench.service import faults, ingest, link

@@ -5,9 +5,8 @@ from collections.abc import Iterator
 from bench.common.latency import p99
 from bench.common.plans import grcn
 from bench.common.pubsub import Load, LoadResult, run_load
-from bench.common.testbed import Testbed
+from bench.common.testbed import ReportProgress, Testbed
 from bench.common.workload import LOAD_SECONDS
-from bench.part import ReportProgress
 from bench.ros1.routes import PUBLISHER, Route, guard, parallel_relays, relay
 from figures.figure import Figure
 

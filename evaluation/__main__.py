@@ -9,12 +9,16 @@ from rich.console import Console
 from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
 from evaluation.common import demos, functions
-from evaluation.common.datasets import Datasets, MissingDatasetError, datasets_from_environ
-from evaluation.part import Part, Reporter
+from evaluation.common.datasets import (
+    Datasets,
+    MissingDatasetError,
+    Part,
+    Reporter,
+    datasets_from_environ,
+)
 from evaluation.ros1 import autorace, autoware, calls, launch_files
-from evaluation.ros1.systems import part
+from evaluation.ros1.systems import AUTORALLY, TURTLEBOT, part
 from evaluation.ros2 import autoware_universe, launch_files, navigation2
-from evaluation.subjects import AUTORALLY, TURTLEBOT
 from figures.figure import Figure
 from figures.table import table, write
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from rtron import __version__
-from rtron.cli import as_node
+from rtron.cli import main
 
 ROOT = Path(__file__).parents[1]
 AMENT = ROOT / "ament"
@@ -37,7 +37,7 @@ def test_what_setup_installs_is_there(monkeypatch):
     }
     assert all((AMENT / source).is_file() for source in files.values())
     assert (given["name"], given["version"]) == ("rtron", __version__)
-    assert "guard = rtron.cli.as_node:guard" in given["entry_points"]["console_scripts"]
+    assert "guard = rtron.cli.main:guard" in given["entry_points"]["console_scripts"]
     assert {"rtron", "rtron.cli", "rtron.guard.transport.ros2"} <= set(given["packages"])
     assert "planning/instrument/ros2/wrapper.py.in" in given["package_data"]["rtron"]
 
@@ -72,6 +72,6 @@ def _left_out(path):
 )
 def test_what_ros_appends_is_not_the_guards(monkeypatch, given, taken):
     monkeypatch.setattr(sys, "argv", ["guard", *given])
-    monkeypatch.setattr(as_node, "main", lambda: None)
-    as_node.run_guard_node()
+    monkeypatch.setattr(main, "main", lambda: None)
+    main.run_guard_node()
     assert sys.argv == ["guard", "guard", *taken]

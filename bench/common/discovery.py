@@ -6,9 +6,8 @@ from dataclasses import replace
 from itertools import count, islice
 from statistics import median
 
-from bench.common.testbed import ROOT, Testbed
+from bench.common.testbed import ROOT, ReportProgress, Testbed
 from bench.common.workload import ENDPOINTS
-from bench.part import ReportProgress
 from figures.figure import Figure
 from rtron.risks import discover_risks
 from rtron.sources.graph_json import read_graph

@@ -10,8 +10,7 @@ from dataclasses import replace
 from statistics import median
 
 from bench.common.plans import flows
-from bench.common.testbed import Testbed
-from bench.part import ReportProgress
+from bench.common.testbed import ReportProgress, Testbed
 from figures.figure import Figure
 from rtron.policies import POLICIES, FrameMonitors, Policy, build_policy
 from rtron.vocabulary import (

@@ -7,8 +7,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 from typing import Any
 
-from bench.common.testbed import Testbed, end, last_errors, python, start
-from bench.part import ReportProgress
+from bench.common.testbed import ReportProgress, Testbed, end, last_errors, python, start
 from bench.ros1.routes import Route
 
 

@@ -17,8 +17,7 @@ import celpy
 from celpy.adapter import json_to_cel
 
 from bench.common.mission import EVENT, EVENT_NODE, GOAL, GOAL_NODE, peer, plan, pose
-from bench.common.testbed import Testbed
-from bench.part import ReportProgress
+from bench.common.testbed import ReportProgress, Testbed
 from bench.ros1 import rule_load
 from figures.figure import Figure
 from rtron.guard.core.coordinator import Coordinator

@@ -8,11 +8,13 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+
+from figures.figure import Figure
 
 _START_S = 20.0
 _STOP_S = 5.0
@@ -132,3 +134,9 @@ def _wait_for(port: int) -> None:
 def _listens(port: int) -> bool:
     with socket.socket() as sock:
         return sock.connect_ex(("127.0.0.1", port)) == 0
+
+
+ReportProgress = Callable[[str], None]
+"""Tells what is being done."""
+Part = Callable[[Testbed, ReportProgress], Iterator[Figure]]
+"""Measures, and gives each figure as soon as it is known."""

@@ -12,10 +12,9 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 from multiprocessing import get_context
 
 from bench.common.plans import flows
-from bench.common.testbed import Testbed
+from bench.common.testbed import ReportProgress, Testbed
 from bench.common.velocities import KINDS, Kind, VelocityCheck, messages, random_limit
 from bench.common.workload import VIOLATIONS
-from bench.part import ReportProgress
 from figures.figure import Figure
 from rtron.guard.core.velocity_adapter import VelocityAdapter
 from rtron.messages import DefinitionRegistry, Encoding, VelocityCodec, velocity_codec

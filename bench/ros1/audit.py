@@ -14,12 +14,11 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
 from typing import TypeVar
 
-from bench.audited import OUT
 from bench.common.log_watcher import LogWatcher
 from bench.common.plans import grcn
-from bench.common.testbed import Testbed, open_testbed, python, running
+from bench.common.testbed import ReportProgress, Testbed, open_testbed, python, running
 from bench.common.workload import AUDIT_RUNS
-from bench.part import ReportProgress
+from bench.ros1.audit_cost import OUT
 from bench.ros1.intruder import Intruder
 from bench.ros1.routes import PUBLISHER
 from figures.figure import Figure

@@ -13,9 +13,8 @@ from dataclasses import dataclass, field, replace
 
 from bench.common.log_watcher import LogWatcher
 from bench.common.plans import grcn
-from bench.common.testbed import Testbed, end, python, start
+from bench.common.testbed import ReportProgress, Testbed, end, python, start
 from bench.common.workload import CHURN_SECONDS
-from bench.part import ReportProgress
 from bench.ros1.audit import DRIVERS
 from figures.figure import Figure
 from rtron.planning.plan_file.writer import write_plan

@@ -4,9 +4,8 @@ from collections.abc import Iterator
 
 from bench.common.latency import median, p99, typical_p99
 from bench.common.pubsub import Load, interleave
-from bench.common.testbed import Testbed
+from bench.common.testbed import ReportProgress, Testbed
 from bench.common.workload import HOP_MESSAGES, RUNS
-from bench.part import ReportProgress
 from bench.ros1.routes import direct, guard, mux, relay
 from figures.figure import Figure
 

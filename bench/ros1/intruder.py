@@ -12,8 +12,7 @@ from xmlrpc.server import SimpleXMLRPCServer
 
 from typing_extensions import Self
 
-from bench.headers import read_header
-from bench.ros1.node import HOST
+from bench.ros1.node import HOST, read_header
 from rtron.errors import RTronError
 from rtron.wire.ros1.tcpros import encode_header
 from rtron.wire.ros1.xmlrpc import ros_call

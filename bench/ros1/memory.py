@@ -4,10 +4,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from bench.common.testbed import Testbed, python, result_of
+from bench.common.testbed import ReportProgress, Testbed, python, result_of
 from bench.common.workload import MEMORY_SECONDS, MESSAGES
 from bench.guard import guard_pid
-from bench.part import ReportProgress
 from bench.ros1.routes import Route, guard, relay
 from figures.figure import Figure
 

@@ -1,6 +1,7 @@
 """A ROS 1 node with nothing but what a benchmark needs: far lighter than rospy."""
 
 import os
+import socket
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from socketserver import ThreadingMixIn
@@ -9,6 +10,7 @@ from typing import Any
 from xmlrpc.server import SimpleXMLRPCServer
 
 from rtron.errors import RTronError
+from rtron.wire.ros1.tcpros import LENGTH, MAX_HEADER, decode_header, frame_length
 from rtron.wire.ros1.xmlrpc import ros_call
 
 HOST = "127.0.0.1"
@@ -80,3 +82,22 @@ class Node:
 
 def _always(value: object) -> Callable[..., Answer]:
     return lambda *_: [1, "", value]
+
+
+HANDSHAKE_S = 10.0
+
+
+def read_header(sock: socket.socket) -> dict[str, str]:
+    """Read one connection header."""
+    length = frame_length(_receive_exactly(sock, LENGTH.size), MAX_HEADER)
+    return decode_header(_receive_exactly(sock, length))
+
+
+def _receive_exactly(sock: socket.socket, size: int) -> bytes:
+    data = b""
+    while len(data) < size:
+        more = sock.recv(size - len(data))
+        if not more:
+            raise ConnectionError("closed during the handshake")
+        data += more
+    return data

@@ -4,9 +4,8 @@ import socket
 from contextlib import suppress
 from threading import Thread
 
-from bench.headers import HANDSHAKE_S, read_header
 from bench.ros1.messages import Message
-from bench.ros1.node import HOST, Node
+from bench.ros1.node import HANDSHAKE_S, HOST, Node, read_header
 from rtron.errors import RTronError
 from rtron.wire.ros1.tcpros import encode_header
 

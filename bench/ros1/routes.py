@@ -70,7 +70,7 @@ def mux() -> Route:
 def ten_nodes() -> Route:
     """Return the way through ten coordination nodes on one stream."""
     inputs = [_from(flow_topic("/cmd_vel", "flow1"))]
-    command = python("bench.ten")
+    command = python("bench.ros1.guard_process")
     return Route("ten", inputs, [output_topic("/cmd_vel")], lambda s: running(s, command))
 
 

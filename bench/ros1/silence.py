@@ -15,9 +15,8 @@ from dataclasses import replace
 
 from bench.common.latency import quantile
 from bench.common.plans import grcn
-from bench.common.testbed import Testbed, python, result_of, running
+from bench.common.testbed import ReportProgress, Testbed, python, result_of, running
 from bench.common.workload import SILENCES
-from bench.part import ReportProgress
 from bench.ros1.routes import PUBLISHER, run_guard
 from figures.figure import Figure
 from rtron.vocabulary import SECOND, Plan, StopProfile, flow_topic, output_topic

@@ -6,9 +6,8 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from threading import Lock
 
-from bench.headers import HANDSHAKE_S, read_header
 from bench.ros1.messages import Message
-from bench.ros1.node import Node
+from bench.ros1.node import HANDSHAKE_S, Node, read_header
 from rtron.errors import RTronError
 from rtron.vocabulary import SUPERVISOR_NODE
 from rtron.wire.ros1.tcpros import encode_header

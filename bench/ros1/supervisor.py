@@ -12,9 +12,8 @@ from pathlib import Path
 
 from bench.common.latency import quantile
 from bench.common.plans import grcn
-from bench.common.testbed import Testbed, python, result_of
+from bench.common.testbed import ReportProgress, Testbed, python, result_of
 from bench.common.workload import DEATHS
-from bench.part import ReportProgress
 from bench.ros1.guard_killer import BLOCKED, CAUSES, COMMANDER, TOPIC
 from bench.ros1.memory import resident
 from bench.ros1.routes import run_guard

@@ -14,14 +14,18 @@ from dataclasses import dataclass, replace
 
 from bench.common.log_watcher import LogWatcher
 from bench.common.plans import grcn
-from bench.common.testbed import Testbed, end, python, running, start
+from bench.common.testbed import ReportProgress, Testbed, end, python, running, start
 from bench.common.workload import AUDIT_RUNS
-from bench.part import ReportProgress
 from bench.ros1.routes import PUBLISHER
-from bench.ros2_scene import DRIVER, FLOW, OPEN, OUT, TOPIC
 from figures.figure import Figure
 from rtron.planning.plan_file.writer import write_plan
-from rtron.vocabulary import Plan
+from rtron.vocabulary import Plan, flow_topic, output_topic
+
+TOPIC = "/cmd_vel"
+OUT, FLOW = output_topic(TOPIC), flow_topic(TOPIC, "flow1")
+DRIVER = "/bench_driver"
+OPEN = "the app hears the guard"
+"""Said once the way from the planned publisher to the successor is there."""
 
 _GRCN = "/rtron/grcn_cmd_vel"
 _AT_MOST_MS = 100.0

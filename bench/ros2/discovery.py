@@ -10,9 +10,8 @@ from contextlib import ExitStack
 from statistics import median
 from typing import Any
 
-from bench.common.testbed import Testbed, end, python, result_of, start
+from bench.common.testbed import ReportProgress, Testbed, end, python, result_of, start
 from bench.common.workload import RUNS
-from bench.part import ReportProgress
 from bench.ros2.app import NODES, TOPICS, expected_app
 from figures.figure import Figure
 

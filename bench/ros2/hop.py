@@ -7,9 +7,8 @@ from pathlib import Path
 
 from bench.common.latency import median, p99
 from bench.common.pubsub import Load, interleave, run_load
-from bench.common.testbed import Testbed
+from bench.common.testbed import ReportProgress, Testbed
 from bench.common.workload import HOP_MESSAGES, LOAD_SECONDS, RUNS
-from bench.part import ReportProgress
 from bench.ros1.hop import RATE
 from bench.ros2.routes import direct, guard, parallel_relays, relay
 from figures.figure import Figure

@@ -17,10 +17,9 @@ from http.client import HTTPException
 from typing import Any
 from urllib.error import URLError
 
-from bench.common.testbed import Testbed
+from bench.common.testbed import ReportProgress, Testbed
 from bench.common.workload import KILLS
 from bench.guard import guard_pid
-from bench.part import ReportProgress
 from bench.service.link import NOISE, ROBOT, run_guard_with_noise
 from bench.service.service_process import ServiceProcess
 from figures.figure import Figure

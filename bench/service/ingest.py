@@ -15,10 +15,9 @@ from pathlib import Path
 from typing import Any
 
 from bench.common.latency import quantile
-from bench.common.testbed import Testbed, end, python, start
+from bench.common.testbed import ReportProgress, Testbed, end, python, start
 from bench.common.workload import INGEST_SECONDS, INGESTED
 from bench.ingesting import FILE
-from bench.part import ReportProgress
 from bench.service.console import page_loads
 from bench.service.ingest_processes import batches
 from figures.figure import Figure

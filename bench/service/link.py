@@ -14,9 +14,8 @@ from pathlib import Path
 from bench.common.latency import median, quantile, typical_p99
 from bench.common.plans import SUBSCRIBER, TWIST, grcn
 from bench.common.pubsub import Load, interleave
-from bench.common.testbed import Testbed, python, running
+from bench.common.testbed import ReportProgress, Testbed, python, running
 from bench.common.workload import CHANGES, HOP_MESSAGES, RUNS
-from bench.part import ReportProgress
 from bench.ros1.noise import NODE
 from bench.ros1.routes import PUBLISHER, Route, direct
 from bench.service.service_process import ServiceProcess

@@ -1,9 +1,11 @@
 """Where the apps and the ground truth lie."""
 
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+
+from figures.figure import Figure
 
 
 class MissingDatasetError(Exception):
@@ -61,3 +63,16 @@ def datasets_from_environ(environ: Mapping[str, str] = os.environ) -> Datasets:
     return Datasets(
         Path(apps).absolute() if apps else None, Path(data).absolute() if data else None
     )
+
+
+@dataclass(frozen=True, slots=True)
+class Reporter:
+    """Takes what is being done, and lines for a person; `detail` is for those who ask for it."""
+
+    progress: Callable[[str], None]
+    lines: Callable[[Sequence[str]], None]
+    detail: Callable[[Sequence[str]], None]
+
+
+Part = Callable[[Datasets, Reporter], Iterator[Figure]]
+"""Measures, and gives each figure as soon as it is known; raises AbsentError if it cannot."""

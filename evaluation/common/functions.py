@@ -4,10 +4,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from evaluation.common.datasets import Datasets
+from evaluation.common.datasets import Datasets, Reporter
 from evaluation.common.function_labels import FunctionScore, Label, read_labels, score
 from evaluation.common.function_timing import Timing, timed
-from evaluation.part import Reporter
 from figures.figure import Figure
 from rtron.functions.classifier.pipeline import classify
 from rtron.functions.classifier.result import Classification

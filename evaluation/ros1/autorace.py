@@ -2,8 +2,7 @@
 
 from collections.abc import Iterator
 
-from evaluation.common.datasets import Datasets
-from evaluation.part import Reporter
+from evaluation.common.datasets import Datasets, Reporter
 from evaluation.ros1 import coordination_nodes
 from evaluation.ros1.app import App
 from evaluation.ros1.manual_truth import ManualTruth, read_truth

@@ -7,8 +7,7 @@ tracking, prediction, mission and motion planning, control.
 
 from collections.abc import Iterator
 
-from evaluation.common.datasets import Datasets
-from evaluation.part import Reporter
+from evaluation.common.datasets import Datasets, Reporter
 from evaluation.ros1 import coordination_nodes
 from evaluation.ros1.app import App
 from figures.figure import Figure

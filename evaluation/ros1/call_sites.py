@@ -6,10 +6,44 @@ a tool that reaches nothing would look best.
 
 import re
 from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeAlias
 
-from evaluation.call_count import Call
+from rtron.sources.declaration import Declaration, NodeInterface
+
+Call: TypeAlias = tuple[str, str, int]
+"""What is declared, a file and a line."""
+
+_HOLE = re.compile(r"\{([^{}]*)\}")
+_PARAMETER = ("~", "/")
+
+
+@dataclass(frozen=True, slots=True)
+class CallCount:
+    """The calls of one program, and which of them are unresolved."""
+
+    calls: frozenset[Call]
+    unresolved: frozenset[Call]
+
+
+def count_calls(interface: NodeInterface) -> CallCount:
+    """Return the calls of a node's interface."""
+    explicit = [found for found in interface.declarations if not found.implicit]
+    unknown = (found for found in explicit if not is_explained(found.name))
+    return CallCount(frozenset(_calls(explicit)), frozenset(_calls(unknown)))
+
+
+def is_explained(name: str) -> bool:
+    """Tell whether every hole of a name (`/{~prefix}/scan`) is a parameter."""
+    return all(hole.startswith(_PARAMETER) for hole in _HOLE.findall(name))
+
+
+def _calls(declarations: Iterable[Declaration]) -> Iterator[Call]:
+    for found in declarations:
+        location = found.evidence[0]
+        yield found.kind.value, location.file, location.line
+
 
 CallSite: TypeAlias = tuple[str, int]
 """A file and a line."""

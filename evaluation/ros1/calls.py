@@ -7,10 +7,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from evaluation.call_count import CallCount, count_calls, is_explained
-from evaluation.common.datasets import Datasets
-from evaluation.part import Reporter
-from evaluation.ros1.call_sites import call_sites, unreached
+from evaluation.common.datasets import Datasets, Reporter
+from evaluation.ros1.call_sites import CallCount, call_sites, count_calls, is_explained, unreached
 from evaluation.ros1.launch_files import GUESS, guessed_environ
 from evaluation.ros1.rosdiscover import AUTOWARE_CALLS_UNKNOWN, AUTOWARE_NODES_TOUCHED
 from figures.figure import Figure
@@ -22,8 +20,8 @@ from rtron.sources.static.common.scan_options import ScanOptions
 from rtron.sources.static.common.task import InterpretationTask, TaskResult
 from rtron.sources.static.common.worker_pool import WorkerPool
 from rtron.sources.static.common.workspace_hash import hash_workspace
-from rtron.sources.static.programs import workspace_programs
 from rtron.sources.static.ros1.app import scan_app
+from rtron.sources.static.ros1.message_traffic import workspace_programs
 from rtron.sources.workspace import Workspace, read_workspace
 
 _REPOSITORY = "CPFL/Autoware@5c46036"

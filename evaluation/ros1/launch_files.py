@@ -8,8 +8,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 
-from evaluation.common.datasets import Datasets
-from evaluation.part import Reporter
+from evaluation.common.datasets import Datasets, Reporter
 from figures.figure import Figure
 from rtron.errors import InputError
 from rtron.sources.launch.common.packages import find_packages

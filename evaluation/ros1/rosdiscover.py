@@ -2,7 +2,7 @@
 
 Node models (RQ1): results/RQ1.csv of cmu-rss-lab/rosdiscover-evaluation at 4648ad9. Systems: the
 recovered.architecture.yml there, scored over all nodes against observed.architecture.yml as
-`evaluation.score` does it; the authors' own counts without their ignore list agree.
+`evaluation.ros1.architecture` does it; the authors' own counts without their ignore list agree.
 """
 
 from collections.abc import Mapping

@@ -12,8 +12,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from evaluation.common.datasets import Datasets
-from evaluation.part import Reporter
+from evaluation.common.datasets import Datasets, Reporter
 from figures.figure import Figure
 from rtron.sources.code.workspace_sources import WorkspaceSources
 from rtron.sources.launch.ros2.app import read_app_launch

@@ -15,15 +15,14 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
 
-from evaluation.common.datasets import Datasets
-from evaluation.part import Reporter
+from evaluation.common.datasets import Datasets, Reporter
 from evaluation.ros2.call_sites import Site, call_sites
 from evaluation.ros2.navigation2_launch import launch_figures
 from evaluation.ros2.navigation2_models import model_figures
 from figures.figure import Figure
 from rtron.sources.declaration import Declaration
 from rtron.sources.static.common.scan_options import ScanOptions
-from rtron.sources.static.ros2_scan import ProgramScan, read_ros2_workspace, scan_programs
+from rtron.sources.static.ros2.programs import ProgramScan, read_ros2_workspace, scan_programs
 
 NEAR = 2
 """Lines between where a call begins and where it is said to be."""

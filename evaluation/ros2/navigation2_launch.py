@@ -8,7 +8,7 @@ import time
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-from evaluation.part import Reporter
+from evaluation.common.datasets import Reporter
 from figures.figure import Figure
 from rtron.risks import discover_risks
 from rtron.sources.static.common.scan_options import ScanOptions

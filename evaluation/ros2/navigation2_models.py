@@ -10,7 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 from xml.sax.saxutils import quoteattr
 
-from evaluation.part import Reporter
+from evaluation.common.datasets import Reporter
 from figures.figure import Figure
 from rtron.sources.models import ROS2_LIBRARY, load_models
 from rtron.sources.static.common.scan_options import ScanOptions

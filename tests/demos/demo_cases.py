@@ -12,8 +12,7 @@ from harness import LIMIT_S, wait_for
 
 from rtron.demos.cases import CASES
 from rtron.demos.experiment.demonstration import DemoRequest, run_demo
-from rtron.demos.experiment.study import Study
-from rtron.demos.experiment.wanted import ProgressListener, StudyRequest
+from rtron.demos.experiment.study import ProgressListener, Study, StudyRequest
 from rtron.demos.metrics.case_run import Variant
 from rtron.demos.runtime.environment import demo_environment
 

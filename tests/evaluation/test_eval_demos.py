@@ -8,8 +8,7 @@ import pytest
 from demo_runs import make_run, runs_by_variant
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
-from evaluation.common.demos import figures_of_adaptations, figures_of_case
-from evaluation.demo_runs import runs_page
+from evaluation.common.demos import figures_of_adaptations, figures_of_case, runs_page
 from rtron.demos.experiment.adaptation import SlowdownResult
 from rtron.demos.metrics.case_run import Variant
 

@@ -10,7 +10,7 @@ from rule_pairs import PAIRS
 import rtron.risks
 from rtron.errors import InputError
 from rtron.risks import RULES, RiskRule, discover_risks, rule_page
-from rtron.risks.pages import HEADINGS
+from rtron.risks.rule import HEADINGS
 from rtron.vocabulary import InteractionGraph
 
 NAMES = [rule.name for rule in RULES]

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from rtron.errors import InputError
 from rtron.sources import graph_json
 from rtron.sources.graph_json import GraphFile, graph_json_schema, graph_to_json, read_graph
-from rtron.sources.memory import InMemorySource
+from rtron.sources.source import InMemorySource
 from rtron.vocabulary import (
     GRAPH_SCHEMA,
     Action,

@@ -59,3 +59,16 @@ def root(
 
     Completion of commands and names: rtron --install-completion
     """
+
+
+_ROS_ARGS = "--ros-args"
+
+
+def run_guard_node() -> None:
+    """Run the guard; what ROS appends behind `--ros-args` is for nodes that use rcl's parser."""
+    arguments = sys.argv[1:]
+    sys.argv[1:] = [
+        "guard",
+        *(arguments[: arguments.index(_ROS_ARGS)] if _ROS_ARGS in arguments else arguments),
+    ]
+    main()

@@ -1,6 +1,5 @@
-from rtron.executors.base import ItemFailure, MapExecutor
+from rtron.executors.base import ItemFailure, MapExecutor, SerialExecutor
 from rtron.executors.dask_cluster import DaskExecutor
-from rtron.executors.here import SerialExecutor
 from rtron.executors.process_pool import ProcessExecutor
 
 __all__ = ["DaskExecutor", "ItemFailure", "MapExecutor", "ProcessExecutor", "SerialExecutor"]

@@ -16,12 +16,11 @@ from rtron.guard.complaints import UnreadableInputAlarms
 from rtron.guard.core.control_socket import ControlSocket, RequestHandler, control_path
 from rtron.guard.core.coordinator import Coordinator
 from rtron.guard.core.event_loop import EventLoop
-from rtron.guard.core.handover_state import HandoverState
+from rtron.guard.core.handover_state import HandoverState, HeartbeatFile, heartbeat_path
 from rtron.guard.core.node_shutdown import ShutdownRefusal, ShutdownSequence
 from rtron.guard.core.observations import observations_of
 from rtron.guard.master_proxy.master_file import find_private_master
 from rtron.guard.measurement.run import RunMeasurement, WriteFigures
-from rtron.guard.presence import HeartbeatFile, heartbeat_path
 from rtron.guard.settings.overrides import OverrideCommands
 from rtron.guard.transport.factory import open_transport
 from rtron.guard.transport.ros1.middleware import Ros1Transport

@@ -5,8 +5,12 @@ from collections.abc import Iterator, Sequence
 from rich.text import Text
 
 from rtron.functions.classifier import paper_counts
-from rtron.functions.classifier.tables import PaperTables, sum_domains, sum_function_nodes
-from rtron.functions.classifier.tally import ClassificationCounts
+from rtron.functions.classifier.tables import (
+    ClassificationCounts,
+    PaperTables,
+    sum_domains,
+    sum_function_nodes,
+)
 from rtron.functions.domains import DOMAIN_BY_TYPE
 from rtron.reports.lines import Page, Report, heading, line, paragraph
 from rtron.vocabulary import Domain, FunctionType

@@ -8,8 +8,7 @@ from rtron.risks import gr_mt, gr_st, msr_action, msr_event, rsr_image, rsr_max_
 from rtron.risks.counting import count_coordination_nodes
 from rtron.risks.graph_facts import GraphFacts
 from rtron.risks.lists import RiskLists, default_lists, load_lists
-from rtron.risks.pages import find_rule, format_rule_page
-from rtron.risks.rule import RiskRule, missing_inputs
+from rtron.risks.rule import RiskRule, find_rule, format_rule_page, missing_inputs
 from rtron.vocabulary import InteractionGraph, Risk, RiskReport
 
 __all__ = [

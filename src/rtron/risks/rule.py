@@ -1,8 +1,11 @@
 """What every rule is: a name, what it needs, and one pure function from facts to risks."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from difflib import get_close_matches
+from importlib import import_module
 
+from rtron.errors import InputError
 from rtron.risks.graph_facts import GraphFacts
 from rtron.vocabulary import Risk, RiskKind, StringEnum
 
@@ -47,3 +50,29 @@ _IS_PRESENT: dict[RuleInput, Callable[[GraphFacts], bool]] = {
     RuleInput.SUBSCRIBERS: lambda facts: bool(facts.subscribing_nodes),
     RuleInput.TYPES: _has_types,
 }
+
+HEADINGS = ("What it finds", "Why it is a risk", "Remedy", "Example")
+
+
+def format_rule_page(rule: RiskRule) -> str:
+    """Return a rule's page in Markdown: its title, its facts and its module's docstring."""
+    docstring = import_module(rule.check.__module__).__doc__ or ""
+    summary, text = docstring.strip().split("\n", 1)
+    needs = ", ".join(map(str, rule.needs))
+    return (
+        f"# {rule.title}\n\n{summary}\n\n"
+        f"| rule | kind | severity | needs | since |\n|---|---|---|---|---|\n"
+        f"| `{rule.name}` | {rule.kind} | {rule.severity} | {needs} | {rule.since} |\n"
+        f"{text}\n"
+    )
+
+
+def find_rule(rules: Sequence[RiskRule], name: str) -> RiskRule:
+    """Return the rule of that name (`gr_st` or `GR-ST`); raise InputError if there is none."""
+    known = {rule.name: rule for rule in rules}
+    rule_name = name.lower().replace("-", "_")
+    if rule_name in known:
+        return known[rule_name]
+    near = get_close_matches(rule_name[:80], known, n=1, cutoff=0.3)
+    help = f"did you mean {near[0]}?" if near else f"the rules are {', '.join(known)}"
+    raise InputError(f"no rule is named {name[:80]!r}", help=help)

@@ -1,16 +1,59 @@
 """Scans one app, in a process of its own: one that dies, or takes too long, costs itself only."""
 
+from __future__ import annotations
+
 import os
 import signal
 import subprocess
 import sys
+from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from rtron.errors import SourceError
+from rtron.functions.app_categories import AppProfile, app_profile
+from rtron.risks import discover_risks
 from rtron.sources.graph_json import parse_graph
 from rtron.survey.app_listing import AppToScan
-from rtron.survey.surveyed import AppSurvey, survey_app
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from rtron.survey.app_listing import AppToScan
+    from rtron.vocabulary import CoordinationCount, InteractionGraph, RiskKind
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AppSurvey:
+    """An app in numbers: its graph, its risks by kind, the coordination nodes they ask for.
+
+    `unresolved` counts what the scan could not know.
+    """
+
+    app: str
+    nodes: int
+    topics: int
+    risks: Mapping[RiskKind, int]
+    coordination_nodes: CoordinationCount
+    profile: AppProfile
+    unresolved: int
+
+
+def survey_app(app: AppToScan, graph: InteractionGraph) -> AppSurvey:
+    """Return what an app's graph tells."""
+    report = discover_risks(graph)
+    return AppSurvey(
+        app=app.name,
+        nodes=len(graph.nodes),
+        topics=len(graph.topics),
+        risks=Counter(risk.kind for risk in report.risks),
+        coordination_nodes=report.coordination_nodes,
+        profile=app_profile(graph, app.name),
+        unresolved=len(graph.unresolved),
+    )
+
 
 TIMEOUT_S = 900.0
 _STOP_TIMEOUT_S = 90.0

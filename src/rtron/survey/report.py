@@ -8,7 +8,7 @@ from rich.text import Text
 from rtron.functions.app_categories import CategoryCount, count_categories
 from rtron.reports.functions_apps import category_rows
 from rtron.reports.lines import Report, columns, counted, heading, line
-from rtron.survey.surveyed import AppSurvey
+from rtron.survey.app_scan import AppSurvey
 from rtron.vocabulary import RiskKind
 
 

@@ -1,6 +1,5 @@
 """The nouns of RTron: frozen dataclasses and closed sets of words. Imports nothing of ours."""
 
-from rtron.vocabulary.acting import with_goal_topics
 from rtron.vocabulary.action import (
     ROS1_CLIENT_TOPICS,
     ROS1_SERVER_TOPICS,
@@ -13,8 +12,8 @@ from rtron.vocabulary.action import (
     is_action_type,
     ros1_topic_name,
     ros2_entity_name,
+    with_goal_topics,
 )
-from rtron.vocabulary.alarm import Alarm, AlarmKind
 from rtron.vocabulary.effective_plan import (
     SettingsMismatchError,
     apply_settings,
@@ -50,6 +49,8 @@ from rtron.vocabulary.enums import (
     WhenUnknown,
 )
 from rtron.vocabulary.event import (
+    Alarm,
+    AlarmKind,
     EventKind,
     GuardEvent,
     GuardEventLevel,
@@ -113,14 +114,6 @@ from rtron.vocabulary.plan import (
     Transform,
     WatchedFlow,
 )
-from rtron.vocabulary.proposal import PROPOSALS_SCHEMA, TuningProposal, TuningProposalKind
-from rtron.vocabulary.replay import (
-    REPLAY_SCHEMA,
-    DecisionChange,
-    ReplayFlowCounts,
-    ReplayReport,
-    ReplayStreamCounts,
-)
 from rtron.vocabulary.risk import (
     RISKS_SCHEMA,
     CoordinationCount,
@@ -129,7 +122,10 @@ from rtron.vocabulary.risk import (
     TopicClass,
 )
 from rtron.vocabulary.run_report import (
+    PROPOSALS_SCHEMA,
+    REPLAY_SCHEMA,
     RUN_SCHEMA,
+    DecisionChange,
     DurationStatistics,
     EventStatistics,
     FlowStatistics,
@@ -137,7 +133,12 @@ from rtron.vocabulary.run_report import (
     MonitorStatistics,
     OverlapStatistics,
     RefusalStatistics,
+    ReplayFlowCounts,
+    ReplayReport,
+    ReplayStreamCounts,
     StreamStatistics,
+    TuningProposal,
+    TuningProposalKind,
     ValueStatistics,
 )
 from rtron.vocabulary.settings import (
@@ -148,8 +149,14 @@ from rtron.vocabulary.settings import (
     Settings,
     TimedOverride,
 )
-from rtron.vocabulary.stream import PolicySettings, Stage, StageRule, Stream
-from rtron.vocabulary.streams import build_streams
+from rtron.vocabulary.streams import (
+    PolicySettings,
+    Stage,
+    StageRule,
+    Stream,
+    Verdict,
+    build_streams,
+)
 from rtron.vocabulary.topic_access import (
     ServiceAccess,
     TopicAccess,
@@ -158,7 +165,6 @@ from rtron.vocabulary.topic_access import (
     stage_nodes,
 )
 from rtron.vocabulary.velocity import Velocity
-from rtron.vocabulary.verdict import Verdict
 
 __all__ = [
     "GRAPH_SCHEMA",

@@ -5,8 +5,12 @@ are requests, so there the action's own name stands for them (design.ros2.org: a
 """
 
 import re
+from collections import defaultdict
+from collections.abc import Iterator
+from dataclasses import replace
 
-from rtron.vocabulary.enums import StringEnum
+from rtron.vocabulary.enums import ActionRole, Direction, StringEnum
+from rtron.vocabulary.graph import Action, Endpoint, InteractionGraph
 from rtron.vocabulary.names import normalise_type
 
 _ACTION_TYPE = re.compile(r"[A-Za-z]\w*/action/[A-Za-z][A-Za-z0-9]*", re.ASCII)
@@ -65,3 +69,42 @@ def ros1_topic_name(action: str, part: Ros1ActionTopic) -> str:
 def ros2_entity_name(action: str, entity: Ros2ActionEntity) -> str:
     """Return the name of one of an action's services and topics in ROS 2."""
     return f"{action}/_action/{entity}"
+
+
+_ROS2 = 2
+
+
+def with_goal_topics(graph: InteractionGraph) -> InteractionGraph:
+    """Return a graph in which an action's clients publish it, and its servers subscribe it.
+
+    That is what goals are in ROS 1, where the graph says so itself. A node that serves what it asks
+    for hears itself, which nobody can stand between: it is no publisher.
+    """
+    if graph.ros != _ROS2 or not graph.actions:
+        return graph
+    return replace(graph, endpoints=(*graph.endpoints, *_goal_endpoints(graph)))
+
+
+def _goal_endpoints(graph: InteractionGraph) -> Iterator[Endpoint]:
+    known_topics = {topic.name for topic in graph.topics}
+    known_topics.update(endpoint.topic for endpoint in graph.endpoints)
+    servers = defaultdict(set)
+    for action in graph.actions:
+        if action.role is ActionRole.SERVER:
+            servers[action.name].add(action.node)
+    for action in dict.fromkeys(graph.actions):
+        is_server = action.role is ActionRole.SERVER
+        if action.name not in known_topics and (
+            is_server or action.node not in servers[action.name]
+        ):
+            yield _goal_endpoint(action, Direction.SUBSCRIBE if is_server else Direction.PUBLISH)
+
+
+def _goal_endpoint(action: Action, direction: Direction) -> Endpoint:
+    return Endpoint(
+        node=action.node,
+        topic=action.name,
+        direction=direction,
+        type=action.type,
+        declared_name=action.name,
+    )

@@ -7,7 +7,7 @@ those within phases, `pauses` those between them.
 
 from dataclasses import dataclass
 
-from rtron.vocabulary.enums import Decision, Mode, PolicyName
+from rtron.vocabulary.enums import Decision, Mode, PolicyName, StringEnum
 
 RUN_SCHEMA = "rtron.run/1"
 
@@ -128,3 +128,93 @@ class MeasuredRun:
     streams: tuple[StreamStatistics, ...] = ()
     monitors: tuple[MonitorStatistics, ...] = ()
     events: tuple[EventStatistics, ...] = ()
+
+
+REPLAY_SCHEMA = "rtron.replay/1"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ReplayFlowCounts:
+    """What would have become of a flow's messages.
+
+    A held message counts again when it passes or is dropped.
+    """
+
+    flow: str
+    publisher: str
+    passed: int = 0
+    held: int = 0
+    dropped: int = 0
+    modified: int = 0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ReplayStreamCounts:
+    """What would have become of a topic's messages; `stops` counts the stop waves."""
+
+    topic: str
+    nodes: tuple[str, ...]
+    flows: tuple[ReplayFlowCounts, ...]
+    stops: int = 0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DecisionChange:
+    """A change in what happens on a topic, `at` ns after the first recorded message."""
+
+    at: int
+    topic: str
+    flow: str
+    decision: str
+    policy: str
+    reason: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ReplayReport:
+    """A whole replay: counts, changes in the order of time, and what was not judged and why.
+
+    `duration` is the recording's, ns; `messages` counts all that were read; `unseen` the changes
+    beyond the most that are kept.
+    """
+
+    messages: int
+    duration: int
+    streams: tuple[ReplayStreamCounts, ...]
+    changes: tuple[DecisionChange, ...]
+    notes: tuple[str, ...] = ()
+    unseen: int = 0
+
+
+PROPOSALS_SCHEMA = "rtron.proposals/1"
+
+
+class TuningProposalKind(StringEnum):
+    """What follows from the figures.
+
+    `change`: another value. `keep`: the value fits, or too little was seen to say more. `look`:
+    something that no value mends, for a person to look at.
+    """
+
+    CHANGE = "change"
+    KEEP = "keep"
+    LOOK = "look"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TuningProposal:
+    """What to do with one value of a plan, and the figures behind it.
+
+    `node` is the id of the coordination node, `flow` the flow where it is one's, `key` the key in
+    the plan. `before` and `after` are values as the plan writes them, `samples` counts what was
+    measured for it.
+    """
+
+    kind: TuningProposalKind
+    node: str
+    key: str
+    why: str
+    flow: str = ""
+    before: str = ""
+    after: str = ""
+    samples: int = 0

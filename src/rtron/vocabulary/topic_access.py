@@ -23,8 +23,7 @@ from rtron.vocabulary.names import (
     output_topic,
 )
 from rtron.vocabulary.plan import Plan
-from rtron.vocabulary.stream import Stream
-from rtron.vocabulary.streams import build_streams
+from rtron.vocabulary.streams import Stream, build_streams
 
 ANY_NODE = "*"
 

@@ -5,16 +5,32 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from shlex import quote
 
-from rtron.cli.node_functions import FunctionAnnotatedSource
 from rtron.cli.support.options import Ros
 from rtron.errors import InputError
 from rtron.folders import is_folder
 from rtron.sources.bounded_file import STDIN
 from rtron.sources.graph_json import GraphFile
 from rtron.sources.source import GraphSource
+from rtron.vocabulary import InteractionGraph
 from rtron.workflows.launch_arguments import ASSIGNMENT
 from rtron.workflows.live_app import LiveApp
 from rtron.workflows.source_app import SourceOptions, WorkspaceSource, open_workspace_source
+
+
+@dataclass(frozen=True, slots=True)
+class FunctionAnnotatedSource:
+    """A Source whose nodes have their functions and domains, where these are known."""
+
+    source: GraphSource
+
+    def read(self) -> InteractionGraph:
+        """Return the graph; manifests are looked at where the app is read from source."""
+        from rtron.functions.node_functions import with_functions  # noqa: PLC0415 - only what is scanned needs it
+
+        graph = self.source.read()
+        if isinstance(self.source, WorkspaceSource):
+            return with_functions(graph, self.source.descriptions(graph))
+        return with_functions(graph)
 
 
 @dataclass(frozen=True, slots=True)

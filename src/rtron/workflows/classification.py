@@ -2,13 +2,12 @@
 
 from collections.abc import Iterator, Sequence
 
-from rtron.cli.working import map_with_progress
 from rtron.executors.chunked_map import CHUNK_SIZE
 from rtron.functions.classifier.pipeline import classify
 from rtron.functions.classifier.result import Classification
 from rtron.functions.reading import SkippedHandler
 from rtron.functions.repository import SourceRepository
-from rtron.workflows.parallel_map import choose_executor
+from rtron.workflows.parallel_map import choose_executor, map_with_progress
 
 _PARALLEL_THRESHOLD = 2000
 """Repositories that are done here sooner than other processes have started."""

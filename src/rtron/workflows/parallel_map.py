@@ -1,13 +1,18 @@
 """Where a command about many things works: here, in processes, or on a cluster."""
 
-from typing import TYPE_CHECKING, Annotated
+from collections.abc import Callable, Iterator, Sequence
+from typing import TYPE_CHECKING, Annotated, TypeVar
 
 import typer
 
+from rtron.cli.support.progress import show_progress
 from rtron.errors import InputError
+from rtron.executors import ItemFailure, MapExecutor
+from rtron.functions.reading import SkippedEntry, SkippedHandler
 
 if TYPE_CHECKING:
     from rtron.executors import MapExecutor
+
 
 ProcessCount = Annotated[
     int | None,
@@ -41,3 +46,25 @@ def choose_executor(
     cores = default_workers()
     count = min(jobs or (cores if is_worth_parallel else 1), cores)
     return ProcessExecutor(count, chunk) if count > 1 else SerialExecutor()
+
+
+Item = TypeVar("Item")
+Result = TypeVar("Result")
+
+
+def map_with_progress(
+    executor: MapExecutor,
+    function: Callable[[Item], Result],
+    items: Sequence[Item],
+    name: Callable[[Item], str],
+    note_skipped: SkippedHandler,
+) -> Iterator[tuple[Item, Result]]:
+    """Yield each item with its result; one at which the function failed goes to `note_skipped`."""
+    with show_progress() as progress:
+        results = executor.map(function, items)
+        for done, (item, result) in enumerate(zip(items, results, strict=True), 1):
+            progress(done, len(items), name(item))
+            if isinstance(result, ItemFailure):
+                note_skipped(SkippedEntry(location=name(item), reason=result.reason))
+            else:
+                yield item, result

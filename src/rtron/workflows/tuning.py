@@ -1,6 +1,7 @@
 """`rtron plan --from-run`: a plan, and a run that was measured under it."""
 
 import logging
+import os
 from dataclasses import dataclass
 from pathlib import Path
 from shlex import quote
@@ -14,7 +15,7 @@ from rtron.planning.tuning import tune_plan, tuned_yaml
 from rtron.reports.tuning_json import tuning_to_json
 from rtron.reports.tuning_text import tuning_text
 from rtron.sources.bag.file_type import is_bag
-from rtron.sources.run_json import read_run
+from rtron.sources.run_json import read_run, run_to_json
 from rtron.vocabulary import MeasuredRun, Plan
 
 TUNED_FILE = "tuned.yaml"
@@ -76,3 +77,32 @@ def _next_step(request: TuningRequest) -> str:
         return f"rtron check {quote(str(request.output))}"
     command = ("rtron", "plan", "--from-run", request.run, "--plan", request.plan, "-o", TUNED_FILE)
     return " ".join(quote(str(part)) for part in command)
+
+
+@dataclass(frozen=True, slots=True)
+class RunFileWriter:
+    """Writes runs to a file, each in place of the one before; goes to the guard's own process."""
+
+    path: Path
+
+    def __call__(self, run: MeasuredRun) -> None:
+        """Write a run; InputError if that is not possible."""
+        temporary = self.path.with_name(f".{self.path.name}.{os.getpid()}")
+        try:
+            temporary.unlink(missing_ok=True)
+            with temporary.open("x", encoding="utf-8") as file:
+                file.write(as_json(run_to_json(run)))
+            temporary.replace(self.path)
+        except OSError as error:
+            reason = error.strerror or "cannot be written"
+            raise InputError(reason, path=str(self.path), help="choose another file") from None
+        finally:
+            _remove(temporary)
+
+
+def _remove(path: Path) -> None:
+    """Remove what a failed write has left."""
+    try:
+        path.unlink(missing_ok=True)
+    except OSError:
+        return

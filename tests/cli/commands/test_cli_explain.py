@@ -2,7 +2,7 @@ import json
 
 import pytest
 
-from rtron.cli.pages import page_names
+from rtron.cli.commands.explain import page_names
 from rtron.policies import POLICIES
 from rtron.risks import RULES
 

@@ -10,14 +10,14 @@ STARTED = ("small", "http://localhost:11311", "INFO", False, None, None, None)
 def started(monkeypatch):
     """Put a supervisor in place that only notes what it is told."""
     calls = []
-    module = ModuleType("rtron.guard.supervision.supervisor_start")
+    module = ModuleType("rtron.guard.supervision.programs")
 
     def supervise(plan, master, *, log_level, dry_run, control, figures, link):
         calls.append((plan.app, master, log_level, dry_run, control, figures, link))
         sys.exit(0)
 
     module.supervise = supervise
-    monkeypatch.setitem(sys.modules, "rtron.guard.supervision.supervisor_start", module)
+    monkeypatch.setitem(sys.modules, "rtron.guard.supervision.programs", module)
     return calls
 
 

@@ -4,8 +4,8 @@ import pytest
 from demo_runs import CORRIDOR, ROOM
 
 from rtron.demos.cases import CASES, GR, MSR, RSR, RunConditions
-from rtron.demos.cases.together import merge_decisions
-from rtron.demos.experiment.deciding import worlds_by_decisions
+from rtron.demos.cases.case_study import merge_decisions
+from rtron.demos.experiment.study import worlds_by_decisions
 
 
 def setting(speed=1.0, rate=10.0):

@@ -4,7 +4,7 @@ from demo_runs import BEGAN, guard_event, make_run
 from test_runtime_plan_edits import PROPOSED
 
 from rtron.demos.cases import GR
-from rtron.demos.experiment.judged import with_verdicts
+from rtron.demos.experiment.study import with_verdicts
 from rtron.demos.metrics.case_run import Variant
 
 NAMED = {"topic": "/cmd_vel", "flow": "flow2", "publisher": GR.attacker, "decision": "drop"}

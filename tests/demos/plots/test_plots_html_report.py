@@ -11,9 +11,8 @@ from demo_runs import CORRIDOR, ROOM, guard_events, make_run, runs_by_variant
 from rtron.demos.cases import GR, MSR
 from rtron.demos.metrics.case_run import Variant
 from rtron.demos.plots.html_report import CaseFindings, CommandOutput, Picture, render_report
-from rtron.demos.plots.lanes import flow_lanes
 from rtron.demos.plots.style import require_matplotlib
-from rtron.demos.plots.timeline import draw_timeline
+from rtron.demos.plots.timeline import draw_timeline, flow_lanes
 from rtron.demos.plots.trajectories import draw_trajectories
 from rtron.demos.plots.velocity import draw_velocity
 from rtron.errors import SourceError

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from rtron.demos.runtime.app_files import first_party_packages, launch_file, third_party_packages
-from rtron.demos.runtime.nodes import node_commands, node_names
+from rtron.demos.runtime.app_launch import node_commands, node_names
 from rtron.errors import InputError
 from rtron.planning.instrument import write_guarded_launch
 from rtron.planning.instrument.ros2 import instrument_ros2

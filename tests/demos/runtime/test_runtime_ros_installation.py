@@ -2,7 +2,7 @@
 
 import pytest
 
-from rtron.demos.runtime.environ import shared_environ
+from rtron.demos.runtime.isolation import shared_environ
 from rtron.demos.runtime.ros_installation import PYTHON_VARIABLE, find_ros_python
 from rtron.errors import SourceError
 

@@ -11,9 +11,8 @@ import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from evaluation.ros1.architecture import KINDS, Architecture, read_architecture
+from evaluation.ros1.architecture import KINDS, Architecture, Score, read_architecture, score
 from evaluation.ros1.rosdiscover import SYSTEMS
-from evaluation.score import Score, score
 
 PAIRS = frozenset({("/a", "/x"), ("/a", "/y"), ("/b", "/x"), ("/b", "/z")})
 TRUTH = Path(os.environ.get("RTRON_DATA", "")) / "groundtruth"

@@ -2,7 +2,7 @@
 
 import pytest
 
-from evaluation.call_count import count_calls, is_explained
+from evaluation.ros1.call_sites import count_calls, is_explained
 from rtron.sources.declaration import Declaration, DeclarationKind, NodeInterface
 from rtron.vocabulary import Evidence
 

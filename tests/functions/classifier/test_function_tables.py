@@ -8,12 +8,12 @@ from rtron.functions.classifier.result import (
     RuleEvidence,
 )
 from rtron.functions.classifier.tables import (
+    ClassificationCounts,
     PaperTables,
     build_tables,
     sum_domains,
     sum_function_nodes,
 )
-from rtron.functions.classifier.tally import ClassificationCounts
 from rtron.functions.domains import DOMAIN_BY_TYPE
 from rtron.vocabulary import Domain, FunctionType
 

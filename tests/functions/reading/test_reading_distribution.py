@@ -2,8 +2,8 @@ import pytest
 import yaml
 
 from rtron.errors import InputError
-from rtron.functions.reading import fields, read_repositories, yaml_file
-from rtron.functions.reading.yaml_file import MAX_DEPTH
+from rtron.functions.reading import distribution, fields, read_repositories
+from rtron.functions.reading.distribution import MAX_DEPTH
 from rtron.functions.repository import SourcePackage, SourceRepository
 
 DISTRIBUTION = """%YAML 1.1
@@ -120,9 +120,9 @@ def test_the_packages_of_a_release_are_bounded(read, skipped_entries, monkeypatc
 def test_a_file_has_a_number_of_values(read, monkeypatch):
     text = "repositories: {good: {}}"
     events = sum(1 for _ in yaml.parse(text))
-    monkeypatch.setattr(yaml_file, "MAX_EVENTS", events)
+    monkeypatch.setattr(distribution, "MAX_EVENTS", events)
     assert [each.name for each in read(text)] == ["good"]
-    monkeypatch.setattr(yaml_file, "MAX_EVENTS", events - 1)
+    monkeypatch.setattr(distribution, "MAX_EVENTS", events - 1)
     with pytest.raises(InputError, match=f"has more than {events - 1} values$"):
         read(text)
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from rtron.functions.text import prose, sentences
+from rtron.functions.text import prose
 from rtron.functions.text.descriptions import description_tokens
 from rtron.functions.text.prose import clean_readme, readme_tokens
 
@@ -90,7 +90,7 @@ def searched_texts(monkeypatch):
     """Return how many characters each look of a README's patterns got."""
     found = []
     patterns = [(prose, name) for name in ("_CODE", "_MARKUP", "_HEADING", "_USELESS_LINE")]
-    for module, name in (*patterns, (sentences, "_SENTENCE"), (sentences, "_RUN")):
+    for module, name in (*patterns, (prose, "_SENTENCE"), (prose, "_RUN")):
         monkeypatch.setattr(module, name, RecordingPattern(getattr(module, name), found))
     return found
 

@@ -3,7 +3,7 @@
 import pytest
 
 from rtron.functions.text.names import name_tokens
-from rtron.functions.text.sentences import split_sentences
+from rtron.functions.text.prose import split_sentences
 from rtron.functions.text.tokens import stem, tokenize
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from rtron.guard.core.event_loop import EventLoop
-from rtron.guard.presence import HeartbeatFile, heartbeat_path
+from rtron.guard.core.handover_state import HeartbeatFile, heartbeat_path
 
 
 @pytest.fixture

@@ -9,7 +9,7 @@ from streams import peer, stage, stream
 from rtron.guard.core.coordinator import Coordinator
 from rtron.guard.core.handover_state import HandoverState
 from rtron.guard.transport.common.memory import MemoryTransport
-from rtron.guard.transport.numbered import NumberedMessage
+from rtron.guard.transport.common.protocol import NumberedMessage
 from rtron.vocabulary import SECOND, Durability, PolicyName, QoS, StreamKind
 
 IN, OUT = "/rtron/goal/flow1", "/rtron/goal/out"

@@ -5,13 +5,14 @@ import struct
 
 import pytest
 
-from rtron.guard.supervision.last_message import (
+from rtron.guard.supervision.shared_memory import (
+    GuardMemory,
     LastMessage,
+    StatusWord,
     decode_last_message,
     decode_type_info,
     encode_type_info,
 )
-from rtron.guard.supervision.shared_memory import GuardMemory, StatusWord
 from rtron.guard.transport.common.protocol import TypeInfo
 
 

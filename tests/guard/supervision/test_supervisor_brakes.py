@@ -5,8 +5,12 @@ from streams import stage, stream
 from velocity_messages import FLOAT64, float64, speeds, twist
 
 from rtron.guard.supervision.guard_config import is_stoppable
-from rtron.guard.supervision.last_message import LastMessage, encode_type_info
-from rtron.guard.supervision.shared_memory import GuardMemory, StatusWord
+from rtron.guard.supervision.shared_memory import (
+    GuardMemory,
+    LastMessage,
+    StatusWord,
+    encode_type_info,
+)
 from rtron.guard.supervision.stream_brakes import StreamBrakes
 from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.guard.transport.common.protocol import TypeInfo

@@ -13,7 +13,7 @@ from sqlalchemy import text
 
 from rtron.errors import InputError, SourceError
 from rtron.service.alerts import worker
-from rtron.service.alerts.repeats import DuplicateFilter
+from rtron.service.alerts.dispatcher import DuplicateFilter
 from rtron.service.alerts.webhook_call import signature
 from rtron.service.alerts.webhook_url import parse_webhook_url, resolve_address
 

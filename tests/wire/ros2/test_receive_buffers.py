@@ -5,7 +5,7 @@ from contextlib import ExitStack
 
 import pytest
 
-from rtron.wire.ros2.receive_buffers import RECEIVE_BUFFER_BYTES, large_receive_buffers
+from rtron.wire.ros2.discovery_tuning import RECEIVE_BUFFER_BYTES, large_receive_buffers
 
 
 def room(sock):

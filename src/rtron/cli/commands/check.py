@@ -5,8 +5,7 @@ from typing import Annotated
 
 import typer
 
-from rtron.cli.remarks import to_remarks
-from rtron.cli.support.outcome import FINDINGS, OK, Outcome
+from rtron.cli.support.outcome import FINDINGS, OK, Outcome, to_remarks
 from rtron.planning.app_check import check_plan
 from rtron.planning.plan_file.loader import read_plan
 from rtron.planning.problem import ProblemLevel

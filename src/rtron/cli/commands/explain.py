@@ -1,14 +1,83 @@
 """`rtron explain`."""
 
+import sys
+from dataclasses import dataclass
+from difflib import get_close_matches
 from typing import Annotated
 
 import typer
 from rich.markdown import Markdown
 from rich.text import Text
 
-from rtron.cli.pages import find_pages, page_names, policy_pages, rule_pages
 from rtron.cli.support.outcome import Outcome
+from rtron.errors import InputError
+from rtron.policies import POLICIES
 from rtron.reports.lines import Report, columns, line
+from rtron.risks import RULES
+from rtron.risks import rule_page as rule_page
+from rtron.vocabulary import PolicyName
+
+_LONGEST_SHOWN = 80
+
+
+@dataclass(frozen=True, slots=True)
+class ExplanationPage:
+    """What explains a rule or a policy: its name, itself in a line, and the whole in Markdown.
+
+    `kind` is the kind of risk that a rule finds; asking for it asks for all its rules.
+    """
+
+    name: str
+    summary: str
+    text: str
+    kind: str = ""
+
+
+def rule_pages() -> list[ExplanationPage]:
+    """Return the rules' pages, in the order in which the rules run."""
+    return [
+        ExplanationPage(rule.name, rule.title, rule_page(rule.name), rule.kind) for rule in RULES
+    ]
+
+
+def policy_pages() -> list[ExplanationPage]:
+    """Return the pages of the policies that a plan can choose."""
+    return [_policy_page(name) for name in POLICIES]
+
+
+def page_names() -> list[str]:
+    """Return every name that can be explained."""
+    return [page.name for page in (*rule_pages(), *policy_pages())]
+
+
+def find_pages(name: str) -> list[ExplanationPage]:
+    """Return the pages of a rule, a kind, a policy or a risk's id; raise InputError for others."""
+    normalised = _normalise(name.partition(":")[0])
+    pages = [*rule_pages(), *policy_pages()]
+    found = [page for page in pages if normalised in (_normalise(page.name), _normalise(page.kind))]
+    if not found:
+        raise _unknown_name(name[:_LONGEST_SHOWN])
+    return found
+
+
+def _policy_page(name: PolicyName) -> ExplanationPage:
+    docstring = (sys.modules[POLICIES[name].__module__].__doc__ or "").strip()
+    title, _, text = docstring.partition("\n")
+    summary = title.removeprefix(f"{name}: ")
+    return ExplanationPage(str(name), summary, f"# {name}\n\n{summary}\n{text}\n")
+
+
+def _normalise(name: str) -> str:
+    return name.lower().replace("-", "_")
+
+
+def _unknown_name(name: str) -> InputError:
+    known = {_normalise(known): known for known in page_names()}
+    near = get_close_matches(_normalise(name), known, n=1)
+    help = f"did you mean {known[near[0]]}? " if near else ""
+    return InputError(
+        f"no rule and no policy is named {name!r}", help=f"{help}`rtron explain` lists all"
+    )
 
 
 def _complete_name(incomplete: str) -> list[str]:

@@ -109,9 +109,9 @@ def apps(
 
     Exit code: 0 told, 2 nothing can be read.
     """
-    from rtron.cli.app_rows import read_app_rows  # noqa: PLC0415 - other commands start without it
     from rtron.functions.app_categories import count_categories  # noqa: PLC0415 - nor this
     from rtron.reports.functions_apps import apps_text, apps_to_json  # noqa: PLC0415 - nor this
+    from rtron.workflows.function_graph import read_app_rows  # noqa: PLC0415 - other commands start without it
 
     with report_skipped() as left:
         rows = read_app_rows(graphs, left)

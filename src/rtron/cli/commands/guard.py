@@ -1,5 +1,7 @@
 """`rtron guard`."""
 
+import socket
+import sys
 from collections.abc import Callable
 from enum import Enum
 from pathlib import Path
@@ -7,20 +9,66 @@ from typing import Annotated
 
 import typer
 
-from rtron.cli.linking import (
-    CertificateAuthority,
-    Robot,
-    ServiceUrl,
-    State,
-    TokenFile,
-    build_link_options,
-)
 from rtron.cli.support.options import DEFAULT_MASTER, Domain, Master, PlanOption
 from rtron.errors import InputError
+from rtron.guard.link.options import LinkOptions, state_folder
 from rtron.planning.plan_file.loader import read_plan
 from rtron.vocabulary import MeasuredRun
 from rtron.wire.ros2.domain_id import domain_id
 from rtron.workflows.launch_arguments import parse_assignments
+
+ServiceUrl = Annotated[
+    str,
+    typer.Option(
+        metavar="URL",
+        envvar="RTRON_SERVICE",
+        help="The security service, as `rtron serve` says it.",
+    ),
+]
+TokenFile = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="FILE", envvar="RTRON_TOKEN_FILE", help="Where the token for the service stands."
+    ),
+]
+Robot = Annotated[
+    str,
+    typer.Option(metavar="NAME", envvar="RTRON_ROBOT", help="What the service calls this robot."),
+]
+State = Annotated[
+    Path | None,
+    typer.Option(metavar="FOLDER", help="Where settings and waiting events are kept."),
+]
+CertificateAuthority = Annotated[
+    Path | None,
+    typer.Option(metavar="FILE", help="The service's own certificate authority, as PEM."),
+]
+
+
+def build_link_options(
+    app: str,
+    service: str,
+    token_file: Path | None,
+    robot: str,
+    state: Path | None,
+    ca: Path | None,
+) -> LinkOptions:
+    """Return the link's options, all of them checked; InputError if one cannot be used."""
+    if token_file is None:
+        help = "make one with `rtron token create`, and give --token-file FILE"
+        raise InputError("--service without --token-file", help=help)
+    options = LinkOptions(
+        service=service,
+        token_file=token_file.absolute(),
+        robot=robot or socket.gethostname(),
+        state=(state or state_folder(app)).absolute(),
+        ca=ca.absolute() if ca else None,
+    )
+    options.token()
+    options.prepare()
+    if options.url and options.is_unencrypted:
+        sys.stderr.write(f"warning: {service} is not encrypted: others can read the token\n")
+    return options
 
 
 class LogLevel(str, Enum):
@@ -86,7 +134,7 @@ def guard(  # noqa: PLR0913 - one for each option
 
     Exit code: 0 stopped, 2 bad plan.
     """
-    from rtron.guard.supervision.supervisor_start import supervise  # noqa: PLC0415 - no other needs a guard
+    from rtron.guard.supervision.programs import supervise  # noqa: PLC0415 - no other needs a guard
 
     parse_assignments(launch_arguments or ())
     if figures and not dry_run:
@@ -111,7 +159,7 @@ def guard(  # noqa: PLR0913 - one for each option
 
 
 def _run_file_writer(path: Path) -> Callable[[MeasuredRun], None]:
-    from rtron.cli.figures import RunFileWriter  # noqa: PLC0415 - few guards keep figures
+    from rtron.workflows.tuning import RunFileWriter  # noqa: PLC0415 - few guards keep figures
 
     return RunFileWriter(path.absolute())
 

@@ -6,7 +6,6 @@ from typing import Annotated
 
 import typer
 
-from rtron.cli.remarks import to_remarks
 from rtron.cli.support.options import (
     DEFAULT_MASTER,
     Domain,
@@ -25,7 +24,7 @@ from rtron.cli.support.options import (
     RosOption,
     TextOrJson,
 )
-from rtron.cli.support.outcome import STDOUT, Outcome, replace_file
+from rtron.cli.support.outcome import STDOUT, Outcome, replace_file, to_remarks
 from rtron.errors import InputError
 from rtron.planning.plan_file.writer import write_plan
 from rtron.planning.proposal.policy_defaults import propose_plan, unguardable_topics

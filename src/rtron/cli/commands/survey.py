@@ -40,10 +40,10 @@ def survey(
 
     Exit code: 0 scanned, 2 there is no app.
     """
-    from rtron.cli.working import map_with_progress  # noqa: PLC0415 - the guard starts without it
     from rtron.survey.app_listing import find_apps  # noqa: PLC0415 - the guard starts without it
     from rtron.survey.app_scan import scan_app  # noqa: PLC0415 - the guard starts without it
     from rtron.survey.report import survey_json_line, survey_text  # noqa: PLC0415 - the guard starts without it
+    from rtron.workflows.parallel_map import map_with_progress  # noqa: PLC0415 - the guard starts without it
 
     with report_skipped() as note_skipped:
         apps = list(find_apps(folder, note_skipped))

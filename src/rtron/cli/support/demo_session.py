@@ -20,7 +20,7 @@ from rtron.cli.support.service_database import require_service_packages
 from rtron.errors import InputError, SourceError
 
 if TYPE_CHECKING:
-    from rtron.demos.experiment.wanted import ProgressListener
+    from rtron.demos.experiment.study import ProgressListener
     from rtron.demos.metrics.case_run import CaseRun
     from rtron.demos.runtime.service import DemoService
 
@@ -92,7 +92,7 @@ def show_demo_progress(runs: int) -> Iterator[DemoProgress]:
 
     Nothing is shown where that is no terminal.
     """
-    from rtron.demos.experiment.wanted import ProgressListener  # noqa: PLC0415 - only with the extra
+    from rtron.demos.experiment.study import ProgressListener  # noqa: PLC0415 - only with the extra
 
     console = Console(stderr=True)
     parts = (TextColumn("{task.description}", markup=False), BarColumn(), MofNCompleteColumn())

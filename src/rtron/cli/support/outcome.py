@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import sys
+from collections.abc import Iterable
 from dataclasses import dataclass
 from io import StringIO
 from pathlib import Path
@@ -13,7 +14,9 @@ from typing import TYPE_CHECKING
 import typer
 
 from rtron.errors import InputError, RTronError
+from rtron.planning.problem import PlanProblem
 from rtron.reports.neutral import neutral
+from rtron.reports.problems_text import Remark
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -22,6 +25,7 @@ if TYPE_CHECKING:
     from rich.markdown import Markdown
 
     from rtron.reports.lines import Report
+
 
 OK, FINDINGS, BAD_INPUT = 0, 1, 2
 STDOUT = Path("-")
@@ -133,3 +137,8 @@ def _render(shown: str | Report | Markdown, console: Console) -> str:
 def _write_error(error: OSError, path: str) -> InputError:
     reason = error.strerror or "cannot be written"
     return InputError(reason, path=path, help="choose a file that can be written")
+
+
+def to_remarks(problems: Iterable[PlanProblem]) -> list[Remark]:
+    """Return a remark for each problem."""
+    return [Remark(problem.level, problem.location, problem.message) for problem in problems]

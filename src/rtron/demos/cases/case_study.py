@@ -1,6 +1,6 @@
 """A case: what the attack is, what harm is, and what the developer decides against it."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -69,3 +69,15 @@ class Case:
     find_harm: Callable[[GroundTruth, SceneDocument], str]
     is_malicious: Callable[[str, Sequence[float], SceneDocument], bool]
     decisions: Callable[[RunConditions], Decisions]
+
+
+def merge_decisions(decisions_of_cases: Iterable[Decisions]) -> Decisions:
+    """Return what is decided in any of them; of a topic's GRCN, all that is said of it."""
+    found: Decisions = {}
+    for decisions in decisions_of_cases:
+        known = found.get("grcn", {})
+        grcn_decisions = {
+            topic: {**known.get(topic, {}), **of} for topic, of in decisions["grcn"].items()
+        }
+        found = {**found, **decisions, "grcn": {**known, **grcn_decisions}}
+    return found

@@ -5,8 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rtron.demos.cases import Case
-from rtron.demos.experiment.study import Study
-from rtron.demos.experiment.wanted import ProgressListener, StudyRequest
+from rtron.demos.experiment.study import ProgressListener, Study, StudyRequest
 from rtron.demos.metrics.case_run import CaseRun, Variant
 from rtron.demos.runtime.environment import demo_environment
 from rtron.demos.runtime.service import DemoService, run_service

@@ -1,31 +1,80 @@
 """The variants of cases in worlds: the app as it is, and the guarded app."""
 
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rtron.demos.cases import Case, Decisions, RunConditions
-from rtron.demos.experiment.deciding import worlds_by_decisions
-from rtron.demos.experiment.judged import with_verdicts
+from rtron.demos.cases.case_study import merge_decisions
 from rtron.demos.experiment.session import AppSession
-from rtron.demos.experiment.wanted import ProgressListener, StudyRequest
 from rtron.demos.metrics.case_run import CaseRun, RunsByVariant, Variant
 from rtron.demos.metrics.deviation import measure_deviation
-from rtron.demos.metrics.guard_events import SECOND, Event
+from rtron.demos.metrics.guard_events import SECOND, Event, first_stop
+from rtron.demos.metrics.message_journal import time_to_mitigation
 from rtron.demos.metrics.trajectory import SceneDocument, trajectory_of
 from rtron.demos.runtime.app_files import APP_NAME, launch_file
 from rtron.demos.runtime.environment import DemoEnvironment
 from rtron.demos.runtime.instrumentation import InstrumentationPipeline
 from rtron.demos.runtime.service import DemoService
+from rtron.planning.plan_file.loader import read_plan
 from rtron.risks import discover_risks
 from rtron.sources.graph_json import GraphFile
-from rtron.vocabulary import Risk
+from rtron.vocabulary import Risk, build_streams
 
 if TYPE_CHECKING:
     from rtron.demos.runtime.processes import CompletedCommand
+
+
+def with_verdicts(run: CaseRun, case: Case, events: Sequence[Event], plan: Path) -> CaseRun:
+    """Return a guarded run with what the guard told in its time, a second more for counts."""
+    ended = run.start_wall + run.ended / run.speed + 1
+    run_events = tuple(e for e in events if run.start_wall <= e["at"] / SECOND <= ended)
+    stopped = first_stop(run_events, case.topic, case.attacker)
+    after = time_to_mitigation(run.attack, stopped)
+    return replace(run, events=run_events, mitigated_after=after, publishers=_publishers(plan))
+
+
+def _publishers(plan: Path) -> dict[tuple[str, str], str]:
+    found = build_streams(read_plan(plan))
+    return {(each.topic, flow.name): flow.publisher for each in found for flow in each.flows}
+
+
+def worlds_by_decisions(
+    cases: Sequence[Case], seeds: Sequence[int], setting: Callable[[Case, int], RunConditions]
+) -> Sequence[tuple[Decisions, Sequence[int]]]:
+    """Return decisions against all cases, each with the seeds of the worlds in a row it is for."""
+    found: list[tuple[Decisions, list[int]]] = []
+    for seed in seeds:
+        decisions = merge_decisions(case.decisions(setting(case, seed)) for case in cases)
+        if not found or found[-1][0] != decisions:
+            found.append((decisions, []))
+        found[-1][1].append(seed)
+    return found
+
+
+CAMERA_RATE = 10.0
+"""Images a simulated second."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StudyRequest:
+    """Which cases to run in the worlds of which seeds; `camera_rate` is in images a simulated s."""
+
+    cases: Sequence[Case]
+    seeds: Sequence[int]
+    camera_rate: float = CAMERA_RATE
+
+
+@dataclass(frozen=True, slots=True)
+class ProgressListener:
+    """Takes what happens now, and each run that is done."""
+
+    on_activity: Callable[[str], None]
+    on_run: Callable[[CaseRun], None]
+
 
 _COUNTS_DELAY = 3 * SECOND // 2
 """So long (ns) after a run the guard has told its counts, which it does once a second."""

@@ -12,14 +12,42 @@ from uuid import getnode
 
 from rtron.demos.runtime.app_files import APPS, third_party_packages
 from rtron.demos.runtime.app_launch import LaunchedApp, launch_app
-from rtron.demos.runtime.environ import ros1_environ, ros2_environ, shared_environ
-from rtron.demos.runtime.isolation import free_port, reserve_domain
+from rtron.demos.runtime.isolation import (
+    free_port,
+    reserve_domain,
+    ros1_environ,
+    ros2_environ,
+    shared_environ,
+)
 from rtron.demos.runtime.polling import wait_for
 from rtron.demos.runtime.processes import CompletedCommand, ProcessGroup, StartedProcess
 from rtron.demos.runtime.ros_installation import find_ros_python
-from rtron.demos.runtime.rosmaster import run_master
 from rtron.demos.runtime.world import run_world
 from rtron.demos.world.client import WorldClient
+from rtron.errors import RTronError
+from rtron.wire.ros1.xmlrpc import ros_call
+
+_NAME = "/rtron_demo"
+_LIMIT = 2.0
+
+
+@contextmanager
+def run_master(processes: ProcessGroup, environ: Mapping[str, str]) -> Iterator[None]:
+    """Run a master at ROS_MASTER_URI of `environ` until the end of the block."""
+    uri = environ["ROS_MASTER_URI"]
+    command = ["rosmaster", "--core", "-p", uri.rpartition(":")[2]]
+    with processes.running(command, environ):
+        wait_for(lambda: _master_answers(uri), "the ROS master")
+        yield
+
+
+def _master_answers(uri: str) -> bool:
+    try:
+        ros_call(uri, "getPid", _NAME, timeout=_LIMIT)
+    except RTronError:
+        return False
+    return True
+
 
 MANUAL_ATTACKER = "safe_control_by_hand"
 _MAC_BYTES = 6

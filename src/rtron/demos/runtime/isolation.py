@@ -1,10 +1,13 @@
 """A ROS 2 domain, and ports, that no other demo on this machine uses meanwhile."""
 
+import os
 import socket
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from pathlib import Path
 from random import SystemRandom
 
+from rtron.demos.runtime.app_files import LOGIC, first_party_packages, third_party_packages
 from rtron.errors import SourceError
 
 _DOMAINS = range(215, 232)
@@ -34,3 +37,57 @@ def reserve_domain() -> Iterator[int]:
             yield domain
             return
     raise SourceError("every ROS 2 domain is taken", help="end other runs of the demo")
+
+
+WIDTH = 96
+"""How wide commands print, in columns."""
+_EXCLUDED_PREFIXES = ("ROS_", "RTRON_", "DEMO_", "XDG_", "FASTDDS_", "FASTRTPS_")
+
+
+def shared_environ(folder: Path, sockets: Path) -> dict[str, str]:
+    """Return the user's environment without what leads to a ROS, a DDS or a guard of the user's.
+
+    State and logs go to `folder`, sockets to `sockets`. What lets a sourced ROS 2 be found, its
+    library and Python paths, stays.
+    """
+    inherited = {
+        name: value for name, value in os.environ.items() if not name.startswith(_EXCLUDED_PREFIXES)
+    }
+    return inherited | {
+        "COLUMNS": str(WIDTH),
+        "PYTHONPATH": _join_paths(LOGIC, os.environ.get("PYTHONPATH", "")),
+        "PYTHONUNBUFFERED": "1",
+        "ROS_HOME": str(folder / "ros"),
+        "ROS_LOG_DIR": str(folder / "ros" / "log"),
+        "XDG_CACHE_HOME": str(folder / "cache"),
+        "XDG_RUNTIME_DIR": str(sockets),
+        "XDG_STATE_HOME": str(folder / "state"),
+    }
+
+
+def ros1_environ(port: int) -> dict[str, str]:
+    """Return what leads to a ROS master at a port, and to the demo's packages.
+
+    ROS 1 runs in Debian's Python, so that no other Python's packages may get in its way.
+    """
+    return {
+        "PYTHONPATH": str(LOGIC),
+        "ROS_HOSTNAME": "127.0.0.1",
+        "ROS_IP": "127.0.0.1",
+        "ROS_MASTER_URI": f"http://127.0.0.1:{port}",
+        "ROS_PACKAGE_PATH": _join_paths(first_party_packages(1), str(third_party_packages(1))),
+    }
+
+
+def ros2_environ(domain: int) -> dict[str, str]:
+    """Return what leads to a ROS 2 domain on this machine alone."""
+    return {
+        "RMW_IMPLEMENTATION": "rmw_fastrtps_cpp",
+        "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
+        "ROS_DOMAIN_ID": str(domain),
+        "ROS_LOCALHOST_ONLY": "1",
+    }
+
+
+def _join_paths(*paths: Path | str) -> str:
+    return os.pathsep.join(str(path) for path in paths if str(path))

@@ -5,12 +5,13 @@ from math import dist
 import shapely
 from shapely import LineString, Point, Polygon
 
-from rtron.demos.world import camera, lidar, robot_base, shapes
-from rtron.demos.world.command import ZERO_VELOCITY, VelocityCommand
+from rtron.demos.world import camera, lidar, robot_base
 from rtron.demos.world.ground_truth import GroundTruth, Position
 from rtron.demos.world.irsim_backend import IrSimBackend
 from rtron.demos.world.pedestrian import Pedestrian
 from rtron.demos.world.ray_casting import scene_surfaces
+from rtron.demos.world.robot_base import ZERO_VELOCITY, VelocityCommand
+from rtron.demos.world.scenes import geometry
 from rtron.demos.world.scenes.generator import make_scene
 from rtron.demos.world.scenes.scene import Scene
 from rtron.demos.world.server.requests import ResetRequest
@@ -126,7 +127,7 @@ class RobotSimulation:
         self._simulator = IrSimBackend(scene)
         self._command = VelocityCommand()
         self._surfaces = scene_surfaces(scene)
-        self._solid = shapes.solid_area(scene)
+        self._solid = geometry.solid_area(scene)
         self._area = Polygon(scene.area) if scene.area else Polygon()
         path = LineString(scene.route)
         self._pedestrians = [Pedestrian(each, path, scene.goal) for each in scene.crossings]

@@ -8,7 +8,7 @@ repos" (appendix A.2). Rates and shares are in per cent, as they are printed the
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from rtron.functions.classifier.tally import ClassificationCounts
+from rtron.functions.classifier.tables import ClassificationCounts
 from rtron.vocabulary import Domain, FunctionType
 
 REPOSITORY_COUNT = 941

@@ -11,7 +11,6 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from rtron.functions.domains import DOMAIN_BY_TYPE
-from rtron.functions.interactions.subfunctions import subfunction_of
 from rtron.functions.interactions.typical_messages import (
     SENSORS,
     TypicalTraffic,
@@ -22,6 +21,7 @@ from rtron.functions.interactions.typical_messages import (
     is_ros2,
     is_typical_flow,
     ros2_types,
+    subfunction_of,
     typical_traffic,
 )
 from rtron.vocabulary import (

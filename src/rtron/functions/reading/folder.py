@@ -8,10 +8,81 @@ from pathlib import Path
 from rtron.errors import InputError
 from rtron.folders import path_exists, walk
 from rtron.functions.reading import fields
-from rtron.functions.reading.package_xml import MANIFEST, read_package
-from rtron.functions.reading.readme import find_readme, read_readme
-from rtron.functions.reading.skipped_entries import SkippedEntry, SkippedHandler, read_or_skip
-from rtron.functions.repository import SourceRepository
+from rtron.functions.reading.fields import MAX_NAME, MAX_TEXT
+from rtron.functions.reading.skipped_entries import (
+    SkippedEntry,
+    SkippedHandler,
+    UnreadableEntryError,
+    read_or_skip,
+)
+from rtron.functions.repository import SourcePackage, SourceRepository
+from rtron.sources.launch.common.xml_document import Element, parse_xml
+from rtron.sources.workspace.manifest import parse_manifest
+from rtron.sources.workspace.package_files import is_inside, is_regular
+
+_EXTENSIONS = (".md", ".markdown", ".rst", ".txt", "")
+
+
+def read_readme(folder: Path, root: Path, on_skipped: SkippedHandler) -> str:
+    """Return the beginning of a folder's README, "" without one; a binary one goes to `on_skipped`.
+
+    `root` is the real folder of the repository.
+    """
+    path = find_readme(folder, root)
+    if path is None:
+        return ""
+    try:
+        with path.open("rb") as stream:
+            data = stream.read(MAX_TEXT)
+    except OSError as error:
+        on_skipped(SkippedEntry(location=str(path), reason=error.strerror or "cannot be read"))
+        return ""
+    if b"\0" in data:
+        on_skipped(SkippedEntry(location=str(path), reason="is binary"))
+        return ""
+    return data.decode("utf-8", errors="replace")
+
+
+def find_readme(folder: Path, root: Path) -> Path | None:
+    """Return the README of a folder, Markdown before the others; no link out of the real `root`."""
+    candidates = [
+        path
+        for path in folder.glob("[Rr][Ee][Aa][Dd][Mm][Ee]*")
+        if path.suffix.lower() in _EXTENSIONS and is_regular(path) and is_inside(path, (root,))
+    ]
+    return min(candidates, key=_rank, default=None)
+
+
+def _rank(path: Path) -> tuple[int, str]:
+    return _EXTENSIONS.index(path.suffix.lower()), path.name
+
+
+MANIFEST = "package.xml"
+
+
+def read_package(folder: Path, root: Path) -> SourcePackage:
+    """Return a folder's package; `root` is the real folder of the repository that it lies in.
+
+    Raise UnreadableError where its package.xml cannot be read, or lies elsewhere.
+    """
+    document = _parse_manifest(folder / MANIFEST, root)
+    manifest = parse_manifest(document, folder)
+    return SourcePackage(
+        name=(document.findtext("name") or "").strip()[:MAX_NAME] or folder.name,
+        description=manifest.description,
+        depends=manifest.depends,
+        folder=folder,
+    )
+
+
+def _parse_manifest(path: Path, root: Path) -> Element:
+    if not is_inside(path, (root,)):
+        raise UnreadableEntryError("is a link that leads out of the repository, or nowhere")
+    try:
+        return parse_xml(path)
+    except InputError as error:
+        raise UnreadableEntryError(error.reason, line=error.line) from None
+
 
 MAX_FOLDERS = 200_000
 _IGNORED = frozenset({"CATKIN_IGNORE", "COLCON_IGNORE", "AMENT_IGNORE"})

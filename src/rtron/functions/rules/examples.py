@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rtron.functions.text.names import name_tokens
-from rtron.functions.text.sentences import split_sentences
+from rtron.functions.text.prose import split_sentences
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator

@@ -4,22 +4,51 @@ from __future__ import annotations
 
 from functools import cache
 from importlib.resources import files
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import yaml
-from pydantic import ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from rtron.errors import InputError
+from rtron.functions.classifier.result import InformationSource
 from rtron.functions.patterns.index import PatternIndex
 from rtron.functions.patterns.parser import parse_pattern
-from rtron.functions.rules.form import RuleFileSchema, RuleSchema
 from rtron.functions.rules.rule import FunctionRule
+from rtron.vocabulary import FunctionType  # noqa: TC001 - pydantic reads it
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from rtron.functions.patterns.syntax_tree import PatternNode
     from rtron.vocabulary import FunctionType
+
+
+RuleText = Annotated[str, Field(min_length=1, max_length=2000)]
+RuleTexts = Annotated[tuple[RuleText, ...], Field(max_length=200)]
+
+
+class RuleSchema(BaseModel):
+    """A rule as it is written."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    id: Annotated[str, Field(pattern=r"^[a-z][a-z0-9-]*$")]
+    weight: Annotated[float, Field(ge=1, le=9)]
+    patterns: Annotated[RuleTexts, Field(min_length=1)]
+    pieces: Annotated[tuple[InformationSource, ...], Field(min_length=1)] = tuple(InformationSource)
+    vetoes: RuleTexts = ()
+    matches: Annotated[RuleTexts, Field(min_length=1)]
+    excludes: Annotated[RuleTexts, Field(alias="not", min_length=1)]
+
+
+class RuleFileSchema(BaseModel):
+    """A file of rules."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    type: FunctionType
+    rules: Annotated[tuple[RuleSchema, ...], Field(min_length=1)]
+
 
 _DATA = files("rtron.functions.rules") / "data"
 _WORD_LISTS = "words.yaml"

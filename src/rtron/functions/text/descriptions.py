@@ -3,7 +3,7 @@
 import re
 from collections.abc import Iterator
 
-from rtron.functions.text.sentences import split_sentences
+from rtron.functions.text.prose import split_sentences
 from rtron.functions.text.tokens import Tokens
 
 _MAX_CHARACTERS = 4000

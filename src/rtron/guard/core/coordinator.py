@@ -9,9 +9,8 @@ from rtron.guard.action.common.turns import TurnSharingStream
 from rtron.guard.action.ros1.simple_goals import SimpleGoalStream, action_of_result
 from rtron.guard.action.ros1.stream import Ros1ActionStream
 from rtron.guard.action.ros2.endpoints import ActionTransport
-from rtron.guard.action.ros2.observed import ObservedActionStream
 from rtron.guard.action.ros2.simple_goals import Ros2SimpleGoalStream
-from rtron.guard.action.ros2.stream import Ros2ActionStream
+from rtron.guard.action.ros2.stream import ObservedActionStream, Ros2ActionStream
 from rtron.guard.core.alarms import Alarms
 from rtron.guard.core.diagnostics import active_text, alarm_statuses, emergency_statuses, statuses
 from rtron.guard.core.handover_state import HandoverState

@@ -18,8 +18,7 @@ from hashlib import blake2b
 from time import monotonic_ns
 
 from rtron.guard.core.handover_state import HandoverState
-from rtron.guard.transport.common.protocol import MessageHandler
-from rtron.guard.transport.numbered import NumberedMessage
+from rtron.guard.transport.common.protocol import MessageHandler, NumberedMessage
 from rtron.vocabulary import SECOND
 
 log = logging.getLogger(__name__)

@@ -9,9 +9,32 @@ from rtron.errors import WireError
 from rtron.guard.core.log_throttle import LogThrottle
 from rtron.guard.core.message_types import stamp_of
 from rtron.guard.core.observations import EventSource, Observations
-from rtron.guard.news import StampFilter
 from rtron.guard.transport.common.protocol import MessageHandler, Peer, Transport
+from rtron.policies.velocity_limit.frame_rate import NO_STAMP
 from rtron.vocabulary import PRIVATE_ROOT, FpsMonitor, WatchedFlow, matches_node
+
+
+class StampFilter:
+    """Knows the stamp of the last event of one publisher.
+
+    That a message arrives does not make what it says fresh: a node that repeats its last message
+    looks alive. Without a stamp, or with stamp 0, each message is news.
+    """
+
+    def __init__(self, stamp: Callable[[bytes], int]) -> None:
+        self._stamp = stamp
+        self._last_stamp = NO_STAMP
+
+    def is_new(self, message: bytes) -> bool:
+        """Tell whether a message is not the last one once more; one without a head is new."""
+        try:
+            stamp = self._stamp(message)
+        except WireError:
+            return True
+        is_repeated = stamp == self._last_stamp != NO_STAMP
+        self._last_stamp = stamp
+        return not is_repeated
+
 
 log = logging.getLogger(__name__)
 

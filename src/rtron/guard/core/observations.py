@@ -1,11 +1,14 @@
 """What the guard learns beside the streams: the app's events and frame rates, as the plan says."""
 
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from rtron.guard.judging import EvaluateMessage, EvaluatorFactory
+from rtron.errors import PlanError
+from rtron.messages.common.definition_registry import DefinitionRegistry
+from rtron.messages.common.encoding import Encoding
 from rtron.messages.expressions.condition import Condition
+from rtron.messages.expressions.evaluator import MessageEvaluator
 from rtron.policies.mission.event_bits import EventBit, EventBits
 from rtron.policies.mission.rule_block import RuleResult
 from rtron.policies.mission.rule_status import MissionMonitor
@@ -19,6 +22,41 @@ from rtron.vocabulary import (
     Plan,
     normalise_type,
 )
+
+EvaluateMessage = Callable[[bytes], Sequence[RuleResult]]
+"""Judges a message by several expressions, in their order."""
+
+
+class EvaluatorFactory:
+    """Makes judges for the message types of a plan, with the areas and transforms of its MSRCN."""
+
+    def __init__(self, plan: Plan, msrcn: MSRCN) -> None:
+        self._definitions = DefinitionRegistry(plan.messages, ros=plan.ros)
+        self._encoding = Encoding.ROS1 if plan.ros == 1 else Encoding.CDR
+        self._msrcn = msrcn
+
+    def create(
+        self, type: str, subject: str, texts: Sequence[str], frames: Sequence[str]
+    ) -> tuple[str, EvaluateMessage]:
+        """Return the MD5 sum of `type`, and what judges its messages by `texts`.
+
+        PlanError if the type is not known or an expression cannot be used.
+        """
+        definition = self._definitions.find(type)
+        if definition is None:
+            help = "add its text under `messages`; for ROS 2, source the workspace that has it"
+            raise PlanError(f"no definition of {type or 'a type that is not named'}", help=help)
+        evaluator = MessageEvaluator(
+            definition,
+            texts,
+            subject=subject,
+            encoding=self._encoding,
+            areas=self._msrcn.areas,
+            transforms=self._msrcn.transforms,
+            frames=frames,
+        )
+        return definition.md5sum, evaluator.evaluate
+
 
 MAX_EVENT = 1 << 20
 """The longest event that an expression looks into, bytes: all other streams wait meanwhile."""

@@ -12,16 +12,21 @@ from rtron.guard.core.override_policy import OverridablePolicy
 from rtron.guard.core.pipeline import Pipeline
 from rtron.guard.core.stop_controller import StopController
 from rtron.guard.core.stream_endpoints import StreamEndpoints
-from rtron.guard.core.stream_settings import MessageFormat, StreamUpdate, prepare_update
-from rtron.guard.derived import revision_of, rules_met_by_flow
-from rtron.guard.stages import create_policies
+from rtron.guard.core.stream_settings import (
+    MessageFormat,
+    StreamUpdate,
+    create_policies,
+    prepare_update,
+    revision_of,
+    rules_met_by_flow,
+)
 from rtron.guard.transport.common.protocol import Transport
 from rtron.policies import Policy, Release
 from rtron.policies.mission.rule_status import RuleStatus
 from rtron.vocabulary import UNAPPROVED, Decision, Stream, Verdict, matches_node
 
 if TYPE_CHECKING:
-    from rtron.guard.delays import LatencyStatistics
+    from rtron.guard.measurement.histogram import LatencyStatistics
     from rtron.guard.measurement.stream import StreamMeasurement
     from rtron.messages.common.velocity import VelocityCodec
 

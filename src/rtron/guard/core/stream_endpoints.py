@@ -11,7 +11,7 @@ from rtron.guard.core.message_types import codec_of, standard_info
 from rtron.guard.core.observations import Observations
 from rtron.guard.core.printable import printable
 from rtron.guard.core.stream_outputs import StreamOutputs
-from rtron.guard.derived import rules_md5sum, with_unapproved
+from rtron.guard.core.stream_settings import rules_md5sum, with_unapproved
 from rtron.guard.transport.common.protocol import (
     ConnectHandler,
     MessageHandler,

@@ -12,16 +12,38 @@ from rtron.guard.core.coordinator import Coordinator
 from rtron.guard.core.stream import GuardedStream
 from rtron.guard.link.event_counter import EventCounter
 from rtron.guard.link.stream_monitor import StreamMonitor
-from rtron.guard.link.verdict_stage import stage_of
 from rtron.policies.mission.rule_status import RuleStatus
 from rtron.vocabulary import (
     Alarm,
+    CoordinationKind,
     Decision,
     EventKind,
     GuardEvent,
     GuardEventLevel,
+    PolicyName,
+    Stage,
+    Stream,
     Verdict,
 )
+
+_RSRCN = (PolicyName.SAFE, PolicyName.CONSTRAIN, PolicyName.SAFE_CONSTRAIN)
+
+
+def stage_of(stream: Stream, verdict: Verdict) -> str:
+    """Return the id of the stage that gave a verdict."""
+    stages = (stage.id for stage in stream.stages if _is_from(stage, verdict))
+    return next(stages, stream.stages[0].id)
+
+
+def _is_from(stage: Stage, verdict: Verdict) -> bool:
+    if verdict.policy in _RSRCN:
+        return stage.coordination_kind is CoordinationKind.RSRCN
+    if verdict.policy is not PolicyName.BLOCK:
+        return stage.coordination_kind is CoordinationKind.GRCN
+    if verdict.reason.startswith("rule "):
+        return stage.coordination_kind is CoordinationKind.MSRCN
+    return any(flow.name == verdict.flow and flow.block for flow in stage.settings.flows)
+
 
 EventSink = Callable[[GuardEvent], None]
 _MAX_REASON = 300

@@ -13,7 +13,6 @@ from dataclasses import replace
 
 from rtron.errors import RTronError, SourceError
 from rtron.guard.link.event_counter import forget_run, former_runs
-from rtron.guard.link.line_writer import LineWriter
 from rtron.guard.link.options import LinkOptions
 from rtron.guard.link.service_connection import ServiceConnection
 from rtron.guard.link.settings_file import read_settings, write_settings
@@ -31,6 +30,34 @@ from rtron.wire.common.link_protocol import (
     encode_event,
     encode_to_guard,
 )
+
+
+class LineWriter:
+    """Says lines to a connected socket, in their order, until it takes no more."""
+
+    def __init__(self, sock: socket.socket) -> None:
+        self._sock = sock.dup()
+        self._sock.settimeout(0)
+        self._lines: asyncio.Queue[bytes] = asyncio.Queue()
+        self._task = asyncio.create_task(self._run())
+
+    def write(self, line: bytes) -> None:
+        """Say a line, as soon as those before it are said."""
+        self._lines.put_nowait(line + b"\n")
+
+    def close(self) -> None:
+        """Say no more."""
+        self._task.cancel()
+        self._sock.close()
+
+    async def _run(self) -> None:
+        loop = asyncio.get_running_loop()
+        try:
+            while True:
+                await loop.sock_sendall(self._sock, await self._lines.get())
+        except OSError as error:
+            log.debug("the guard hears no more: %s", error)
+
 
 log = logging.getLogger(__name__)
 

@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING, Any
 
 from rtron.guard.core.stream import GuardedStream
-from rtron.guard.delays import LatencyStatistics
+from rtron.guard.measurement.histogram import LatencyStatistics
 from rtron.vocabulary import StreamState, VerdictCounts
 
 if TYPE_CHECKING:

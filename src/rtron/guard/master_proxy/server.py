@@ -4,6 +4,7 @@ What goes on is written anew from what was understood, never the caller's own by
 calls in `system.multicall` (when it leaves, and to set parameters): each is judged by itself.
 """
 
+import logging
 import socket
 from collections import OrderedDict
 from collections.abc import Callable, Iterator, Sequence
@@ -15,9 +16,9 @@ from xmlrpc.client import dumps
 
 from rtron.errors import WireError
 from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.core.log_throttle import PERIOD, LogThrottle
 from rtron.guard.master_proxy.access_rules import METHODS, MULTICALL, Topics, denial_reason
 from rtron.guard.master_proxy.name_registry import NameRegistry
-from rtron.guard.master_proxy.refusal_log import RefusalLog
 from rtron.guard.master_proxy.upstream import MAX_RESPONSE_BYTES, Upstream
 from rtron.guard.transport.ros1.http_connection import HttpConnection, HttpLimits, MemoryBudget
 from rtron.wire.ros1.xmlrpc import (
@@ -27,6 +28,42 @@ from rtron.wire.ros1.xmlrpc import (
     encode_response,
     split_uri,
 )
+
+log = logging.getLogger(__name__)
+
+_MAX_PER_PERIOD = 20
+_MAX_LENGTH = 200
+
+
+class RefusalLog:
+    """The log of what the fence refuses; a flood of callers with new names does not fill it."""
+
+    def __init__(self, now: Callable[[], int]) -> None:
+        self._now = now
+        self._log_throttle = LogThrottle()
+        self._period_start = now()
+        self._logged_count = self._suppressed_count = 0
+
+    def log_refusal(self, caller: object, method: str, why: str) -> None:
+        """Log that a caller's call was refused."""
+        now = self._now()
+        if now - self._period_start >= PERIOD:
+            self._begin_period(now)
+        who = str(caller)[:_MAX_LENGTH]
+        if self._logged_count >= _MAX_PER_PERIOD:
+            self._suppressed_count += 1
+        elif self._log_throttle.allows((who, why), now):
+            self._logged_count += 1
+            log.warning("refused: %s to %s: %s", method[:_MAX_LENGTH], ascii(who), why)
+
+    def _begin_period(self, now: int) -> None:
+        """Begin a new second; what was said in earlier ones no longer matters."""
+        if self._suppressed_count:
+            log.warning("refused: %d more", self._suppressed_count)
+        self._log_throttle = LogThrottle()
+        self._period_start = now
+        self._logged_count = self._suppressed_count = 0
+
 
 BOUNDS = HttpLimits(request=MAX_BODY, response=MAX_RESPONSE_BYTES)
 MAX_CLIENTS = 1000

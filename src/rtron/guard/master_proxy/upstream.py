@@ -10,7 +10,7 @@ import h11
 
 from rtron.errors import WireError
 from rtron.guard.core.event_loop import EventLoop
-from rtron.guard.transport.ros1.tuning import set_socket_options
+from rtron.guard.transport.ros1.tcp_server import set_socket_options
 
 log = logging.getLogger(__name__)
 

@@ -10,11 +10,15 @@ from contextlib import suppress
 from rtron.errors import SourceError
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.supervision.guard_config import GuardConfig
-from rtron.guard.supervision.guard_socket import is_running
 from rtron.guard.supervision.programs import GUARD, command
 from rtron.guard.supervision.shared_memory import GuardMemory, StatusWord
 from rtron.guard.supervision.supervisor_fsm import OK
-from rtron.guard.supervision.supervisor_handover import BEGIN, HandoverAnswer, request_handover
+from rtron.guard.supervision.supervisor_handover import (
+    BEGIN,
+    HandoverAnswer,
+    is_running,
+    request_handover,
+)
 from rtron.vocabulary import SECOND
 
 _END_TIMEOUT = 8 * SECOND

@@ -6,9 +6,8 @@ import socket
 import sys
 
 from rtron.guard.runner import run_guard
-from rtron.guard.supervision.exit_code import run_program
 from rtron.guard.supervision.guard_config import read_config, stopped_streams
-from rtron.guard.supervision.programs import open_descriptors
+from rtron.guard.supervision.programs import open_descriptors, run_program
 from rtron.guard.supervision.shared_memory import GuardMemory
 from rtron.guard.supervision.supervisor_client import SupervisorClient
 from rtron.guard.supervision.supervisor_handover import BEGIN

@@ -6,7 +6,16 @@ whatever lies in the folder where it is started, and needs nothing of the comman
 
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import NoReturn
+
+from rtron.errors import RTronError
+from rtron.guard.link.options import LinkOptions
+from rtron.guard.supervision.guard_config import GuardConfig
+from rtron.guard.supervision.supervisor_fsm import GUARD_EXISTS, REFUSED
+from rtron.guard.supervision.supervisor_handover import GuardExistsError
+from rtron.vocabulary import MeasuredRun, Plan
 
 _CODE = (
     "import sys; sys.path[:] = sys.argv[3:]; "
@@ -31,3 +40,37 @@ def open_descriptors(numbers: str) -> list[int]:
     for descriptor in opened:
         os.set_inheritable(descriptor, False)  # noqa: FBT003 - positional only
     return opened
+
+
+def run_program(run: Callable[[], int]) -> int:
+    """Return the exit code of `run`; if it fails, say why as the command line does."""
+    try:
+        return run()
+    except RTronError as error:
+        rows = [f"error: {error}", *([f"help: {error.help}"] if error.help else [])]
+        sys.stderr.write("\n".join(rows) + "\n")
+        return GUARD_EXISTS if isinstance(error, GuardExistsError) else REFUSED
+
+
+def supervise(
+    plan: Plan,
+    master: str,
+    *,
+    log_level: str,
+    dry_run: bool = False,
+    control: Path | None = None,
+    figures: Callable[[MeasuredRun], None] | None = None,
+    link: LinkOptions | None = None,
+) -> NoReturn:
+    """Become the supervisor of a guard that is told what `run_guard` is.
+
+    The process is the same, but forgets everything it has imported so far.
+    """
+    options = {"dry_run": dry_run, "control": control, "figures": figures, "link": link}
+    config_file = GuardConfig(
+        plan=plan, master=master, log_level=log_level, options=options
+    ).write_to_memory()
+    os.set_inheritable(config_file, True)  # noqa: FBT003 - positional only
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os.execv(sys.executable, command(SUPERVISOR, [config_file]))  # noqa: S606 - our own Python

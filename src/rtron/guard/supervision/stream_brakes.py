@@ -4,8 +4,13 @@ import logging
 
 from rtron.guard.core.message_types import codec_of, standard_info
 from rtron.guard.core.stop_controller import StopController
-from rtron.guard.supervision.last_message import decode_last_message, decode_type_info
-from rtron.guard.supervision.shared_memory import DoubleBuffer, GuardMemory, StatusWord
+from rtron.guard.supervision.shared_memory import (
+    DoubleBuffer,
+    GuardMemory,
+    StatusWord,
+    decode_last_message,
+    decode_type_info,
+)
 from rtron.guard.transport.common.protocol import Output, Transport, TypeInfo
 from rtron.messages.common.velocity import VelocityCodec
 from rtron.vocabulary import SUPERVISOR_NODE, UNAPPROVED, QoS, Stream, output_topic

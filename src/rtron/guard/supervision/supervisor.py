@@ -12,7 +12,6 @@ from rtron.guard.core.log_throttle import LogThrottle
 from rtron.guard.core.printable import printable
 from rtron.guard.supervision.guard_config import GuardConfig, stopped_streams
 from rtron.guard.supervision.guard_process import GuardProcess, adopt_guard, spawn_guard
-from rtron.guard.supervision.guard_socket import is_running
 from rtron.guard.supervision.link_process import LinkProcess
 from rtron.guard.supervision.shared_memory import GuardMemory, StatusWord
 from rtron.guard.supervision.stream_brakes import StreamBrakes
@@ -23,7 +22,7 @@ from rtron.guard.supervision.supervisor_fsm import (
     SupervisorAction,
     SupervisorFsm,
 )
-from rtron.guard.supervision.supervisor_handover import RELEASE
+from rtron.guard.supervision.supervisor_handover import RELEASE, is_running
 from rtron.guard.supervision.watchdog import BEAT_PERIOD, Watchdog
 from rtron.guard.transport.factory import open_transport
 from rtron.guard.transport.ros1.middleware import Ros1Transport

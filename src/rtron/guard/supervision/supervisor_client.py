@@ -15,15 +15,22 @@ from rtron.guard.core.handover_state import HandoverState
 from rtron.guard.core.out_of_memory import exit_if_out_of_memory
 from rtron.guard.core.stream import GuardedStream
 from rtron.guard.supervision.guard_config import GuardConfig, is_stoppable
-from rtron.guard.supervision.guard_socket import is_running, peer_credentials
-from rtron.guard.supervision.last_message import LastMessage, decode_last_message, encode_type_info
 from rtron.guard.supervision.programs import BACKUP_SUPERVISOR, command
-from rtron.guard.supervision.shared_memory import DoubleBuffer, GuardMemory, StatusWord
+from rtron.guard.supervision.shared_memory import (
+    DoubleBuffer,
+    GuardMemory,
+    LastMessage,
+    StatusWord,
+    decode_last_message,
+    encode_type_info,
+)
 from rtron.guard.supervision.supervisor_handover import (
     RELEASE,
     HandoverAnswer,
     HandoverSocket,
     bind_guard_socket,
+    is_running,
+    peer_credentials,
 )
 from rtron.guard.supervision.watchdog import BEAT_PERIOD, Watchdog
 from rtron.guard.transport.common.protocol import TypeInfo

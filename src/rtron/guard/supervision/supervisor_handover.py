@@ -4,16 +4,47 @@ The supervisor sends one line of JSON, `{"order": DIGEST}`, and gets one back: `
 with the shared memory if it is `yes`. From then on the connection is what ties the two.
 """
 
+import hashlib
 import json
 import os
 import socket
+import struct
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from enum import Enum
+from pathlib import Path
 
 from rtron.errors import SourceError
 from rtron.guard.core.event_loop import EventLoop
-from rtron.guard.supervision.guard_socket import guard_address, peer_credentials
+
+_CREDENTIALS = struct.Struct("3i")
+
+
+def guard_address(master: str) -> bytes:
+    """Return the address of the guard on a master."""
+    digest = hashlib.sha256(master.rstrip("/").encode()).hexdigest()[:32]
+    return f"\0rtron-guard-{os.getuid()}-{digest}".encode()
+
+
+def peer_credentials(sock: socket.socket) -> tuple[int, int]:
+    """Return the process and the user at the other end, as the kernel says (SO_PEERCRED)."""
+    data = sock.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, _CREDENTIALS.size)
+    pid, uid, _ = _CREDENTIALS.unpack(data)
+    return pid, uid
+
+
+def is_running(pid: int) -> bool:
+    """Tell whether a process is there and alive; one that we may not signal or look at is."""
+    with suppress(PermissionError):
+        try:
+            os.kill(pid, 0)
+        except ProcessLookupError:
+            return False
+    with suppress(OSError):
+        return Path(f"/proc/{pid}/stat").read_bytes().rpartition(b") ")[2][:1] not in b"ZX"
+    return True
+
 
 RELEASE = b"L"
 """What a guard says to the supervisor whose place another one takes."""

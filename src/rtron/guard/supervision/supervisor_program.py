@@ -4,9 +4,8 @@ import logging
 import sys
 
 from rtron.guard.core.event_loop import EventLoop
-from rtron.guard.supervision.exit_code import run_program
 from rtron.guard.supervision.guard_config import read_config
-from rtron.guard.supervision.programs import open_descriptors
+from rtron.guard.supervision.programs import open_descriptors, run_program
 from rtron.guard.supervision.supervisor import Supervisor
 
 

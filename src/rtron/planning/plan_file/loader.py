@@ -55,6 +55,6 @@ def _expression_problems(plan: Plan) -> Iterable[tuple[object, str, InputError]]
 
 
 def _with_recorded_definitions(plan: Plan, definitions: Mapping[str, str]) -> Plan:
-    from rtron.planning.recorded import with_recorded_definitions  # noqa: PLC0415 - only a replay needs it
+    from rtron.planning.expressions import with_recorded_definitions  # noqa: PLC0415 - only a replay needs it
 
     return with_recorded_definitions(plan, definitions)

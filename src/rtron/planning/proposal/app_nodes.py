@@ -8,7 +8,7 @@ they observe all that they know.
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from itertools import count
 
-from rtron.planning.frames import is_image
+from rtron.planning.app_topics import is_image
 from rtron.planning.plan_file.defaults import node_id, with_distinct_ids
 from rtron.planning.plan_file.fields import NODE_NAME
 from rtron.planning.proposal.app_model import AppModel

@@ -1,4 +1,3 @@
-from rtron.planning.tuning.tuner import tune_plan
-from rtron.planning.tuning.written import tuned_yaml
+from rtron.planning.tuning.tuner import tune_plan, tuned_yaml
 
 __all__ = ["tune_plan", "tuned_yaml"]

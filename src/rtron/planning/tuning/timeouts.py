@@ -11,9 +11,16 @@ from dataclasses import replace
 
 from rtron.planning.tuning.duration_fit import SILENCE_BOUNDS, describe_durations, fit_duration
 from rtron.planning.tuning.formatting import count_text
-from rtron.planning.tuning.run_statistics import AddProposal, PlanKey, flow_statistics
+from rtron.planning.tuning.run_statistics import (
+    AddProposal,
+    PlanKey,
+    RunStatistics,
+    flow_statistics,
+)
 from rtron.vocabulary import (
     GRCN,
+    EventFlow,
+    EventStatistics,
     Flow,
     FlowStatistics,
     PolicyName,
@@ -97,3 +104,36 @@ def _uses_release_after(grcn: GRCN, flow: Flow) -> bool:
         return True
     commands = grcn.kind is StreamKind.COMMAND and grcn.policy in _QUEUES
     return commands and flow.timeout is None
+
+
+def tune_event_ages(
+    node: str, flow: EventFlow, measured: RunStatistics, note: AddProposal
+) -> EventFlow:
+    """Return an eflow whose bit is known through the gaps of its source."""
+    named = (each for each in measured.run.events if each.name == flow.name)
+    figures = next(named, EventStatistics(name=flow.name))
+    if flow.silent is not None:
+        why = "an absence is not to be told too early"
+        after = _fit_event_duration(node, flow, "silent", figures, note, why)
+        return replace(flow, silent=after)
+    if flow.when and flow.present is None:
+        why = "it comes when something changes" if figures.pauses.count else ""
+        return replace(flow, max_age=_fit_event_duration(node, flow, "max_age", figures, note, why))
+    return flow
+
+
+def _fit_event_duration(
+    node: str,
+    flow: EventFlow,
+    key: str,
+    figures: EventStatistics,
+    note: AddProposal,
+    objection: str,
+) -> int:
+    before: int = getattr(flow, key)
+    fit = fit_duration(before, [figures.gaps], SILENCE_BOUNDS, objection=objection)
+    plan_key = PlanKey(node=node, flow=flow.name, key=key)
+    note(
+        plan_key.proposal(before, fit, describe_durations(figures.gaps, "gap"), figures.gaps.count)
+    )
+    return fit.after

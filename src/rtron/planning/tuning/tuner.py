@@ -3,15 +3,23 @@
 The figures are those of a run in which nothing was amiss: what happened in it counts as normal.
 """
 
+import re
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from textwrap import wrap
 
 from rtron.planning.coherence.shared_topics import shared_topic_problems
-from rtron.planning.tuning.events import tune_event_ages
+from rtron.planning.plan_file.writer import write_plan
 from rtron.planning.tuning.flow_priorities import tune_priorities
+from rtron.planning.tuning.formatting import count_text
 from rtron.planning.tuning.goal_durations import tune_goal_durations, tune_max_age
-from rtron.planning.tuning.remarks import observations
-from rtron.planning.tuning.run_statistics import AddProposal, RunStatistics
-from rtron.planning.tuning.timeouts import tune_command_timeouts, tune_release_after, tune_silences
+from rtron.planning.tuning.run_statistics import AddProposal, RunStatistics, flow_statistics
+from rtron.planning.tuning.timeouts import (
+    tune_command_timeouts,
+    tune_event_ages,
+    tune_release_after,
+    tune_silences,
+)
 from rtron.planning.tuning.velocity_limits import (
     report_limited_velocities,
     tune_frame_monitor,
@@ -21,15 +29,43 @@ from rtron.vocabulary import (
     GRCN,
     MSRCN,
     RSRCN,
+    UNAPPROVED,
     Flow,
     GuardedTopic,
     MeasuredRun,
     Mode,
     Plan,
     StreamKind,
+    StreamStatistics,
     TuningProposal,
     TuningProposalKind,
 )
+
+
+def observations(
+    node: str, flows: Sequence[Flow], stream: StreamStatistics
+) -> Iterator[TuningProposal]:
+    """Yield what there is to look at on one topic."""
+    for flow in flows:
+        if not flow_statistics(stream, flow).messages:
+            why = f"{flow.publisher} never spoke: nothing can be said about it"
+            yield _look_proposal(node, "publisher", why, 0, flow.name)
+    for name in stream.strangers:
+        why = f"{name} is not in the plan and published here: give it a flow, or leave it blocked"
+        message_count = sum(each.messages for each in stream.flows if each.flow == UNAPPROVED)
+        total = (
+            f" ({count_text(message_count, 'message')} of strangers in all)"
+            if message_count
+            else ""
+        )
+        yield _look_proposal(node, "flows", why + total, message_count)
+
+
+def _look_proposal(node: str, key: str, why: str, samples: int, flow: str = "") -> TuningProposal:
+    return TuningProposal(
+        kind=TuningProposalKind.LOOK, node=node, flow=flow, key=key, why=why, samples=samples
+    )
+
 
 _DEFAULT = Flow(name="", publisher="")
 
@@ -138,3 +174,30 @@ def _no_statistics(node: str, topic: str) -> TuningProposal:
 def _other_app(plan: Plan, run: MeasuredRun) -> TuningProposal:
     why = f"the run is of {run.app!r} on ROS {run.ros}, the plan for {plan.app!r} on ROS {plan.ros}"
     return TuningProposal(kind=TuningProposalKind.LOOK, node=plan.app, key="app", why=why)
+
+
+_WIDTH = 98
+_ID = re.compile(r"( *)(?:- )?id: \"?(\w+)\"?")
+
+
+def tuned_yaml(plan: Plan, proposals: Sequence[TuningProposal]) -> str:
+    """Return the YAML of a plan; above a coordination node stands what a run has changed in it."""
+    changed = [each for each in proposals if each.kind is TuningProposalKind.CHANGE]
+    return "\n".join(_lines(write_plan(plan).split("\n"), changed))
+
+
+def _lines(plan: Sequence[str], changed: Sequence[TuningProposal]) -> Iterator[str]:
+    for line in plan:
+        named = _ID.fullmatch(line)
+        for each in changed if named else ():
+            if named and each.node == named[2]:
+                yield from _comment(each, named[1])
+        yield line
+
+
+def _comment(proposal: TuningProposal, indent: str) -> Iterator[str]:
+    where = " ".join(filter(None, (proposal.flow, proposal.key)))
+    text = f"{where}: {proposal.before} -> {proposal.after} ({proposal.why})"
+    printable = "".join(each if each.isprintable() else "?" for each in text)
+    start = f"{indent}# "
+    yield from wrap(printable, _WIDTH, initial_indent=start, subsequent_indent=f"{start}  ")

@@ -2,6 +2,7 @@
 
 import asyncio
 import logging
+from collections import OrderedDict
 from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager, suppress
 from typing import Any
@@ -9,7 +10,6 @@ from typing import Any
 from anyio import to_thread
 from sqlalchemy.exc import SQLAlchemyError
 
-from rtron.service.alerts.repeats import DuplicateFilter
 from rtron.service.alerts.webhook_call import new_client
 from rtron.service.alerts.worker import WebhookWorker, WorkerContext
 from rtron.service.domain.clock import Clock
@@ -17,6 +17,30 @@ from rtron.service.live.hub import Hub
 from rtron.service.store.database import Database
 from rtron.service.store.tables import WebhookRow
 from rtron.service.store.webhooks import all_webhooks, store_failure
+
+_MAX_ALARMS = 10_000
+_KEY = ("robot", "kind", "level", "node", "topic", "flow", "publisher", "decision")
+
+
+class DuplicateFilter:
+    """Tells events that were told within `window` (ns) of late; bounded, time passed in."""
+
+    def __init__(self, window: int = 60_000_000_000) -> None:
+        self._window = window
+        self._reported_at: OrderedDict[tuple[Any, ...], int] = OrderedDict()
+
+    def is_duplicate(self, event: Mapping[str, Any], now: int) -> bool:
+        """Tell whether an event like this was told of late; if not, it is told now."""
+        key = tuple(event.get(name) for name in _KEY)
+        reported_at = self._reported_at.get(key)
+        if reported_at is not None and now - reported_at < self._window:
+            return True
+        self._reported_at[key] = now
+        self._reported_at.move_to_end(key)
+        if len(self._reported_at) > _MAX_ALARMS:
+            self._reported_at.popitem(last=False)
+        return False
+
 
 log = logging.getLogger(__name__)
 

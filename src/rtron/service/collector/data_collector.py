@@ -6,12 +6,11 @@ import time
 from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
+from typing import Protocol
 
 from sqlalchemy.exc import SQLAlchemyError
 
 from rtron.service.collector.event_writer import EventWriter
-from rtron.service.collector.greeting import HandshakeHandler
-from rtron.service.collector.tally import CollectorCounters
 from rtron.service.domain.clock import Clock
 from rtron.service.live.hub import Hub
 from rtron.service.store.database import Database
@@ -27,6 +26,42 @@ from rtron.service.store.robots import find_robot, plan_digest, plan_json, regis
 from rtron.service.store.settings import load_settings, newest_settings
 from rtron.vocabulary import EventKind, GuardEventLevel, Settings
 from rtron.wire.common.link_protocol import Applied, Hello
+
+
+@dataclass(slots=True)
+class CollectorCounters:
+    """Counters; `protocol_violations` are connections that said what is no message, `slow_connections` those too slow.
+
+    `duplicate_events` are events that came again and were stored already; `transactions` and `transaction_seconds` tell
+    how many transactions it took, and how long (s); `failed_batches` are batches that could not be
+    stored, `pruned_events` are events that retention deleted.
+    """
+
+    connections: int = 0
+    unauthorised_connections: int = 0
+    replaced_connections: int = 0
+    protocol_violations: int = 0
+    slow_connections: int = 0
+    stored_events: int = 0
+    duplicate_events: int = 0
+    transactions: int = 0
+    transaction_seconds: float = 0.0
+    failed_batches: int = 0
+    pruned_events: int = 0
+
+
+class HandshakeHandler(Protocol):
+    """Both are called in threads, never in the event loop; they may be called again alike."""
+
+    def handle_hello(self, robot: str, hello: Hello) -> Settings:
+        """Keep the robot's app, plan and coordination nodes; return the settings to put in force.
+
+        RTronError refuses the guard; its text is told.
+        """
+
+    def handle_applied(self, robot: str, applied: Applied) -> None:
+        """Note that the guard has put settings in force, or why it has not."""
+
 
 log = logging.getLogger(__name__)
 

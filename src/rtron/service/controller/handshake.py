@@ -1,5 +1,6 @@
 """What is stored when a guard says hello, and which settings it is to put in force."""
 
+from collections import deque
 from dataclasses import dataclass, replace
 
 from sqlalchemy.orm import Session
@@ -24,7 +25,7 @@ from rtron.service.store.robots import (
 )
 from rtron.service.store.settings import ChangeAuthor, add_settings, load_settings, newest_settings
 from rtron.service.store.tables import AppRow, RobotRow, SettingsRow
-from rtron.vocabulary import EmergencyStop, Plan, Settings, apply_settings
+from rtron.vocabulary import SECOND, EmergencyStop, Plan, Settings, apply_settings
 from rtron.wire.common.link_protocol import Hello
 
 MAX_APPS = 100
@@ -176,3 +177,23 @@ class _HandshakeTransaction:
             who=f"guard:{self.robot}", action=action, target=self.robot, detail=detail
         )
         record_event(self.session, self.now, event)
+
+
+MAX_HELLOS_PER_MINUTE = 10
+"""The most hellos of one robot within a minute that change its app, its plan or its settings."""
+_MINUTE = 60 * SECOND
+
+
+class HelloRateLimit:
+    """Counts such hellos of each robot; not for several threads at once."""
+
+    def __init__(self) -> None:
+        self._times: dict[str, deque[int]] = {}
+
+    def count(self, robot: str, now: int) -> None:
+        """Count one at `now` (ns, wall clock); InputError if there were too many."""
+        times = self._times.setdefault(robot, deque(maxlen=MAX_HELLOS_PER_MINUTE))
+        if len(times) == MAX_HELLOS_PER_MINUTE and abs(now - times[0]) < _MINUTE:
+            message = f"more than {MAX_HELLOS_PER_MINUTE} hellos within a minute that change the app or the plan"
+            raise InputError(message, help="do several guards have this robot's token?")
+        times.append(now)

@@ -15,8 +15,7 @@ from sqlalchemy.orm import Session
 
 from rtron.errors import RTronError, SourceError
 from rtron.service.api.auth.authentication import Principal
-from rtron.service.controller.handshake import check_hello, perform_handshake
-from rtron.service.controller.pace import HelloRateLimit
+from rtron.service.controller.handshake import HelloRateLimit, check_hello, perform_handshake
 from rtron.service.controller.robot_snapshot import (
     RobotSnapshot,
     drop_expired_overrides,

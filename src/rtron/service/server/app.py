@@ -11,17 +11,13 @@ from rtron import __version__
 from rtron.service.alerts.dispatcher import AlertDispatcher
 from rtron.service.api.context import ServiceContext
 from rtron.service.api.error_responses import ERROR_RESPONSES, install_error_handlers
-from rtron.service.api.middleware.failures import InternalErrorHandler
-from rtron.service.api.middleware.hosts import HostCheck
-from rtron.service.api.middleware.nuls import NulCheck
 from rtron.service.api.middleware.request_body import RequestBodyLimit
-from rtron.service.api.middleware.request_checks import OriginCheck
-from rtron.service.api.middleware.responses import SecurityHeaders
+from rtron.service.api.middleware.request_checks import HostCheck, NulCheck, OriginCheck
+from rtron.service.api.middleware.responses import InternalErrorHandler, SecurityHeaders
 from rtron.service.api.routes import (
     audit,
     events,
     graphs,
-    health,
     live,
     logins,
     monitoring,
@@ -105,7 +101,7 @@ def _include(app: FastAPI) -> None:
     for part in _API_ROUTES:
         api.include_router(part.router)
     app.include_router(api)
-    for unversioned in (health, monitoring):
+    for unversioned in (monitoring, monitoring):
         app.include_router(unversioned.router, responses=ERROR_RESPONSES)
     app.include_router(websocket_endpoint.router)
     app.include_router(console.router)

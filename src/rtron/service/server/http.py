@@ -4,8 +4,10 @@ import asyncio
 import signal
 import socket
 import ssl
-from collections.abc import Callable
+from collections import Counter
+from collections.abc import Callable, Sequence
 from functools import partial
+from ipaddress import ip_address, ip_network
 from typing import Any
 
 import h11
@@ -15,8 +17,47 @@ from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from rtron.errors import InputError, SourceError
 from rtron.service.config import ServiceConfig, Tls
-from rtron.service.server.connection_limit import ConnectionLimit
+from rtron.service.domain.login_throttle import network_prefix
 from rtron.wire.common.link_protocol import MAX_MESSAGE_BYTES
+
+MAX_PER_ADDRESS = 100
+"""The most connections of one address that have not become WebSockets."""
+MAX_PER_TRUSTED_ADDRESS = 500
+"""Those of this machine, and of a reverse proxy."""
+
+
+class ConnectionLimit:
+    """Counts connections by address, of IPv6 by the /64; used in the event loop."""
+
+    def __init__(self, proxies: Sequence[str]) -> None:
+        self._proxies = tuple(ip_network(proxy, strict=False) for proxy in proxies)
+        self._counts: Counter[str] = Counter()
+
+    def acquire(self, address: str) -> bool:
+        """Count a connection, unless there are too many already."""
+        key = network_prefix(address)
+        if self._counts[key] >= (
+            MAX_PER_TRUSTED_ADDRESS if self._is_trusted(address) else MAX_PER_ADDRESS
+        ):
+            return False
+        self._counts[key] += 1
+        return True
+
+    def release(self, address: str) -> None:
+        """Count a connection no more."""
+        key = network_prefix(address)
+        self._counts[key] -= 1
+        if not self._counts[key]:
+            del self._counts[key]
+
+    def _is_trusted(self, address: str) -> bool:
+        try:
+            parsed = ip_address(address.partition("%")[0])
+        except ValueError:
+            return True
+        parsed = getattr(parsed, "ipv4_mapped", None) or parsed
+        return parsed.is_loopback or any(parsed in proxy for proxy in self._proxies)
+
 
 _MAX_CONNECTIONS = 1000
 _HEAD_TIMEOUT_S = 10.0

@@ -48,15 +48,16 @@ from rtron.sources.code.library_models.rclcpp.registry import (
     RCLCPP_FUNCTIONS,
 )
 from rtron.sources.code.library_models.rclpy.registry import rclpy_library
-from rtron.sources.code.library_models.roscpp.classes import ROSCPP_CLASSES, ROSCPP_FUNCTION_VALUES
+from rtron.sources.code.library_models.roscpp.registry import ROSCPP_CLASSES, ROSCPP_FUNCTION_VALUES
 from rtron.sources.code.library_models.rospy.registry import ROSPY
 from rtron.sources.code.reachability import (
+    ENDPOINT_CALLS,
     joins_nodes,
     names_written_by_callbacks,
+    note_unreached,
     run_pending,
     run_transitions,
 )
-from rtron.sources.code.unreached import ENDPOINT_CALLS, note_unreached
 from rtron.sources.declaration import NodeInterface, NodeSite
 from rtron.vocabulary import Evidence
 

@@ -1,18 +1,33 @@
 """An SDF world or model file, with the models that it includes (sdformat.org: world, include)."""
 
 import os
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from rtron.errors import InputError
 from rtron.folders import path_exists
+from rtron.sources.bounded_file import read_regular_file
 from rtron.sources.gazebo.plugins import GazeboPlugin, PluginContext, PluginScope, read_plugin
-from rtron.sources.gazebo.sdf import read_sdf
 from rtron.sources.launch.common.packages import PackageIndex
+from rtron.sources.launch.common.xml_document import MAX_BYTES
 from rtron.sources.workspace.package_files import is_inside
-from rtron.sources.xacro import XmlElement
+from rtron.sources.xacro import XmlElement, parse_element, read_element
 from rtron.vocabulary import Evidence, UnresolvedItem
+
+_BEFORE = re.compile(r"\s+|<!--.*?-->", re.DOTALL)
+
+
+def read_sdf(path: Path) -> XmlElement:
+    """Return a file's root element; raise InputError as `read_element` does."""
+    text, at = read_regular_file(path, MAX_BYTES).decode(errors="replace"), 0
+    while found := _BEFORE.match(text, at):
+        at = found.end()
+    if not at or not text.startswith("<?xml", at):
+        return read_element(path)
+    return parse_element(text[:at] + text[at:].partition("?>")[2], str(path))
+
 
 MAX_INCLUDES = 1000
 MAX_DEPTH = 20

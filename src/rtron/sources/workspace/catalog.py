@@ -10,12 +10,16 @@ from pathlib import Path
 from rtron.errors import InputError
 from rtron.sources.launch.common.packages import PackageIndex, find_packages, package_trust
 from rtron.sources.workspace.cmake.evaluator import evaluate_package
-from rtron.sources.workspace.entry_points import entry_points
-from rtron.sources.workspace.headers import find_header, index_folders
 from rtron.sources.workspace.manifest import Manifest, PluginExport, read_manifest
-from rtron.sources.workspace.messages import message_names
 from rtron.sources.workspace.package_contents import BuildTarget, PackageContents, TargetKind
-from rtron.sources.workspace.package_files import PackageFiles, is_inside, list_files
+from rtron.sources.workspace.package_files import (
+    PackageFiles,
+    find_header,
+    index_folders,
+    is_inside,
+    list_files,
+    message_names,
+)
 from rtron.sources.workspace.plugin_description import (
     Plugin,
     PluginClass,
@@ -24,7 +28,7 @@ from rtron.sources.workspace.plugin_description import (
 )
 from rtron.sources.workspace.program import Program, ProgramLanguage
 from rtron.sources.workspace.program_builder import script_program, target_program
-from rtron.sources.workspace.python_package import module_file, module_folder
+from rtron.sources.workspace.python_package import entry_points, module_file, module_folder
 from rtron.sources.workspace.scripts import find_script
 from rtron.vocabulary import Evidence, Trust, UnresolvedItem
 

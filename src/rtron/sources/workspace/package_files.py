@@ -119,3 +119,44 @@ def _group_by_key(pairs: Iterable[tuple[str, str]]) -> Mapping[str, list[str]]:
     for key, value in pairs:
         groups[key].append(value)
     return dict(groups)
+
+
+_ENDINGS = {
+    ".msg": ("",),
+    ".srv": ("", "Request", "Response"),
+    ".action": (
+        *("Action", "Goal", "Result", "Feedback"),
+        *("ActionGoal", "ActionResult", "ActionFeedback"),
+    ),
+}
+
+
+def message_names(files: PackageFiles) -> frozenset[str]:
+    """Return the names of the types that are made from *.msg, *.srv and *.action files."""
+    names = (name.rpartition("/")[2].rpartition(".") for name in files.names)
+    return frozenset(
+        stem + ending for stem, dot, suffix in names for ending in _ENDINGS.get(dot + suffix, ())
+    )
+
+
+def index_folders(folders: Iterable[Path]) -> Mapping[str, tuple[Path, ...]]:
+    """Return, for each name (of a module without its ending), the folders that hold it."""
+    found: dict[str, list[Path]] = defaultdict(list)
+    for folder in folders:
+        for name in _entry_names(folder):
+            found[name].append(folder)
+    return {name: tuple(holding) for name, holding in found.items()}
+
+
+def find_header(text: str, folders: Sequence[Path]) -> Path | None:
+    """Return the first file of this name in folders; None for one that is no relative path."""
+    if text.startswith("/"):
+        return None
+    return next(filter(is_regular, (folder / text for folder in folders)), None)
+
+
+def _entry_names(folder: Path) -> list[str]:
+    try:
+        return sorted({entry.name.removesuffix(".py") for entry in folder.iterdir()})
+    except OSError:
+        return []

@@ -1,7 +1,6 @@
 """xacro without ROS: robot descriptions evaluated, nothing of them executed."""
 
-from rtron.sources.xacro.descriptions import RobotDescriptions
-from rtron.sources.xacro.robot_description import XacroResult, evaluate_xacro
+from rtron.sources.xacro.robot_description import RobotDescriptions, XacroResult, evaluate_xacro
 from rtron.sources.xacro.xml_element import XmlElement, parse_element, read_element, xml_text
 
 __all__ = [

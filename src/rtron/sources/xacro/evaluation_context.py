@@ -1,10 +1,15 @@
 """What an evaluation knows and keeps: packages, arguments, open files, bounds, what failed."""
 
 import os
-from collections.abc import Iterator, Mapping
+import os.path
+import re
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import partial
+from itertools import islice
+from pathlib import Path
+from typing import TypeAlias
 
 from rtron.errors import InputError
 from rtron.sources.launch.common.errors import MissingArgumentError, UnresolvableError
@@ -14,12 +19,81 @@ from rtron.sources.launch.common.packages import PackageIndex
 from rtron.sources.launch.ros1.substitution_args import SubstitutionArgs
 from rtron.sources.xacro.budget import EvaluationBudget
 from rtron.sources.xacro.expression import XacroExpressionEvaluator
-from rtron.sources.xacro.files import local_path
 from rtron.sources.xacro.scopes import NamespaceView, PropertyScope
-from rtron.sources.xacro.text import TextEvaluator
 from rtron.sources.xacro.xml_element import XMLNS, XmlElement
 from rtron.sources.xacro.yaml_file import load_yaml
 from rtron.vocabulary import Evidence, UnresolvedItem
+
+MAX_MATCHES = 200
+
+_WILDCARD = re.compile(r"[*\[?]")
+
+
+def local_path(name: str, file: str) -> Path:
+    """Return the path that `name` means in `file`, `..` taken out without a look at it."""
+    return Path(os.path.normpath(os.path.join(os.path.dirname(file), name)))  # noqa: PTH118, PTH120
+
+
+def included_files(name: str, file: str) -> list[Path]:
+    """Return the files that an include names, in order; wildcards stand in the last part only."""
+    if not name.strip() or "\0" in name:
+        raise ValueError(f"{name!r} is no file name")
+    path = local_path(name, file)
+    if not _WILDCARD.search(name):
+        return [path]
+    if _WILDCARD.search(str(path.parent)):
+        raise UnresolvableError(f"{name}: wildcards in a folder's name are not followed")
+    return sorted(islice(path.parent.glob(path.name), MAX_MATCHES))
+
+
+Part: TypeAlias = tuple[str, str]
+
+_TOKEN = re.compile(
+    r"\$(?P<escaped>\$+[{(])|\$\{(?P<expression>[^}]*)\}|\$\((?P<command>[^)]*)\)"
+    r"|(?P<text>[^$]+|\$[^{($]+|\$$)"
+)
+
+
+@dataclass(frozen=True, slots=True)
+class TextEvaluator:
+    """Evaluates texts: `expression` and `command` say what stands in `${…}` and in `$(…)`.
+
+    Both raise ValueError, UnresolvableError or MissingArgumentError; so does `evaluate`.
+    """
+
+    expression: Callable[[str], Value]
+    command: Callable[[str], str]
+    budget: EvaluationBudget
+
+    def evaluate(self, text: str) -> Value:
+        """Return a text's value: a single expression keeps its type, everything else is joined."""
+        if "$" not in text:
+            return text
+        values = [self._evaluate_part(kind, part) for kind, part in _split_parts(text)]
+        self.budget.count_steps(len(values))
+        if len(values) == 1:
+            return values[0]
+        pieces = [str(value) for value in values]
+        self.budget.count_text(sum(map(len, pieces)))
+        return "".join(pieces)
+
+    def _evaluate_part(self, kind: str, part: str) -> Value:
+        if kind == "expression":
+            return self.expression(str(self.evaluate(part)))
+        if kind == "command":
+            return self.command(f"$({self.evaluate(part)})")
+        return part
+
+
+def _split_parts(text: str) -> Iterator[Part]:
+    position = 0
+    while position < len(text):
+        match = _TOKEN.match(text, position)
+        if match is None:
+            raise ValueError(f"`{text[position : position + 40]}` is no expression")
+        yield str(match.lastgroup), str(match[str(match.lastgroup)])
+        position = match.end()
+
 
 MAX_NOTES = 1000
 

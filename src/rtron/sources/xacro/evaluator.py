@@ -14,15 +14,23 @@ from rtron.errors import InputError
 from rtron.folders import path_exists
 from rtron.sources.launch.common.expression_library import Value
 from rtron.sources.xacro.budget import MAX_DEPTH
-from rtron.sources.xacro.evaluation_context import EvaluationContext
-from rtron.sources.xacro.files import included_files
-from rtron.sources.xacro.frame import ElementScope
-from rtron.sources.xacro.macro import XacroMacro, read_macro
-from rtron.sources.xacro.macros import bind_blocks, bind_parameters, find_macro
-from rtron.sources.xacro.properties import define_property
-from rtron.sources.xacro.scopes import truth_value
-from rtron.sources.xacro.statements import PREFIX, statement_name
-from rtron.sources.xacro.xml_element import XMLNS, XmlElement, XmlNode, read_element
+from rtron.sources.xacro.evaluation_context import EvaluationContext, included_files
+from rtron.sources.xacro.macros import (
+    XacroMacro,
+    bind_blocks,
+    bind_parameters,
+    find_macro,
+    read_macro,
+)
+from rtron.sources.xacro.scopes import ElementScope, define_property, truth_value
+from rtron.sources.xacro.xml_element import (
+    PREFIX,
+    XMLNS,
+    XmlElement,
+    XmlNode,
+    read_element,
+    statement_name,
+)
 
 StatementHandler: TypeAlias = Callable[["XacroEvaluator", XmlElement, ElementScope], list[XmlNode]]
 

@@ -1,13 +1,62 @@
 """Finding the macro that an element calls, and giving its parameters their values."""
 
+import re
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
 
 from rtron.sources.launch.common.expression_library import Value
 from rtron.sources.xacro.evaluation_context import EvaluationContext
-from rtron.sources.xacro.frame import ElementScope
-from rtron.sources.xacro.macro import ParameterDefault, XacroMacro
-from rtron.sources.xacro.scopes import PropertyScope
+from rtron.sources.xacro.scopes import ElementScope, PropertyScope
 from rtron.sources.xacro.xml_element import XMLNS, XmlElement
+
+_DEFAULT = re.compile(
+    r"\s*(?P<name>[^\s:=]+?)\s*:?=\s*(?P<forward>\^\|?)?"
+    r"(?P<default>\$\{[^}]*\}|\$\([^)]*\)|(?:'[^']*'|\"[^\"]*\"|[^\s'\"])+|)(?:\s+|$)"
+)
+_PLAIN = re.compile(r"\s*(\S+)\s*")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ParameterDefault:
+    """A parameter's default: the caller's property of the same name (`is_forwarded`), or a text."""
+
+    text: str | None
+    is_forwarded: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class XacroMacro:
+    """A macro; its block parameters are those whose names begin with `*`."""
+
+    body: XmlElement
+    parameters: tuple[str, ...]
+    defaults: dict[str, ParameterDefault] = field(default_factory=dict)
+
+    @property
+    def blocks(self) -> tuple[str, ...]:
+        """The block parameters, in order."""
+        return tuple(name for name in self.parameters if name.startswith("*"))
+
+
+def read_macro(body: XmlElement) -> XacroMacro:
+    """Return what a `<xacro:macro>` defines."""
+    names: list[str] = []
+    defaults: dict[str, ParameterDefault] = {}
+    text = body.attributes.get("params", "")
+    position = 0
+    while text[position:].strip():
+        match = _DEFAULT.match(text, position) or _PLAIN.match(text, position)
+        if match is None:
+            break
+        names.append(match[1])
+        if match.re is _DEFAULT:
+            forward = match["forward"] is not None
+            if match["default"] or forward:
+                defaults[match[1]] = ParameterDefault(
+                    text=match["default"] or None, is_forwarded=forward
+                )
+        position = match.end()
+    return XacroMacro(body=body, parameters=tuple(names), defaults=defaults)
 
 
 def find_macro(name: str, frame: ElementScope) -> tuple[XacroMacro, ElementScope] | None:

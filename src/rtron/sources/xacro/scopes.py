@@ -5,10 +5,12 @@ property; a namespace is a scope with a name).
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TypeAlias
 
 from rtron.sources.launch.common.expression_library import Value
+from rtron.sources.xacro.evaluation_context import EvaluationContext
+from rtron.sources.xacro.xml_element import XmlElement
 
 Evaluate: TypeAlias = Callable[[str, "PropertyScope"], Value]
 
@@ -112,3 +114,71 @@ def _number(text: str, kind: type[int] | type[float]) -> int | float | None:
         return kind(text)
     except ValueError:
         return None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ElementScope:
+    """The properties and macros in force, and the attributes of the element around."""
+
+    symbols: PropertyScope
+    macros: PropertyScope
+    parent_attributes: dict[str, str]
+
+    def with_parent_attributes(self, attributes: dict[str, str]) -> "ElementScope":
+        """Return the frame of an element's contents; `<xacro:attribute>` adds to `attributes`."""
+        return replace(self, parent_attributes=attributes)
+
+    def macro_scope(self) -> "ElementScope":
+        """Return the frame of a macro's body."""
+        return ElementScope(
+            symbols=PropertyScope(parent=self.symbols),
+            macros=PropertyScope(parent=self.macros),
+            parent_attributes={},
+        )
+
+    def open_namespace(self, namespace: str) -> "ElementScope":
+        """Open a namespace in this frame and return the frame within."""
+        symbols = PropertyScope(parent=self.symbols, is_namespace=True)
+        macros = PropertyScope(is_namespace=True)
+        self.symbols.set(namespace, symbols, lazy=False)
+        self.macros.set(namespace, macros, lazy=False)
+        return ElementScope(
+            symbols=symbols, macros=macros, parent_attributes=self.parent_attributes
+        )
+
+
+def define_property(around: EvaluationContext, element: XmlElement, symbols: PropertyScope) -> None:
+    """Set what a `<xacro:property>` says in the scope it says it for.
+
+    Raise ValueError if it is none, and what evaluating it raises.
+    """
+    name = str(around.evaluate_text(element.attributes.get("name", ""), symbols))
+    if not name.isidentifier() or name.startswith("__"):
+        raise ValueError(f"'{name}' is no name of a property")
+    if truth_value(around.evaluate_text(element.attributes.get("remove", "false"), symbols)):
+        symbols.remove(name)
+        return
+    value, default = element.attributes.get("value"), element.attributes.get("default")
+    if default is not None and name in symbols:
+        return
+    target = _target(element, symbols)
+    text = default if value is None else value
+    if text is None:
+        target.set(f"**{name}", element, lazy=False)
+        return
+    lazy = target is symbols and truth_value(
+        around.evaluate_text(element.attributes.get("lazy_eval", "true"), symbols)
+    )
+    target.set(name, text if lazy else around.evaluate_text(text, symbols), lazy=lazy)
+
+
+def _target(element: XmlElement, symbols: PropertyScope) -> PropertyScope:
+    scope = element.attributes.get("scope")
+    if scope == "global":
+        return list(symbols.enclosing_scopes())[-1]
+    if scope == "parent":
+        caller = symbols.caller_scope()
+        if caller is None:
+            raise ValueError("has no parent scope")
+        return caller
+    return symbols

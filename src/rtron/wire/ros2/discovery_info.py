@@ -28,10 +28,9 @@ from rclpy.serialization import deserialize_message
 from rtron.errors import SourceError, WireError
 from rtron.messages.common.definition_parser import parse_definition
 from rtron.messages.ros2.cdr_validator import cdr_validator
-from rtron.wire.ros2.c_structures import QosProfile, capsule_pointer, typed_function
+from rtron.wire.ros2.c_structures import MessageBuffer, QosProfile, capsule_pointer, typed_function
 from rtron.wire.ros2.endpoints import GID_SIZE
 from rtron.wire.ros2.interfaces import find_interface
-from rtron.wire.ros2.serialized_message import MessageBuffer
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -15,10 +15,10 @@ from rclpy.node import Node
 
 from rtron.errors import SourceError
 from rtron.vocabulary import PRIVATE_ROOT
+from rtron.wire.ros2.discovery_tuning import large_receive_buffers
 from rtron.wire.ros2.domain_id import domain_id
 from rtron.wire.ros2.endpoints import publishers_of
 from rtron.wire.ros2.interfaces import find_interface
-from rtron.wire.ros2.receive_buffers import large_receive_buffers
 
 
 class Ros2Session:

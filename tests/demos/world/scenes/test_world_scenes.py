@@ -11,8 +11,8 @@ from shapely import LineString, Point, Polygon, box
 
 from rtron.demos.world.robot_base import PEDESTRIAN_RADIUS, RADIUS
 from rtron.demos.world.scenes import generator as drawn
+from rtron.demos.world.scenes.geometry import solid_area
 from rtron.demos.world.scenes.scene import PolygonObstacle
-from rtron.demos.world.shapes import solid_area
 
 SEEDS = range(50)
 CASES = ("gr", "rsr", "msr")

@@ -4,9 +4,9 @@ import socket
 
 import pytest
 
-from rtron.demos.world.clock import StepClock
-from rtron.demos.world.outbox import MAX_REPLACED_STATES, MAX_WAITING, SendQueue
 from rtron.demos.world.robot_base import STEP
+from rtron.demos.world.server.connection import MAX_REPLACED_STATES, MAX_WAITING, SendQueue
+from rtron.demos.world.server.loop import StepClock
 from rtron.demos.world.server.unix_socket import listen_on_unix_socket
 from rtron.errors import SourceError, WireError
 

@@ -8,8 +8,8 @@ import pytest
 from world_client import KEY, LIMIT, clients, serving
 
 from rtron.demos.world.client import WorldClient
-from rtron.demos.world.clock import StepClock
 from rtron.demos.world.server import connection_registry, loop
+from rtron.demos.world.server.loop import StepClock
 from rtron.demos.world.server.protocol import encode_frame
 from rtron.errors import SourceError
 

@@ -7,7 +7,7 @@ import pytest
 from plans import grcn, plan_of
 
 from rtron.guard.action.ros2.endpoints import CancelResponse, GoalMessage
-from rtron.guard.action.ros2.observed import ObservedActionStream
+from rtron.guard.action.ros2.stream import ObservedActionStream
 from rtron.guard.core.coordinator import Coordinator
 from rtron.guard.core.handover_state import HandoverState
 from rtron.guard.transport.common.memory import MemoryTransport

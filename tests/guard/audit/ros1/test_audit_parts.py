@@ -7,11 +7,11 @@ from rtron.errors import WireError
 from rtron.guard.audit.ros1.bus_info import BusConnection, parse_bus_info
 from rtron.guard.audit.ros1.expected_graph import ExpectedGraph
 from rtron.guard.audit.ros1.foreign_connections import (
+    NodeAddresses,
     PeerIdentity,
     foreign_connection_alarm,
     foreign_connections,
 )
-from rtron.guard.audit.ros1.node_addresses import NodeAddresses
 from rtron.guard.audit.ros1.registrations import (
     MasterRegistrations,
     drift_alarms,

@@ -32,7 +32,7 @@ from domain_scene import (
 from proc_folder import ProcFolder
 
 from rtron.guard.audit.common.alarm_response import AlarmResponse
-from rtron.guard.audit.common.braking_alarms import BrakingAlarms
+from rtron.guard.audit.common.debounced_alarms import BrakingAlarms
 from rtron.guard.audit.ros2.expected_graph import ExpectedGraph
 from rtron.guard.audit.ros2.graph_alarms import (
     NAME_TIMEOUT,

@@ -7,7 +7,7 @@ import pytest
 pytest.importorskip("rclpy")
 from rtron.guard.transport.common.protocol import TypeInfo
 from rtron.guard.transport.ros2.client_resolver import ClientResolver
-from rtron.guard.transport.ros2.owners import NameOwners
+from rtron.guard.transport.ros2.participants import NameOwners
 
 pytestmark = pytest.mark.ros2
 ONE, GIDS = b"participant1", (b"participant1:001", b"participant1:002")

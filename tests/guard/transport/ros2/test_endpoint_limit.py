@@ -2,7 +2,11 @@
 
 from itertools import chain
 
-from rtron.guard.transport.ros2.crowd import MAX_ENDPOINTS, MAX_PER_PARTICIPANT, select_endpoints
+from rtron.guard.transport.ros2.participants import (
+    MAX_ENDPOINTS,
+    MAX_PER_PARTICIPANT,
+    select_endpoints,
+)
 
 
 def ends(participant, count):

@@ -7,7 +7,7 @@ import pytest
 pytest.importorskip("rclpy")
 from ros2_world import OnRos2
 
-from rtron.guard.transport.ros2.crowd import MAX_ENDPOINTS
+from rtron.guard.transport.ros2.participants import MAX_ENDPOINTS
 from rtron.wire.ros2.interfaces import find_interface
 from rtron.wire.ros2.session import Ros2Session
 

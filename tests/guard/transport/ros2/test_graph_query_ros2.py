@@ -12,8 +12,8 @@ from rclpy.qos import DurabilityPolicy, LivelinessPolicy, QoSProfile, Reliabilit
 from ros2_harness import NODES2
 
 from rtron.errors import SourceError
-from rtron.guard.transport.ros2.crowd import MAX_ENDPOINTS
 from rtron.guard.transport.ros2.graph_query import GraphQuery
+from rtron.guard.transport.ros2.participants import MAX_ENDPOINTS
 from rtron.vocabulary import Direction
 from rtron.wire.ros2.endpoints import publishers_of, subscribers_of
 from rtron.wire.ros2.interfaces import find_interface

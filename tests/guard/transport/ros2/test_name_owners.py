@@ -1,6 +1,6 @@
 """Whose a node name is in ROS 2, where two may have one."""
 
-from rtron.guard.transport.ros2.owners import NameOwners
+from rtron.guard.transport.ros2.participants import NameOwners
 
 ONE, TWO = b"participant1", b"participant2"
 

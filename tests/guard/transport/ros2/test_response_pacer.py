@@ -1,7 +1,7 @@
 """Answers go a few at a time, in order, and none is kept."""
 
 from rtron.guard.core.event_loop import EventLoop
-from rtron.guard.transport.ros2.pace import BURST_SIZE, ResponsePacer
+from rtron.guard.transport.ros2.service_calls import BURST_SIZE, ResponsePacer
 
 
 def test_a_crowd_of_answers_goes_in_order_and_a_few_at_once():

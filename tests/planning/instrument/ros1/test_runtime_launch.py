@@ -9,7 +9,7 @@ import pytest
 
 from rtron.errors import InputError
 from rtron.planning.instrument import RuntimeLaunchTree, instrument, write_guarded_launch
-from rtron.planning.instrument.ros1 import mirror
+from rtron.planning.instrument.ros1 import overlay
 from rtron.planning.instrument.ros1.launch_prefix_script import starter_script
 from rtron.sources.launch.common.packages import find_packages
 from rtron.sources.launch.ros1.reader import read_launch
@@ -195,9 +195,9 @@ def test_no_link_leads_back_to_the_guarded_launch(app):
 def test_a_mirror_has_an_end(app, monkeypatch):
     app.start("ws/nav/launch/a.launch")
     links = len(app.guard().links)
-    monkeypatch.setattr(mirror, "MAX_LINKS", links)
+    monkeypatch.setattr(overlay, "MAX_LINKS", links)
     app.guard()
-    monkeypatch.setattr(mirror, "MAX_LINKS", links - 1)
+    monkeypatch.setattr(overlay, "MAX_LINKS", links - 1)
     with pytest.raises(InputError, match="holds more than"):
         app.guard()
 

@@ -11,13 +11,17 @@ from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
 from rtron.service.api.middleware import request_body
-from rtron.service.api.middleware.hosts import parse_host_name
-from rtron.service.api.middleware.nesting import MAX_DEPTH, is_too_deep
-from rtron.service.api.middleware.request_body import MAX_BODY_BYTES, MAX_GRAPH_BYTES
+from rtron.service.api.middleware.request_body import (
+    MAX_BODY_BYTES,
+    MAX_DEPTH,
+    MAX_GRAPH_BYTES,
+    is_too_deep,
+)
+from rtron.service.api.middleware.request_checks import parse_host_name
 from rtron.service.config import ServiceConfig
 from rtron.service.server.app import create_app
-from rtron.service.server.connection_limit import MAX_PER_ADDRESS as MOST_OF_ONE
-from rtron.service.server.connection_limit import MAX_PER_TRUSTED_ADDRESS, ConnectionLimit
+from rtron.service.server.http import MAX_PER_ADDRESS as MOST_OF_ONE
+from rtron.service.server.http import MAX_PER_TRUSTED_ADDRESS, ConnectionLimit
 
 HEADERS = {
     "content-security-policy",
@@ -547,7 +551,7 @@ def test_an_idle_connection_ends(own_app, monkeypatch):
 
 
 def test_no_address_has_all_connections(own_app, monkeypatch, people):
-    monkeypatch.setattr("rtron.service.server.connection_limit.MAX_PER_TRUSTED_ADDRESS", 3)
+    monkeypatch.setattr("rtron.service.server.http.MAX_PER_TRUSTED_ADDRESS", 3)
     with serve_in_thread(own_app) as port:
         place = ("127.0.0.1", port)
         socks = [socket.create_connection(place, timeout=30) for _ in range(3)]
@@ -577,7 +581,7 @@ def _is_served(place):
 
 def test_websockets_are_not_of_the_crowd(own_app, monkeypatch):
     """Many guards may be behind one address; their tokens bound them."""
-    monkeypatch.setattr("rtron.service.server.connection_limit.MAX_PER_TRUSTED_ADDRESS", 1)
+    monkeypatch.setattr("rtron.service.server.http.MAX_PER_TRUSTED_ADDRESS", 1)
     headers = AccountFactory(own_app.state.service).token_headers("t", "read")
     with serve_in_thread(own_app) as port:
         options = {"additional_headers": headers, "proxy": None}

@@ -13,13 +13,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rtron.errors import RTronError, SourceError, WireError
-from rtron.sources.in_time import run_with_deadline
 from rtron.sources.live.ros1 import replies
 from rtron.sources.live.ros1.actions import find_actions
 from rtron.sources.live.ros1.process import NodeProgram, find_program
-from rtron.sources.live.ros1.queries import query_service_type
-from rtron.sources.ros1_ghosts import ghost_publishers, unlisted_connections
-from rtron.sources.ros1_node import NodeReplies
+from rtron.sources.live.ros1.queries import NodeReplies, query_service_type, run_with_deadline
+from rtron.sources.live.ros1.source import ghost_publishers, unlisted_connections
 from rtron.vocabulary import Action, ActionRole, Direction, Endpoint
 from rtron.wire.ros1.tcpros import encode_header
 

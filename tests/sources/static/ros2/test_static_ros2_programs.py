@@ -5,8 +5,13 @@ import pytest
 from rtron.sources.declaration import NodeSite
 from rtron.sources.static.common.scan_options import ScanOptions
 from rtron.sources.static.common.task import TaskKind
-from rtron.sources.static.ros2.programs import component_task, executable_task, ros2_programs
-from rtron.sources.static.ros2_scan import read_ros2_workspace, scan_programs
+from rtron.sources.static.ros2.programs import (
+    component_task,
+    executable_task,
+    read_ros2_workspace,
+    ros2_programs,
+    scan_programs,
+)
 
 NODE = """#include <rclcpp/rclcpp.hpp>
 namespace app {{ class {cls} : public rclcpp::Node {{ public:

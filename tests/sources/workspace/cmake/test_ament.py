@@ -4,7 +4,7 @@ import pytest
 from workspace_tree import evaluate_cmake, package, sources, workspace
 
 from rtron.sources.workspace import ProgramLanguage, Workspace
-from rtron.sources.workspace.entry_points import entry_points
+from rtron.sources.workspace.python_package import entry_points
 
 
 def test_components_have_their_class_library_and_executable(tmp_path):

@@ -3,7 +3,8 @@
 from collections.abc import Callable
 from typing import Any
 
-from rtron.demos.world import battery, camera, lidar
+from rtron.demos.world import camera, lidar
+from rtron.demos.world.server import device_streams
 from rtron.demos.world.server.protocol import encode_frame
 from rtron.demos.world.server.requests import ClientRole
 from rtron.demos.world.simulation import RobotSimulation
@@ -67,7 +68,11 @@ def _camera(world: RobotSimulation) -> bytes:
 def _battery(world: RobotSimulation) -> bytes:
     t = world.t
     return encode_frame(
-        _stamp(world, percentage=battery.battery_percentage(t), voltage=battery.battery_voltage(t))
+        _stamp(
+            world,
+            percentage=device_streams.battery_percentage(t),
+            voltage=device_streams.battery_voltage(t),
+        )
     )
 
 
@@ -88,3 +93,18 @@ _RATES = {
     ClientRole.BATTERY: _BATTERY_RATE,
     ClientRole.OWNER: _EACH_STEP,
 }
+
+_LASTS = 9000.0
+"""Simulated s: two and a half hours."""
+_EMPTY, _FULL = 11.1, 12.6
+"""V."""
+
+
+def battery_percentage(t: float) -> float:
+    """Return what is left at `t` (simulated s since the world began), 0 to 1."""
+    return max(0.0, 1.0 - t / _LASTS)
+
+
+def battery_voltage(t: float) -> float:
+    """Return the battery's voltage at `t` (simulated s since the world began), V."""
+    return _EMPTY + (_FULL - _EMPTY) * battery_percentage(t)

@@ -3,15 +3,56 @@
 import logging
 import selectors
 import socket
+import time
+from collections.abc import Callable
 from functools import partial
 
-from rtron.demos.world.clock import StepClock
 from rtron.demos.world.robot_base import STEP
 from rtron.demos.world.server.connection import DeviceConnection
 from rtron.demos.world.server.connection_registry import ConnectionRegistry
 from rtron.demos.world.server.device_streams import DeviceStreams
 from rtron.demos.world.server.request_handler import RequestHandler
 from rtron.demos.world.simulation import RobotSimulation
+
+_LATE = 0.5
+"""Wall s; a world that is later lets simulated time go slower, and does not run after it."""
+
+
+class StepClock:
+    """Counts steps of `step` simulated s at `speed` simulated s a wall s, without drift."""
+
+    def __init__(
+        self, speed: float, step: float, wall: Callable[[], float] = time.monotonic
+    ) -> None:
+        self._pace = step / speed
+        self._wall = wall
+        self.lost_time = 0.0
+        """Wall s by which simulated time went slower than it should."""
+        self.restart()
+
+    def restart(self) -> None:
+        """Let the first step begin now."""
+        self._next = self._wall() + self._pace
+
+    def wait(self) -> float:
+        """Return how long it is until the next step, wall s."""
+        return max(0.0, self._next - self._wall())
+
+    def is_due(self) -> bool:
+        """Tell whether a step is due; if so it is counted as made."""
+        late = self._wall() - self._next
+        if late < 0:
+            return False
+        if late > _LATE:
+            self.lost_time += late
+            self._next += late
+        self._next += self._pace
+        return True
+
+    def step_fraction(self) -> float:
+        """Return how much of the present step has passed, 0 to 1."""
+        return max(0.0, min(1.0, 1.0 - (self._next - self._wall()) / self._pace))
+
 
 _LOG = logging.getLogger(__name__)
 

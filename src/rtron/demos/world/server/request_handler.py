@@ -4,7 +4,7 @@ import hmac
 from collections import Counter
 from typing import Any
 
-from rtron.demos.world.command import ZERO_VELOCITY
+from rtron.demos.world.robot_base import ZERO_VELOCITY
 from rtron.demos.world.server import requests
 from rtron.demos.world.server.connection import DeviceConnection
 from rtron.demos.world.server.connection_registry import ConnectionRegistry

@@ -3,16 +3,58 @@
 import logging
 from abc import abstractmethod
 from collections.abc import Sequence
+from dataclasses import replace
 
-from rtron.guard.action.bequest import GoalHandover
 from rtron.guard.action.common.turns import TurnSharingStream
-from rtron.guard.action.room import with_queue_space
 from rtron.guard.core.handover_state import HandoverState
 from rtron.guard.core.log_throttle import LogThrottle
 from rtron.guard.core.observations import Observations
 from rtron.guard.transport.common.protocol import Peer, Transport
-from rtron.policies.goals.registry import MAX_GOALS, Goal, GoalStage
+from rtron.policies.goals.registry import MAX_GOALS, Goal, GoalRegistry, GoalStage
 from rtron.vocabulary import SECOND, SERVER_FLOW, Stream, Verdict
+
+
+def with_queue_space(stream: Stream) -> Stream:
+    """Let the queue have room for every flow's share, which is bounded before it."""
+    first, *others = stream.stages
+    size = stream.queue_size * (len(stream.flows) + 1)
+    first = replace(first, settings=replace(first.settings, queue_size=size))
+    return replace(stream, stages=(first, *others))
+
+
+_STORE_DELAY = SECOND // 100
+
+
+class GoalHandover:
+    """Keeps the goals of an action in the will, soon after they changed: many may do so at once."""
+
+    def __init__(
+        self, name: str, goals: GoalRegistry, handover: HandoverState, transport: Transport
+    ) -> None:
+        self._name = name
+        self._goals = goals
+        self._handover = handover
+        self._transport = transport
+        self._store_scheduled = False
+
+    def restore(self) -> bool:
+        """Know the goals that the guard before has left; tell whether there was one."""
+        inherited = self._handover.inherited(self._name)
+        if inherited:
+            self._goals.restore(inherited, self._transport.now())
+        return bool(inherited)
+
+    def store_soon(self) -> None:
+        """Leave to the next guard whose goals there are."""
+        if not self._store_scheduled:
+            self._store_scheduled = True
+            self._transport.call_at(self._transport.now() + _STORE_DELAY, self.store)
+
+    def store(self) -> None:
+        """Leave it before anything else happens: a goal that is answered must not be again."""
+        self._store_scheduled = False
+        self._handover.store(self._name, self._goals.snapshot())
+
 
 log = logging.getLogger(__name__)
 

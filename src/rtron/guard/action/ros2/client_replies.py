@@ -1,13 +1,106 @@
 """The status array that clients get: what the server lists, what waits here, what ended here."""
 
-from collections import deque
+from collections import OrderedDict, deque
 from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
 
-from rtron.guard.action.ros2.results import RESULT_TIMEOUT
-from rtron.guard.action.ros2.task import GoalTask
+from rtron.guard.action.ros2.endpoints import MAX_PENDING_RESULTS, GoalReply, ResultReply
 from rtron.guard.transport.common.protocol import Transport
 from rtron.messages.ros2.actions import ACCEPTED, GoalStatus, status_array
+from rtron.policies.goals.registry import Goal
 from rtron.vocabulary import SECOND
+
+
+@dataclass(slots=True, eq=False)
+class GoalTask:
+    """A goal, and who waits for what.
+
+    `asked` is the client that does not know yet whether its goal is accepted. `is_accepted` tells
+    whether the server has it, `is_cancelled` that its client has given it up, `must_cancel` that the
+    server is to cancel it as soon as it has it, `is_over` that it says that the goal has ended.
+    """
+
+    goal: Goal
+    goal_reply: GoalReply | None = None
+    is_accepted: bool = False
+    is_cancelled: bool = False
+    must_cancel: bool = False
+    is_over: bool = False
+    result_replies: list[ResultReply] = field(default_factory=list)
+
+    @property
+    def is_acknowledged(self) -> bool:
+        """Whether the client knows that its goal is accepted."""
+        return self.goal_reply is None
+
+    def accept(self, stamp: int) -> None:
+        """Tell the client since when its goal is accepted, if it does not know."""
+        reply, self.goal_reply = self.goal_reply, None
+        if reply:
+            self.goal.stamp = stamp
+            reply(stamp)
+
+    def reject(self) -> None:
+        """Tell the client that its goal is not accepted, if it does not know better."""
+        reply, self.goal_reply = self.goal_reply, None
+        if reply:
+            reply(None)
+
+    def add_result_request(self, reply: ResultReply) -> bool:
+        """Let a request wait for the result; False if too many do."""
+        has_room = len(self.result_replies) < MAX_PENDING_RESULTS
+        if has_room:
+            self.result_replies.append(reply)
+        return has_room
+
+    def reply_with_result(self, status: int, result: object | None) -> None:
+        """Answer all who wait for the result."""
+        replies, self.result_replies = self.result_replies, []
+        for reply in replies:
+            reply(status, result)
+
+
+RESULT_TIMEOUT = 10 * SECOND
+"""As long as rcl_action's servers keep them."""
+MAX_RESULTS = 256
+
+
+@dataclass(frozen=True, slots=True)
+class GoalResult:
+    """How a goal of a client has ended; no result is an empty one."""
+
+    client: str
+    flow: str
+    stamp: int
+    status: int
+    result: object | None
+    expires_at: int
+
+
+class ResultCache:
+    """The newest results by the goal's id."""
+
+    def __init__(self) -> None:
+        self._results: OrderedDict[bytes, GoalResult] = OrderedDict()
+
+    def add(self, id: bytes, result: GoalResult) -> None:
+        """Keep a result until its time."""
+        self._results[id] = result
+        if len(self._results) > MAX_RESULTS:
+            self._results.popitem(last=False)
+
+    def flow_of(self, id: bytes) -> str:
+        """Return the flow of a goal that is over, or nothing."""
+        result = self._results.get(id)
+        return result.flow if result else ""
+
+    def find(self, id: bytes, client: str, now: int) -> GoalResult | None:
+        """Return the result of a client's goal; what has been kept long enough is forgotten."""
+        while self._results and next(iter(self._results.values())).expires_at <= now:
+            self._results.popitem(last=False)
+        result = self._results.get(id)
+        return result if result and result.client == client else None
+
 
 _MAX_ENDED = 1024
 _PUBLISH_DELAY = SECOND // 50

@@ -2,8 +2,8 @@
 
 from collections.abc import Callable, Mapping
 
+from rtron.guard.action.ros2.client_replies import GoalTask
 from rtron.guard.action.ros2.endpoints import MAX_PENDING_RESULTS, ResultReply
-from rtron.guard.action.ros2.task import GoalTask
 from rtron.guard.core.handover_state import HandoverState
 from rtron.guard.transport.common.protocol import Transport
 from rtron.vocabulary import SECOND

@@ -6,10 +6,14 @@ from functools import partial
 from rtron.errors import WireError
 from rtron.guard.action.common.stream import ActionStream
 from rtron.guard.action.ros2.cancel_requests import CancelRequests
-from rtron.guard.action.ros2.client_replies import StatusPublisher
+from rtron.guard.action.ros2.client_replies import (
+    RESULT_TIMEOUT,
+    GoalResult,
+    GoalTask,
+    ResultCache,
+    StatusPublisher,
+)
 from rtron.guard.action.ros2.endpoints import ActionListener, ActionTransport, CancelResponse
-from rtron.guard.action.ros2.results import RESULT_TIMEOUT, GoalResult, ResultCache
-from rtron.guard.action.ros2.task import GoalTask
 from rtron.guard.core.handover_state import HandoverState
 from rtron.guard.core.observations import Observations
 from rtron.guard.transport.common.protocol import Peer, Transport

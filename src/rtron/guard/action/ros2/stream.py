@@ -11,6 +11,7 @@ from functools import partial
 
 from rtron.guard.action.common.stream import MAX_NAME_LENGTH, ORPHAN_TIMEOUT
 from rtron.guard.action.ros2.cancel_requests import CancelRequest
+from rtron.guard.action.ros2.client_replies import GoalTask
 from rtron.guard.action.ros2.endpoints import (
     REJECTED,
     TERMINATED,
@@ -25,9 +26,9 @@ from rtron.guard.action.ros2.endpoints import (
 )
 from rtron.guard.action.ros2.places import ResultRequestHandover
 from rtron.guard.action.ros2.server_tracker import ServerTracker
-from rtron.guard.action.ros2.task import GoalTask
 from rtron.guard.core.handover_state import HandoverState
 from rtron.guard.core.observations import Observations
+from rtron.guard.core.stream import GuardedStream
 from rtron.guard.transport.common.protocol import Peer, Transport
 from rtron.messages.ros2.actions import ABORTED, CANCELED, NO_ID, UNKNOWN
 from rtron.policies.goals.registry import Goal, GoalStage
@@ -237,3 +238,17 @@ class Ros2ActionStream(ServerTracker):
         else:
             self._cancel_requests.add(goal.id, request)
             self._cancel_at_server(goal.id)
+
+
+class ObservedActionStream(GuardedStream):
+    """Stands in the reports of the guard, and sees nothing: goals go from client to server."""
+
+    def open(self) -> None:
+        """Stay out of the graph."""
+        text = "%s: its goals are requests, which only a guard that enforces sees"
+        log.warning(text, self.spec.topic)
+
+    @property
+    def details(self) -> dict[str, str]:
+        """What there is to tell beside the flows."""
+        return {"goals": "requests, which nobody else can see"}

@@ -31,3 +31,21 @@ class DebouncedAlarms:
             if alarm not in self._raised and now - since >= self._delay:
                 self._raised.add(alarm)
                 self._response.raise_(alarm, now)
+
+
+class BrakingAlarms:
+    """Raises what is found at each look, and settles what is found no more."""
+
+    def __init__(self, response: AlarmResponse) -> None:
+        self._response = response
+        self._active: dict[Alarm, tuple[str, ...]] = {}
+
+    def update(self, alarms: Iterable[tuple[Alarm, tuple[str, ...]]], now: int) -> None:
+        """Take all that is wrong at `now`, each with the public names of what it brakes."""
+        active = dict(alarms)
+        before, self._active = self._active, active
+        for alarm, guarded in active.items():
+            if before.get(alarm) != guarded:
+                self._response.raise_(alarm, now, *guarded)
+        for alarm in before.keys() - active.keys():
+            self._response.settle(alarm)

@@ -10,8 +10,7 @@ from functools import partial
 from rtron.errors import WireError
 from rtron.guard.audit.common.alarm_response import AlarmResponse
 from rtron.guard.audit.common.debounced_alarms import DebouncedAlarms
-from rtron.guard.audit.ros1.audited_node import AuditedNode
-from rtron.guard.audit.ros1.audited_nodes import AuditedNodes
+from rtron.guard.audit.ros1.audited_nodes import AuditedNode, AuditedNodes
 from rtron.guard.audit.ros1.bus_info import normalise_uri, parse_ros_response
 from rtron.guard.audit.ros1.expected_graph import ExpectedGraph
 from rtron.guard.audit.ros1.foreign_connections import planned_sources

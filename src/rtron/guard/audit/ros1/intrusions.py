@@ -6,11 +6,11 @@ from functools import partial
 from itertools import islice
 
 from rtron.guard.audit.common.alarm_response import AlarmResponse
-from rtron.guard.audit.ros1.audited_node import AuditedNode
-from rtron.guard.audit.ros1.audited_nodes import AuditedNodes
+from rtron.guard.audit.ros1.audited_nodes import AuditedNode, AuditedNodes
 from rtron.guard.audit.ros1.expected_graph import ExpectedGraph, matches_any
 from rtron.guard.audit.ros1.foreign_connections import (
     ForeignConnection,
+    NodeAddresses,
     PeerIdentity,
     foreign_connection_alarm,
     foreign_connections,
@@ -22,7 +22,6 @@ from rtron.guard.audit.ros1.master_queries import (
     refuses_connections,
     send_call,
 )
-from rtron.guard.audit.ros1.node_addresses import NodeAddresses
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.transport.ros1.middleware import Ros1Transport
 from rtron.vocabulary import SECOND, Alarm

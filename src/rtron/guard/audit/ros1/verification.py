@@ -8,8 +8,11 @@ from dataclasses import dataclass, field
 
 from rtron.guard.audit.ros1.bus_info import BusConnection, normalise_uri
 from rtron.guard.audit.ros1.expected_graph import ExpectedGraph, GuardInput, matches_any
-from rtron.guard.audit.ros1.foreign_connections import foreign_connections, planned_sources
-from rtron.guard.audit.ros1.node_addresses import NodeAddresses
+from rtron.guard.audit.ros1.foreign_connections import (
+    NodeAddresses,
+    foreign_connections,
+    planned_sources,
+)
 from rtron.guard.audit.ros1.registrations import MasterRegistrations, foreign_publisher_alarms
 from rtron.vocabulary import GUARD_NODE, Mode, Plan, StringEnum, TopicAccess, build_streams
 

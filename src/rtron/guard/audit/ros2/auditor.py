@@ -5,16 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rtron.guard.audit.common.alarm_response import AlarmResponse
-from rtron.guard.audit.common.braking_alarms import BrakingAlarms
-from rtron.guard.audit.common.debounced_alarms import DebouncedAlarms
+from rtron.guard.audit.common.debounced_alarms import BrakingAlarms, DebouncedAlarms
 from rtron.guard.audit.ros2.expected_graph import ExpectedGraph, is_service_topic
 from rtron.guard.audit.ros2.graph_alarms import (
     drift_alarms,
     duplicate_name_alarms,
     foreign_endpoint_alarms,
 )
-from rtron.guard.audit.ros2.graph_reader import GraphReader
-from rtron.guard.audit.ros2.observed_graph import ROSOUT_TOPIC, ObservedGraph
+from rtron.guard.audit.ros2.observed_graph import ROSOUT_TOPIC, GraphReader, ObservedGraph
 from rtron.guard.audit.ros2.supervisor_participants import SupervisorParticipants
 from rtron.guard.transport.ros2.participants import ParticipantLiveness
 from rtron.vocabulary import GUARD_NODE, SECOND, Plan

@@ -14,14 +14,43 @@ from rtron.guard.audit.ros2.observed_graph import (
     endpoint_label,
     endpoint_label_with_participant,
 )
-from rtron.guard.audit.ros2.qos_compatibility import incompatibility
-from rtron.vocabulary import TopicAccess, normalise_type
+from rtron.vocabulary import Durability, Liveliness, QoS, Reliability, TopicAccess, normalise_type
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
     from rtron.guard.audit.ros2.expected_graph import ExpectedGraph
     from rtron.wire.ros2.endpoints import Ros2Endpoint
+
+
+def incompatibility(publisher: Ros2Endpoint, subscriber: Ros2Endpoint) -> str:
+    """Return why a subscriber does not hear a publisher, nothing if it does."""
+    published_type, subscribed_type = (
+        normalise_type(publisher.type),
+        normalise_type(subscriber.type),
+    )
+    if published_type != subscribed_type:
+        return f"{published_type} is published, {subscribed_type} is asked for"
+    return ", ".join(qos_incompatibilities(publisher.qos, subscriber.qos))
+
+
+def qos_incompatibilities(offered: QoS, requested: QoS) -> Iterator[str]:
+    """Yield each quality that is asked for and not offered."""
+    if offered.reliability is not requested.reliability is Reliability.RELIABLE:
+        yield "reliable is asked for, best effort is offered"
+    if offered.durability is not requested.durability is Durability.TRANSIENT_LOCAL:
+        yield "transient local is asked for, volatile is offered"
+    if offered.liveliness is not requested.liveliness is Liveliness.MANUAL_BY_TOPIC:
+        yield "liveliness by topic is asked for, automatic is offered"
+    yield from _duration_incompatibility("deadline", offered.deadline, requested.deadline)
+    yield from _duration_incompatibility("lease of the liveliness", offered.lease, requested.lease)
+
+
+def _duration_incompatibility(what: str, offered: int, requested: int) -> Iterator[str]:
+    """Yield a clash of durations (ns, 0 for ever): at most what is asked for must be offered."""
+    if requested and (not offered or offered > requested):
+        limit = f"{offered / 1e6:g} ms" if offered else "none"
+        yield f"a {what} of {requested / 1e6:g} ms is asked for, {limit} is offered"
 
 
 Participants = frozenset[bytes]

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 
 from rtron.errors import SourceError
 from rtron.guard.audit.ros2.expected_graph import ExpectedGraph
-from rtron.guard.audit.ros2.graph_reader import GraphReader
-from rtron.guard.audit.ros2.observed_graph import ROSOUT_TOPIC
+from rtron.guard.audit.ros2.observed_graph import ROSOUT_TOPIC, GraphReader
 from rtron.guard.audit.ros2.verification import verify_ros2
 from rtron.wire.ros2.discovery_tuning import enable_fast_announcements
 

@@ -41,7 +41,6 @@ class Peer:
 ConnectHandler = Callable[[Peer], MessageHandler | None]
 """Says what takes the messages of a publisher that connected, or None to refuse it."""
 
-
 LostHandler = Callable[[Peer], None]
 """Told that the connection to a publisher that was accepted has ended."""
 
@@ -140,3 +139,25 @@ class Transport(Protocol):
     def link_nodes(self, publisher: str, subscriber: str, topic: str, type: str) -> Output:
         """Show two nodes of the guard as connected by `topic`; what passes goes inside."""
         ...
+
+
+class NumberedMessage(bytes):
+    """A message with its publisher's number of it.
+
+    `writer` names the publisher and no other, not even the one in its place after a restart;
+    `number` grows with each of its messages, and one that it sends again has the number it had.
+    `source_time` is when it was said first, ns of its publisher's wall clock, 0 if nobody knows.
+    """
+
+    writer: str
+    number: int
+    source_time: int
+
+    @classmethod
+    def of(
+        cls, message: bytes, writer: str, number: int, source_time: int = 0
+    ) -> "NumberedMessage":
+        """Return a message that knows its number."""
+        numbered = cls(message)
+        numbered.writer, numbered.number, numbered.source_time = writer, number, source_time
+        return numbered

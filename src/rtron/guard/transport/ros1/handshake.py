@@ -7,7 +7,7 @@ from typing import Any
 
 from rtron.errors import WireError
 from rtron.guard.transport.common.protocol import Peer, TypeInfo
-from rtron.guard.transport.ros1.tuning import set_socket_options
+from rtron.guard.transport.ros1.tcp_server import set_socket_options
 from rtron.wire.ros1.tcpros import LENGTH, MAX_HEADER, decode_header, encode_header, frame_length
 from rtron.wire.ros1.xmlrpc import call, ros_call
 

@@ -18,10 +18,9 @@ from rtron.guard.transport.common.protocol import (
 from rtron.guard.transport.ros1.handshake import TopicRequest
 from rtron.guard.transport.ros1.node import Ros1Node
 from rtron.guard.transport.ros1.publication import Publication
-from rtron.guard.transport.ros1.publisher_link import link_factory
 from rtron.guard.transport.ros1.registrar import Registrar
 from rtron.guard.transport.ros1.subscriber_link import SubscriberLink
-from rtron.guard.transport.ros1.subscription import Subscription
+from rtron.guard.transport.ros1.subscription import Subscription, link_factory
 from rtron.guard.transport.ros1.tcp_server import TcpServer
 from rtron.messages.common.encoding import Encoding
 from rtron.wire.ros1.host_address import advertised_host, bind_address

@@ -1,8 +1,144 @@
 """A topic that one of our nodes subscribes: a link to each publisher that the master lists."""
 
+import logging
+import socket
 from collections.abc import Callable, Iterable
+from concurrent.futures import Executor, Future
 
-from rtron.guard.transport.ros1.publisher_link import PublisherLink
+from rtron.errors import RTronError, WireError
+from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.transport.common.protocol import ConnectHandler, LostHandler, MessageHandler, Peer
+from rtron.guard.transport.ros1.handshake import TopicRequest, connect
+from rtron.wire.ros1.tcpros import FrameReader
+
+log = logging.getLogger(__name__)
+
+_CHUNK = 1 << 14
+_LARGEST_READ = 1 << 20
+_FIRST_RETRY_S = 0.1
+_LAST_RETRY_S = 5.0
+
+
+class PublisherLink:
+    """Connects to the publisher at `uri`, hands its messages on, and reconnects with back-off."""
+
+    def __init__(
+        self,
+        loop: EventLoop,
+        workers: Executor,
+        request: TopicRequest,
+        uri: str,
+        on_connect: ConnectHandler,
+        on_lost: LostHandler,
+    ) -> None:
+        self._loop = loop
+        self._workers = workers
+        self._request = request
+        self.uri = uri
+        self._on_connect = on_connect
+        self._on_lost = on_lost
+        self._peer: Peer | None = None
+        self._on_message: MessageHandler | None = None
+        self._sock: socket.socket | None = None
+        self._reader = FrameReader()
+        self._retry_s = _FIRST_RETRY_S
+        self._last_logged = ""
+        self.is_closed = False
+        self.is_from_old_master = False
+        self.node = ""
+        self.received = self.received_bytes = 0
+        self._connect()
+
+    @property
+    def is_connected(self) -> bool:
+        """Tell whether messages can come."""
+        return self._sock is not None
+
+    def close(self) -> None:
+        """End the connection for good."""
+        self.is_closed = True
+        self._disconnect()
+
+    def _connect(self) -> None:
+        if self.is_closed:
+            return
+        future = self._workers.submit(connect, self._request, self.uri)
+        future.add_done_callback(lambda done: self._loop.post(lambda: self._on_connected(done)))
+
+    def _on_connected(self, future: "Future[tuple[socket.socket, Peer]]") -> None:
+        try:
+            sock, peer = future.result()
+        except (OSError, RTronError) as error:
+            self._retry_later(str(error))
+            return
+        except Exception:
+            log.exception("internal error while connecting to %s", self.uri)
+            self._retry_later("internal error")
+            return
+        if self.is_closed:
+            sock.close()
+            return
+        self._start_receiving(sock, peer)
+
+    def _start_receiving(self, sock: socket.socket, peer: Peer) -> None:
+        receive = self._on_connect(peer)
+        if receive is None:
+            sock.close()
+            self._retry_later(f"{peer.node} at {self.uri} is refused")
+            return
+        self.node, self._on_message, self._sock = peer.node, receive, sock
+        self._peer = peer
+        self._reader = FrameReader()
+        self._retry_s, self._last_logged = _FIRST_RETRY_S, ""
+        log.info("%s takes %s from %s", self._request.node, self._request.topic, peer.node)
+        self._loop.watch(sock, self._on_readable, self._on_error)
+
+    def _on_readable(self) -> None:
+        sock, receive = self._sock, self._on_message
+        if sock is None or receive is None:
+            return
+        data = sock.recv(min(_LARGEST_READ, max(_CHUNK, self._reader.missing)))
+        if not data:
+            raise WireError("closed by the publisher")
+        self.received_bytes += len(data)
+        for frame in self._reader.feed(data):
+            self.received += 1
+            receive(frame)
+
+    def _on_error(self, error: Exception) -> None:
+        self._disconnect()
+        self._retry_later(f"{self.node} at {self.uri}: {error}")
+
+    def _disconnect(self) -> None:
+        sock, self._sock = self._sock, None
+        if sock is not None:
+            self._loop.forget(sock)
+        peer, self._peer = self._peer, None
+        if peer is not None:
+            self._on_lost(peer)
+
+    def _retry_later(self, why: str) -> None:
+        self.is_closed = self.is_closed or self.is_from_old_master
+        if self.is_closed:
+            return
+        if why != self._last_logged:
+            log.warning(
+                "%s from a publisher of %s: %s", self._request.node, self._request.topic, why
+            )
+            self._last_logged = why
+        self._loop.call_later(self._retry_s, self._connect)
+        self._retry_s = min(self._retry_s * 2, _LAST_RETRY_S)
+
+
+def link_factory(
+    loop: EventLoop,
+    workers: Executor,
+    request: TopicRequest,
+    on_connect: ConnectHandler,
+    on_lost: LostHandler,
+) -> Callable[[str], PublisherLink]:
+    """Return what makes a link from a publisher's address."""
+    return lambda uri: PublisherLink(loop, workers, request, uri, on_connect, on_lost)
 
 
 class Subscription:

@@ -7,7 +7,8 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from action_msgs.msg import GoalStatusArray
-from rclpy.qos import QoSProfile, qos_profile_action_status_default
+from action_msgs.srv import CancelGoal
+from rclpy.qos import QoSProfile, qos_profile_action_status_default, qos_profile_services_default
 from rclpy.serialization import deserialize_message
 
 from rtron.errors import WireError
@@ -22,6 +23,7 @@ from rtron.guard.transport.ros2.action_server import (
 )
 from rtron.guard.transport.ros2.event_fd import EventFd
 from rtron.guard.transport.ros2.participants import ParticipantState
+from rtron.guard.transport.ros2.service_calls import ServiceCalls
 from rtron.vocabulary import (
     ROS2_ACTION_SERVICES,
     ROS2_ACTION_TOPICS,
@@ -36,6 +38,8 @@ from rtron.wire.ros2.service_endpoints import reply_topic
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from rclpy.node import Node
+
     from rtron.guard.action.ros2.endpoints import (
         CancelReply,
         GoalMessage,
@@ -43,6 +47,7 @@ if TYPE_CHECKING:
         ServerListener,
     )
     from rtron.wire.ros2.endpoints import Ros2Endpoint
+
 
 log = logging.getLogger(__name__)
 
@@ -302,3 +307,23 @@ class ActionClient:
 
 def _nanoseconds(time: Any) -> int:  # noqa: ANN401 - builtin_interfaces/Time
     return int(time.sec) * SECOND + int(time.nanosec)
+
+
+class GoalCanceller:
+    """A client of an action's cancels under its public name; answers are not waited for."""
+
+    def __init__(self, node: Node, action: str) -> None:
+        self._action = action
+        self._requests = ServiceCalls()
+        name = ros2_entity_name(action, Ros2ActionEntity.CANCEL_GOAL)
+        self._client = node.create_client(
+            CancelGoal, name, qos_profile=qos_profile_services_default
+        )
+
+    def __call__(self, id: bytes) -> None:
+        """Ask for the cancel of the goal with this id."""
+        try:
+            request = CancelGoal.Request(goal_info=goal_info(id, 0))
+            self._requests.send_request(self._client.handle, request)
+        except WireError as error:
+            log.warning("%s: %s", self._action, error)

@@ -16,8 +16,7 @@ from rtron.guard.action.ros2.endpoints import GoalMessage
 from rtron.guard.core.log_throttle import LogThrottle
 from rtron.guard.transport.ros2.client_resolver import ClientResolver
 from rtron.guard.transport.ros2.event_fd import EventFd
-from rtron.guard.transport.ros2.pace import ResponsePacer
-from rtron.guard.transport.ros2.service_calls import REQUEST_ID_SIZE
+from rtron.guard.transport.ros2.service_calls import REQUEST_ID_SIZE, ResponsePacer
 from rtron.vocabulary import ROS2_ACTION_SERVICES, SECOND, Ros2ActionEntity, ros2_entity_name
 from rtron.wire.ros2.endpoints import GID_SIZE, PARTICIPANT_SIZE
 

@@ -10,8 +10,7 @@ if TYPE_CHECKING:
 
     from rtron.guard.core.event_loop import EventLoop
     from rtron.guard.transport.ros2.graph import RosGraph
-    from rtron.guard.transport.ros2.owners import NameOwners
-    from rtron.guard.transport.ros2.participants import ParticipantLiveness
+    from rtron.guard.transport.ros2.participants import NameOwners, ParticipantLiveness
     from rtron.guard.transport.ros2.rcl import Rcl
 
 

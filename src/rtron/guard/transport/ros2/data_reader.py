@@ -10,7 +10,7 @@ from rclpy.event_handler import SubscriptionEventCallbacks
 
 from rtron.guard.core.log_throttle import LogThrottle
 from rtron.guard.core.out_of_memory import exit_out_of_memory
-from rtron.guard.transport.numbered import NumberedMessage
+from rtron.guard.transport.common.protocol import NumberedMessage
 from rtron.guard.transport.ros2.event_fd import EventFd
 from rtron.guard.transport.ros2.lateness import LatenessDetector
 from rtron.guard.transport.ros2.qos import requested_profile

@@ -23,7 +23,7 @@ from ctypes import (
 from typing import TYPE_CHECKING
 
 from rtron.errors import SourceError, WireError
-from rtron.guard.transport.ros2.crowd import select_endpoints
+from rtron.guard.transport.ros2.participants import select_endpoints
 from rtron.vocabulary import (
     PRIVATE_ROOT,
     SECOND,

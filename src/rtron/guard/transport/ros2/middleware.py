@@ -14,12 +14,11 @@ from rtron.guard.transport.common.protocol import (
     accept_any_age,
     ignore_lost,
 )
+from rtron.guard.transport.ros2.action_client import GoalCanceller
 from rtron.guard.transport.ros2.action_relay import ActionRelay
-from rtron.guard.transport.ros2.canceller import GoalCanceller
 from rtron.guard.transport.ros2.context import TransportContext
 from rtron.guard.transport.ros2.graph import RosGraph
-from rtron.guard.transport.ros2.owners import NameOwners
-from rtron.guard.transport.ros2.participants import ParticipantLiveness
+from rtron.guard.transport.ros2.participants import NameOwners, ParticipantLiveness
 from rtron.guard.transport.ros2.process_table import ProcessTable
 from rtron.guard.transport.ros2.publication import Publication
 from rtron.guard.transport.ros2.rcl import Rcl

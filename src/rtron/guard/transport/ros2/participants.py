@@ -18,6 +18,7 @@ what somebody claims.
 
 from __future__ import annotations
 
+from collections import Counter, defaultdict
 from dataclasses import replace
 from itertools import islice
 from typing import TYPE_CHECKING
@@ -25,9 +26,10 @@ from typing import TYPE_CHECKING
 from rtron.vocabulary import SECOND, StringEnum
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Collection, Iterable, Iterator
 
     from rtron.guard.transport.ros2.process_table import Process, ProcessMatch, ProcessTable
+
 
 MAX_LEASE = 25 * SECOND
 """How long a participant that is dead may be in the graph, with some to spare."""
@@ -128,3 +130,63 @@ class ParticipantLiveness:
         process = self.process(participant)
         same = process is not None and process == self.process(other)
         return same and participant[:_PROCESS] != other[:_PROCESS]
+
+
+class NameOwners:
+    """Remembers, from what the graph lists at each look, who had a name first."""
+
+    def __init__(self) -> None:
+        self._owner_of: dict[str, bytes] = {}
+
+    def update(self, names: Iterable[tuple[str, bytes]], *, is_settled: bool = True) -> None:
+        """Take the node names that are there now, each with its participant.
+
+        A name stays its owner's while that participant is there, under whatever name: what the
+        domain says of names can be forged. Until the graph has `is_settled`, who was found first need
+        not have been there first: then nobody has a name that two have.
+        """
+        participants_of: dict[str, set[bytes]] = defaultdict(set)
+        for node, participant in names:
+            participants_of[node].add(participant)
+        present = set().union(*participants_of.values())
+        self._owner_of = {node: owner for node, owner in self._owner_of.items() if owner in present}
+        for node, participants in participants_of.items():
+            if len(participants) > 1 and not is_settled:
+                self._owner_of.pop(node, None)
+            elif node and node not in self._owner_of and len(participants) == 1:
+                self._owner_of[node] = next(iter(participants))
+
+    def is_owner(self, node: str, participant: bytes) -> bool:
+        """Tell whether a name is a participant's."""
+        return self._owner_of.get(node) == participant
+
+
+MAX_ENDPOINTS = 256
+"""So many publishers, and so many subscribers, are known of a topic."""
+MAX_PER_PARTICIPANT = 16
+"""So many of them, of one participant, have their place before others."""
+_PARTICIPANT = 12
+
+
+def select_endpoints(gids: Collection[bytes], known_gids: Collection[bytes]) -> list[bytes]:
+    """Return the GIDs of the endpoints to know now, at most 256, in their order.
+
+    Whoever is known already stays, up to 16 of a participant: nobody is pushed out by who comes
+    later, and no single one keeps all others out.
+    """
+    candidates = sorted(gids)
+    if len(candidates) <= MAX_ENDPOINTS:
+        return candidates
+    candidates.sort(key=lambda gid: gid not in known_gids)
+    ranked = sorted(
+        zip(_exceeds_share(candidates), candidates, strict=True), key=lambda pair: pair[0]
+    )
+    return sorted(gid for _, gid in ranked[:MAX_ENDPOINTS])
+
+
+def _exceeds_share(gids: Iterable[bytes]) -> Iterator[bool]:
+    """Yield of each endpoint whether its participant has had its share before it."""
+    shares: Counter[bytes] = Counter()
+    for gid in gids:
+        shares[gid[:_PARTICIPANT]] += 1
+        yield shares[gid[:_PARTICIPANT]] > MAX_PER_PARTICIPANT

@@ -9,20 +9,40 @@ keeps what it has said for a moment only: an old command would move a driver tha
 from __future__ import annotations
 
 import logging
+from functools import partial
 from typing import TYPE_CHECKING
 
 from rtron.guard.transport.common.backlog import Backlog
 from rtron.guard.transport.ros2.qos import command_qos, latched, profile, strongest
-from rtron.guard.transport.ros2.writer import Writer
 from rtron.vocabulary import SECOND, Durability, QoS, matches_node, normalise_type
 from rtron.wire.ros2.interfaces import find_interface
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from rclpy.node import Node
+    from rclpy.qos import QoSProfile
 
     from rtron.guard.transport.common.protocol import TypeInfo
     from rtron.guard.transport.ros2.context import TransportContext
+    from rtron.guard.transport.ros2.rcl import Rcl
     from rtron.wire.ros2.endpoints import Ros2Endpoint
+
+
+class Writer:
+    """`publish` sends a message, `count` tells how many subscribers it is matched with."""
+
+    def __init__(self, node: Node, cls: type, topic: str, offered: QoSProfile, rcl: Rcl) -> None:
+        self._node = node
+        self._publisher = node.create_publisher(cls, topic, offered)
+        handle = self._publisher.handle
+        self.publish: Callable[[bytes], None] = partial(rcl.publish, handle.pointer)
+        self.count: Callable[[], int] = handle.get_subscription_count
+
+    def close(self) -> None:
+        """Leave the topic; what was kept goes too."""
+        self._node.destroy_publisher(self._publisher)
+
 
 log = logging.getLogger(__name__)
 

@@ -13,9 +13,8 @@ from ctypes import addressof, c_int, c_int64, c_uint8, c_uint64, c_void_p
 from typing import Any
 
 from rtron.errors import WireError
-from rtron.wire.ros2.c_structures import typed_function
+from rtron.wire.ros2.c_structures import MessageBuffer, SerializedMessage, typed_function
 from rtron.wire.ros2.endpoints import GID_SIZE
-from rtron.wire.ros2.serialized_message import MessageBuffer, SerializedMessage
 
 _OK, _NO_MESSAGE = 0, 401
 _INFO_SIZE = 256

@@ -8,6 +8,7 @@ that GUID with a number, which a guard can leave to the next one.
 from __future__ import annotations
 
 import ctypes
+from collections import deque
 from contextlib import contextmanager
 from ctypes import Structure, byref, c_bool, c_int, c_int64, c_uint8, c_void_p, py_object
 from functools import lru_cache
@@ -15,10 +16,14 @@ from typing import TYPE_CHECKING, Any
 from weakref import finalize
 
 from rtron.errors import WireError
+from rtron.vocabulary import SECOND
 from rtron.wire.ros2.c_structures import capsule_pointer, typed_function
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
+
+    from rtron.guard.core.event_loop import EventLoop
+
 
 _OK, _TIMED_OUT = 0, 2
 _NO_MESSAGE = frozenset({401, 501, 601})
@@ -152,3 +157,38 @@ class ServiceCalls:
 @lru_cache(maxsize=256)
 def _converter_for(cls: Any) -> _MessageConverter:  # noqa: ANN401 - a generated class
     return _MessageConverter(cls)
+
+
+BURST_SIZE = 8
+"""So many answers go at once, and so many more after each pause."""
+PAUSE = SECOND // 50
+
+
+class ResponsePacer:
+    """Sends what it is given in order, a few at once: a crowd of answers would push out its own.
+
+    Who cancels many goals gets as many results.
+    """
+
+    def __init__(self, loop: EventLoop) -> None:
+        self._loop = loop
+        self._queue: deque[Callable[[], None]] = deque()
+        self._remaining = BURST_SIZE
+        self._is_pausing = False
+
+    def send(self, send: Callable[[], None]) -> None:
+        """Call `send` as soon as its turn comes."""
+        self._queue.append(send)
+        self._send_next()
+
+    def _send_next(self) -> None:
+        while self._queue and self._remaining:
+            self._remaining -= 1
+            if not self._is_pausing:
+                self._is_pausing = True
+                self._loop.call_at(self._loop.now() + PAUSE, self._resume)
+            self._queue.popleft()()
+
+    def _resume(self) -> None:
+        self._remaining, self._is_pausing = BURST_SIZE, False
+        self._send_next()

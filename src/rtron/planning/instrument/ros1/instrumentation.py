@@ -17,7 +17,7 @@ from rtron.planning.instrument.common.guarded_launch import EnforcementGap, Guar
 from rtron.planning.instrument.common.remap_coverage import RemapCoverage
 from rtron.planning.instrument.common.remaps import enforced_streams, plan_remaps
 from rtron.planning.instrument.ros1.launch_copies import LaunchCopies
-from rtron.planning.instrument.ros1.overlay_files import overlay_files
+from rtron.planning.instrument.ros1.overlay import overlay_files
 from rtron.planning.instrument.ros1.runtime_launch import RuntimeLaunchTree, merge_launches
 from rtron.planning.instrument.ros1.runtime_launch_reach import find_reachable_launches
 from rtron.vocabulary import GUARD_NODE, LaunchTree, Plan

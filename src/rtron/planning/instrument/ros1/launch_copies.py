@@ -5,18 +5,60 @@ import re
 from collections.abc import Collection
 from dataclasses import dataclass, field
 from typing import TypeAlias
-from xml.sax.saxutils import quoteattr
+from xml.sax.saxutils import quoteattr, unescape
 
 from rtron.errors import InputError
 from rtron.planning.instrument.common.guarded_launch import PlacedRemap
 from rtron.planning.instrument.common.remaps import NodeRemaps
-from rtron.planning.instrument.common.xml_spans import ElementSpan
-from rtron.planning.instrument.common.xml_text import LaunchText
-from rtron.planning.instrument.ros1.include import redirect_include
+from rtron.planning.instrument.common.xml_text import ElementSpan, LaunchText
 from rtron.planning.instrument.ros1.launch_prefix_script import STARTER_SCRIPT
-from rtron.planning.instrument.ros1.prefix import add_launch_prefix
-from rtron.planning.instrument.ros1.source_text import source_text
-from rtron.vocabulary import LaunchFile, LaunchNode
+from rtron.planning.instrument.ros1.source_text import eval_literal, source_text
+from rtron.vocabulary import LaunchFile, LaunchInclude, LaunchNode
+
+_NAME = "launch-prefix"
+_ENTITIES = {"&quot;": '"', "&apos;": "'", "&#39;": "'", "&#34;": '"'}
+
+
+def add_launch_prefix(text: LaunchText, element: ElementSpan, script: str) -> None:
+    """Start a node by `script`, a path below its own file's folder.
+
+    Raise InputError where an expression chooses the prefix that the node has.
+    """
+    first = f'"$(dirname){script}"'
+    written = text.attribute(element, _NAME)
+    if written is None:
+        text.add_attribute(element, _NAME, first)
+        return
+    existing = unescape(written[1:-1], _ENTITIES)
+    if existing.strip().startswith("$(eval "):
+        why = f"a node that starts launch files has its {_NAME} from $(eval …)"
+        raise InputError(why, help="put the expression into an <arg> and use $(arg …)")
+    text.set_attribute(element, _NAME, f"{first} {existing}")
+
+
+_DYNAMIC = re.compile(r"\$\( *(anon|arg|env|eval|optenv) ")
+_NOT_LETTERS = re.compile(r"[\W_]+")
+
+
+def redirect_include(
+    text: LaunchText, element: ElementSpan, include: LaunchInclude, copy: str
+) -> None:
+    """Lead an include to `copy`, a path below its own file's folder.
+
+    Where an argument or the environment chooses the file, the copy stands only for the file that
+    was chosen: roslaunch then refuses another choice, for which the launch has to be guarded anew.
+    """
+    written = text.attribute(element, "file") or ""
+    if not _DYNAMIC.search(written):
+        text.set_attribute(element, "file", f"$(dirname){copy}")
+        return
+    name = f"rtron_guarded{_NOT_LETTERS.sub('_', copy)}"
+    conditions = ((c, text.attribute(element, c)) for c in ("if", "unless"))
+    condition = "".join(f" {c}={value}" for c, value in conditions if value)
+    text.insert(element, f'<arg name="{name}" value={written}{condition}/>')
+    file = f"{{{eval_literal(include.evaluated_name)}: dirname() + {eval_literal(copy)}}}[arg('{name}')]"
+    text.set_attribute(element, "file", f"$(eval {file})")
+
 
 Edits: TypeAlias = tuple[object, ...]
 

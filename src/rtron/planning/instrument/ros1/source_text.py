@@ -5,14 +5,23 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from rtron.errors import InputError
-from rtron.planning.instrument.common.xml_spans import (
+from rtron.planning.instrument.common.xml_text import (
     ElementSpan,
+    LaunchText,
     find_elements,
     parse,
     safe_parser,
+    splice,
 )
-from rtron.planning.instrument.common.xml_text import LaunchText, splice
-from rtron.planning.instrument.ros1.literal import eval_literal
+
+_DOUBLED = re.compile(r"_(?=_)")
+
+
+def eval_literal(text: str) -> str:
+    """Return a Python literal with no two underscores together, which roslaunch refuses."""
+    escaped = text.replace("\\", r"\\").replace("'", r"\'")
+    return "('" + _DOUBLED.sub("_' '", escaped) + "')"
+
 
 _ENCODING = re.compile(r"""\A(\ufeff?<\?xml[^>]*?encoding\s*=\s*)["'][^"']*["']""")
 _QUOTED = re.compile(rb"\"[^\"]*\"|'[^']*'")

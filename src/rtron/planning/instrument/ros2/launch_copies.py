@@ -4,16 +4,36 @@ import os.path
 import re
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
+from importlib.resources import files
 from pathlib import Path
+from pprint import pformat
 
 from rtron.planning.instrument.common.guarded_launch import PlacedRemap
 from rtron.planning.instrument.common.remaps import NodeRemaps
-from rtron.planning.instrument.ros2.arguments import CHECK_FILE, arguments_text
 from rtron.planning.instrument.ros2.launch_file import GuardedFolder, LaunchFileText, RemapPair
 from rtron.planning.instrument.ros2.wrapper import PrivateNames, wrapper_text
 from rtron.planning.instrument.ros2.xml_file import xml_file
 from rtron.planning.instrument.ros2.yaml_file import yaml_file
 from rtron.vocabulary import LaunchFile, LaunchInput, LaunchNode
+
+CHECK_FILE = "arguments.launch.py"
+"""The file's name, beside the copies; it comes first in the launch."""
+
+_TEMPLATE = "arguments.py.in"
+_PLACEHOLDER = re.compile(r"__(ARGUMENTS|ENVIRONMENT)__")
+
+
+def arguments_text(choices: tuple[LaunchInput, ...]) -> str:
+    """Return the launch file that refuses all but the values for which a launch was read."""
+    template = files("rtron.planning.instrument.ros2").joinpath(_TEMPLATE).read_text()
+    filled = {
+        hole: {each.name: each.values for each in choices if each.environment is environment}
+        for hole, environment in (("ARGUMENTS", False), ("ENVIRONMENT", True))
+    }
+    return _PLACEHOLDER.sub(
+        lambda hole: pformat(filled[hole[1]], width=88, sort_dicts=False), template
+    )
+
 
 _FOLDER = "rtron_folder"
 _UNSAFE = re.compile(r"[^\w.-]")

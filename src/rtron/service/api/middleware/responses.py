@@ -1,7 +1,26 @@
 """Security headers on every answer (OWASP), whoever made it."""
 
+import logging
+from http import HTTPStatus
+
 from starlette.datastructures import MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
+from starlette.websockets import WebSocketClose
+
+from rtron.service.api.error_responses import error_response
+
+_POLICY_VIOLATION = 1008
+
+
+async def reject(
+    scope: Scope, receive: Receive, send: Send, status: int, error: str, help: str = ""
+) -> None:
+    """Answer with a Problem, or do not accept the WebSocket."""
+    if scope["type"] == "websocket":
+        return await WebSocketClose(_POLICY_VIOLATION, error)(scope, receive, send)
+    headers = {"Connection": "close"}
+    return await error_response(status, error, help, headers)(scope, receive, send)
+
 
 _CONTENT_SECURITY_POLICY = (
     "default-src 'self'; connect-src 'self'; object-src 'none'; base-uri 'none'; "
@@ -42,3 +61,33 @@ class SecurityHeaders:
             headers.setdefault(name, value)
         if path.startswith(_UNCACHED_PATHS):
             headers["Cache-Control"] = "no-store"
+
+
+log = logging.getLogger(__name__)
+
+
+class InternalErrorHandler:
+    """Answers 500 where the app raised an exception; the log has the traceback."""
+
+    def __init__(self, app: ASGIApp) -> None:
+        self.app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Handle a request, as ASGI says."""
+        if scope["type"] != "http":
+            return await self.app(scope, receive, send)
+        has_started = False
+
+        async def sending(message: Message) -> None:
+            nonlocal has_started
+            has_started = True
+            await send(message)
+
+        try:
+            await self.app(scope, receive, sending)
+        except Exception:
+            log.exception("%s %s failed", scope["method"], ascii(scope["path"][:200]))
+            if has_started:
+                raise
+            help = "the service's log says more"
+            await reject(scope, receive, send, HTTPStatus.INTERNAL_SERVER_ERROR, "it failed", help)

@@ -6,18 +6,19 @@ from fastapi import APIRouter, Request
 from prometheus_client import CONTENT_TYPE_LATEST, CollectorRegistry, generate_latest
 from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, Metric
 from prometheus_client.registry import Collector
-from sqlalchemy import func, select
+from sqlalchemy import delete, func, select
 from sqlalchemy.orm import Session
 from starlette.responses import Response
 
 from rtron.service.api.auth.authorization import MetricsReader
-from rtron.service.api.context import ServiceContext
-from rtron.service.collector.tally import CollectorCounters
+from rtron.service.api.context import ServiceContext, ServiceDependency
+from rtron.service.collector.data_collector import CollectorCounters
 from rtron.service.domain.login_throttle import LoginThrottle
-from rtron.service.domain.schemas import SettingsOutcome
+from rtron.service.domain.schemas import ErrorResponse, Health, SettingsOutcome
+from rtron.service.store.accounts.last_use import short_transaction
 from rtron.service.store.retention import used_bytes
 from rtron.service.store.robots import list_robots
-from rtron.service.store.tables import EventRow, SettingsRow
+from rtron.service.store.tables import AuditRow, EventRow, SettingsRow
 
 router = APIRouter()
 
@@ -112,3 +113,25 @@ def _gauge(name: str, help: str, value: float) -> Metric:
 
 def _counter(name: str, help: str, value: float) -> Metric:
     return CounterMetricFamily(name, help, value=value)
+
+
+_LOCK_TIMEOUT_MS = 2000
+
+
+@router.get("/healthz")
+async def healthz() -> Health:
+    """Tell that the service runs."""
+    return Health()
+
+
+@router.get("/readyz", responses={503: {"model": ErrorResponse}})
+def readyz(service: ServiceDependency) -> Health:
+    """Tell whether the database can be written; 503 if not. The row that is tried is not kept."""
+    with short_transaction(service.database, _LOCK_TIMEOUT_MS) as session:
+        row = AuditRow(
+            at=service.clock(), who="", address="", action="", target="", detail={}, outcome=""
+        )
+        session.add(row)
+        session.flush()
+        session.execute(delete(AuditRow).where(AuditRow.id == row.id))
+    return Health()

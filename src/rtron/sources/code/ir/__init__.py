@@ -10,6 +10,9 @@ from rtron.sources.code.ir.declarations import (
     Class,
     Function,
     Param,
+    SourceLanguage,
+    SourceProblem,
+    Unit,
 )
 from rtron.sources.code.ir.expressions import (
     Attr,
@@ -53,11 +56,6 @@ from rtron.sources.code.ir.statements import (
 from rtron.sources.code.ir.types import (
     TypeRef,
     adapter_alias,
-)
-from rtron.sources.code.ir.unit import (
-    SourceLanguage,
-    SourceProblem,
-    Unit,
 )
 
 __all__ = [

@@ -1,9 +1,15 @@
 """Launch files of well-known packages that a workspace often lacks (docs/models.md: Packages)."""
 
 import re
+from collections.abc import Mapping
 from pathlib import Path
 
-from rtron.sources.launch.ros2.substitutions.template import display_text, has_placeholder
+from rtron.sources.launch.ros2.substitutions.template import (
+    SubstitutionCall,
+    display_text,
+    has_placeholder,
+)
+from rtron.sources.launch.ros2.xml_yaml.element import Element
 from rtron.sources.models.packages import known_packages
 
 _IN_PACKAGE = re.compile(r"\{find-pkg-share (\w+)\}/+launch/+(\w+\.launch)(?:\.(?:py|xml|yaml))?")
@@ -25,3 +31,29 @@ def has_bundled_launch_files(package: str) -> bool:
 def _bundled_path(package: str, name: str) -> Path | None:
     folder = known_packages().get(package)
     return folder / "launch" / name if folder else None
+
+
+_CONTAINER = {
+    "container_name": "ros_gz_container",
+    "create_own_container": "False",
+    "use_composition": "False",
+}
+_DEFAULTS: Mapping[str, Mapping[str, str]] = {
+    "gz_server": {"world_sdf_file": "", **_CONTAINER},
+    "gz_spawn_model": dict.fromkeys(("file", "model_string", "topic", "entity_name"), ""),
+    "ros_gz_bridge": {"namespace": "", **_CONTAINER},
+}
+GAZEBO_ACTIONS = frozenset(_DEFAULTS)
+
+
+def as_include(action: Element) -> Element:
+    """Return what one of them does, as an inclusion."""
+    package = "ros_gz_bridge" if action.tag == "ros_gz_bridge" else "ros_gz_sim"
+    arguments_by_name = {**_DEFAULTS[action.tag], **action.attributes}
+    arguments = tuple(
+        Element("arg", {"name": name, "value": value})
+        for name, value in arguments_by_name.items()
+        if name not in ("if", "unless")
+    )
+    file = (SubstitutionCall("find-pkg-share", ((package,),)), f"/launch/{action.tag}.launch.py")
+    return Element("include", {"file": file}, arguments).with_location(action.line, action.file)

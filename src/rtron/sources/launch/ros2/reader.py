@@ -15,11 +15,10 @@ from pathlib import Path
 from rtron.errors import InputError
 from rtron.sources.launch.common.errors import MissingArgumentError
 from rtron.sources.launch.ros2.action_context import ActionContext
-from rtron.sources.launch.ros2.bundled_files import bundled_launch_file
+from rtron.sources.launch.ros2.bundled_files import GAZEBO_ACTIONS, as_include, bundled_launch_file
 from rtron.sources.launch.ros2.choices import LaunchChoices
 from rtron.sources.launch.ros2.context_actions import CONTEXT_TAGS, IGNORED_TAGS, ContextActions
 from rtron.sources.launch.ros2.evaluator import LaunchEvaluator
-from rtron.sources.launch.ros2.gazebo_actions import GAZEBO_ACTIONS, as_include
 from rtron.sources.launch.ros2.inclusion import FileInclusion
 from rtron.sources.launch.ros2.launch_context import LaunchContext
 from rtron.sources.launch.ros2.limits import MAX_INCLUDE_DEPTH

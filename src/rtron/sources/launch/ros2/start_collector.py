@@ -10,6 +10,7 @@ from rtron.sources.code.frontends.python.lowering import MAX_BYTES
 from rtron.sources.launch.ros2.action_context import ActionContextTracker
 from rtron.sources.launch.ros2.command_line import (
     argument_remaps,
+    as_ros2_run,
     is_ros2_run,
     node_of_ros2_run,
     special_remap,
@@ -20,7 +21,6 @@ from rtron.sources.launch.ros2.launch_context import LaunchContext, canonical_na
 from rtron.sources.launch.ros2.parameters.merge import ALL_NODES, ParameterSource
 from rtron.sources.launch.ros2.parameters.node_configuration import NodeConfiguration
 from rtron.sources.launch.ros2.result import DeclaredArgument, LaunchStart, StartKind
-from rtron.sources.launch.ros2.run import as_ros2_run
 from rtron.sources.launch.ros2.shell import split_commands
 from rtron.sources.launch.ros2.substitutions.template import display_text, has_placeholder
 from rtron.sources.launch.ros2.xml_yaml.element import Element

@@ -1,11 +1,19 @@
 """The type of a ROS 1 service, asked with a probe (ROS wiki: TCPROS)."""
 
 import socket
+import threading
 import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from queue import Empty, SimpleQueue
+from typing import TypeVar
 from urllib.parse import urlsplit
 
 from rtron.errors import SourceError, WireError
+from rtron.sources.live.ros1.process import NodeProgram, find_program
+from rtron.sources.live.ros1.replies import IncomingConnection, parse_bus_info, parse_process_id
 from rtron.wire.ros1.tcpros import LENGTH, MAX_HEADER, decode_header, encode_header, frame_length
+from rtron.wire.ros1.xmlrpc import ros_call
 
 _CHUNK_BYTES = 1 << 16
 
@@ -49,3 +57,68 @@ def _receive(connection: socket.socket, length: int, deadline: float) -> bytes:
             raise WireError("the connection ended inside the header")
         data += chunk
     return bytes(data)
+
+
+_MAX_ERROR_LENGTH = 300
+
+
+@dataclass(frozen=True, slots=True)
+class NodeReplies:
+    """A node's address, who sends it messages, what it runs, and why not all of it is known."""
+
+    uri: str = ""
+    incoming: tuple[IncomingConnection, ...] = ()
+    program: NodeProgram = field(default_factory=NodeProgram)
+    error: str = ""
+
+
+def query_node(uri: str, caller: str, timeout: float) -> NodeReplies:
+    """Ask a node; each of two calls may take `timeout` seconds. Does not raise."""
+    replies = NodeReplies(uri)
+    try:
+        connections = parse_bus_info(ros_call(uri, "getBusInfo", caller, timeout=timeout))
+        replies = replace(replies, incoming=connections)
+        pid = parse_process_id(ros_call(uri, "getPid", caller, timeout=timeout))
+        return replace(replies, program=find_program(uri, pid))
+    except Exception as error:  # noqa: BLE001 - a stranger's answer must not end the scan
+        return replace(replies, error=str(error)[:_MAX_ERROR_LENGTH])
+
+
+_T = TypeVar("_T")
+_MAX_THREADS = 64
+
+
+def run_with_deadline(jobs: Mapping[str, Callable[[], _T]], limit: float) -> dict[str, _T]:
+    """Return the results of the jobs that end within `limit` seconds; jobs must not raise.
+
+    A job that hangs (a name server that never answers cannot be timed out) keeps a daemon thread
+    and nobody else.
+    """
+    pending: SimpleQueue[str] = SimpleQueue()
+    done: SimpleQueue[tuple[str, _T]] = SimpleQueue()
+    for name in jobs:
+        pending.put(name)
+    deadline = time.monotonic() + limit
+
+    def work() -> None:
+        while time.monotonic() < deadline:
+            try:
+                name = pending.get_nowait()
+            except Empty:
+                return
+            done.put((name, jobs[name]()))
+
+    for _ in range(min(_MAX_THREADS, len(jobs))):
+        threading.Thread(target=work, daemon=True).start()
+    return _collect(done, len(jobs), deadline)
+
+
+def _collect(done: SimpleQueue[tuple[str, _T]], expected: int, deadline: float) -> dict[str, _T]:
+    results: dict[str, _T] = {}
+    while len(results) < expected:
+        try:
+            name, result = done.get(timeout=max(0.0, deadline - time.monotonic()))
+        except Empty:
+            break
+        results[name] = result
+    return results

@@ -10,17 +10,21 @@ from functools import partial
 from typing import Any
 
 from rtron.errors import RTronError, SourceError
-from rtron.sources.in_time import run_with_deadline
 from rtron.sources.live.ros1.actions import find_actions
-from rtron.sources.live.ros1.queries import query_service_type
+from rtron.sources.live.ros1.queries import (
+    NodeReplies,
+    query_node,
+    query_service_type,
+    run_with_deadline,
+)
 from rtron.sources.live.ros1.replies import (
+    IncomingConnection,
+    NamedNode,
     SystemState,
     parse_system_state,
     parse_text,
     parse_topic_types,
 )
-from rtron.sources.ros1_ghosts import ghost_publishers, unlisted_connections
-from rtron.sources.ros1_node import NodeReplies, query_node
 from rtron.vocabulary import (
     Direction,
     Endpoint,
@@ -33,6 +37,63 @@ from rtron.vocabulary import (
     UnresolvedItem,
 )
 from rtron.wire.ros1.xmlrpc import ros_call
+
+
+@dataclass(frozen=True, slots=True)
+class UnlistedConnection:
+    """A connection of a node's whose other end the master did not list."""
+
+    node: str
+    connection: IncomingConnection
+
+
+def unlisted_connections(
+    nodes: Mapping[str, NodeReplies], publishers: Iterable[NamedNode]
+) -> tuple[UnlistedConnection, ...]:
+    """Return the connections from addresses that no publisher of their topic has."""
+    known_publishers = _listed_publishers(
+        publishers, {name: replies.uri for name, replies in nodes.items()}
+    )
+    return tuple(
+        UnlistedConnection(name, connection)
+        for name, replies in nodes.items()
+        for connection in dict.fromkeys(replies.incoming)
+        if (connection.topic, _normalised_uri(connection.publisher_uri)) not in known_publishers
+    )
+
+
+def ghost_publishers(
+    connections: Iterable[UnlistedConnection],
+    publishers: Iterable[NamedNode],
+    uris: Mapping[str, str],
+) -> Iterator[UnresolvedItem]:
+    """Yield an entry for each suspect that the master, asked again, does not list either."""
+    known_publishers = _listed_publishers(publishers, uris)
+    for unlisted in connections:
+        if (
+            unlisted.connection.topic,
+            _normalised_uri(unlisted.connection.publisher_uri),
+        ) not in known_publishers:
+            yield _ghost_publisher(unlisted.node, unlisted.connection)
+
+
+def _listed_publishers(
+    publishers: Iterable[NamedNode], uris: Mapping[str, str]
+) -> set[tuple[str, str]]:
+    return {
+        (topic, _normalised_uri(uris.get(node, ""))) for topic, node in publishers if uris.get(node)
+    }
+
+
+def _normalised_uri(uri: str) -> str:
+    return uri.rstrip("/").lower()
+
+
+def _ghost_publisher(node: str, connection: IncomingConnection) -> UnresolvedItem:
+    source = connection.publisher_uri or "an unknown address"
+    why = f"takes messages on {connection.topic} from {source}, which the master does not know"
+    return UnresolvedItem(what=node, why=why, evidence=(Evidence(file=source),))
+
 
 _CALLER_ID = "/rtron_scan"
 _NODE_CALLS = 3

@@ -25,8 +25,8 @@ from rtron.sources.live.ros2.ambiguities import (
 )
 from rtron.sources.live.ros2.discovery import discover_graph
 from rtron.sources.live.ros2.domain import DomainReader, Snapshot
-from rtron.sources.live.ros2.implied import is_implicit_service, is_implicit_topic
 from rtron.vocabulary import (
+    Direction,
     Endpoint,
     InteractionGraph,
     Node,
@@ -42,6 +42,31 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from rtron.wire.ros2.service_endpoints import Ros2ServiceEndpoint
+
+
+_IMPLICIT_TOPICS = frozenset({"/rosout", "/parameter_events"})
+_CLOCK = "/clock"
+_PARAMETER_SERVICE_PACKAGES = ("rcl_interfaces/srv/", "type_description_interfaces/srv/")
+
+
+def is_hidden(name: str) -> bool:
+    """Tell whether a part of the name begins with `_` (ROS 2 design: Topic and Service Names)."""
+    return "/_" in name
+
+
+def is_implicit_topic(topic: str, direction: Direction) -> bool:
+    """Tell whether an end of a topic is the client library's, or hidden."""
+    is_clock = topic == _CLOCK and direction is Direction.SUBSCRIBE
+    return is_clock or topic in _IMPLICIT_TOPICS or is_hidden(topic)
+
+
+def is_implicit_service(node: str, service: str, type: str) -> bool:
+    """Tell whether a service is the client library's, like those of parameters, or hidden."""
+    is_parameter_service = service.startswith(f"{node}/") and type.startswith(
+        _PARAMETER_SERVICE_PACKAGES
+    )
+    return is_parameter_service or is_hidden(service)
+
 
 _T = TypeVar("_T", Ros2Endpoint, "Ros2ServiceEndpoint")
 

@@ -16,7 +16,7 @@ from rtron.sources.models.common.catalog import ModelCatalog, load_models
 from rtron.sources.models.common.expressions import ModelExpressions
 from rtron.sources.models.common.model_scope import ModelScope, node_scope
 from rtron.sources.models.common.plugin_element import PluginElement
-from rtron.sources.models.common.schema import ANY_TYPE, Model, ModelEntry
+from rtron.sources.models.common.schema import ANY_TYPE, Model, ModelEntry, parse_qos
 from rtron.sources.models.common.values import (
     Placeholder,
     Value,
@@ -24,7 +24,6 @@ from rtron.sources.models.common.values import (
     has_placeholder,
     placeholder,
 )
-from rtron.sources.models.qos import parse_qos
 from rtron.sources.models.ros2.site import resolve_ros2_site
 from rtron.vocabulary import Durability, Evidence, Resolution, UnresolvedItem
 

@@ -3,10 +3,11 @@
 docs/models.md lists them; a function answers with a Hole where the answer is not known.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from itertools import takewhile
 
+from rtron.sources.launch.ros2.parameters.merge import pattern_matches
 from rtron.sources.models.common import arguments
 from rtron.sources.models.common.model_scope import ModelScope
 from rtron.sources.models.common.node_files import read_yaml_file
@@ -18,7 +19,6 @@ from rtron.sources.models.common.values import (
     placeholder,
     with_placeholders,
 )
-from rtron.sources.models.parameters2 import children, parameter_or_default
 from rtron.sources.models.ros1.rviz import rviz_publications, rviz_subscriptions
 from rtron.sources.models.ros2.rviz import (
     rviz2_markers,
@@ -26,6 +26,46 @@ from rtron.sources.models.ros2.rviz import (
     rviz2_publications,
     rviz2_subscriptions,
 )
+from rtron.vocabulary import ParameterValue
+
+MAX_CHILDREN = 1000
+_KINDS = {float: (float, int)}
+
+
+def parameter_or_default(scope: ModelScope, name: str, default: Value = None) -> Value:
+    """Return what is given for a parameter of the scope's node, or its default.
+
+    Raise ValueError where it is of another kind than the default: the node refuses it.
+    """
+    values = [
+        value for parameter_name, value in _launch_parameters(scope) if parameter_name == name
+    ]
+    value = with_placeholders(values[-1], name) if values else default
+    kind = type(default)
+    if default is not None and not isinstance(value, (Placeholder, _KINDS.get(kind, kind))):
+        raise ValueError(f"parameter {name} is no {kind.__name__}")
+    return value
+
+
+def children(scope: ModelScope, prefix: str) -> list[str]:
+    """Return the names right below `prefix.` among the parameters given, in order."""
+    start = f"{prefix}."
+    names_below = (
+        name.removeprefix(start) for name, _ in _launch_parameters(scope) if name.startswith(start)
+    )
+    return list(dict.fromkeys(name.partition(".")[0] for name in names_below))[:MAX_CHILDREN]
+
+
+def _launch_parameters(scope: ModelScope) -> Iterator[tuple[str, ParameterValue]]:
+    """Yield what is given, the last of a name counts; overrides are the first node's alone."""
+    yield from (
+        (s.name, s.value)
+        for s in scope.site.node_settings
+        if pattern_matches(s.node, scope.private)
+    )
+    if scope.private == scope.site.name:
+        yield from scope.site.overrides
+
 
 Function = Callable[..., Value]
 

@@ -10,7 +10,7 @@ from typing import Annotated
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
 from rtron.sources.declaration import DeclarationKind
-from rtron.vocabulary import StringEnum
+from rtron.vocabulary import Durability, QoS, Reliability, StringEnum
 
 ENTRY_VERBS = (*(kind.value for kind in DeclarationKind), "uses", "unresolved", "declares")
 MODEL_KINDS = (
@@ -164,3 +164,20 @@ def model_texts(model: Model) -> Iterator[tuple[str, str]]:
             yield "expression", entry.condition
         if entry.loop:
             yield "expression", entry.loop.partition(" in ")[2]
+
+
+def parse_qos(text: str) -> QoS | None:
+    """Return what words say, None for none; raise ValueError for what is no policy."""
+    if not text:
+        return None
+    depth, reliability, durability = 0, Reliability.RELIABLE, Durability.VOLATILE
+    for token in text.split():
+        if token.isdecimal():
+            depth = int(token)
+        elif token in set(Reliability):
+            reliability = Reliability(token)
+        elif token in set(Durability):
+            durability = Durability(token)
+        else:
+            raise ValueError(f"{token[:80]!r} is no quality of service")
+    return QoS(depth=depth, reliability=reliability, durability=durability)

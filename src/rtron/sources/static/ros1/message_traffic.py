@@ -6,16 +6,63 @@ from contextlib import closing
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from rtron.sources.declaration import Declaration, DeclarationKind
+from rtron.sources.declaration import Declaration, DeclarationKind, NodeSite
 from rtron.sources.launch.common.packages import find_packages
 from rtron.sources.static.common.cache import open_cache
 from rtron.sources.static.common.scan_options import ScanOptions
-from rtron.sources.static.common.task import InterpretationTask, TaskResult
+from rtron.sources.static.common.task import InterpretationTask, TaskKind, TaskResult
 from rtron.sources.static.common.worker_pool import WorkerPool
 from rtron.sources.static.common.workspace_hash import hash_workspace
-from rtron.sources.static.programs import workspace_programs
-from rtron.sources.workspace import Workspace
+from rtron.sources.workspace import Program, ProgramLanguage, Workspace
+from rtron.sources.workspace.catalog import NODELET
+from rtron.sources.workspace.package_contents import TargetKind
+from rtron.sources.workspace.scripts import is_executable, script_language
 from rtron.vocabulary import UnresolvedItem
+
+
+def workspace_programs(
+    workspace: Workspace, folder: Path
+) -> Iterator[tuple[str, InterpretationTask]]:
+    """Yield the executables, executable Python scripts and nodelets below a folder.
+
+    Each comes with the name of its package.
+    """
+    packages = [p for p, path in workspace.packages.items() if path.is_relative_to(folder)]
+    for package in packages:
+        for task in (*_executables(workspace, package), *_scripts(workspace, package)):
+            yield package, task
+    for plugin in workspace.plugins(NODELET):
+        nodelet = workspace.nodelet(plugin.name or plugin.type)
+        if plugin.package in packages and nodelet and nodelet.program:
+            yield plugin.package, _task(TaskKind.NODELET, nodelet.program, cls=plugin.type)
+
+
+def _executables(workspace: Workspace, package: str) -> Iterator[InterpretationTask]:
+    contents = workspace.contents(package)
+    for target in contents.targets if contents else ():
+        if target.kind is TargetKind.EXECUTABLE:
+            program = workspace.executable(package, target.name)
+            if program and program.language is ProgramLanguage.CPP and program.sources:
+                yield _task(TaskKind.CPP, program)
+
+
+def _scripts(workspace: Workspace, package: str) -> Iterator[InterpretationTask]:
+    files = workspace.files(package)
+    for path in (files.folder / name for name in files.names):
+        if (
+            files.is_file(path)
+            and is_executable(path)
+            and script_language(path) is ProgramLanguage.PYTHON
+        ):
+            site = NodeSite(name=f"/{path.stem}", parameters_complete=False)
+            yield InterpretationTask(kind=TaskKind.PYTHON, sources=(path,), site=site)
+
+
+def _task(kind: TaskKind, program: Program, *, cls: str = "") -> InterpretationTask:
+    name = cls.rpartition(":")[2].rpartition("/")[2] or program.name
+    site = NodeSite(name=f"/{name}", parameters_complete=False)
+    return InterpretationTask(kind=kind, sources=program.sources, class_name=cls, site=site)
+
 
 _PUBLISHING = frozenset({DeclarationKind.PUBLISH, DeclarationKind.ACTION_CLIENT})
 _SUBSCRIBING = frozenset({DeclarationKind.SUBSCRIBE, DeclarationKind.ACTION_SERVER})

@@ -13,10 +13,10 @@ from rtron.sources.gazebo import GazeboPlugin, read_plugins, read_world
 from rtron.sources.models import ModelCatalog, PluginElement, controller_interface, plugin_interface
 from rtron.sources.models.common.arguments import option, user_arguments
 from rtron.sources.models.common.schema import NodeRole
+from rtron.sources.models.ros1.controllers import add_controller_files
 from rtron.sources.static.common.app_node import AppNode
 from rtron.sources.static.common.node_part import NodePart
 from rtron.sources.static.common.unresolved import UnresolvedList
-from rtron.sources.static.controller_files import add_controller_files
 from rtron.sources.workspace import Workspace
 from rtron.sources.workspace.package_files import is_regular
 from rtron.sources.xacro import RobotDescriptions, parse_element, read_element

@@ -9,9 +9,7 @@ from rtron.errors import InputError
 from rtron.sources.code.workspace_sources import WorkspaceSources
 from rtron.sources.launch.common.yaml_tree import YamlTree
 from rtron.sources.launch.ros2.app import read_app_launch
-from rtron.sources.launch.ros2.executed.execution import Execution
-from rtron.sources.launch.ros2.executed.lines import add_lines
-from rtron.sources.launch.ros2.executed.openness import is_incomplete
+from rtron.sources.launch.ros2.executed.execution import Execution, add_lines, is_incomplete
 from rtron.sources.launch.ros2.result import AppLaunch
 from rtron.sources.models import ROS2_LIBRARY, ModelCatalog, load_models
 from rtron.sources.static.common.cache import open_cache
@@ -22,13 +20,12 @@ from rtron.sources.static.common.worker_pool import WorkerPool
 from rtron.sources.static.common.workspace_hash import hash_workspace
 from rtron.sources.static.ros1.launch_trees import LaunchRequest
 from rtron.sources.static.ros2.app_nodes import AppNodeBuilder
-from rtron.sources.static.ros2.assembly import Ros2Assembly
+from rtron.sources.static.ros2.assembly import Ros2Assembly, duplicate_nodes
 from rtron.sources.static.ros2.controllers import ControllerParts
 from rtron.sources.static.ros2.gazebo_plugins import GazeboPluginNodes
 from rtron.sources.static.ros2.gazebo_server import GazeboServers
+from rtron.sources.static.ros2.programs import read_ros2_workspace
 from rtron.sources.static.ros2.standard_nodes import add_standard_interface
-from rtron.sources.static.ros2_repeated import duplicate_nodes
-from rtron.sources.static.ros2_scan import read_ros2_workspace
 from rtron.sources.workspace import Workspace
 from rtron.vocabulary import InteractionGraph
 

@@ -10,6 +10,7 @@ from itertools import pairwise
 from pathlib import Path
 
 from rtron.errors import InputError
+from rtron.sources.code.workspace_sources import WorkspaceSources
 from rtron.sources.declaration import NodeSite
 from rtron.sources.gazebo import GazeboPlugin, GazeboWorld, read_world
 from rtron.sources.launch.ros2.result import LaunchStart
@@ -20,9 +21,31 @@ from rtron.sources.static.common.app_node import AppNode
 from rtron.sources.static.common.node_part import NodePart
 from rtron.sources.static.common.unresolved import UnresolvedList
 from rtron.sources.static.ros2.gazebo_plugins import PACKAGE, USE_SIM_TIME, GazeboPluginNodes
-from rtron.sources.static.ros2_hooks import hook_folders
 from rtron.sources.workspace.package_files import is_regular
 from rtron.vocabulary import Evidence
+
+_HOOK_KINDS = frozenset({"prepend-non-duplicate", "prepend-non-duplicate-if-exists"})
+_SUFFIXES = (".dsv", ".dsv.in")
+_PROJECT = "@PROJECT_NAME@"
+
+
+def hook_folders(variable: str, files: WorkspaceSources) -> Iterator[Path]:
+    """Yield the folders that the workspace's packages put into a variable of the environment."""
+    workspace = files.workspace
+    for package, folder in workspace.packages.items():
+        for name in workspace.files(package).names:
+            text = files.read_text(folder / name) if name.endswith(_SUFFIXES) else None
+            for line in (text or "").splitlines():
+                kind, _, rest = line.strip().replace(_PROJECT, package).partition(";")
+                named, _, value = rest.partition(";")
+                share = f"share/{package}"
+                if (
+                    kind in _HOOK_KINDS
+                    and named == variable
+                    and f"{value}/".startswith(f"{share}/")
+                ):
+                    yield folder / value.removeprefix(share).strip("/")
+
 
 _SERVERS = frozenset({"gzserver", "gazebo"})
 _SYSTEM_PLUGIN_OPTIONS = ("-s", "--server-plugin")

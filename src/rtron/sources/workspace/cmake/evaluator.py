@@ -11,7 +11,6 @@ from rtron.sources.workspace.cmake.blocks import Branch, CommandBlock, Statement
 from rtron.sources.workspace.cmake.build import PackageBuild
 from rtron.sources.workspace.cmake.command_call import CommandCall, StepBudget, VariableScope
 from rtron.sources.workspace.cmake.condition import ConditionContext, Truth, evaluate_condition
-from rtron.sources.workspace.cmake.joining import join_variables
 from rtron.sources.workspace.cmake.keyword_arguments import PARSING_COMMANDS
 from rtron.sources.workspace.cmake.targets import TARGET_COMMANDS
 from rtron.sources.workspace.cmake.tokenizer import CMakeCommand, CommandArgument, read_commands
@@ -24,6 +23,7 @@ from rtron.sources.workspace.cmake.values import (
 )
 from rtron.sources.workspace.cmake.variable_scope import (
     argument_variables,
+    join_variables,
     loop_items,
     restore_variables,
 )

@@ -15,8 +15,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
 )
 from rtron.sources.code.interpreter.cpp.overload_resolution import choose_overload
 from rtron.sources.code.interpreter.cpp.symbol_table import MAX_FILES, SymbolTable
-from rtron.sources.code.interpreter.execution.arguments import Arguments
-from rtron.sources.code.interpreter.execution.binding import bind_parameters
+from rtron.sources.code.interpreter.execution.arguments import Arguments, bind_parameters
 from rtron.sources.code.interpreter.execution.stack_frame import StackFrame
 from rtron.sources.code.ir import (
     Class,

@@ -12,8 +12,7 @@ from harness import lives
 from rtron.errors import InputError, SourceError
 from rtron.sources.code.workspace_sources import WorkspaceSources
 from rtron.sources.launch.ros2.app import read_app_launch
-from rtron.sources.launch.ros2.executed.execution import Execution
-from rtron.sources.launch.ros2.executed.openness import is_incomplete
+from rtron.sources.launch.ros2.executed.execution import Execution, is_incomplete
 from rtron.sources.launch.ros2.result import StartKind
 from rtron.sources.workspace import read_workspace
 from rtron.vocabulary import UnknownValue

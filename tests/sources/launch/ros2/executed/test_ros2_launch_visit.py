@@ -6,8 +6,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from rtron.sources.launch.ros2.executed.lines import add_lines
-from rtron.sources.launch.ros2.executed.pythons import find_pythons
+from rtron.sources.launch.ros2.executed.execution import add_lines
+from rtron.sources.launch.ros2.executed.python_process import find_pythons
 from rtron.sources.launch.ros2.executed.visit.clock import TimeSkippingLoop
 from rtron.sources.launch.ros2.executed.visit.locations import (
     context_local,

@@ -2,9 +2,9 @@
 
 from tree_sitter import Node
 
-from rtron.sources.code.frontends.cpp.constants import integer_value
 from rtron.sources.code.frontends.cpp.declarators import read_declarator
 from rtron.sources.code.frontends.cpp.functions import add_function
+from rtron.sources.code.frontends.cpp.literals import integer_value
 from rtron.sources.code.frontends.cpp.lowering_context import LoweringContext, line_of
 from rtron.sources.code.frontends.cpp.node_lowering import (
     lower_declaration,

@@ -20,7 +20,27 @@ from rtron.sources.code.frontends.cpp.lowering_context import LoweringContext, l
 from rtron.sources.code.frontends.cpp.macros import Macro
 from rtron.sources.code.frontends.cpp.node_lowering import lower_declaration
 from rtron.sources.code.frontends.cpp.preprocessor import PreprocessedFile, preprocess
-from rtron.sources.code.frontends.cpp.source_text import decode_source
+
+_UTF16 = (b"\xff\xfe", b"\xfe\xff")
+
+
+def decode_source(data: bytes) -> str:
+    """Return the text: UTF-16 by its mark, UTF-8, or else Latin-1; lines end with a newline only.
+
+    NULs, which no parser expects, become spaces; lone surrogates become question marks.
+    """
+    text = _decode(data).replace("\r\n", "\n").replace("\r", "\n").replace("\0", " ")
+    return text.encode("utf-8", "replace").decode("utf-8")
+
+
+def _decode(data: bytes) -> str:
+    if data.startswith(_UTF16):
+        return data.decode("utf-16", "replace")
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return data.decode("latin-1")
+
 
 MAX_BYTES = 4 * 2**20
 _MAX_ERRORS = 20

@@ -14,8 +14,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
 )
 from rtron.sources.code.interpreter.cpp.types import CppTypes
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
-from rtron.sources.code.interpreter.execution.arguments import Arguments
-from rtron.sources.code.interpreter.execution.binding import bind_parameters
+from rtron.sources.code.interpreter.execution.arguments import Arguments, bind_parameters
 from rtron.sources.code.interpreter.execution.stack_frame import StackFrame
 from rtron.sources.code.ir import Expr, Param
 from rtron.sources.code.library_models.common.containers import copy_instance

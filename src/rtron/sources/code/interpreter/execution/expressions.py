@@ -22,9 +22,8 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     truth,
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
-from rtron.sources.code.interpreter.execution.arguments import Arguments
+from rtron.sources.code.interpreter.execution.arguments import Arguments, evaluate_defaults
 from rtron.sources.code.interpreter.execution.assignment import assign, slot_of
-from rtron.sources.code.interpreter.execution.binding import evaluate_defaults
 from rtron.sources.code.interpreter.execution.calls import call, dispatch
 from rtron.sources.code.interpreter.execution.exceptions import operands_fit
 from rtron.sources.code.interpreter.execution.loops import target_name

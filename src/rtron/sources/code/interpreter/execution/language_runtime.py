@@ -1,13 +1,14 @@
 """What differs between the languages, as the machine asks for it."""
 
 from collections.abc import Iterator, Mapping
-from typing import Protocol
+from typing import Protocol, cast
 
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     FunctionValue,
     Instance,
     Value,
 )
+from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.source_provider import SourceProvider
 from rtron.sources.code.interpreter.execution.stack_frame import StackFrame, StorageSlot
@@ -130,3 +131,8 @@ class CppLanguageRuntime(LanguageRuntime, Protocol):
     def create_plugin(self, name: str, base: str, arguments: Arguments) -> Value | None:
         """Make the object of a plugin, its library's sources taken in first."""
         ...
+
+
+def cpp_runtime(machine: AbstractMachine) -> CppLanguageRuntime:
+    """Return the machine's world, which natives of C++ only ever see as C++'s."""
+    return cast("CppLanguageRuntime", machine.runtime)

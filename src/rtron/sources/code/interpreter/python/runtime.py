@@ -18,8 +18,11 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     Unknown,
     Value,
 )
-from rtron.sources.code.interpreter.execution.arguments import Arguments
-from rtron.sources.code.interpreter.execution.binding import bind_parameters, evaluate_defaults
+from rtron.sources.code.interpreter.execution.arguments import (
+    Arguments,
+    bind_parameters,
+    evaluate_defaults,
+)
 from rtron.sources.code.interpreter.execution.stack_frame import StackFrame, StorageSlot
 from rtron.sources.code.interpreter.python.objects import PythonObjects
 from rtron.sources.code.ir import Class, Declare, Define, Lambda, Name, New, TypeRef

@@ -13,9 +13,9 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine, ThrownError
 from rtron.sources.code.interpreter.execution.arguments import Arguments
+from rtron.sources.code.interpreter.execution.language_runtime import cpp_runtime
 from rtron.sources.code.ir import TypeRef
 from rtron.sources.code.library_models.common.command_lines import record_started, shell_words
-from rtron.sources.code.library_models.common.cpp import cpp_runtime
 
 _HIDDEN_REASON = "runs or registers what the source does not show"
 

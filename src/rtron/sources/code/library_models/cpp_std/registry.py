@@ -3,8 +3,9 @@
 from collections.abc import Callable, Mapping
 from functools import partial
 
-from rtron.sources.code.interpreter.abstract_values.items import list_of
+from rtron.sources.code.interpreter.abstract_values.items import items_of, list_of
 from rtron.sources.code.interpreter.abstract_values.value_types import (
+    NONE,
     BindPlaceholder,
     LibraryClass,
     LibraryFunction,
@@ -17,7 +18,6 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.library_models.cpp_std.algorithms import ALGORITHMS
-from rtron.sources.code.library_models.cpp_std.command_line import COMMAND_LINE
 from rtron.sources.code.library_models.cpp_std.containers import (
     get_tuple_item,
     make_array,
@@ -55,6 +55,39 @@ from rtron.sources.code.library_models.cpp_std.strings import (
     to_string,
 )
 
+_OPTION = 2
+
+
+def _words_from_option(arguments: Arguments) -> list[str] | None:
+    """Return the command line from the option on; None where one of the two is not known."""
+    words, certain = items_of(arguments.get(0) or NONE)
+    option = arguments.get(_OPTION)
+    texts = [str(word.value) for word in words if isinstance(word, Scalar)]
+    if not certain or len(texts) < len(words) or not isinstance(option, Scalar):
+        return None
+    name = str(option.value)
+    return texts[texts.index(name) :] if name in texts else []
+
+
+def _option_exists(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
+    """`rcutils_cli_option_exist(argv, argv + argc, option)`."""
+    words = _words_from_option(arguments)
+    return Unknown("rcutils_cli_option_exist()") if words is None else Scalar(bool(words))
+
+
+def _option_value(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
+    """`rcutils_cli_get_option(argv, argv + argc, option)`: the word behind it, or a null."""
+    words = _words_from_option(arguments)
+    if words is None:
+        return Unknown("rcutils_cli_get_option()")
+    return Scalar(words[1]) if words[1:] else NONE
+
+
+COMMAND_LINE: Mapping[str, Callable[..., Value]] = {
+    "rcutils_cli_option_exist": _option_exists,
+    "rcutils_cli_get_option": _option_value,
+}
+
 _NUMBER_DEFAULTS: Mapping[str, object] = {
     **dict.fromkeys(
         ("int", "long", "short", "size_t", "unsigned", "uint32_t", "int32_t", "uint8_t"), 0
@@ -62,7 +95,6 @@ _NUMBER_DEFAULTS: Mapping[str, object] = {
     **dict.fromkeys(("double", "float"), 0.0),
     "bool": False,
 }
-
 
 PARAMETER_TYPE_PREFIX = "XmlRpc::XmlRpcValue::Type"
 
@@ -109,7 +141,6 @@ _CONSTRUCTORS: Mapping[str, Callable[..., Value]] = {
     "function": make_function,
 }
 
-
 _STD_FUNCTIONS: Mapping[str, Callable[..., Value]] = {
     **dict.fromkeys(("make_shared", "make_unique"), make_shared),
     **dict.fromkeys(
@@ -136,7 +167,6 @@ _STD_FUNCTIONS: Mapping[str, Callable[..., Value]] = {
     "str": stream_text,
     "async": lambda machine, _, arguments: make_thread(machine, arguments),
 }
-
 
 _HIDDEN_CODE_FUNCTIONS = (
     "dlopen",
@@ -182,15 +212,12 @@ def _functions() -> dict[str, LibraryFunction]:
 
 CONSTANTS: Mapping[str, Value] = {"std::string::npos": Scalar(-1), "string::npos": Scalar(-1)}
 
-
 PLACEHOLDERS = {
     f"{space}_{n}": BindPlaceholder(n)
     for space in ("", "boost::placeholders::", "std::placeholders::", "placeholders::")
     for n in range(1, 10)
 }
 
-
 CPP_STD_CLASSES = _classes()
-
 
 CPP_STD_FUNCTIONS = _functions()

@@ -26,8 +26,8 @@ from rtron.sources.code.library_models.python_std.argument_parsers import (
     command_line_value,
 )
 from rtron.sources.code.library_models.python_std.collection_types import PYTHON_COLLECTIONS
+from rtron.sources.code.library_models.python_std.data_classes import DATACLASSES
 from rtron.sources.code.library_models.python_std.data_files import DATA_FILE_FUNCTIONS
-from rtron.sources.code.library_models.python_std.dataclass import DATACLASSES
 from rtron.sources.code.library_models.python_std.dynamic_code import DYNAMIC_CODE_FUNCTIONS
 from rtron.sources.code.library_models.python_std.environment import environment_value, getenv
 from rtron.sources.code.library_models.python_std.paths import PYTHON_PATHS

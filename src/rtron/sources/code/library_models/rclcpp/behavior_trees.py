@@ -28,7 +28,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.calls import dispatch
-from rtron.sources.code.library_models.common.cpp import cpp_runtime
+from rtron.sources.code.interpreter.execution.language_runtime import cpp_runtime
 from rtron.sources.code.library_models.rclcpp.behavior_tree_xml import (
     BUILT_IN_NODES,
     TreeNode,

@@ -20,8 +20,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.calls import dispatch
-from rtron.sources.code.library_models.rclcpp.endpoints import ENDPOINT_METHODS
-from rtron.sources.code.library_models.rclcpp.graph import GRAPH_METHODS
+from rtron.sources.code.library_models.rclcpp.endpoints import ENDPOINT_METHODS, GRAPH_METHODS
 from rtron.sources.code.library_models.rclcpp.parameters import (
     PARAMETER_METHODS,
     parameter_object,

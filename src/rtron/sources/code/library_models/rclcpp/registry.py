@@ -1,27 +1,90 @@
 """rclcpp and the C++ libraries of ROS 2 around it, as far as they join nodes."""
 
+from collections.abc import Callable, Mapping
+
 from rtron.sources.code.interpreter.abstract_values.value_types import (
+    NONE,
     LibraryClass,
     LibraryFunction,
+    Scalar,
+    Unknown,
     Value,
+    is_text,
 )
+from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
+from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.library_models.rclcpp.behavior_trees import TREE_CLASSES, TREE_FUNCTIONS
 from rtron.sources.code.library_models.rclcpp.component_manager import COMPONENT_CLASSES
-from rtron.sources.code.library_models.rclcpp.controllers import CONTROLLER_CLASSES
 from rtron.sources.code.library_models.rclcpp.endpoints import ENDPOINT_FUNCTIONS
-from rtron.sources.code.library_models.rclcpp.functions import NAMESPACE_FUNCTIONS
 from rtron.sources.code.library_models.rclcpp.image_transport import IMAGE_CLASSES, IMAGE_FUNCTIONS
-from rtron.sources.code.library_models.rclcpp.libraries import LIBRARY_CLASSES
+from rtron.sources.code.library_models.rclcpp.libraries import CONTROLLER_CLASSES, LIBRARY_CLASSES
 from rtron.sources.code.library_models.rclcpp.node import NODE_CLASSES
 from rtron.sources.code.library_models.rclcpp.parameters import PARAMETER_CLASSES
 from rtron.sources.code.library_models.rclcpp.pluginlib import PLUGIN_CLASSES
-from rtron.sources.code.library_models.rclcpp.qos import QOS_CLASSES, QOS_CONSTANTS, QOS_FUNCTIONS
-from rtron.sources.code.library_models.rclcpp.qos_overrides import (
+from rtron.sources.code.library_models.rclcpp.qos import (
     OVERRIDING_CLASSES,
     OVERRIDING_CONSTANTS,
     OVERRIDING_FUNCTIONS,
+    QOS_CLASSES,
+    QOS_CONSTANTS,
+    QOS_FUNCTIONS,
 )
+from rtron.sources.code.library_models.ros2_common.names import expand_name, name_below
 from rtron.sources.code.library_models.ros2_common.parameter_types import PARAMETER_TYPE_CONSTANTS
+
+_UNKNOWN = Unknown("?")
+_INTERFACES = ("base", "clock", "graph", "logging", "parameters", "services", "timers", "topics")
+
+
+def _node_interface(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
+    """`rclcpp::node_interfaces::get_node_topics_interface(node)`: the node stands for it."""
+    return arguments.get(0) or NONE
+
+
+def _expand_name(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+    """`rclcpp::expand_topic_or_service_name(name, node_name, namespace)`."""
+    del machine
+    name, node, space = (arguments.get(at) or _UNKNOWN for at in range(3))
+    return expand_name(name, name_below(space, node), Scalar(""))
+
+
+def _replace_in_string(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+    """`std::replace(text.begin(), text.end(), '/', '_')` changes the text."""
+    slot = arguments.slot(0)
+    text = slot.holder.get(slot.key) if slot is not None else None
+    old, new = arguments.get(2), arguments.get(3)
+    known = [v.value for v in (text, old, new) if isinstance(v, Scalar) and is_text(v)]
+    if slot is not None and text is not None:
+        all_known = len(known) == len((text, old, new)) and isinstance(text, Scalar)
+        after = Scalar(known[0].replace(known[1], known[2]), text.tainted) if all_known else None
+        machine.undo_log.set(*slot, after or Unknown(str(slot.key)))
+    return NONE
+
+
+def _package_share(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+    """`ament_index_cpp::get_package_share_directory(package)`: where its source lies."""
+    name = arguments.get(0)
+    path = machine.runtime.files.package_path(str(name.value)) if isinstance(name, Scalar) else None
+    return Unknown("package_share") if path is None else Scalar(str(path))
+
+
+def _is_running(_: AbstractMachine, __: object, ___: Arguments) -> Value:
+    return Unknown("ok")
+
+
+NAMESPACE_FUNCTIONS: Mapping[str, Callable[..., Value]] = {
+    **{
+        f"rclcpp::node_interfaces::get_node_{name}_interface": _node_interface
+        for name in _INTERFACES
+    },
+    "rclcpp::expand_topic_or_service_name": _expand_name,
+    "rclcpp::ok": _is_running,
+    **{
+        f"ament_index_cpp::get_package_share_{what}": _package_share
+        for what in ("directory", "path")
+    },
+    "std::replace": _replace_in_string,
+}
 
 RCLCPP_CLASSES: dict[str, LibraryClass] = {
     **NODE_CLASSES,

@@ -1,18 +1,50 @@
 """rclpy and the Python libraries of ROS 2 around it, as far as they join nodes."""
 
+from collections.abc import Mapping
+from functools import partial
+
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     LibraryFunction,
+    MessageType,
+    Scalar,
     Unknown,
     Value,
+    map_options,
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.library_models.rclpy.libraries import LIBRARY_FUNCTIONS
 from rtron.sources.code.library_models.rclpy.node import LIFECYCLE_NODE, NODE, make_node
 from rtron.sources.code.library_models.rclpy.parameters import PARAMETER
-from rtron.sources.code.library_models.rclpy.qos import library_profiles
-from rtron.sources.code.library_models.rclpy.qos_overrides import OVERRIDING_CLASSES
-from rtron.sources.code.library_models.rclpy.rosidl import ROSIDL
+from rtron.sources.code.library_models.rclpy.qos import OVERRIDING_CLASSES, library_profiles
+
+_PARTS = 3
+_FOLDERS = {
+    "get_message": {"msg"},
+    "get_service": {"srv"},
+    "get_action": {"action"},
+    "get_interface": {"msg", "srv", "action"},
+}
+
+
+def _get_interface(
+    folders: set[str], _: AbstractMachine, __: object, arguments: Arguments
+) -> Value:
+    """`get_message("std_msgs/msg/String")`."""
+
+    def named(value: Value) -> Value:
+        name = value.value if isinstance(value, Scalar) else None
+        parts = name.split("/") if isinstance(name, str) else []
+        is_full = len(parts) == _PARTS and all(parts) and parts[1] in folders
+        return MessageType("/".join(parts)) if is_full else Unknown("interface")
+
+    return map_options(arguments.get(0, "identifier") or Unknown("?"), named)
+
+
+ROSIDL: Mapping[str, Value] = {
+    f"rosidl_runtime_py.utilities.{name}": LibraryFunction(name, partial(_get_interface, folders))
+    for name, folders in _FOLDERS.items()
+}
 
 
 def _create_node(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:

@@ -170,3 +170,43 @@ SERVER_CLASSES = {
     **{name: LibraryClass(name, make) for name, make in _CONSTRUCTORS.items()},
     **{native.name: native for native in (_RECONFIGURE, _UPDATER, _SHAPE_SHIFTER)},
 }
+
+
+def _filter_subscriber(machine: AbstractMachine, arguments: Arguments) -> Value:
+    """`message_filters::Subscriber<T>(handle, topic, queue)`, or later by `subscribe`."""
+    made = Instance(_FILTER_SUBSCRIBER, {}, arguments.types)
+    if len(arguments.values) > 1:
+        _filter_subscribe(machine, made, arguments)
+    return made
+
+
+def _filter_subscribe(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
+    names = name_arguments(arguments)
+    topic = resolve_in_handle(
+        machine, handle_argument_or_default(machine, arguments), names[0] if names else None
+    )
+    type = message_type_of(machine, owner.types[0] if owner.types else None, arguments)
+    endpoints.declare_endpoint(machine, DeclarationKind.SUBSCRIBE, topic, type, arguments)
+    return owner
+
+
+_FILTER_SUBSCRIBER = LibraryClass(
+    "message_filters::Subscriber",
+    _filter_subscriber,
+    {"subscribe": _filter_subscribe, "registerCallback": register_callbacks},
+)
+_SYNCHRONIZERS = (
+    "message_filters::Synchronizer",
+    "message_filters::TimeSynchronizer",
+    "tf::MessageFilter",
+    "tf2_ros::MessageFilter",
+    "message_filters::Cache",
+)
+
+FILTER_CLASSES = {
+    _FILTER_SUBSCRIBER.name: _FILTER_SUBSCRIBER,
+    **{
+        name: LibraryClass(name, methods={"registerCallback": register_callbacks})
+        for name in _SYNCHRONIZERS
+    },
+}

@@ -4,6 +4,8 @@ from collections.abc import Callable, Mapping
 
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     NONE,
+    LibraryClass,
+    LibraryFunction,
     ListValue,
     MapValue,
     Scalar,
@@ -20,13 +22,17 @@ from rtron.sources.code.library_models.ros1_common.names import (
     remap_name,
     resolve_name,
 )
+from rtron.sources.code.library_models.roscpp.image_transport import IMAGE_CLASSES
+from rtron.sources.code.library_models.roscpp.libraries import FILTER_CLASSES, SERVER_CLASSES
 from rtron.sources.code.library_models.roscpp.node_handle import (
+    HANDLE_CLASSES,
+    OPTIONS_CLASSES,
+    create_options,
     handle,
     handle_argument,
     note_program_remaps,
     subscribe,
 )
-from rtron.sources.code.library_models.roscpp.options import create_options
 from rtron.sources.code.library_models.roscpp.parameters import (
     get_param,
     has_param,
@@ -34,6 +40,7 @@ from rtron.sources.code.library_models.roscpp.parameters import (
     search_param,
     set_param,
 )
+from rtron.sources.code.library_models.roscpp.pluginlib import PLUGIN_CLASSES
 from rtron.sources.declaration import DeclarationKind
 
 _UNKNOWN = Unknown("?")
@@ -111,4 +118,16 @@ ROSCPP_FUNCTIONS: Mapping[str, Callable[..., Value]] = {
     "ros::AdvertiseOptions::create": create_options,
     "ros::SubscribeOptions::create": create_options,
     "ros::ok": lambda machine, owner, arguments: Unknown("ok"),
+}
+
+ROSCPP_CLASSES: dict[str, LibraryClass] = {
+    **HANDLE_CLASSES,
+    **OPTIONS_CLASSES,
+    **IMAGE_CLASSES,
+    **FILTER_CLASSES,
+    **PLUGIN_CLASSES,
+    **SERVER_CLASSES,
+}
+ROSCPP_FUNCTION_VALUES = {
+    name: LibraryFunction(name, call) for name, call in ROSCPP_FUNCTIONS.items()
 }

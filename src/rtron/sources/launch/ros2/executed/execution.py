@@ -8,22 +8,24 @@ import json
 import os
 import re
 import tempfile
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections import defaultdict
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TypeAlias
 
 from rtron.errors import InputError, SourceError
 from rtron.sources.code.workspace_sources import WorkspaceSources
 from rtron.sources.launch.ros2.choices import LaunchChoices
 from rtron.sources.launch.ros2.evaluator import LaunchEvaluator
-from rtron.sources.launch.ros2.executed.python_process import run_with_timeout
-from rtron.sources.launch.ros2.executed.pythons import find_pythons
+from rtron.sources.launch.ros2.executed.python_process import find_pythons, run_with_timeout
 from rtron.sources.launch.ros2.executed.report import VisitReport, read_report
 from rtron.sources.launch.ros2.executed.report_text import ReportTexts
 from rtron.sources.launch.ros2.executed.report_translator import ReportTranslator
 from rtron.sources.launch.ros2.reader import absolute_path
-from rtron.sources.launch.ros2.result import AppLaunch
+from rtron.sources.launch.ros2.result import AppLaunch, LaunchStart
 from rtron.sources.launch.ros2.substitutions.template import display_text
+from rtron.vocabulary import Evidence, UnknownValue
 
 DEFAULT_TIMEOUT_S = 60.0
 _VISIT = Path(__file__).parent / "visit"
@@ -163,4 +165,59 @@ def _check_error(report: VisitReport, texts: ReportTexts) -> None:
         path=texts.resolve_path(location.file) or texts.file,
         line=location.line,
         help=help,
+    )
+
+
+_Key: TypeAlias = tuple[str, str, str, str, str]
+
+
+def add_lines(executed: AppLaunch, read: AppLaunch) -> AppLaunch:
+    """Return what was executed, with the lines that are known from reading the same file."""
+    locations: dict[_Key, set[Evidence]] = defaultdict(set)
+    for start in read.starts:
+        locations[_key(start)].add(start.evidence)
+    return replace(
+        executed, starts=tuple(_with_line(start, locations) for start in executed.starts)
+    )
+
+
+def _with_line(start: LaunchStart, locations: dict[_Key, set[Evidence]]) -> LaunchStart:
+    matches = locations.get(_key(start), set()) if not start.evidence.line else set()
+    return replace(start, evidence=next(iter(matches))) if len(matches) == 1 else start
+
+
+def _key(start: LaunchStart) -> _Key:
+    return start.kind, start.package, start.program, start.name, start.evidence.file
+
+
+_PLACEHOLDER_START = "{"
+"""How what is not known of a text begins where it is shown; a text may be written so, too."""
+
+
+def is_incomplete(launch: AppLaunch) -> bool:
+    """Tell whether something of a launch is not known."""
+    return bool(launch.unresolved) or any(map(_is_incomplete_start, launch.starts))
+
+
+def _is_incomplete_start(start: LaunchStart) -> bool:
+    unsure = start.is_uncertain or not start.parameters_complete
+    return (
+        unsure
+        or any(_PLACEHOLDER_START in text for text in _texts(start))
+        or _has_unknown_parameter(start)
+    )
+
+
+def _texts(start: LaunchStart) -> Iterator[str]:
+    yield from (start.package, start.program, start.full_name, start.container, *start.arguments)
+    for pair in (*start.remaps, *start.environ):
+        yield from pair
+
+
+def _has_unknown_parameter(start: LaunchStart) -> bool:
+    return any(
+        isinstance(parameter.value, UnknownValue)
+        for source in start.parameter_sources
+        for _, values in source.entries
+        for parameter in values.values()
     )

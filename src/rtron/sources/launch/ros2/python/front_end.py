@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 
+from rtron.sources.code.interpreter.abstract_values.items import list_of
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     NONE,
     Instance,
@@ -13,6 +14,8 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     ListValue,
     MapValue,
     ModuleValue,
+    Scalar,
+    Unknown,
     Value,
     truth,
 )
@@ -36,21 +39,58 @@ from rtron.sources.code.library_models.launch.constructor_calls import (
 from rtron.sources.code.library_models.python_std.builtin_functions import BUILTINS
 from rtron.sources.code.library_models.python_std.environment import environment_value
 from rtron.sources.code.library_models.python_std.registry import PYTHON_LIBRARY, node_constants
+from rtron.sources.code.library_models.ros1_common.names import abstract_value as parameter_value
 from rtron.sources.code.workspace_sources import WorkspaceSources
 from rtron.sources.declaration import NodeSite
 from rtron.sources.launch.ros2.context_view import ContextView
 from rtron.sources.launch.ros2.evaluator import LaunchEvaluator
 from rtron.sources.launch.ros2.inclusion import FileInclusion
 from rtron.sources.launch.ros2.launch_context import LaunchContext
+from rtron.sources.launch.ros2.parameters.merge import ParameterSource
 from rtron.sources.launch.ros2.python.actions import ActionTranslator
 from rtron.sources.launch.ros2.python.builders import BUILDERS
 from rtron.sources.launch.ros2.python.callbacks import LaunchCallbacks
-from rtron.sources.launch.ros2.python.configurations import context_configurations
 from rtron.sources.launch.ros2.python.nav2_common import FILE_SUBSTITUTIONS
 from rtron.sources.launch.ros2.python.substitutions import SubstitutionTranslator, value_of
 from rtron.sources.launch.ros2.python.xacro_module import XacroModule
 from rtron.sources.launch.ros2.xml_yaml.element import Element
 from rtron.vocabulary import Evidence, UnresolvedItem
+
+GLOBAL_PARAMETERS_KEY, REMAPS_KEY = "global_params", "ros_remaps"
+"""The names under which launch_ros keeps what SetParameter and SetRemap set."""
+
+
+def context_configurations(context: LaunchContext) -> dict[object, Value]:
+    """Return what a context has as `launch_configurations`."""
+    values: dict[object, Value] = {
+        name: value_of(text) for name, text in context.configurations.items()
+    }
+    values |= {
+        variable.name: Unknown(variable.name)
+        for variable in context.unknown
+        if not variable.is_environment
+    }
+    if context.parameters is not None:
+        pairs = [pair for source in context.parameters for pair in _parameter_pairs(source)]
+        values[GLOBAL_PARAMETERS_KEY] = list_of(pairs)
+    if context.remaps is not None:
+        values[REMAPS_KEY] = list_of([_pair(value_of(a), value_of(b)) for a, b in context.remaps])
+    return values
+
+
+def _parameter_pairs(source: ParameterSource) -> Iterator[Value]:
+    """Yield a file's name, or a name with its value."""
+    if source.file:
+        yield value_of(source.file)
+        return
+    for _, values in source.entries:
+        for name, parameter in values.items():
+            yield _pair(Scalar(name), parameter_value(parameter.value, name))
+
+
+def _pair(first: Value, second: Value) -> Value:
+    return list_of([first, second], "tuple")
+
 
 _ENTRY_FUNCTIONS = ("generate_launch_description", "generate_test_description")
 _LIBRARY_MODELS: Mapping[str, Value] = {**PYTHON_LIBRARY, **LAUNCH_FUNCTIONS}
