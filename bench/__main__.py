@@ -13,7 +13,9 @@ from bench import chain, load
 from bench.common import discovery, policies, replay, rules, violations
 from bench.common.testbed import ROOT, Part, Testbed, open_testbed
 from bench.ros1 import actions, audit, audit_cost, churn, hop, memory, silence, supervisor
-from bench.ros2 import audit, discovery, hop
+from bench.ros2 import audit as ros2_audit
+from bench.ros2 import discovery as ros2_discovery
+from bench.ros2 import hop as ros2_hop
 from bench.service import faults, ingest, link
 from figures.figure import Figure
 from figures.table import number, table, write
@@ -39,9 +41,9 @@ PARTS: dict[str, Part] = {
     "faults": faults.figures,
 }
 ROS2_PARTS: dict[str, Part] = {
-    "ros2_discovery": discovery.figures,
-    "ros2_hop": hop.figures,
-    "ros2_audit": audit.figures,
+    "ros2_discovery": ros2_discovery.figures,
+    "ros2_hop": ros2_hop.figures,
+    "ros2_audit": ros2_audit.figures,
 }
 """Need rclpy: these run where it is installed, the others where it is not."""
 AVAILABLE_PARTS = ROS2_PARTS if find_spec("rclpy") else PARTS

@@ -18,7 +18,8 @@ from evaluation.common.datasets import (
 )
 from evaluation.ros1 import autorace, autoware, calls, launch_files
 from evaluation.ros1.systems import AUTORALLY, TURTLEBOT, part
-from evaluation.ros2 import autoware_universe, launch_files, navigation2
+from evaluation.ros2 import autoware_universe, navigation2
+from evaluation.ros2 import launch_files as ros2_launch_files
 from figures.figure import Figure
 from figures.table import table, write
 
@@ -29,7 +30,7 @@ PARTS: dict[str, Part] = {
     "autoware": autoware.figures,
     "calls": calls.figures,
     "launches": launch_files.figures,
-    "launch2": launch_files.figures,
+    "launch2": ros2_launch_files.figures,
     "nav2": navigation2.figures,
     "universe": autoware_universe.figures,
     "functions": functions.figures,

@@ -4,13 +4,17 @@ A property's text is evaluated at its first use, in the scope where it is define
 property; a namespace is a scope with a name).
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 from rtron.sources.launch.common.expression_library import Value
-from rtron.sources.xacro.evaluation_context import EvaluationContext
 from rtron.sources.xacro.xml_element import XmlElement
+
+if TYPE_CHECKING:
+    from rtron.sources.xacro.evaluation_context import EvaluationContext
 
 Evaluate: TypeAlias = Callable[[str, "PropertyScope"], Value]
 

@@ -75,7 +75,7 @@ class TrackedFiles:
     files: SourceProvider
     paths_read: dict[Path, None] = field(default_factory=dict)
 
-    def unit(self, path: Path, language: SourceLanguage) -> Unit:
+    def lowered_unit(self, path: Path, language: SourceLanguage) -> Unit:
         """Return a file, lowered."""
         self.paths_read[path] = None
         return self.files.lowered_unit(path, language)
@@ -88,7 +88,7 @@ class TrackedFiles:
         """Return the file of a Python module."""
         return self.files.python_module(dotted, importer)
 
-    def has_message(self, package: str, name: str) -> bool | None:
+    def has_message_type(self, package: str, name: str) -> bool | None:
         """Tell whether a package defines a message type."""
         return self.files.has_message_type(package, name)
 
@@ -96,31 +96,31 @@ class TrackedFiles:
         """Return where a package lies."""
         return self.files.package_path(package)
 
-    def text(self, path: Path) -> str | None:
+    def read_text(self, path: Path) -> str | None:
         """Return a data file of the workspace."""
         self.paths_read[path] = None
         return self.files.read_text(path)
 
-    def plugin(self, name: str, base: str) -> PluginSource | None:
+    def find_plugin(self, name: str, base: str) -> PluginSource | None:
         """Return the class that pluginlib knows by a name or type."""
         return self.files.find_plugin(name, base)
 
-    def plugins(self, base: str) -> tuple[str, ...]:
+    def plugin_names(self, base: str) -> tuple[str, ...]:
         """Return the names of all plugins of a base class."""
         return self.files.plugin_names(base)
 
-    def library(self, name: str) -> tuple[Path, ...]:
+    def library_sources(self, name: str) -> tuple[Path, ...]:
         """Return the sources of the library that a file name means."""
         return self.files.library_sources(name)
 
-    def libraries_naming(self, word: str) -> tuple[tuple[Path, ...], ...]:
+    def libraries_containing(self, word: str) -> tuple[tuple[Path, ...], ...]:
         """Return the sources of each library that has a word in one of them."""
         return self.files.libraries_containing(word)
 
-    def naming(self, sources: tuple[Path, ...], word: str) -> tuple[Path, ...]:
+    def sources_containing(self, sources: tuple[Path, ...], word: str) -> tuple[Path, ...]:
         """Return those of some sources whose text has a word."""
         return self.files.sources_containing(sources, word)
 
-    def implementing(self, header: Path, word: str) -> tuple[Path, ...]:
+    def sources_defining(self, header: Path, word: str) -> tuple[Path, ...]:
         """Return the sources of a header's package that may define a class or function."""
         return self.files.sources_defining(header, word)

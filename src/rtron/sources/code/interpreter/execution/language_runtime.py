@@ -1,14 +1,15 @@
 """What differs between the languages, as the machine asks for it."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator, Mapping
-from typing import Protocol, cast
+from typing import TYPE_CHECKING, Protocol, cast
 
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     FunctionValue,
     Instance,
     Value,
 )
-from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.source_provider import SourceProvider
 from rtron.sources.code.interpreter.execution.stack_frame import StackFrame, StorageSlot
@@ -23,6 +24,9 @@ from rtron.sources.code.ir import (
     New,
     TypeRef,
 )
+
+if TYPE_CHECKING:
+    from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 
 
 class LanguageRuntime(Protocol):

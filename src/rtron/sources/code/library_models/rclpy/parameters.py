@@ -77,11 +77,8 @@ def _declare_parameters(machine: AbstractMachine, owner: Value, arguments: Argum
     for item in items:
         name, value = (*items_of(item)[0], _UNKNOWN, None)[:2]
         full = concat((space, Scalar("."), name)) if space and space != Scalar("") else name  # type: ignore[arg-type]
-        found.append(
-            parameter_object(
-                full, declare_node_parameter(machine, owner, full, _declared_default(value))
-            )
-        )  # type: ignore[arg-type]
+        declared = declare_node_parameter(machine, owner, full, _declared_default(value))  # type: ignore[arg-type]
+        found.append(parameter_object(full, declared))  # type: ignore[arg-type]
     return ListValue({"items": tuple(found), "open": not certain})
 
 

@@ -191,9 +191,9 @@ class _PythonLaunchFile:
 
     def _context(self, view: ContextView) -> Instance:
         known_configurations = MapValue(context_configurations(view.context))
-        environment_value = environment_value(self.machine.recorder.site)
+        environment = environment_value(self.machine.recorder.site)
         return launch_context(
-            _LaunchSession(self.translator, view), known_configurations, environment_value
+            _LaunchSession(self.translator, view), known_configurations, environment
         )
 
     @contextmanager
