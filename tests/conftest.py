@@ -8,7 +8,20 @@ from tempfile import TemporaryDirectory
 
 import pytest
 
-sys.path += [str(Path(__file__).parent / ros) for ros in ("ros1", "ros2")]
+TESTS = Path(__file__).parent
+_NO_HELPERS = {"hardcases", "launch_double", "nodes"}
+"""Folders of programs that tests start: what they import is their own."""
+
+
+def _helper_folders():
+    """Yield the folders of modules that tests import by name, whichever folder they are in."""
+    for path in TESTS.rglob("*.py"):
+        is_helper = not path.stem.startswith(("test_", "conftest"))
+        if is_helper and not _NO_HELPERS & set(path.parts):
+            yield str(path.parent)
+
+
+sys.path += sorted({*_helper_folders(), str(TESTS.parent), str(TESTS.parent / "scripts")})
 from compiler import compiled
 from harness import Ros1
 from ros2_harness import Ros2

@@ -1,13 +1,10 @@
 import json
 import sys
 from dataclasses import dataclass
-from pathlib import Path
 
 import pytest
 
 from rtron.cli.main import main
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "fixtures"))
 
 
 @dataclass

@@ -1,13 +1,10 @@
 """The figures of the evaluation, and the page of all runs."""
 
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 from demo_runs import make_run, runs_by_variant
 
-sys.path.insert(0, str(Path(__file__).parents[2]))
 from evaluation.common.demos import figures_of_adaptations, figures_of_case, runs_page
 from rtron.demos.experiment.adaptation import SlowdownResult
 from rtron.demos.metrics.case_run import Variant

@@ -1,11 +1,6 @@
 """Lets the tests import the script that writes the policies' pages."""
 
-import sys
-from pathlib import Path
-
 from hypothesis import Phase, settings
-
-sys.path.insert(0, str(Path(__file__).parents[2] / "scripts"))
 
 # For coverage, where one example that goes through a branch is as good as many.
 settings.register_profile("coverage", derandomize=True, max_examples=10, deadline=None)

@@ -4,16 +4,13 @@ import json
 import shutil
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
+from local_cluster import local_cluster
 
 from rtron.errors import InputError
 from rtron.sources.launch.ros1 import file_search
 from rtron.survey.app_listing import find_apps
-
-sys.path.append(str(Path(__file__).parents[1] / "functions"))
-from local_cluster import local_cluster
 
 APPS = ["drive/drive_base/launch/two.launch", "other/other_app/launch/one.launch"]
 

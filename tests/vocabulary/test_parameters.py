@@ -101,7 +101,7 @@ def test_keys_with_slashes_do_not_leave_their_namespace():
 
 
 @pytest.mark.parametrize(
-    ("name", "namespace", "found"),
+    ("name", "namespace", "fake_study"),
     [
         ("speed", "/robot/arm", "/robot/speed"),
         ("joints", "/robot/arm", "/robot/arm/joints"),

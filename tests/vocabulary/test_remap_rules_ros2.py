@@ -1,14 +1,10 @@
 """The cases of tests/vocabulary/test_remap_rules.py, put to a real rcl."""
 
-import sys
-from pathlib import Path
-
 import pytest
 
 rclpy = pytest.importorskip("rclpy")
 pytestmark = pytest.mark.ros2
 
-sys.path.append(str(Path(__file__).parents[1] / "vocabulary"))
 from remap_cases import CASES  # noqa: E402
 
 

@@ -10,7 +10,6 @@ from threading import Thread
 import pytest
 
 SERVICE_TESTS = Path(__file__).parents[1] / "service"
-sys.path += [str(SERVICE_TESTS / "api"), str(SERVICE_TESTS / "controller")]
 from controller_setup import hello, plan  # noqa: E402
 from harness import free_port, wait_for  # noqa: E402
 from service_app import AccountFactory, serve_in_thread  # noqa: E402

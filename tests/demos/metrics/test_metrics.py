@@ -163,7 +163,7 @@ CAME = Attack(sent=(4.0,), delivered=(4.0,))
 
 
 @pytest.mark.parametrize(
-    ("found", "mitigation", "cell"),
+    ("fake_study", "mitigation", "cell"),
     [
         ([(0.002, CAME)], "stopped", "2.0 ms"),
         ([(None, Attack(sent=(4.0,)))], "nothing arrived", "nothing arrived"),

@@ -1,11 +1,6 @@
 """The demo on a real ROS 1: it drives, is attacked, is guarded, and ends whole."""
 
-import sys
-from pathlib import Path
-
 import pytest
-
-sys.path.append(str(Path(__file__).parent))
 from launched_demo import SPEED, check_guarded, guarded_run
 
 from rtron.demos.runtime.environment import demo_environment

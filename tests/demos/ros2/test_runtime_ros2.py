@@ -1,12 +1,9 @@
 """The demo on a real ROS 2: it drives, is attacked, is guarded, and ends whole."""
 
 import re
-import sys
 from pathlib import Path
 
 import pytest
-
-sys.path.append(str(Path(__file__).parent))
 from launched_demo import (
     SPEED,
     check_guarded,

@@ -6,7 +6,7 @@ from evaluation.ros1.call_sites import NEAR, call_sites, unreached
 
 
 @pytest.mark.parametrize(
-    ("line", "found"),
+    ("line", "fake_study"),
     [
         ('nh.advertise<std_msgs::Bool>("x", 1);', True),
         ('nh->subscribe("x", 1, callback);', True),
@@ -25,7 +25,7 @@ def test_cpp(tmp_path, line, fake_study):
 
 
 @pytest.mark.parametrize(
-    ("line", "found"),
+    ("line", "fake_study"),
     [
         ("p = rospy.Publisher('x', Bool)", True),
         ("rospy.ServiceProxy(name, Empty)", True),

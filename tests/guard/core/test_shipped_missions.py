@@ -95,7 +95,7 @@ def test_limited_weight(weight, lifts):
 
 
 @pytest.mark.parametrize(
-    ("percentage", "status", "anywhere"),
+    ("percentage", "status", "controller_on_each_database"),
     [(0.9, 2, 1), (0.2, 2, 1), (0.19, 2, 0), (0.1, 1, 1), (float("nan"), 2, 0)],
 )
 def test_recharge(percentage, status, controller_on_each_database):

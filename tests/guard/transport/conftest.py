@@ -1,11 +1,6 @@
 """The worlds that every test of the contract is run in."""
 
-import sys
-from pathlib import Path
-
 import pytest
-
-sys.path.append(str(Path(__file__).parents[1] / "guard"))
 from transport_worlds import InMemory, OnRos1
 
 MEMORY = pytest.param("memory", id="memory")

@@ -166,7 +166,7 @@ def test_utf8(text, said):
 
 
 @pytest.mark.parametrize(
-    ("body", "found"), [(b"\2\0\0\0a\0", b"a"), (b"\1\0\0\0\0", b""), (b"\0\0\0\0", b"")]
+    ("body", "fake_study"), [(b"\2\0\0\0a\0", b"a"), (b"\1\0\0\0\0", b""), (b"\0\0\0\0", b"")]
 )
 def test_strings_of_cdr(body, fake_study):
     decode = transcoder(DEFINITIONS[Encoding.CDR].find("std_msgs/String"), Encoding.CDR, ("data",))

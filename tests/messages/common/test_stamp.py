@@ -39,7 +39,7 @@ def test_no_header_in_front(type, encoding):
 
 
 @pytest.mark.parametrize(
-    ("text", "found"),
+    ("text", "fake_study"),
     [
         ("Header header\n====\nMSG: std_msgs/Header\nuint32 seq\ntime stamp", True),
         ("Header h\n====\nMSG: std_msgs/Header\ntime stamp\nstring frame_id", True),

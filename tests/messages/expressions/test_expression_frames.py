@@ -125,7 +125,7 @@ def test_texts_in_different_frames_in_one_judge():
 
 
 @pytest.mark.parametrize(
-    ("outer", "inner", "found"),
+    ("outer", "inner", "fake_study"),
     [
         ("", "map", True),
         ("odom", "map", True),
@@ -141,7 +141,7 @@ def test_a_goal_is_in_the_frame_of_its_own_pose(outer, inner, fake_study):
 
 
 @pytest.mark.parametrize(
-    ("inner", "found"),
+    ("inner", "fake_study"),
     [(["map", ""], True), ([], True), (["map", "odom"], NOT_KNOWN), (["odom"], NOT_KNOWN)],
 )
 def test_every_position_must_be_in_the_frame(inner, fake_study):
@@ -199,7 +199,7 @@ def test_only_some_positions_have_a_header():
         check_expression(definition, "inside(event.other.position, zone)", "event", [square()])
 
 
-@pytest.mark.parametrize(("frame", "found"), [("map", True), ("odom", None)])
+@pytest.mark.parametrize(("frame", "fake_study"), [("map", True), ("odom", None)])
 def test_coordinates_that_are_no_points_are_not_transformed(frame, fake_study):
     definition = parse_definition("a/B", "Header header\nfloat64 x", lookup=KNOWN.find)
     head = encode(Encoding.ROS1, "std_msgs/Header", header(Encoding.ROS1, frame))[4:]
@@ -214,7 +214,7 @@ def test_coordinates_that_are_no_points_are_not_transformed(frame, fake_study):
         assert "it has no points to transform" in judged[0]
 
 
-@pytest.mark.parametrize(("frames", "found"), [("map map", True), ("map odom", NOT_KNOWN)])
+@pytest.mark.parametrize(("frames", "fake_study"), [("map map", True), ("map odom", NOT_KNOWN)])
 def test_two_positions_of_one_type(frames, fake_study):
     text = f"{POSE} one\n{POSE} two"
     definition = parse_definition("a/B", text, lookup=KNOWN.find)

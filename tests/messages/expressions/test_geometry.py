@@ -94,7 +94,7 @@ def test_distance():
 
 
 @pytest.mark.parametrize(
-    ("yaw", "found"),
+    ("yaw", "fake_study"),
     [(0.0, (11.0, 20.0)), (math.pi / 2, (10.0, 21.0)), (math.pi, (9.0, 20.0))],
 )
 def test_first_turned_then_moved(yaw, fake_study):

@@ -13,7 +13,6 @@ import pytest
 pytest.importorskip("rclpy")
 pytestmark = pytest.mark.ros2
 
-sys.path.append(str(Path(__file__).parents[1] / "planning" / "ros2"))
 from wrapped_launch import HEAD, launch  # noqa: E402
 
 from rtron.planning.instrument.ros2.wrapper import wrapper_text  # noqa: E402

@@ -62,7 +62,7 @@ def test_what_is_over_is_told_as_long_as_it_is_there():
 
 
 @pytest.mark.parametrize(
-    ("status", "found"), [(PENDING, [b"x"]), (ACTIVE, [b"x"]), (SUCCEEDED, [])]
+    ("status", "fake_study"), [(PENDING, [b"x"]), (ACTIVE, [b"x"]), (SUCCEEDED, [])]
 )
 def test_unknown_goals_that_go_on_are_found(status, fake_study):
     made = GoalRegistry()

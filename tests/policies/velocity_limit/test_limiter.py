@@ -179,7 +179,7 @@ def test_what_is_no_velocity_is_dropped_with_what_is_said_about_it():
 
 
 @pytest.mark.parametrize("flow", [BLOCKED, STRANGER, UNAPPROVED])
-@pytest.mark.parametrize("asked", [Velocity((0.1,)), Velocity((9.0,)), "no velocity"])
+@pytest.mark.parametrize("opened_sources", [Velocity((0.1,)), Velocity((9.0,)), "no velocity"])
 def test_blocked_and_unknown_flows_are_refused(flow, opened_sources):
     policy = limiting(flows=FLOWS)
     verdict = policy.verdict(flow, opened_sources, 0)
@@ -197,7 +197,9 @@ def test_a_pass_builds_no_verdict():
 # A limit of 0
 
 
-@pytest.mark.parametrize("asked", [Velocity((0.1,)), Velocity((0.0,), (1.0,)), Velocity((0.0,))])
+@pytest.mark.parametrize(
+    "opened_sources", [Velocity((0.1,)), Velocity((0.0,), (1.0,)), Velocity((0.0,))]
+)
 def test_a_limit_of_0_lets_nothing_pass_not_even_a_turn_on_the_spot(opened_sources):
     policy = limiting(0.0)
     verdict = policy.verdict(LOW, opened_sources, 0)
@@ -224,7 +226,7 @@ def test_the_refusal_asks_for_the_limit_of_the_moment():
     assert policy._source.asked == [17, 18]
 
 
-@pytest.mark.parametrize("asked", [0.1, 9.0])
+@pytest.mark.parametrize("opened_sources", [0.1, 9.0])
 def test_what_is_dropped_leaves_the_state(opened_sources):
     policy = limiting(0.5, FLOWS)
     policy.verdict(HIGH, Velocity((opened_sources,)), 0)
@@ -379,7 +381,7 @@ def test_a_message_puts_the_next_look_off():
     assert policy.deadline() == 50 + REISSUE_PERIOD
 
 
-@pytest.mark.parametrize("asked", ["no velocity", Velocity((math.inf,))])
+@pytest.mark.parametrize("opened_sources", ["no velocity", Velocity((math.inf,))])
 def test_what_is_dropped_does_not_count_as_asked(opened_sources):
     policy = limiting(0.5, reissues=True)
     policy.verdict(LOW, opened_sources, 0)
@@ -404,7 +406,7 @@ def test_a_limit_that_stays_needs_no_look():
     assert policy.tick(SECOND) == ()
 
 
-@pytest.mark.parametrize(("asked", "out"), [(1.0, [0.5]), (0.5, []), (0.1, [])])
+@pytest.mark.parametrize(("opened_sources", "out"), [(1.0, [0.5]), (0.5, []), (0.1, [])])
 @pytest.mark.parametrize(("varies", "later"), [(True, 7 + REISSUE_PERIOD), (False, None)])
 def test_what_has_gone_on_whole_meanwhile_is_limited_again(opened_sources, out, varies, later):
     policy = limiting(0.5, reissues=True)

@@ -1,11 +1,7 @@
 import subprocess
-import sys
-from pathlib import Path
 
 import httpx
 import pytest
-
-sys.path.append(str(Path(__file__).parent))
 from service_app import AccountFactory, ManualClock, serve_in_thread
 
 from rtron.service.config import ServiceConfig

@@ -2,13 +2,9 @@
 
 import os
 import shutil
-import sys
-from pathlib import Path
 
 import httpx
 import pytest
-
-sys.path.append(str(Path(__file__).parents[1] / "api"))
 from console_guard import SimulatedGuard
 from console_robot import FIXTURE, plan
 from harness import wait_for

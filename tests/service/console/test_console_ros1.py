@@ -1,11 +1,6 @@
 """A person at the console, a real ROS 1 app under guard, and an attack: seen, and put an end to."""
 
-import sys
-from pathlib import Path
-
 import pytest
-
-sys.path.append(str(Path(__file__).parents[3]))
 from console_page import Page
 from harness import wait_for
 from linked_app import FLOW1, FLOW2, ROBOT, LinkedApp

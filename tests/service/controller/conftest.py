@@ -1,12 +1,7 @@
-import sys
-from pathlib import Path
-
 import pytest
 from controller_setup import ControllerSetup, hello, plan
 
 from rtron.service.store.database import Database
-
-sys.path.append(str(Path(__file__).parents[1] / "api"))
 
 
 @pytest.fixture

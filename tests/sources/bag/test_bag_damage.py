@@ -365,7 +365,7 @@ METADATA = """rosbag2_bagfile_information:
 
 
 @pytest.mark.parametrize(
-    ("found", "replaced", "said"),
+    ("fake_study", "replaced", "said"),
     [
         ("- run.mcap", "- ../secret.mcap", "'../secret.mcap', which is not in the folder"),
         ("- run.mcap", "- ..", "which is not in the folder"),

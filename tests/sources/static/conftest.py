@@ -1,11 +1,6 @@
 """A small catkin workspace: C++, Python, a nodelet, shell, and nodes that start others."""
 
-import sys
-from pathlib import Path
-
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parents[2] / "fixtures"))
 
 MANIFEST = """<package format="2"><name>{name}</name><version>1.0.0</version>
 <description>d</description><maintainer email="a@b.c">m</maintainer><license>BSD</license>

@@ -212,7 +212,7 @@ def test_a_node_that_runs_and_has_nothing_of_the_plan_is_told_so():
 
 
 @pytest.mark.parametrize(
-    ("offered", "asked", "why"),
+    ("offered", "opened_sources", "why"),
     [
         (QoS(reliability=Reliability.BEST_EFFORT), QoS(), "reliable is asked for"),
         (QoS(), QoS(durability=Durability.TRANSIENT_LOCAL), "transient local is asked for"),
@@ -235,7 +235,7 @@ def test_a_successor_that_asks_for_more_than_the_guard_offers_has_drifted(
 
 
 @pytest.mark.parametrize(
-    ("offered", "asked"),
+    ("offered", "opened_sources"),
     [
         (QoS(), QoS(reliability=Reliability.BEST_EFFORT)),
         (QoS(durability=Durability.TRANSIENT_LOCAL), QoS()),

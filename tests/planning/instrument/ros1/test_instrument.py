@@ -1,10 +1,9 @@
 """Guarding a launch, with no ROS: which remaps, what stays of the text, what is said."""
 
-import sys
 from codecs import BOM_UTF8
-from pathlib import Path
 
 import pytest
+from plans import grcn, plan_of
 
 from rtron.errors import InputError, PlanError
 from rtron.planning.instrument import instrument
@@ -20,9 +19,6 @@ from rtron.vocabulary import (
     Mode,
     PolicyName,
 )
-
-sys.path.append(str(Path(__file__).parents[1] / "ros1"))
-from plans import grcn, plan_of
 
 NODE = '<node pkg="p" type="t" name="{}"/>'
 T = "/cmd_vel"

@@ -1,17 +1,14 @@
 """AutoRace, whose core node starts ten launch files: guarded, then read again; nothing is run."""
 
 import os
-import sys
 from pathlib import Path
 
 import pytest
+from plans import grcn, plan_of
 
 from rtron.planning.instrument import RuntimeLaunchTree, instrument, write_guarded_launch
 from rtron.sources.launch.common.packages import find_packages
 from rtron.sources.static.ros1.app import scan_app
-
-sys.path.append(str(Path(__file__).parents[1] / "ros1"))
-from plans import grcn, plan_of
 
 PARTS = (
     "ROBOTIS-GIT/turtlebot3_autorace@391144a",

@@ -1,19 +1,13 @@
 """A guarded launch as ROS's own loader reads it: the original, the guard, the plan's remaps."""
 
-import sys
-from pathlib import Path
-
 import pytest
-
-from rtron.planning.instrument import instrument, write_guarded_launch
-from rtron.sources.launch.ros1.reader import read_launch
-
-sys.path.append(str(Path(__file__).parents[1] / "ros1"))
-sys.path.append(str(Path(__file__).parents[1] / "sources"))
 from guarded_launch import assert_guarded, split_guard
 from launch_cases import CASES, INCLUDES, Case
 from plans import grcn, plan_of
 from roslaunch_oracle import both, write_files
+
+from rtron.planning.instrument import instrument, write_guarded_launch
+from rtron.sources.launch.ros1.reader import read_launch
 
 pytestmark = pytest.mark.ros1
 

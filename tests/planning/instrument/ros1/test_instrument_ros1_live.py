@@ -4,21 +4,17 @@ import os
 import signal
 import socket
 import subprocess
-import sys
 from contextlib import contextmanager
-from pathlib import Path
 from xmlrpc.client import ServerProxy
 
 import pytest
 from harness import lives, wait_for
+from plans import grcn, plan_of
+from roslaunch_oracle import package, write_files
 
 from rtron.planning.instrument import instrument, write_guarded_launch
 from rtron.sources.launch.common.packages import find_packages
 from rtron.sources.launch.ros1.reader import read_launch
-
-sys.path.append(str(Path(__file__).parents[1] / "ros1"))
-from plans import grcn, plan_of
-from roslaunch_oracle import package, write_files
 
 LIMIT = 30  # seconds
 NODE = """#!/usr/bin/python3

@@ -1,21 +1,18 @@
 """Any launch, guarded by any plan, is for ROS's own loader the same but for the plan's remaps."""
 
-import sys
 import tempfile
 from pathlib import Path
 
 import pytest
+from guarded_launch import assert_guarded
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from rtron.planning.instrument import instrument, write_guarded_launch
-from rtron.sources.launch.ros1.reader import read_launch
-
-sys.path.append(str(Path(__file__).parents[1] / "ros1"))
-from guarded_launch import assert_guarded
 from launch_strategies import launches
 from plans import grcn, plan_of
 from roslaunch_oracle import write_files
+
+from rtron.planning.instrument import instrument, write_guarded_launch
+from rtron.sources.launch.ros1.reader import read_launch
 
 TOPICS = ("/a", "/g/a", "/b")
 COMMAND = ("sleep", "1000")

@@ -2,10 +2,11 @@
 
 import os
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+from plans import grcn, plan_of
+from roslaunch_oracle import package, write_files
 
 from rtron.errors import InputError
 from rtron.planning.instrument import RuntimeLaunchTree, instrument, write_guarded_launch
@@ -14,10 +15,6 @@ from rtron.planning.instrument.ros1.launch_prefix_script import starter_script
 from rtron.sources.launch.common.packages import find_packages
 from rtron.sources.launch.ros1.reader import read_launch
 from rtron.vocabulary import Evidence
-
-sys.path.append(str(Path(__file__).parents[1] / "ros1"))
-from plans import grcn, plan_of
-from roslaunch_oracle import package, write_files
 
 T = "/cmd_vel"
 PLAN = plan_of(grcn(T, ["/a", "/b"], ["/c"]))

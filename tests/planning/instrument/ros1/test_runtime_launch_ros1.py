@@ -1,12 +1,8 @@
 """An app whose node starts launch files itself, guarded and run by plain roslaunch."""
 
 import hashlib
-import sys
-from pathlib import Path
 
 import pytest
-
-sys.path.append(str(Path(__file__).parents[1] / "ros1"))
 from driven_base import CMD_VEL_GUARD, Driven, drive_plan
 from harness import wait_for
 from self_launching_app import write_starting_app

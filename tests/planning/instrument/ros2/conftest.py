@@ -1,11 +1,6 @@
 """Guards a Python launch file and launches it."""
 
-import sys
-from pathlib import Path
-
 import pytest
-
-sys.path.append(str(Path(__file__).parent))
 from wrapped_launch import HEAD, REMAPS, launch
 
 from rtron.planning.instrument.ros2.wrapper import wrapper_text

@@ -4,13 +4,9 @@ What comes out is read again: there the first rule that matches a name has to be
 """
 
 import ast
-import sys
-from pathlib import Path
 
 import pytest
 import yaml
-
-sys.path.append(str(Path(__file__).parent))
 from wrapped_launch import HEAD, launch, rules
 
 from rtron.errors import InputError

@@ -1,17 +1,13 @@
 """Our reading of launch files against ROS's own loader."""
 
-import sys
-from pathlib import Path
 from xml.sax.saxutils import escape
 
 import pytest
 from launch_cases import ARGUMENTS, CASES, EXPRESSIONS, INCLUDES, REFUSED, REFUSED_INSIDE, Case
+from roslaunch_oracle import both, nodes_of_tree, started
 
 from rtron.errors import InputError
 from rtron.sources.launch.ros1.reader import read_launch
-
-sys.path.append(str(Path(__file__).parents[1] / "ros1"))
-from roslaunch_oracle import both, nodes_of_tree, started
 
 pytestmark = pytest.mark.ros1
 

@@ -1,11 +1,11 @@
 """The launch files of real apps, against ROS's own loader; no command of them is run."""
 
 import os
-import sys
 from collections import Counter
 from pathlib import Path
 
 import pytest
+from roslaunch_oracle import RosLoader, nodes_of_tree, package, started, write_files
 from test_launch_ros1_parameters import leaves, our_leaves
 
 from rtron.errors import InputError
@@ -13,9 +13,6 @@ from rtron.sources.launch.common.packages import find_packages
 from rtron.sources.launch.ros1 import param_tag
 from rtron.sources.launch.ros1.file_search import find_launch_files
 from rtron.sources.launch.ros1.reader import read_launch
-
-sys.path.append(str(Path(__file__).parents[1] / "ros1"))
-from roslaunch_oracle import RosLoader, nodes_of_tree, package, started, write_files
 
 pytestmark = [
     pytest.mark.ros1,

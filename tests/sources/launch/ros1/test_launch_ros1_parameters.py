@@ -1,7 +1,6 @@
 """What a launch sets on the parameter server, against ROS's own loader and master."""
 
 import math
-import sys
 import tempfile
 from pathlib import Path
 
@@ -10,13 +9,11 @@ from hypothesis import given, settings
 from launch_cases import CASES, INCLUDES, Case
 from launch_parameter_cases import DOUBTED, PARAMETERS, REFUSED_PARAMETERS, UNRESOLVED_PARAMETERS
 from launch_parameter_files import launches_with_parameters
+from roslaunch_oracle import both, nodes_of_tree, started, write_files
 
 from rtron.errors import InputError
 from rtron.sources.launch.ros1.reader import read_launch, read_launches
 from rtron.vocabulary import UnknownValue
-
-sys.path.append(str(Path(__file__).parents[1] / "ros1"))
-from roslaunch_oracle import both, nodes_of_tree, started, write_files
 
 pytestmark = pytest.mark.ros1
 

@@ -1,18 +1,15 @@
 """Our reading of any launch file against ROS's own loader."""
 
-import sys
 import tempfile
 from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from rtron.sources.launch.ros1.reader import read_launch
-
-sys.path.append(str(Path(__file__).parents[1] / "ros1"))
 from launch_strategies import BOOLEANS, VALUES, launches
 from roslaunch_oracle import nodes_of_tree, started, write_files
+
+from rtron.sources.launch.ros1.reader import read_launch
 
 ARGS = st.fixed_dictionaries(
     {}, optional={"flag": st.sampled_from(BOOLEANS[:4]), "x": st.sampled_from(VALUES)}

@@ -124,7 +124,7 @@ def test_taint_goes_on(name):
 
 
 @pytest.mark.parametrize(
-    ("item", "container", "found"),
+    ("item", "container", "fake_study"),
     [
         (Scalar("a"), list_of([Scalar("a")]), True),
         (Scalar("b"), list_of([Scalar("a")]), False),
@@ -219,7 +219,7 @@ def test_any_template_ends(template, value):
 
 
 @pytest.mark.parametrize(
-    ("name", "operand", "found"),
+    ("name", "operand", "fake_study"),
     [
         ("-", Scalar(2), Scalar(-2)),
         ("+", Scalar(2.5), Scalar(2.5)),

@@ -233,7 +233,7 @@ TABLE = MapValue({"k": TRUE, 1: FALSE})
 
 
 @pytest.mark.parametrize(
-    ("owner", "key", "found"),
+    ("owner", "key", "fake_study"),
     [
         (THREE, Scalar(0), Scalar("a")),
         (THREE, Scalar(2), Scalar("c")),

@@ -8,7 +8,7 @@ PUBLISH = "nh.advertise<std_msgs::Bool>({}, 1);"
 
 
 @pytest.mark.parametrize(
-    ("captures", "said", "found"),
+    ("captures", "said", "fake_study"),
     [
         ("&", "a", "late"),
         ("=", "a", "early"),

@@ -164,7 +164,7 @@ def test_a_definition_is_taken_before_a_mere_declaration():
 
 
 @pytest.mark.parametrize(
-    ("name", "scope", "found"),
+    ("name", "scope", "fake_study"),
     [
         ("x", "", ["x"]),
         ("x", "a::b", ["a::b::x", "a::x", "x"]),

@@ -271,7 +271,9 @@ def test_cpp_calls_with_wrong_arguments_do_not_fail(called, given):
     assert names(interface)[-1:] == ["after"]
 
 
-@pytest.mark.parametrize(("more", "noted"), [(0, []), (1, ["more callbacks than are run"])])
+@pytest.mark.parametrize(
+    ("more", "skipped_entries"), [(0, []), (1, ["more callbacks than are run"])]
+)
 def test_so_many_callbacks_of_one_function_are_run(more, skipped_entries):
     define = "def f(n):\n    rospy.Timer(1, lambda event, n=n: P('t' + str(n)))\n"
     interface = python(

@@ -43,7 +43,7 @@ def test_an_iterator_is_moved_and_not_written_through():
 
 
 @pytest.mark.parametrize(
-    ("asked", "expected"),
+    ("opened_sources", "expected"),
     [("any_of", True), ("all_of", False), ("none_of", False)],
 )
 def test_what_holds_of_a_known_list_is_decided(opened_sources, expected):

@@ -123,7 +123,7 @@ def test_what_decides_a_name_a_file_or_what_starts(read, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("action", "found"),
+    ("action", "fake_study"),
     [
         (TELEOP.replace("/>", ' if="$(var a)"/>'), {}),
         (TELEOP.replace("/>", ' unless="$(var a)"/>'), {"a": (None, "true")}),
