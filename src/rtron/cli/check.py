@@ -10,7 +10,7 @@ from rtron.cli.remarks import remarks_of
 from rtron.planning.check import check_plan
 from rtron.planning.problem import Level
 from rtron.planning.read import read_plan
-from rtron.reports.problems_text import problems_text
+from rtron.reports.plan.problems import problems_text
 from rtron.sources.graph_json import read_graph
 
 

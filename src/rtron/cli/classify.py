@@ -59,13 +59,13 @@ def classify(
         found = [each for _, each in classified(repositories, jobs, cluster, left)]
     if table:
         from rtron.functions.tables import count  # noqa: PLC0415 - the guard starts without it
-        from rtron.reports.functions_tables import tables_text  # noqa: PLC0415 - the guard starts without it
+        from rtron.reports.functions.tables import tables_text  # noqa: PLC0415 - the guard starts without it
 
         return Outcome(tables_text(count(found)), to=output)
     return Outcome(_as_lines(found), to=output)
 
 
 def _as_lines(found: "Iterable[Classification]") -> str:
-    from rtron.reports.functions_json import classification_to_json  # noqa: PLC0415 - the guard starts without it
+    from rtron.reports.functions.classification_json import classification_to_json  # noqa: PLC0415 - the guard starts without it
 
     return "".join(json.dumps(classification_to_json(each)) + "\n" for each in found)

@@ -17,7 +17,7 @@ from rtron.cli.client import (
 from rtron.cli.following import followed
 from rtron.cli.options import TextOrJson
 from rtron.cli.outcome import Outcome, tell
-from rtron.reports.event_text import event_line
+from rtron.reports.event_line import event_line
 
 _PAGE = 1000
 

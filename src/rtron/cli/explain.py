@@ -8,7 +8,7 @@ from rich.text import Text
 
 from rtron.cli.outcome import Outcome
 from rtron.cli.pages import names, pages_of, policy_pages, rule_pages
-from rtron.reports.lines import Report, columns, line
+from rtron.reports.text_layout import Report, columns, line
 
 
 def _complete(incomplete: str) -> list[str]:

@@ -11,7 +11,7 @@ from rtron.cli.outcome import Outcome
 from rtron.cli.repositories import Readmes, left_out, tell
 from rtron.errors import InputError, RTronError
 from rtron.folders import is_folder
-from rtron.reports.neutral import neutral
+from rtron.reports.sanitize import neutral
 
 if TYPE_CHECKING:
     from rtron.functions.repository import Repository
@@ -68,7 +68,7 @@ def explain_class(
     """
     from rtron.functions.classify import classify  # noqa: PLC0415 - the guard starts without it
     from rtron.functions.tracing import trace  # noqa: PLC0415 - the guard starts without it
-    from rtron.reports.functions_evidence import evidence_text  # noqa: PLC0415 - the guard starts without it
+    from rtron.reports.functions.classification import evidence_text  # noqa: PLC0415 - the guard starts without it
 
     found = _found(repo, source, readmes)
     return Outcome(evidence_text(found, classify(found), trace(found)))

@@ -108,7 +108,7 @@ def apps(
     """
     from rtron.cli.app_rows import app_rows  # noqa: PLC0415 - other commands start without it
     from rtron.functions.apps import counts  # noqa: PLC0415 - nor this
-    from rtron.reports.functions_apps import apps_text, apps_to_json  # noqa: PLC0415 - nor this
+    from rtron.reports.functions.app_categories import apps_text, apps_to_json  # noqa: PLC0415 - nor this
 
     with left_out() as left:
         rows = app_rows(graphs, left)
@@ -125,25 +125,25 @@ def _ending(output: Path) -> GraphFormat:
 
 
 def _json(graph: AbstractGraph) -> str:
-    from rtron.reports.functions_graph_json import functions_to_json  # noqa: PLC0415 - one of four
+    from rtron.reports.functions.graph_json import functions_to_json  # noqa: PLC0415 - one of four
 
     return as_json(functions_to_json(graph))
 
 
 def _dot(graph: AbstractGraph) -> str:
-    from rtron.reports.functions_graph_dot import functions_to_dot  # noqa: PLC0415 - one of four
+    from rtron.reports.functions.dot import functions_to_dot  # noqa: PLC0415 - one of four
 
     return functions_to_dot(graph)
 
 
 def _svg(graph: AbstractGraph) -> str:
-    from rtron.reports.functions_graph_svg import functions_to_svg  # noqa: PLC0415 - one of four
+    from rtron.reports.functions.svg import functions_to_svg  # noqa: PLC0415 - one of four
 
     return functions_to_svg(graph)
 
 
 def _html(graph: AbstractGraph) -> str:
-    from rtron.reports.functions_graph_html import functions_to_html  # noqa: PLC0415 - one of four
+    from rtron.reports.functions.html import functions_to_html  # noqa: PLC0415 - one of four
 
     return functions_to_html(graph)
 

@@ -17,7 +17,13 @@ from rtron.planning.instrument import instrument as instrumented
 from rtron.planning.instrument.ros2 import instrument_ros2
 from rtron.planning.read import parse_plan
 from rtron.planning.yaml_text import read_text
-from rtron.reports.guarded_text import Guarded, NodeRemap, OpenEnd, guarded_text, guarded_to_json
+from rtron.reports.plan.instrumentation import (
+    Guarded,
+    NodeRemap,
+    OpenEnd,
+    guarded_text,
+    guarded_to_json,
+)
 from rtron.sources.launch.packages import find_packages
 from rtron.sources.launch2.reader import read_launch2
 from rtron.vocabulary import Plan

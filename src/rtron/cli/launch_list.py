@@ -10,7 +10,7 @@ from rtron.cli.launch_names import named_launches
 from rtron.cli.options import TextOrJson
 from rtron.cli.outcome import as_json
 from rtron.errors import InputError
-from rtron.reports.lines import Report, columns, counted, line
+from rtron.reports.text_layout import Report, columns, counted, line
 from rtron.sources.launch.listing import ListedLaunch
 
 LAUNCHES_SCHEMA = "rtron.launches/1"

@@ -9,7 +9,7 @@ from rtron.cli.outcome import Outcome
 from rtron.errors import InputError
 from rtron.planning.faults import suggestion
 from rtron.planning.missions import MISSIONS, mission_summary, mission_text
-from rtron.reports.lines import Report, columns, line
+from rtron.reports.text_layout import Report, columns, line
 
 
 def _complete(incomplete: str) -> list[str]:

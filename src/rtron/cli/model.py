@@ -10,7 +10,7 @@ from rich.text import Text
 
 from rtron.cli.options import Output
 from rtron.cli.outcome import STDOUT, Outcome
-from rtron.reports.neutral import neutral
+from rtron.reports.sanitize import neutral
 from rtron.vocabulary import Unresolved
 
 model = typer.Typer(name="model", no_args_is_help=True, help="Work on models of known nodes.")

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import typer
 
 from rtron.errors import InputError, RTronError
-from rtron.reports.neutral import neutral
+from rtron.reports.sanitize import neutral
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from rich.console import Console
     from rich.markdown import Markdown
 
-    from rtron.reports.lines import Report
+    from rtron.reports.text_layout import Report
 
 OK, FOUND, BAD_INPUT = 0, 1, 2
 STDOUT = Path("-")

@@ -31,7 +31,7 @@ from rtron.cli.tuning import Tuning, tuned
 from rtron.errors import InputError
 from rtron.planning.propose import left_out, propose_plan
 from rtron.planning.write import write_plan
-from rtron.reports.plan_text import plan_text
+from rtron.reports.plan.plan_text import plan_text
 from rtron.risks import discover, load_lists
 
 _SUFFIXES = {1: ("",), 2: (".py", ".xml", ".yaml", ".yml")}

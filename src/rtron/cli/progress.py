@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 
-from rtron.reports.neutral import neutral
+from rtron.reports.sanitize import neutral
 from rtron.sources.static.options import Progress as Told
 from rtron.sources.static.options import ignore_progress
 

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 
 from rtron.planning.problem import Problem
-from rtron.reports.problems_text import Remark
+from rtron.reports.plan.problems import Remark
 
 
 def remarks_of(problems: Iterable[Problem]) -> list[Remark]:

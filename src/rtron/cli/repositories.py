@@ -8,7 +8,7 @@ import typer
 from rich.console import Console
 from rich.text import Text
 
-from rtron.reports.neutral import neutral
+from rtron.reports.sanitize import neutral
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -20,7 +20,7 @@ from rtron.cli.options import TextOrJson
 from rtron.cli.outcome import FOUND, OK, Outcome, as_json
 from rtron.cli.settings_text import node_report, nodes_report, stopped_by, told
 from rtron.cli.settings_words import KEYS, patch_of
-from rtron.reports.lines import Report
+from rtron.reports.text_layout import Report
 
 settings = typer.Typer(
     name="settings", no_args_is_help=True, help="See and change what a guard enforces."

@@ -6,8 +6,8 @@ from typing import Any
 from rich.text import Text
 
 from rtron.planning.durations import write_duration
-from rtron.reports.lines import Report, columns, heading, line
-from rtron.reports.neutral import neutral
+from rtron.reports.sanitize import neutral
+from rtron.reports.text_layout import Report, columns, heading, line
 
 _View = Mapping[str, Any]
 _OUTCOMES = {

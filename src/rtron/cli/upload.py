@@ -15,7 +15,7 @@ from rtron.cli.client import (
     client,
 )
 from rtron.cli.outcome import Outcome
-from rtron.reports.lines import counted
+from rtron.reports.text_layout import counted
 from rtron.sources.bounded import read_bounded
 
 _LONGEST = 16 << 20

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 from rich.text import Text
 
 from rtron.guard.audit.verification import Path, PathState, Verification
-from rtron.reports.lines import Page, Report, columns, counted, heading, line, paragraph
+from rtron.reports.text_layout import Page, Report, columns, counted, heading, line, paragraph
 
 VERIFY_SCHEMA = "rtron.verify/1"
 _STYLES = {

@@ -6,8 +6,8 @@ from collections.abc import Iterable, Iterator, Sequence
 from rich.text import Text
 
 from rtron.functions.apps import CategoryCount, counts
-from rtron.reports.functions_apps import category_rows
-from rtron.reports.lines import Report, columns, counted, heading, line
+from rtron.reports.functions.app_categories import category_rows
+from rtron.reports.text_layout import Report, columns, counted, heading, line
 from rtron.survey.surveyed import Surveyed
 from rtron.vocabulary import RiskKind
 

@@ -9,8 +9,8 @@ from string import Template
 from rtron.demos.cases import Case
 from rtron.demos.measuring.run import Run
 from rtron.demos.measuring.table import HEADS, cells, columns
-from rtron.reports.inline import policy
-from rtron.reports.neutral import neutral
+from rtron.reports.inline_page import policy
+from rtron.reports.sanitize import neutral
 
 _STYLE = """
 body { font: 16px/1.5 system-ui, sans-serif; color: #1f2430; background: #fff;

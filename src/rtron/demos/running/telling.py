@@ -12,7 +12,7 @@ from rtron.demos.measuring.run import Run
 from rtron.demos.measuring.table import HEADS, cells, columns
 from rtron.demos.running.demonstration import Wish
 from rtron.demos.running.study import Study
-from rtron.reports.neutral import neutral
+from rtron.reports.sanitize import neutral
 from rtron.vocabulary import Risk
 
 _INDENT = (0, 0, 0, 2)

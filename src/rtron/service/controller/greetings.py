@@ -6,7 +6,7 @@ from sqlalchemy.orm import Session
 
 from rtron.errors import InputError, WireError
 from rtron.planning.form import WORD
-from rtron.reports.risks_json import risks_to_json
+from rtron.reports.app.risks_json import risks_to_json
 from rtron.risks import discover
 from rtron.service.controller.app_graph import planned_graph
 from rtron.service.controller.checks import still_fitting

@@ -1,0 +1,66 @@
+"""What a measured run proposes for a plan, as text: each value with the figures behind it."""
+
+from collections.abc import Iterator, Sequence
+
+from rich.text import Text
+
+from rtron.reports.text_layout import Page, Report, columns, counted, heading, line, paragraph
+from rtron.vocabulary import SECOND, Proposal, ProposalKind, Run
+
+_STYLES = ("cyan", "", "", "bold green")
+_HEADINGS = {
+    ProposalKind.CHANGE: "What changes",
+    ProposalKind.LOOK: "For you to look at",
+    ProposalKind.KEEP: "What stays as it is",
+}
+
+
+def tuning_text(
+    title: str,
+    run: Run,
+    proposals: Sequence[Proposal],
+    notes: Sequence[str] = (),
+    next_step: str = "",
+) -> Report:
+    """Return the changes, what to look at, and what stays and why; then the command to go on."""
+
+    def lines(page: Page) -> Iterator[Text]:
+        yield _head(title, run)
+        yield from _proposed(proposals, page)
+        for note in notes:
+            yield from paragraph(f"note: {note}", page, style="yellow")
+        if next_step:
+            yield from heading("Next")
+            yield line((next_step, "bold green"), indent=2)
+
+    return Report(lines)
+
+
+def _head(title: str, run: Run) -> Text:
+    messages = sum(flow.messages for stream in run.streams for flow in stream.flows)
+    told = f"{counted(messages, 'message')} in {run.duration / SECOND:.0f} s"
+    return line((title, "bold"), "  ", told)
+
+
+def _proposed(proposals: Sequence[Proposal], page: Page) -> Iterator[Text]:
+    for kind, words in _HEADINGS.items():
+        chosen = [each for each in proposals if each.kind is kind]
+        if chosen or kind is ProposalKind.CHANGE:
+            yield from heading(f"{words} ({len(chosen)})")
+            yield from _rows(chosen, page)
+
+
+def _rows(proposals: Sequence[Proposal], page: Page) -> Iterator[Text]:
+    if not proposals:
+        return
+    rows = columns([_cells(each) for each in proposals], _STYLES, indent=2)
+    for row, proposal in zip(rows, proposals, strict=True):
+        yield row
+        yield from paragraph(proposal.why, page, indent=4, style="dim")
+
+
+def _cells(proposal: Proposal) -> tuple[str, ...]:
+    value = proposal.before
+    if proposal.kind is ProposalKind.CHANGE:
+        value = f"{proposal.before} -> {proposal.after}"
+    return proposal.node, proposal.flow, proposal.key, value
