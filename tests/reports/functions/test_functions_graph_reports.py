@@ -2,16 +2,16 @@
 
 import json
 import re
+from itertools import combinations, pairwise
 from xml.etree import ElementTree as ET
 
 import pytest
 
+from rtron.errors import InputError
 from rtron.functions.graph import AbstractGraph, PackageUse, abstract_graph
 from rtron.reports.functions.dot import functions_to_dot
 from rtron.reports.functions.graph_json import functions_to_json
-from rtron.reports.functions.ground import NODE_WIDTH
 from rtron.reports.functions.html import functions_to_html
-from rtron.reports.functions.layout import LEGEND_WIDTH, lay_out
 from rtron.reports.functions.svg import functions_to_svg
 from rtron.vocabulary import Evidence, Unresolved
 from rtron.vocabulary import FunctionType as F
@@ -77,16 +77,16 @@ def test_json():
 def test_svg_is_xml_and_has_every_function_once(graph):
     root = ET.fromstring(functions_to_svg(graph))
     names = [g.get("data-name") for g in root.iter(f"{SVG}g") if g.get("class") == "function"]
-    assert names == [node.name for node in graph.functions]
+    assert sorted(names) == sorted(node.name for node in graph.functions)
     assert not list(root.iter(f"{SVG}script"))
 
 
 def test_svg_tells_what_flows_and_how_it_is_known():
     root = ET.fromstring(functions_to_svg(SMALL))
     told = {
-        (path.get("data-from"), path.get("data-to")): "".join(path.itertext())
-        for path in root.iter(f"{SVG}path")
-        if path.get("class") == "edge"
+        (group.get("data-from"), group.get("data-to")): "".join(group.itertext())
+        for group in root.iter(f"{SVG}g")
+        if group.get("class") == "edge"
     }
     assert f"{TWIST}: read in source, 1 -> 1 package" in told["Path Tracking", "Mobile"]
     assert "nav_msgs/Odometry: assumed" in told["Mobile", "Localization"]
@@ -95,10 +95,9 @@ def test_svg_tells_what_flows_and_how_it_is_known():
 
 def look_of(document, source, target):
     root = ET.fromstring(document)
-    (edge,) = (p for p in root.iter(f"{SVG}path") if joins(p, source, target))
-    (label,) = (t for t in root.iter(f"{SVG}text") if joins(t, source, target))
-    words = {"".join(row.itertext()): row.get("font-style") for row in label.iter(f"{SVG}tspan")}
-    return float(edge.get("stroke-width")), words
+    (edge,) = (g for g in root.iter(f"{SVG}g") if joins(g, source, target))
+    words = {text.text.strip(): text.get("font-style") for text in edge.iter(f"{SVG}text")}
+    return float(edge.find(f"{SVG}path").get("stroke-width", 1)), words
 
 
 def joins(item, source, target):
@@ -159,50 +158,101 @@ def test_what_could_not_be_read_and_what_is_left_out_is_told():
     assert "could not be read" not in functions_to_html(SMALL)
 
 
-def test_each_change_of_the_environment_has_a_lane_and_shares_no_way():
-    layout = lay_out(WHOLE, 3)
-    assert len({lane.y for lane in layout.lanes}) == len(layout.lanes) == 3
-    ways = {}
-    for line in layout.indirect:
-        for x in re.findall(r"M(\d+),[\d.]+ V", line.path):
-            assert ways.setdefault(x, line.through) == line.through
-    assert set(ways.values()) == {"motion", "sound", "switched devices"}
+def boxes(document):
+    """Return the rectangle of each function, stage, and label of a picture, by kind and name."""
+    root = ET.fromstring(document)
+    found = {"function": {}, "cluster": {}, "label": []}
+    for group in root.iter(f"{SVG}g"):
+        kind = group.get("class")
+        if kind == "function":
+            found[kind][group.get("data-name")] = ellipse_box(group.find(f"{SVG}ellipse"))
+        elif kind == "cluster":
+            found[kind][group.find(f"{SVG}text").text.strip()] = path_box(group.find(f"{SVG}path"))
+        elif kind in ("edge", "label"):
+            rows = [text_box(text) for text in group.iter(f"{SVG}text")]
+            found["label"] += [union(rows)] if rows else []
+    return found
 
 
-def test_the_lanes_tell_who_reaches_whom():
-    lanes = lay_out(WHOLE, 3).lanes
-    told = {
-        (source, target, lane.line.through)
-        for lane in lanes
-        for source in lane.line.sources
-        for target in lane.line.targets
-    }
-    assert told == {(e.source, e.target, e.through) for e in WHOLE.indirect}
+def ellipse_box(ellipse):
+    x, y, rx, ry = (float(ellipse.get(key)) for key in ("cx", "cy", "rx", "ry"))
+    return x - rx, y - ry, x + rx, y + ry
 
 
-def test_every_function_that_acts_or_is_reached_is_joined_to_its_lane():
-    layout = lay_out(WHOLE, 3)
+def path_box(path):
+    numbers = [float(n) for n in re.findall(r"-?[\d.]+", path.get("d"))]
+    xs, ys = numbers[::2], numbers[1::2]
+    return min(xs), min(ys), max(xs), max(ys)
+
+
+def text_box(text):
+    x, y, width = float(text.get("x")), float(text.get("y")), len(text.text.strip()) * 4.4
+    left = x - (width / 2 if text.get("text-anchor") == "middle" else 0)
+    return left, y - 7, left + width, y
+
+
+def union(rows):
+    lefts, tops, rights, bottoms = zip(*rows, strict=True)
+    return min(lefts), min(tops), max(rights), max(bottoms)
+
+
+def meet(a, b):
+    return a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3]
+
+
+def test_the_arrows_tell_who_reaches_whom_through_the_environment():
+    root = ET.fromstring(functions_to_svg(WHOLE))
+    changes = {edge.through for edge in WHOLE.indirect}
+    found = set()
+    for group in root.iter(f"{SVG}g"):
+        through = (group.findtext(f"{SVG}title") or "").partition(":")[0]
+        if group.get("class") == "label" and through in changes:
+            sources, targets = (group.get(key).split("|") for key in ("data-from", "data-to"))
+            found |= {(source, target, through) for source in sources for target in targets}
+    assert found == {(edge.source, edge.target, edge.through) for edge in WHOLE.indirect}
+
+
+def test_every_function_that_acts_or_is_reached_has_an_arrow_of_its_own():
+    root = ET.fromstring(functions_to_svg(WHOLE))
+    edges = [g for g in root.iter(f"{SVG}g") if g.get("class") == "edge"]
     for edge in WHOLE.indirect:
-        its = [line for line in layout.indirect if line.through == edge.through]
-        joined = [line for line in its if edge.source in line.sources]
-        assert len({line.path for line in joined if line.sources == (edge.source,)}) >= 1
-        assert any(line.targets == (edge.target,) for line in joined)
-
-
-def test_a_picture_is_no_wider_than_its_columns_need():
-    one = lay_out(abstract_graph([use("amcl", F.LOCALIZATION)]), 3)
-    assert one.width < LEGEND_WIDTH + 2 * NODE_WIDTH
-    two = lay_out(SMALL, 3)
-    lefts = sorted({box.x for box in two.nodes.values()})
-    assert lefts[2] - lefts[1] == lefts[1] - lefts[0]
+        its = [g for g in edges if (g.findtext(f"{SVG}title") or "").startswith(f"{edge.through}:")]
+        assert any(g.get("data-from") == edge.source for g in its)
+        assert any(g.get("data-to") == edge.target for g in its)
 
 
 @pytest.mark.parametrize("graph", [SMALL, WHOLE, BUSY])
-def test_the_legend_stands_below_all_else(graph):
-    layout = lay_out(graph, 5)
-    assert layout.legend.y > layout.environment.bottom
-    assert layout.legend.bottom < layout.height
-    assert layout.legend.right < layout.width
+def test_stages_stand_from_left_to_right_as_in_the_papers_figure(graph):
+    stages = boxes(functions_to_svg(graph))["cluster"]
+    order = ["Sensors", "Perception", "Planning", "Control", "Drivers"]
+    spans = [stages[name] for name in order if name in stages]
+    assert len(spans) >= 3
+    assert all(left[2] <= right[0] for left, right in pairwise(spans))
+    assert not any(meet(a, b) for a, b in combinations(stages.values(), 2))
+
+
+@pytest.mark.parametrize("graph", [SMALL, WHOLE, BUSY])
+def test_every_function_stands_in_its_stage_and_on_no_other(graph):
+    found = boxes(functions_to_svg(graph))
+    for node in graph.functions:
+        left, top, right, bottom = found["function"][node.name]
+        stage = found["cluster"]["Sensors" if node.name == "Sensors" else str(node.domain)]
+        assert stage[0] <= left < right <= stage[2]
+        assert stage[1] <= top < bottom <= stage[3]
+    assert not any(meet(a, b) for a, b in combinations(found["function"].values(), 2))
+
+
+@pytest.mark.parametrize("graph", [SMALL, WHOLE, BUSY])
+def test_labels_stand_on_no_function_and_apart_from_one_another(graph):
+    found = boxes(functions_to_svg(graph))
+    functions, labels = found["function"].values(), found["label"]
+    assert not any(meet(label, box) for label in labels for box in functions)
+    assert not any(meet(a, b) for a, b in combinations(labels, 2))
+
+
+def test_a_graph_without_control_has_no_environment():
+    assert "Environment" not in functions_to_svg(abstract_graph([use("amcl", F.LOCALIZATION)]))
+    assert "Environment" in functions_to_svg(SMALL)
 
 
 def points(path):
@@ -218,57 +268,26 @@ def points(path):
 
 @pytest.mark.parametrize("graph", [SMALL, WHOLE, BUSY])
 def test_no_curve_leads_over_a_function_that_it_does_not_join(graph):
-    layout = lay_out(graph, 3)
-    for line in layout.direct:
-        others = [
-            box for name, box in layout.nodes.items() if name not in line.sources + line.targets
-        ]
-        for x, y in points(line.path) if "C" in line.path else ():
-            assert not any(b.x < x < b.right and b.y < y < b.bottom for b in others), line
+    document = functions_to_svg(graph)
+    functions = boxes(document)["function"]
+    for group in ET.fromstring(document).iter(f"{SVG}g"):
+        if group.get("class") == "edge":
+            ends = f"{group.get('data-from')}|{group.get('data-to')}".split("|")
+            others = [box for name, box in functions.items() if name not in ends]
+            for x, y in points(group.find(f"{SVG}path").get("d")):
+                assert not any(inside(x, y, box) for box in others), group.findtext(f"{SVG}title")
 
 
-def test_a_graph_without_control_has_no_environment():
-    assert "Environment" not in functions_to_svg(abstract_graph([use("amcl", F.LOCALIZATION)]))
-    assert "Environment" in functions_to_svg(SMALL)
+def inside(x, y, box):
+    across, down = (box[2] - box[0]) / 2, (box[3] - box[1]) / 2
+    return ((x - box[0]) / across - 1) ** 2 + ((y - box[1]) / down - 1) ** 2 < 0.95
 
 
-def test_stages_stand_from_left_to_right_as_in_the_papers_figure():
-    stages = lay_out(WHOLE, 3).stages
-    assert list(stages) == ["Sensors", "Perception", "Planning", "Control", "Drivers"]
-    lefts = [box.x for box in stages.values()]
-    assert lefts == sorted(lefts)
-    ends = [box.x + box.width for box in stages.values()]
-    assert all(end <= left for end, left in zip(ends[:-1], lefts[1:], strict=True))
-
-
-def test_every_function_stands_in_its_stage_and_on_no_other():
-    layout = lay_out(WHOLE, 3)
-    boxes = list(layout.nodes.values())
-    for node in WHOLE.functions:
-        stage = layout.stages["Sensors" if node.name == "Sensors" else str(node.domain)]
-        box = layout.nodes[node.name]
-        assert box.overlap(stage) == box.width * box.height
-    pairs = [(a, b) for i, a in enumerate(boxes) for b in boxes[i + 1 :]]
-    assert all(a.overlap(b) == 0 for a, b in pairs)
-
-
-def test_the_environment_stands_below_and_all_is_inside_the_picture():
-    layout = lay_out(WHOLE, 3)
-    assert all(box.y + box.height < layout.environment.y for box in layout.nodes.values())
-    assert layout.environment.y + layout.environment.height < layout.height
-    assert max(box.x + NODE_WIDTH for box in layout.nodes.values()) < layout.width
-    for line in (*layout.direct, *layout.indirect):
-        numbers = [float(n) for n in re.findall(r"[\d.]+", line.path)]
-        assert min(numbers) >= 0
-        assert max(numbers) <= layout.width
-
-
-@pytest.mark.parametrize("graph", [SMALL, WHOLE, BUSY])
-def test_labels_stand_on_no_function_and_apart_from_one_another(graph):
-    layout = lay_out(graph, 3)
-    labels = [line.label for line in layout.direct if line.label]
-    assert all(label.overlap(box) == 0 for label in labels for box in layout.nodes.values())
-    assert not any(a.overlap(b) for i, a in enumerate(labels) for b in labels[:i])
+def test_a_picture_needs_graphviz(monkeypatch):
+    monkeypatch.setenv("PATH", "")
+    with pytest.raises(InputError, match="Graphviz") as error:
+        functions_to_svg(SMALL)
+    assert "apt-get install graphviz" in error.value.help
 
 
 def test_the_same_graph_gives_the_same_picture():
@@ -277,13 +296,11 @@ def test_the_same_graph_gives_the_same_picture():
 
 def test_dot_has_clusters_and_both_kinds_of_arrows():
     text = functions_to_dot(SMALL)
-    assert [line for line in text.splitlines() if "label=" in line and "->" not in line][:2] == [
-        '    label="Perception"',
-        '    f0 [label="Localization\\n1 package"]',
-    ]
-    (read,) = (line for line in text.splitlines() if f'[label="{TWIST}' in line)
-    assert "\\n(AckermannDriveStamped)" in read
-    assert 'env0 [label="Environment\\nmotion"' in text
+    (perception,) = (line for line in text.splitlines() if "Perception" in line)
+    assert "label=<<b>Perception</b>>" in perception
+    (read,) = (line for line in text.splitlines() if f"<b>{TWIST}</b>" in line)
+    assert "<i>AckermannDriveStamped</i>" in read
+    assert 'env0 [id="env0", label=<motion>' in text
     assert text.count("style=dotted") == 2
     assert text.count("{") == text.count("}")
 
@@ -298,7 +315,7 @@ def test_names_that_strangers_chose_are_harmless(write):
 
 def test_dot_names_that_strangers_chose_end_no_text():
     (edge,) = [line for line in functions_to_dot(HOSTILE).splitlines() if "script" in line]
-    assert 'A\\"<script>' in edge
+    assert "A&quot;&lt;script&gt;alert(1)" in edge
     assert "\x1b" not in edge
 
 
@@ -322,5 +339,5 @@ def test_html_says_what_is_not_drawn_and_lists_it():
     page = functions_to_html(graph)
     assert "1 rarer interaction not drawn" in page
     assert '<tr data-from="Teleoperation" data-to="Speaker">' in page
-    assert 'class="edge" data-from="Teleoperation" data-to="Speaker"' not in page
+    assert not re.search('class="edge"[^>]* data-from="Teleoperation" data-to="Speaker"', page)
     assert "not drawn" not in functions_to_html(SMALL)

@@ -8,8 +8,7 @@ from html import escape
 from string import Template
 
 from rtron.functions.graph import AbstractGraph
-from rtron.reports.functions.labels import evidence_words
-from rtron.reports.functions.legend import notes
+from rtron.reports.functions.labels import evidence_text, notes
 from rtron.reports.functions.svg import functions_to_svg
 from rtron.reports.inline_page import page_text, policy
 from rtron.reports.sanitize import neutral
@@ -43,7 +42,7 @@ def _summary(graph: AbstractGraph) -> str:
 def _direct(graph: AbstractGraph) -> Iterator[str]:
     for edge in graph.direct:
         for message in edge.messages:
-            yield _row(edge.source, edge.target, message.type, evidence_words(message))
+            yield _row(edge.source, edge.target, message.type, evidence_text(message))
 
 
 def _indirect(graph: AbstractGraph) -> Iterator[str]:

@@ -1,6 +1,6 @@
-"""How the abstract interaction graph is read by people: stages, labels, evidence."""
+"""What people read in the abstract interaction graph: stages, labels, evidence, the legend."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 from rtron.functions.graph import (
     AbstractGraph,
@@ -14,19 +14,24 @@ from rtron.reports.sanitize import neutral
 from rtron.reports.text_layout import counted
 from rtron.vocabulary import Domain, FunctionType
 
-MOST_TYPES = 3
-_LONGEST = 24
+MAX_TYPES = 3
+_MAX_LENGTH = 24
 STAGES = ("Sensors", "Perception", "Planning", "Control", "Drivers")
 ENVIRONMENT = "Environment"
-BASIS_WORDS: Mapping[Basis, str] = {
+_BASIS_NAMES: Mapping[Basis, str] = {
     Basis.SOURCE: "read in source",
     Basis.MANIFEST: "from manifests",
     Basis.TYPICAL: "assumed",
 }
+_LEGEND: Mapping[Basis, str] = {
+    Basis.SOURCE: "read in source: programs of both functions have the type",
+    Basis.MANIFEST: "from manifests: typical of both, and packages of both depend on its package",
+    Basis.TYPICAL: "assumed: typical of both functions; nothing says so of these packages",
+}
 
 
 def stage_of(node: FunctionNode) -> str:
-    """Return the part of the picture that a function stands in: sensors stand before all."""
+    """Return the stage of a function in the picture: sensors come before all others."""
     if node.function is FunctionType.SENSORS:
         return "Sensors"
     return str(node.domain if node.domain is not Domain.OTHERS else Domain.DRIVERS)
@@ -35,21 +40,21 @@ def stage_of(node: FunctionNode) -> str:
 def label_lines(edge: DirectInteraction) -> tuple[tuple[str, Basis], ...]:
     """Return the best known types of an edge, each line with how the type is known.
 
-    A long type is on two lines; the last line may say how many are left.
+    A long type takes two lines; the last line may say how many types are left.
     """
     lines = [
         (line, message.basis)
-        for message in edge.messages[:MOST_TYPES]
+        for message in edge.messages[:MAX_TYPES]
         for line in _broken(neutral(message.type))
     ]
-    left = edge.messages[MOST_TYPES:]
-    return (*lines, *((f"and {len(left)} more", each.basis) for each in left[:1]))
+    rest = edge.messages[MAX_TYPES:]
+    return (*lines, *((f"and {len(rest)} more", each.basis) for each in rest[:1]))
 
 
-def evidence_words(message: Exchanged) -> str:
+def evidence_text(message: Exchanged) -> str:
     """Return how it is known that two functions exchange a type."""
-    sent, heard = message.sides
-    sides = f"{sent} -> {counted(heard, 'package')}"
+    publishers, subscribers = message.sides
+    sides = f"{publishers} -> {counted(subscribers, 'package')}"
     if message.basis is Basis.SOURCE:
         return f"read in source, {sides}"
     if message.basis is Basis.MANIFEST:
@@ -57,38 +62,37 @@ def evidence_words(message: Exchanged) -> str:
     return "assumed: typical of both"
 
 
-def known_words(graph: AbstractGraph) -> str:
-    """Return how many types of all edges are known in which way."""
-    known = graph.known()
-    parts = ", ".join(f"{BASIS_WORDS[basis]} {number}" for basis, number in known.items())
-    return f"Message types of all interactions: {parts}."
-
-
 def best_basis(edge: DirectInteraction) -> Basis:
     """Return how the best known type of an edge is known: it comes first."""
     return edge.messages[0].basis
 
 
-def left_out_words(graph: AbstractGraph) -> str:
-    """Return how much of a graph its picture leaves out, and why; nothing if it shows all."""
-    left = len(graph.direct) - len(main_flow(graph).direct)
-    if not left:
-        return ""
-    return f"{counted(left, 'rarer interaction')} not drawn: a table or JSON has them all."
+def legend(graph: AbstractGraph) -> Iterator[tuple[Basis | None, str]]:
+    """Yield a line for each look of arrows in a graph; None is that of the environment's."""
+    known = graph.known()
+    yield from ((basis, text) for basis, text in _LEGEND.items() if known[basis])
+    if graph.indirect:
+        yield None, "dotted: through the environment"
 
 
-def unread_words(graph: AbstractGraph) -> str:
-    """Return how much could not be found out, or did not count; nothing if all did."""
-    parts = []
+def notes(graph: AbstractGraph) -> list[str]:
+    """Return how much of a graph is known in which way, not drawn, and not read."""
+    known = ", ".join(f"{_BASIS_NAMES[basis]} {number}" for basis, number in graph.known().items())
+    found = [f"Message types of all interactions: {known}."]
+    hidden = len(graph.direct) - len(main_flow(graph).direct)
+    if hidden:
+        found.append(
+            f"{counted(hidden, 'rarer interaction')} not drawn: a table or JSON has them all."
+        )
     if graph.unresolved:
-        parts.append(f"{counted(len(graph.unresolved), 'thing')} in programs could not be read.")
+        found.append(f"{counted(len(graph.unresolved), 'thing')} in programs could not be read.")
     if graph.repeated:
-        parts.append(
+        found.append(
             f"{counted(graph.repeated, 'package')} left out: another of the same name counts."
         )
-    return " ".join(parts)
+    return found
 
 
 def _broken(type: str) -> list[str]:
     package, slash, name = type.rpartition("/")
-    return [f"{package}{slash}", name] if slash and len(type) > _LONGEST else [type]
+    return [f"{package}{slash}", name] if slash and len(type) > _MAX_LENGTH else [type]
