@@ -6,6 +6,7 @@ text nodes; nothing of them is ever read as HTML.
 """
 
 import json
+import re
 from html import escape
 from string import Template
 from typing import Any
@@ -14,8 +15,10 @@ from rtron.reports.app.page_data import page_data
 from rtron.reports.inline_page import page_text, policy
 from rtron.vocabulary import InteractionGraph, Plan, RiskReport
 
-_LAYOUT = ("dagre.LICENSE.txt", "dagre.min.js")
-_SCRIPTS = ("data.js", "select.js", "layout.js", "draw.js", "view.js", "panels.js", "main.js")
+_LAYOUT = ("graph/dagre.LICENSE.txt", "graph/dagre.min.js")
+_GRAPH = ("graph/model.js", "graph/layout.js", "graph/draw.js", "graph/viewport.js")
+_SCRIPTS = (*_GRAPH, "filters.js", "panels.js", "main.js")
+_MODULE_SYNTAX = re.compile(r"^import .*\n|^export ", re.MULTILINE)
 _UNSAFE = {ord(character): f"\\u{ord(character):04x}" for character in "<>&"}
 
 
@@ -39,4 +42,6 @@ def _inline_json(value: Any) -> str:  # noqa: ANN401 - plain JSON
 
 
 def _program() -> str:
-    return "(() => {\n" + '"use strict";\n' + "".join(map(page_text, _SCRIPTS)) + "})();\n"
+    """Return the modules as one script, in the order of their imports."""
+    modules = (_MODULE_SYNTAX.sub("", page_text(name)) for name in _SCRIPTS)
+    return "(() => {\n" + '"use strict";\n' + "".join(modules) + "})();\n"

@@ -100,6 +100,7 @@ def _guarded(guarded: GuardedTopic, names: Numbers) -> dict[str, Any]:
         "topic": names.topics[guarded.topic],
         "flows": [_flow(flow, names) for flow in guarded.flows],
         "successors": list(guarded.successors),
+        "successorNodes": sorted({n for each in guarded.successors for n in names.meant_by(each)}),
     }
 
 

@@ -11,6 +11,7 @@ from functools import cache
 from gzip import compress
 from hashlib import sha256
 from importlib.resources import files
+from itertools import chain
 from pathlib import Path
 
 from fastapi import APIRouter, HTTPException, Request
@@ -23,6 +24,8 @@ _TYPES = {
     "svg": "image/svg+xml",
     "txt": "text/plain; charset=utf-8",
 }
+_GRAPH = Path(str(files("rtron.reports"))) / "page" / "graph"
+"""The graph and its layout library, which the HTML report has too."""
 _FOREVER = "public, max-age=31536000, immutable"
 
 router = APIRouter(include_in_schema=False)
@@ -55,8 +58,7 @@ def asset(request: Request, version: str, name: str) -> Response:
 @cache
 def assets() -> dict[str, Asset]:
     """Return all files by their names, as modules import them."""
-    page = files("rtron.reports") / "page" / "dagre.min.js"
-    return dict(_own()) | {"vendor/dagre.min.js": _asset("dagre.min.js", page.read_bytes())}
+    return dict(chain(_below(Path(__file__).with_name("static")), _below(_GRAPH, "graph/")))
 
 
 @cache
@@ -66,11 +68,10 @@ def digest() -> str:
     return sha256(b"\0".join(parts)).hexdigest()[:16]
 
 
-def _own() -> Iterator[tuple[str, Asset]]:
-    root = Path(__file__).with_name("static")
+def _below(root: Path, prefix: str = "") -> Iterator[tuple[str, Asset]]:
     for path in sorted(root.rglob("*")):
         if _ending(path.name) in _TYPES:
-            yield path.relative_to(root).as_posix(), _asset(path.name, path.read_bytes())
+            yield prefix + path.relative_to(root).as_posix(), _asset(path.name, path.read_bytes())
 
 
 def _asset(name: str, data: bytes) -> Asset:
