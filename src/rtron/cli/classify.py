@@ -66,6 +66,6 @@ def classify(
 
 
 def _as_lines(found: "Iterable[Classification]") -> str:
-    from rtron.reports.functions.classification_json import classification_to_json  # noqa: PLC0415 - the guard starts without it
+    from rtron.reports.functions.json_documents import classification_to_json  # noqa: PLC0415 - the guard starts without it
 
     return "".join(json.dumps(classification_to_json(each)) + "\n" for each in found)

@@ -11,7 +11,7 @@ from rtron.cli.outcome import Outcome
 from rtron.cli.repositories import Readmes, left_out, tell
 from rtron.errors import InputError, RTronError
 from rtron.folders import is_folder
-from rtron.reports.sanitize import neutral
+from rtron.reports.sanitize import sanitize
 
 if TYPE_CHECKING:
     from rtron.functions.repository import Repository
@@ -102,7 +102,7 @@ def _named(repo: str, found: "list[Repository]") -> "Repository":
         return names[repo]
     homes = {package.name: each for each in reversed(found) for package in each.packages}
     if repo in homes:
-        tell(neutral(f"{repo} is a package of {homes[repo].name}"))
+        tell(sanitize(f"{repo} is a package of {homes[repo].name}"))
         return homes[repo]
     near = get_close_matches(repo[:_LONGEST_SHOWN], names, n=1)
     help = f"did you mean {near[0]}?" if near else "`rtron classify` lists them all"

@@ -125,7 +125,7 @@ def _ending(output: Path) -> GraphFormat:
 
 
 def _json(graph: AbstractGraph) -> str:
-    from rtron.reports.functions.graph_json import functions_to_json  # noqa: PLC0415 - one of four
+    from rtron.reports.functions.json_documents import functions_to_json  # noqa: PLC0415 - one of four
 
     return as_json(functions_to_json(graph))
 

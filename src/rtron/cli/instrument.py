@@ -18,11 +18,11 @@ from rtron.planning.instrument.ros2 import instrument_ros2
 from rtron.planning.read import parse_plan
 from rtron.planning.yaml_text import read_text
 from rtron.reports.plan.instrumentation import (
-    Guarded,
+    InstrumentedLaunch,
     NodeRemap,
-    OpenEnd,
-    guarded_text,
-    guarded_to_json,
+    UnenforceableNode,
+    instrumentation_text,
+    instrumentation_to_json,
 )
 from rtron.sources.launch.packages import find_packages
 from rtron.sources.launch2.reader import read_launch2
@@ -94,7 +94,9 @@ def instrument(
     write_instrumented(result)
     guarded = _guarded(result, chosen.ros)
     shown = (
-        as_json(guarded_to_json(guarded)) if format is TextOrJson.JSON else guarded_text(guarded)
+        as_json(instrumentation_to_json(guarded))
+        if format is TextOrJson.JSON
+        else instrumentation_text(guarded)
     )
     return Outcome(shown, OK if guarded.is_closed else FOUND)
 
@@ -139,8 +141,8 @@ def _started(app: "StaticApp") -> Sequence[Started]:
     ]
 
 
-def _guarded(result: Instrumented, ros: int) -> Guarded:
-    return Guarded(
+def _guarded(result: Instrumented, ros: int) -> InstrumentedLaunch:
+    return InstrumentedLaunch(
         ros=ros,
         launch=str(result.launch),
         files=tuple(map(str, (*result.files, *result.copies))),
@@ -149,7 +151,7 @@ def _guarded(result: Instrumented, ros: int) -> Guarded:
             for r in result.remaps
         ),
         unenforceable=tuple(
-            OpenEnd(what=end.what, why=end.why, accepted=end.accepted)
+            UnenforceableNode(what=end.what, why=end.why, accepted=end.accepted)
             for end in result.unenforceable
         ),
         notes=result.notes,

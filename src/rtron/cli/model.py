@@ -10,7 +10,7 @@ from rich.text import Text
 
 from rtron.cli.options import Output
 from rtron.cli.outcome import STDOUT, Outcome
-from rtron.reports.sanitize import neutral
+from rtron.reports.sanitize import sanitize
 from rtron.vocabulary import Unresolved
 
 model = typer.Typer(name="model", no_args_is_help=True, help="Work on models of known nodes.")
@@ -63,4 +63,4 @@ def _remark(unresolved: Sequence[Unresolved]) -> None:
     console = Console(stderr=True, highlight=False)
     for each in unresolved:
         place = "".join(f"{e.file}:{e.line}: " for e in each.evidence[:1])
-        console.print(Text(neutral(f"{place}{each.what}: {each.why}")), soft_wrap=True)
+        console.print(Text(sanitize(f"{place}{each.what}: {each.why}")), soft_wrap=True)

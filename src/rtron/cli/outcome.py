@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import typer
 
 from rtron.errors import InputError, RTronError
-from rtron.reports.sanitize import neutral
+from rtron.reports.sanitize import sanitize
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -91,7 +91,7 @@ def complain(error: RTronError) -> None:
 
 
 def _harmless(message: str) -> str:
-    return "\n".join(map(neutral, message.split("\n")))
+    return "\n".join(map(sanitize, message.split("\n")))
 
 
 def tell(text: str) -> bool:

@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 
-from rtron.reports.sanitize import neutral
+from rtron.reports.sanitize import sanitize
 from rtron.sources.static.options import Progress as Told
 from rtron.sources.static.options import ignore_progress
 
@@ -25,7 +25,7 @@ def shown_progress() -> Iterator[Told]:
         task = bar.add_task("reading", total=None)
 
         def tell(done: int, known: int, what: str) -> None:
-            said = neutral(what)[:_MAX_SHOWN]
+            said = sanitize(what)[:_MAX_SHOWN]
             bar.update(task, completed=done, total=known, description=said)
 
         yield tell

@@ -10,8 +10,7 @@ from rtron.cli.options import Output, PlanOption, TextOrJson
 from rtron.cli.outcome import STDOUT, Outcome, as_json
 from rtron.cli.progress import counting
 from rtron.planning.read import read_plan
-from rtron.reports.plan.replay import replay_text
-from rtron.reports.plan.replay_json import replay_to_json
+from rtron.reports.plan.replay import replay_text, replay_to_json
 
 
 def replay(

@@ -6,7 +6,7 @@ from typing import Any
 from rich.text import Text
 
 from rtron.planning.durations import write_duration
-from rtron.reports.sanitize import neutral
+from rtron.reports.sanitize import sanitize
 from rtron.reports.text_layout import Report, columns, heading, line
 
 _View = Mapping[str, Any]
@@ -37,7 +37,7 @@ def told(view: _View) -> str:
 def stopped_by(view: _View) -> str:
     """Return on one line who has stopped the robot, and why."""
     stop = view["settings"]["stop"]
-    return f"stopped by {neutral(_who_and_why(stop))}\n" if stop else ""
+    return f"stopped by {sanitize(_who_and_why(stop))}\n" if stop else ""
 
 
 def nodes_report(robot: str, view: _View, nodes: Sequence[_View]) -> Report:

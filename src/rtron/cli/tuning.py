@@ -11,8 +11,7 @@ from rtron.cli.progress import counting
 from rtron.errors import InputError
 from rtron.planning.read import read_plan
 from rtron.planning.tune import tune, tuned_yaml
-from rtron.reports.plan.tuning import tuning_text
-from rtron.reports.plan.tuning_json import tuning_to_json
+from rtron.reports.plan.tuning import tuning_text, tuning_to_json
 from rtron.sources.bag.kind import is_bag
 from rtron.sources.run_json import read_run
 from rtron.vocabulary import Plan, Run

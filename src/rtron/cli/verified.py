@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 from rich.text import Text
 
 from rtron.guard.audit.verification import Path, PathState, Verification
-from rtron.reports.text_layout import Page, Report, columns, counted, heading, line, paragraph
+from rtron.reports.text_layout import Report, TextPage, columns, counted, heading, line, paragraph
 
 VERIFY_SCHEMA = "rtron.verify/1"
 _STYLES = {
@@ -50,7 +50,7 @@ def verdict(found: Verification) -> str:
     return "open" if found.told else "cannot tell"
 
 
-def _lines(title: str, found: Verification, page: Page) -> Iterator[Text]:
+def _lines(title: str, found: Verification, page: TextPage) -> Iterator[Text]:
     said = verdict(found)
     yield line((title, "bold"), "  ", (said, "bold green" if found.closed else "bold red"))
     for problem in found.problems:
@@ -67,6 +67,6 @@ def _lines(title: str, found: Verification, page: Page) -> Iterator[Text]:
             yield line((each.what, "cyan"), f"  {each.why}", indent=2)
 
 
-def _why(path: Path, page: Page) -> Iterator[Text]:
+def _why(path: Path, page: TextPage) -> Iterator[Text]:
     if path.reason:
         yield from paragraph(path.reason, page, indent=15)

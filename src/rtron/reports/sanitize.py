@@ -5,7 +5,7 @@ import unicodedata
 _SEPARATORS = frozenset({"Zl", "Zp"})
 
 
-def neutral(text: str) -> str:
+def sanitize(text: str) -> str:
     r"""Return `text` on one line, with every character that could steer a terminal as `\x1b`."""
     if text.isascii() and text.isprintable():
         return text

@@ -8,13 +8,13 @@ from rich.cells import cell_len
 from rich.console import Console, ConsoleOptions, RenderResult
 from rich.text import Text
 
-from rtron.reports.sanitize import neutral
+from rtron.reports.sanitize import sanitize
 
 GAP = 2
 
 
 @dataclass(frozen=True, slots=True)
-class Page:
+class TextPage:
     """What a report is printed on: its width in columns, and whether it takes ASCII only."""
 
     width: int = 80
@@ -29,10 +29,10 @@ class Report:
     that a name can be copied whole.
     """
 
-    lay_out: Callable[[Page], Iterable[Text]]
+    lay_out: Callable[[TextPage], Iterable[Text]]
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
-        yield from self.lay_out(Page(options.max_width, options.ascii_only))
+        yield from self.lay_out(TextPage(options.max_width, options.ascii_only))
 
 
 def line(*parts: str | tuple[str, str], indent: int = 0) -> Text:
@@ -40,7 +40,7 @@ def line(*parts: str | tuple[str, str], indent: int = 0) -> Text:
     text = Text(" " * indent)
     for part in parts:
         words, style = (part, "") if isinstance(part, str) else part
-        text.append(neutral(words), style)
+        text.append(sanitize(words), style)
     return text
 
 
@@ -49,10 +49,10 @@ def heading(title: str) -> list[Text]:
     return [Text(), line((title, "bold"))]
 
 
-def paragraph(words: str, page: Page, *, indent: int = 0, style: str = "") -> list[Text]:
+def paragraph(words: str, page: TextPage, *, indent: int = 0, style: str = "") -> list[Text]:
     """Return prose wrapped between words; a word longer than the page stays whole."""
     width = max(page.width - indent, 1)
-    rows = wrap(neutral(words), width, break_long_words=False, break_on_hyphens=False)
+    rows = wrap(sanitize(words), width, break_long_words=False, break_on_hyphens=False)
     return [line((row, style), indent=indent) for row in rows]
 
 
@@ -60,7 +60,7 @@ def columns(
     rows: Sequence[Sequence[str]], styles: Sequence[str] = (), *, indent: int = 0
 ) -> list[Text]:
     """Return rows with their cells in line; a missing style is plain."""
-    cells = [[neutral(cell) for cell in row] for row in rows]
+    cells = [[sanitize(cell) for cell in row] for row in rows]
     widths = [max(map(cell_len, column)) for column in zip(*cells, strict=True)]
     return [_row(row, widths, styles, indent) for row in cells]
 

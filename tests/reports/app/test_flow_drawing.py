@@ -3,15 +3,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rich.cells import cell_len
 
-from rtron.reports.app.flow_drawing import MOST_ROWS, Flow, draw
-from rtron.reports.text_layout import Page
+from rtron.reports.app.contention import MOST_ROWS, TopicFlow, draw_topic_flow
+from rtron.reports.text_layout import TextPage
 
 names = st.lists(st.text(st.characters(exclude_characters="►"), max_size=20), max_size=MOST_ROWS)
 
 
-def drawn(publishers, successors, topic="/t", page=Page(), **keys):  # noqa: B008 - frozen
-    flow = Flow(tuple(publishers), topic, tuple(successors))
-    return [row.plain for row in draw(flow, page, **keys)]
+def drawn(publishers, successors, topic="/t", page=TextPage(), **keys):  # noqa: B008 - frozen
+    flow = TopicFlow(tuple(publishers), topic, tuple(successors))
+    return [row.plain for row in draw_topic_flow(flow, page, **keys)]
 
 
 @pytest.mark.parametrize(
@@ -34,14 +34,19 @@ def test_side_by_side(publishers, successors, rows):
 
 def test_one_below_another_where_the_page_is_too_narrow():
     needed = len("a ─┬─► /t ───► x")
-    assert len(drawn("ab", "x", page=Page(needed))) == 2
-    assert drawn("ab", "x", page=Page(needed - 1)) == ["/t", "  from  a", "        b", "  to    x"]
+    assert len(drawn("ab", "x", page=TextPage(needed))) == 2
+    assert drawn("ab", "x", page=TextPage(needed - 1)) == [
+        "/t",
+        "  from  a",
+        "        b",
+        "  to    x",
+    ]
 
 
 def test_an_indent_takes_its_part_of_the_page():
     needed = len("a ─┬─► /t ───► x")
-    assert drawn("ab", "x", page=Page(needed + 2), indent=2)[1] == "  b ─┘"
-    assert drawn("ab", "x", page=Page(needed + 1), indent=2)[1] == "    from  a"
+    assert drawn("ab", "x", page=TextPage(needed + 2), indent=2)[1] == "  b ─┘"
+    assert drawn("ab", "x", page=TextPage(needed + 1), indent=2)[1] == "    from  a"
 
 
 def test_wide_characters_stay_in_line():
@@ -50,7 +55,7 @@ def test_wide_characters_stay_in_line():
 
 
 def test_in_ascii_where_the_page_takes_no_more():
-    rows = drawn("abc", "xy", page=Page(ascii_only=True))
+    rows = drawn("abc", "xy", page=TextPage(ascii_only=True))
     assert rows == ["a -+", "b -+-> /t -+-> x", "c -+       +-> y"]
 
 
@@ -64,6 +69,6 @@ def test_many_names_are_cut_short_and_counted():
 
 @given(names, names, st.integers(1, 200))
 def test_it_fits_wherever_it_stands_side_by_side(publishers, successors, width):
-    rows = drawn(publishers, successors, page=Page(width))
+    rows = drawn(publishers, successors, page=TextPage(width))
     side_by_side = any("►" in row for row in rows)
     assert not side_by_side or max(map(cell_len, rows)) <= width

@@ -13,7 +13,7 @@ from report_cases import CMD_VEL, CONTENDED, GRAPH, REPORT, SIGN, hears, report_
 
 from rtron.planning import propose_plan
 from rtron.reports.app.html import graph_to_html
-from rtron.reports.sanitize import neutral
+from rtron.reports.sanitize import sanitize
 from rtron.risks import discover
 from rtron.sources.graph_json import read_graph
 from rtron.vocabulary import (
@@ -157,7 +157,7 @@ def test_limits_rules_and_cameras_of_the_plan_in_words():
         "area hall: 3 corners in map",
         "odom lies in map at 0 m, 0 m, 0 rad",
     ]
-    assert mission["rules"] == [["r1", f"while {event.name}: block {CMD_VEL}", neutral(EVIL)]]
+    assert mission["rules"] == [["r1", f"while {event.name}: block {CMD_VEL}", sanitize(EVIL)]]
     assert mission["watches"][0]["note"] == "set after 1 s without a message"
 
 
@@ -234,7 +234,7 @@ def test_any_name_leaves_the_page_whole(name):
     plain, strange = page_of(evil_graph("a")), page_of(evil_graph(name))
     assert [tag for tag, _ in strange.tags] == [tag for tag, _ in plain.tags]
     assert strange.texts["script"][1:] == plain.texts["script"][1:]
-    assert strange.data["nodes"][0]["package"] == neutral(name)
+    assert strange.data["nodes"][0]["package"] == sanitize(name)
 
 
 @pytest.mark.parametrize("name", ["\ud800", "\u202etxt", "\x00"])

@@ -5,7 +5,7 @@ from rtron.functions.repository import Package, Repository
 from rtron.functions.tables import count
 from rtron.functions.tracing import Matched
 from rtron.reports.functions.classification import evidence_text
-from rtron.reports.functions.classification_json import classification_to_json
+from rtron.reports.functions.json_documents import classification_to_json
 from rtron.reports.functions.tables import tables_text
 from rtron.vocabulary import FunctionType
 

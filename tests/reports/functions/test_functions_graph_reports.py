@@ -10,8 +10,8 @@ import pytest
 from rtron.errors import InputError
 from rtron.functions.graph import AbstractGraph, PackageUse, abstract_graph
 from rtron.reports.functions.dot import functions_to_dot
-from rtron.reports.functions.graph_json import functions_to_json
 from rtron.reports.functions.html import functions_to_html
+from rtron.reports.functions.json_documents import functions_to_json
 from rtron.reports.functions.svg import functions_to_svg
 from rtron.vocabulary import Evidence, Unresolved
 from rtron.vocabulary import FunctionType as F

@@ -1,11 +1,11 @@
 import json
 
 from rtron.reports.plan.instrumentation import (
-    Guarded,
+    InstrumentedLaunch,
     NodeRemap,
-    OpenEnd,
-    guarded_text,
-    guarded_to_json,
+    UnenforceableNode,
+    instrumentation_text,
+    instrumentation_to_json,
 )
 from rtron.reports.plan.problems import Remark, problems_text
 
@@ -14,7 +14,7 @@ def remap(node, written, target):
     return NodeRemap(node=node, topic="/cmd_vel", written=written, target=target)
 
 
-GUARDED = Guarded(
+GUARDED = InstrumentedLaunch(
     launch="/tmp/my app/guarded.launch",
     files=("/tmp/my app/guarded.launch",),
     remaps=(
@@ -23,8 +23,8 @@ GUARDED = Guarded(
         remap("/teleop", "stop", "/rtron/stop/flow1"),
     ),
     unenforceable=(
-        OpenEnd(what="/arm", why="this launch does not start it", accepted=False),
-        OpenEnd(what="/legs", why="the developer knows", accepted=True),
+        UnenforceableNode(what="/arm", why="this launch does not start it", accepted=False),
+        UnenforceableNode(what="/legs", why="the developer knows", accepted=True),
     ),
     notes=("/rviz is not started by this launch",),
 )
@@ -57,18 +57,18 @@ Next
 
 
 def test_at_80_columns(printed):
-    assert printed(guarded_text(GUARDED)) == AT_80_COLUMNS
+    assert printed(instrumentation_text(GUARDED)) == AT_80_COLUMNS
 
 
 def test_it_is_closed_when_all_that_is_open_is_accepted():
     assert not GUARDED.is_closed
-    assert Guarded(
+    assert InstrumentedLaunch(
         launch="", files=(), remaps=(), unenforceable=GUARDED.unenforceable[1:], notes=()
     ).is_closed
 
 
 def test_json_keys():
-    document = json.loads(json.dumps(guarded_to_json(GUARDED)))
+    document = json.loads(json.dumps(instrumentation_to_json(GUARDED)))
     assert list(document) == [
         "schema",
         "launch",
@@ -99,13 +99,15 @@ def test_problems(printed):
 
 def test_hostile_names_do_nothing(printed):
     name = "/\x1b[2J[bold]\n"
-    guarded = Guarded(
+    guarded = InstrumentedLaunch(
         launch=name,
         files=(),
         remaps=(remap(name, name, name),),
-        unenforceable=(OpenEnd(what=name, why=name, accepted=False),),
+        unenforceable=(UnenforceableNode(what=name, why=name, accepted=False),),
         notes=(name,),
     )
-    text = printed(guarded_text(guarded)) + printed(problems_text(name, [Remark(name, name, name)]))
+    text = printed(instrumentation_text(guarded)) + printed(
+        problems_text(name, [Remark(name, name, name)])
+    )
     assert "\x1b" not in text
     assert text.count("/\\x1b[2J[bold]\\n") == 12

@@ -10,7 +10,7 @@ from rtron.demos.cases import Case
 from rtron.demos.measuring.run import Run
 from rtron.demos.measuring.table import HEADS, cells, columns
 from rtron.reports.inline_page import policy
-from rtron.reports.sanitize import neutral
+from rtron.reports.sanitize import sanitize
 
 _STYLE = """
 body { font: 16px/1.5 system-ui, sans-serif; color: #1f2430; background: #fff;
@@ -143,6 +143,6 @@ def _picture(picture: Picture) -> str:
 
 
 def _command(said: Said) -> str:
-    text = "\n".join(map(neutral, said.text.splitlines()))
-    summary = f"<summary><code>$ {escape(neutral(said.command))}</code></summary>"
+    text = "\n".join(map(sanitize, said.text.splitlines()))
+    summary = f"<summary><code>$ {escape(sanitize(said.command))}</code></summary>"
     return f"<details>{summary}<pre>{escape(text)}</pre></details>\n"

@@ -12,7 +12,7 @@ from rtron.demos.measuring.run import Run
 from rtron.demos.measuring.table import HEADS, cells, columns
 from rtron.demos.running.demonstration import Wish
 from rtron.demos.running.study import Study
-from rtron.reports.sanitize import neutral
+from rtron.reports.sanitize import sanitize
 from rtron.vocabulary import Risk
 
 _INDENT = (0, 0, 0, 2)
@@ -39,7 +39,7 @@ def _parts(wish: Wish, study: Study) -> Iterator[RenderableType]:
 def _risks(risks: Sequence[Risk]) -> Iterator[RenderableType]:
     yield Text(f"rtron scan finds {len(risks)} risks", style="bold")
     for risk in risks:
-        yield Padding(Text(neutral(risk.id)), _INDENT)
+        yield Padding(Text(sanitize(risk.id)), _INDENT)
 
 
 def _story(case: Case, risks: Sequence[Risk], *, guarded: bool) -> Iterator[RenderableType]:
@@ -47,7 +47,7 @@ def _story(case: Case, risks: Sequence[Risk], *, guarded: bool) -> Iterator[Rend
     told = {"risk": "".join(found), "attack": case.attack, "guard": case.remedy if guarded else ""}
     for name, text in told.items():
         if text:
-            yield Padding(Text(f"{name}: {neutral(text)}"), _INDENT)
+            yield Padding(Text(f"{name}: {sanitize(text)}"), _INDENT)
 
 
 def _table(runs: Sequence[Run]) -> Table:

@@ -7,8 +7,8 @@ nodes orange. What the client library adds by itself (`/rosout`, `/clock`) is le
 
 from collections.abc import Iterator, Mapping
 
-from rtron.reports.app.risk_marks import Edge, Paint, paint
-from rtron.reports.sanitize import neutral
+from rtron.reports.app.risk_marks import Edge, RiskMarks, risk_marks
+from rtron.reports.sanitize import sanitize
 from rtron.vocabulary import Direction, InteractionGraph, RiskReport
 
 _PLAIN_NODE = 'shape=ellipse, fillcolor="gray85"'
@@ -37,24 +37,24 @@ _LEGEND = {
 
 def graph_to_dot(graph: InteractionGraph, report: RiskReport) -> str:
     """Return the graph as a DOT document, its risky parts in colour and stronger."""
-    return "\n".join(_lines(graph, paint(graph, report))) + "\n"
+    return "\n".join(_lines(graph, risk_marks(graph, report))) + "\n"
 
 
-def _lines(graph: InteractionGraph, colours: Paint) -> Iterator[str]:
+def _lines(graph: InteractionGraph, colours: RiskMarks) -> Iterator[str]:
     explicit = [endpoint for endpoint in graph.endpoints if not endpoint.implicit]
     nodes = _numbered("n", dict.fromkeys(e.node for e in explicit) | _names(graph))
     topics = _numbered("t", dict.fromkeys(endpoint.topic for endpoint in explicit))
     yield _HEAD
     yield f"  label={_quoted(graph.app)}"
-    told = {
+    tooltips = {
         node.name: f", tooltip={_quoted(node.function)}" for node in graph.nodes if node.function
     }
     for name, id in nodes.items():
-        yield _vertex(id, name, _node_look(name, colours) + told.get(name, ""))
+        yield _vertex(id, name, _node_look(name, colours) + tooltips.get(name, ""))
     yield from (_vertex(id, name, _topic_look(name, colours)) for name, id in topics.items())
     for node, topic, direction in dict.fromkeys((e.node, e.topic, e.direction) for e in explicit):
-        ends = (nodes[node], topics[topic])
-        tail, head = ends if direction is Direction.PUBLISH else reversed(ends)
+        pair = (nodes[node], topics[topic])
+        tail, head = pair if direction is Direction.PUBLISH else reversed(pair)
         yield f"  {tail} -> {head}{_edge_look((node, topic), colours)}"
     yield from _legend()
 
@@ -71,19 +71,19 @@ def _vertex(id: str, name: str, look: str) -> str:
     return f"  {id} [label={_quoted(name)}, {look}]"
 
 
-def _node_look(name: str, colours: Paint) -> str:
+def _node_look(name: str, colours: RiskMarks) -> str:
     if name in colours.image_nodes:
         return _IMAGE
     return _MAX_VEL if name in colours.max_vel_nodes else _PLAIN_NODE
 
 
-def _topic_look(name: str, colours: Paint) -> str:
+def _topic_look(name: str, colours: RiskMarks) -> str:
     if name in colours.event_topics:
         return _EVENT
     return _ACTION if name in colours.action_topics else _PLAIN_TOPIC
 
 
-def _edge_look(edge: Edge, colours: Paint) -> str:
+def _edge_look(edge: Edge, colours: RiskMarks) -> str:
     marks = {_SINGLE_TOPIC: colours.single_topic, _MULTI_TOPIC: colours.multi_topic}
     colour = ":".join(name for name, edges in marks.items() if edge in edges)
     return f' [color="{colour}", penwidth=2]' if colour else ""
@@ -99,5 +99,5 @@ def _legend() -> Iterator[str]:
 
 
 def _quoted(text: str) -> str:
-    escaped = neutral(text).replace("\\", "\\\\").replace('"', '\\"')
+    escaped = sanitize(text).replace("\\", "\\\\").replace('"', '\\"')
     return f'"{escaped}"'

@@ -18,7 +18,7 @@ from rtron.vocabulary import (
 
 
 @dataclass(slots=True)
-class NodeEnds:
+class NodeEndpoints:
     """A node and its sides of topics, services and actions, with its parameters."""
 
     node: Node
@@ -41,10 +41,12 @@ class NodeEnds:
         return "/".join(filter(None, (self.node.package, self.node.executable)))
 
 
-def ends_by_node(graph: InteractionGraph) -> Iterator[NodeEnds]:
+def endpoints_by_node(graph: InteractionGraph) -> Iterator[NodeEndpoints]:
     """Yield every node of a graph, in its order."""
-    nodes = {node.name: NodeEnds(node) for node in graph.nodes}
-    found: defaultdict[str, NodeEnds] = defaultdict(lambda: NodeEnds(Node(name="")), nodes)
+    nodes = {node.name: NodeEndpoints(node) for node in graph.nodes}
+    found: defaultdict[str, NodeEndpoints] = defaultdict(
+        lambda: NodeEndpoints(Node(name="")), nodes
+    )
     for end in (end for end in graph.endpoints if not end.implicit):
         publishes = end.direction is Direction.PUBLISH
         (found[end.node].publishers if publishes else found[end.node].subscriptions).append(end)

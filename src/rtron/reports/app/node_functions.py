@@ -4,25 +4,25 @@ from collections.abc import Iterable, Iterator
 
 from rich.text import Text
 
-from rtron.reports.text_layout import Page, counted, heading, paragraph
+from rtron.reports.text_layout import TextPage, counted, heading, paragraph
 from rtron.vocabulary import FunctionType, Node
 
 MOST_NAMES = 8
 
 
-def node_functions(nodes: Iterable[Node], page: Page) -> Iterator[Text]:
+def node_functions(nodes: Iterable[Node], page: TextPage) -> Iterator[Text]:
     """Yield a paragraph for each function with its nodes; nothing where no function is known."""
-    given = tuple(nodes)
-    known = [node for node in given if node.function]
+    all_nodes = tuple(nodes)
+    known = [node for node in all_nodes if node.function]
     if not known:
         return
     yield from heading("Functions of the nodes")
     for function in FunctionType:
-        its = [node for node in known if node.function is function]
-        if its:
-            told = f"{its[0].domain or function}, {function}: {_names(its)}"
-            yield from paragraph(told, page, indent=2)
-    unknown = [node for node in given if not node.function]
+        members = [node for node in known if node.function is function]
+        if members:
+            text = f"{members[0].domain or function}, {function}: {_names(members)}"
+            yield from paragraph(text, page, indent=2)
+    unknown = [node for node in all_nodes if not node.function]
     if unknown:
         yield from paragraph(f"not known: {_names(unknown)}", page, indent=2, style="dim")
 

@@ -14,7 +14,7 @@ from typing import Any
 import yaml
 
 from rtron.errors import InputError
-from rtron.reports.app.node_endpoints import NodeEnds, ends_by_node
+from rtron.reports.app.node_endpoints import NodeEndpoints, endpoints_by_node
 from rtron.vocabulary import Endpoint, InteractionGraph, NodeParameter, QoS
 
 _NAME = re.compile(r"[A-Za-z]|[/~A-Za-z][A-Za-z0-9_/]*[A-Za-z0-9_]", re.ASCII)
@@ -46,11 +46,11 @@ def _numbered(base: str, number: int) -> str:
 def _documents(graph: InteractionGraph) -> Iterator[tuple[str, str]]:
     if graph.ros == 1:
         raise InputError("the graph is of ROS 1", help="NoDL describes nodes of ROS 2")
-    for node in ends_by_node(graph):
+    for node in endpoints_by_node(graph):
         yield node.name, _document(node)
 
 
-def _document(node: NodeEnds) -> str:
+def _document(node: NodeEndpoints) -> str:
     left_out: list[str] = []
     document: dict[str, Any] = {"nodl_version": 2}
     if node.description:
@@ -70,12 +70,12 @@ def _document(node: NodeEnds) -> str:
 
 
 def _listed(
-    what: str, ends: Iterable[Any], shown: Callable[[Any], dict[str, Any]], left_out: list[str]
+    what: str, endpoints: Iterable[Any], shown: Callable[[Any], dict[str, Any]], left_out: list[str]
 ) -> list[dict[str, Any]]:
     """Return what the schema takes; a name or a type that is not known it does not."""
     found = {}
-    for end in ends:
-        entry = shown(end)
+    for endpoint in endpoints:
+        entry = shown(endpoint)
         if _NAME.fullmatch(entry["name"]) and _TYPE.fullmatch(entry["type"]):
             found[entry["name"], entry["type"]] = entry
         else:
@@ -83,12 +83,12 @@ def _listed(
     return list(found.values())
 
 
-def _typed(end: Any) -> dict[str, Any]:  # noqa: ANN401 - a service, a client or an action
-    return {"name": end.name, "type": end.type}
+def _typed(endpoint: Any) -> dict[str, Any]:  # noqa: ANN401 - a service, a client or an action
+    return {"name": endpoint.name, "type": endpoint.type}
 
 
-def _topic(end: Endpoint) -> dict[str, Any]:
-    return {"name": end.topic, "type": end.type, "qos": _qos(end.qos)}
+def _topic(endpoint: Endpoint) -> dict[str, Any]:
+    return {"name": endpoint.topic, "type": endpoint.type, "qos": _qos(endpoint.qos)}
 
 
 def _qos(qos: QoS | None) -> dict[str, Any]:

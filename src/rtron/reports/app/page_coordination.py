@@ -3,15 +3,15 @@
 from collections.abc import Sequence
 from typing import Any
 
-from rtron.reports.app.page_ids import Numbers
+from rtron.reports.app.page_ids import PageIds
 from rtron.reports.plan.descriptions import (
-    area_words,
-    event_words,
-    flow_words,
-    limit_words,
-    monitor_words,
-    rule_words,
-    transform_words,
+    describe_area,
+    describe_event,
+    describe_flow,
+    describe_limit,
+    describe_monitor,
+    describe_rule,
+    describe_transform,
 )
 from rtron.vocabulary import (
     GRCN,
@@ -27,7 +27,7 @@ from rtron.vocabulary import (
 )
 
 
-def plan_data(plan: Plan, names: Numbers) -> list[dict[str, Any]]:
+def plan_data(plan: Plan, names: PageIds) -> list[dict[str, Any]]:
     """Return each coordination node: what it guards (its flows) and what it only watches."""
     found = [_grcn(grcn, names) for grcn in plan.grcn]
     found += [_fps_monitor(monitor, names) for monitor in plan.fps_monitor]
@@ -36,7 +36,7 @@ def plan_data(plan: Plan, names: Numbers) -> list[dict[str, Any]]:
     return found
 
 
-def _grcn(node: GRCN, names: Numbers) -> dict[str, Any]:
+def _grcn(node: GRCN, names: PageIds) -> dict[str, Any]:
     guarded = GuardedTopic(
         topic=node.topic, type=node.type, flows=node.flows, successors=node.successors
     )
@@ -48,25 +48,25 @@ def _grcn(node: GRCN, names: Numbers) -> dict[str, Any]:
     } | _coordination(node, [guarded], (), names)
 
 
-def _rsrcn(node: RSRCN, names: Numbers) -> dict[str, Any]:
+def _rsrcn(node: RSRCN, names: PageIds) -> dict[str, Any]:
     watches = [_watched(flow, names) for flow in node.iflows]
     return {
         "kind": CoordinationKind.RSRCN.value,
-        "terms": list(limit_words(node)),
+        "terms": list(describe_limit(node)),
     } | _coordination(node, node.vflows, watches, names)
 
 
-def _msrcn(node: MSRCN, names: Numbers) -> dict[str, Any]:
-    watches = [_watched(flow, names, event_words(flow)) for flow in node.eflows]
-    areas = [f"area {area.name}: {area_words(area)}" for area in node.areas]
+def _msrcn(node: MSRCN, names: PageIds) -> dict[str, Any]:
+    watches = [_watched(flow, names, describe_event(flow)) for flow in node.eflows]
+    areas = [f"area {area.name}: {describe_area(area)}" for area in node.areas]
     return {
         "kind": CoordinationKind.MSRCN.value,
-        "terms": [*areas, *map(transform_words, node.transforms)],
-        "rules": [[rule.name, rule_words(rule), rule.reason] for rule in node.rules],
+        "terms": [*areas, *map(describe_transform, node.transforms)],
+        "rules": [[rule.name, describe_rule(rule), rule.reason] for rule in node.rules],
     } | _coordination(node, node.aflows, watches, names)
 
 
-def _fps_monitor(node: FpsMonitor, names: Numbers) -> dict[str, Any]:
+def _fps_monitor(node: FpsMonitor, names: PageIds) -> dict[str, Any]:
     frames = WatchedFlow(name=node.source.value, topic=node.topic, publisher=node.node)
     seen = [node.camera] if node.camera else []
     return {
@@ -74,7 +74,7 @@ def _fps_monitor(node: FpsMonitor, names: Numbers) -> dict[str, Any]:
         "id": node.id,
         "mode": "",
         "policy": "",
-        "terms": [monitor_words(node)],
+        "terms": [describe_monitor(node)],
         "guards": [],
         "watches": [_watched(flow, names) for flow in (frames, *seen)],
     }
@@ -84,7 +84,7 @@ def _coordination(
     node: GRCN | RSRCN | MSRCN,
     guards: Sequence[GuardedTopic],
     watches: Sequence[dict[str, Any]],
-    names: Numbers,
+    names: PageIds,
 ) -> dict[str, Any]:
     return {
         "id": node.id,
@@ -95,30 +95,32 @@ def _coordination(
     }
 
 
-def _guarded(guarded: GuardedTopic, names: Numbers) -> dict[str, Any]:
+def _guarded(guarded: GuardedTopic, names: PageIds) -> dict[str, Any]:
     return {
         "topic": names.topics[guarded.topic],
         "flows": [_flow(flow, names) for flow in guarded.flows],
         "successors": list(guarded.successors),
-        "successorNodes": sorted({n for each in guarded.successors for n in names.meant_by(each)}),
+        "successorNodes": sorted(
+            {n for each in guarded.successors for n in names.matching_nodes(each)}
+        ),
     }
 
 
-def _flow(flow: Flow, names: Numbers) -> dict[str, Any]:
+def _flow(flow: Flow, names: PageIds) -> dict[str, Any]:
     return {
         "name": flow.name,
         "publisher": flow.publisher,
-        "nodes": names.meant_by(flow.publisher),
+        "nodes": names.matching_nodes(flow.publisher),
         "block": flow.block,
-        "terms": flow_words(flow),
+        "terms": describe_flow(flow),
     }
 
 
-def _watched(flow: WatchedFlow | EventFlow, names: Numbers, note: str = "") -> dict[str, Any]:
+def _watched(flow: WatchedFlow | EventFlow, names: PageIds, note: str = "") -> dict[str, Any]:
     return {
         "name": flow.name,
         "topic": names.topics[flow.topic],
         "publisher": flow.publisher,
-        "nodes": names.meant_by(flow.publisher),
+        "nodes": names.matching_nodes(flow.publisher),
         "note": note,
     }

@@ -1,14 +1,13 @@
-"""What the page knows: the graph, its risks and the plan, with numbers in the place of names."""
+"""What the page knows: the graph, its risks and the plan, with numbers in place of names."""
 
 from collections.abc import Iterable
 from typing import Any
 
 from rtron.reports.app.page_coordination import plan_data
-from rtron.reports.app.page_ids import Numbers, numbers
-from rtron.reports.app.risk_list import place
-from rtron.reports.app.risk_marks import Paint, paint
-from rtron.reports.app.risk_words import KIND_TITLE, worst_first
-from rtron.reports.sanitize import neutral
+from rtron.reports.app.page_ids import PageIds, page_ids
+from rtron.reports.app.risk_list import KIND_TITLE, location, worst_first
+from rtron.reports.app.risk_marks import RiskMarks, risk_marks
+from rtron.reports.sanitize import sanitize
 from rtron.vocabulary import (
     Direction,
     Endpoint,
@@ -25,7 +24,7 @@ from rtron.vocabulary import (
 
 def page_data(graph: InteractionGraph, report: RiskReport, plan: Plan | None) -> Any:  # noqa: ANN401
     """Return all that the page shows as plain JSON, every text on one line and harmless."""
-    names, colours = numbers(graph, report, plan), paint(graph, report)
+    names, colours = page_ids(graph, report, plan), risk_marks(graph, report)
     document = {
         "app": graph.app or "app",
         "ros": graph.ros,
@@ -43,12 +42,12 @@ def page_data(graph: InteractionGraph, report: RiskReport, plan: Plan | None) ->
     return _harmless(document)
 
 
-def _nodes(graph: InteractionGraph, names: Numbers, colours: Paint) -> list[dict[str, Any]]:
+def _nodes(graph: InteractionGraph, names: PageIds, colours: RiskMarks) -> list[dict[str, Any]]:
     known = {node.name: node for node in graph.nodes}
     return [_node(known.get(name, Node(name=name)), colours) for name in names.nodes]
 
 
-def _node(node: Node, colours: Paint) -> dict[str, Any]:
+def _node(node: Node, colours: RiskMarks) -> dict[str, Any]:
     marks = {"image": colours.image_nodes, "max_vel": colours.max_vel_nodes}
     return {
         "name": node.name,
@@ -63,7 +62,7 @@ def _node(node: Node, colours: Paint) -> dict[str, Any]:
 
 
 def _topics(
-    graph: InteractionGraph, report: RiskReport, names: Numbers, colours: Paint
+    graph: InteractionGraph, report: RiskReport, names: PageIds, colours: RiskMarks
 ) -> list[dict[str, Any]]:
     declared = {topic.name: topic.types for topic in graph.topics}
     marks = {"event": colours.event_topics, "action": colours.action_topics}
@@ -85,7 +84,7 @@ def _types(graph: InteractionGraph, topic: str, declared: Iterable[str]) -> list
     return [name for name in dict.fromkeys((*declared, *used)) if name]
 
 
-def _endpoint(endpoint: Endpoint, names: Numbers, colours: Paint) -> dict[str, Any]:
+def _endpoint(endpoint: Endpoint, names: PageIds, colours: RiskMarks) -> dict[str, Any]:
     edge = (endpoint.node, endpoint.topic)
     marks = {RiskKind.GR_ST: colours.single_topic, RiskKind.GR_MT: colours.multi_topic}
     remapped = endpoint.declared_name not in ("", endpoint.topic)
@@ -97,42 +96,42 @@ def _endpoint(endpoint: Endpoint, names: Numbers, colours: Paint) -> dict[str, A
         "declared": endpoint.declared_name if remapped else "",
         "implicit": endpoint.implicit,
         "resolution": endpoint.resolution.value,
-        "evidence": _places(endpoint.evidence),
+        "evidence": _locations(endpoint.evidence),
         "marks": [kind.value for kind, edges in marks.items() if edge in edges],
     }
 
 
-def _side(names: Numbers, node: str, name: str, type: str, role: str) -> dict[str, Any]:
+def _side(names: PageIds, node: str, name: str, type: str, role: str) -> dict[str, Any]:
     return {"node": names.nodes[node], "name": name, "type": type, "role": role}
 
 
-def _risk(risk: Risk, names: Numbers) -> dict[str, Any]:
+def _risk(risk: Risk, names: PageIds) -> dict[str, Any]:
     return {
         "id": risk.id,
         "kind": risk.kind.value,
         "rule": risk.rule,
-        "roles": [[role.value, names.of_nodes(nodes)] for role, nodes in risk.role_nodes.items()],
-        "topics": names.of_topics(risk.topics),
-        "successors": names.of_nodes(risk.successors),
+        "roles": [[role.value, names.node_ids(nodes)] for role, nodes in risk.role_nodes.items()],
+        "topics": names.topic_ids(risk.topics),
+        "successors": names.node_ids(risk.successors),
         "type": risk.message_type,
         "domain": risk.domain.value,
         "severity": risk.severity.value,
         "reason": risk.reason,
-        "evidence": _places(risk.evidence),
+        "evidence": _locations(risk.evidence),
     }
 
 
 def _unresolved(item: Unresolved) -> dict[str, Any]:
-    return {"what": item.what, "why": item.why, "evidence": _places(item.evidence)}
+    return {"what": item.what, "why": item.why, "evidence": _locations(item.evidence)}
 
 
-def _places(evidence: Iterable[Evidence]) -> list[str]:
-    return [place(item) for item in evidence]
+def _locations(evidence: Iterable[Evidence]) -> list[str]:
+    return [location(item) for item in evidence]
 
 
 def _harmless(value: Any) -> Any:  # noqa: ANN401 - plain JSON
     if isinstance(value, str):
-        return neutral(value)
+        return sanitize(value)
     if isinstance(value, dict):
         return {key: _harmless(inner) for key, inner in value.items()}
     return [_harmless(inner) for inner in value] if isinstance(value, list) else value

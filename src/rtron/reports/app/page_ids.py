@@ -1,4 +1,4 @@
-"""Numbers for the nodes and topics of a page: names come from strangers, numbers do not."""
+"""Ids of the nodes and topics of a page: names come from strangers, ids do not."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -15,28 +15,28 @@ from rtron.vocabulary import (
 
 
 @dataclass(frozen=True, slots=True)
-class Numbers:
+class PageIds:
     """The number of each node and each topic, in the order of the page's lists."""
 
     nodes: dict[str, int]
     topics: dict[str, int]
 
-    def of_nodes(self, names: Iterable[str]) -> list[int]:
-        """Return the numbers of nodes, each once."""
+    def node_ids(self, names: Iterable[str]) -> list[int]:
+        """Return the ids of nodes, each once."""
         return [self.nodes[name] for name in dict.fromkeys(names)]
 
-    def of_topics(self, names: Iterable[str]) -> list[int]:
-        """Return the numbers of topics, each once."""
+    def topic_ids(self, names: Iterable[str]) -> list[int]:
+        """Return the ids of topics, each once."""
         return [self.topics[name] for name in dict.fromkeys(names)]
 
-    def meant_by(self, pattern: str) -> list[int]:
+    def matching_nodes(self, pattern: str) -> list[int]:
         """Return the nodes that a plan's publisher, a name or a pattern, means."""
         if pattern in self.nodes:
             return [self.nodes[pattern]]
         return [number for name, number in self.nodes.items() if names_node(pattern, name)]
 
 
-def numbers(graph: InteractionGraph, report: RiskReport, plan: Plan | None) -> Numbers:
+def page_ids(graph: InteractionGraph, report: RiskReport, plan: Plan | None) -> PageIds:
     """Return a number for every name that the graph, its risks or the plan speak of."""
     nodes = [node.name for node in graph.nodes]
     nodes += [endpoint.node for endpoint in graph.endpoints]
@@ -48,7 +48,7 @@ def numbers(graph: InteractionGraph, report: RiskReport, plan: Plan | None) -> N
         nodes += [*(n for role in risk.role_nodes.values() for n in role), *risk.successors]
         topics += risk.topics
     topics += _planned(plan) if plan else []
-    return Numbers(_numbered(nodes), _numbered(topics))
+    return PageIds(_numbered(nodes), _numbered(topics))
 
 
 def _planned(plan: Plan) -> list[str]:

@@ -4,15 +4,31 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from rich.text import Text
 
-from rtron.reports.app.risk_words import KIND_TITLE, SEVERITY_STYLE, worst_first
-from rtron.reports.text_layout import Page, heading, line, paragraph
+from rtron.reports.text_layout import TextPage, heading, line, paragraph
 from rtron.vocabulary import Evidence, Risk, RiskKind, RiskReport, Severity
 
-_PLACES_SHOWN: Mapping[Severity, int] = {Severity.HIGH: 3, Severity.MEDIUM: 1, Severity.LOW: 0}
+SEVERITY_STYLE: Mapping[Severity, str] = {
+    Severity.HIGH: "bold red",
+    Severity.MEDIUM: "yellow",
+    Severity.LOW: "cyan",
+}
+KIND_TITLE: Mapping[RiskKind, str] = {
+    RiskKind.GR_ST: "several nodes publish one topic",
+    RiskKind.GR_MT: "one node obeys several topics of one type",
+    RiskKind.RSR: "the robot may move faster than it sees",
+    RiskKind.MSR: "an action may be taken under the wrong event",
+}
+_LOCATIONS_SHOWN: Mapping[Severity, int] = {Severity.HIGH: 3, Severity.MEDIUM: 1, Severity.LOW: 0}
 _INDENT = 10
+MILDEST_LAST: tuple[Severity, ...] = tuple(reversed(Severity))
 
 
-def risk_list(report: RiskReport, page: Page) -> Iterator[Text]:
+def worst_first(risk: Risk) -> int:
+    """Return a sort key that puts high before medium before low."""
+    return MILDEST_LAST.index(risk.severity)
+
+
+def risk_list(report: RiskReport, page: TextPage) -> Iterator[Text]:
     """Yield the risks that have no drawing: each with its reason and where it was read."""
     for kind in RiskKind:
         risks = [risk for risk in report.risks if risk.kind is kind is not RiskKind.GR_ST]
@@ -29,19 +45,19 @@ def severity_mark(risk: Risk) -> tuple[str, str]:
 
 def evidence_lines(risk: Risk, *, indent: int) -> Iterator[Text]:
     """Yield where a risk was read, more places the worse it is, and how many are left out."""
-    shown = risk.evidence[: _PLACES_SHOWN[risk.severity]]
+    shown = risk.evidence[: _LOCATIONS_SHOWN[risk.severity]]
     more = len(risk.evidence) - len(shown)
     for index, evidence in enumerate(shown, start=1):
         rest = f" and {more} more" if more and index == len(shown) else ""
-        yield line((place(evidence) + rest, "dim"), indent=indent)
+        yield line((location(evidence) + rest, "dim"), indent=indent)
 
 
-def place(evidence: Evidence) -> str:
+def location(evidence: Evidence) -> str:
     """Return `file:line`, which editors and terminals open."""
     return f"{evidence.file}:{evidence.line}" if evidence.line else evidence.file
 
 
-def _risk(risk: Risk, page: Page) -> Iterator[Text]:
+def _risk(risk: Risk, page: TextPage) -> Iterator[Text]:
     yield line(severity_mark(risk), (risk.id, "bold"), ("  " + risk.domain, "dim"), indent=2)
     if risk.severity is Severity.LOW:
         return
@@ -50,7 +66,7 @@ def _risk(risk: Risk, page: Page) -> Iterator[Text]:
     yield from evidence_lines(risk, indent=_INDENT)
 
 
-def _unnamed(risk: Risk, page: Page) -> Iterator[Text]:
+def _unnamed(risk: Risk, page: TextPage) -> Iterator[Text]:
     """Yield the nodes of each role where the reason does not name them all."""
     for role, nodes in risk.role_nodes.items():
         if not _names_all(risk.reason, nodes):

@@ -9,7 +9,7 @@ Edge = tuple[str, str]
 
 
 @dataclass(frozen=True, slots=True)
-class Paint:
+class RiskMarks:
     """The risky topics, nodes and edges; an edge is (node, topic), whichever way it points."""
 
     single_topic: frozenset[Edge]
@@ -20,11 +20,11 @@ class Paint:
     max_vel_nodes: frozenset[str]
 
 
-def paint(graph: InteractionGraph, report: RiskReport) -> Paint:
+def risk_marks(graph: InteractionGraph, report: RiskReport) -> RiskMarks:
     """Return what each kind of risk touches."""
     by_kind = {kind: [r for r in report.risks if r.kind is kind] for kind in RiskKind}
     mission, robot = by_kind[RiskKind.MSR], by_kind[RiskKind.RSR]
-    return Paint(
+    return RiskMarks(
         single_topic=_edges(graph, by_kind[RiskKind.GR_ST]),
         multi_topic=_edges(graph, by_kind[RiskKind.GR_MT]),
         event_topics=_published(graph, mission, Role.EVENT),

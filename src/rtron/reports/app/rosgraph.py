@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from rtron.errors import InputError
-from rtron.reports.app.node_endpoints import NodeEnds, ends_by_node
+from rtron.reports.app.node_endpoints import NodeEndpoints, endpoints_by_node
 from rtron.vocabulary import (
     Action,
     Durability,
@@ -51,10 +51,10 @@ def graph_to_rosgraph(graph: InteractionGraph) -> dict[str, Any]:
     """Return a graph of ROS 2 as the message's fields."""
     if graph.ros == 1:
         raise InputError("the graph is of ROS 1", help="rosgraph_msgs describes nodes of ROS 2")
-    return {"nodes": [_node(node) for node in ends_by_node(graph)]}
+    return {"nodes": [_node(node) for node in endpoints_by_node(graph)]}
 
 
-def _node(node: NodeEnds) -> dict[str, Any]:
+def _node(node: NodeEndpoints) -> dict[str, Any]:
     values = [_value(parameter) for parameter in node.parameters]
     return {
         "name": node.name,
@@ -72,15 +72,15 @@ def _node(node: NodeEnds) -> dict[str, Any]:
     }
 
 
-def _topics(ends: Iterable[Endpoint]) -> list[dict[str, Any]]:
-    return [{"name": e.topic, "type": {"name": e.type}, "qos": _qos(e.qos)} for e in ends]
+def _topics(endpoints: Iterable[Endpoint]) -> list[dict[str, Any]]:
+    return [{"name": e.topic, "type": {"name": e.type}, "qos": _qos(e.qos)} for e in endpoints]
 
 
 def _service(service: Service | ServiceClient) -> dict[str, Any]:
-    return _asked(service.name, service.type)
+    return _service_fields(service.name, service.type)
 
 
-def _asked(name: str, type: str) -> dict[str, Any]:
+def _service_fields(name: str, type: str) -> dict[str, Any]:
     """Return a service; its type stands at the request, as ros2's tools read it there."""
     return {"name": name, "request_type": {"name": type}, "response_type": {"name": type}}
 
@@ -90,9 +90,9 @@ def _action(action: Action) -> dict[str, Any]:
     below = f"{action.name}/_action"
     return {
         "name": action.name,
-        "send_goal": _asked(f"{below}/send_goal", f"{action.type}_SendGoal"),
-        "get_result": _asked(f"{below}/get_result", f"{action.type}_GetResult"),
-        "cancel_goal": _asked(f"{below}/cancel_goal", _CANCEL),
+        "send_goal": _service_fields(f"{below}/send_goal", f"{action.type}_SendGoal"),
+        "get_result": _service_fields(f"{below}/get_result", f"{action.type}_GetResult"),
+        "cancel_goal": _service_fields(f"{below}/cancel_goal", _CANCEL),
         "feedback": {
             "name": f"{below}/feedback",
             "type": {"name": f"{action.type}_FeedbackMessage"},

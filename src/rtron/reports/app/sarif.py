@@ -18,7 +18,7 @@ from rtron.reports.app.sarif_locations import (
     physical_location,
 )
 from rtron.reports.app.sarif_rules import rule_descriptors, rule_index
-from rtron.reports.sanitize import neutral
+from rtron.reports.sanitize import sanitize
 from rtron.vocabulary import (
     Direction,
     Evidence,
@@ -44,10 +44,10 @@ _Facts = Mapping[Evidence, str]
 
 
 def risks_to_sarif(graph: InteractionGraph, report: RiskReport, root: Path | None) -> str:
-    """Return the report as a SARIF document; places below `root` are relative to it."""
+    """Return the report as a SARIF document; locations below `root` are relative to it."""
     run = {
         "tool": {"driver": _driver()},
-        "automationDetails": {"id": f"rtron/{neutral(report.app or 'app')}"},
+        "automationDetails": {"id": f"rtron/{sanitize(report.app or 'app')}"},
         "invocations": [_invocation(graph, report, root)],
         "originalUriBaseIds": base_ids(root),
         "logicalLocations": list(_functions(graph)),
@@ -60,9 +60,9 @@ def _functions(graph: InteractionGraph) -> Iterator[dict[str, Any]]:
     """Yield the nodes whose function is known, with it (SARIF 2.1.0 section 3.14.17)."""
     for node in graph.nodes:
         if node.function:
-            [place] = logical_locations([node.name])
+            [location] = logical_locations([node.name])
             domain = node.domain.value if node.domain else ""
-            yield place | {"properties": {"function": node.function.value, "domain": domain}}
+            yield location | {"properties": {"function": node.function.value, "domain": domain}}
 
 
 def _driver() -> dict[str, Any]:
@@ -86,9 +86,9 @@ def _invocation(graph: InteractionGraph, report: RiskReport, root: Path | None) 
 
 
 def _unresolved(item: Unresolved, root: Path | None) -> dict[str, Any]:
-    places = [{"physicalLocation": physical_location(e, root)} for e in item.evidence if e.file]
+    locations = [{"physicalLocation": physical_location(e, root)} for e in item.evidence if e.file]
     note = _notification(_UNRESOLVED, 0, f"{item.what}: {item.why}")
-    return note | ({"locations": places} if places else {})
+    return note | ({"locations": locations} if locations else {})
 
 
 def _notification(id: str, index: int, text: str) -> dict[str, Any]:
@@ -114,13 +114,13 @@ def _results(
 def _facts(graph: InteractionGraph) -> Iterator[tuple[Evidence, str]]:
     """Yield in words what was read where."""
     for endpoint in graph.endpoints:
-        said = f"{endpoint.node} {_VERB[endpoint.direction]} {endpoint.topic}"
-        yield from ((evidence, said) for evidence in endpoint.evidence)
+        text = f"{endpoint.node} {_VERB[endpoint.direction]} {endpoint.topic}"
+        yield from ((evidence, text) for evidence in endpoint.evidence)
 
 
 def _result(risk: Risk, facts: _Facts, root: Path | None) -> dict[str, Any]:
     first, *others = _locations(risk, facts, root)
-    related = [{"id": number} | place for number, place in enumerate(others, start=1)]
+    related = [{"id": number} | location for number, location in enumerate(others, start=1)]
     return {
         "ruleId": risk.kind.value,
         "ruleIndex": rule_index(risk.kind),
@@ -134,14 +134,14 @@ def _result(risk: Risk, facts: _Facts, root: Path | None) -> dict[str, Any]:
 
 
 def _locations(risk: Risk, facts: _Facts, root: Path | None) -> list[dict[str, Any]]:
-    """Return the places of the evidence; one without a place where there is none."""
-    places = [_location(e, facts, root) for e in dict.fromkeys(risk.evidence) if e.file]
-    return places or [{}]
+    """Return the locations of the evidence; one without a location where there is none."""
+    locations = [_location(e, facts, root) for e in dict.fromkeys(risk.evidence) if e.file]
+    return locations or [{}]
 
 
 def _location(evidence: Evidence, facts: _Facts, root: Path | None) -> dict[str, Any]:
-    said = {"message": message(facts[evidence])} if evidence in facts else {}
-    return {"physicalLocation": physical_location(evidence, root)} | said
+    text = {"message": message(facts[evidence])} if evidence in facts else {}
+    return {"physicalLocation": physical_location(evidence, root)} | text
 
 
 def _high_risk_nodes(risk: Risk) -> Sequence[str]:
@@ -156,11 +156,11 @@ def _fingerprint(risk: Risk) -> str:
 
 def _properties(risk: Risk) -> dict[str, Any]:
     return {
-        "id": neutral(risk.id),
+        "id": sanitize(risk.id),
         "rule": risk.rule,
         "severity": risk.severity.value,
         "domain": risk.domain.value,
-        "messageType": neutral(risk.message_type),
-        "topics": [neutral(topic) for topic in risk.topics],
-        "successors": [neutral(node) for node in risk.successors],
+        "messageType": sanitize(risk.message_type),
+        "topics": [sanitize(topic) for topic in risk.topics],
+        "successors": [sanitize(node) for node in risk.successors],
     }

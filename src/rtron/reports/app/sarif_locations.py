@@ -6,7 +6,7 @@ from posixpath import normpath
 from typing import Any
 from urllib.parse import quote
 
-from rtron.reports.sanitize import neutral
+from rtron.reports.sanitize import sanitize
 from rtron.vocabulary import Evidence
 
 BASE = "SRCROOT"
@@ -24,12 +24,12 @@ def physical_location(evidence: Evidence, root: Path | None) -> dict[str, Any]:
 
 def logical_locations(nodes: Iterable[str]) -> list[dict[str, Any]]:
     """Return a logicalLocation for each node (SARIF 2.1.0 section 3.33)."""
-    return [{"fullyQualifiedName": neutral(node), "kind": "node"} for node in nodes]
+    return [{"fullyQualifiedName": sanitize(node), "kind": "node"} for node in nodes]
 
 
 def message(text: str) -> dict[str, Any]:
     """Return a plain message in which a stranger's brackets make no link (section 3.11.6)."""
-    escaped = neutral(text)
+    escaped = sanitize(text)
     for character in "\\[]":
         escaped = escaped.replace(character, f"\\{character}")
     return {"text": escaped}

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from rtron.reports.app.risk_words import KIND_TITLE
+from rtron.reports.app.risk_list import KIND_TITLE
 from rtron.vocabulary import RiskKind
 
 

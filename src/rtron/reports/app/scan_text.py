@@ -9,9 +9,14 @@ from rich.text import Text
 
 from rtron.reports.app.contention import contention
 from rtron.reports.app.node_functions import node_functions
-from rtron.reports.app.risk_list import place, risk_list
-from rtron.reports.app.risk_words import MILDEST_LAST, SEVERITY_STYLE, worst_first
-from rtron.reports.text_layout import Page, Report, columns, counted, heading, line, paragraph
+from rtron.reports.app.risk_list import (
+    MILDEST_LAST,
+    SEVERITY_STYLE,
+    location,
+    risk_list,
+    worst_first,
+)
+from rtron.reports.text_layout import Report, TextPage, columns, counted, heading, line, paragraph
 from rtron.vocabulary import (
     CoordinationCount,
     CoordinationKind,
@@ -39,7 +44,7 @@ def scan_text(scan: Scan) -> Report:
     return Report(lambda page: _lines(scan, page))
 
 
-def _lines(scan: Scan, page: Page) -> Iterable[Text]:
+def _lines(scan: Scan, page: TextPage) -> Iterable[Text]:
     return chain(
         _header(scan, page),
         contention(scan.graph, scan.report, page),
@@ -52,7 +57,7 @@ def _lines(scan: Scan, page: Page) -> Iterable[Text]:
     )
 
 
-def _header(scan: Scan, page: Page) -> Iterator[Text]:
+def _header(scan: Scan, page: TextPage) -> Iterator[Text]:
     graph = scan.graph
     yield line((graph.app or "app", "bold"), f"  ROS {graph.ros}, read from {scan.read_from}")
     counts = {
@@ -62,8 +67,8 @@ def _header(scan: Scan, page: Page) -> Iterator[Text]:
         "service": len(graph.services),
         "action endpoint": len(graph.actions),
     }
-    said = ", ".join(counted(number, noun) for noun, number in counts.items() if number)
-    yield from paragraph(said or "the graph is empty", page)
+    summary = ", ".join(counted(number, noun) for noun, number in counts.items() if number)
+    yield from paragraph(summary or "the graph is empty", page)
     yield _verdict(scan)
 
 
@@ -72,12 +77,14 @@ def _verdict(scan: Scan) -> Text:
         partly = " in what could be read" if scan.graph.unresolved or scan.report.not_run else ""
         return line((f"no risks found{partly}", "bold green"))
     numbers = Counter(risk.severity for risk in scan.report.risks)
-    said = [
+    severities = [
         Text(f"{numbers[severity]} {severity}", SEVERITY_STYLE[severity])
         for severity in MILDEST_LAST
         if numbers[severity]
     ]
-    return line((counted(len(scan.report.risks), "risk"), "bold"), ": ") + Text(", ").join(said)
+    return line((counted(len(scan.report.risks), "risk"), "bold"), ": ") + Text(", ").join(
+        severities
+    )
 
 
 def _coordination(report: RiskReport) -> Iterator[Text]:
@@ -87,29 +94,29 @@ def _coordination(report: RiskReport) -> Iterator[Text]:
 
 
 def _needed(count: CoordinationCount) -> list[tuple[str, ...]]:
-    said = ", ".join(
+    domains = ", ".join(
         f"{domain} {count.grcn[domain]}" for domain in Domain if count.grcn.get(domain)
     )
     return [
-        (CoordinationKind.GRCN, f"{sum(count.grcn.values()):>3}", said),
+        (CoordinationKind.GRCN, f"{sum(count.grcn.values()):>3}", domains),
         (CoordinationKind.RSRCN, f"{count.rsrcn:>3}", ""),
         (CoordinationKind.MSRCN, f"{count.msrcn:>3}", ""),
         (CoordinationKind.FPS_MONITOR, f"{count.fps_monitor:>3}", ""),
     ]
 
 
-def _not_run(report: RiskReport, page: Page) -> Iterator[Text]:
+def _not_run(report: RiskReport, page: TextPage) -> Iterator[Text]:
     if report.not_run:
         yield from heading("Rules not run")
     for rule, why in report.not_run.items():
         yield from paragraph(f"{rule}: {why}", page, indent=2)
 
 
-def _unresolved(unresolved: Sequence[Unresolved], page: Page) -> Iterator[Text]:
+def _unresolved(unresolved: Sequence[Unresolved], page: TextPage) -> Iterator[Text]:
     if unresolved:
         yield from heading(f"Unresolved ({len(unresolved)})")
     for item in unresolved[:MOST_UNRESOLVED]:
-        at = f" ({place(item.evidence[0])})" if item.evidence else ""
+        at = f" ({location(item.evidence[0])})" if item.evidence else ""
         yield from paragraph(f"{item.what}: {item.why}{at}", page, indent=2)
     if len(unresolved) > MOST_UNRESOLVED:
         more = len(unresolved) - MOST_UNRESOLVED

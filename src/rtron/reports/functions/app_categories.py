@@ -6,7 +6,7 @@ from typing import Any
 from rich.text import Text
 
 from rtron.functions.apps import PAPERS_APPS, AppRow, CategoryCount, Nearest
-from rtron.reports.text_layout import Page, Report, columns, counted, heading, line, paragraph
+from rtron.reports.text_layout import Report, TextPage, columns, counted, heading, line, paragraph
 from rtron.vocabulary import FunctionType
 
 APPS_SCHEMA = "rtron.apps/1"
@@ -48,7 +48,9 @@ def _nearest(row: AppRow) -> dict[str, Any] | None:
     }
 
 
-def _lines(rows: Sequence[AppRow], counts: Sequence[CategoryCount], page: Page) -> Iterator[Text]:
+def _lines(
+    rows: Sequence[AppRow], counts: Sequence[CategoryCount], page: TextPage
+) -> Iterator[Text]:
     for row in rows:
         yield from _app(row, page)
     if counts:
@@ -56,12 +58,12 @@ def _lines(rows: Sequence[AppRow], counts: Sequence[CategoryCount], page: Page) 
         yield from columns(category_rows(counts, len(rows)), ("", "bold", "dim", "dim"), indent=2)
 
 
-def _app(row: AppRow, page: Page) -> Iterator[Text]:
+def _app(row: AppRow, page: TextPage) -> Iterator[Text]:
     yield line((row.app, "bold"), "  ", (", ".join(row.categories) or _NONE, "green"))
     if row.nearest:
         yield from paragraph(_near(row.nearest, larger=bool(row.categories)), page, indent=2)
-    said = ", ".join(f"{name} {len(nodes)}" for name, nodes in row.functions.items())
-    yield from paragraph(said or "no function is known", page, indent=2, style="dim")
+    functions = ", ".join(f"{name} {len(nodes)}" for name, nodes in row.functions.items())
+    yield from paragraph(functions or "no function is known", page, indent=2, style="dim")
 
 
 def _near(nearest: Nearest, *, larger: bool) -> str:

@@ -11,9 +11,9 @@ from rich.text import Text
 from rtron.functions.classification import Classification, DecidedBy, Piece
 from rtron.functions.repository import Repository
 from rtron.functions.tracing import Matched
-from rtron.reports.text_layout import Page, Report, columns, counted, heading, line, paragraph
+from rtron.reports.text_layout import Report, TextPage, columns, counted, heading, line, paragraph
 
-_TOLD = {
+_PIECE_NAMES = {
     Piece.NAME: "name",
     Piece.MANIFEST: "description",
     Piece.README: "README",
@@ -37,34 +37,36 @@ def _lines(
     repository: Repository,
     classification: Classification,
     matched: Sequence[Matched],
-    page: Page,
+    page: TextPage,
 ) -> Iterator[Text]:
     yield from _header(repository, classification, page)
     deciding = classification.evidence if classification.functions else ()
     decided = {(each.package, each.piece, each.rule) for each in deciding}
-    for place, group in groupby(matched, _place):
-        yield from heading(place or f"repository {repository.name}")
-        package = place.removeprefix(_PACKAGE)
+    for origin, group in groupby(matched, _origin):
+        yield from heading(origin or f"repository {repository.name}")
+        package = origin.removeprefix(_PACKAGE)
         functions = classification.packages.get(package, ()) if package else ()
         if functions:
             yield line((", ".join(map(str, functions)), "green"), indent=2)
         yield from _rows(list(group), decided)
 
 
-def _place(each: Matched) -> str:
+def _origin(each: Matched) -> str:
     if each.piece is Piece.README:
         return "README"
     return f"{_PACKAGE}{each.package}" if each.package else ""
 
 
-def _header(repository: Repository, classification: Classification, page: Page) -> Iterator[Text]:
+def _header(
+    repository: Repository, classification: Classification, page: TextPage
+) -> Iterator[Text]:
     read = [counted(len(repository.packages), "package")]
     read += ["a README"] if repository.readme else []
     yield line((repository.name, "bold"), f"  {', '.join(read)}")
     if classification.decided_by is DecidedBy.NONE:
         yield from paragraph(_WEAK if classification.evidence else _NOTHING, page, style="yellow")
         return
-    decided = _TOLD[Piece(classification.decided_by)]
+    decided = _PIECE_NAMES[Piece(classification.decided_by)]
     primary = (str(classification.primary), "bold green")
     yield line(primary, f", decided by the {decided}")
     others = [str(each) for each in classification.functions if each != classification.primary]
@@ -85,12 +87,12 @@ def _rows(matched: Sequence[Matched], decided: AbstractSet[Key]) -> Iterator[Tex
 
 def _row(each: Matched, words: Sequence[str], decided: bool) -> Sequence[str]:  # noqa: FBT001 - a cell
     fate = "vetoed" if each.vetoed else "decided" if decided else ""
-    said = ", ".join(f"“{word}”" for word in words[:_MAX_WORDS])
+    quoted = ", ".join(f"“{word}”" for word in words[:_MAX_WORDS])
     more = ", …" if len(words) > _MAX_WORDS else ""
     return (
         str(each.type),
         f"{each.weight:g}",
         each.rule,
         fate,
-        f"{_TOLD[each.piece]} {said}{more}",
+        f"{_PIECE_NAMES[each.piece]} {quoted}{more}",
     )

@@ -20,7 +20,7 @@ from rtron.reports.functions.labels import (
     notes,
     stage_of,
 )
-from rtron.reports.sanitize import neutral
+from rtron.reports.sanitize import sanitize
 from rtron.reports.text_layout import counted
 from rtron.vocabulary import FunctionType
 
@@ -183,4 +183,4 @@ def _legend(graph: AbstractGraph, remarks: Sequence[str]) -> str:
 
 
 def _safe(text: str) -> str:
-    return escape(neutral(text))
+    return escape(sanitize(text))

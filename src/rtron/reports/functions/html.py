@@ -11,7 +11,7 @@ from rtron.functions.graph import AbstractGraph
 from rtron.reports.functions.labels import evidence_text, notes
 from rtron.reports.functions.svg import functions_to_svg
 from rtron.reports.inline_page import page_text, policy
-from rtron.reports.sanitize import neutral
+from rtron.reports.sanitize import sanitize
 from rtron.reports.text_layout import counted
 
 
@@ -54,12 +54,12 @@ def _unresolved(graph: AbstractGraph) -> Iterator[str]:
         return
     yield "<h2>What could not be read</h2>\n<ul>"
     for note in graph.unresolved:
-        places = ", ".join(f"{each.file}:{each.line}" for each in note.evidence)
-        yield f"<li>{escape(neutral(f'{note.what}: {note.why} ({places})'))}</li>"
+        locations = ", ".join(f"{each.file}:{each.line}" for each in note.evidence)
+        yield f"<li>{escape(sanitize(f'{note.what}: {note.why} ({locations})'))}</li>"
     yield "</ul>"
 
 
 def _row(source: str, target: str, *more: str) -> str:
-    cells = "".join(f"<td>{escape(neutral(cell))}</td>" for cell in (source, target, *more))
-    ends = f'data-from="{escape(neutral(source))}" data-to="{escape(neutral(target))}"'
-    return f"<tr {ends}>{cells}</tr>"
+    cells = "".join(f"<td>{escape(sanitize(cell))}</td>" for cell in (source, target, *more))
+    attributes = f'data-from="{escape(sanitize(source))}" data-to="{escape(sanitize(target))}"'
+    return f"<tr {attributes}>{cells}</tr>"

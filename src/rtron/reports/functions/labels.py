@@ -10,7 +10,7 @@ from rtron.functions.graph import (
     FunctionNode,
 )
 from rtron.functions.main_flow import main_flow
-from rtron.reports.sanitize import neutral
+from rtron.reports.sanitize import sanitize
 from rtron.reports.text_layout import counted
 from rtron.vocabulary import Domain, FunctionType
 
@@ -45,7 +45,7 @@ def label_lines(edge: DirectInteraction) -> tuple[tuple[str, Basis], ...]:
     lines = [
         (line, message.basis)
         for message in edge.messages[:MAX_TYPES]
-        for line in _broken(neutral(message.type))
+        for line in _broken(sanitize(message.type))
     ]
     rest = edge.messages[MAX_TYPES:]
     return (*lines, *((f"and {len(rest)} more", each.basis) for each in rest[:1]))

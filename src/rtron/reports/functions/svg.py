@@ -11,11 +11,15 @@ from rtron.functions.graph import AbstractGraph, DirectInteraction
 from rtron.functions.main_flow import main_flow
 from rtron.reports.functions.dot import change_ids, function_ids, functions_to_dot, label_id
 from rtron.reports.functions.labels import evidence_text, notes, stage_of
-from rtron.reports.sanitize import neutral
+from rtron.reports.sanitize import sanitize
 
 _TITLE = "The interaction graph of robot functions"
 _SECONDS = 60
-_HALO = {"stroke": "white", "stroke-width": "3", "paint-order": "stroke"}
+_HALO: Mapping[str | bytes, str | bytes] = {
+    "stroke": "white",
+    "stroke-width": "3",
+    "paint-order": "stroke",
+}
 _SVG = "{http://www.w3.org/2000/svg}"
 _Edges = Mapping[str, tuple[list[str], list[str], str]]
 
@@ -59,7 +63,7 @@ def _describe(root: etree._Element, text: str) -> None:
     root.set("aria-labelledby", "graph-title graph-desc")
     for index, (tag, words) in enumerate((("title", _TITLE), ("desc", text))):
         element = etree.Element(f"{_SVG}{tag}", id=f"graph-{tag}")
-        element.text = neutral(words)
+        element.text = sanitize(words)
         root.insert(index, element)
     for group in root.iter(f"{_SVG}g"):
         if group.get("class") in ("graph", "cluster"):
@@ -75,7 +79,7 @@ def _name_functions(root: etree._Element, graph: AbstractGraph) -> None:
             name = ids[group.get("id", "")]
             group.remove(group[0])
             group.set("class", "function")
-            group.set("data-name", neutral(name))
+            group.set("data-name", sanitize(name))
             group.set("data-stage", stages[name])
 
 
@@ -87,8 +91,8 @@ def _name_edges(root: etree._Element, graph: AbstractGraph) -> None:
             if group.get("class") == "node":
                 group.set("class", "label")
             sources, targets, text = edges[group.get("id", "")]
-            group.set("data-from", neutral("|".join(sources)))
-            group.set("data-to", neutral("|".join(targets)))
+            group.set("data-from", sanitize("|".join(sources)))
+            group.set("data-to", sanitize("|".join(targets)))
             group[0].text = text
             for words in group.iter(f"{_SVG}text"):
                 words.attrib.update(_HALO)
@@ -106,8 +110,8 @@ def _direct(graph: AbstractGraph) -> _Edges:
 
 
 def _title(edge: DirectInteraction) -> str:
-    types = [neutral(f"{m.type}: {evidence_text(m)}") for m in edge.messages]
-    return "\n".join((neutral(f"{edge.source} -> {edge.target}"), *types))
+    types = [sanitize(f"{m.type}: {evidence_text(m)}") for m in edge.messages]
+    return "\n".join((sanitize(f"{edge.source} -> {edge.target}"), *types))
 
 
 def _indirect(graph: AbstractGraph) -> _Edges:
@@ -121,5 +125,5 @@ def _indirect(graph: AbstractGraph) -> _Edges:
             sources = list(dict.fromkeys((*sources, edge.source)))
             targets = list(dict.fromkeys((*targets, edge.target)))
             text = f"{edge.through}: {', '.join(sources)} -> {', '.join(targets)}"
-            found[key] = sources, targets, neutral(text)
+            found[key] = sources, targets, sanitize(text)
     return found

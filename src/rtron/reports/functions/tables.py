@@ -8,7 +8,7 @@ from rtron.functions import paper
 from rtron.functions.domains import DOMAIN_OF
 from rtron.functions.tables import Tables, function_nodes, sum_of
 from rtron.functions.tally import Tally
-from rtron.reports.text_layout import Page, Report, heading, line, paragraph
+from rtron.reports.text_layout import Report, TextPage, heading, line, paragraph
 from rtron.vocabulary import Domain, FunctionType
 
 _WIDTH = 20
@@ -24,7 +24,7 @@ def tables_text(tables: Tables) -> Report:
     return Report(lambda page: _lines(tables, page))
 
 
-def _lines(tables: Tables, page: Page) -> Iterator[Text]:
+def _lines(tables: Tables, page: TextPage) -> Iterator[Text]:
     share = _percent(tables.decided, tables.repositories)
     yield line(
         (f"{tables.repositories} repositories", "bold"), f", {tables.decided} decided ({share} %)"

@@ -30,7 +30,7 @@ def seconds(duration: int) -> str:
     return f"{duration / SECOND:g} s"
 
 
-def flow_words(flow: Flow) -> str:
+def describe_flow(flow: Flow) -> str:
     """Return a flow's priority and times, and what its silence and its errors do."""
     return ", ".join(_flow(flow))
 
@@ -48,16 +48,16 @@ def _flow(flow: Flow) -> Iterator[str]:
         yield "no stop on errors"
 
 
-def event_words(flow: EventFlow) -> str:
+def describe_event(flow: EventFlow) -> str:
     """Return what sets an eflow's bit, and what it counts as while nobody knows it."""
     what = f"message with {one_line(flow.when)}" if flow.when else "message"
     if flow.present is not None:
-        told = f"set for {seconds(flow.present)} after a {what}"
+        text = f"set for {seconds(flow.present)} after a {what}"
     elif flow.silent is not None:
-        told = f"set after {seconds(flow.silent)} without a {what}"
+        text = f"set after {seconds(flow.silent)} without a {what}"
     else:
-        told = f"set while {one_line(flow.when)}"
-    return "; ".join((told, *_unknown(flow)))
+        text = f"set while {one_line(flow.when)}"
+    return "; ".join((text, *_unknown(flow)))
 
 
 def _unknown(flow: EventFlow) -> Iterator[str]:
@@ -67,7 +67,7 @@ def _unknown(flow: EventFlow) -> Iterator[str]:
             yield f"{case}: {counts}"
 
 
-def rule_words(rule: Rule) -> str:
+def describe_rule(rule: Rule) -> str:
     """Return when a rule blocks what, and what ends it."""
     when = "" if rule.when == "true" else f"while {one_line(rule.when)}: "
     action = f" where {one_line(rule.action)}" if rule.action else ""
@@ -75,7 +75,7 @@ def rule_words(rule: Rule) -> str:
     return f"{when}block {', '.join(rule.block)}{action}{end}"
 
 
-def limit_words(rsrcn: RSRCN) -> tuple[str, ...]:
+def describe_limit(rsrcn: RSRCN) -> tuple[str, ...]:
     """Return the limits of an RSRCN that are given, whether its policy uses them or not."""
     found = []
     if rsrcn.threshold is not None:
@@ -87,7 +87,7 @@ def limit_words(rsrcn: RSRCN) -> tuple[str, ...]:
     return tuple(found)
 
 
-def monitor_words(monitor: FpsMonitor) -> str:
+def describe_monitor(monitor: FpsMonitor) -> str:
     """Return what an fps_monitor counts, and what bounds its rate."""
     counted = "frames" if monitor.source is FrameSource.FRAMES else "detections only,"
     camera = monitor.camera
@@ -99,23 +99,23 @@ def monitor_words(monitor: FpsMonitor) -> str:
     return ", ".join(found)
 
 
-def area_words(area: Area) -> str:
+def describe_area(area: Area) -> str:
     """Return an area's size in corners, and its frame."""
     return f"{len(area.polygon)} corners in {area.frame}"
 
 
-def transform_words(one: Transform) -> str:
+def describe_transform(one: Transform) -> str:
     """Return where a frame lies in another."""
     return f"{one.source} lies in {one.target} at {one.x:g} m, {one.y:g} m, {one.yaw:g} rad"
 
 
-def stop_words(stop: Stop) -> str:
+def describe_stop(stop: Stop) -> str:
     """Return how the robot is stopped."""
     ramp = f"a ramp of {stop.decel:g} m/s2 and {stop.angular_decel:g} rad/s2"
     return f"{ramp}, every {seconds(stop.period)}, then zeros for {seconds(stop.repeat)}"
 
 
-def audit_words(audit: Audit) -> str:
+def describe_audit(audit: Audit) -> str:
     """Return how often the guarded nodes are asked who speaks to them, and what follows."""
     also = " and stop" if audit.on_foreign is OnForeign.STOP else ""
     return f"every {seconds(audit.period)}; a foreign publisher: alarm{also}"

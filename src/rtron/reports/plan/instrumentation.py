@@ -8,7 +8,7 @@ from typing import Any
 
 from rich.text import Text
 
-from rtron.reports.text_layout import Page, Report, columns, counted, heading, line, paragraph
+from rtron.reports.text_layout import Report, TextPage, columns, counted, heading, line, paragraph
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -22,7 +22,7 @@ class NodeRemap:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class OpenEnd:
+class UnenforceableNode:
     """A node of the plan that the guarded launch does not close, and why."""
 
     what: str
@@ -31,44 +31,46 @@ class OpenEnd:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Guarded:
+class InstrumentedLaunch:
     """A guarded launch file: what it changes, and what it does not achieve."""
 
     launch: str
     files: tuple[str, ...]
     remaps: tuple[NodeRemap, ...]
-    unenforceable: tuple[OpenEnd, ...]
+    unenforceable: tuple[UnenforceableNode, ...]
     notes: tuple[str, ...]
     ros: int = 1
 
     @property
     def is_closed(self) -> bool:
         """Whether nothing is open but what the plan accepts."""
-        return all(end.accepted for end in self.unenforceable)
+        return all(node.accepted for node in self.unenforceable)
 
 
-def guarded_to_json(guarded: Guarded) -> dict[str, Any]:
+def instrumentation_to_json(launch: InstrumentedLaunch) -> dict[str, Any]:
     """Return the report as a JSON document."""
-    return {"schema": "rtron.instrumented/1", **asdict(guarded)}
+    return {"schema": "rtron.instrumented/1", **asdict(launch)}
 
 
-def guarded_text(guarded: Guarded) -> Report:
-    """Return the report: each node's remaps, the ends that stay open, and how to start the app."""
-    return Report(lambda page: _lines(guarded, page))
+def instrumentation_text(launch: InstrumentedLaunch) -> Report:
+    """Return the report: each node's remaps, the nodes that stay open, and how to start the app."""
+    return Report(lambda page: _lines(launch, page))
 
 
-def _lines(guarded: Guarded, page: Page) -> Iterator[Text]:
-    nodes = len({remap.node for remap in guarded.remaps})
-    remaps = counted(len(guarded.remaps), "remap")
-    yield line((guarded.launch, "bold"), f"  {remaps} on {counted(nodes, 'node')}")
-    yield from _remaps(guarded.remaps)
-    yield from _open_ends("Unenforceable", "bold red", guarded.unenforceable, page, accepted=False)
-    yield from _open_ends("Accepted", "yellow", guarded.unenforceable, page, accepted=True)
-    if guarded.notes:
+def _lines(launch: InstrumentedLaunch, page: TextPage) -> Iterator[Text]:
+    nodes = len({remap.node for remap in launch.remaps})
+    remaps = counted(len(launch.remaps), "remap")
+    yield line((launch.launch, "bold"), f"  {remaps} on {counted(nodes, 'node')}")
+    yield from _remaps(launch.remaps)
+    yield from _unenforceable(
+        "Unenforceable", "bold red", launch.unenforceable, page, accepted=False
+    )
+    yield from _unenforceable("Accepted", "yellow", launch.unenforceable, page, accepted=True)
+    if launch.notes:
         yield from heading("Notes")
-    for note in guarded.notes:
+    for note in launch.notes:
         yield from paragraph(note, page, indent=2)
-    yield from _next_step(guarded, page)
+    yield from _next_step(launch, page)
 
 
 def _remaps(remaps: Sequence[NodeRemap]) -> Iterator[Text]:
@@ -82,21 +84,21 @@ def _node_of(remap: NodeRemap) -> str:
     return remap.node
 
 
-def _open_ends(
-    title: str, style: str, ends: Sequence[OpenEnd], page: Page, *, accepted: bool
+def _unenforceable(
+    title: str, style: str, nodes: Sequence[UnenforceableNode], page: TextPage, *, accepted: bool
 ) -> Iterator[Text]:
-    chosen = [end for end in ends if end.accepted is accepted]
+    chosen = [node for node in nodes if node.accepted is accepted]
     if chosen:
         yield from heading(f"{title} ({len(chosen)})")
-    for end in chosen:
-        yield line((end.what, style), indent=2)
-        yield from paragraph(end.why, page, indent=4)
+    for node in chosen:
+        yield line((node.what, style), indent=2)
+        yield from paragraph(node.why, page, indent=4)
 
 
-def _next_step(guarded: Guarded, page: Page) -> Iterator[Text]:
+def _next_step(launch: InstrumentedLaunch, page: TextPage) -> Iterator[Text]:
     yield from heading("Next")
-    if not guarded.is_closed:
+    if not launch.is_closed:
         advice = "close what is unenforceable, or name it in the plan's accept_unenforceable"
         yield from paragraph(advice, page, indent=2)
-    start = "roslaunch" if guarded.ros == 1 else "ros2 launch"
-    yield line((f"{start} {quote(guarded.launch)}", "bold green"), indent=2)
+    start = "roslaunch" if launch.ros == 1 else "ros2 launch"
+    yield line((f"{start} {quote(launch.launch)}", "bold green"), indent=2)

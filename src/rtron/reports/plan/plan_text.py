@@ -7,19 +7,19 @@ from rich.text import Text
 
 from rtron.reports.app.node_functions import node_functions
 from rtron.reports.plan.descriptions import (
-    area_words,
-    audit_words,
-    event_words,
-    flow_words,
-    limit_words,
-    monitor_words,
+    describe_area,
+    describe_audit,
+    describe_event,
+    describe_flow,
+    describe_limit,
+    describe_monitor,
+    describe_rule,
+    describe_stop,
+    describe_transform,
     one_line,
-    rule_words,
-    stop_words,
-    transform_words,
 )
 from rtron.reports.plan.problems import Remark, remark_lines
-from rtron.reports.text_layout import Page, Report, columns, counted, heading, line, paragraph
+from rtron.reports.text_layout import Report, TextPage, columns, counted, heading, line, paragraph
 from rtron.vocabulary import (
     GRCN,
     MSRCN,
@@ -75,7 +75,7 @@ def _next(step: str) -> Iterator[Text]:
         yield line((step, "bold green"), indent=2)
 
 
-def _lines(plan: Plan, remarks: Sequence[Remark], page: Page) -> Iterator[Text]:
+def _lines(plan: Plan, remarks: Sequence[Remark], page: TextPage) -> Iterator[Text]:
     yield line((plan.app or "app", "bold"), f"  plan for ROS {plan.ros}, revision {plan.revision}")
     yield line(_summary(plan))
     yield from chain.from_iterable(_grcn(g) for g in plan.grcn if g.mode is Mode.ENFORCE)
@@ -117,27 +117,27 @@ def _observed(nodes: Sequence[GRCN]) -> Iterator[Text]:
     yield from columns(rows, ("cyan",), indent=2)
 
 
-def _rsrcn(node: RSRCN, page: Page) -> Iterator[Text]:
+def _rsrcn(node: RSRCN, page: TextPage) -> Iterator[Text]:
     yield from _title("RSRCN", node)
-    yield from paragraph(", ".join(limit_words(node)), page, indent=2)
+    yield from paragraph(", ".join(describe_limit(node)), page, indent=2)
     yield from chain.from_iterable(_guarded(topic) for topic in node.vflows)
     rows = [(flow.name, flow.publisher, f"watched on {flow.topic}") for flow in node.iflows]
     yield from columns(rows, _CELL_STYLES, indent=2)
 
 
-def _msrcn(node: MSRCN, page: Page) -> Iterator[Text]:
+def _msrcn(node: MSRCN, page: TextPage) -> Iterator[Text]:
     yield from _title("MSRCN", node)
     yield from chain.from_iterable(_guarded(topic) for topic in node.aflows)
     for flow in node.eflows:
         yield line((flow.name, "cyan"), f"  {flow.publisher}  event on {flow.topic}", indent=2)
-        yield from paragraph(event_words(flow), page, indent=4, style="dim")
+        yield from paragraph(describe_event(flow), page, indent=4, style="dim")
     for rule in node.rules:
         yield line("rule ", (rule.name, "cyan"), indent=2)
-        yield from paragraph(rule_words(rule), page, indent=4)
+        yield from paragraph(describe_rule(rule), page, indent=4)
         yield from paragraph(one_line(rule.reason), page, indent=4, style="dim")
-    rows = [("area", area.name, area_words(area)) for area in node.areas]
+    rows = [("area", area.name, describe_area(area)) for area in node.areas]
     yield from columns(rows, ("", "cyan", "dim"), indent=2)
-    yield from (line(transform_words(one), indent=2) for one in node.transforms)
+    yield from (line(describe_transform(one), indent=2) for one in node.transforms)
 
 
 def _fps_monitors(monitors: Sequence[FpsMonitor]) -> Iterator[Text]:
@@ -145,19 +145,19 @@ def _fps_monitors(monitors: Sequence[FpsMonitor]) -> Iterator[Text]:
         yield from heading(f"fps_monitor ({len(monitors)})")
     for monitor in monitors:
         yield line((monitor.node, "cyan"), ("  on  ", "dim"), monitor.topic, indent=2)
-        yield line((monitor_words(monitor), "dim"), indent=4)
+        yield line((describe_monitor(monitor), "dim"), indent=4)
 
 
 def _stop(stop: Stop) -> Iterator[Text]:
     if stop != Stop():
         yield from heading("Stop")
-        yield line(stop_words(stop), indent=2)
+        yield line(describe_stop(stop), indent=2)
 
 
 def _audit(audit: Audit) -> Iterator[Text]:
     if audit != Audit():
         yield from heading("Audit")
-        yield line(audit_words(audit), indent=2)
+        yield line(describe_audit(audit), indent=2)
 
 
 def _title(kind: str, node: GRCN | RSRCN | MSRCN) -> Iterable[Text]:
@@ -186,7 +186,8 @@ def _topic(guarded: GRCN | GuardedTopic, more: str = "") -> Iterator[Text]:
 
 def _flow_rows(flows: Sequence[Flow]) -> _Rows:
     return [
-        (flow.name, flow.publisher, _state(blocked=flow.block), flow_words(flow)) for flow in flows
+        (flow.name, flow.publisher, _state(blocked=flow.block), describe_flow(flow))
+        for flow in flows
     ]
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from rich.text import Text
 
-from rtron.reports.text_layout import Page, Report, counted, line, paragraph
+from rtron.reports.text_layout import Report, TextPage, counted, line, paragraph
 
 _STYLE = {"error": "bold red", "warning": "yellow"}
 
@@ -24,13 +24,13 @@ def problems_text(title: str, remarks: Sequence[Remark]) -> Report:
     return Report(lambda page: _lines(title, remarks, page))
 
 
-def _lines(title: str, remarks: Sequence[Remark], page: Page) -> Iterator[Text]:
-    said = counted(len(remarks), "problem") if remarks else "no problems"
-    yield line((title, "bold"), "  ", (said, "bold" if remarks else "bold green"))
+def _lines(title: str, remarks: Sequence[Remark], page: TextPage) -> Iterator[Text]:
+    summary = counted(len(remarks), "problem") if remarks else "no problems"
+    yield line((title, "bold"), "  ", (summary, "bold" if remarks else "bold green"))
     yield from remark_lines(remarks, page)
 
 
-def remark_lines(remarks: Sequence[Remark], page: Page) -> Iterator[Text]:
+def remark_lines(remarks: Sequence[Remark], page: TextPage) -> Iterator[Text]:
     """Yield each remark with its level in colour."""
     for remark in remarks:
         level = (f"{remark.level:<9}", _STYLE.get(remark.level, ""))

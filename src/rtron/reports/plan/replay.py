@@ -1,11 +1,27 @@
 """A replay as text: what would have become of each flow's messages, and when that changed."""
 
 from collections.abc import Iterator
+from dataclasses import asdict
+from typing import Any
 
 from rich.text import Text
 
-from rtron.reports.text_layout import Page, Report, columns, counted, heading, line, paragraph
-from rtron.vocabulary import SECOND, Change, FlowCount, Replay, StreamCount
+from rtron.reports.text_layout import Report, TextPage, columns, counted, heading, line, paragraph
+from rtron.vocabulary import REPLAY_SCHEMA, SECOND, Change, FlowCount, Replay, StreamCount
+
+
+def replay_to_json(replay: Replay) -> dict[str, Any]:
+    """Return a replay as a document; times are in seconds after the first message."""
+    return {
+        "schema": REPLAY_SCHEMA,
+        "messages": replay.messages,
+        "duration": replay.duration / SECOND,
+        "streams": [asdict(stream) for stream in replay.streams],
+        "changes": [{**asdict(each), "at": each.at / SECOND} for each in replay.changes],
+        "changes_left_out": replay.unseen,
+        "notes": list(replay.notes),
+    }
+
 
 _MOST_SHOWN = 40
 _STYLES = ("cyan", "dim", "green", "", "red", "yellow")
@@ -18,9 +34,9 @@ def replay_text(title: str, replay: Replay) -> Report:
     return Report(lambda page: _lines(title, replay, page))
 
 
-def _lines(title: str, replay: Replay, page: Page) -> Iterator[Text]:
-    told = f"{counted(replay.messages, 'message')} in {replay.duration / SECOND:.1f} s"
-    yield line((title, "bold"), "  ", told)
+def _lines(title: str, replay: Replay, page: TextPage) -> Iterator[Text]:
+    summary = f"{counted(replay.messages, 'message')} in {replay.duration / SECOND:.1f} s"
+    yield line((title, "bold"), "  ", summary)
     for stream in replay.streams:
         yield from _stream(stream)
     if replay.changes:

@@ -1,11 +1,24 @@
 """What a measured run proposes for a plan, as text: each value with the figures behind it."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import asdict
+from typing import Any
 
 from rich.text import Text
 
-from rtron.reports.text_layout import Page, Report, columns, counted, heading, line, paragraph
-from rtron.vocabulary import SECOND, Proposal, ProposalKind, Run
+from rtron.reports.text_layout import Report, TextPage, columns, counted, heading, line, paragraph
+from rtron.vocabulary import PROPOSALS_SCHEMA, SECOND, Proposal, ProposalKind, Run
+
+
+def tuning_to_json(run: Run, proposals: Sequence[Proposal]) -> dict[str, Any]:
+    """Return the proposals as a document; values are written as in the plan."""
+    return {
+        "schema": PROPOSALS_SCHEMA,
+        "app": run.app,
+        "duration": run.duration / SECOND,
+        "proposals": [asdict(each) for each in proposals],
+    }
+
 
 _STYLES = ("cyan", "", "", "bold green")
 _HEADINGS = {
@@ -24,7 +37,7 @@ def tuning_text(
 ) -> Report:
     """Return the changes, what to look at, and what stays and why; then the command to go on."""
 
-    def lines(page: Page) -> Iterator[Text]:
+    def lines(page: TextPage) -> Iterator[Text]:
         yield _head(title, run)
         yield from _proposed(proposals, page)
         for note in notes:
@@ -38,11 +51,11 @@ def tuning_text(
 
 def _head(title: str, run: Run) -> Text:
     messages = sum(flow.messages for stream in run.streams for flow in stream.flows)
-    told = f"{counted(messages, 'message')} in {run.duration / SECOND:.0f} s"
-    return line((title, "bold"), "  ", told)
+    summary = f"{counted(messages, 'message')} in {run.duration / SECOND:.0f} s"
+    return line((title, "bold"), "  ", summary)
 
 
-def _proposed(proposals: Sequence[Proposal], page: Page) -> Iterator[Text]:
+def _proposed(proposals: Sequence[Proposal], page: TextPage) -> Iterator[Text]:
     for kind, words in _HEADINGS.items():
         chosen = [each for each in proposals if each.kind is kind]
         if chosen or kind is ProposalKind.CHANGE:
@@ -50,7 +63,7 @@ def _proposed(proposals: Sequence[Proposal], page: Page) -> Iterator[Text]:
             yield from _rows(chosen, page)
 
 
-def _rows(proposals: Sequence[Proposal], page: Page) -> Iterator[Text]:
+def _rows(proposals: Sequence[Proposal], page: TextPage) -> Iterator[Text]:
     if not proposals:
         return
     rows = columns([_cells(each) for each in proposals], _STYLES, indent=2)
