@@ -21,6 +21,7 @@ pytestmark = pytest.mark.skipif(
 webdriver = pytest.importorskip("selenium.webdriver")
 from selenium.webdriver.common.by import By  # noqa: E402
 from selenium.webdriver.common.keys import Keys  # noqa: E402
+from selenium.webdriver.support.ui import WebDriverWait  # noqa: E402
 
 FIXTURES = Path(__file__).parents[2] / "fixtures"
 ARGUMENTS = (
@@ -271,9 +272,14 @@ def test_zoom_and_fit(autorace):
     box = autorace.find_element(By.CSS_SELECTOR, "[aria-label='node /gazebo']")
     before = box.rect["width"]
     click(autorace, "#zoom-in")
-    assert box.rect["width"] > 1.2 * before
+    until(autorace, lambda: box.rect["width"] > 1.2 * before)
     click(autorace, "#zoom-fit")
-    assert abs(box.rect["width"] - before) < 1
+    until(autorace, lambda: abs(box.rect["width"] - before) < 1)
+
+
+def until(page, condition):
+    """Wait for what the next frame shows."""
+    WebDriverWait(page, 10, 0.05).until(lambda _: condition())
 
 
 def test_the_theme_can_be_chosen(autorace):
