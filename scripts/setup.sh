@@ -12,8 +12,8 @@ RUN_PACKAGES=(
   python3-std-msgs python3-tf2-msgs
 )
 TEST_PACKAGES=(
-  chromium chromium-driver fonts-dejavu-core g++ libactionlib-dev libgeometry-msgs-dev libroscpp-dev
-  libstd-msgs-dev make pkg-config postgresql python3-actionlib
+  chromium chromium-driver fonts-dejavu-core g++ graphviz libactionlib-dev libgeometry-msgs-dev
+  libroscpp-dev libstd-msgs-dev make pkg-config postgresql python3-actionlib
 )
 
 ROS2_BELOW=3.14 # the wheels of ROS 2 are for Python 3.10 to 3.13

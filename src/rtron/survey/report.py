@@ -6,8 +6,8 @@ from collections.abc import Iterable, Iterator, Sequence
 from rich.text import Text
 
 from rtron.functions.app_categories import CategoryCount, count_categories
-from rtron.reports.functions_apps import category_rows
-from rtron.reports.lines import Report, columns, counted, heading, line
+from rtron.reports.functions.app_categories import category_rows
+from rtron.reports.text_layout import Report, columns, counted, heading, line
 from rtron.survey.app_scan import AppSurvey
 from rtron.vocabulary import RiskKind
 

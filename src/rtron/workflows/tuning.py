@@ -12,8 +12,7 @@ from rtron.cli.support.progress import show_count
 from rtron.errors import InputError
 from rtron.planning.plan_file.loader import read_plan
 from rtron.planning.tuning import tune_plan, tuned_yaml
-from rtron.reports.tuning_json import tuning_to_json
-from rtron.reports.tuning_text import tuning_text
+from rtron.reports.plan.tuning import tuning_text, tuning_to_json
 from rtron.sources.bag.file_type import is_bag
 from rtron.sources.run_json import read_run, run_to_json
 from rtron.vocabulary import MeasuredRun, Plan

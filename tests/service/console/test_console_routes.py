@@ -44,7 +44,7 @@ def test_files_are_kept_for_ever_and_their_types_are_told(get):
         ("main.js", "text/javascript"),
         ("base.css", "text/css"),
         ("icon.svg", "image/svg+xml"),
-        ("vendor/dagre.min.js", "text/javascript"),
+        ("graph/dagre.min.js", "text/javascript"),
         ("vendor/uplot.LICENSE.txt", "text/plain"),
     ):
         answer = get(f"/console/{digest()}/{name}")
@@ -84,9 +84,11 @@ def test_nothing_else_is_given(path, get):
     assert "import" not in answer.text
 
 
-def test_the_library_for_the_layout_is_not_shipped_twice():
-    once = files("rtron.reports") / "page" / "dagre.min.js"
-    assert static_files()["vendor/dagre.min.js"].content == once.read_bytes()
+def test_the_graph_is_that_of_the_html_report():
+    shared = {path.name: path for path in (files("rtron.reports") / "page" / "graph").iterdir()}
+    assert {"dagre.min.js", "layout.js", "draw.js"} <= set(shared)
+    for name, path in shared.items():
+        assert static_files()[f"graph/{name}"].content == path.read_bytes()
 
 
 def test_every_module_is_imported_by_a_name_that_exists():
@@ -102,7 +104,7 @@ def test_every_module_is_imported_by_a_name_that_exists():
 
 def test_no_module_makes_markup_of_text():
     for name, asset in static_files().items():
-        if name.endswith(".js") and not name.startswith("vendor/"):
+        if name.endswith(".js") and not name.startswith("vendor/") and ".min." not in name:
             text = asset.content.decode()
             for way in (
                 "innerHTML",

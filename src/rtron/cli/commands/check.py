@@ -9,7 +9,7 @@ from rtron.cli.support.outcome import FINDINGS, OK, Outcome, to_remarks
 from rtron.planning.app_check import check_plan
 from rtron.planning.plan_file.loader import read_plan
 from rtron.planning.problem import ProblemLevel
-from rtron.reports.problems_text import problems_text
+from rtron.reports.plan.problems import problems_text
 from rtron.sources.graph_json import read_graph
 
 

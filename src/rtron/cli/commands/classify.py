@@ -61,13 +61,13 @@ def classify(
         ]
     if table:
         from rtron.functions.classifier.tables import build_tables  # noqa: PLC0415 - the guard starts without it
-        from rtron.reports.functions_tables import tables_text  # noqa: PLC0415 - the guard starts without it
+        from rtron.reports.functions.tables import tables_text  # noqa: PLC0415 - the guard starts without it
 
         return Outcome(tables_text(build_tables(classifications)), to=output)
     return Outcome(_json_lines(classifications), to=output)
 
 
 def _json_lines(classifications: "Iterable[Classification]") -> str:
-    from rtron.reports.functions_json import classification_to_json  # noqa: PLC0415 - the guard starts without it
+    from rtron.reports.functions.json_documents import classification_to_json  # noqa: PLC0415 - the guard starts without it
 
     return "".join(json.dumps(classification_to_json(each)) + "\n" for each in classifications)

@@ -9,7 +9,7 @@ import typer
 
 from rtron.cli.support.options import TextOrJson
 from rtron.cli.support.outcome import Outcome, print_part
-from rtron.reports.event_text import event_line
+from rtron.reports.event_line import event_line
 from rtron.workflows.service_client import (
     DEFAULT_SERVICE,
     CaOption,

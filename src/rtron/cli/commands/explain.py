@@ -12,7 +12,7 @@ from rich.text import Text
 from rtron.cli.support.outcome import Outcome
 from rtron.errors import InputError
 from rtron.policies import POLICIES
-from rtron.reports.lines import Report, columns, line
+from rtron.reports.text_layout import Report, columns, line
 from rtron.risks import RULES
 from rtron.risks import rule_page as rule_page
 from rtron.vocabulary import PolicyName

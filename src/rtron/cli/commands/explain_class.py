@@ -11,7 +11,7 @@ from rtron.cli.support.outcome import Outcome
 from rtron.cli.support.skipped_report import Readmes, print_to_stderr, report_skipped
 from rtron.errors import InputError, RTronError
 from rtron.folders import is_folder
-from rtron.reports.neutral import neutral
+from rtron.reports.sanitize import sanitize
 
 if TYPE_CHECKING:
     from rtron.functions.repository import SourceRepository
@@ -68,7 +68,7 @@ def explain_class(
     """
     from rtron.functions.classifier.pipeline import classify  # noqa: PLC0415 - the guard starts without it
     from rtron.functions.classifier.rule_trace import trace_rules  # noqa: PLC0415 - the guard starts without it
-    from rtron.reports.functions_evidence import evidence_text  # noqa: PLC0415 - the guard starts without it
+    from rtron.reports.functions.classification import evidence_text  # noqa: PLC0415 - the guard starts without it
 
     found = _find_repository(repo, source, readmes)
     return Outcome(evidence_text(found, classify(found), trace_rules(found)))
@@ -104,7 +104,7 @@ def _repository_named(repo: str, found: "list[SourceRepository]") -> "SourceRepo
         package.name: each for each in reversed(found) for package in each.packages
     }
     if repo in repository_by_package:
-        print_to_stderr(neutral(f"{repo} is a package of {repository_by_package[repo].name}"))
+        print_to_stderr(sanitize(f"{repo} is a package of {repository_by_package[repo].name}"))
         return repository_by_package[repo]
     near = get_close_matches(repo[:_LONGEST_SHOWN], names, n=1)
     help = f"did you mean {near[0]}?" if near else "`rtron classify` lists them all"

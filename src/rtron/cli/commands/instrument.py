@@ -15,7 +15,13 @@ from rtron.planning.instrument import instrument as instrumented
 from rtron.planning.instrument.ros2 import instrument_ros2
 from rtron.planning.plan_file.loader import parse_plan
 from rtron.planning.plan_file.yaml_parser import read_text
-from rtron.reports.guarded_text import Guarded, NodeRemap, OpenEnd, guarded_text, guarded_to_json
+from rtron.reports.plan.instrumentation import (
+    InstrumentedLaunch,
+    NodeRemap,
+    UnenforceableNode,
+    instrumentation_text,
+    instrumentation_to_json,
+)
 from rtron.sources.launch.common.packages import find_packages
 from rtron.sources.launch.ros2.reader import read_ros2_launch
 from rtron.vocabulary import Plan
@@ -90,7 +96,9 @@ def instrument(
     write_guarded_launch(result)
     guarded = _guarded_report(result, parsed_plan.ros)
     report = (
-        as_json(guarded_to_json(guarded)) if format is TextOrJson.JSON else guarded_text(guarded)
+        as_json(instrumentation_to_json(guarded))
+        if format is TextOrJson.JSON
+        else instrumentation_text(guarded)
     )
     return Outcome(report, OK if guarded.is_closed else FINDINGS)
 
@@ -135,8 +143,8 @@ def _started_launches(app: "StaticApp") -> Sequence[RuntimeLaunchTree]:
     ]
 
 
-def _guarded_report(result: GuardedLaunch, ros: int) -> Guarded:
-    return Guarded(
+def _guarded_report(result: GuardedLaunch, ros: int) -> InstrumentedLaunch:
+    return InstrumentedLaunch(
         ros=ros,
         launch=str(result.launch),
         files=tuple(map(str, (*result.files, *result.copies))),
@@ -145,7 +153,7 @@ def _guarded_report(result: GuardedLaunch, ros: int) -> Guarded:
             for r in result.remaps
         ),
         unenforceable=tuple(
-            OpenEnd(what=end.what, why=end.why, accepted=end.accepted)
+            UnenforceableNode(what=end.what, why=end.why, accepted=end.accepted)
             for end in result.unenforceable
         ),
         notes=result.notes,

@@ -9,7 +9,7 @@ from rtron.cli.support.outcome import Outcome
 from rtron.errors import InputError
 from rtron.planning.missions import MISSIONS, mission_summary, mission_text
 from rtron.planning.plan_file.problems import suggestion
-from rtron.reports.lines import Report, columns, line
+from rtron.reports.text_layout import Report, columns, line
 
 
 def _complete(incomplete: str) -> list[str]:

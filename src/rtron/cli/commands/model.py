@@ -10,7 +10,7 @@ from rich.text import Text
 
 from rtron.cli.support.options import Output
 from rtron.cli.support.outcome import STDOUT, Outcome
-from rtron.reports.neutral import neutral
+from rtron.reports.sanitize import sanitize
 from rtron.vocabulary import UnresolvedItem
 
 model = typer.Typer(name="model", no_args_is_help=True, help="Work on models of known nodes.")
@@ -63,4 +63,4 @@ def _print_unresolved(unresolved: Sequence[UnresolvedItem]) -> None:
     console = Console(stderr=True, highlight=False)
     for each in unresolved:
         location = "".join(f"{e.file}:{e.line}: " for e in each.evidence[:1])
-        console.print(Text(neutral(f"{location}{each.what}: {each.why}")), soft_wrap=True)
+        console.print(Text(sanitize(f"{location}{each.what}: {each.why}")), soft_wrap=True)

@@ -28,7 +28,7 @@ from rtron.cli.support.outcome import STDOUT, Outcome, replace_file, to_remarks
 from rtron.errors import InputError
 from rtron.planning.plan_file.writer import write_plan
 from rtron.planning.proposal.policy_defaults import propose_plan, unguardable_topics
-from rtron.reports.plan_text import plan_text
+from rtron.reports.plan.plan_text import plan_text
 from rtron.risks import discover_risks, load_lists
 from rtron.workflows.app_selection import select_app, select_app_options
 from rtron.workflows.tuning import TuningRequest, tune_from_run

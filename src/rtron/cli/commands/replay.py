@@ -10,8 +10,7 @@ from rtron.cli.support.options import Output, PlanOption, TextOrJson
 from rtron.cli.support.outcome import STDOUT, Outcome, as_json
 from rtron.cli.support.progress import show_count
 from rtron.planning.plan_file.loader import read_plan
-from rtron.reports.replay_json import replay_to_json
-from rtron.reports.replay_text import replay_text
+from rtron.reports.plan.replay import replay_text, replay_to_json
 
 
 def replay(

@@ -29,14 +29,14 @@ from rtron.cli.support.options import (
 from rtron.cli.support.outcome import FINDINGS, OK, STDOUT, Outcome, as_json, write_files
 from rtron.errors import InputError
 from rtron.planning.proposal.policy_defaults import propose_plan
-from rtron.reports.dot import graph_to_dot
-from rtron.reports.html import graph_to_html
-from rtron.reports.lines import Report
-from rtron.reports.nodl import graph_to_nodl, nodl_files
-from rtron.reports.risks_json import risks_to_json
-from rtron.reports.rosgraph import graph_to_rosgraph
-from rtron.reports.sarif import risks_to_sarif
-from rtron.reports.text import Scan, scan_text
+from rtron.reports.app.dot import graph_to_dot
+from rtron.reports.app.html import graph_to_html
+from rtron.reports.app.nodl import graph_to_nodl, nodl_files
+from rtron.reports.app.risks_json import risks_to_json
+from rtron.reports.app.rosgraph import graph_to_rosgraph
+from rtron.reports.app.sarif import risks_to_sarif
+from rtron.reports.app.scan_text import Scan, scan_text
+from rtron.reports.text_layout import Report
 from rtron.risks import discover_risks, load_lists
 from rtron.sources.graph_json import graph_to_json
 from rtron.vocabulary import InteractionGraph, RiskReport, Severity

@@ -11,7 +11,7 @@ from rtron.cli.support.options import TextOrJson
 from rtron.cli.support.outcome import FINDINGS, OK, Outcome, as_json
 from rtron.cli.support.settings_arguments import KEYS, parse_patch
 from rtron.cli.support.settings_report import node_report, nodes_report, outcome_line, stop_line
-from rtron.reports.lines import Report
+from rtron.reports.text_layout import Report
 from rtron.workflows.service_client import (
     DEFAULT_SERVICE,
     CaOption,

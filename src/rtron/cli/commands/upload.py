@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from rtron.cli.support.outcome import Outcome
-from rtron.reports.lines import counted
+from rtron.reports.text_layout import counted
 from rtron.sources.bounded_file import read_bounded
 from rtron.workflows.service_client import (
     DEFAULT_SERVICE,

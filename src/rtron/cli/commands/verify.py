@@ -19,7 +19,7 @@ from rtron.cli.support.outcome import BAD_INPUT, FINDINGS, OK, Outcome, as_json
 from rtron.errors import InputError
 from rtron.guard.audit.ros1.verification import GuardedPath, PathState, Verification
 from rtron.planning.plan_file.loader import read_plan
-from rtron.reports.lines import Page, Report, columns, counted, heading, line, paragraph
+from rtron.reports.text_layout import Report, TextPage, columns, counted, heading, line, paragraph
 from rtron.vocabulary import Plan
 
 VERIFY_SCHEMA = "rtron.verify/1"
@@ -65,7 +65,7 @@ def verdict(verification: Verification) -> str:
     return "open" if verification.is_conclusive else "cannot tell"
 
 
-def _lines(title: str, verification: Verification, page: Page) -> Iterator[Text]:
+def _lines(title: str, verification: Verification, page: TextPage) -> Iterator[Text]:
     verdict_text = verdict(verification)
     yield line(
         (title, "bold"),
@@ -86,7 +86,7 @@ def _lines(title: str, verification: Verification, page: Page) -> Iterator[Text]
             yield line((each.what, "cyan"), f"  {each.why}", indent=2)
 
 
-def _why(path: GuardedPath, page: Page) -> Iterator[Text]:
+def _why(path: GuardedPath, page: TextPage) -> Iterator[Text]:
     if path.reason:
         yield from paragraph(path.reason, page, indent=15)
 

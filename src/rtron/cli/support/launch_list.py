@@ -9,7 +9,7 @@ from rich.text import Text
 from rtron.cli.support.options import TextOrJson
 from rtron.cli.support.outcome import as_json
 from rtron.errors import InputError
-from rtron.reports.lines import Report, columns, counted, line
+from rtron.reports.text_layout import Report, columns, counted, line
 from rtron.sources.launch.ros1.file_search import LaunchFileInfo
 from rtron.workflows.launch_listing import launches_by_name
 

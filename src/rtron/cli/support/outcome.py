@@ -15,8 +15,8 @@ import typer
 
 from rtron.errors import InputError, RTronError
 from rtron.planning.problem import PlanProblem
-from rtron.reports.neutral import neutral
-from rtron.reports.problems_text import Remark
+from rtron.reports.plan.problems import Remark
+from rtron.reports.sanitize import sanitize
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from rich.console import Console
     from rich.markdown import Markdown
 
-    from rtron.reports.lines import Report
+    from rtron.reports.text_layout import Report
 
 
 OK, FINDINGS, BAD_INPUT = 0, 1, 2
@@ -95,7 +95,7 @@ def print_error(error: RTronError) -> None:
 
 
 def _neutral_lines(message: str) -> str:
-    return "\n".join(map(neutral, message.split("\n")))
+    return "\n".join(map(sanitize, message.split("\n")))
 
 
 def print_part(text: str) -> bool:

@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 
-from rtron.reports.neutral import neutral
+from rtron.reports.sanitize import sanitize
 from rtron.sources.static.common.scan_options import Progress as Told
 from rtron.sources.static.common.scan_options import ignore_progress
 
@@ -25,7 +25,7 @@ def show_progress() -> Iterator[Told]:
         task = bar.add_task("reading", total=None)
 
         def update(done: int, known: int, what: str) -> None:
-            description = neutral(what)[:_MAX_SHOWN]
+            description = sanitize(what)[:_MAX_SHOWN]
             bar.update(task, completed=done, total=known, description=description)
 
         yield update

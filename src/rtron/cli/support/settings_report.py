@@ -6,8 +6,8 @@ from typing import Any
 from rich.text import Text
 
 from rtron.planning.plan_file.durations import write_duration
-from rtron.reports.lines import Report, columns, heading, line
-from rtron.reports.neutral import neutral
+from rtron.reports.sanitize import sanitize
+from rtron.reports.text_layout import Report, columns, heading, line
 
 _View = Mapping[str, Any]
 _OUTCOMES = {
@@ -37,7 +37,7 @@ def outcome_line(view: _View) -> str:
 def stop_line(view: _View) -> str:
     """Return on one line who has stopped the robot, and why."""
     stop = view["settings"]["stop"]
-    return f"stopped by {neutral(_who_and_why(stop))}\n" if stop else ""
+    return f"stopped by {sanitize(_who_and_why(stop))}\n" if stop else ""
 
 
 def nodes_report(robot: str, view: _View, nodes: Sequence[_View]) -> Report:

@@ -8,7 +8,7 @@ import typer
 from rich.console import Console
 from rich.text import Text
 
-from rtron.reports.neutral import neutral
+from rtron.reports.sanitize import sanitize
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -38,7 +38,7 @@ def report_skipped() -> "Iterator[SkippedHandler]":
         nonlocal count
         count += 1
         if count <= _MAX_SHOWN:
-            rows.append(f"left out: {neutral(str(skipped))[:_MAX_LENGTH]}")
+            rows.append(f"left out: {sanitize(str(skipped))[:_MAX_LENGTH]}")
 
     try:
         yield take

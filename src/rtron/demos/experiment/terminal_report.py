@@ -12,7 +12,7 @@ from rtron.demos.experiment.demonstration import DemoRequest
 from rtron.demos.experiment.study import Study
 from rtron.demos.metrics.case_run import CaseRun
 from rtron.demos.metrics.table import COLUMN_TITLES, cells, columns
-from rtron.reports.neutral import neutral
+from rtron.reports.sanitize import sanitize
 from rtron.vocabulary import Risk
 
 _INDENT = (0, 0, 0, 2)
@@ -39,7 +39,7 @@ def _parts(request: DemoRequest, study: Study) -> Iterator[RenderableType]:
 def _risks(risks: Sequence[Risk]) -> Iterator[RenderableType]:
     yield Text(f"rtron scan finds {len(risks)} risks", style="bold")
     for risk in risks:
-        yield Padding(Text(neutral(risk.id)), _INDENT)
+        yield Padding(Text(sanitize(risk.id)), _INDENT)
 
 
 def _story(case: Case, risks: Sequence[Risk], *, guarded: bool) -> Iterator[RenderableType]:
@@ -51,7 +51,7 @@ def _story(case: Case, risks: Sequence[Risk], *, guarded: bool) -> Iterator[Rend
     }
     for name, text in sections.items():
         if text:
-            yield Padding(Text(f"{name}: {neutral(text)}"), _INDENT)
+            yield Padding(Text(f"{name}: {sanitize(text)}"), _INDENT)
 
 
 def _table(runs: Sequence[CaseRun]) -> Table:

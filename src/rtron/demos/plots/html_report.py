@@ -9,8 +9,8 @@ from string import Template
 from rtron.demos.cases import Case
 from rtron.demos.metrics.case_run import CaseRun
 from rtron.demos.metrics.table import COLUMN_TITLES, cells, columns
-from rtron.reports.inline import policy
-from rtron.reports.neutral import neutral
+from rtron.reports.inline_page import policy
+from rtron.reports.sanitize import sanitize
 
 _STYLE = """
 body { font: 16px/1.5 system-ui, sans-serif; color: #1f2430; background: #fff;
@@ -143,6 +143,6 @@ def _picture(picture: Picture) -> str:
 
 
 def _command(output: CommandOutput) -> str:
-    text = "\n".join(map(neutral, output.text.splitlines()))
-    summary = f"<summary><code>$ {escape(neutral(output.command))}</code></summary>"
+    text = "\n".join(map(sanitize, output.text.splitlines()))
+    summary = f"<summary><code>$ {escape(sanitize(output.command))}</code></summary>"
     return f"<details>{summary}<pre>{escape(text)}</pre></details>\n"

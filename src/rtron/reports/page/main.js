@@ -1,29 +1,82 @@
 // Starts the page.
-function choose(choice) {
-  state.chosen = choice;
-  unfold(choice);
-  showDetail();
-  paintChoice();
+import { definitions, dragBox, draw, highlight, isLit } from "./graph/draw.js";
+import { extent, graphLayout } from "./graph/layout.js";
+import { isGRCN, related } from "./graph/model.js";
+import { Viewport } from "./graph/viewport.js";
+
+const svg = byId("picture"), world = byId("world");
+const view = new Viewport(svg, world, press, (box, dx, dy) => dragBox(layout, box, dx, dy));
+view.covered = () => byId("legend").offsetHeight;
+let layout = { boxes: [], edges: [] };
+
+function redraw() {
+  const endpoints = shownEndpoints();
+  layout = graphLayout(MODEL, { endpoints, nodes: shownNodes(), unfolded: state.unfolded, overlay: state.overlay });
+  draw(layout, world, { label: flowLabel, pressableEdges: true, tabindex: 0 });
+  view.boxes = layout.boxes;
+  byId("empty").hidden = layout.boxes.length > 0;
+  highlightChoice();
 }
 
-// A topic that is chosen by name is shown, even if it is a leaf or stands in a folded box.
-function unfold(choice) {
+// The flows of a GRCN that an edge carries, one for each topic that its node publishes: they show with a choice.
+function flowLabel(e) {
+  const published = state.overlay ? e.endpoints.filter((each) => each.publishes) : [];
+  const flows = published.flatMap(({ node, topic }) => topic.coordination.filter(isGRCN).flatMap((c) => c.guards[0].flows.filter((flow) => flow.nodes.includes(node))));
+  return { text: [...e.names, ...new Set(flows.map((flow) => flow.name))].join(", "), look: "flow", at: (path) => path.middle };
+}
+
+const choiceParts = () => state.choice && related(MODEL, state.choice);
+const highlightChoice = () => highlight(layout, world, choiceParts(), state.choice, document);
+
+function press(choice) {
+  if (choice?.kind !== "unfold") return choose(choice);
+  state.unfolded.add(choice.name);
+  redraw();
+}
+
+function choose(choice) {
+  state.choice = choice;
+  reveal(choice);
+  showDetail();
+  highlightChoice();
+}
+
+function focusOnChoice() {
+  const parts = choiceParts();
+  view.focusOn(layout.boxes.filter((box) => isLit(box, parts)));
+}
+
+// A topic that is chosen by name is shown, even if it is a leaf or in a folded box.
+function reveal(choice) {
   if (choice?.kind !== "topic") return;
-  const drawn = picture.boxes.find((b) => b.topics?.includes(choice.at));
-  if (drawn?.rows.includes(choice.at)) return;
-  state.opened.add(choice.at);
-  if (!drawn) state.leaves = true;
+  const topic = MODEL.topics.get(choice.name), box = layout.boxes.find((each) => each.topics?.includes(topic));
+  if (box?.rows.some((row) => row.topic === topic)) return;
+  state.unfolded.add(choice.name);
+  if (!box) state.leaves = true;
   byId("leaves").setAttribute("aria-pressed", state.leaves);
   redraw();
 }
 
 function refilter() {
   for (const box of document.querySelectorAll("#facets input")) {
-    box.checked = !state.off[box.closest("fieldset").dataset.facet].has(box.value);
+    box.checked = !state.hidden[box.closest("fieldset").dataset.facet].has(box.value);
   }
-  byId("only-risks").setAttribute("aria-pressed", state.off.risk.has(NO_RISK));
+  byId("only-risks").setAttribute("aria-pressed", state.hidden.risk.has(NO_RISK));
   redraw();
-  fit();
+  view.fit();
+}
+
+// Keys of the whole page; those of the picture are the viewport's.
+function keys(event) {
+  const within = (selector) => event.target.closest?.(selector);
+  if (within("input") || event.ctrlKey || event.metaKey || event.altKey) {
+    if (event.key === "Escape") event.target.blur();
+    return;
+  }
+  const act = { "+": () => view.zoom(1.25), "=": () => view.zoom(1.25), "-": () => view.zoom(0.8), 0: () => view.fit(), Escape: () => choose(null), "/": () => byId("search").focus(), f: () => byId("focus").click(), t: () => byId("theme").click() }[event.key];
+  if (!act) return;
+  act();
+  event.preventDefault();
 }
 
 function toggle(id, change) {
@@ -34,12 +87,6 @@ function toggle(id, change) {
   });
 }
 
-function defineMarks() {
-  const tips = ["plain", "gr-st", "gr-mt", "watch"].map((name) => shape("marker", { id: `tip-${name}`, class: `tip ${name}`, viewBox: "0 0 8 8", refX: 7, refY: 4, markerWidth: 8, markerHeight: 8, markerUnits: "userSpaceOnUse", orient: "auto" }, shape("path", { d: "M0,0.5 L8,4 L0,7.5 Z" })));
-  const stripes = shape("pattern", { id: "stripes", width: 12, height: 12, patternUnits: "userSpaceOnUse", patternTransform: "rotate(45)" }, shape("rect", { class: "stripe-ground", width: 12, height: 12 }), shape("rect", { class: "stripe", width: 6, height: 12 }));
-  svg.querySelector("defs").append(...tips, stripes);
-}
-
 function nextTheme() {
   const order = ["", "light", "dark"], root = document.documentElement;
   const next = order[(order.indexOf(root.dataset.theme ?? "") + 1) % order.length];
@@ -48,7 +95,7 @@ function nextTheme() {
 }
 
 function save() {
-  const copy = svg.cloneNode(true), { left, right, top, bottom } = extent(picture.boxes), margin = 24;
+  const copy = svg.cloneNode(true), { left, right, top, bottom } = extent(layout.boxes), margin = 24;
   copy.setAttribute("viewBox", `${left - margin} ${top - margin} ${right - left + 2 * margin} ${bottom - top + 2 * margin}`);
   copy.querySelector("#world").removeAttribute("transform");
   copy.setAttribute("data-theme", document.documentElement.dataset.theme ?? "");
@@ -59,38 +106,31 @@ function save() {
   setTimeout(() => URL.revokeObjectURL(address), 1000);
 }
 
-function leafTopics() {
-  const explicit = DATA.endpoints.map((_, i) => i).filter((i) => !DATA.endpoints[i].implicit);
-  const topics = (ends) => new Set(ends.map((i) => DATA.endpoints[i].topic)).size;
-  return topics(explicit) - topics(explicit.filter(notLeaf(explicit)));
-}
-
 function start() {
-  const explicit = DATA.endpoints.filter((e) => !e.implicit);
-  byId("title").textContent = DATA.app;
-  byId("counts").textContent = [`ROS ${DATA.ros}`, plural(DATA.nodes.length, "node"), plural(DATA.topics.length, "topic"), plural(explicit.length, "endpoint"), plural(DATA.risks.length, "risk")].join(" · ");
-  defineMarks();
+  const explicit = MODEL.endpoints.filter((e) => !e.implicit);
+  byId("title").textContent = MODEL.app;
+  byId("counts").textContent = [`ROS ${MODEL.ros}`, plural(MODEL.nodes.size, "node"), plural(MODEL.topics.size, "topic"), plural(explicit.length, "endpoint"), plural(MODEL.risks.length, "risk")].join(" · ");
+  svg.querySelector("defs").append(...definitions());
   fillRisks();
   fillCoordination();
   fillFacets();
   fillUnresolved();
   fillLegend();
   byId("leaves").textContent = `Leaf topics ${leafTopics()}`;
-  toggle("only-risks", (on) => { state.off.risk[on ? "add" : "delete"](NO_RISK); refilter(); });
+  toggle("only-risks", (on) => { state.hidden.risk[on ? "add" : "delete"](NO_RISK); refilter(); });
   toggle("leaves", (on) => { state.leaves = on; refilter(); });
   toggle("implicit", (on) => { state.implicit = on; refilter(); });
   toggle("overlay", (on) => { state.overlay = on; refilter(); });
-  toggle("focus", (on) => { document.body.classList.toggle("focused", on); fit(); });
+  toggle("focus", (on) => { document.body.classList.toggle("focused", on); view.fit(); });
   byId("save").addEventListener("click", save);
   byId("theme").addEventListener("click", nextTheme);
-  byId("zoom-in").addEventListener("click", () => zoom(1.25));
-  byId("zoom-out").addEventListener("click", () => zoom(0.8));
-  byId("zoom-fit").addEventListener("click", () => fit());
+  byId("zoom-in").addEventListener("click", () => view.zoom(1.25));
+  byId("zoom-out").addEventListener("click", () => view.zoom(0.8));
+  byId("zoom-fit").addEventListener("click", () => view.fit());
   byId("search").addEventListener("input", search);
   byId("search").addEventListener("keydown", (event) => event.key === "Enter" && byId("found").querySelector("button")?.click());
   document.addEventListener("keydown", keys);
-  listen();
   redraw();
-  fit();
+  view.show(layout.boxes);
 }
 start();

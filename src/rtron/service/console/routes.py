@@ -11,6 +11,7 @@ from functools import cache
 from gzip import compress
 from hashlib import sha256
 from importlib.resources import files
+from itertools import chain
 from pathlib import Path
 
 from fastapi import APIRouter, HTTPException, Request
@@ -23,6 +24,8 @@ _MEDIA_TYPES = {
     "svg": "image/svg+xml",
     "txt": "text/plain; charset=utf-8",
 }
+_GRAPH = Path(str(files("rtron.reports"))) / "page" / "graph"
+"""The graph and its layout library, which the HTML report has too."""
 _IMMUTABLE = "public, max-age=31536000, immutable"
 
 router = APIRouter(include_in_schema=False)
@@ -55,10 +58,7 @@ def static_file(request: Request, version: str, name: str) -> Response:
 @cache
 def static_files() -> dict[str, StaticFile]:
     """Return all files by their names, as modules import them."""
-    page = files("rtron.reports") / "page" / "dagre.min.js"
-    return dict(_console_files()) | {
-        "vendor/dagre.min.js": _static_file("dagre.min.js", page.read_bytes())
-    }
+    return dict(chain(_below(Path(__file__).with_name("static")), _below(_GRAPH, "graph/")))
 
 
 @cache
@@ -68,11 +68,13 @@ def digest() -> str:
     return sha256(b"\0".join(parts)).hexdigest()[:16]
 
 
-def _console_files() -> Iterator[tuple[str, StaticFile]]:
-    root = Path(__file__).with_name("static")
+def _below(root: Path, prefix: str = "") -> Iterator[tuple[str, StaticFile]]:
     for path in sorted(root.rglob("*")):
         if _extension(path.name) in _MEDIA_TYPES:
-            yield path.relative_to(root).as_posix(), _static_file(path.name, path.read_bytes())
+            yield (
+                prefix + path.relative_to(root).as_posix(),
+                _static_file(path.name, path.read_bytes()),
+            )
 
 
 def _static_file(name: str, data: bytes) -> StaticFile:

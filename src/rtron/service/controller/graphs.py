@@ -6,8 +6,8 @@ from typing import Any
 from sqlalchemy.orm import Session
 
 from rtron.errors import InputError, RTronError
-from rtron.reports.html_data import page_data
-from rtron.reports.risks_json import risks_to_json
+from rtron.reports.app.page_data import page_data
+from rtron.reports.app.risks_json import risks_to_json
 from rtron.risks import discover_risks
 from rtron.service.api.auth.authentication import Principal
 from rtron.service.controller.handshake import store_risk_models

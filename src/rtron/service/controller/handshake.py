@@ -7,7 +7,7 @@ from sqlalchemy.orm import Session
 
 from rtron.errors import InputError, WireError
 from rtron.planning.plan_file.fields import IDENTIFIER
-from rtron.reports.risks_json import risks_to_json
+from rtron.reports.app.risks_json import risks_to_json
 from rtron.risks import discover_risks
 from rtron.service.controller.robot_snapshot import drop_expired_overrides
 from rtron.service.domain.planned_graph import planned_graph

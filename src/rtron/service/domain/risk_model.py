@@ -3,7 +3,7 @@
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import Any, TypeAlias
 
-from rtron.reports.lines import counted
+from rtron.reports.text_layout import counted
 from rtron.service.store.robots import RiskModel, plan_json
 from rtron.vocabulary import (
     GRCN,

@@ -1,11 +1,12 @@
 // The live interaction graph.
 import { html, useEffect, useMemo, useRef, useState } from "../html.js";
 import { at, get } from "../api.js";
-import { draw, light, tell } from "../graph/draw.js";
-import { pictureOf } from "../graph/layout.js";
-import { modelOf, shownEnds } from "../graph/model.js";
-import { View } from "../graph/view.js";
-import { Detail } from "../graph/detail.js";
+import { definitions, draw, highlight, isLit } from "../graph/draw.js";
+import { graphLayout } from "../graph/layout.js";
+import { graphModel, related } from "../graph/model.js";
+import { Viewport } from "../graph/viewport.js";
+import { Detail } from "./graph_detail.js";
+import { rateLabel, showRates } from "./graph_rates.js";
 import { Badge, Loaded, Problem, Select, useFetched } from "../parts.js";
 import { query } from "../router.js";
 import { samplesOf } from "../series.js";
@@ -19,73 +20,68 @@ export function Graph({ robot }) {
   return html`<${Loaded} fetched=${fetched}>${(model) => html`<${Stage} robot=${robot} model=${model} />`}<//>`;
 }
 
+// What a client library adds by itself is no part of the console's graph.
 async function fetchAll(robot) {
-  return modelOf(await get(at("robots", robot, "graph")));
+  const data = await get(at("robots", robot, "graph"));
+  return graphModel({ ...data, topics: data.topics.map((topic) => ({ ...topic, domain: topic.domain || "no risk" })), endpoints: data.endpoints.filter((e) => !e.implicit) });
 }
 
 function Stage({ robot, model }) {
   const [filter, setFilter] = useState({ kind: "", domain: "", risky: false, leaves: false, risk: query().get("risk") ?? "" });
-  const [choice, setChoice] = useState(null), [opened, setOpened] = useState(new Set());
+  const [choice, setChoice] = useState(null), [unfolded, setUnfolded] = useState(new Set());
   const svg = useRef(null), view = useRef(null);
-  const { picture, error } = useMemo(() => tryPicture(model, filter, opened), [model, filter, opened]);
-  const press = (pressed) => pressed?.kind === "open" ? setOpened(new Set([...opened, pressed.name])) : setChoice(pressed);
-  useEffect(() => { view.current = new View(svg.current, svg.current.querySelector(".world"), (pressed) => view.current.press(pressed)); }, []);
-  useEffect(() => { Object.assign(view.current, { press, fitAll: () => view.current.fit(picture.boxes) }); });
+  const { layout, error } = useMemo(() => tryLayout(model, filter, unfolded), [model, filter, unfolded]);
+  const press = (pressed) => pressed?.kind === "unfold" ? setUnfolded(new Set([...unfolded, pressed.name])) : setChoice(pressed);
   useEffect(() => {
-    draw(picture, view.current.world);
-    const ends = [view.current.follow(picture.boxes), follow(robot, picture)];
-    return () => ends.forEach((end) => end());
-  }, [picture]);
-  useEffect(() => light(picture, view.current.world, choice && lights(model, choice), choice), [picture, choice]);
-  const show = (pressed) => { setChoice(pressed); const boxes = boxesOf(model, picture, pressed); if (boxes.length) { view.current.touched = true; view.current.fit(boxes, 1.1, innerWidth <= NARROW ? 0.45 : 1); } };
+    view.current = new Viewport(svg.current, svg.current.querySelector(".world"), (pressed) => view.current.onPress(pressed));
+    svg.current.querySelector("defs").replaceChildren(...definitions());
+  }, []);
+  useEffect(() => { view.current.onPress = press; });
+  useEffect(() => {
+    draw(layout, view.current.world, { label: rateLabel });
+    const stops = [view.current.show(layout.boxes), followRates(robot, layout)];
+    return () => stops.forEach((stop) => stop());
+  }, [layout]);
+  useEffect(() => highlight(layout, view.current.world, choice && related(model, choice), choice), [layout, choice]);
+  const show = (pressed) => {
+    const lit = related(model, pressed), boxes = layout.boxes.filter((box) => isLit(box, lit));
+    setChoice(pressed);
+    if (boxes.length) view.current.focusOn(boxes, innerWidth <= NARROW ? 0.55 * svg.current.clientHeight : 0);
+  };
   return html`<${Tools} robot=${robot} model=${model} filter=${filter} setFilter=${setFilter} show=${show} />
     ${error && html`<${Problem} error=${error} />`}
-    <div class="stage"><svg ref=${svg} class="picture" tabindex="0" role="group" aria-label="Interaction graph: arrow keys go from box to box, with shift they move the picture, plus and minus zoom, 0 shows all">
-        <defs>${["plain", "gr-st", "gr-mt", "watch"].map((name) => html`<marker id=${`tip-${name}`} class=${`tip ${name}`} viewBox="0 0 8 8" refX="6.5" refY="4" markerWidth="8" markerHeight="8" markerUnits="userSpaceOnUse" orient="auto"><path d="M0 0 8 4 0 8Z" /></marker>`)}
-          <pattern id="stripes" width="8" height="8" patternUnits="userSpaceOnUse" patternTransform="rotate(45)"><rect class="stripe-floor" width="8" height="8" /><rect class="stripe" width="4" height="8" /></pattern></defs>
-        <g class="world"></g></svg>
-      ${!picture.boxes.length && html`<p class="empty over">Nothing fits the filter.</p>`}
-      <${Legend} /><div class="zoom" role="toolbar" aria-label="Zoom"><button aria-label="Zoom in" onClick=${() => view.current.zoom(1.3)}>+</button><button aria-label="Zoom out" onClick=${() => view.current.zoom(1 / 1.3)}>−</button><button onClick=${() => view.current.fit(picture.boxes)}>All</button></div>
+    <div class="stage"><svg ref=${svg} class="picture" tabindex="0" role="group" aria-label="Interaction graph: arrow keys go from box to box, with shift they move the picture, plus and minus zoom, 0 shows all"><defs></defs><g class="world"></g></svg>
+      ${!layout.boxes.length && html`<p class="empty over">Nothing fits the filter.</p>`}
+      <${Legend} /><div class="zoom" role="toolbar" aria-label="Zoom"><button aria-label="Zoom in" onClick=${() => view.current.zoom(1.3)}>+</button><button aria-label="Zoom out" onClick=${() => view.current.zoom(1 / 1.3)}>−</button><button onClick=${() => view.current.fit()}>All</button></div>
       ${choice && html`<${Detail} robot=${robot} model=${model} choice=${choice} show=${show} close=${() => setChoice(null)} />`}</div>`;
 }
 
-function tryPicture(model, filter, opened) {
+function tryLayout(model, filter, unfolded) {
   try {
-    return { picture: pictureOf(model, shownEnds(model, filter), opened) };
+    return { layout: graphLayout(model, { endpoints: model.endpoints.filter((e) => fits(e, filter)), unfolded }) };
   } catch (error) {
-    return { error, picture: { boxes: [], edges: [], at: new Map() } };
+    return { error, layout: { boxes: [], edges: [] } };
   }
+}
+
+function fits({ topic, risks }, { kind, domain, risky, leaves, risk }) {
+  const both = topic.endpoints.some((e) => e.publishes) && topic.endpoints.some((e) => !e.publishes);
+  if (!leaves && !both && !topic.risks.length && !topic.coordination.length) return false;
+  if (domain && topic.domain !== domain) return false;
+  if (risk) return risks.some((r) => r.id === risk);
+  if (kind) return risks.some((r) => r.kind === kind);
+  return !risky || topic.risks.length > 0;
 }
 
 // Rates are written straight into the picture: drawing the view again for each state would be waste.
-function follow(robot, picture) {
+function followRates(robot, layout) {
   const now = () => {
     const live = isLive(store.robots.get(robot)), sample = live ? samplesOf(robot).at(-1) : undefined;
-    tell(picture, sample?.rates, sample?.streams);
+    showRates(layout, sample?.rates, sample?.streams);
   };
-  const ends = [`state ${robot}`, "link", "second"].map((channel) => listen(channel, now));
+  const stops = [`state ${robot}`, "link", "second"].map((channel) => listen(channel, now));
   now();
-  return () => ends.forEach((end) => end());
-}
-
-// What belongs to a choice is lit, the rest steps back.
-function lights(model, { kind, name }) {
-  const lit = { nodes: new Set(), topics: new Set(), ends: new Set(), coordination: new Set() };
-  const add = (end) => { lit.ends.add(end); lit.nodes.add(end.node); lit.topics.add(end.topic); };
-  if (kind === "node") { model.nodes.get(name).ends.forEach(add); lit.nodes.add(model.nodes.get(name)); }
-  if (kind === "topic") { model.topics.get(name).ends.forEach(add); lit.topics.add(model.topics.get(name)); model.topics.get(name).coordination.forEach((c) => lit.coordination.add(c)); }
-  if (kind === "coordination") for (const c of model.coordination.filter((each) => each.id === name)) {
-    lit.coordination.add(c);
-    [...c.guards, ...c.watches].forEach((part) => lit.topics.add(part.topic));
-    c.guards.forEach((guard) => guard.topic.ends.forEach(add));
-  }
-  return lit;
-}
-
-function boxesOf(model, picture, choice) {
-  if (!choice) return [];
-  const lit = lights(model, choice);
-  return picture.boxes.filter((b) => lit.nodes.has(b.node) || lit.coordination.has(b.coordination) || b.topics?.some((t) => lit.topics.has(t)));
+  return () => stops.forEach((stop) => stop());
 }
 
 function Tools({ robot, model, filter, setFilter, show }) {

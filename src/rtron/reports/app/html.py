@@ -1,0 +1,47 @@
+"""The interaction graph as one HTML file: to look at, to search, and to show to others.
+
+The file needs no network, and its Content-Security-Policy allows none: only the scripts and the
+style that stand in it, by their hashes. Names that strangers chose come in as JSON and leave as
+text nodes; nothing of them is ever read as HTML.
+"""
+
+import json
+import re
+from html import escape
+from string import Template
+from typing import Any
+
+from rtron.reports.app.page_data import page_data
+from rtron.reports.inline_page import page_text, policy
+from rtron.vocabulary import InteractionGraph, Plan, RiskReport
+
+_LAYOUT = ("graph/dagre.LICENSE.txt", "graph/dagre.min.js")
+_GRAPH = ("graph/model.js", "graph/layout.js", "graph/draw.js", "graph/viewport.js")
+_SCRIPTS = (*_GRAPH, "filters.js", "panels.js", "main.js")
+_MODULE_SYNTAX = re.compile(r"^import .*\n|^export ", re.MULTILINE)
+_UNSAFE = {ord(character): f"\\u{ord(character):04x}" for character in "<>&"}
+
+
+def graph_to_html(graph: InteractionGraph, report: RiskReport, plan: Plan | None) -> str:
+    """Return the page of a graph, its risks and, where there is a plan, its coordination nodes."""
+    data = page_data(graph, report, plan)
+    layout, program, style = "".join(map(page_text, _LAYOUT)), _program(), page_text("page.css")
+    return Template(page_text("page.html")).substitute(
+        title=escape(data["app"]),
+        policy=policy((layout, program), style),
+        style=style,
+        layout=layout,
+        program=program,
+        data=_inline_json(data),
+    )
+
+
+def _inline_json(value: Any) -> str:  # noqa: ANN401 - plain JSON
+    """Return JSON that ends no script and opens no comment, whatever the names in it are."""
+    return json.dumps(value, separators=(",", ":")).translate(_UNSAFE)
+
+
+def _program() -> str:
+    """Return the modules as one script, in the order of their imports."""
+    modules = (_MODULE_SYNTAX.sub("", page_text(name)) for name in _SCRIPTS)
+    return "(() => {\n" + '"use strict";\n' + "".join(modules) + "})();\n"

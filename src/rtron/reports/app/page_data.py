@@ -1,0 +1,137 @@
+"""What the page knows: the graph, its risks and the plan, with numbers in place of names."""
+
+from collections.abc import Iterable
+from typing import Any
+
+from rtron.reports.app.page_coordination import plan_data
+from rtron.reports.app.page_ids import PageIds, page_ids
+from rtron.reports.app.risk_list import KIND_TITLE, location, worst_first
+from rtron.reports.app.risk_marks import RiskMarks, risk_marks
+from rtron.reports.sanitize import sanitize
+from rtron.vocabulary import (
+    Direction,
+    Endpoint,
+    Evidence,
+    InteractionGraph,
+    Node,
+    Plan,
+    Risk,
+    RiskKind,
+    RiskReport,
+    UnresolvedItem,
+)
+
+
+def page_data(graph: InteractionGraph, report: RiskReport, plan: Plan | None) -> Any:  # noqa: ANN401
+    """Return all that the page shows as plain JSON, every text on one line and harmless."""
+    names, colours = page_ids(graph, report, plan), risk_marks(graph, report)
+    document = {
+        "app": graph.app or "app",
+        "ros": graph.ros,
+        "kinds": {kind.value: KIND_TITLE[kind] for kind in RiskKind},
+        "nodes": _nodes(graph, names, colours),
+        "topics": _topics(graph, report, names, colours),
+        "endpoints": [_endpoint(endpoint, names, colours) for endpoint in graph.endpoints],
+        "services": [_side(names, s.node, s.name, s.type, "") for s in graph.services],
+        "actions": [_side(names, a.node, a.name, a.type, a.role.value) for a in graph.actions],
+        "risks": [_risk(risk, names) for risk in sorted(report.risks, key=worst_first)],
+        "unresolved": [_unresolved(item) for item in graph.unresolved],
+        "notRun": [list(item) for item in report.not_run.items()],
+        "coordination": plan_data(plan, names) if plan else [],
+    }
+    return _harmless(document)
+
+
+def _nodes(graph: InteractionGraph, names: PageIds, colours: RiskMarks) -> list[dict[str, Any]]:
+    known = {node.name: node for node in graph.nodes}
+    return [_node(known.get(name, Node(name=name)), colours) for name in names.nodes]
+
+
+def _node(node: Node, colours: RiskMarks) -> dict[str, Any]:
+    marks = {"image": colours.image_nodes, "max_vel": colours.max_vel_nodes}
+    return {
+        "name": node.name,
+        "package": node.package,
+        "executable": node.executable,
+        "origin": node.origin,
+        "trust": node.trust.value,
+        "function": node.function.value if node.function else "",
+        "domain": node.domain.value if node.domain else "",
+        "marks": [mark for mark, nodes in marks.items() if node.name in nodes],
+    }
+
+
+def _topics(
+    graph: InteractionGraph, report: RiskReport, names: PageIds, colours: RiskMarks
+) -> list[dict[str, Any]]:
+    declared = {topic.name: topic.types for topic in graph.topics}
+    marks = {"event": colours.event_topics, "action": colours.action_topics}
+    classes = report.topic_classes
+    return [
+        {
+            "name": name,
+            "types": _types(graph, name, declared.get(name, ())),
+            "domain": classes[name].domain.value if name in classes else "",
+            "sharing": classes[name].sharing.value if name in classes else "",
+            "marks": [mark for mark, topics in marks.items() if name in topics],
+        }
+        for name in names.topics
+    ]
+
+
+def _types(graph: InteractionGraph, topic: str, declared: Iterable[str]) -> list[str]:
+    used = (e.type for e in (*graph.publishers(topic), *graph.subscribers(topic)))
+    return [name for name in dict.fromkeys((*declared, *used)) if name]
+
+
+def _endpoint(endpoint: Endpoint, names: PageIds, colours: RiskMarks) -> dict[str, Any]:
+    edge = (endpoint.node, endpoint.topic)
+    marks = {RiskKind.GR_ST: colours.single_topic, RiskKind.GR_MT: colours.multi_topic}
+    remapped = endpoint.declared_name not in ("", endpoint.topic)
+    return {
+        "node": names.nodes[endpoint.node],
+        "topic": names.topics[endpoint.topic],
+        "publishes": endpoint.direction is Direction.PUBLISH,
+        "type": endpoint.type,
+        "declared": endpoint.declared_name if remapped else "",
+        "implicit": endpoint.implicit,
+        "resolution": endpoint.resolution.value,
+        "evidence": _locations(endpoint.evidence),
+        "marks": [kind.value for kind, edges in marks.items() if edge in edges],
+    }
+
+
+def _side(names: PageIds, node: str, name: str, type: str, role: str) -> dict[str, Any]:
+    return {"node": names.nodes[node], "name": name, "type": type, "role": role}
+
+
+def _risk(risk: Risk, names: PageIds) -> dict[str, Any]:
+    return {
+        "id": risk.id,
+        "kind": risk.kind.value,
+        "rule": risk.rule,
+        "roles": [[role.value, names.node_ids(nodes)] for role, nodes in risk.role_nodes.items()],
+        "topics": names.topic_ids(risk.topics),
+        "successors": names.node_ids(risk.successors),
+        "type": risk.message_type,
+        "domain": risk.domain.value,
+        "severity": risk.severity.value,
+        "reason": risk.reason,
+        "evidence": _locations(risk.evidence),
+    }
+
+
+def _unresolved(item: UnresolvedItem) -> dict[str, Any]:
+    return {"what": item.what, "why": item.why, "evidence": _locations(item.evidence)}
+
+
+def _locations(evidence: Iterable[Evidence]) -> list[str]:
+    return [location(item) for item in evidence]
+
+
+def _harmless(value: Any) -> Any:  # noqa: ANN401 - plain JSON
+    if isinstance(value, str):
+        return sanitize(value)
+    if isinstance(value, dict):
+        return {key: _harmless(inner) for key, inner in value.items()}
+    return [_harmless(inner) for inner in value] if isinstance(value, list) else value

@@ -1,0 +1,166 @@
+"""The risks as SARIF 2.1.0, for code scanning services and editors.
+
+Results stand in the order of kind, topics and id. A result's fingerprint holds its rule, id, topics
+and high-risk nodes, and no line: it stays when code moves or unrelated nodes come and go.
+"""
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+from rtron import __version__
+from rtron.reports.app.sarif_locations import (
+    base_ids,
+    logical_locations,
+    message,
+    physical_location,
+)
+from rtron.reports.app.sarif_rules import rule_descriptors, rule_index
+from rtron.reports.sanitize import sanitize
+from rtron.vocabulary import (
+    Direction,
+    Evidence,
+    InteractionGraph,
+    Risk,
+    RiskReport,
+    Severity,
+    UnresolvedItem,
+)
+
+SCHEMA = (
+    "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
+)
+FINGERPRINT = "rtronRisk/v1"
+_UNRESOLVED, _NOT_RUN = "unresolved", "rule-not-run"
+_LEVEL: Mapping[Severity, str] = {
+    Severity.HIGH: "error",
+    Severity.MEDIUM: "warning",
+    Severity.LOW: "note",
+}
+_VERB = {Direction.PUBLISH: "publishes", Direction.SUBSCRIBE: "subscribes"}
+_Facts = Mapping[Evidence, str]
+
+
+def risks_to_sarif(graph: InteractionGraph, report: RiskReport, root: Path | None) -> str:
+    """Return the report as a SARIF document; locations below `root` are relative to it."""
+    run = {
+        "tool": {"driver": _driver()},
+        "automationDetails": {"id": f"rtron/{sanitize(report.app or 'app')}"},
+        "invocations": [_invocation(graph, report, root)],
+        "originalUriBaseIds": base_ids(root),
+        "logicalLocations": list(_functions(graph)),
+        "results": _results(graph, report, root),
+    }
+    return json.dumps({"$schema": SCHEMA, "version": "2.1.0", "runs": [run]}, indent=2) + "\n"
+
+
+def _functions(graph: InteractionGraph) -> Iterator[dict[str, Any]]:
+    """Yield the nodes whose function is known, with it (SARIF 2.1.0 section 3.14.17)."""
+    for node in graph.nodes:
+        if node.function:
+            [location] = logical_locations([node.name])
+            domain = node.domain.value if node.domain else ""
+            yield location | {"properties": {"function": node.function.value, "domain": domain}}
+
+
+def _driver() -> dict[str, Any]:
+    return {
+        "name": "RTron",
+        "version": __version__,
+        "semanticVersion": __version__,
+        "rules": rule_descriptors(),
+        "notifications": [
+            {"id": _UNRESOLVED, "shortDescription": {"text": "Something could not be read."}},
+            {"id": _NOT_RUN, "shortDescription": {"text": "A rule could not run."}},
+        ],
+    }
+
+
+def _invocation(graph: InteractionGraph, report: RiskReport, root: Path | None) -> dict[str, Any]:
+    unresolved = sorted(graph.unresolved, key=_order_of_unresolved)
+    notes = [_unresolved(item, root) for item in unresolved]
+    notes += [_notification(_NOT_RUN, 1, f"{r}: {why}") for r, why in report.not_run.items()]
+    return {"executionSuccessful": True, "toolExecutionNotifications": notes}
+
+
+def _unresolved(item: UnresolvedItem, root: Path | None) -> dict[str, Any]:
+    locations = [{"physicalLocation": physical_location(e, root)} for e in item.evidence if e.file]
+    note = _notification(_UNRESOLVED, 0, f"{item.what}: {item.why}")
+    return note | ({"locations": locations} if locations else {})
+
+
+def _notification(id: str, index: int, text: str) -> dict[str, Any]:
+    return {
+        "descriptor": {"id": id, "index": index},
+        "level": "warning",
+        "message": message(text),
+    }
+
+
+def _order_of_unresolved(item: UnresolvedItem) -> tuple[list[tuple[str, int]], str, str]:
+    return [(e.file, e.line) for e in item.evidence], item.what, item.why
+
+
+def _results(
+    graph: InteractionGraph, report: RiskReport, root: Path | None
+) -> list[dict[str, Any]]:
+    facts = dict(_facts(graph))
+    ordered = sorted(report.risks, key=lambda r: (rule_index(r.kind), r.topics, r.id))
+    return [_result(risk, facts, root) for risk in ordered]
+
+
+def _facts(graph: InteractionGraph) -> Iterator[tuple[Evidence, str]]:
+    """Yield in words what was read where."""
+    for endpoint in graph.endpoints:
+        text = f"{endpoint.node} {_VERB[endpoint.direction]} {endpoint.topic}"
+        yield from ((evidence, text) for evidence in endpoint.evidence)
+
+
+def _result(risk: Risk, facts: _Facts, root: Path | None) -> dict[str, Any]:
+    first, *others = _locations(risk, facts, root)
+    related = [{"id": number} | location for number, location in enumerate(others, start=1)]
+    return {
+        "ruleId": risk.kind.value,
+        "ruleIndex": rule_index(risk.kind),
+        "level": _LEVEL[risk.severity],
+        "message": message(risk.reason),
+        "locations": [first | {"logicalLocations": logical_locations(_high_risk_nodes(risk))}],
+        "relatedLocations": related,
+        "partialFingerprints": {FINGERPRINT: _fingerprint(risk)},
+        "properties": _properties(risk),
+    }
+
+
+def _locations(risk: Risk, facts: _Facts, root: Path | None) -> list[dict[str, Any]]:
+    """Return the locations of the evidence; one without a location where there is none."""
+    locations = [_location(e, facts, root) for e in dict.fromkeys(risk.evidence) if e.file]
+    return locations or [{}]
+
+
+def _location(evidence: Evidence, facts: _Facts, root: Path | None) -> dict[str, Any]:
+    text = {"message": message(facts[evidence])} if evidence in facts else {}
+    return {"physicalLocation": physical_location(evidence, root)} | text
+
+
+def _high_risk_nodes(risk: Risk) -> Sequence[str]:
+    return sorted({node for nodes in risk.role_nodes.values() for node in nodes})
+
+
+def _fingerprint(risk: Risk) -> str:
+    roles = {role.value: sorted(nodes) for role, nodes in risk.role_nodes.items()}
+    identity = [risk.kind.value, risk.rule, risk.id, sorted(risk.topics), roles]
+    return sha256(json.dumps(identity, sort_keys=True).encode()).hexdigest()
+
+
+def _properties(risk: Risk) -> dict[str, Any]:
+    return {
+        "id": sanitize(risk.id),
+        "rule": risk.rule,
+        "severity": risk.severity.value,
+        "domain": risk.domain.value,
+        "messageType": sanitize(risk.message_type),
+        "topics": [sanitize(topic) for topic in risk.topics],
+        "successors": [sanitize(node) for node in risk.successors],
+    }

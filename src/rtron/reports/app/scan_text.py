@@ -1,0 +1,131 @@
+"""What a scan found, as text for a person at a terminal."""
+
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import chain
+
+from rich.text import Text
+
+from rtron.reports.app.contention import contention
+from rtron.reports.app.node_functions import node_functions
+from rtron.reports.app.risk_list import (
+    MILDEST_LAST,
+    SEVERITY_STYLE,
+    location,
+    risk_list,
+    worst_first,
+)
+from rtron.reports.text_layout import Report, TextPage, columns, counted, heading, line, paragraph
+from rtron.vocabulary import (
+    CoordinationCount,
+    CoordinationKind,
+    Domain,
+    InteractionGraph,
+    RiskReport,
+    UnresolvedItem,
+)
+
+MOST_UNRESOLVED = 10
+
+
+@dataclass(frozen=True, slots=True)
+class Scan:
+    """A scan to report: the graph, where it was read from, its risks, and what to do next."""
+
+    graph: InteractionGraph
+    report: RiskReport
+    read_from: str
+    next_step: str
+
+
+def scan_text(scan: Scan) -> Report:
+    """Return the report of a scan."""
+    return Report(lambda page: _lines(scan, page))
+
+
+def _lines(scan: Scan, page: TextPage) -> Iterable[Text]:
+    return chain(
+        _header(scan, page),
+        contention(scan.graph, scan.report, page),
+        risk_list(scan.report, page),
+        node_functions(scan.graph.nodes, page),
+        _coordination(scan.report),
+        _not_run(scan.report, page),
+        _unresolved(scan.graph.unresolved, page),
+        _next_step(scan),
+    )
+
+
+def _header(scan: Scan, page: TextPage) -> Iterator[Text]:
+    graph = scan.graph
+    yield line((graph.app or "app", "bold"), f"  ROS {graph.ros}, read from {scan.read_from}")
+    counts = {
+        "node": len(graph.nodes),
+        "topic": len(graph.topics),
+        "endpoint": len(graph.endpoints),
+        "service": len(graph.services),
+        "action endpoint": len(graph.actions),
+    }
+    summary = ", ".join(counted(number, noun) for noun, number in counts.items() if number)
+    yield from paragraph(summary or "the graph is empty", page)
+    yield _verdict(scan)
+
+
+def _verdict(scan: Scan) -> Text:
+    if not scan.report.risks:
+        partly = " in what could be read" if scan.graph.unresolved or scan.report.not_run else ""
+        return line((f"no risks found{partly}", "bold green"))
+    numbers = Counter(risk.severity for risk in scan.report.risks)
+    severities = [
+        Text(f"{numbers[severity]} {severity}", SEVERITY_STYLE[severity])
+        for severity in MILDEST_LAST
+        if numbers[severity]
+    ]
+    return line((counted(len(scan.report.risks), "risk"), "bold"), ": ") + Text(", ").join(
+        severities
+    )
+
+
+def _coordination(report: RiskReport) -> Iterator[Text]:
+    if report.risks:
+        yield from heading("Coordination nodes needed")
+        yield from columns(_needed(report.coordination_nodes), indent=2)
+
+
+def _needed(count: CoordinationCount) -> list[tuple[str, ...]]:
+    domains = ", ".join(
+        f"{domain} {count.grcn[domain]}" for domain in Domain if count.grcn.get(domain)
+    )
+    return [
+        (CoordinationKind.GRCN, f"{sum(count.grcn.values()):>3}", domains),
+        (CoordinationKind.RSRCN, f"{count.rsrcn:>3}", ""),
+        (CoordinationKind.MSRCN, f"{count.msrcn:>3}", ""),
+        (CoordinationKind.FPS_MONITOR, f"{count.fps_monitor:>3}", ""),
+    ]
+
+
+def _not_run(report: RiskReport, page: TextPage) -> Iterator[Text]:
+    if report.not_run:
+        yield from heading("Rules not run")
+    for rule, why in report.not_run.items():
+        yield from paragraph(f"{rule}: {why}", page, indent=2)
+
+
+def _unresolved(unresolved: Sequence[UnresolvedItem], page: TextPage) -> Iterator[Text]:
+    if unresolved:
+        yield from heading(f"Unresolved ({len(unresolved)})")
+    for item in unresolved[:MOST_UNRESOLVED]:
+        at = f" ({location(item.evidence[0])})" if item.evidence else ""
+        yield from paragraph(f"{item.what}: {item.why}{at}", page, indent=2)
+    if len(unresolved) > MOST_UNRESOLVED:
+        more = len(unresolved) - MOST_UNRESOLVED
+        yield line((f"and {more} more, which --format graph lists", "dim"), indent=2)
+
+
+def _next_step(scan: Scan) -> Iterator[Text]:
+    if scan.report.risks:
+        rule = min(scan.report.risks, key=worst_first).rule
+        yield from heading("Next")
+        yield line((scan.next_step, "bold green"), "  propose what to put in between", indent=2)
+        yield line((f"rtron explain {rule}", "bold green"), "  why it is a risk", indent=2)

@@ -1,0 +1,62 @@
+"""The abstract interaction graph as JSON, schema `rtron.functions/1`."""
+
+from dataclasses import asdict
+from typing import Any
+
+from rtron.functions.classifier.result import Classification
+from rtron.functions.interactions.abstract_graph import (
+    FUNCTIONS_SCHEMA,
+    AbstractGraph,
+    DirectInteraction,
+)
+
+
+def classification_to_json(classification: Classification) -> dict[str, object]:
+    """Return a repository's functions, what decided them, and the evidence."""
+    return {
+        "repo": classification.repo,
+        "functions": list(map(str, classification.functions)),
+        "primary": str(classification.primary) if classification.primary else None,
+        "decided_by": str(classification.decided_by),
+        "evidence": [
+            {
+                "piece": str(each.source),
+                "rule": each.rule,
+                "type": str(each.type),
+                "text": each.text,
+                "package": each.package,
+            }
+            for each in classification.evidence
+        ],
+    }
+
+
+def functions_to_json(graph: AbstractGraph) -> dict[str, Any]:
+    """Return the graph as a JSON document; see docs/functions_graph.md for its keys."""
+    return {
+        "schema": FUNCTIONS_SCHEMA,
+        "packages": graph.packages,
+        "outside": graph.outside,
+        "repeated": graph.repeated,
+        "known": {basis.value: number for basis, number in graph.count_by_basis().items()},
+        "functions": [
+            {
+                "name": node.name,
+                "function": node.function.value,
+                "domain": node.domain.value,
+                "packages": node.packages,
+            }
+            for node in graph.functions
+        ],
+        "direct": [_direct(edge) for edge in graph.direct],
+        "indirect": [
+            {"from": edge.source, "to": edge.target, "through": edge.through}
+            for edge in graph.indirect
+        ],
+        "unresolved": [asdict(note) for note in graph.unresolved],
+    }
+
+
+def _direct(edge: DirectInteraction) -> dict[str, Any]:
+    messages = [asdict(message) | {"basis": message.basis.value} for message in edge.messages]
+    return {"from": edge.source, "to": edge.target, "messages": messages}

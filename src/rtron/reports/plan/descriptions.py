@@ -1,0 +1,126 @@
+"""What the settings of a plan mean, in words; what has its default goes unsaid."""
+
+from collections.abc import Iterator
+
+from rtron.vocabulary import (
+    RSRCN,
+    SECOND,
+    Area,
+    Audit,
+    EventFlow,
+    Flow,
+    FpsMonitor,
+    FrameSource,
+    MissionRule,
+    OnError,
+    OnForeign,
+    OnSilence,
+    PolicyName,
+    StopProfile,
+    Transform,
+    WhenUnknown,
+)
+
+_SILENT_AFTER = SECOND // 2
+_BY_RATE = (PolicyName.SAFE, PolicyName.SAFE_CONSTRAIN)
+
+
+def seconds(duration: int) -> str:
+    """Return a duration (ns) in seconds."""
+    return f"{duration / SECOND:g} s"
+
+
+def describe_flow(flow: Flow) -> str:
+    """Return a flow's priority and times, and what its silence and its errors do."""
+    return ", ".join(_flow(flow))
+
+
+def _flow(flow: Flow) -> Iterator[str]:
+    if flow.priority:
+        yield f"priority {flow.priority}"
+    if flow.timeout is not None:
+        yield f"timeout {seconds(flow.timeout)}"
+    if flow.on_silence is OnSilence.RELEASE:
+        yield "no stop when silent"
+    elif flow.silent_after != _SILENT_AFTER:
+        yield f"stop when silent for {seconds(flow.silent_after)}"
+    if flow.on_error is OnError.DROP:
+        yield "no stop on errors"
+
+
+def describe_event(flow: EventFlow) -> str:
+    """Return what sets an eflow's bit, and what it counts as while nobody knows it."""
+    what = f"message with {one_line(flow.when)}" if flow.when else "message"
+    if flow.present is not None:
+        text = f"set for {seconds(flow.present)} after a {what}"
+    elif flow.silent is not None:
+        text = f"set after {seconds(flow.silent)} without a {what}"
+    else:
+        text = f"set while {one_line(flow.when)}"
+    return "; ".join((text, *_unknown(flow)))
+
+
+def _unknown(flow: EventFlow) -> Iterator[str]:
+    cases = (("when silent", flow.on_silence), ("on errors", flow.on_error))
+    for case, counts in cases:
+        if counts is not WhenUnknown.BLOCK:
+            yield f"{case}: {counts}"
+
+
+def describe_rule(rule: MissionRule) -> str:
+    """Return when a rule blocks what, and what ends it."""
+    when = "" if rule.when == "true" else f"while {one_line(rule.when)}: "
+    action = f" where {one_line(rule.action)}" if rule.action else ""
+    end = f" until {rule.require} has spoken" if rule.require else ""
+    return f"{when}block {', '.join(rule.block)}{action}{end}"
+
+
+def describe_limit(rsrcn: RSRCN) -> tuple[str, ...]:
+    """Return the limits of an RSRCN that are given, whether its policy uses them or not."""
+    found = []
+    if rsrcn.threshold is not None:
+        found.append(f"threshold {rsrcn.threshold:g} m/frame")
+    if rsrcn.max_vel_limit is not None:
+        found.append(f"max_vel_limit {rsrcn.max_vel_limit:g} m/s")
+    if rsrcn.policy in _BY_RATE or rsrcn.lowest:
+        found.append(f"{rsrcn.lowest:g} m/s while an image node is silent")
+    return tuple(found)
+
+
+def describe_monitor(monitor: FpsMonitor) -> str:
+    """Return what an fps_monitor counts, and what bounds its rate."""
+    counted = "frames" if monitor.source is FrameSource.FRAMES else "detections only,"
+    camera = monitor.camera
+    found = [f"counts {counted} over {seconds(monitor.window)}"]
+    if camera:
+        found.append(f"no faster than {camera.topic} of {camera.publisher}")
+    if monitor.silent_after != SECOND:
+        found.append(f"silent after {seconds(monitor.silent_after)}")
+    return ", ".join(found)
+
+
+def describe_area(area: Area) -> str:
+    """Return an area's size in corners, and its frame."""
+    return f"{len(area.polygon)} corners in {area.frame}"
+
+
+def describe_transform(one: Transform) -> str:
+    """Return where a frame lies in another."""
+    return f"{one.source} lies in {one.target} at {one.x:g} m, {one.y:g} m, {one.yaw:g} rad"
+
+
+def describe_stop(stop: StopProfile) -> str:
+    """Return how the robot is stopped."""
+    ramp = f"a ramp of {stop.decel:g} m/s2 and {stop.angular_decel:g} rad/s2"
+    return f"{ramp}, every {seconds(stop.period)}, then zeros for {seconds(stop.repeat)}"
+
+
+def describe_audit(audit: Audit) -> str:
+    """Return how often the guarded nodes are asked who speaks to them, and what follows."""
+    also = " and stop" if audit.on_foreign is OnForeign.STOP else ""
+    return f"every {seconds(audit.period)}; a foreign publisher: alarm{also}"
+
+
+def one_line(expression: str) -> str:
+    """Return an expression on one line."""
+    return " ".join(expression.split())

@@ -1,0 +1,38 @@
+"""What is wrong with a plan, as text for the person who mends it."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from rich.text import Text
+
+from rtron.reports.text_layout import Report, TextPage, counted, line, paragraph
+
+_STYLE = {"error": "bold red", "warning": "yellow"}
+
+
+@dataclass(frozen=True, slots=True)
+class Remark:
+    """One remark on a plan: its level (`error` or `warning`), what it is about, and itself."""
+
+    level: str
+    where: str
+    message: str
+
+
+def problems_text(title: str, remarks: Sequence[Remark]) -> Report:
+    """Return the remarks after their number, or that there is none."""
+    return Report(lambda page: _lines(title, remarks, page))
+
+
+def _lines(title: str, remarks: Sequence[Remark], page: TextPage) -> Iterator[Text]:
+    summary = counted(len(remarks), "problem") if remarks else "no problems"
+    yield line((title, "bold"), "  ", (summary, "bold" if remarks else "bold green"))
+    yield from remark_lines(remarks, page)
+
+
+def remark_lines(remarks: Sequence[Remark], page: TextPage) -> Iterator[Text]:
+    """Yield each remark with its level in colour."""
+    for remark in remarks:
+        level = (f"{remark.level:<9}", _STYLE.get(remark.level, ""))
+        yield line(level, (remark.where, "bold"), indent=2)
+        yield from paragraph(remark.message, page, indent=11)

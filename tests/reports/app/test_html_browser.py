@@ -1,0 +1,320 @@
+"""The page in a real browser: Debian's chromium and chromium-driver."""
+
+import os
+import shutil
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+import pytest
+from report_cases import GRAPH, report_of, speaks
+
+from rtron.planning import propose_plan
+from rtron.reports.app.html import graph_to_html
+from rtron.risks import discover_risks
+from rtron.sources.graph_json import read_graph
+from rtron.vocabulary import Direction, Endpoint, Evidence, InteractionGraph, Node
+
+CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
+pytestmark = pytest.mark.skipif(
+    not (CHROMIUM and DRIVER), reason="needs Debian's chromium and chromium-driver"
+)
+webdriver = pytest.importorskip("selenium.webdriver")
+from selenium.webdriver.common.by import By  # noqa: E402
+from selenium.webdriver.common.keys import Keys  # noqa: E402
+from selenium.webdriver.support.ui import WebDriverWait  # noqa: E402
+
+FIXTURES = Path(__file__).parents[2] / "fixtures"
+ARGUMENTS = (
+    "--headless=new",
+    "--window-size=1600,1000",
+    "--disable-gpu",
+    "--disable-dev-shm-usage",
+)
+
+
+@pytest.fixture(scope="module")
+def chromium():
+    options = webdriver.ChromeOptions()
+    options.binary_location = CHROMIUM
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    for argument in (*ARGUMENTS, *(["--no-sandbox"] if os.geteuid() == 0 else [])):
+        options.add_argument(argument)
+    browser = webdriver.Chrome(options=options, service=webdriver.ChromeService(DRIVER))
+    yield browser
+    browser.quit()
+
+
+@pytest.fixture
+def opened(chromium, tmp_path):
+    """Open a page; after the test its console must be silent."""
+
+    def open_page(graph, report, plan=None):
+        path = tmp_path / "graph.html"
+        path.write_text(graph_to_html(graph, report, plan), encoding="utf-8")
+        chromium.get(path.as_uri())
+        return chromium
+
+    yield open_page
+    assert chromium.get_log("browser") == []
+
+
+@pytest.fixture
+def autorace(opened):
+    graph = read_graph(FIXTURES / "autorace.json")
+    report = discover_risks(graph)
+    return opened(graph, report, propose_plan(graph, report))
+
+
+def texts(page, selector):
+    return [
+        element.get_attribute("textContent")
+        for element in page.find_elements(By.CSS_SELECTOR, selector)
+    ]
+
+
+def labels(page, selector=".press"):
+    return {e.get_attribute("aria-label") for e in page.find_elements(By.CSS_SELECTOR, selector)}
+
+
+def click(page, selector):
+    page.find_element(By.CSS_SELECTOR, selector).click()
+
+
+def press(page, selector):
+    """Press a part of the picture by its key, since others may lie over it."""
+    page.find_element(By.CSS_SELECTOR, selector).send_keys(Keys.ENTER)
+
+
+def lit(page):
+    return labels(page, ".box.lit > .press") | labels(page, "[data-topic].lit > .row")
+
+
+def test_all_nodes_are_drawn_where_they_can_be_seen(autorace):
+    nodes = {label for label in labels(autorace) if label.startswith("node ")}
+    assert len(nodes) == 25
+    stage = autorace.find_element(By.ID, "stage").rect
+    for box in autorace.find_elements(By.CSS_SELECTOR, ".box"):
+        rect = box.rect
+        assert rect["x"] >= stage["x"] - 1
+        assert rect["x"] + rect["width"] <= stage["x"] + stage["width"] + 1
+        assert rect["y"] >= stage["y"] - 1
+
+
+def test_boxes_do_not_overlap(autorace):
+    overlaps = autorace.execute_script("""
+        const boxes = [...document.querySelectorAll(".box")].map((b) => b.getBoundingClientRect());
+        return boxes.flatMap((a, i) => boxes.slice(i + 1).filter((b) =>
+            a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom)).length;
+    """)
+    assert overlaps == 0
+
+
+def test_a_risk_lights_its_part_and_explains_itself(autorace):
+    item = next(
+        e
+        for e in autorace.find_elements(By.CSS_SELECTOR, "#risks .item")
+        if e.text.split() == ["high", "/cmd_vel"]
+    )
+    item.click()
+    assert lit(autorace) == {
+        "topic /cmd_vel",
+        *(f"node /{name}" for name in ("control_lane", "control_parking", "detect_tunnel")),
+        "node /move_base",
+        "node /gazebo",
+    }
+    detail = autorace.find_element(By.ID, "detail").text
+    assert "all publish /cmd_vel" in detail
+    assert len(autorace.find_elements(By.CSS_SELECTOR, ".edge.lit")) == 5
+
+
+def test_at_risk_only_leaves_out_the_rest(autorace):
+    assert "topic /move_base/result" in labels(autorace)
+    click(autorace, "#only-risks")
+    after = labels(autorace)
+    assert "topic /move_base/result" not in after
+    assert {"topic /cmd_vel", "node /gazebo"} <= after
+
+
+def test_a_filter_hides_a_package(autorace):
+    click(autorace, "#filters summary")
+    click(autorace, "[data-facet=package] input[value=rviz]")
+    assert "node /rviz" not in labels(autorace)
+    click(autorace, "[data-facet=package] input[value=rviz]")
+    assert "node /rviz" in labels(autorace)
+
+
+def test_only_one_value_of_a_filter(autorace):
+    click(autorace, "#filters summary")
+    only = autorace.find_element(By.CSS_SELECTOR, "[data-facet=trust] .facet:last-child .only")
+    only.send_keys(Keys.ENTER)
+    assert "node /detect_lane" not in labels(autorace)
+    assert "node /gazebo" in labels(autorace)
+    only.send_keys(Keys.ENTER)
+    assert "node /detect_lane" in labels(autorace)
+
+
+def test_a_node_shows_where_its_endpoints_were_read(opened):
+    at = (Evidence(file="src/lane.py", line=7),)
+    end = speaks("/lane", "/cmd_vel", declared_name="cmd", evidence=at, type="t/Twist")
+    nodes = (Node(name="/lane", package="lanes", executable="lane.py"),)
+    page = opened(InteractionGraph(app="a", nodes=nodes, endpoints=(end,)), report_of())
+    press(page, "[aria-label='node /lane']")
+    detail = page.find_element(By.ID, "detail").text.splitlines()
+    assert {"lanes", "lane.py", "/cmd_vel", "t/Twist literal", "src/lane.py:7"} <= set(detail)
+    assert "remapped from cmd" in detail
+
+
+def test_what_stayed_unresolved_is_listed(opened):
+    page = opened(GRAPH, report_of())
+    click(page, "#unresolved-list summary")
+    assert page.find_element(By.ID, "unresolved").text.splitlines() == [
+        "a publisher of /odd",
+        "its name comes from a service call",
+        "src/odd.cpp:12",
+    ]
+
+
+def test_implicit_endpoints_come_when_asked_for(opened):
+    ends = (("/lane", "/cmd_vel", False), ("/lane", "/rosout", True))
+    endpoints = tuple(
+        Endpoint(node=n, topic=t, direction=Direction.PUBLISH, implicit=i) for n, t, i in ends
+    )
+    page = opened(InteractionGraph(app="a", endpoints=endpoints), report_of())
+    assert labels(page) == {"node /lane"}
+    click(page, "#leaves")
+    assert labels(page) == {"node /lane", "topic /cmd_vel"}
+    click(page, "#implicit")
+    assert labels(page) == {"node /lane", "topic /cmd_vel", "topic /rosout"}
+
+
+def test_leaf_topics_come_when_asked_for(autorace):
+    assert "topic /move_base/feedback" not in labels(autorace)
+    click(autorace, "#leaves")
+    assert "topic /move_base/feedback" in labels(autorace)
+
+
+def test_a_page_with_nothing_left_says_so(autorace):
+    click(autorace, "#filters summary")
+    for value in autorace.find_elements(By.CSS_SELECTOR, "[data-facet=trust] input"):
+        value.click()
+    assert autorace.find_element(By.ID, "empty").is_displayed()
+    assert labels(autorace, ".box > .press") == set()
+
+
+def test_the_saved_picture_stands_alone(autorace):
+    text = autorace.execute_async_script(
+        "const done = arguments[0];"
+        "URL.createObjectURL = (blob) => { blob.text().then(done); return '#'; };"
+        "document.getElementById('save').click();"
+    )
+    picture = ET.fromstring(text)
+    names = [e.get("aria-label") for e in picture.iter("{http://www.w3.org/2000/svg}g")]
+    assert "node /gazebo" in names
+    assert "--edge" in picture.find("{http://www.w3.org/2000/svg}style").text
+
+
+def test_coordination_nodes_show_their_flows(autorace):
+    press(autorace, "[aria-label^='GRCN of /cmd_vel']")
+    detail = autorace.find_element(By.ID, "detail").text
+    assert "Preemption" in detail
+    assert {"flow1", "flow4"} <= set(texts(autorace, ".edge.lit .flow"))
+    press(autorace, "[aria-label='MSRCN msrcn']")
+    assert autorace.find_elements(By.CSS_SELECTOR, ".edge.lane.lit")
+    assert "set for 2 s after a message" in autorace.find_element(By.ID, "detail").text
+    click(autorace, "#overlay")
+    assert not [label for label in labels(autorace) if "RCN" in label]
+
+
+def test_search_finds_opens_and_chooses(autorace):
+    field = autorace.find_element(By.ID, "search")
+    assert "topic /move_base/status" not in labels(autorace)
+    click(autorace, "#leaves")
+    assert "topic /move_base/status" not in labels(autorace)
+    field.send_keys("move_base/status", Keys.ENTER)
+    assert "topic /move_base/status" in lit(autorace)
+    field.clear()
+    field.send_keys("no such name")
+    assert "Nothing has this name" in autorace.find_element(By.ID, "found").text
+
+
+def test_the_keys_lead_through_the_graph(autorace):
+    start = autorace.find_element(By.CSS_SELECTOR, "[aria-label='node /gazebo']")
+    start.send_keys(Keys.ARROW_RIGHT)
+    reached = autorace.switch_to.active_element
+    assert reached.get_attribute("aria-label").startswith(("topic ", "GRCN of ", "node "))
+    assert reached.rect["x"] > start.rect["x"]
+    reached.send_keys(Keys.ENTER)
+    assert autorace.find_element(By.ID, "detail").is_displayed()
+    reached.send_keys(Keys.ESCAPE)
+    assert not autorace.find_element(By.ID, "detail").is_displayed()
+    assert lit(autorace) == set()
+
+
+def test_a_box_is_dragged_with_its_edges(autorace):
+    box = autorace.find_element(By.CSS_SELECTOR, "[aria-label='node /map_server']")
+    before = box.rect
+    edges = "return [...document.querySelectorAll('.edge .hit')].map((e) => e.getAttribute('d'))"
+    ways = autorace.execute_script(edges)
+    webdriver.ActionChains(autorace).drag_and_drop_by_offset(box, -30, -60).perform()
+    assert abs(box.rect["y"] - before["y"] + 60) < 3
+    moved = [a for a, b in zip(ways, autorace.execute_script(edges), strict=True) if a != b]
+    assert len(moved) == 1
+
+
+def test_what_is_left_out_comes_when_it_is_chosen(autorace):
+    assert "topic /move_base/feedback" not in labels(autorace)
+    autorace.find_element(By.ID, "search").send_keys("move_base/feedback", Keys.ENTER)
+    assert "topic /move_base/feedback" in lit(autorace)
+    assert autorace.find_element(By.ID, "leaves").get_attribute("aria-pressed") == "true"
+
+
+def test_zoom_and_fit(autorace):
+    box = autorace.find_element(By.CSS_SELECTOR, "[aria-label='node /gazebo']")
+    before = box.rect["width"]
+    click(autorace, "#zoom-in")
+    until(autorace, lambda: box.rect["width"] > 1.2 * before)
+    click(autorace, "#zoom-fit")
+    until(autorace, lambda: abs(box.rect["width"] - before) < 1)
+
+
+def until(page, condition):
+    """Wait for what the next frame shows."""
+    WebDriverWait(page, 10, 0.05).until(lambda _: condition())
+
+
+def test_the_theme_can_be_chosen(autorace):
+    ground = "return getComputedStyle(document.body).backgroundColor"
+    found = []
+    for _ in range(2):
+        click(autorace, "#theme")
+        found.append(autorace.execute_script(ground))
+    assert found == ["rgb(246, 247, 249)", "rgb(18, 22, 28)"]
+
+
+def test_a_stranger_s_markup_is_shown_as_text(opened):
+    evil = "</script><img src=x onerror='document.title=1'><b>x"
+    endpoint = Endpoint(node=evil, topic=evil, direction=Direction.PUBLISH, type=evil)
+    graph = InteractionGraph(
+        app=evil, nodes=(Node(name=evil, package=evil),), endpoints=(endpoint,)
+    )
+    page = opened(graph, report_of())
+    press(page, ".press.pill")
+    assert texts(page, "#detail h2") == [evil]
+    assert texts(page, "h1") == [evil]
+    assert not page.find_elements(By.CSS_SELECTOR, "img")
+
+
+def test_a_large_graph_is_laid_out_quickly(opened):
+    endpoints = [
+        Endpoint(node=f"/n{n % 200}", topic=f"/t{t}", direction=direction)
+        for t in range(800)
+        for n, direction in ((t, Direction.PUBLISH), (t * 7 + t // 9, Direction.SUBSCRIBE))
+    ]
+    page = opened(InteractionGraph(app="large", endpoints=tuple(endpoints)), report_of())
+    assert len([label for label in labels(page) if label.startswith("node ")]) == 200
+    took = page.execute_script(
+        "const start = performance.now();"
+        "document.getElementById('implicit').click();"
+        "return performance.now() - start"
+    )
+    assert took < 10_000

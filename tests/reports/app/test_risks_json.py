@@ -1,0 +1,48 @@
+import json
+
+from report_cases import CONTENDED, EVENT, REPORT, report_of
+
+from rtron.reports.app.risks_json import risks_to_json
+from rtron.vocabulary import Domain
+
+
+def test_keys_are_those_of_the_contract():
+    document = json.loads(json.dumps(risks_to_json(REPORT)))
+    assert document["schema"] == "rtron.risks/1"
+    assert document["summary"] == {"GR-ST": 1, "GR-MT": 0, "RSR": 0, "MSR": 2}
+    assert document["not_run"] == {"rsr_image": "the graph holds no message types"}
+    assert document["coordination_nodes"] == {
+        "GRCN": {"Perception": 0, "Planning": 0, "Control": 1},
+        "fps_monitor": 2,
+        "RSRCN": 1,
+        "MSRCN": 1,
+    }
+    assert document["risks"][0] == {
+        "id": "MSR-event:/detect/sign",
+        "kind": "MSR",
+        "rule": "msr",
+        "role_nodes": {"event": ["/detect"]},
+        "topics": ["/detect/sign"],
+        "message_type": "std_msgs/UInt8",
+        "successors": ["/lane"],
+        "domain": "Perception",
+        "severity": "low",
+        "reason": "because",
+        "one_to_one": False,
+        "evidence": [],
+    }
+    assert document["risks"][1]["evidence"][0] == {"file": "src/1.py", "line": 1}
+
+
+def test_risks_keep_their_order():
+    assert [risk["kind"] for risk in risks_to_json(REPORT)["risks"]] == ["MSR", "GR-ST", "MSR"]
+
+
+def test_lesser_domains_are_counted_only_where_they_have_nodes():
+    report = report_of(CONTENDED, EVENT, grcn={Domain.DRIVERS: 2, Domain.OTHERS: 0})
+    assert risks_to_json(report)["coordination_nodes"]["GRCN"] == {
+        "Perception": 0,
+        "Planning": 0,
+        "Control": 0,
+        "Drivers": 2,
+    }
