@@ -59,7 +59,7 @@ def run_node(node, site, workspace):
     files = WorkspaceSources(workspace)
     if node.package == "nodelet":
         plugin = workspace.nodelet(node.args.split()[1])
-        return run_nodelet(plugin.program.sources, plugin.declared.type, site, files)
+        return run_nodelet(plugin.program.sources, plugin.plugin_class.type, site, files)
     program = workspace.executable(node.package, node.type)
     if program.language is ProgramLanguage.PYTHON:
         return run_python(program.sources[0], site, files)
@@ -76,7 +76,7 @@ def interface_as_expected(interface):
             words.append(str(declared.resolution))
         words += [flag for flag in ("implicit", "latched") if getattr(declared, flag)]
         spelled.setdefault(KINDS[declared.kind], {}).setdefault(name, []).append(" ".join(words))
-    starts = sorted(" ".join((start.path, *start.args)) for start in interface.starts)
+    starts = sorted(" ".join((start.path, *start.args)) for start in interface.runtime_starts)
     return {
         kind: {n: ", ".join(sorted(t)) for n, t in of.items()} for kind, of in spelled.items()
     } | ({"starts": [start.removeprefix(f"{APP}/") for start in starts]} if starts else {})

@@ -41,7 +41,12 @@ def main():
     rclpy.init()
     rclpy.spin(N())
 """
-UNLAUNCHED = {"name": "/exe", "named": False, "placed": False, "complete": False}
+UNLAUNCHED = {
+    "name": "/exe",
+    "has_launch_name": False,
+    "has_launch_namespace": False,
+    "parameters_complete": False,
+}
 
 
 def site(**given):

@@ -50,7 +50,9 @@ class XacroEvaluator:
             return []
         self.context.budget.count_element()
         if self.context.budget.exceeded_bound:
-            self.context.note(element, f"<{element.tag}>", self.context.budget.exhausted)
+            self.context.add_unresolved(
+                element, f"<{element.tag}>", self.context.budget.exceeded_bound
+            )
         name = statement_name(element)
         if name:
             return self.handlers[name](self, element, frame)

@@ -193,7 +193,7 @@ def test_a_walrus_that_may_not_run_assigns_nothing(text):
 def test_what_a_yield_gives_back_is_not_known():
     (function,) = body("def f():\n    a = yield b\n    yield\n    yield from c\n")
     given_back = Opaque((), "yield b")
-    assert function.what.body == (
+    assert function.definition.body == (
         Yield(B),
         Assign((A,), given_back, 2),
         Yield(None),
@@ -203,7 +203,7 @@ def test_what_a_yield_gives_back_is_not_known():
 
 def test_await_is_what_is_awaited():
     (function,) = body("async def f():\n    await a()\n")
-    assert function.what.body == (Evaluate(Call(A, (), (), 2), 2),)
+    assert function.definition.body == (Evaluate(Call(A, (), (), 2), 2),)
 
 
 TWO = {"+": operator.add, "-": operator.sub, "*": operator.mul, "==": operator.eq}

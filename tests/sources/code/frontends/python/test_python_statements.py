@@ -136,13 +136,13 @@ def test_a_function_with_all_kinds_of_parameters():
 )
 def test_an_annotation_is_a_type_if_it_names_one(annotation, type_):
     (define,) = body(f"def f(a: {annotation}): pass")
-    assert define.what.params == (Param("a", type_),)
+    assert define.definition.params == (Param("a", type_),)
 
 
 def test_a_class_holds_its_bases_and_statements():
     (define,) = body("@a\nclass K(b, metaclass=c):\n 'doc'\n d = 1\n def m(self): pass\n")
     assert define.decorators == (A,)
-    assert define.what == Class(
+    assert define.definition == Class(
         name="K",
         file="f.py",
         line=2,
@@ -156,13 +156,13 @@ def test_a_class_holds_its_bases_and_statements():
 
 def test_functions_nest_and_write_to_outer_names():
     (define,) = body("def f():\n def g():\n  nonlocal a\n")
-    (inner,) = define.what.body
-    assert inner.what.body == (Global(("a",)),)
+    (inner,) = define.definition.body
+    assert inner.definition.body == (Global(("a",)),)
 
 
 def test_async_statements_are_like_the_others():
     (define,) = body("async def f():\n async for a in b: c\n async with a as b: c\n")
-    assert define.what.body == (
+    assert define.definition.body == (
         ForEach(A, B, (Evaluate(C, 2),), 2),
         Assign((B,), A, 3),
         Evaluate(C, 3),

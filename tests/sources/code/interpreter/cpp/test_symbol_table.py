@@ -40,7 +40,7 @@ class Folder:
             for name, u in units.items()
         }
 
-    def unit(self, path, language):
+    def lowered_unit(self, path, language):
         return self.units[path]
 
     def header(self, include, includer):

@@ -53,7 +53,7 @@ def test_cpp_handler_of_what_may_throw_is_possible_and_noted(body):
 
 def test_cpp_what_a_launch_leaves_open_may_throw():
     body = SURE_CPP["declared"] + CAUGHT
-    assert "/ns/fallback" in names(cpp(body, complete=False))
+    assert "/ns/fallback" in names(cpp(body, parameters_complete=False))
     assert names(cpp(body, settings=settings(topic="given"))) == ["/ns/given"]
     assert "/ns/fallback" in names(cpp(body, settings=settings(topic=5)))
 

@@ -190,7 +190,9 @@ class Twister { public:
 
 
 def test_a_wrapper_is_interpreted_and_the_evidence_begins_where_the_name_is_given():
-    found = only_declaration(cpp('lib::Twister twister(this, "cmd_vel");', WRAPPER, complete=True))
+    found = only_declaration(
+        cpp('lib::Twister twister(this, "cmd_vel");', WRAPPER, parameters_complete=True)
+    )
     assert (found.name, found.type) == ("/ns/cmd_vel", "geometry_msgs/msg/TwistStamped")
     lines = [place.line for place in found.evidence]
     top = WRAPPER.count("\n")
@@ -198,7 +200,7 @@ def test_a_wrapper_is_interpreted_and_the_evidence_begins_where_the_name_is_give
 
 
 def test_without_a_launch_both_types_are_told():
-    found = cpp('lib::Twister twister(this, "cmd_vel");', WRAPPER, complete=False)
+    found = cpp('lib::Twister twister(this, "cmd_vel");', WRAPPER, parameters_complete=False)
     assert [d.type.rpartition("/")[2] for d in found.declarations if not d.implicit] == [
         "TwistStamped",
         "Twist",
@@ -221,7 +223,7 @@ def test_the_last_of_a_list_is_what_either_branch_put_there():
     else { return; }
     shapes.back()->configure();
     """
-    assert names(cpp(body, top, complete=False)) == ["/ns/a", "/ns/b"]
+    assert names(cpp(body, top, parameters_complete=False)) == ["/ns/a", "/ns/b"]
 
 
 def test_one_of_several_that_throws_ends_nothing():

@@ -23,7 +23,7 @@ def test_without_a_launch_the_source_names_the_node():
 
 
 def test_a_namespace_of_the_launch_counts_beside_the_name_of_the_source():
-    found = cpp(ALL, name="/robot/exe", named=False)
+    found = cpp(ALL, name="/robot/exe", has_launch_name=False)
     assert names(found) == ["/robot/rel", "/robot/written/private", "/absolute"]
 
 
@@ -274,7 +274,10 @@ def test_the_first_rule_for_a_nodes_name_counts():
 def test_the_arguments_of_a_process_may_name_one_of_its_nodes():
     rules = ("--ros-args", "-r", "written:__node:=base", "-r", "left:__node:=wing")
     body = 'auto left = std::make_shared<rclcpp::Node>("left");'
-    assert [n.name for n in cpp(body, args=rules, named=False).nodes] == ["/ns/base", "/ns/wing"]
+    assert [n.name for n in cpp(body, args=rules, has_launch_name=False).nodes] == [
+        "/ns/base",
+        "/ns/wing",
+    ]
 
 
 def test_parameters_given_to_the_constructor_count_over_its_arguments():

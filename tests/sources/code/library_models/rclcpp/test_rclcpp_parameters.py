@@ -210,7 +210,7 @@ def test_what_is_set_is_declared_where_the_options_say_so(automatic):
     given = (*settings("/**", of_all=2), *settings("/nobody", never=3))
     found = {
         (p.name, p.value)
-        for p in cpp(body, settings=given, named=False).parameters
+        for p in cpp(body, settings=given, has_launch_name=False).parameters
         if p.node.endswith("/other")
     }
     assert ({("own", 1), ("of_all", 2)} <= found) is automatic

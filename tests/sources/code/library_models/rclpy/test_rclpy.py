@@ -216,7 +216,7 @@ def test_no_name_of_ros_1_is_a_library_of_ros_2():
 @pytest.mark.parametrize("automatic", [True, False])
 def test_what_is_set_is_declared_where_the_node_says_so(automatic):
     top = "other = rclpy.create_node('other', automatically_declare_parameters_from_overrides="
-    found = python("pass", f"{top}{automatic})", settings=settings(of_all=2), named=False)
+    found = python("pass", f"{top}{automatic})", settings=settings(of_all=2), has_launch_name=False)
     assert (("of_all", 2) in {(p.name, p.value) for p in found.parameters}) is automatic
 
 

@@ -87,7 +87,7 @@ def test_the_parameters_are_declared(run, default, listed, named):
 def test_the_topic_is_the_remapped_one(run, default, listed, named):
     del listed, named
     given = overriding("/far.publisher", depth=77)
-    found = only_declaration(run(default, settings=given, rules=(("t", "/far"),)))
+    found = only_declaration(run(default, settings=given, remap_rules=(("t", "/far"),)))
     assert (found.name, found.qos) == ("/ns/t", QoS(depth=77))
 
 

@@ -63,7 +63,7 @@ def test_what_a_launch_sets_counts(how):
 
 @pytest.mark.parametrize("how", ["a handler", "its kind"])
 def test_without_a_launch_both_may_be(how):
-    found = names(cpp(DECLARED + READS[how], complete=False))
+    found = names(cpp(DECLARED + READS[how], parameters_complete=False))
     assert set(found) >= {"/ns/default"}
 
 

@@ -57,7 +57,7 @@ def unpack(value: Value, count: int) -> tuple[Value, ...]:
     items, certain = items_of(value)
     if certain and len(items) == count:
         return items
-    return tuple(Unknown(getattr(value, "why", "?")) for _ in range(count))
+    return tuple(Unknown(getattr(value, "label", "?")) for _ in range(count))
 
 
 def _instance_items(value: Instance) -> tuple[tuple[Value, ...], bool]:

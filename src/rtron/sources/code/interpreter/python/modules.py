@@ -169,12 +169,12 @@ class PythonModules:
 def called_names(body: tuple[object, ...], cls: str = "") -> Iterator[tuple[str, Function]]:
     """Yield every function with the plain name it is called by: `__init__` by its class's."""
     for statement in body:
-        what = getattr(statement, "what", None)
-        if isinstance(what, Function):
-            yield (cls if what.name == "__init__" else what.name), what
-            yield from called_names(what.body or ())
-        elif isinstance(what, Class):
-            yield from called_names(what.body, what.name)
+        definition = getattr(statement, "definition", None)
+        if isinstance(definition, Function):
+            yield (cls if definition.name == "__init__" else definition.name), definition
+            yield from called_names(definition.body or ())
+        elif isinstance(definition, Class):
+            yield from called_names(definition.body, definition.name)
         elif isinstance(statement, Assign) and isinstance(statement.value, Lambda):
             for target in statement.targets:
                 yield getattr(target, "id", ""), statement.value.function

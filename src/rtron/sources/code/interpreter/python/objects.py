@@ -176,12 +176,12 @@ def _first_member(classes: Iterable[Value], name: str) -> Value | None:
 def functions_in(body: tuple[object, ...]) -> Iterator[Function]:
     """Yield every function that is defined in statements, nested ones too."""
     for statement in body:
-        what = getattr(statement, "what", None)
-        if isinstance(what, Function):
-            yield what
-            yield from functions_in(what.body or ())
-        elif isinstance(what, Class):
-            yield from functions_in(what.body)
+        definition = getattr(statement, "definition", None)
+        if isinstance(definition, Function):
+            yield definition
+            yield from functions_in(definition.body or ())
+        elif isinstance(definition, Class):
+            yield from functions_in(definition.body)
         else:
             for name in ("body", "orelse", "final"):
                 yield from functions_in(getattr(statement, name, ()) or ())

@@ -77,7 +77,7 @@ def is_qos(value: Value | None) -> bool:
 
 def policy_value(value: Value | None) -> Value:
     """Return a policy as the fields have it: `ReliabilityPolicy.BEST_EFFORT` is `best_effort`."""
-    name = getattr(value, "name", "") or getattr(value, "why", "")
+    name = getattr(value, "name", "") or getattr(value, "label", "")
     found = getattr(value, "value", None)
     if isinstance(found, str):
         return Scalar(found)
