@@ -19,19 +19,20 @@ from rtron.vocabulary import MeasuredRun, Plan
 
 _CODE = (
     "import sys; sys.path[:] = sys.argv[3:]; "
-    "from rtron.guard.supervision.{role} import main; main(sys.argv[2])"
+    "from rtron.guard.supervision.{module} import {function}; {function}(sys.argv[2])"
 )
-GUARD = "guarding"
-SUPERVISOR = "supervising"
-BACKUP_SUPERVISOR = "standing_in"
-LINK = "linking"
+GUARD = "guard_program:main"
+SUPERVISOR = "supervisor_program:main"
+BACKUP_SUPERVISOR = "supervisor_program:run_backup"
+LINK = "link_program:main"
 
 
-def command(role: str, descriptors: Sequence[int]) -> list[str]:
-    """Return the command of a program that is given open files."""
-    code = _CODE.format(role=role)
+def command(entry_point: str, descriptors: Sequence[int]) -> list[str]:
+    """Return the command of a program that inherits open files."""
+    module, _, function = entry_point.partition(":")
+    code = _CODE.format(module=module, function=function)
     numbers = ",".join(map(str, descriptors))
-    return [sys.executable, "-c", code, f"rtron-{role}", numbers, *filter(None, sys.path)]
+    return [sys.executable, "-c", code, f"rtron-{module}", numbers, *filter(None, sys.path)]
 
 
 def open_descriptors(numbers: str) -> list[int]:

@@ -9,8 +9,17 @@ from rtron.guard.supervision.programs import open_descriptors, run_program
 from rtron.guard.supervision.supervisor import Supervisor
 
 
-def main(numbers: str, *, is_backup: bool = False) -> None:
-    """Supervise by the order in the open file that is named; end with the exit code."""
+def main(numbers: str) -> None:
+    """Supervise the guard of the configuration in an open file; end with the exit code."""
+    _supervise(numbers, is_backup=False)
+
+
+def run_backup(numbers: str) -> None:
+    """Supervise only the guard that runs and has lost its supervisor; end with the exit code."""
+    _supervise(numbers, is_backup=True)
+
+
+def _supervise(numbers: str, *, is_backup: bool) -> None:
     (config_file,) = open_descriptors(numbers)
     config = read_config(config_file)
     logging.basicConfig(level=config.log_level, format="%(levelname)s supervisor: %(message)s")
