@@ -37,7 +37,7 @@ def test_what_setup_installs_is_there(monkeypatch):
     }
     assert all((AMENT / source).is_file() for source in files.values())
     assert (given["name"], given["version"]) == ("rtron", __version__)
-    assert "guard = rtron.cli.main:guard" in given["entry_points"]["console_scripts"]
+    assert "guard = rtron.cli.main:run_guard_node" in given["entry_points"]["console_scripts"]
     assert {"rtron", "rtron.cli", "rtron.guard.transport.ros2"} <= set(given["packages"])
     assert "planning/instrument/ros2/wrapper.py.in" in given["package_data"]["rtron"]
 

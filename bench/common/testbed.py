@@ -19,7 +19,7 @@ from figures.figure import Figure
 _START_S = 20.0
 _STOP_S = 5.0
 _DOMAINS = 100
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 
 
 @dataclass(frozen=True, slots=True)

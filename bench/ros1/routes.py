@@ -33,7 +33,7 @@ class Route:
 
     def endpoint_module(self, name: str) -> str:
         """Return the module of the process at an end."""
-        return f"bench.{name}" if self.ros == 1 else f"bench.ros2_{name}"
+        return f"bench.ros{self.ros}.{name}"
 
 
 def direct() -> Route:

@@ -84,7 +84,7 @@ def _slowed(slowed: Mapping[int, Sequence[SlowdownResult]]) -> Iterator[str]:
 
 WORLDS = 20
 SPEED = 3.0
-PAGE = Path(__file__).parents[1] / "build" / "demo_runs.md"
+PAGE = Path(__file__).parents[2] / "build" / "demo_runs.md"
 _SLOWER = 1.05
 _ADAPTS = 0.5
 _ENOUGH = 19

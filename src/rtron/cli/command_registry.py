@@ -40,7 +40,7 @@ _PANELS = {
 def load_command(name: str) -> Any:  # noqa: ANN401 - a function with options of its own, or a group
     """Return what the module of a command defines under the command's name."""
     module_name = name.replace("-", "_")
-    return getattr(import_module(f"rtron.cli.{module_name}"), module_name)
+    return getattr(import_module(f"rtron.cli.commands.{module_name}"), module_name)
 
 
 @cache
