@@ -1,0 +1,1 @@
+"""What benchmarks of both ROS generations share."""

@@ -1,4 +1,6 @@
-"""The process that ends the guard: `python -m bench.ros1.guard_killer --cause kill|stop|starve --rounds N`.
+"""The process that ends the guard.
+
+    python -m bench.ros1.guard_killer --cause kill|stop|starve --rounds N
 
 It drives the robot, ends the guard, and listens as the driver does. The result is a line of JSON,
 in ns: `stop`, when the first message slower than the velocity came, and `back`, when the velocity

@@ -1,4 +1,4 @@
-"""A guard with no supervisor, with its audit or without: `python -m bench.ros1.guard_process PLAN [--audit]`."""
+"""A guard with no supervisor: `python -m bench.ros1.guard_process PLAN [--audit]`."""
 
 import argparse
 from pathlib import Path

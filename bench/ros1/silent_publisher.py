@@ -1,4 +1,6 @@
-"""The process that falls silent: `python -m bench.ros1.silent_publisher --publish NODE=TOPIC --subscribe TOPIC`.
+"""The process that falls silent.
+
+    python -m bench.ros1.silent_publisher --publish NODE=TOPIC --subscribe TOPIC
 
 It moves the robot for a moment, says no more, and waits for the first stop message. The result is
 a line of JSON, in ns: `late`, how long after the silence of the plan each stop message came, and

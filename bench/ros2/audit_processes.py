@@ -1,4 +1,4 @@
-"""The processes of the audit's measurements on ROS 2: `python -m bench.ros2.audit_processes WHAT ...`."""
+"""The processes of the audit on ROS 2: `python -m bench.ros2.audit_processes WHAT ...`."""
 
 import signal
 import sys

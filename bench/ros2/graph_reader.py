@@ -1,4 +1,4 @@
-"""The process that reads the app: `python -m bench.ros2.graph_reader ours|plain`; a line of JSON tells it.
+"""Read the running app: `python -m bench.ros2.graph_reader ours|plain` prints a line of JSON.
 
 `ours` is RTron's source, `plain` a node that spins for a second and asks rclpy, as `ros2 node list`
 and `ros2 node info` do. The result is `seconds` of the read, and the entries `missing` and `wrong`.

@@ -1,4 +1,4 @@
-"""The guard's process for ROS 2, without a supervisor: `python -m bench.ros2.guard_process STAGES TYPE N`.
+"""A guard for ROS 2 without a supervisor: `python -m bench.ros2.guard_process STAGES TYPE N`.
 
 N streams, each of one flow through STAGES coordination nodes.
 """

@@ -1,4 +1,4 @@
-"""`python -m bench.service.ingest_processes PORT COUNT LIMIT`: guards that tell the security service COUNT events.
+"""Guards that send COUNT events: `python -m bench.service.ingest_processes PORT COUNT LIMIT`.
 
 Reads their tokens, `{robot: token}`, from standard input. Like the link process, each guard sends
 500 events at a time and has 4,000 on their way. Prints a line of JSON, `{"seconds", "stored",

@@ -1,0 +1,1 @@
+"""Evaluations without ROS, and what all evaluations share."""

@@ -39,7 +39,8 @@ def runs_page(runs: Sequence[CaseRun], slowed: Mapping[int, Sequence[SlowdownRes
 def _parts(runs: Sequence[CaseRun]) -> Iterator[str]:
     for ros, case in dict.fromkeys((run.ros, run.case) for run in runs):
         case_runs = [run for run in runs if (run.ros, run.case) == (ros, case)]
-        yield f"## {case.upper()} on ROS {ros}, at {case_runs[0].speed:g} simulated seconds a second\n"
+        speed = f"{case_runs[0].speed:g} simulated seconds a second"
+        yield f"## {case.upper()} on ROS {ros}, at {speed}\n"
         yield f"| {_COLUMNS} |\n|{_RULE}|"
         for seed in dict.fromkeys(run.seed for run in case_runs):
             yield _line({run.variant: run for run in case_runs if run.seed == seed})

@@ -1,4 +1,4 @@
-"""`python -m evaluation.common.function_timing CORPUS [READMES]`: classify in a fresh process, and tell.
+"""Classify in a new process: `python -m evaluation.common.function_timing CORPUS [READMES]`.
 
 It prints one JSON object: how many repositories there are, how many are decided, the seconds from
 reading to the last classification, and the process's peak memory in MB.

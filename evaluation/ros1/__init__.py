@@ -1,0 +1,1 @@
+"""Evaluations on ROS 1 apps."""

@@ -76,7 +76,10 @@ def _scored(
     dead = len(all_scores.reported & all_scores.dead)
     reporter.lines(
         [
-            f"{name}: {len(graph.nodes)} nodes, {all_scores.matched_nodes} of the truth's {all_scores.nodes}",
+            (
+                f"{name}: {len(graph.nodes)} nodes, "
+                f"{all_scores.matched_nodes} of the truth's {all_scores.nodes}"
+            ),
             f"  all          precision {all_scores.precision:.3f} recall {all_scores.recall:.3f}",
             f"  explicit     precision {explicit.precision:.3f} recall {explicit.recall:.3f}",
             f"  first party  precision {first_party.precision:.3f} recall {first_party.recall:.3f}",

@@ -1,0 +1,1 @@
+"""Evaluations on ROS 2 apps."""

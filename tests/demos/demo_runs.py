@@ -133,7 +133,7 @@ def make_run(variant, **values):
         "attack": attack_of(samples[-1].t, 180 if harm else 0) if attacked else Attack(),
         "mitigated_after": 0.0004 if variant is Variant.GUARDED else None,
         "deviation": measure_deviation(trajectory_of(samples), trajectory_of(corridor_drive())),
-        "began_wall": BEGAN,
+        "start_wall": BEGAN,
         "samples": samples,
         "events": guard_events() if variant is Variant.GUARDED else (),
     }

@@ -1,7 +1,7 @@
 """Where a command about many things works: here, in processes, or on a cluster."""
 
 from collections.abc import Callable, Iterator, Sequence
-from typing import TYPE_CHECKING, Annotated, TypeVar
+from typing import Annotated, TypeVar
 
 import typer
 
@@ -9,10 +9,6 @@ from rtron.cli.support.progress import show_progress
 from rtron.errors import InputError
 from rtron.executors import ItemFailure, MapExecutor
 from rtron.functions.reading import SkippedEntry, SkippedHandler
-
-if TYPE_CHECKING:
-    from rtron.executors import MapExecutor
-
 
 ProcessCount = Annotated[
     int | None,

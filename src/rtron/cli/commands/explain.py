@@ -13,8 +13,7 @@ from rtron.cli.support.outcome import Outcome
 from rtron.errors import InputError
 from rtron.policies import POLICIES
 from rtron.reports.text_layout import Report, columns, line
-from rtron.risks import RULES
-from rtron.risks import rule_page as rule_page
+from rtron.risks import RULES, rule_page
 from rtron.vocabulary import PolicyName
 
 _LONGEST_SHOWN = 80

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 import sys
-from collections.abc import Iterable
 from dataclasses import dataclass
 from io import StringIO
 from pathlib import Path
@@ -14,16 +13,16 @@ from typing import TYPE_CHECKING
 import typer
 
 from rtron.errors import InputError, RTronError
-from rtron.planning.problem import PlanProblem
 from rtron.reports.plan.problems import Remark
 from rtron.reports.sanitize import sanitize
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Mapping
 
     from rich.console import Console
     from rich.markdown import Markdown
 
+    from rtron.planning.problem import PlanProblem
     from rtron.reports.text_layout import Report
 
 
