@@ -1,58 +1,57 @@
 # `make help` lists what this can do.
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test test-ros2 lint coverage mutation fuzz bench eval docs lock
+.PHONY: help setup demo test test-ros2 test-all lint coverage mutation fuzz bench eval docs lock
 
 BIN := .venv/bin
 PYTHON := $(BIN)/python
 ROS2_PYTHON := .venv-ros2/bin/python
-ROS2_ALL = $(shell grep -rl "mark.ros2" tests --include="test_*.py")
-ROS2_TESTS = $(filter-out tests/demos/%,$(ROS2_ALL))
-ROS2_DEMOS = $(filter tests/demos/%,$(ROS2_ALL))
-BESIDE := -n 3 --dist loadfile
-FAILED := --last-failed --last-failed-no-failures none
+ROS2_TESTS = $(shell grep -rl "mark.ros2" tests --include="test_*.py")
 CODE := src tests scripts bench evaluation figures
+WORKERS := -n 3 --dist loadfile --no-loadscope-reorder
+SHORT := and not long
 
-help: ## List the targets
+help: ## List the targets, and how long each takes on 2 cores
 	@awk -F ':.*## ' '/^[a-z0-9-]+:.*## / {printf "make %-9s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 
-setup: ## Install Debian's ROS 1 packages and .venv, if they are not there yet
+setup: ## Install Debian's ROS 1 packages, .venv and .venv-ros2, if they are missing (1 minute)
 	@scripts/setup.sh
 
-demo: ## Attack a simulated robot, guard it, attack it again, and show it (ROS 2, no root)
+demo: ## Attack a simulated robot, guard it, attack it again, and show it (ROS 2, no root, 2 minutes)
 	@scripts/setup.sh demo
 	@.venv-ros2/bin/rtron demo all --ros 2 --speed 3 --console
 
-lint: setup ## Check style, types, import contracts and whether the generated docs are fresh
+lint: setup ## Check style, types, names, sizes, imports and whether the generated docs are fresh (1 minute)
 	$(BIN)/ruff check $(CODE)
 	$(BIN)/ruff format --check $(CODE)
+	$(PYTHON) scripts/lint_structure.py
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(PYTHON) scripts/docs_rules.py --check
 	$(PYTHON) scripts/docs_policies.py --check
 
-coverage: setup ## Check that the tests go through every branch of the policies, risks and vocabulary
+coverage: setup ## Check that the tests run every branch of the policies, risks and vocabulary (20 seconds)
 	$(BIN)/pytest tests/policies tests/risks tests/vocabulary -q --hypothesis-profile=coverage \
 	  -k "not speed and not never_above and not coarse" \
 	  --cov=rtron.policies --cov=rtron.risks --cov=rtron.vocabulary --cov-branch \
 	  --cov-report=term-missing:skip-covered --cov-fail-under=100
 
-test: lint coverage test-ros2 ## Run lint, coverage and every test; what fails beside others, once more alone
-	$(BIN)/pytest -m "not ros2" $(BESIDE) --ignore=tests/demos/ros1/test_demo_ros1.py || $(BIN)/pytest $(FAILED)
-	$(BIN)/pytest tests/demos/ros1/test_demo_ros1.py
+test: lint coverage test-ros2 ## Run lint, coverage and the tests (12 minutes)
+	$(BIN)/pytest -m "not ros2 $(SHORT)" $(WORKERS)
 
-test-ros2: setup ## Run the tests on a real ROS 2
-	[ ! -x $(ROS2_PYTHON) ] || $(ROS2_PYTHON) -m pytest -m ros2 $(ROS2_TESTS) $(BESIDE) || \
-	  $(ROS2_PYTHON) -m pytest -m ros2 $(ROS2_TESTS) $(FAILED)
-	[ ! -x $(ROS2_PYTHON) ] || $(ROS2_PYTHON) -m pytest -m ros2 $(ROS2_DEMOS)
+test-ros2: setup ## Run the tests on a real ROS 2 (3 minutes)
+	[ ! -x $(ROS2_PYTHON) ] || $(ROS2_PYTHON) -m pytest -m "ros2 $(SHORT)" $(ROS2_TESTS) $(WORKERS)
 
-mutation: setup ## Change the policies in over a thousand small ways; tests must notice (slow)
+test-all: SHORT :=
+test-all: test ## Run all of that, the case studies, and the soak and fault runs (30 minutes)
+
+mutation: setup ## Change the policies in over a thousand small ways; the tests must fail (hours)
 	$(BIN)/mutmut run --max-children 1
 	$(PYTHON) -W ignore scripts/mutate.py
 
 fuzz: setup ## Give the wire parsers over 100000 hostile inputs (3 minutes)
 	$(BIN)/pytest tests/wire --hypothesis-profile=fuzz -k fuzz --timeout=0 -q
 
-bench: setup ## Measure, and write build/bench.json and build/bench-ros2.json
+bench: setup ## Measure beside the peers, and write build/bench.json and build/bench-ros2.json
 	$(PYTHON) -m bench
 	if [ -x $(ROS2_PYTHON) ]; then $(ROS2_PYTHON) -m bench -o build/bench-ros2.json; fi
 

@@ -30,6 +30,13 @@ from roslaunch_oracle import RosLoader
 _HEARD = {signal.SIGINT: signal.default_int_handler, signal.SIGHUP: signal.SIG_DFL}
 
 
+@pytest.hookimpl(trylast=True)
+def pytest_collection_modifyitems(items):
+    """Start with the files that start a ROS: they wait most, and none of them should be the last."""
+    with_ros = {item.path for item in items if item.get_closest_marker("ros1")}
+    items.sort(key=lambda item: item.path not in with_ros)
+
+
 @pytest.fixture(scope="session", autouse=True)
 def interrupts():
     """Let processes hear what a shell that runs the tests with `&`, or nohup, has ignored."""

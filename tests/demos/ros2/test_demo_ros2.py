@@ -5,7 +5,7 @@ import signal
 import pytest
 from demo_cases import EXPECTED, SEEDS, check_ending, facts, run_study
 
-pytestmark = [pytest.mark.ros2, pytest.mark.timeout(600)]
+pytestmark = [pytest.mark.ros2, pytest.mark.long, pytest.mark.timeout(600)]
 CASES = ("gr",)
 
 
