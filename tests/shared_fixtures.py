@@ -1,0 +1,78 @@
+"""Fixtures that tests of every folder use."""
+
+import os
+import signal
+from tempfile import TemporaryDirectory
+
+import pytest
+from compiler import compiled
+from harness import Ros1
+from ros2_harness import Ros2
+from roslaunch_oracle import RosLoader
+
+_HEARD = {signal.SIGINT: signal.default_int_handler, signal.SIGHUP: signal.SIG_DFL}
+
+
+@pytest.fixture(scope="session", autouse=True)
+def interrupts():
+    """Let processes hear what a shell that runs the tests with `&`, or nohup, has ignored."""
+    for number, handler in _HEARD.items():
+        if signal.getsignal(number) is signal.SIG_IGN:
+            signal.signal(number, handler)
+
+
+@pytest.fixture(scope="session", autouse=True)
+def runtime_folder():
+    """Let guards listen where those of other runs, and of the machine's robots, do not."""
+    with TemporaryDirectory(prefix="rtron-") as folder, pytest.MonkeyPatch.context() as patch:
+        patch.setenv("XDG_RUNTIME_DIR", folder)
+        yield
+
+
+@pytest.fixture(scope="session")
+def programs_folder(tmp_path_factory):
+    """Return the folder in which all processes of this run find what one has compiled."""
+    own = tmp_path_factory.getbasetemp()
+    return own.parent if "PYTEST_XDIST_WORKER" in os.environ else own
+
+
+@pytest.fixture(scope="session")
+def driver(programs_folder):
+    """Compile a wheel driver against roscpp."""
+    return compiled(programs_folder, "driver", "roscpp")
+
+
+@pytest.fixture
+def deep_folder(tmp_path):
+    """Return what makes 1,200 folders in each other: deeper than Python calls, or removes."""
+    made = []
+
+    def dig(top):
+        made.extend(top.joinpath(*["d"] * depth) for depth in range(1, 1201))
+        for folder in made:
+            folder.mkdir()
+
+    yield dig
+    for folder in reversed(made):
+        folder.rmdir()
+
+
+@pytest.fixture
+def ros1(tmp_path):
+    """Run a master of the test's own."""
+    with Ros1(tmp_path) as running:
+        yield running
+
+
+@pytest.fixture
+def ros2(tmp_path):
+    """Have a domain of the test's own."""
+    with Ros2(tmp_path) as running:
+        yield running
+
+
+@pytest.fixture(scope="module")
+def ros():
+    """Run ROS's own loader of launch files."""
+    with RosLoader() as loader:
+        yield loader
