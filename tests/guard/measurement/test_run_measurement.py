@@ -10,8 +10,8 @@ import pytest
 from app_in_memory import info
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from ros1_action_in_memory import ONE, TWO, Ros1ActionApp
 from streams import FLOWS, peer
-from test_action_stream_ros1 import ONE, TWO, Act
 from test_mission_stream import AT_RED, LIGHT, MOVING, light, string
 from test_velocity_limits import VELOCITY, plan
 from velocity_messages import image, twist
@@ -299,16 +299,16 @@ def test_goals_that_nobody_ends_are_counted_and_let_go(more):
 
 
 def test_the_results_of_a_guarded_action_end_its_goals():
-    act = Act()
-    measured = act.action.measurement = StreamMeasurement(act.action.spec, FrameRateMeasurement(()))
-    act.serve()
-    act.ask(ONE, b"1")
-    act.ask(TWO, b"2")
-    act.transport.advance(3 * SECOND)
-    act.finish(b"1")
-    act.transport.advance(4 * SECOND)
-    act.finish(b"2")
-    one, two, *_ = measured.figures(act.transport.now(), ()).flows
+    app = Ros1ActionApp()
+    measured = app.action.measurement = StreamMeasurement(app.action.spec, FrameRateMeasurement(()))
+    app.serve()
+    app.send_goal(ONE, b"1")
+    app.send_goal(TWO, b"2")
+    app.transport.advance(3 * SECOND)
+    app.finish(b"1")
+    app.transport.advance(4 * SECOND)
+    app.finish(b"2")
+    one, two, *_ = measured.figures(app.transport.now(), ()).flows
     assert (one.takes.count, one.takes.max, one.undone) == (1, 3 * SECOND, 0)
     assert (two.takes.count, two.takes.max, two.undone) == (1, 7 * SECOND, 0)
     assert (two.waits.count, two.waits.max) == (1, 3 * SECOND)
