@@ -31,7 +31,7 @@ def told(base, tmp_path):
     base.recorder = EventRecorder(
         base.host, EventCounter(tmp_path, "run"), "run", told.append, told.has_place, lambda: WALL
     )
-    base.recorder.watch()
+    base.recorder.start()
     return told
 
 
@@ -62,9 +62,9 @@ def test_verdicts_that_repeat_are_told_once_and_counted(base, told):
     told_of = verdicts(told)
     assert len(told_of) == 2
     assert told_of[1] == ("grcn", "flow2", Decision.DROP)
-    figures = base.recorder.watches["enforce /cmd_vel"].figures(base.transport.now())
+    figures = base.recorder.stream_monitors["enforce /cmd_vel"].figures(base.transport.now())
     assert figures["flows"] == {"flow1": [5, 0, 0, 0], "flow2": [0, 0, 5, 0]}
-    assert base.recorder.watches["enforce /cmd_vel"].figures(base.transport.now()) is None
+    assert base.recorder.stream_monitors["enforce /cmd_vel"].figures(base.transport.now()) is None
 
 
 @pytest.mark.parametrize(
@@ -134,7 +134,7 @@ def test_reasons_of_strangers_are_cut(base, told):
 def test_the_state_tells_owner_speed_limit_and_delay(base, told):
     base.apply(limit(0.5))
     base.drive(1.0)
-    watch = base.recorder.watches["enforce /cmd_vel"]
+    watch = base.recorder.stream_monitors["enforce /cmd_vel"]
     watch.figures(base.transport.now())
     state = watch.state(base.transport.now())
     assert (state.owner, state.publisher, state.speed, state.limit) == ("flow1", "/nav", 0.5, 0.5)

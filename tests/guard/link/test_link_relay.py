@@ -200,7 +200,7 @@ def test_a_full_disk_keeps_no_stop_from_the_robot(made, service, guard, monkeypa
     def full(path, settings, now):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("rtron.guard.link.relay.keep_settings", full)
+    monkeypatch.setattr("rtron.guard.link.relay.write_settings", full)
     with running_relay(made):
         guard.until(lambda: service.of(Hello), "the greeting")
         service.say(NewSettings(settings=SETTINGS, now=time.time_ns()))
@@ -228,8 +228,8 @@ def test_a_token_that_is_away_for_a_moment_ends_nothing(made, service, guard):
     token = made.token_file.read_text()
     made.token_file.unlink()
     with running_relay(made) as relay:
-        guard.until(lambda: relay._post._last_warning, "the failure")
-        assert "token create" not in relay._post._last_warning
+        guard.until(lambda: relay._service._last_warning, "the failure")
+        assert "token create" not in relay._service._last_warning
         made.token_file.write_text(token)
         guard.until(lambda: service.of(Hello), "the greeting")
 

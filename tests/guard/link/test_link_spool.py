@@ -23,7 +23,7 @@ def spool(tmp_path):
 
 
 def numbers(spool, after=0):
-    return [(run, number) for _, run, number, _ in spool.after(after, 100)]
+    return [(run, number) for _, run, number, _ in spool.events_after(after, 100)]
 
 
 def test_events_come_out_as_they_went_in(spool):
@@ -124,11 +124,11 @@ WRITER = """
 import sys
 sys.path[:0] = sys.argv[2:]
 from pathlib import Path
-from link_parts import event, written
+from link_parts import encoded_events, event
 from rtron.guard.link.spool import Spool
 spool = Spool(Path(sys.argv[1]))
 for number in range(1, 100000):
-    spool.add(written(event(number)))
+    spool.add(encoded_events(event(number)))
     print(number, flush=True)
 """
 
@@ -148,7 +148,7 @@ def test_a_kill_takes_nothing_that_was_confirmed(tmp_path):
 
 
 def numbers_of(spool):
-    return [(run, number) for _, run, number, _ in spool.after(0, 1_000_000)]
+    return [(run, number) for _, run, number, _ in spool.events_after(0, 1_000_000)]
 
 
 def test_a_run_counts_where_a_kill_does_not_reach(tmp_path):

@@ -299,7 +299,7 @@ def test_too_many_long_calls_at_once_are_closed_and_short_ones_answered(
 
 
 def test_long_calls_share_a_budget_and_short_ones_need_none(monkeypatch):
-    monkeypatch.setattr(server, "MOST_ASKED", 1 << 20)
+    monkeypatch.setattr(server, "MAX_REQUEST_BYTES", 1 << 20)
     head = b"POST /RPC2 HTTP/1.1\r\nHost: x\r\nContent-Length: 9000000\r\n\r\n"
     with contextlib.ExitStack() as stack:
         public = stack.enter_context(running_proxy(TOPICS, stack.enter_context(serving(Master()))))
@@ -317,7 +317,7 @@ def test_long_calls_share_a_budget_and_short_ones_need_none(monkeypatch):
 
 
 def test_a_call_that_was_answered_or_given_up_leaves_its_budget_to_others(monkeypatch):
-    monkeypatch.setattr(server, "MOST_ASKED", 1 << 20)
+    monkeypatch.setattr(server, "MAX_REQUEST_BYTES", 1 << 20)
     with serving(Master()) as private, running_proxy(TOPICS, private) as public:
         port = int(public.rstrip("/").rpartition(":")[2])
         for _ in range(5):

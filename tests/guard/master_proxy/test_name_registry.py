@@ -134,7 +134,7 @@ def test_the_address_of_a_restarted_guard_is_no_others(stack, register, master, 
 
 
 def test_names_of_a_pattern_are_bounded_and_those_of_the_plan_are_not(stack, register, monkeypatch):
-    monkeypatch.setattr(name_registry, "_MOST_STANDS", 2)
+    monkeypatch.setattr(name_registry, "_MAX_REGISTRATIONS", 2)
     uris = [stack.enter_context(serving(Slave(pid))) for pid in range(5)]
     assert [register(f"/teleop_{n}", uris[n]) for n in range(3)] == [True, True, False]
     assert register("/teleop_0", uris[0])

@@ -36,17 +36,17 @@ def read(definition, encoding, message, wanted=None):
     return GetMessageClass(found).FromString(transcoder(definition, encoding, names)(message))
 
 
-def same(fake_study, worth):
+def same(value, worth):
     """Compare a value that protobuf read with what it was made from."""
     if isinstance(worth, dict):
         return all(
-            same(getattr(fake_study, key), each) for key, each in worth.items() if key != DUMMY
+            same(getattr(value, key), each) for key, each in worth.items() if key != DUMMY
         )
     if isinstance(worth, list):
-        return len(fake_study) == len(worth) and all(map(same, fake_study, worth))
+        return len(value) == len(worth) and all(map(same, value, worth))
     if isinstance(worth, float):
-        return struct.pack("<d", fake_study) == struct.pack("<d", worth)
-    return fake_study == worth and type(fake_study) is type(worth)
+        return struct.pack("<d", value) == struct.pack("<d", worth)
+    return value == worth and type(value) is type(worth)
 
 
 @pytest.mark.parametrize(("encoding", "type"), KINDS)
@@ -146,7 +146,7 @@ def test_other_encapsulations(front):
 @pytest.mark.parametrize("encoding", ENCODINGS)
 def test_less_than_four_bytes(encoding, message):
     with pytest.raises(WireError, match="has not even"):
-        encoding.check(message)
+        encoding.check_prefix(message)
 
 
 @pytest.mark.parametrize(
@@ -166,11 +166,11 @@ def test_utf8(text, said):
 
 
 @pytest.mark.parametrize(
-    ("body", "fake_study"), [(b"\2\0\0\0a\0", b"a"), (b"\1\0\0\0\0", b""), (b"\0\0\0\0", b"")]
+    ("body", "expected"), [(b"\2\0\0\0a\0", b"a"), (b"\1\0\0\0\0", b""), (b"\0\0\0\0", b"")]
 )
-def test_strings_of_cdr(body, fake_study):
+def test_strings_of_cdr(body, expected):
     decode = transcoder(DEFINITIONS[Encoding.CDR].find("std_msgs/String"), Encoding.CDR, ("data",))
-    assert decode(b"\0\1\0\0" + body) == b"\x0a" + bytes([len(fake_study)]) + fake_study
+    assert decode(b"\0\1\0\0" + body) == b"\x0a" + bytes([len(expected)]) + expected
 
 
 def test_string_of_cdr_without_nul():

@@ -39,7 +39,7 @@ def test_no_header_in_front(type, encoding):
 
 
 @pytest.mark.parametrize(
-    ("text", "fake_study"),
+    ("text", "expected"),
     [
         ("Header header\n====\nMSG: std_msgs/Header\nuint32 seq\ntime stamp", True),
         ("Header h\n====\nMSG: std_msgs/Header\ntime stamp\nstring frame_id", True),
@@ -52,8 +52,8 @@ def test_no_header_in_front(type, encoding):
     ],
 )
 @pytest.mark.parametrize("encoding", ENCODINGS)
-def test_shapes_of_headers(text, fake_study, encoding):
-    assert (stamp_reader(parse_definition("a/B", text), encoding) is not None) is fake_study
+def test_shapes_of_headers(text, expected, encoding):
+    assert (stamp_reader(parse_definition("a/B", text), encoding) is not None) is expected
 
 
 @given(encoding=st.sampled_from(ENCODINGS), message=st.binary(max_size=24))

@@ -226,7 +226,7 @@ def test_many_texts_keep_their_order():
 def test_each_text_is_evaluated_once(monkeypatch):
     asked = []
     monkeypatch.setattr(
-        "rtron.messages.expressions.evaluator.ask",
+        "rtron.messages.expressions.evaluator.evaluate",
         lambda text, activation: asked.append(text) or True,
     )
     definition = parse_definition("a/Kinds", KINDS)

@@ -125,7 +125,7 @@ def test_texts_in_different_frames_in_one_judge():
 
 
 @pytest.mark.parametrize(
-    ("outer", "inner", "fake_study"),
+    ("outer", "inner", "expected"),
     [
         ("", "map", True),
         ("odom", "map", True),
@@ -135,18 +135,18 @@ def test_texts_in_different_frames_in_one_judge():
         ("", "", "positions are in no frame, the rule asks for map"),
     ],
 )
-def test_a_goal_is_in_the_frame_of_its_own_pose(outer, inner, fake_study):
+def test_a_goal_is_in_the_frame_of_its_own_pose(outer, inner, expected):
     text = "inside(event.goal.target_pose.pose.position, zone)"
-    assert judge(text, goal(outer, inner), "move_base_msgs/MoveBaseActionGoal") == fake_study
+    assert judge(text, goal(outer, inner), "move_base_msgs/MoveBaseActionGoal") == expected
 
 
 @pytest.mark.parametrize(
-    ("inner", "fake_study"),
+    ("inner", "expected"),
     [(["map", ""], True), ([], True), (["map", "odom"], NOT_KNOWN), (["odom"], NOT_KNOWN)],
 )
-def test_every_position_must_be_in_the_frame(inner, fake_study):
+def test_every_position_must_be_in_the_frame(inner, expected):
     text = "event.poses.all(p, inside(p.pose.position, zone))"
-    assert judge(text, path("map", *inner), "nav_msgs/Path") == fake_study
+    assert judge(text, path("map", *inner), "nav_msgs/Path") == expected
 
 
 def test_positions_that_are_not_asked_for_do_not_count():
@@ -199,8 +199,8 @@ def test_only_some_positions_have_a_header():
         check_expression(definition, "inside(event.other.position, zone)", "event", [square()])
 
 
-@pytest.mark.parametrize(("frame", "fake_study"), [("map", True), ("odom", None)])
-def test_coordinates_that_are_no_points_are_not_transformed(frame, fake_study):
+@pytest.mark.parametrize(("frame", "expected"), [("map", True), ("odom", None)])
+def test_coordinates_that_are_no_points_are_not_transformed(frame, expected):
     definition = parse_definition("a/B", "Header header\nfloat64 x", lookup=KNOWN.find)
     head = encode(Encoding.ROS1, "std_msgs/Header", header(Encoding.ROS1, frame))[4:]
     message = struct.pack("<I", len(head) + 8) + head + struct.pack("<d", 1.0)
@@ -208,14 +208,14 @@ def test_coordinates_that_are_no_points_are_not_transformed(frame, fake_study):
         definition, ["event.x == 1.0"], subject="event", encoding=Encoding.ROS1,
         frames=["map"], transforms=[QUARTER],
     ).evaluate(message)  # fmt: skip
-    if fake_study:
+    if expected:
         assert judged == (True,)
     else:
         assert "it has no points to transform" in judged[0]
 
 
-@pytest.mark.parametrize(("frames", "fake_study"), [("map map", True), ("map odom", NOT_KNOWN)])
-def test_two_positions_of_one_type(frames, fake_study):
+@pytest.mark.parametrize(("frames", "expected"), [("map map", True), ("map odom", NOT_KNOWN)])
+def test_two_positions_of_one_type(frames, expected):
     text = f"{POSE} one\n{POSE} two"
     definition = parse_definition("a/B", text, lookup=KNOWN.find)
     body = b"".join(pose_stamped(Encoding.ROS1, frame)[4:] for frame in frames.split())
@@ -223,7 +223,7 @@ def test_two_positions_of_one_type(frames, fake_study):
         definition, ["inside(event.one.pose.position, zone) && has(event.two)"], subject="event",
         encoding=Encoding.ROS1, areas=AREAS,
     )  # fmt: skip
-    assert judged.evaluate(struct.pack("<I", len(body)) + body) == (fake_study,)
+    assert judged.evaluate(struct.pack("<I", len(body)) + body) == (expected,)
 
 
 def test_parts_without_positions_are_not_visited():

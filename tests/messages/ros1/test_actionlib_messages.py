@@ -69,13 +69,13 @@ def goal_of(goal, frame=""):
     return framed(made("demo_msgs/msg/GoActionGoal", header(0, frame), goal_id(goal), point))
 
 
-def array_of(fake_study, frame=""):
-    entries = [status_of(each) for each in fake_study]
+def array_of(statuses, frame=""):
+    entries = [status_of(each) for each in statuses]
     return framed(made("actionlib_msgs/msg/GoalStatusArray", header(0, frame), entries))
 
 
-def plain(fake_study):
-    return [(each.goal, each.status) for each in fake_study]
+def plain(statuses):
+    return [(each.goal, each.status) for each in statuses]
 
 
 @given(goal_ids, goal_ids, texts)

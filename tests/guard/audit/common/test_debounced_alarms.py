@@ -20,12 +20,12 @@ class DebouncedScene:
 
     def __init__(self, patience=PATIENCE):
         self.alarms = Alarms()
-        host = SimpleNamespace(alarms=self.alarms, guarded=[])
+        host = SimpleNamespace(alarms=self.alarms, streams=[])
         response = AlarmResponse(host, MemoryTransport(), OnForeign.STOP, dry_run=False)
         self._standing = DebouncedAlarms(response, patience)
 
-    def at(self, now, *fake_study):
-        self._standing.update(fake_study, now)
+    def at(self, now, *alarms):
+        self._standing.update(alarms, now)
         return self.alarms.active
 
 

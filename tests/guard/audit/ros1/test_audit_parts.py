@@ -260,14 +260,14 @@ def answers(rows, publishers=(), subscribers=((OUT, "/driver"),), **more):
     given = {
         "state": listed([(OUT, GUARD), *publishers], subscribers),
         "uris": uris,
-        "links": {"/driver": parse_bus_info(rows)},
+        "connections": {"/driver": parse_bus_info(rows)},
         "pids": {"/rtron_guard": 9, GUARD: 9},
     }
     return ApiAnswers(**given | more)
 
 
-def state_of(fake_study, node="/driver"):
-    (path,) = (path for path in fake_study.paths if path.node == node)
+def state_of(verification, node="/driver"):
+    (path,) = (path for path in verification.paths if path.node == node)
     return path.state, path.foreign
 
 
@@ -298,7 +298,7 @@ def test_a_path_that_is_open_or_has_drifted_names_who_is_there(given, state):
 
 
 def test_a_node_that_does_not_answer_cannot_be_told():
-    found = verify(PLAN, answers([], links={}))
+    found = verify(PLAN, answers([], connections={}))
     assert state_of(found) == (PathState.UNKNOWN, ())
     assert (found.is_closed, found.is_conclusive) == (False, False)
 

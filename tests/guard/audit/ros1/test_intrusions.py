@@ -64,15 +64,15 @@ class AuditedDriver:
     def __init__(self, master, stack):
         self._loop = EventLoop()
         stack.callback(self._loop.close)
-        host = SimpleNamespace(alarms=Alarms(), guarded=[])
+        host = SimpleNamespace(alarms=Alarms(), streams=[])
         transport = SimpleNamespace(addresses=dict, port=0)
         nodes = AuditedNodes(self._loop, master, EXPECTED, PollSchedule(self._loop, SECOND))
         response = AlarmResponse(host, transport, OnForeign.ALARM, dry_run=False)
         intruders = Intrusions(self._loop, master, transport, EXPECTED, nodes, response, {})
-        nodes.on_change = intrusions.update
+        nodes.on_change = intruders.update
         nodes.watch([DRIVER])
         self._nodes, self._alarms = nodes, host.alarms
-        for part in (nodes, intrusions):
+        for part in (nodes, intruders):
             stack.callback(part.close)
 
     @property
@@ -87,8 +87,8 @@ class AuditedDriver:
         self._run(lambda: self.node.last_body == body, 5)
 
     def told_within(self, limit_s):
-        self._run(lambda: self._alarms.standing, limit_s)
-        return bool(self._alarms.standing)
+        self._run(lambda: self._alarms.active, limit_s)
+        return bool(self._alarms.active)
 
     def _run(self, until, limit_s):
         end = time.monotonic() + limit_s

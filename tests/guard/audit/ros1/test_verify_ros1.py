@@ -31,8 +31,8 @@ def verified(ros1, code, *more):
     return json.loads(process.log) if process.log.startswith("{") else process.log
 
 
-def states(fake_study):
-    return {path["node"]: path["state"] for path in fake_study["paths"]}
+def states(report):
+    return {path["node"]: path["state"] for path in report["paths"]}
 
 
 def test_a_closed_app_is_0(ros1, scene):

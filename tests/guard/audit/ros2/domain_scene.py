@@ -99,6 +99,6 @@ def verified(ends=CLOSED, nodes=NODES, services=(), plan=None):
     return verify_ros2(plan or base_plan(), ObservedGraph(ends, nodes, services))
 
 
-def path_of(fake_study, node):
-    (path,) = (path for path in fake_study.paths if path.node == node)
+def path_of(verification, node):
+    (path,) = (path for path in verification.paths if path.node == node)
     return path

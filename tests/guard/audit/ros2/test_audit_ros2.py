@@ -23,8 +23,8 @@ def base(ros2):
     return GuardedBase2(ros2)
 
 
-def states(fake_study):
-    return {path["node"]: path["state"] for path in fake_study["paths"]}
+def states(report):
+    return {path["node"]: path["state"] for path in report["paths"]}
 
 
 def test_verify_and_the_audit_tell_what_comes_and_goes(base):

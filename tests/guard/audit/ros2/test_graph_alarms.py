@@ -310,7 +310,7 @@ class TestCases:
 
     @pytest.fixture
     def cases(self, alarms):
-        host = SimpleNamespace(alarms=alarms, guarded=[])
+        host = SimpleNamespace(alarms=alarms, streams=[])
         return BrakingAlarms(AlarmResponse(host, MemoryTransport(), OnForeign.STOP, dry_run=False))
 
     def test_what_is_found_stands_until_it_is_found_no_more(self, cases, alarms):

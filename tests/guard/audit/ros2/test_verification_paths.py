@@ -49,8 +49,8 @@ OPEN, DRIFT = PathState.OPEN, PathState.DRIFT
 SPEAKS_OUT = publisher(OUT, "/rogue", ROGUE)
 
 
-def states(fake_study):
-    return {path.node: path.state for path in fake_study.paths}
+def states(verification):
+    return {path.node: path.state for path in verification.paths}
 
 
 def test_a_closed_app():
