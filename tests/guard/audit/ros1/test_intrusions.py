@@ -65,7 +65,7 @@ class AuditedDriver:
         self._loop = EventLoop()
         stack.callback(self._loop.close)
         host = SimpleNamespace(alarms=Alarms(), streams=[])
-        transport = SimpleNamespace(addresses=dict, port=0)
+        transport = SimpleNamespace(node_uris=dict, port=0)
         nodes = AuditedNodes(self._loop, master, EXPECTED, PollSchedule(self._loop, SECOND))
         response = AlarmResponse(host, transport, OnForeign.ALARM, dry_run=False)
         intruders = Intrusions(self._loop, master, transport, EXPECTED, nodes, response, {})
