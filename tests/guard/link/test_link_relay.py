@@ -164,6 +164,7 @@ def test_a_guard_that_returns_is_given_the_last_settings(made, service, guard):
     with running_relay(made):
         guard.until(lambda: guard.settings, "the settings")
         assert guard.settings[0].settings == SETTINGS
+        guard.until(lambda: service.of(Hello), "the greeting")
         guard.line.close()
         newest = Guard(made, "next", revision=4)
         newest.until(lambda: len(service.of(Hello)) == 2, "the next guard's greeting")

@@ -230,8 +230,9 @@ def test_each_text_is_evaluated_once(monkeypatch):
         lambda text, activation: asked.append(text) or True,
     )
     definition = parse_definition("a/Kinds", KINDS)
-    judged = MessageEvaluator(definition, ["event.flag", "!event.flag"] * 25, subject="event",
-                   encoding=Encoding.ROS1)  # fmt: skip
+    judged = MessageEvaluator(
+        definition, ["event.flag", "!event.flag"] * 25, subject="event", encoding=Encoding.ROS1
+    )
     assert judged.evaluate(MESSAGE) == (True,) * 50
     assert len(asked) == 2
 
@@ -355,8 +356,13 @@ def test_an_area_of_a_distance_is_called_by_its_name():
 
 def test_no_memory_is_lost():
     """Functions in Python lost a kilobyte a call."""
-    judged = MessageEvaluator(KNOWN[Encoding.ROS1].find(POSE), TRICKY[:1], subject="event",
-                   encoding=Encoding.ROS1, areas=[square()])  # fmt: skip
+    judged = MessageEvaluator(
+        KNOWN[Encoding.ROS1].find(POSE),
+        TRICKY[:1],
+        subject="event",
+        encoding=Encoding.ROS1,
+        areas=[square()],
+    )
     message = pose_stamped(Encoding.ROS1)
     sizes = []
     for _ in range(2):
@@ -413,6 +419,7 @@ def test_points_of_32_bits(encoding):
     polygon = make(encoding, "geometry_msgs/Polygon", [corner] * 3)
     message = encode(encoding, type, make(encoding, type, header(encoding), polygon))
     text = "event.polygon.points.all(p, inside(p, zone) && distance(p, place(1.0, 5.0)) == 3.0)"
-    judged = MessageEvaluator(KNOWN[encoding].find(type), [text], subject="event", encoding=encoding,
-                   areas=[square()])  # fmt: skip
+    judged = MessageEvaluator(
+        KNOWN[encoding].find(type), [text], subject="event", encoding=encoding, areas=[square()]
+    )
     assert judged.evaluate(message) == (True,)

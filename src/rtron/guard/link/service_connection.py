@@ -122,18 +122,20 @@ class ServiceConnection:
             raise AssertionError("nobody connects without a guard")
         self._hello_changed.clear()
         await socket.send(encode_from_guard(self._hello), text=True)
-        works = {
+        works = [
             asyncio.create_task(self._deliver(socket)),
             asyncio.create_task(self._receive(socket)),
             asyncio.create_task(self._hello_changed.wait()),
-        }
-        done, left = await asyncio.wait(works, return_when=asyncio.FIRST_COMPLETED)
-        for task in left:
-            task.cancel()
-        await asyncio.wait(works)
-        errors = [error for task in done if (error := task.exception())]
-        if errors:
-            raise errors[0]
+        ]
+        try:
+            await asyncio.wait(works, return_when=asyncio.FIRST_COMPLETED)
+        finally:
+            for task in works:
+                task.cancel()
+            results = await asyncio.gather(*works, return_exceptions=True)
+        for error in results:
+            if isinstance(error, Exception):
+                raise error
 
     async def _deliver(self, socket: ClientConnection) -> None:
         """Send what the guard says now, and the spool from its beginning on."""
