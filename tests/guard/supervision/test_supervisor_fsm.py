@@ -183,8 +183,7 @@ def test_a_guard_that_ends_in_order_stops_the_robot_and_has_its_time():
         SupervisorAction.BRAKE,
     )
     assert (
-        fsm.tick(END_TIMEOUT, GuardObservation(END_TIMEOUT, is_serving=True, is_leaving=True))
-        == ()
+        fsm.tick(END_TIMEOUT, GuardObservation(END_TIMEOUT, is_serving=True, is_leaving=True)) == ()
     )
     assert fsm.tick(
         END_TIMEOUT + 1, GuardObservation(END_TIMEOUT, is_serving=True, is_leaving=True)

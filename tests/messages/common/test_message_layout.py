@@ -39,9 +39,7 @@ def read(definition, encoding, message, wanted=None):
 def same(value, worth):
     """Compare a value that protobuf read with what it was made from."""
     if isinstance(worth, dict):
-        return all(
-            same(getattr(value, key), each) for key, each in worth.items() if key != DUMMY
-        )
+        return all(same(getattr(value, key), each) for key, each in worth.items() if key != DUMMY)
     if isinstance(worth, list):
         return len(value) == len(worth) and all(map(same, value, worth))
     if isinstance(worth, float):
