@@ -11,6 +11,47 @@ from rtron.demos.world.ground_truth import GroundTruth
 
 BEGAN = 1_000.0
 SPEED = 2.0
+PROPOSED = """
+schema: rtron.plan/1
+app: demo
+grcn:
+  - id: grcn_cmd_vel
+    topic: /cmd_vel
+    type: geometry_msgs/Twist
+    domain: Control
+    kind: command
+    sharing: contend
+    mode: observe
+    policy: Block
+    flows:
+      - {name: flow1, publisher: /move_base, priority: 1}
+      - {name: flow2, publisher: /stranger, priority: 2}
+    successors: [/base]
+  - id: grcn_goal
+    topic: /goal
+    type: geometry_msgs/PoseStamped
+    domain: Planning
+    kind: action
+    sharing: contend
+    mode: enforce
+    policy: Priority_Queue
+    flows: [{name: flow1, publisher: /mission, priority: 1, timeout: 10 s}]
+    successors: [/move_base]
+rsrcn:
+  id: rsrcn
+  mode: enforce
+  policy: Block
+  vflows:
+    - topic: /max_vel
+      type: std_msgs/Float64
+      flows: [{name: vflow1, publisher: /max_velocity}]
+      successors: [/move_base]
+fps_monitor:
+  - id: fps_eyes
+    node: /eyes
+    topic: /seen
+    camera: {name: camera, topic: /image, publisher: /camera}
+"""
 CORRIDOR = {
     "case": "gr",
     "seed": 1,

@@ -305,7 +305,7 @@ def test_a_graph_is_the_same_from_processes(rtron, corpus, monkeypatch):
         ProcessExecutor, "map", lambda self, *a: started.append(self) or map(self, *a)
     )
     assert rtron("functions", "graph", corpus, "-j", "2") == alone
-    assert [each.count for each in started] == [2]
+    assert [each.process_count for each in started] == [2]
 
 
 def test_a_graph_shows_how_far_it_is(rtron, corpus, monkeypatch):

@@ -21,7 +21,7 @@ def opened_sources(monkeypatch, graph_file):
     made = []
 
     class Source:
-        surroundings = "ROS 2 domain x"
+        domain_description = "ROS 2 domain x"
 
         def __init__(self, *arguments):
             made.append((type(self).__name__, *arguments))
@@ -30,8 +30,8 @@ def opened_sources(monkeypatch, graph_file):
             return read_graph(graph_file)
 
     places = {
-        "Ros1Live": "rtron.sources.live.ros1.source",
-        "Ros2Live": "rtron.sources.live.ros2.source",
+        "Ros1LiveSource": "rtron.sources.live.ros1.source",
+        "Ros2LiveSource": "rtron.sources.live.ros2.source",
     }
     for name, place in places.items():
         module = ModuleType(place)
@@ -59,16 +59,16 @@ def unused_master_uri():
 @pytest.mark.parametrize(
     ("words", "environ", "source"),
     [
-        (["--ros", "1"], {}, ("Ros1Live", HERE, 5.0)),
-        (["--ros", "1", "--domain", "3"], {}, ("Ros1Live", HERE, 5.0)),
-        (["--ros", "2"], {}, ("Ros2Live", None, 15.0)),
-        (["--ros", "2", "--timeout", "3"], {}, ("Ros2Live", None, 3.0)),
-        (["--ros", "2"], {"ROS_VERSION": "1"}, ("Ros2Live", None, 15.0)),
-        (["--domain", "232"], {"ROS_VERSION": "1"}, ("Ros2Live", 232, 15.0)),
-        (["--master", "http://a:1"], {"ROS_VERSION": "2"}, ("Ros1Live", "http://a:1", 5.0)),
-        ([], {"ROS_VERSION": "1"}, ("Ros1Live", HERE, 5.0)),
-        ([], {"ROS_VERSION": "2", "ROS_DOMAIN_ID": "9"}, ("Ros2Live", None, 15.0)),
-        ([], {"ROS_VERSION": "1", "ROS_DOMAIN_ID": "x"}, ("Ros1Live", HERE, 5.0)),
+        (["--ros", "1"], {}, ("Ros1LiveSource", HERE, 5.0)),
+        (["--ros", "1", "--domain", "3"], {}, ("Ros1LiveSource", HERE, 5.0)),
+        (["--ros", "2"], {}, ("Ros2LiveSource", None, 15.0)),
+        (["--ros", "2", "--timeout", "3"], {}, ("Ros2LiveSource", None, 3.0)),
+        (["--ros", "2"], {"ROS_VERSION": "1"}, ("Ros2LiveSource", None, 15.0)),
+        (["--domain", "232"], {"ROS_VERSION": "1"}, ("Ros2LiveSource", 232, 15.0)),
+        (["--master", "http://a:1"], {"ROS_VERSION": "2"}, ("Ros1LiveSource", "http://a:1", 5.0)),
+        ([], {"ROS_VERSION": "1"}, ("Ros1LiveSource", HERE, 5.0)),
+        ([], {"ROS_VERSION": "2", "ROS_DOMAIN_ID": "9"}, ("Ros2LiveSource", None, 15.0)),
+        ([], {"ROS_VERSION": "1", "ROS_DOMAIN_ID": "x"}, ("Ros1LiveSource", HERE, 5.0)),
     ],
 )
 @pytest.mark.parametrize("command", ["scan", "plan"])
@@ -92,7 +92,11 @@ def test_else_what_is_there(rtron, opened_sources, rclpy, monkeypatch, version):
     with stranger(garbage) as master:
         monkeypatch.setenv("ROS_MASTER_URI", master)
         rtron("scan", "--live")
-    assert [made[0] for made in opened_sources] == ["Ros1Live", "Ros2Live", "Ros2Live"]
+    assert [made[0] for made in opened_sources] == [
+        "Ros1LiveSource",
+        "Ros2LiveSource",
+        "Ros2LiveSource",
+    ]
 
 
 def test_both_or_none_is_an_error_that_says_what_to_do(rtron, opened_sources, rclpy, monkeypatch):

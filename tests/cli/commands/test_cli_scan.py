@@ -95,7 +95,7 @@ def test_lists_add_to_the_rules(rtron, tmp_path, graph_file):
 def test_a_running_app(rtron, graph_file, monkeypatch):
     asked = []
 
-    class Ros1Live:
+    class Ros1LiveSource:
         def __init__(self, master_uri, timeout):
             asked.append((master_uri, timeout))
 
@@ -103,7 +103,7 @@ def test_a_running_app(rtron, graph_file, monkeypatch):
             return read_graph(graph_file)
 
     module = ModuleType("rtron.sources.live.ros1.source")
-    module.Ros1Live = Ros1Live
+    module.Ros1LiveSource = Ros1LiveSource
     monkeypatch.setitem(sys.modules, "rtron.sources.live.ros1.source", module)
     ran = rtron("scan", "--live", "--master", "http://robot:11311", "--timeout", "2")
     assert ran.code == 1

@@ -4,24 +4,21 @@ import json
 import os
 import subprocess
 import sys
-from pathlib import Path
 from threading import Thread
 
 import pytest
+from controller_setup import hello, plan
+from harness import free_port, wait_for
+from service_app import AccountFactory, serve_in_thread
 
-SERVICE_TESTS = Path(__file__).parents[1] / "service"
-from controller_setup import hello, plan  # noqa: E402
-from harness import free_port, wait_for  # noqa: E402
-from service_app import AccountFactory, serve_in_thread  # noqa: E402
-
-from rtron.cli.support.settings_arguments import KEYS, parse_patch  # noqa: E402
-from rtron.errors import InputError  # noqa: E402
-from rtron.service.config import ServiceConfig  # noqa: E402
-from rtron.service.server.app import create_app  # noqa: E402
-from rtron.service.store.events import EventBatch, add_events  # noqa: E402
-from rtron.service.store.robots import find_robot  # noqa: E402
-from rtron.vocabulary import EventKind, GuardEvent, GuardEventLevel  # noqa: E402
-from rtron.wire.common.link_protocol import Applied  # noqa: E402
+from rtron.cli.support.settings_arguments import KEYS, parse_patch
+from rtron.errors import InputError
+from rtron.service.config import ServiceConfig
+from rtron.service.server.app import create_app
+from rtron.service.store.events import EventBatch, add_events
+from rtron.service.store.robots import find_robot
+from rtron.vocabulary import EventKind, GuardEvent, GuardEventLevel
+from rtron.wire.common.link_protocol import Applied
 
 
 @pytest.fixture
@@ -58,7 +55,7 @@ def tokens(service, tmp_path):
 @pytest.fixture
 def call(rtron, url, tokens, service):
     """Run a command as somebody with a role; robot r2 has said hello."""
-    service.controller.greet("r2", hello(plan()))
+    service.controller.handle_hello("r2", hello(plan()))
 
     def run(*words, role="developer"):
         return rtron(*words, "--service", url, "--token-file", tokens(role))
@@ -96,7 +93,7 @@ def test_set_changes_all_at_once(call, service):
         0,
         "revision 1: sent; the guard has not answered yet\n",
     )
-    sent = service.controller.greet("r2", hello(plan())).nodes["drive"]
+    sent = service.controller.handle_hello("r2", hello(plan())).nodes["drive"]
     assert sent.policy == "Priority_Queue"
     assert sent.flows["flow1"].timeout == 200_000_000
     assert sent.flows["flow2"].block is True
@@ -144,15 +141,15 @@ def test_what_is_refused_has_help(call, service, words, role, told, help):
     assert (ran.code, ran.out) == (2, "")
     assert told in ran.err
     assert help in ran.err
-    assert service.controller.greet("r2", hello(plan())).revision == 0
+    assert service.controller.handle_hello("r2", hello(plan())).revision == 0
 
 
 def answering(service, revision, error=""):
     """Answer as the guard would, once the revision is there."""
 
     def answer():
-        wait_for(lambda: service.controller.greet("r2", hello(plan())).revision == revision)
-        service.controller.answered("r2", Applied(revision=revision, error=error))
+        wait_for(lambda: service.controller.handle_hello("r2", hello(plan())).revision == revision)
+        service.controller.handle_applied("r2", Applied(revision=revision, error=error))
 
     return Thread(target=answer)
 
@@ -186,7 +183,7 @@ def test_stop_and_release(call):
 
 
 def test_of_several_robots_one_is_named(call, service):
-    service.controller.greet("r3", hello(plan()))
+    service.controller.handle_hello("r3", hello(plan()))
     ran = call("settings", "get")
     assert (ran.code, ran.err) == (2, "error: which robot?\nhelp: give --robot: r2, r3\n")
     assert call("settings", "get", "--robot", "r3").out.startswith("r3")
@@ -302,7 +299,7 @@ def happen(service, *reasons, level=GuardEventLevel.WARNING, robot="r2", start=1
         added = add_events(session, service.clock(), [EventBatch(id, robot, events)])
     for each in added:
         event = each.view().model_dump(mode="json")
-        service.hub.tell({"type": "event", "event": event})
+        service.hub.broadcast({"type": "event", "event": event})
 
 
 def test_events_oldest_first(call, service):
@@ -332,7 +329,7 @@ def test_events_that_fit(call, service, words, number):
 
 def test_events_are_followed_each_once(url, tokens, service, tmp_path):
     """Events of before, of meanwhile and live come once each; a closed pipe ends it."""
-    service.controller.greet("r2", hello(plan()))
+    service.controller.handle_hello("r2", hello(plan()))
     happen(service, "first")
     words = ["events", "-f", "--format", "json", "--level", "warning"]
     where = ["--service", url, "--token-file", str(tokens("read"))]
@@ -341,7 +338,7 @@ def test_events_are_followed_each_once(url, tokens, service, tmp_path):
     with subprocess.Popen(command, stdout=subprocess.PIPE, env=environment) as process:
         try:
             assert reason(process) == "first"
-            wait_for(lambda: service.hub.listened)
+            wait_for(lambda: service.hub.has_listeners)
             happen(service, "quiet", level=GuardEventLevel.INFO, start=2)
             happen(service, "second", "third", start=3)
             assert [reason(process), reason(process)] == ["second", "third"]

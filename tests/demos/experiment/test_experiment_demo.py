@@ -43,7 +43,7 @@ class FakeStudy:
         self.scenes = {("gr", 1): CORRIDOR}
         self.decisions = {"gr": GR.decisions(RunConditions(scene=CORRIDOR, speed=2.0, rate=10.0))}
         self.plan = "app: tb3\n"
-        self.said = [CompletedCommand("rtron scan", 1, "\x1b[1mrisks\x1b[0m")]
+        self.commands = [CompletedCommand("rtron scan", 1, "\x1b[1mrisks\x1b[0m")]
         self.pipeline = SimpleNamespace(folder=folder)
 
     def runs_of(self, _case, seed):
@@ -134,12 +134,14 @@ def test_it_says_which_packages_are_missing(monkeypatch):
     ("lacks", "chosen"), [({1: "", 2: ""}, 2), ({1: "", 2: "none"}, 1), ({1: "none", 2: ""}, 2)]
 )
 def test_ros_2_is_taken_before_ros_1(monkeypatch, lacks, chosen):
-    monkeypatch.setattr(ros_installation, "lacking", lambda: lacks)
+    monkeypatch.setattr(ros_installation, "missing_requirements", lambda: lacks)
     assert demo_session.choose_ros(Ros.AUTO) == chosen
 
 
 def test_without_any_ros_it_says_what_is_lacking(monkeypatch):
-    monkeypatch.setattr(ros_installation, "lacking", lambda: {1: "no ROS 1", 2: "no ROS 2"})
+    monkeypatch.setattr(
+        ros_installation, "missing_requirements", lambda: {1: "no ROS 1", 2: "no ROS 2"}
+    )
     with pytest.raises(SourceError, match="no ROS 2; no ROS 1"):
         demo_session.choose_ros(Ros.AUTO)
 
@@ -176,7 +178,7 @@ def test_the_console_is_told_beside_what_a_program_reads(capsys, monkeypatch, as
     monkeypatch.setattr("webbrowser.open", lambda _: True)
     service = SimpleNamespace(page="http://here/#/robots/tb3/events", password="word")
     demo_session.show_console(service, to_stderr=aside)
-    told, other = capsys.readouterr() if not aside else reversed(capsys.readouterr())
-    assert "http://here/#/robots/tb3/events" in told
-    assert "password word" in told
+    message, other = capsys.readouterr() if not aside else reversed(capsys.readouterr())
+    assert "http://here/#/robots/tb3/events" in message
+    assert "password word" in message
     assert other == ""

@@ -1,7 +1,6 @@
 """A guarded run gets what its guard told in its time, and no other's."""
 
-from demo_runs import BEGAN, guard_event, make_run
-from test_runtime_plan_edits import PROPOSED
+from demo_runs import BEGAN, PROPOSED, guard_event, make_run
 
 from rtron.demos.cases import GR
 from rtron.demos.experiment.study import with_verdicts

@@ -2,53 +2,12 @@
 
 import pytest
 import yaml
+from demo_runs import PROPOSED
 
 from rtron.demos.runtime.plan_edits import with_decisions, write_decided_plan
 from rtron.errors import InputError
 from rtron.planning.plan_file.loader import read_plan
 from rtron.vocabulary import Mode, PolicyName
-
-PROPOSED = """
-schema: rtron.plan/1
-app: demo
-grcn:
-  - id: grcn_cmd_vel
-    topic: /cmd_vel
-    type: geometry_msgs/Twist
-    domain: Control
-    kind: command
-    sharing: contend
-    mode: observe
-    policy: Block
-    flows:
-      - {name: flow1, publisher: /move_base, priority: 1}
-      - {name: flow2, publisher: /stranger, priority: 2}
-    successors: [/base]
-  - id: grcn_goal
-    topic: /goal
-    type: geometry_msgs/PoseStamped
-    domain: Planning
-    kind: action
-    sharing: contend
-    mode: enforce
-    policy: Priority_Queue
-    flows: [{name: flow1, publisher: /mission, priority: 1, timeout: 10 s}]
-    successors: [/move_base]
-rsrcn:
-  id: rsrcn
-  mode: enforce
-  policy: Block
-  vflows:
-    - topic: /max_vel
-      type: std_msgs/Float64
-      flows: [{name: vflow1, publisher: /max_velocity}]
-      successors: [/move_base]
-fps_monitor:
-  - id: fps_eyes
-    node: /eyes
-    topic: /seen
-    camera: {name: camera, topic: /image, publisher: /camera}
-"""
 
 
 @pytest.fixture

@@ -30,12 +30,12 @@ LEFT_BEHIND = [sys.executable, "-c", LEFT_BEHIND]
 RUNNER = """
 import sys
 from pathlib import Path
-from rtron.demos.runtime.processes import Processes
-with Processes(Path(sys.argv[1])) as processes:
+from rtron.demos.runtime.processes import ProcessGroup
+with ProcessGroup(Path(sys.argv[1])) as processes:
     for command in {commands!r}:
         print(processes.start(command, {{}}).popen.pid, flush=True)
     print('all', flush=True)
-    processes.finish({sleep!r}, {{}})
+    processes.run_command({sleep!r}, {{}})
 """
 
 
@@ -46,7 +46,7 @@ def processes(tmp_path):
 
 
 def here(started):
-    return wait_for(started.said, what="its first word")
+    return wait_for(started.output, what="its first word")
 
 
 def test_what_runs_ends_with_the_block(tmp_path):
@@ -57,8 +57,8 @@ def test_what_runs_ends_with_the_block(tmp_path):
 
 
 def test_who_does_not_listen_is_killed(tmp_path, monkeypatch):
-    graces = [(number, 0.2) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGKILL)]
-    monkeypatch.setattr("rtron.demos.runtime.processes._TERMINATION_STEPS", graces)
+    steps = [(number, 0.2) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGKILL)]
+    monkeypatch.setattr("rtron.demos.runtime.processes._TERMINATION_STEPS", steps)
     with ProcessGroup(tmp_path) as processes:
         started = processes.start(DEAF, os.environ)
         here(started)
@@ -134,17 +134,18 @@ def test_an_interrupted_runner_leaves_nothing_behind(tmp_path, number, ignored):
 
 
 def test_an_interrupted_runner_says_that_it_ends():
-    text = "from rtron.demos.runtime.signals import heard\n"
-    text += "import signal\nwith heard(): signal.raise_signal(signal.SIGTERM)\n"
+    text = "from rtron.demos.runtime.signals import interrupt_on_signals\n"
+    text += "import signal\nwith interrupt_on_signals(): signal.raise_signal(signal.SIGTERM)\n"
     done = subprocess.run([sys.executable, "-c", text], capture_output=True, check=False)
     assert done.returncode == -signal.SIGINT
     assert done.stderr.decode().startswith("\nending what was started…\n")
 
 
 def test_whom_nohup_started_outlives_its_terminal():
-    text = "from rtron.demos.runtime.signals import heard, deferred\n"
+    text = "from rtron.demos.runtime.signals import defer_signals, interrupt_on_signals\n"
     text += "import signal\nsignal.signal(signal.SIGHUP, signal.SIG_IGN)\n"
-    text += "with heard(), deferred(): signal.raise_signal(signal.SIGHUP)\nprint('on')"
+    text += "with interrupt_on_signals(), defer_signals(): signal.raise_signal(signal.SIGHUP)\n"
+    text += "print('on')"
     done = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, check=True)
     assert done.stdout == "on\n"
 
@@ -152,7 +153,7 @@ def test_whom_nohup_started_outlives_its_terminal():
 def test_impatience_does_not_stop_the_ending(tmp_path):
     text = RUNNER.format(commands=[DEAF, DEAF], sleep=SLEEP)
     short = "import rtron.demos.runtime.processes as p, signal as s\n"
-    short += "p._GRACES = ((s.SIGINT, 2), (s.SIGKILL, 10))\n"
+    short += "p._TERMINATION_STEPS = ((s.SIGINT, 2), (s.SIGKILL, 10))\n"
     runner = subprocess.Popen(
         [sys.executable, "-c", short + text, str(tmp_path)],
         stdout=subprocess.PIPE,

@@ -10,10 +10,12 @@ from rtron.demos.runtime.processes import CompletedCommand
 
 def test_packages_are_told_apart(tmp_path):
     ran = nullcontext(lambda: CompletedCommand("/usr/bin/python -m rtron", 0, "done"))
-    begun = SimpleNamespace(rtron_beside=lambda *_, codes: ran if codes == (0,) else None)
+    environment = SimpleNamespace(
+        run_rtron_in_background=lambda *_, codes: ran if codes == (0,) else None
+    )
     words = ("instrument", launch_file(1), "-o", tmp_path / "guarded.launch", "--packages")
     done = DemoEnvironment.run_rtron(
-        begun, *words, first_party_packages(1), "--packages", third_party_packages(1)
+        environment, *words, first_party_packages(1), "--packages", third_party_packages(1)
     )
     assert done.command == (
         "rtron instrument ros1/tb3_demo/launch/tb3_demo.launch -o guarded.launch "

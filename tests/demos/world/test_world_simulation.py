@@ -29,7 +29,7 @@ def drive(world, velocity, seconds):
     """Drive for some simulated seconds, and return the truth after each step."""
     found = []
     for _ in range(round(seconds / robot_base.STEP)):
-        world.command(velocity, 0.0)
+        world.set_velocity(velocity, 0.0)
         world.step()
         found.append(world.truth())
     return found

@@ -30,11 +30,12 @@ from rtron.wire.common.link_protocol import Applied, Hello
 
 @dataclass(slots=True)
 class CollectorCounters:
-    """Counters; `protocol_violations` are connections that said what is no message, `slow_connections` those too slow.
+    """Counts of the collector's work since the service started.
 
-    `duplicate_events` are events that came again and were stored already; `transactions` and `transaction_seconds` tell
-    how many transactions it took, and how long (s); `failed_batches` are batches that could not be
-    stored, `pruned_events` are events that retention deleted.
+    `protocol_violations` are connections that sent something else than the link's messages,
+    `slow_connections` connections that were too slow. `duplicate_events` are events that were
+    already stored. The events took `transactions` transactions in `transaction_seconds` (s);
+    `failed_batches` could not be stored, `pruned_events` were deleted by the retention.
     """
 
     connections: int = 0
@@ -103,7 +104,9 @@ class DataCollector:
     event_writer: EventWriter = field(init=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "intake", EventWriter(self._store_batches, self._note_stored))
+        object.__setattr__(
+            self, "event_writer", EventWriter(self._store_batches, self._note_stored)
+        )
 
     @asynccontextmanager
     async def running(self) -> AsyncIterator[None]:

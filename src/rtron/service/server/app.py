@@ -60,7 +60,7 @@ def create_app(config: ServiceConfig, clock: Clock = wall_clock) -> FastAPI:
     app.state.sockets = set()
     app.state.collector = _data_collector(service)
     app.state.registry = CollectorRegistry(auto_describe=False)
-    service_metrics = ServiceMetrics(service, app.state.collector.tally, app.state.attempts)
+    service_metrics = ServiceMetrics(service, app.state.collector.counters, app.state.attempts)
     app.state.registry.register(service_metrics)
     install_error_handlers(app)
     _include(app)

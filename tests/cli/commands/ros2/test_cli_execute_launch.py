@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from ros2_robot import write_robot
 
-DOUBLE = Path(__file__).parents[1] / "ros2" / "launch_double"
+DOUBLE = Path(__file__).parents[3] / "ros2" / "launch_double"
 COMPUTED = """
 import hashlib
 from launch import LaunchDescription

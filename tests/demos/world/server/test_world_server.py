@@ -79,7 +79,7 @@ def test_a_reader_that_sleeps_holds_nobody_up(client):
 
 
 def test_a_world_that_is_always_late_listens_all_the_same(tmp_path, monkeypatch):
-    monkeypatch.setattr(loop, "Clock", partial(StepClock, wall=count().__next__))
+    monkeypatch.setattr(loop, "StepClock", partial(StepClock, wall=count().__next__))
     with serving(tmp_path / "late") as late, clients(late) as connect:
         base, owner = connect("base"), connect("owner", key=KEY)
         base.send({"velocity": [0.1, 0.0]})
