@@ -17,7 +17,7 @@ from rtron.cli.support.options import (
 )
 from rtron.cli.support.outcome import BAD_INPUT, FINDINGS, OK, Outcome, as_json
 from rtron.errors import InputError
-from rtron.guard.audit.ros1.verification import GuardedPath, PathState, Verification
+from rtron.guard.audit.common.verification import GuardedPath, PathState, Verification
 from rtron.planning.plan_file.loader import read_plan
 from rtron.reports.text_layout import Report, TextPage, columns, counted, heading, line, paragraph
 from rtron.vocabulary import Plan

@@ -91,8 +91,11 @@ class EventRecorder:
             self._record_alarm(alarm, active=True)
 
     def record(
-        self, kind: EventKind, level: GuardEventLevel = GuardEventLevel.INFO, **values: Any
-    ) -> None:  # noqa: ANN401
+        self,
+        kind: EventKind,
+        level: GuardEventLevel = GuardEventLevel.INFO,
+        **values: Any,  # noqa: ANN401
+    ) -> None:
         """Tell an event; `values` are the fields of a GuardEvent."""
         if not self._has_capacity():
             self._lost_count += 1

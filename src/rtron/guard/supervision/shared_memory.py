@@ -85,8 +85,8 @@ class DoubleBuffer:
 class GuardMemory:
     """The shared memory of one guard with `streams` streams that it can stop.
 
-    `handover_state` is the guard's; `failure_report` is what the supervisor tells it. Of each stream, `type_infos` has the
-    message type as it was learned, and `last_messages` the last message that went out.
+    The guard writes `handover_state`, the supervisor `failure_report`. `type_infos` has the message
+    type of each stream, once the guard has learned it, and `last_messages` what it sent last.
     """
 
     def __init__(self, descriptor: int, streams: int) -> None:

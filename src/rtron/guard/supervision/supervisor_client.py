@@ -58,7 +58,7 @@ class SupervisorClient:
     def __init__(
         self, config: GuardConfig, memory: GuardMemory, connection: socket.socket, config_file: int
     ) -> None:
-        """`connection` is the connection to the supervisor, `config_file` the order for another one.
+        """Take the connection to the supervisor, and the configuration for a backup supervisor.
 
         SourceError if there is another guard on the master.
         """

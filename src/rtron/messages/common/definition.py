@@ -29,7 +29,8 @@ PRIMITIVES = frozenset({*SIZES, "string"})
 class Field:
     """A field: `type` is primitive or `pkg/Name`, `length` that of an array of fixed length.
 
-    ROS 2 bounds what it does not fix: `max_elements` elements of a sequence, `max_bytes` bytes of a string.
+    ROS 2 bounds what it does not fix: `max_elements` elements of a sequence, `max_bytes` bytes of a
+    string.
     """
 
     name: str

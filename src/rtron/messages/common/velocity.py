@@ -27,7 +27,8 @@ _NAN = float("nan")
 class _VelocityShape:
     """What a type must look like: the floats that it has, itself or in its field `field`.
 
-    The first `linear` floats from `first_float` on are the linear part, the next `angular` the angular.
+    The first `linear` floats from `first_float` on are the linear part, the next `angular` floats
+    the angular part.
     """
 
     floats: tuple[str, ...]

@@ -27,9 +27,9 @@ _REQUEST_KINDS = (0, 1)
 
 @dataclass(frozen=True, slots=True)
 class ServiceEvent:
-    """One request or answer: `client_gid` and `sequence_number` tell which.
+    """One request or response, of the client `client_gid` and with its number `sequence_number`.
 
-    `content_offset` is where its contents begin in the message, 0 where only metadata were published.
+    `content_offset` is where its content begins in the message, 0 where only metadata is published.
     """
 
     is_request: bool

@@ -10,13 +10,12 @@ from __future__ import annotations
 import logging
 import os
 import socket
-from collections.abc import MutableMapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, MutableMapping
 
 
 log = logging.getLogger(__name__)

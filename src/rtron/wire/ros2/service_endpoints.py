@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from rtron.wire.ros2.endpoints import PARTICIPANT_SIZE, gid_of, node_name
+from rtron.wire.ros2.service_names import reply_topic, request_topic
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -40,11 +41,6 @@ class Ros2ServiceEndpoint:
         return self.gid[:PARTICIPANT_SIZE]
 
 
-def reply_topic(service: str) -> str:
-    """Return DDS's name of the topic on which a service is answered."""
-    return f"rr{service}Reply"
-
-
 def servers_of(node: Node, service: str) -> list[Ros2ServiceEndpoint]:
     """Return who offers a service now; nobody where the RMW is no DDS."""
     replies = node.get_publishers_info_by_topic(reply_topic(service), no_mangle=True)
@@ -53,7 +49,7 @@ def servers_of(node: Node, service: str) -> list[Ros2ServiceEndpoint]:
 
 def clients_of(node: Node, service: str) -> list[Ros2ServiceEndpoint]:
     """Return who can call a service now; nobody where the RMW is no DDS."""
-    requests = node.get_publishers_info_by_topic(f"rq{service}Request", no_mangle=True)
+    requests = node.get_publishers_info_by_topic(request_topic(service), no_mangle=True)
     return list(_service_endpoints(service, requests, is_server=False))
 
 

@@ -4,6 +4,7 @@ import pytest
 from plans import grcn, plan_of
 
 from rtron.errors import WireError
+from rtron.guard.audit.common.verification import PathState
 from rtron.guard.audit.ros1.bus_info import BusConnection, parse_bus_info
 from rtron.guard.audit.ros1.expected_graph import ExpectedGraph
 from rtron.guard.audit.ros1.foreign_connections import (
@@ -19,7 +20,7 @@ from rtron.guard.audit.ros1.registrations import (
     guarded_subscribers,
     parse_registrations,
 )
-from rtron.guard.audit.ros1.verification import ApiAnswers, PathState, verify
+from rtron.guard.audit.ros1.verification import ApiAnswers, verify
 from rtron.vocabulary import AlarmKind, Mode, StreamKind
 
 GUARD, PORT = "/rtron/grcn_cmd_vel", 4000

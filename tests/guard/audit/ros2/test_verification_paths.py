@@ -33,7 +33,7 @@ from domain_scene import (
     verified,
 )
 
-from rtron.guard.audit.ros1.verification import PathState
+from rtron.guard.audit.common.verification import PathState
 from rtron.vocabulary import (
     GUARD_NODE,
     SUPERVISOR_NODE,

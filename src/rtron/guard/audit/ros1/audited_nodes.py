@@ -23,12 +23,13 @@ _SHARE = 20
 
 @dataclass(slots=True, kw_only=True, eq=False)
 class AuditedNode:
-    """A node that hears the guard; `audited_topics` are the topics on which it matters whom it hears.
+    """A node that subscribes to the guard.
 
-    `last_body` is the answer that `connections` were read from, `first_connections` what the first answer from where the
-    node lives now told, None before there is one; its links have no ports. `last_response_at` is when it last
-    answered well (ns), `failure` why it does not; `is_refused` tells that nothing listens at its
-    address.
+    `audited_topics` are the topics on which it matters who publishes to it. `connections` were read
+    from the response `last_body`; `first_connections` are those of the first response from the
+    node's present address, without ports, None before there is one. `last_response_at` is when it
+    last answered well (ns), `failure` why it does not; `is_refused` tells that nothing listens at
+    its address.
     """
 
     name: str

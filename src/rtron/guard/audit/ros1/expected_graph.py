@@ -1,8 +1,8 @@
 """What the plan says about who speaks to whom: pure, for the audit and for `rtron verify`."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
+from rtron.guard.audit.common.guard_inputs import GuardInput
 from rtron.vocabulary import (
     GUARD_NODE,
     PRIVATE_ROOT,
@@ -13,32 +13,18 @@ from rtron.vocabulary import (
     build_streams,
     flow_topic,
     list_topic_access,
-    matches_node,
     output_topic,
     ros1_topic_name,
     stage_nodes,
 )
 from rtron.vocabulary.action import ROS1_CLIENT_TOPICS, ROS1_SERVER_TOPICS, SERVER_FLOW
-from rtron.vocabulary.topic_access import ANY_NODE
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class GuardInput:
-    """A way into the guard: who speaks there, under which public name, and on which private topic.
-
-    `publishers` are node names or patterns.
-    """
-
-    public: str
-    private: str
-    publishers: tuple[str, ...]
 
 
 class ExpectedGraph:
     """Who may speak to each guarded node on each topic that an enforced stream has closed.
 
-    `enforcing_nodes` are the guard's nodes on these streams, `guard_nodes` all of them. `outputs` are the private
-    outputs by their public names.
+    `enforcing_nodes` are the guard's nodes on these streams, `guard_nodes` all of its nodes.
+    `outputs` are the private outputs by their public names.
     """
 
     def __init__(self, plan: Plan) -> None:
@@ -85,11 +71,6 @@ class ExpectedGraph:
                 yield public, self.topics[public]
 
 
-def allows_anybody(topic: TopicAccess) -> bool:
-    """Tell whether the plan lets anybody speak on a topic."""
-    return ANY_NODE in topic.publishers
-
-
 def _inputs(stream: Stream) -> Iterator[GuardInput]:
     parts = (
         [ros1_topic_name(stream.action, part) for part in ROS1_CLIENT_TOPICS]
@@ -104,8 +85,3 @@ def _inputs(stream: Stream) -> Iterator[GuardInput]:
         public = ros1_topic_name(stream.action, part)
         private = flow_topic(public, SERVER_FLOW)
         yield GuardInput(public=public, private=private, publishers=stream.successors)
-
-
-def matches_any(patterns: tuple[str, ...], node: str) -> bool:
-    """Tell whether one of a plan's names or patterns means a node."""
-    return any(matches_node(pattern, node) for pattern in patterns)

@@ -3,8 +3,8 @@
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
+from rtron.guard.audit.common.guard_inputs import allows_anybody
 from rtron.guard.audit.ros1.bus_info import BusConnection, normalise_uri
-from rtron.guard.audit.ros1.expected_graph import allows_anybody
 from rtron.guard.core.printable import printable
 from rtron.vocabulary import Alarm, AlarmKind, TopicAccess
 
@@ -12,7 +12,7 @@ _MAX_PUBLISHERS = 1024
 
 
 class NodeAddresses:
-    """The URIs of the guard's nodes and of planned publishers; URIs are compared as `normalise_uri`.
+    """The URIs of the guard's nodes and of planned publishers, compared as `normalise_uri` gives.
 
     `port` is the guard's TCPROS port: nobody else's messages can come from there. 0 if not known.
     """

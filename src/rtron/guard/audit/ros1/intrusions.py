@@ -6,8 +6,9 @@ from functools import partial
 from itertools import islice
 
 from rtron.guard.audit.common.alarm_response import AlarmResponse
+from rtron.guard.audit.common.guard_inputs import matches_any
 from rtron.guard.audit.ros1.audited_nodes import AuditedNode, AuditedNodes
-from rtron.guard.audit.ros1.expected_graph import ExpectedGraph, matches_any
+from rtron.guard.audit.ros1.expected_graph import ExpectedGraph
 from rtron.guard.audit.ros1.foreign_connections import (
     ForeignConnection,
     NodeAddresses,
@@ -64,7 +65,7 @@ class Intrusions:
         response: AlarmResponse,
         takeover_uris: Mapping[str, str],
     ) -> None:
-        """`takeover_uris` are the addresses of nodes that had one of the guard's names, and which."""
+        """Take `takeover_uris`: the name of the guard's that the node at each address had."""
         self._loop = loop
         self._master = master
         self._transport = transport

@@ -8,10 +8,11 @@ from functools import partial
 from typing import TypeVar
 
 from rtron.errors import RTronError, SourceError
+from rtron.guard.audit.common.verification import Verification
 from rtron.guard.audit.ros1.bus_info import BusConnection, parse_bus_info
 from rtron.guard.audit.ros1.expected_graph import ExpectedGraph
 from rtron.guard.audit.ros1.registrations import guarded_subscribers, parse_registrations
-from rtron.guard.audit.ros1.verification import ApiAnswers, Verification, queried_nodes, verify
+from rtron.guard.audit.ros1.verification import ApiAnswers, queried_nodes, verify
 from rtron.vocabulary import Plan
 from rtron.wire.ros1.xmlrpc import ros_call
 

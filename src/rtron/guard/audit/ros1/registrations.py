@@ -4,7 +4,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from rtron.errors import WireError
-from rtron.guard.audit.ros1.expected_graph import ExpectedGraph, matches_any
+from rtron.guard.audit.common.guard_inputs import matches_any
+from rtron.guard.audit.ros1.expected_graph import ExpectedGraph
 from rtron.guard.core.printable import printable
 from rtron.vocabulary import Alarm, AlarmKind
 

@@ -1,4 +1,4 @@
-"""One audit as a result: every planned path, whether it is closed, and who is there beside it.
+"""One audit of a ROS 1 app as a result: every planned path, and who is there beside it.
 
 Pure: what the master and the nodes have answered comes in as `ApiAnswers`.
 """
@@ -6,59 +6,34 @@ Pure: what the master and the nodes have answered comes in as `ApiAnswers`.
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
+from rtron.guard.audit.common.guard_inputs import GuardInput, matches_any
+from rtron.guard.audit.common.verification import (
+    GuardedPath,
+    PathState,
+    UnguardedPath,
+    Verification,
+    accepted_paths,
+)
 from rtron.guard.audit.ros1.bus_info import BusConnection, normalise_uri
-from rtron.guard.audit.ros1.expected_graph import ExpectedGraph, GuardInput, matches_any
+from rtron.guard.audit.ros1.expected_graph import ExpectedGraph
 from rtron.guard.audit.ros1.foreign_connections import (
     NodeAddresses,
     foreign_connections,
     planned_sources,
 )
 from rtron.guard.audit.ros1.registrations import MasterRegistrations, foreign_publisher_alarms
-from rtron.vocabulary import GUARD_NODE, Mode, Plan, StringEnum, TopicAccess, build_streams
+from rtron.vocabulary import GUARD_NODE, Plan, TopicAccess
 
 _LOGGERS = ("/get_loggers", "/set_logger_level")
 _PARAMETERS = "/set_parameters"
-
-
-class PathState(StringEnum):
-    """What is known of a planned path."""
-
-    CLOSED = "closed"
-    OPEN = "open"
-    DRIFT = "drift"
-    UNKNOWN = "unknown"
-    NOT_RUNNING = "not running"
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class GuardedPath:
-    """One way to a guarded node, or from a publisher into the guard.
-
-    `node` is at the outer end, `topic` the public name, `private` what it should use instead.
-    `foreign_publisher_alarms` are those who are there and should not be: names or addresses.
-    """
-
-    topic: str
-    private: str
-    node: str
-    state: PathState
-    reason: str = ""
-    foreign: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class UnguardedPath:
-    """A way to move the robot that the guard does not stand in."""
-
-    what: str
-    why: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ApiAnswers:
     """What was answered: the master's list, addresses by node, connections and process ids.
 
-    `connections` and `pids` lack a node that does not answer, `uris` one that the master does not know.
+    `connections` and `pids` lack a node that does not answer, `uris` one that the master does not
+    know.
     """
 
     state: MasterRegistrations
@@ -66,28 +41,6 @@ class ApiAnswers:
     uris: Mapping[str, str] = field(default_factory=dict)
     connections: Mapping[str, frozenset[BusConnection]] = field(default_factory=dict)
     pids: Mapping[str, int] = field(default_factory=dict)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Verification:
-    """The paths, what is wrong beside them, and what no path leads through."""
-
-    paths: tuple[GuardedPath, ...]
-    problems: tuple[str, ...]
-    unguarded: tuple[UnguardedPath, ...]
-
-    @property
-    def is_closed(self) -> bool:
-        """Tell whether the guard is in the way of everything that runs."""
-        fine = (PathState.CLOSED, PathState.NOT_RUNNING)
-        return not self.problems and all(path.state in fine for path in self.paths)
-
-    @property
-    def is_conclusive(self) -> bool:
-        """Tell whether every path that runs could be looked at, or another one is known open."""
-        states = {path.state for path in self.paths}
-        wrong = bool(self.problems) or bool(states & {PathState.OPEN, PathState.DRIFT})
-        return wrong or PathState.UNKNOWN not in states
 
 
 def verify(plan: Plan, answers: ApiAnswers) -> Verification:
@@ -214,11 +167,7 @@ def _problems(expected: ExpectedGraph, answers: ApiAnswers) -> Iterator[str]:
 
 
 def _unguarded(plan: Plan, expected: ExpectedGraph, answers: ApiAnswers) -> Iterator[UnguardedPath]:
-    for stream in build_streams(plan):
-        if stream.mode is Mode.OBSERVE:
-            yield UnguardedPath(what=stream.topic, why="is only observed: everybody can publish it")
-    for what in plan.accept_unenforceable:
-        yield UnguardedPath(what=what, why="cannot be closed, and was accepted")
+    yield from accepted_paths(plan)
     for service, node in answers.services:
         if expected.audited_topics(node) and not service.endswith(_LOGGERS):
             is_parameter_service = service.endswith(_PARAMETERS)

@@ -1,7 +1,7 @@
 """One question asked again and again over one connection that is kept open.
 
-Nothing waits: `send_request` sends, `poll` looks whether the answer is there. The other side is a stranger:
-what it sends is bounded, and slow, broken or surplus bytes end the connection (RFC 9112).
+Nothing waits: `send_request` sends, `poll` looks whether the answer is there. The other side is a
+stranger: what it sends is bounded, and slow, broken or surplus bytes end the connection (RFC 9112).
 """
 
 import re
@@ -44,8 +44,8 @@ def encode_call(method: str, *params: str) -> bytes:
 class XmlRpcPoller:
     """A connection to one server, made anew by `send_request` when the last one ended.
 
-    `pending_since` is when the question was asked that waits for its answer (ns), 0 if none does. An answer
-    that is the same as the last one, byte by byte, is the same object.
+    `pending_since` is when the request was sent that waits for its response (ns), 0 if none does. A
+    response that is the same as the last one, byte by byte, is the same object.
     """
 
     def __init__(self, request: bytes, max_bytes: int = _MAX_RESPONSE_BYTES) -> None:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from rtron.guard.audit.common.alarm_response import AlarmResponse
 from rtron.guard.audit.common.debounced_alarms import BrakingAlarms, DebouncedAlarms
-from rtron.guard.audit.ros2.expected_graph import ExpectedGraph, is_service_topic
+from rtron.guard.audit.ros2.expected_graph import ExpectedGraph
 from rtron.guard.audit.ros2.graph_alarms import (
     drift_alarms,
     duplicate_name_alarms,
@@ -16,6 +16,7 @@ from rtron.guard.audit.ros2.observed_graph import ROSOUT_TOPIC, GraphReader, Obs
 from rtron.guard.audit.ros2.supervisor_participants import SupervisorParticipants
 from rtron.guard.transport.ros2.participants import ParticipantLiveness
 from rtron.vocabulary import GUARD_NODE, SECOND, Plan
+from rtron.wire.ros2.service_names import is_service_topic
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -7,14 +7,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rtron.guard.audit.ros1.expected_graph import allows_anybody, matches_any
-from rtron.guard.audit.ros2.expected_graph import is_service_topic, ros_name
+from rtron.guard.audit.common.guard_inputs import allows_anybody, matches_any
 from rtron.guard.audit.ros2.observed_graph import (
     ObservedGraph,
     endpoint_label,
     endpoint_label_with_participant,
 )
 from rtron.vocabulary import Durability, Liveliness, QoS, Reliability, TopicAccess, normalise_type
+from rtron.wire.ros2.service_names import is_service_topic, ros_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

@@ -6,7 +6,7 @@ like (design.ros2.org: Topic and Service name mapping to DDS); they are kept by 
 
 from collections.abc import Iterator
 
-from rtron.guard.audit.ros1.expected_graph import GuardInput, allows_anybody, matches_any
+from rtron.guard.audit.common.guard_inputs import GuardInput, allows_anybody, matches_any
 from rtron.vocabulary import (
     GUARD_NODE,
     PRIVATE_ROOT,
@@ -27,6 +27,7 @@ from rtron.vocabulary import (
     stage_nodes,
 )
 from rtron.vocabulary.topic_access import ANY_NODE
+from rtron.wire.ros2.service_names import reply_topic, request_topic, ros_name
 
 _COMMAND_SERVICES = (Ros2ActionEntity.SEND_GOAL, Ros2ActionEntity.CANCEL_GOAL)
 
@@ -34,7 +35,8 @@ _COMMAND_SERVICES = (Ros2ActionEntity.SEND_GOAL, Ros2ActionEntity.CANCEL_GOAL)
 class ExpectedGraph:
     """Who may speak on each topic that an enforced stream has closed.
 
-    `enforcing_nodes` are the guard's nodes on these streams, `guard_nodes` all of them and the supervisor's.
+    `enforcing_nodes` are the guard's nodes on these streams, `guard_nodes` all of its nodes and the
+    supervisor's.
     `outputs` are the private outputs by their public names, `types` the streams' types by theirs.
     """
 
@@ -81,27 +83,6 @@ class ExpectedGraph:
         )
 
 
-def is_service_topic(topic: str) -> bool:
-    """Tell whether a topic is one of a service's two."""
-    return not topic.startswith("/")
-
-
-def ros_name(topic: str) -> str:
-    """Return the ROS name of a topic or of the service that it belongs to."""
-    if not is_service_topic(topic):
-        return topic
-    return topic[2:].removesuffix("Request").removesuffix("Reply")
-
-
-def request_topic(service: str) -> str:
-    """Return the middleware's name of a service's requests."""
-    return f"rq{service}Request"
-
-
-def _reply_topic(service: str) -> str:
-    return f"rr{service}Reply"
-
-
 def _outputs(stream: Stream) -> Iterator[tuple[str, str]]:
     if not stream.is_ros2_action:
         yield stream.topic, output_topic(stream.topic)
@@ -138,7 +119,7 @@ def _service_topics(plan: Plan, closed: frozenset[str]) -> Iterator[TopicAccess]
         clients = each.servers if public and each.stream_topic in closed else each.clients
         if not each.service.endswith(Ros2ActionEntity.GET_RESULT):
             yield _planned_topic(each, request_topic(each.service), clients, each.servers)
-        yield _planned_topic(each, _reply_topic(each.service), each.servers, clients)
+        yield _planned_topic(each, reply_topic(each.service), each.servers, clients)
 
 
 def _planned_topic(

@@ -125,8 +125,9 @@ def drift_alarms(
         for node in matching_nodes(
             expected, observed.publishers(guard_input.public), guard_input.publishers
         ):
-            what = f"{node} publishes {display_name(guard_input.public)}, not {display_name(guard_input.private)}"
-            yield _drift_alarm(node, guard_input.public, f"{what}: its remap is missing")
+            public, private = guard_input.public, guard_input.private
+            what = f"{node} publishes {display_name(public)}, not {display_name(private)}"
+            yield _drift_alarm(node, public, f"{what}: its remap is missing")
         topic = expected.topics[guard_input.private]
         for endpoint in observed.publishers(guard_input.private):
             why = (
@@ -194,7 +195,8 @@ def _rival_server_alarm(topic: TopicAccess, endpoint: Ros2Endpoint) -> BrakingAl
     """Return the alarm of a second server: the same, of whichever of its ends."""
     kind = AlarmKind.FOREIGN_PUBLISHER if endpoint.node else AlarmKind.UNREGISTERED_PUBLISHER
     peer = printable(endpoint.node) or "a node without a name"
-    reason = f"{peer} of the participant {endpoint.participant.hex()} offers to serve {topic.stream_topic}, too"
+    who = f"{peer} of the participant {endpoint.participant.hex()}"
+    reason = f"{who} offers to serve {topic.stream_topic}, too"
     alarm = Alarm(kind=kind, reason=reason, topic=output_topic(topic.stream_topic), peer=peer)
     return alarm, (topic.stream_topic,)
 

@@ -12,7 +12,7 @@ from rtron.guard.audit.ros2.verification import verify_ros2
 from rtron.wire.ros2.discovery_tuning import enable_fast_announcements
 
 if TYPE_CHECKING:
-    from rtron.guard.audit.ros1.verification import Verification
+    from rtron.guard.audit.common.verification import Verification
     from rtron.guard.audit.ros2.observed_graph import ObservedGraph
     from rtron.vocabulary import Plan
 

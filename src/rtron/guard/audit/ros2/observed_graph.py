@@ -6,14 +6,13 @@ import logging
 from collections import defaultdict
 from typing import TYPE_CHECKING, Any
 
-from rtron.guard.audit.ros2.expected_graph import is_service_topic
 from rtron.guard.core.printable import printable
 from rtron.vocabulary import Direction, Service
+from rtron.wire.ros2.service_names import is_service_topic
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
-    from rtron.vocabulary import Service
     from rtron.wire.ros2.endpoints import Ros2Endpoint
 
 

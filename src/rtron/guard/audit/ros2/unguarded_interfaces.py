@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rtron.guard.audit.ros1.verification import UnguardedPath
-from rtron.vocabulary import PRIVATE_ROOT, Mode, Plan, Service, build_streams
+from rtron.guard.audit.common.verification import UnguardedPath, accepted_paths
+from rtron.vocabulary import PRIVATE_ROOT, Plan, Service
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -47,11 +47,7 @@ def unguarded_interfaces(
     plan: Plan, expected: ExpectedGraph, observed: ObservedGraph
 ) -> Iterator[UnguardedPath]:
     """Yield what the plan lets be or cannot reach, then what the running nodes offer."""
-    for stream in build_streams(plan):
-        if stream.mode is Mode.OBSERVE:
-            yield UnguardedPath(what=stream.topic, why="is only observed: everybody can publish it")
-    for what in plan.accept_unenforceable:
-        yield UnguardedPath(what=what, why="cannot be closed, and was accepted")
+    yield from accepted_paths(plan)
     for service in sorted(set(observed.services), key=lambda each: (each.name, each.node)):
         yield from _unguarded_service(expected, service)
 

@@ -10,8 +10,8 @@ from collections import Counter
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from rtron.guard.audit.ros1.expected_graph import GuardInput, matches_any
-from rtron.guard.audit.ros1.verification import GuardedPath, PathState, Verification
+from rtron.guard.audit.common.guard_inputs import GuardInput, matches_any
+from rtron.guard.audit.common.verification import GuardedPath, PathState, Verification
 from rtron.guard.audit.ros2.endpoint_checks import (
     Participants,
     display_name,
@@ -42,7 +42,7 @@ _NO_NAME = "somebody listens whose node the domain does not name"
 class _Comparison:
     """What is compared: the plan and the domain, the guard's participants in it, and doubles.
 
-    `has_supervisor_node` tells whether the supervisor stops anything: only then it has a node of its own.
+    `has_supervisor_node` tells whether the supervisor stops anything: only then it has a node.
     """
 
     expected: ExpectedGraph

@@ -33,7 +33,7 @@ from rtron.vocabulary import (
     ros2_entity_name,
 )
 from rtron.wire.ros2.endpoints import PARTICIPANT_SIZE
-from rtron.wire.ros2.service_endpoints import reply_topic
+from rtron.wire.ros2.service_names import reply_topic
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -19,6 +19,7 @@ from rtron.guard.transport.ros2.event_fd import EventFd
 from rtron.guard.transport.ros2.service_calls import REQUEST_ID_SIZE, ResponsePacer
 from rtron.vocabulary import ROS2_ACTION_SERVICES, SECOND, Ros2ActionEntity, ros2_entity_name
 from rtron.wire.ros2.endpoints import GID_SIZE, PARTICIPANT_SIZE
+from rtron.wire.ros2.service_names import request_topic
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -172,7 +173,7 @@ class ActionServer:
         Fast DDS answers at a reader only if the same service has taken a request from it; clients
         take what is answered at either.
         """
-        node, name = self._context.node, f"rq{ros2_entity_name(self._action, end)}Request"
+        node, name = self._context.node, request_topic(ros2_entity_name(self._action, end))
         infos = node.get_publishers_info_by_topic(name, no_mangle=True)
         gids = [bytes(info.endpoint_gid)[:GID_SIZE] for info in infos]
         client_gids = [

@@ -1,0 +1,71 @@
+"""One audit as a result: every planned path, whether it is closed, and who is there beside it."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from rtron.vocabulary import Mode, Plan, StringEnum, build_streams
+
+
+class PathState(StringEnum):
+    """What is known of a planned path."""
+
+    CLOSED = "closed"
+    OPEN = "open"
+    DRIFT = "drift"
+    UNKNOWN = "unknown"
+    NOT_RUNNING = "not running"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class GuardedPath:
+    """One way to a guarded node, or from a publisher into the guard.
+
+    `node` is at the outer end, `topic` the public name, `private` what it should use instead.
+    `foreign` are those who are there and should not be: names or addresses.
+    """
+
+    topic: str
+    private: str
+    node: str
+    state: PathState
+    reason: str = ""
+    foreign: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class UnguardedPath:
+    """A way to move the robot that the guard does not stand in."""
+
+    what: str
+    why: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Verification:
+    """The paths, what is wrong beside them, and what no path leads through."""
+
+    paths: tuple[GuardedPath, ...]
+    problems: tuple[str, ...]
+    unguarded: tuple[UnguardedPath, ...]
+
+    @property
+    def is_closed(self) -> bool:
+        """Tell whether the guard is in the way of everything that runs."""
+        fine = (PathState.CLOSED, PathState.NOT_RUNNING)
+        return not self.problems and all(path.state in fine for path in self.paths)
+
+    @property
+    def is_conclusive(self) -> bool:
+        """Tell whether every path that runs could be looked at, or another one is known open."""
+        states = {path.state for path in self.paths}
+        wrong = bool(self.problems) or bool(states & {PathState.OPEN, PathState.DRIFT})
+        return wrong or PathState.UNKNOWN not in states
+
+
+def accepted_paths(plan: Plan) -> Iterator[UnguardedPath]:
+    """Yield what the plan itself leaves unguarded."""
+    for stream in build_streams(plan):
+        if stream.mode is Mode.OBSERVE:
+            yield UnguardedPath(what=stream.topic, why="is only observed: everybody can publish it")
+    for what in plan.accept_unenforceable:
+        yield UnguardedPath(what=what, why="cannot be closed, and was accepted")
