@@ -203,7 +203,7 @@ def test_late_successors_hear_what_the_guard_lets_through(ros1):
 
 
 def test_rospy_has_all_of_the_master(inside):
-    done = inside.node("client_of_all.py", "/client_of_all")
+    done = inside.node("master_api_client.py", "/master_api_client")
     wait_for(lambda: done.ended, what="the client's end")
     assert "all done" in done.log
     assert done.code == 0, done.log
