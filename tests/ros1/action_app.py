@@ -245,12 +245,12 @@ class Act:
     def flood(self, rate=1000, flow=None):
         """Start the stranger."""
         names = self._client_names(flow) if flow else ()
-        return self.ros1.node("goal_stranger.py", "/stranger", str(rate), *names)
+        return self.ros1.node("goal_flooder.py", "/stranger", str(rate), *names)
 
     def giant_server(self, count, state):
         """Start a server that tells of so many goals of others in a state."""
         words = (str(count), str(state), *self._server_names())
-        return self.ros1.node("giant_server.py", SERVER, *words)
+        return self.ros1.node("many_goals_server.py", SERVER, *words)
 
     def guard_pid(self):
         """Return the process of the guard's node; None while it does not answer."""

@@ -69,8 +69,8 @@ def test_an_event_of_an_installed_type_blocks(ros2, arm):
     plan = ros2.folder / "rtron.yaml"
     plan.write_text(written(driving("nav"), msrcn=MISSION))
     guard = ros2.rtron("guard", "--plan", plan)
-    driver = ros2.node("driver2.py", output_topic("/cmd_vel"), name="/driver")
-    ros2.node("speaker2.py", flow_topic("/cmd_vel", "nav"), "0.5", "20", name="/nav")
+    driver = ros2.node("twist_subscriber.py", output_topic("/cmd_vel"), name="/driver")
+    ros2.node("twist_publisher.py", flow_topic("/cmd_vel", "nav"), "0.5", "20", name="/nav")
 
     def heard():
         return len(re.findall("speed 0.5", driver.log))

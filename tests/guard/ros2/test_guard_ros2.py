@@ -65,11 +65,11 @@ def offered_by_the_guard(domain):
 
 
 def speaker(ros2, name, topic, speed, rate, *more):
-    return ros2.node("speaker2.py", topic, speed, rate, *more, name=name)
+    return ros2.node("twist_publisher.py", topic, speed, rate, *more, name=name)
 
 
 def test_not_one_of_a_thousand_malicious_messages_passes(ros2, guard):
-    driver = ros2.node("driver2.py", OUT, name="/driver")
+    driver = ros2.node("twist_subscriber.py", OUT, name="/driver")
     guarding = guard()
     speaker(ros2, "/nav", NAV, "0.5", "50")
     wait_for(lambda: speeds(driver)["0.5"] > SETTLED, what="the navigation")
@@ -95,7 +95,7 @@ def test_the_driver_gets_the_qos_of_the_publisher(
     ros2, guard, domain, profile, reliability, deadline
 ):
     guard()
-    driver = ros2.node("driver2.py", OUT, profile, name="/driver")
+    driver = ros2.node("twist_subscriber.py", OUT, profile, name="/driver")
     speaker(ros2, "/nav", NAV, "0.5", "20", "", profile)
     wait_for(lambda: speeds(driver)["0.5"] > 5, what="the navigation")
     offered = offered_by_the_guard(domain)
@@ -108,7 +108,7 @@ def test_what_was_latched_before_the_guard_came_arrives_but_moves_no_driver_that
 ):
     nav = speaker(ros2, "/nav", NAV, "0.5", "10", "1", "latched")
     wait_for(lambda: "said all" in nav.log, what="the one word")
-    driver = ros2.node("driver2.py", OUT, "latched", name="/driver")
+    driver = ros2.node("twist_subscriber.py", OUT, "latched", name="/driver")
     guard(PATIENT)
     wait_for(lambda: speeds(driver)["0.5"], what="what was latched")
     came = time.monotonic()
@@ -123,7 +123,7 @@ def test_what_was_latched_before_the_guard_came_arrives_but_moves_no_driver_that
 
 
 def test_a_guard_that_dies_stops_the_robot_and_comes_back(ros2, guard):
-    driver = ros2.node("driver2.py", OUT, name="/driver")
+    driver = ros2.node("twist_subscriber.py", OUT, name="/driver")
     supervisor = guard()
     speaker(ros2, "/nav", NAV, "0.5", "50")
     wait_for(lambda: speeds(driver)["0.5"] > 50, what="the navigation")
@@ -136,7 +136,7 @@ def test_a_guard_that_dies_stops_the_robot_and_comes_back(ros2, guard):
 
 
 def test_a_navigation_that_was_killed_is_followed_by_the_next(ros2, guard):
-    driver = ros2.node("driver2.py", OUT, name="/driver")
+    driver = ros2.node("twist_subscriber.py", OUT, name="/driver")
     guard()
     nav = speaker(ros2, "/nav", NAV, "0.5", "50")
     wait_for(lambda: speeds(driver)["0.5"], what="the navigation")

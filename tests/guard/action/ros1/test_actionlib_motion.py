@@ -138,7 +138,7 @@ class Poses(Base):
     def _giver(self, n, name):
         numbers = self.ros1.folder / f"{name}.numbers"
         numbers.touch()
-        self.ros1.node("pose_giver.py", f"/{name}", numbers, f"{POSES}:=/rtron{POSES}/flow{n}")
+        self.ros1.node("pose_publisher.py", f"/{name}", numbers, f"{POSES}:=/rtron{POSES}/flow{n}")
         topic = f"/rtron{POSES}/flow{n}"
         wait_for(lambda: self.ros1.connected(f"/{name}", POSES_GUARD, topic), what=name)
         return numbers

@@ -63,11 +63,13 @@ def guards(supervisor):
 def test_a_guard_that_is_killed_mid_goal_costs_no_answer(ros2, tmp_path):
     plan = tmp_path / "rtron.yaml"
     plan.write_text(PLAN)
-    server = ros2.node("fib_server2.py", name="/server", remaps=remaps("/rtron/fib/out"))
+    server = ros2.node("fibonacci_server.py", name="/server", remaps=remaps("/rtron/fib/out"))
     guard = ros2.rtron("guard", "--plan", plan)
-    one = ros2.node("fib_client2.py", 0, 400, 7, name="/one", remaps=remaps("/rtron/fib/flow1"))
+    one = ros2.node(
+        "fibonacci_client.py", 0, 400, 7, name="/one", remaps=remaps("/rtron/fib/flow1")
+    )
     wait_for(lambda: "started 400" in server.log, what="the long goal")
-    eve = ros2.node("fib_client2.py", 9, name="/eve")
+    eve = ros2.node("fibonacci_client.py", 9, name="/eve")
     wait_for(lambda: "9 rejected" in eve.log, what="a stranger's goal to be rejected")
     os.kill(guards(guard)[0], signal.SIGKILL)
     wait_for(lambda: "done" in one.log, what="the answers", limit_s=60)
@@ -82,10 +84,12 @@ def test_who_follows_on_a_killed_server_and_a_killed_client_is_heard_at_once(nev
     plan.write_text(PLAN)
 
     def server():
-        return ros2.node("fib_server2.py", name="/server", remaps=remaps("/rtron/fib/out"))
+        return ros2.node("fibonacci_server.py", name="/server", remaps=remaps("/rtron/fib/out"))
 
     def one(*orders):
-        return ros2.node("fib_client2.py", *orders, name="/one", remaps=remaps("/rtron/fib/flow1"))
+        return ros2.node(
+            "fibonacci_client.py", *orders, name="/one", remaps=remaps("/rtron/fib/flow1")
+        )
 
     first, guard, client = server(), ros2.rtron("guard", "--plan", plan), one(0, 400)
     wait_for(lambda: "started 400" in first.log, what="the long goal")

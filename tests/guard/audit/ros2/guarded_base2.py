@@ -24,7 +24,7 @@ class GuardedBase2:
 
     def start(self):
         self.guard = self._ros2.rtron("guard", "--plan", self.plan)
-        self.driver = self._ros2.node("driver2.py", OUT, name="/driver")
+        self.driver = self._ros2.node("twist_subscriber.py", OUT, name="/driver")
         self.nav = self.start_nav()
         wait_for(lambda: self.speeds("0.5") > 5, what="the navigation's words")
 
@@ -32,7 +32,7 @@ class GuardedBase2:
         return self.speaker("/nav", FLOW1, "0.5")
 
     def speaker(self, name, topic, speed, rate="50"):
-        return self._ros2.node("speaker2.py", topic, speed, rate, name=name)
+        return self._ros2.node("twist_publisher.py", topic, speed, rate, name=name)
 
     def speeds(self, speed):
         """Return how many messages of a speed the driver has heard."""

@@ -86,7 +86,7 @@ def test_a_killed_process_is_known_to_be_gone_while_the_domain_still_lists_it(ro
     looker = session.node("/looker")
     processes = ProcessTable()
     lives = ParticipantLiveness(session.participant("/looker"), processes)
-    node = ros2.node("speaker2.py", FLOW1, "1.0", "10", name="/nav")
+    node = ros2.node("twist_publisher.py", FLOW1, "1.0", "10", name="/nav")
     wait_for(lambda: publishers_of(looker, FLOW1), what="the node")
     (found,) = publishers_of(looker, FLOW1)
     lives.update([found.participant, session.participant("/looker")], 0)

@@ -104,7 +104,7 @@ def test_who_chooses_an_odd_id_is_told_like_anybody(ros2, session, tmp_path):
     profile.write_text(PROFILE)
     files = dict.fromkeys(("FASTDDS", "FASTRTPS"), str(profile))
     environ = {f"{name}_DEFAULT_PROFILES_FILE": file for name, file in files.items()}
-    ros2.spawn(sys.executable, NODES2 / "nodes2.py", "/odd", ">/t:std_msgs/String", **environ)
+    ros2.spawn(sys.executable, NODES2 / "node_group.py", "/odd", ">/t:std_msgs/String", **environ)
     listing = GraphQuery(session.node("/node"))
 
     def told():

@@ -28,7 +28,7 @@ def read(ros1, timeout=HONEST_S):
 
 def join(ros1, name, *ends):
     """Start a node of these ends and wait until the master knows all of them."""
-    node = ros1.node("ends.py", name, *ends)
+    node = ros1.node("string_endpoints.py", name, *ends)
     wait_for(lambda: "ready" in node.log, what=f"the ends of {name}")
     return node
 
@@ -51,9 +51,9 @@ def register(ros1, node, uri):
 
 def test_a_running_app_is_read(ros1):
     app = write_files(ros1.folder, {"talk/package.xml": package("talk")})
-    script = app / "talk" / "scripts" / "ends.py"
+    script = app / "talk" / "scripts" / "string_endpoints.py"
     script.parent.mkdir()
-    script.write_text((NODES / "ends.py").read_text())
+    script.write_text((NODES / "string_endpoints.py").read_text())
     ros1.spawn(ROS_PYTHON, script, ">/chatter", *named("/robot/talker"))
     join(ros1, "/listener", "</relayed", "</chatter")
     ros1.spawn("/usr/lib/topic_tools/relay", "/chatter", "/relayed", "__name:=relay")
@@ -76,7 +76,7 @@ def test_a_running_app_is_read(ros1):
         "/relay",
     }
     programs = {node.name: (node.package, node.executable) for node in graph.nodes}
-    assert programs["/robot/talker"] == ("talk", "ends.py")
+    assert programs["/robot/talker"] == ("talk", "string_endpoints.py")
     assert programs["/relay"] == ("topic_tools", "relay")
     services = {service.name: (service.node, service.type) for service in graph.services}
     assert services["/relay/get_loggers"] == ("/relay", "roscpp/GetLoggers")

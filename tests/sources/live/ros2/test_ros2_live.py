@@ -66,7 +66,7 @@ def app(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch, Ros2(tmp_path_factory.mktemp("app")) as ros2:
         patch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
         for words in APP:
-            ros2.node("nodes2.py", *words)
+            ros2.node("node_group.py", *words)
         yield ros2
 
 
@@ -188,7 +188,7 @@ def test_the_names_lead_to_the_same_services_as_the_gids(session):
 
 
 def test_a_node_that_is_gone_is_not_there(app):
-    leaving = app.node("nodes2.py", "/leaving", ">/left:std_msgs/String")
+    leaving = app.node("node_group.py", "/leaving", ">/left:std_msgs/String")
     wait_for(
         lambda: ends(Ros2LiveSource(app.domain, LONG_S).read(), "/left") == [("/leaving", ">")],
         what="the node",
@@ -244,7 +244,7 @@ def test_names_that_are_no_text_are_an_error(session, domain, monkeypatch):
 
 def test_a_stranger_with_our_nodes_name_is_seen(app, session):
     name = "/_asking"
-    other = app.node("nodes2.py", name, ">/hidden_by_name:std_msgs/String")
+    other = app.node("node_group.py", name, ">/hidden_by_name:std_msgs/String")
     with closing(DomainReader(session, name)) as domain:
         wait_for(lambda: name in domain.snapshot(LONG_S).nodes, what="the other of that name")
         wait_for(lambda: domain.snapshot(LONG_S).all_named, what="its name")

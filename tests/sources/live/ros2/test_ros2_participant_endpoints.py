@@ -69,7 +69,7 @@ def test_a_word_that_claims_more_than_it_says_is_refused():
 def app(tmp_path_factory):
     with Ros2(tmp_path_factory.mktemp("claims")) as ros2:
         ros2.node(
-            "nodes2.py", "/robot/nav", ">/cmd_vel:geometry_msgs/Twist", "</map:std_msgs/String"
+            "node_group.py", "/robot/nav", ">/cmd_vel:geometry_msgs/Twist", "</map:std_msgs/String"
         )
         yield ros2
 
