@@ -74,31 +74,31 @@ def run_python(
 
     def run(volatile: frozenset[str]) -> AbstractMachine:
         ros = ROSPY if site.ros == 1 else rclpy_library()
-        world = PythonRuntime(files=files, library={**ros, **PYTHON_LIBRARY}, builtins=BUILTINS)
-        machine = _create_machine(world, site, volatile)
-        world.machine = machine
-        world.library = {**world.library, **node_constants(machine)}
-        _run_all(machine, script, lambda: _run_script(world, script, function))
+        runtime = PythonRuntime(files=files, library={**ros, **PYTHON_LIBRARY}, builtins=BUILTINS)
+        machine = _create_machine(runtime, site, volatile)
+        runtime.machine = machine
+        runtime.library = {**runtime.library, **node_constants(machine)}
+        _run_all(machine, script, lambda: _run_script(runtime, script, function))
         return machine
 
     return _run_to_fixpoint(run)
 
 
-def _run_script(world: PythonRuntime, script: Path, function: str) -> None:
+def _run_script(runtime: PythonRuntime, script: Path, function: str) -> None:
     if not function:
-        world.run_module(script, "__main__")
+        runtime.run_module(script, "__main__")
         return
-    module = world.run_module(script, script.stem)
+    module = runtime.run_module(script, script.stem)
     called = module.fields.get(function) or Unknown(function)
-    dispatch(world.machine, called, Arguments(frame=StackFrame(file=str(script))))
+    dispatch(runtime.machine, called, Arguments(frame=StackFrame(file=str(script))))
 
 
 def run_cpp(sources: tuple[Path, ...], site: NodeSite, files: SourceProvider) -> NodeInterface:
     """Return what the program of these sources declares: from its `main` on."""
 
     def run(volatile: frozenset[str]) -> AbstractMachine:
-        world, machine = _create_cpp_machine(sources, site, files, volatile)
-        mains = [f for f in world.symbols.functions.get("main", []) if f.body is not None]
+        runtime, machine = _create_cpp_machine(sources, site, files, volatile)
+        mains = [f for f in runtime.symbols.functions.get("main", []) if f.body is not None]
         if not mains:
             location = Evidence(file=str(sources[0]) if sources else "")
             machine.recorder.add_unresolved("main", "the sources have no main function", location)
@@ -107,7 +107,7 @@ def run_cpp(sources: tuple[Path, ...], site: NodeSite, files: SourceProvider) ->
             values = (_argument_count(words), words)
             arguments = Arguments(values=values, line=main.line, frame=StackFrame(file=main.file))
             called = FunctionValue(main)
-            _run_part(machine, Path(main.file), world.initialise_globals)
+            _run_part(machine, Path(main.file), runtime.initialise_globals)
             _run_all(machine, Path(main.file), partial(machine.call, called, arguments))
         return machine
 
@@ -120,16 +120,16 @@ def run_nodelet(
     """Return what a nodelet's class declares: made, then its `onInit` run."""
 
     def run(volatile: frozenset[str]) -> AbstractMachine:
-        world, machine = _create_cpp_machine(sources, site, files, volatile)
-        found = world.class_named(cls)
+        runtime, machine = _create_cpp_machine(sources, site, files, volatile)
+        found = runtime.class_named(cls)
         if found is None:
             location = Evidence(file=str(sources[0]) if sources else "")
             machine.recorder.add_unresolved(
                 f"nodelet {cls}", "its class is not in the sources", location
             )
         else:
-            _run_part(machine, Path(found.definition.file), world.initialise_globals)
-            _run_all(machine, Path(found.definition.file), partial(_load_nodelet, world, found))
+            _run_part(machine, Path(found.definition.file), runtime.initialise_globals)
+            _run_all(machine, Path(found.definition.file), partial(_load_nodelet, runtime, found))
         return machine
 
     return _run_to_fixpoint(run)
@@ -144,12 +144,12 @@ def run_component(
 ) -> NodeInterface:
     """Return what a component's class declares: made with the options of a launch (ROS 2).
 
-    What the components `other_components` it join is not missed.
+    Functions of `other_components` that nothing calls are not noted.
     """
 
     def run(volatile: frozenset[str]) -> AbstractMachine:
-        world, machine = _create_cpp_machine(sources, site, files, volatile)
-        found = world.class_named(cls)
+        runtime, machine = _create_cpp_machine(sources, site, files, volatile)
+        found = runtime.class_named(cls)
         if found is None:
             location = Evidence(file=str(sources[0]) if sources else "")
             machine.recorder.add_unresolved(
@@ -160,8 +160,8 @@ def run_component(
             given = Arguments(
                 values=(component_options(site),), line=found.definition.line, frame=frame
             )
-            _run_part(machine, Path(frame.file), world.initialise_globals)
-            _run_all(machine, Path(frame.file), partial(world.instantiate, found, given))
+            _run_part(machine, Path(frame.file), runtime.initialise_globals)
+            _run_all(machine, Path(frame.file), partial(runtime.instantiate, found, given))
         return machine
 
     return _run_to_fixpoint(run, other_components)
@@ -171,11 +171,11 @@ def _argument_count(words: ListValue) -> Value:
     return Unknown("argc") if words.open else Scalar(len(words.items))
 
 
-def _load_nodelet(world: CppRuntime, cls: ClassValue) -> None:
+def _load_nodelet(runtime: CppRuntime, cls: ClassValue) -> None:
     frame = StackFrame(file=cls.definition.file)
-    made = world.instantiate(cls, Arguments(frame=frame))
-    method = world.attribute(made, "onInit", ())
-    dispatch(world.machine, method or Unknown("onInit"), Arguments(frame=frame))
+    made = runtime.instantiate(cls, Arguments(frame=frame))
+    method = runtime.attribute(made, "onInit", ())
+    dispatch(runtime.machine, method or Unknown("onInit"), Arguments(frame=frame))
 
 
 def _run_to_fixpoint(
@@ -205,7 +205,7 @@ def _create_cpp_machine(
     symbols = SymbolTable(files, sources, searches_packages=ros2)
     for source in sources:
         symbols.load(source)
-    world = CppRuntime(
+    runtime = CppRuntime(
         files=files,
         symbols=symbols,
         library_functions={
@@ -215,13 +215,13 @@ def _create_cpp_machine(
         library_classes={**CPP_STD_CLASSES, **(RCLCPP_CLASSES if ros2 else ROSCPP_CLASSES)},
         library_constants={**CONSTANTS, **(RCLCPP_CONSTANTS if ros2 else {})},
     )
-    machine = _create_machine(world, site, volatile)
-    world.machine = machine
+    machine = _create_machine(runtime, site, volatile)
+    runtime.machine = machine
     for source in sources:
         for problem in symbols.units[source].problems if source in symbols.units else ():
             if _is_relevant_problem(problem):
                 machine.recorder.add_problem(source, problem)
-    return world, machine
+    return runtime, machine
 
 
 def _is_relevant_problem(problem: SourceProblem) -> bool:
@@ -232,10 +232,10 @@ def _is_relevant_problem(problem: SourceProblem) -> bool:
 
 
 def _create_machine(
-    world: LanguageRuntime, site: NodeSite, volatile: frozenset[str]
+    runtime: LanguageRuntime, site: NodeSite, volatile: frozenset[str]
 ) -> AbstractMachine:
     return AbstractMachine(
-        runtime=world,
+        runtime=runtime,
         recorder=DeclarationRecorder(site),
         evaluators=dict(EVALUATORS),
         executors=dict(EXECUTORS),

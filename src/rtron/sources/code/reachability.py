@@ -196,7 +196,7 @@ def _method_names(machine: AbstractMachine, instance: Value) -> set[str]:
 def _library_callbacks(machine: AbstractMachine) -> Iterator[FunctionValue]:
     """Yield the virtual methods that a library calls of objects, each once for each object.
 
-    One that joins no nodes counts if one behind it does, which may ask what it has set.
+    One that joins no nodes counts if one behind it does, which may read what it has set.
     """
     for instance in list(machine.instances):
         waiting: list[FunctionValue] = []

@@ -1,4 +1,4 @@
-"""Records of which a scan makes millions: a type checker sees that nobody writes to them.
+"""Records of which a scan makes millions: a type checker sees that nothing writes to them.
 
 At run time they are not frozen: `__init__` of a frozen dataclass takes three times as long.
 """

@@ -36,7 +36,7 @@ NODELET = "nodelet"
 
 
 class Workspace:
-    """Packages by name; each is looked into when it is first asked for, and then remembered.
+    """Packages by name; each is read when it is first needed, and then remembered.
 
     Files count only inside the packages and the folders they were looked for in, links followed.
     `folders` are those that the user gave: what lies there is the user's own.

@@ -18,8 +18,8 @@ class BuildTarget:
     """A target of CMake.
 
     `sources` are the files that exist, without headers; `links` names libraries and, for
-    `${x_LIBRARIES}`, packages; `definitions` are macros, `NAME` or `NAME=value`; `output_name` is the
-    file's name without `lib` and `.so`.
+    `${x_LIBRARIES}`, packages; `definitions` are macros, `NAME` or `NAME=value`; `output_name` is
+    the file's name without `lib` and `.so`.
     """
 
     name: str
@@ -35,7 +35,7 @@ class BuildTarget:
 class ComponentClass:
     """A class of ROS 2 that a container can load: the library target that holds it.
 
-    `executable` is the program that rclcpp_components makes of it, empty where none is asked for.
+    `executable` is the program that rclcpp_components makes of it, empty where it makes none.
     """
 
     class_name: str
@@ -48,9 +48,9 @@ class ComponentClass:
 class PackageContents:
     """What a package's CMake files build and install.
 
-    `required_packages` names what find_package() asks for, catkin's components among it; `installed_scripts` are
-    scripts with the name under which they are installed; `plugin_descriptions` are descriptions of plugins
-    with the package of their base class (ROS 2).
+    `required_packages` names what find_package() finds, catkin's components among it;
+    `installed_scripts` are scripts with the name under which they are installed;
+    `plugin_descriptions` are descriptions of plugins with the package of their base class (ROS 2).
     """
 
     name: str

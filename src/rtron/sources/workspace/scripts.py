@@ -38,7 +38,7 @@ def has_executable_files(files: PackageFiles) -> bool:
 
 
 def is_executable(path: Path) -> bool:
-    """Return whether somebody may execute a file."""
+    """Return whether any user may execute a file."""
     try:
         return bool(path.stat().st_mode & 0o111)
     except OSError:

@@ -1,4 +1,4 @@
-"""How much one evaluation may do: a small description can ask for an endless robot."""
+"""How much one evaluation may do: a small description can define an endless robot."""
 
 from dataclasses import dataclass
 
@@ -15,7 +15,7 @@ MAX_WEIGHT = 20_000
 
 @dataclass(slots=True)
 class EvaluationBudget:
-    """What is spent of each bound; past one of them `exceeded_bound` says which, and it stays so."""
+    """What is spent of each bound; `exceeded_bound` names the first that was passed, for good."""
 
     elements: int = 0
     steps: int = 0

@@ -1,6 +1,6 @@
 """Evaluates a description element by element; nothing of it is executed (ROS wiki: xacro).
 
-Elements are read only: each evaluation makes new ones, which keep the place they were written at.
+Elements are read only: each evaluation makes new ones, with their locations.
 Kinetic's spellings without the `xacro:` prefix count too, as Kinetic and Melodic read them.
 """
 

@@ -74,9 +74,9 @@ def _without_definitions(
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class XacroResult:
-    """A description: its XML text, its elements with the places they were written at, the rest.
+    """A description: its XML text, its elements with their locations, the rest.
 
-    `open_files` are those it was read from; `unresolved` is what could not be evaluated and is left
+    `files` are those it was read from; `unresolved` is what could not be evaluated and is left
     out, or stands as it is written.
     """
 

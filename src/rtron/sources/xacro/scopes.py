@@ -4,8 +4,6 @@ A property's text is evaluated at its first use, in the scope where it is define
 property; a namespace is a scope with a name).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, TypeAlias
@@ -113,7 +111,7 @@ def truth_value(value: Value) -> bool:
     return bool(value)
 
 
-def _number(text: str, kind: type[int] | type[float]) -> int | float | None:
+def _number(text: str, kind: type[int | float]) -> int | float | None:
     try:
         return kind(text)
     except ValueError:
@@ -151,8 +149,10 @@ class ElementScope:
         )
 
 
-def define_property(around: EvaluationContext, element: XmlElement, symbols: PropertyScope) -> None:
-    """Set what a `<xacro:property>` says in the scope it says it for.
+def define_property(
+    around: "EvaluationContext", element: XmlElement, symbols: PropertyScope
+) -> None:
+    """Set what a `<xacro:property>` defines, in the scope that it names.
 
     Raise ValueError if it is none, and what evaluating it raises.
     """

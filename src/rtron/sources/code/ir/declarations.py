@@ -92,7 +92,7 @@ class Unit:
     `aliases` are typedefs, `using X = …` and `namespace a = b` (qualified name, type), in a class
     too; `usings` the namespaces and names opened by `using` (`using a::b;` as "a::b");
     `includes` as written with their quotes or brackets; `exports` the classes given to
-    PLUGINLIB_EXPORT_CLASS and its kin (class, base); `enums` the enumerators with their values,
+    PLUGINLIB_EXPORT_CLASS and the like (class, base); `enums` the enumerators with their values,
     qualified both with and without the enum's name.
     """
 

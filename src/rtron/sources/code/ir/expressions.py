@@ -162,7 +162,7 @@ class Star:
 
 @record(frozen=True, slots=True)
 class Opaque:
-    """An expression nobody here understands, the expressions within it, and its text, cut short."""
+    """An expression that is not understood: the expressions within it, and its text, cut short."""
 
     parts: tuple["Expr", ...] = ()
     text: str = ""

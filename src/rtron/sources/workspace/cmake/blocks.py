@@ -30,10 +30,10 @@ Statement: TypeAlias = CMakeCommand | CommandBlock
 
 
 def nest_blocks(commands: Iterable[CMakeCommand]) -> tuple[list[Statement], list[SyntaxProblem]]:
-    """Return the statements of a file and its faults: an end without a beginning or the reverse."""
+    """Return the statements of a file, and its problems: blocks without a beginning or an end."""
     top: list[Statement] = []
     stack: list[CommandBlock] = []
-    faults: list[SyntaxProblem] = []
+    problems: list[SyntaxProblem] = []
     for command in commands:
         body = stack[-1].branches[-1].body if stack else top
         if command.name in _OPENING:
@@ -42,14 +42,16 @@ def nest_blocks(commands: Iterable[CMakeCommand]) -> tuple[list[Statement], list
         elif _continues_block(command, stack):
             _add_branch_or_close(command, stack)
         elif command.name in _CLOSING or command.name in _BRANCHING:
-            faults.append(
+            problems.append(
                 SyntaxProblem(why=f"{command.name}() has no beginning", line=command.line)
             )
         else:
             body.append(command)
     heads = (block.branches[0].head for block in stack)
-    faults.extend(SyntaxProblem(why=f"{head.name}() has no end", line=head.line) for head in heads)
-    return top, faults
+    problems.extend(
+        SyntaxProblem(why=f"{head.name}() has no end", line=head.line) for head in heads
+    )
+    return top, problems
 
 
 def _continues_block(command: CMakeCommand, stack: list[CommandBlock]) -> bool:

@@ -24,7 +24,7 @@ _UNARY = frozenset(
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ConditionContext:
-    """What a condition may ask for: variables, targets so far, files (None: not ours to know)."""
+    """What a condition depends on: variables, targets so far, files (None: unknown)."""
 
     variable: Lookup
     is_target: Callable[[str], bool]

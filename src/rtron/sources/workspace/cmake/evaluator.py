@@ -100,7 +100,7 @@ def _initial_variables(name: str, folder: Path) -> dict[str, VariableValue]:
 
 @dataclass(slots=True, kw_only=True)
 class CMakeEvaluator:
-    """Carries out files; `path` and `line` are where it stands, `depth` how deep."""
+    """Carries out files; `path` and `line` are the location, `depth` the nesting."""
 
     build: PackageBuild
     budget: StepBudget
@@ -121,11 +121,11 @@ class CMakeEvaluator:
 
     def _parse(self, path: Path) -> list[Statement]:
         text = read_regular_file(path, MAX_BYTES).decode("utf-8", "replace")
-        commands, faults = read_commands(text)
+        commands, problems = read_commands(text)
         statements, nesting = nest_blocks(commands)
-        for fault in (*faults, *nesting):
+        for problem in (*problems, *nesting):
             self.build.add_unresolved(
-                path.name, fault.why, Evidence(file=str(path), line=fault.line)
+                path.name, problem.why, Evidence(file=str(path), line=problem.line)
             )
         return statements
 

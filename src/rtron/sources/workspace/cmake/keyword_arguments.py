@@ -80,7 +80,7 @@ def _known_arguments(scope: VariableScope) -> dict[str, bool]:
 
 
 def _caller_arguments(call: CommandCall) -> list[ExpandedArgument]:
-    """Return the caller's own arguments, from the place that is given."""
+    """Return the caller's own arguments, from the given index on."""
     start = call.items[1].text if call.items[1:] else ""
     value = call.scope.variables.get("ARGV", VariableValue(""))
     found = [ExpandedArgument(text=text, known=value.known) for text in split_list(value.text)]

@@ -157,7 +157,7 @@ def catkin_package(call: CommandCall) -> None:
 
 
 def record_install(call: CommandCall) -> None:
-    """Remember the scripts that `record_install` and `catkin_install_python` install, and their names."""
+    """Remember the scripts that `install` and `catkin_install_python` install, with their names."""
     if call.words[:1] != ["PROGRAMS"]:
         return
     found = split_by_keyword(call.words, _INSTALL_WORDS)

@@ -50,30 +50,30 @@ class _CMakeSyntaxError(Exception):
 
 
 def read_commands(text: str) -> tuple[list[CMakeCommand], list[SyntaxProblem]]:
-    """Return the commands of a file and its faults.
+    """Return the commands of a file and its problems.
 
-    After a fault reading goes on in the next line, MAX_FAULTS times at most.
+    After a problem reading goes on in the next line, MAX_PROBLEMS times at most.
     """
     scanner = _Scanner(text)
     commands: list[CMakeCommand] = []
-    faults: list[SyntaxProblem] = []
-    while len(faults) < MAX_PROBLEMS:
+    problems: list[SyntaxProblem] = []
+    while len(problems) < MAX_PROBLEMS:
         start = scanner.position
         try:
             command = scanner.command()
         except _CMakeSyntaxError as error:
             start = max(scanner.command_start, start)
-            faults.append(SyntaxProblem(why=str(error), line=scanner.line(start)))
+            problems.append(SyntaxProblem(why=str(error), line=scanner.line(start)))
             scanner.skip_line(start)
             continue
         if command is None:
             break
         commands.append(command)
-    return commands, faults
+    return commands, problems
 
 
 class _Scanner:
-    """A place in the text; `command_start` is where the command at hand began."""
+    """A position in the text; `command_start` is where the present command began."""
 
     def __init__(self, text: str) -> None:
         self.position = 0
@@ -82,7 +82,7 @@ class _Scanner:
         self._newlines = [match.start() for match in re.finditer("\n", text)]
 
     def line(self, position: int) -> int:
-        """Return the line of a place, from 1."""
+        """Return the line of a position, from 1."""
         return bisect_right(self._newlines, position - 1) + 1
 
     def skip_line(self, position: int) -> None:

@@ -8,8 +8,8 @@ std::vector<std::string> words = {{"-r", "__node:=old"}};
 auto is_new = [](const std::string & word) {{ return word == "new"; }};
 auto is_name = [](const std::string & word) {{
   return word.find("__node") != std::string::npos; }};
-auto place = {find};
-if (place != words.end()) {{ *place = "new"; }} else {{ words.push_back("added"); }}
+auto it = {find};
+if (it != words.end()) {{ *it = "new"; }} else {{ words.push_back("added"); }}
 for (const auto & word : words) {{ create_publisher<std_msgs::msg::Bool>(word, 1); }}
 """
 
@@ -33,24 +33,25 @@ def test_an_item_is_found_and_replaced_where_it_stands(find, expected):
 def test_an_iterator_is_moved_and_not_written_through():
     body = """
     std::vector<std::string> words = {"a", "b"};
-    auto place = words.begin();
-    place = std::find(words.begin(), words.end(), "b");
-    ++place;
-    if (place == words.end()) { create_publisher<std_msgs::msg::Bool>("last", 1); }
+    auto it = words.begin();
+    it = std::find(words.begin(), words.end(), "b");
+    ++it;
+    if (it == words.end()) { create_publisher<std_msgs::msg::Bool>("last", 1); }
     for (auto & word : words) { create_publisher<std_msgs::msg::Bool>(word, 1); }
     """
     assert names(cpp(body)) == ["/ns/last", "/ns/a", "/ns/b"]
 
 
 @pytest.mark.parametrize(
-    ("opened_sources", "expected"),
+    ("algorithm", "expected"),
     [("any_of", True), ("all_of", False), ("none_of", False)],
 )
-def test_what_holds_of_a_known_list_is_decided(opened_sources, expected):
+def test_what_holds_of_a_known_list_is_decided(algorithm, expected):
     body = f"""
     std::vector<std::string> words = {{"a", "b"}};
-    bool said = std::{opened_sources}(words.begin(), words.end(), [](auto word) {{ return word == "b"; }});
-    create_publisher<std_msgs::msg::Bool>(said ? "yes" : "no", 1);
+    bool holds = std::{algorithm}(
+      words.begin(), words.end(), [](auto word) {{ return word == "b"; }});
+    create_publisher<std_msgs::msg::Bool>(holds ? "yes" : "no", 1);
     """
     assert names(cpp(body)) == ["/ns/yes" if expected else "/ns/no"]
 
@@ -58,8 +59,8 @@ def test_what_holds_of_a_known_list_is_decided(opened_sources, expected):
 def test_what_is_not_known_decides_nothing():
     body = """
     std::vector<std::string> words = {"a", read_word()};
-    bool said = std::all_of(words.begin(), words.end(), [](auto word) { return word == "a"; });
-    if (said) { create_publisher<std_msgs::msg::Bool>("yes", 1); }
+    bool holds = std::all_of(words.begin(), words.end(), [](auto word) { return word == "a"; });
+    if (holds) { create_publisher<std_msgs::msg::Bool>("yes", 1); }
     else { create_publisher<std_msgs::msg::Bool>("no", 1); }
     if (std::find(words.begin(), words.end(), "b") == words.end()) {
       create_publisher<std_msgs::msg::Bool>("absent", 1); }

@@ -28,8 +28,8 @@ _REFERENCES = {"reference_declarator", "abstract_reference_declarator"}
 class Declarator:
     """A declared name (None where it is abstract) and what it is made of.
 
-    `function` is the node with the parameters where a function is declared. `is_const_pointer` marks a
-    pointer that always points at the same, `* const`.
+    `function` is the node with the parameters where a function is declared. `is_const_pointer`
+    marks a pointer that always points at the same object, `* const`.
     """
 
     name: Node | None = None

@@ -45,7 +45,7 @@ def _is_by_reference(entry: Node) -> bool:
 
 
 def _body_names(context: LoweringContext, node: Node) -> Iterator[str]:
-    """Yield the names that a lambda's body says, those of lambdas in it as well."""
+    """Yield the names in a lambda's body, those of lambdas in it as well."""
     body = node.child_by_field_name("body")
     left = [body] if body else []
     while left:

@@ -91,7 +91,7 @@ def _unit(context: LoweringContext, read: PreprocessedFile, body: list[ir.Stmt])
 
 
 def _note_errors(context: LoweringContext, root: Node) -> None:
-    """Note the places the parser could not read, the outermost of each."""
+    """Note what the parser could not read, the outermost nodes only."""
     open_nodes = [root] if root.has_error else []
     noted = 0
     while open_nodes and noted < _MAX_ERRORS:

@@ -32,7 +32,7 @@ class Macro:
 
 
 class MacroTable:
-    """The macros known at a place of a file, and what they make of its code."""
+    """The macros known at a location of a file, and what they make of its code."""
 
     def __init__(self) -> None:
         self.defined: dict[str, Macro] = {}

@@ -74,7 +74,7 @@ def _lower_opaque(context: LoweringContext, node: Node) -> Expr:
 
 
 def lower_statement(context: LoweringContext, node: Node, out: list[Stmt]) -> None:
-    """Lower a statement of a function into `statements`; an ERROR gives what is readable within it."""
+    """Lower a statement of a function into `out`; an ERROR node gives what can be read in it."""
     if context.is_too_deep(node):
         return
     kind = node.type
@@ -98,7 +98,7 @@ def lower_block(context: LoweringContext, nodes: Iterable[Node]) -> tuple[Stmt, 
 
 
 def lower_declaration(context: LoweringContext, node: Node, out: list[Stmt]) -> None:
-    """Lower a member of a namespace or class; its variables go to `statements`."""
+    """Lower a member of a namespace or class; its variables go to `out`."""
     write = _DECLARATIONS.get(node.type)
     if write and not context.is_too_deep(node):
         outer, context.statements = context.statements, None

@@ -132,7 +132,7 @@ def _comma_operands(node: Node) -> list[Node]:
 
 
 def lower_discarded(context: LoweringContext, node: Node, out: list[Stmt]) -> None:
-    """Lower an expression whose value nobody uses into statements."""
+    """Lower an expression whose value is not used into statements."""
     kind = node.type
     if kind == "assignment_expression":
         out += [assignment] if (assignment := _assignment(context, node)) else []

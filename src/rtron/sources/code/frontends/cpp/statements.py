@@ -53,7 +53,7 @@ def lower_body(context: LoweringContext, node: Node | None) -> tuple[Stmt, ...]:
 
 
 def lower_condition(context: LoweringContext, node: Node | None, out: list[Stmt]) -> Expr:
-    """Return the test of a condition; what it declares or assigns goes to `statements` before."""
+    """Return the test of a condition; what it declares or assigns goes to `out` before."""
     if node is None:
         return Const(value=True)
     first = node.child_by_field_name("initializer")

@@ -226,7 +226,7 @@ def _tuple_parameters(tokens: list[Token], index: int) -> list[tuple[int, int]]:
 
 
 def _closing_index(tokens: list[Token], index: int) -> int:
-    """Return the place of the bracket that closes the one at `index`, or the last place."""
+    """Return the index of the bracket that closes the one at `index`, or the last index."""
     depth = 0
     for at in range(index, len(tokens)):
         depth = bracket_depth_after(tokens[at], depth)

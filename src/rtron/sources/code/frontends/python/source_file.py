@@ -16,7 +16,8 @@ class SourceFile:
     """The file that is being lowered.
 
     `preceding` collects what an expression does before its statement runs (`:=`, `yield`), which is
-    known only where it is surely evaluated (`is_unconditional`). Nesting beyond 100 levels is a problem.
+    known only where it is surely evaluated (`is_unconditional`). Nesting beyond 100 levels is a
+    problem.
     """
 
     file: str

@@ -104,7 +104,7 @@ def bracket_depth_after(token: Token, depth: int) -> int:
 
 
 def top_level_indices(tokens: list[Token], text: str) -> list[int]:
-    """Return the places of an operator or word that stands in no brackets."""
+    """Return the indices of an operator or word that stands in no brackets."""
     indices, depth = [], 0
     for index, token in enumerate(tokens):
         depth = bracket_depth_after(token, depth)

@@ -22,7 +22,7 @@ SLICE = LibraryClass("slice")
 
 
 def element(owner: Value, key: Value) -> Value:
-    """Return an element or slice, or a hole that is called after the owner and the key."""
+    """Return an element or slice, or an Unknown with the names of the owner and the key."""
     if is_slice(key):
         return _slice_value(owner, key)
     if isinstance(owner, MapValue):

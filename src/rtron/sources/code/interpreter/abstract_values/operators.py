@@ -176,7 +176,7 @@ def _hole_name(left: Value, right: Value) -> str:
 
 
 def percent_format(template: Value, given: Value) -> Value:
-    """Return `template % given`, holes and all (Python: printf-style formatting)."""
+    """Return `template % given`, each known in part or whole (Python: printf-style formatting)."""
     values: list[Value] = list(given.items) if isinstance(given, ListValue) else [given]
     mapping = given.entries if isinstance(given, MapValue) else {}
     parts: list[Value] = []

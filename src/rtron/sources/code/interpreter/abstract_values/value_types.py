@@ -1,7 +1,7 @@
 """What a variable may hold while source is interpreted: known, partly known, or one of several.
 
-Strings may have holes: `Text(("", Hole("~prefix"), "/scan"))`. `tainted` marks what came out of
-the parameter server, so that an endpoint can say how its name became known.
+A string may be known in part: `PartialText(("/", Unknown("~prefix"), "/scan"))`. `tainted` marks
+what came out of the parameter server, so that an endpoint can say how its name became known.
 """
 
 from collections.abc import Callable, Iterable, Mapping
@@ -35,7 +35,7 @@ class Unknown:
 
 @record(frozen=True, slots=True)
 class PartialText:
-    """A string of which parts are holes."""
+    """A string of which parts are unknown."""
 
     parts: tuple[str | Unknown, ...]
     tainted: bool = False
@@ -50,7 +50,7 @@ class Choice:
 
 @dataclass(eq=False, slots=True)
 class Instance:
-    """An object: of a scanned class, or of a native one whose `fields` a native module defines.
+    """An object: of a scanned class, or of a library's, whose `fields` its library model defines.
 
     `types` are its template arguments, `bindings` those of its bases by their class's name.
     """
@@ -81,9 +81,10 @@ class ListValue:
 
 @dataclass(eq=False, slots=True)
 class MapValue:
-    """A dict or std::map; keys are the Known values' own, `OPEN` marks unknown further entries.
+    """A dict or std::map; keys are the values of Scalars, `OPEN` marks unknown further entries.
 
-    `iterates_pairs` marks a map of C++, whose items are pairs; `default_factory` makes what it has for a new key.
+    `iterates_pairs` marks a map of C++, whose items are pairs; `default_factory` makes the value
+    of a new key.
     """
 
     fields: dict[Any, "Value"] = field(default_factory=dict)
@@ -112,7 +113,8 @@ OPEN = _OpenKey()
 class FunctionValue:
     """A scanned function, with the frame it was defined in and the object it is bound to.
 
-    `bound_arguments` and `bound_keywords` are arguments that it already has (functools.partial, boost::bind).
+    `bound_arguments` and `bound_keywords` are arguments that it already has (functools.partial,
+    boost::bind).
     """
 
     function: Function
@@ -200,7 +202,7 @@ class LibraryClass:
 
 @record(frozen=True, slots=True)
 class ExternalSymbol:
-    """Something of a library nobody knows, by its dotted name."""
+    """Something of a library without a model, by its dotted name."""
 
     name: str
 
@@ -236,7 +238,7 @@ def options(value: "Value | None") -> tuple[Value, ...]:
 
 
 def join(values: Iterable[Value]) -> Value:
-    """Return the value that may be any of `values`; too many of them are a hole."""
+    """Return the value that may be any of `values`; too many of them are an Unknown."""
     found: list[Value] = []
     for value in values:
         for option in options(value):
@@ -266,7 +268,7 @@ def map_options(value: Value, function: Callable[[Value], Value]) -> Value:
 def truth(value: Value) -> bool | None:
     """Return whether a value counts as true; None if that cannot be known.
 
-    A library's object says itself whether it counts: a ros::Subscriber does once subscribed.
+    A library's object has a field for it: a ros::Subscriber does once subscribed.
     """
     if isinstance(value, Choice):
         answers = {truth(option) for option in value.options}
@@ -286,7 +288,7 @@ def _truth_of_instance(value: Any) -> bool | None:  # noqa: ANN401 - an Instance
     return truth(value.fields["truth"]) if "truth" in value.fields else None
 
 
-def _truth_of_text(value: Any) -> bool | None:  # noqa: ANN401 - a Text
+def _truth_of_text(value: Any) -> bool | None:  # noqa: ANN401 - a PartialText
     return True if any(isinstance(part, str) and part for part in value.parts) else None
 
 
@@ -360,7 +362,7 @@ def _merge_parts(parts: tuple[str | Unknown, ...], *, tainted: bool) -> Value:
 
 
 def text_with_holes(value: Value) -> str:
-    """Return a string value with its holes in braces."""
+    """Return a string value with its unknown parts in braces."""
     return "".join(
         part if isinstance(part, str) else f"{{{part.label}}}" for part in parts_of(value)
     )

@@ -27,7 +27,7 @@ class CppCalls(CppTypes):
     machine: AbstractMachine = field(init=False)
 
     def call_frame(self, called: FunctionValue, arguments: Arguments) -> StackFrame:
-        """Return the frame of a call: parameters bound, references to the caller's places."""
+        """Return the frame of a call: parameters bound, references to the caller's slots."""
         function = called.function
         passed = _with_bound_arguments(called, arguments)
         outer = called.closure
@@ -74,7 +74,7 @@ def copy_container(value: Value) -> Value:
 
 
 def _with_bound_arguments(called: FunctionValue, arguments: Arguments) -> Arguments:
-    """Return the arguments, what boost::bind gave put in their places."""
+    """Return the arguments with those that boost::bind gave."""
     if not called.bound_arguments:
         return arguments
     left = list(arguments.values)

@@ -24,7 +24,7 @@ def begin(_: AbstractMachine, owner: Value, __: Arguments) -> Value:
 
 
 def items_after(value: Value | None) -> tuple[list[tuple[Instance, Value]], bool] | None:
-    """Return the places from an iterator on with what is there, and whether these are all."""
+    """Return the iterators from one on with their items, and whether these are all."""
     if not isinstance(value, Instance) or value.type is not ITERATOR or _END in value.fields:
         return None
     items, position, count = (value.fields[name] for name in ("items", "at", "count"))

@@ -1,7 +1,7 @@
 """Methods of C++ that change the variable itself: smart pointers and strings.
 
 A smart pointer is kept as what it points at and a string as its value, so that `p.reset(x)` and
-`s.append(x)` are writes to the place of `p` and `s`.
+`s.append(x)` are writes to the slots of `p` and `s`.
 """
 
 from rtron.sources.code.interpreter.abstract_values.value_types import (
@@ -25,7 +25,7 @@ _WRITING_METHODS = frozenset(
 
 
 def mutate(machine: AbstractMachine, node: Call, frame: StackFrame) -> Value | None:
-    """Do a call that changes its owner's place; None for every other call."""
+    """Do a call that writes to its owner's slot; None for every other call."""
     if not isinstance(node.function, Attr):
         return None
     name = node.function.name

@@ -1,4 +1,4 @@
-"""Making C++ objects: of native classes, and of scanned ones, bases and members first."""
+"""Making C++ objects: of library classes, and of scanned ones, bases and members first."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -167,7 +167,7 @@ class CppObjects(CppCalls):
         arguments: Arguments,
         candidates: tuple[Function, ...] = (),
     ) -> None:
-        """Run one class's part of making an object; `candidates` are its constructors to choose from.
+        """Run one class's part of making an object; `candidates` are its constructors.
 
         A class that holds or extends itself is made a few times only.
         """

@@ -58,7 +58,7 @@ def _parameter_score(
 
 
 def _unknown_type_score(type: str, value: Unknown) -> int:
-    """Tell whether an object nobody knows fits: it is called like its class."""
+    """Tell whether an unknown object fits: it is called like its class."""
     return 3 if value.label.rpartition("::")[2] == f"{type}()" else 0
 
 

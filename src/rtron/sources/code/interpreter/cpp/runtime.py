@@ -53,7 +53,7 @@ _FACTORIES = frozenset({"make_shared", "make_unique"})
 
 @dataclass(eq=False, slots=True, kw_only=True)
 class CppRuntime(CppObjects):
-    """One program as the machine asks for it."""
+    """One program, as the machine runs it."""
 
     library_functions: Mapping[str, LibraryFunction]
     library_constants: Mapping[str, Value] = field(default_factory=lambda: CONSTANTS)
@@ -65,7 +65,7 @@ class CppRuntime(CppObjects):
     passes_by_reference = True
 
     def __post_init__(self) -> None:
-        """Note how the names of native functions end: most names are none of them."""
+        """Note the last parts of the library functions' names: most names are none of them."""
         CppObjects.__post_init__(self)
         self._unqualified_functions = unqualified_names(self.library_functions)
 
@@ -295,11 +295,11 @@ class CppRuntime(CppObjects):
         return self._library_function(name, node) if name in self.library_functions else None
 
     def _library_function(self, name: str, node: Name) -> LibraryFunction:
-        native = self.library_functions[name]
-        return LibraryFunction(native.name, native.call, native.owner, node.types)
+        found = self.library_functions[name]
+        return LibraryFunction(found.name, found.call, found.owner, node.types)
 
     def _type_value(self, type: TypeRef, frame: StackFrame) -> Value | None:
-        """Return a native function that makes an object of a type: `Foo(x)`."""
+        """Return a function that makes an object of a type: `Foo(x)`."""
         found = self.class_of(type, frame)
         if found is None:
             return None
@@ -331,11 +331,11 @@ class CppRuntime(CppObjects):
 
 
 _PARAMETER_TYPE_METHODS = {"getType": parameter_type_of, "get_type": get_type}
-"""What tells the kind of a parameter's value, in ROS 1 and in ROS 2."""
+"""The methods that give the type of a parameter's value, in ROS 1 and in ROS 2."""
 
 
 def _may_alias(node: Declare, value: Value | None) -> bool:
-    """Tell whether a variable is another name of a place: a reference, a pointer to a string."""
+    """Tell whether a variable is another name of a slot: a reference, a pointer to a string."""
     return value is not None and (node.reference or is_text(value))
 
 

@@ -35,7 +35,7 @@ MODELLED_FOLDERS = frozenset(
         "tf2_geometry_msgs",
     ]
 )
-"""Headers of libraries that `natives` stand for: their own source is not run."""
+"""Headers of libraries that `library_models` replace: their own source is not run."""
 _MAX_ALIASES = 12
 
 
@@ -43,7 +43,7 @@ _MAX_ALIASES = 12
 class SymbolTable:
     """Functions, classes, variables, aliases and enumerators, by their qualified names.
 
-    `searches_packages` says that what another package defines is looked for in its sources when needed.
+    `searches_packages` says that a definition of another package is searched in its sources.
     """
 
     files: SourceProvider
@@ -114,7 +114,7 @@ class SymbolTable:
         return self._program_files[file]
 
     def is_known_name(self, name: str) -> bool:
-        """Tell whether anything's name ends as this one does: if not, it means nothing here."""
+        """Tell whether anything has this name's last part: if not, it means nothing here."""
         return name.rpartition("::")[2] in self._unqualified_names
 
     def method_names(self, cls: str) -> list[str]:

@@ -73,7 +73,7 @@ class CppTypes:
     _method_cache_version: int = -1
 
     def __post_init__(self) -> None:
-        """Note how the names of native classes end: most types are none of them."""
+        """Note the last parts of the library classes' names: most types are none of them."""
         self._unqualified_classes = unqualified_names(self.library_classes)
 
     def version(self) -> int:
@@ -106,7 +106,7 @@ class CppTypes:
         return bool(found) and all(member.constant for member in found)
 
     def class_of(self, type: TypeRef, frame: StackFrame) -> ClassValue | LibraryClass | None:
-        """Return the class that a type means, scanned or native."""
+        """Return the class that a type means, scanned or of a library."""
         resolved = self.resolve_type(type, frame)
         key = resolved.name, frame.scope
         if self._class_cache_version != self.symbols.version:

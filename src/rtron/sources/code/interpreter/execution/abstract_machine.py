@@ -2,7 +2,7 @@
 
 Where a condition is decided, one side runs; where it is not, both do, from the same state. Loops
 over what is known are unrolled; others run once, with what they change made unknown. What is
-called by a library nobody sees (callbacks, threads, virtual methods) runs after the program.
+called by a library (callbacks, threads, virtual methods) runs after the program.
 `possible_throws` counts what may have thrown while a `try` runs.
 """
 
@@ -55,7 +55,7 @@ class StepsExceededError(Exception):
 class ThrownError(Exception):
     """An exception of the scanned program that is certain: its class's name, and its bases'.
 
-    `open` says that not all of the bases are known.
+    `has_unknown_bases` says that not all of the bases are known.
     """
 
     def __init__(self, *names: str, has_unknown_bases: bool = False) -> None:
@@ -141,7 +141,7 @@ class AbstractMachine:
         return None
 
     def call(self, called: FunctionValue, arguments: Arguments) -> Value:
-        """Call a scanned function; recursion that does not end is a hole."""
+        """Call a scanned function; recursion that does not end gives an Unknown."""
         if len(called.overloads) > 1:
             called = called.with_overload(choose_overload(called.overloads, arguments))
         function = called.function
@@ -207,7 +207,7 @@ class AbstractMachine:
         return value
 
     def escape(self, value: Value | None) -> None:
-        """Remember a function, or an object that is called like one, for somebody else to call."""
+        """Remember a function, or an object that is called like one, as a callback."""
         if isinstance(value, Instance) and isinstance(value.type, ClassValue):
             name = "operator()" if self.runtime.passes_by_reference else "__call__"
             value = self.runtime.attribute(value, name, ())

@@ -1,4 +1,4 @@
-"""What a call passes, as native functions see it."""
+"""What a call passes, as library models see it."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import field
@@ -13,7 +13,7 @@ from rtron.vocabulary import Evidence
 
 @record(frozen=True, slots=True, kw_only=True)
 class Arguments:
-    """The values of a call, and the places of those that have one, to be written to by C++.
+    """The values of a call, and the slots of those that have one, to be written to by C++.
 
     `types` are the template arguments, `frame` is the caller's.
     """
@@ -58,7 +58,7 @@ LibraryCall = Callable[..., Value]
 def bind_parameters(
     params: tuple[Param, ...], arguments: Arguments, default: Callable[[Expr], Value]
 ) -> dict[str, Value]:
-    """Return the variables a call begins with; what nobody gives is a hole of its name."""
+    """Return the variables a call begins with; a missing argument is an Unknown of its name."""
     variables: dict[str, Value] = {}
     position = 0
     for param in params:

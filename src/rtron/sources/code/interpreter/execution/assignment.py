@@ -137,7 +137,7 @@ def remove_element(machine: AbstractMachine, owner: Value, key: Value) -> None:
 
 
 def _assign_slice(machine: AbstractMachine, owner: ListValue, key: Value, value: Value) -> None:
-    """`a[i:j] = b`; where the ends or b are not known, the list may hold all of both."""
+    """`a[i:j] = b`; where i, j or b are not known, the list may hold all of both."""
     (given, certain), items = items_of(value), list(owner.items)
     bounds = slice_of(key) or slice(len(items), None)
     try:

@@ -1,4 +1,4 @@
-"""Calls: of scanned functions and classes, of native ones, and of what nobody knows."""
+"""Calls: of scanned functions and classes, of library models, and of what is unknown."""
 
 from collections.abc import Callable, Mapping
 
@@ -118,7 +118,7 @@ def _call_message(_: AbstractMachine, called: MessageType, arguments: Arguments)
 
 
 def _call_unknown(machine: AbstractMachine, called: Value, arguments: Arguments) -> Value:
-    """Whoever is called may call back what it is given."""
+    """Escape the arguments: an unknown function may call back what it gets."""
     if isinstance(called, Instance):
         name = "operator()" if machine.runtime.passes_by_reference else "__call__"
         method = machine.runtime.attribute(called, name, ())
@@ -146,7 +146,7 @@ def note_passed_handle(machine: AbstractMachine, name: str, arguments: Arguments
 
 
 def _forget_written_strings(machine: AbstractMachine, name: str, arguments: Arguments) -> None:
-    """Forget the strings that a C++ function nobody knows may have changed."""
+    """Forget the strings that an unknown C++ function may have changed."""
     for slot in filter(None, arguments.slots):
         before = slot.holder.get(slot.key)
         if isinstance(before, (Scalar, PartialText)) and is_text(before):

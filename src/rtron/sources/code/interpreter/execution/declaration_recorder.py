@@ -41,8 +41,8 @@ MAX_LOCATIONS = 24
 class DeclarationRecorder:
     """What a node at `site` declares; `muted` counts the trial runs that must leave no trace.
 
-    `is_spinning` says that all is set up and callbacks run, `in_parameter_callback` that one of them runs which a change
-    of parameters calls (ROS 2).
+    `is_spinning` says that all is set up and callbacks run, `in_parameter_callback` that a callback
+    runs which a change of parameters calls (ROS 2).
     """
 
     site: NodeSite

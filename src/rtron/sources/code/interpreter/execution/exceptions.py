@@ -2,7 +2,7 @@
 
 Counted is while a `try` runs, and nothing is trusted but what is listed here: an operation whose
 result is known did not throw; libraries' functions throw unless they are known not to, with these
-arguments. Left out is that memory runs out, that somebody presses Ctrl+C, or that a cast to a
+arguments. Left out is that memory runs out, that Ctrl+C is pressed, or that a cast to a
 reference fails.
 """
 

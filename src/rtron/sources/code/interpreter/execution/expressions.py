@@ -1,4 +1,4 @@
-"""What each kind of expression is worth."""
+"""The value of each kind of expression."""
 
 from collections.abc import Callable
 from collections.abc import Mapping as MappingType
@@ -112,7 +112,7 @@ def _are_integers(left: Value, right: Value) -> bool:
 
 
 def _read_into(machine: AbstractMachine, target: Expr, frame: StackFrame) -> None:
-    """`stream >> variable` of a stream nobody knows."""
+    """`stream >> variable` of an unknown stream."""
     slot = slot_of(machine, target, frame)
     if slot is not None:
         machine.undo_log.set(*slot, Unknown(str(slot.key)))

@@ -1,6 +1,4 @@
-"""What differs between the languages, as the machine asks for it."""
-
-from __future__ import annotations
+"""What differs between the languages, as the machine uses it."""
 
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Protocol, cast
@@ -39,7 +37,7 @@ class LanguageRuntime(Protocol):
     files: SourceProvider
 
     def lookup(self, name: Name, frame: StackFrame) -> Value:
-        """Return what a name means; a Hole or Foreign where nobody knows."""
+        """Return what a name means; an Unknown or ExternalSymbol where that is not known."""
         ...
 
     def slot(self, name: str, frame: StackFrame) -> StorageSlot:
@@ -104,7 +102,7 @@ class LanguageRuntime(Protocol):
 
 
 class CppLanguageRuntime(LanguageRuntime, Protocol):
-    """What native functions of C++ ask besides."""
+    """What library models of C++ need besides."""
 
     def construct(self, type: TypeRef, arguments: Arguments) -> Value:
         """Make an object of a type from values."""
@@ -137,6 +135,6 @@ class CppLanguageRuntime(LanguageRuntime, Protocol):
         ...
 
 
-def cpp_runtime(machine: AbstractMachine) -> CppLanguageRuntime:
-    """Return the machine's world, which natives of C++ only ever see as C++'s."""
+def cpp_runtime(machine: "AbstractMachine") -> CppLanguageRuntime:
+    """Return the machine's runtime, which is C++'s wherever a library model of C++ is called."""
     return cast("CppLanguageRuntime", machine.runtime)

@@ -124,7 +124,7 @@ def _forget_scalars(machine: AbstractMachine, frame: StackFrame, written: frozen
 def _changed_scalars(
     machine: AbstractMachine, run: Callable[[], Outcome]
 ) -> Iterator[tuple[dict[object, object], object, Value]]:
-    """Yield the places whose number or string the body changes, with a hole for each."""
+    """Yield the slots whose number or string the body changes, with an Unknown for each."""
     with machine.trial_run():
         writes, _ = machine.undo_log.run_and_undo(lambda: run() is None)
     for storage, key, after in writes.values():

@@ -1,4 +1,4 @@
-"""What a program asks its workspace for; the workspace answers lazily."""
+"""What a program needs of its workspace, which finds it when it is needed."""
 
 from pathlib import Path
 from typing import NamedTuple, Protocol

@@ -1,4 +1,4 @@
-"""Where interpreted code stands: its variables, and what surrounds them."""
+"""The frame that interpreted code runs in: its variables, and what surrounds them."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -20,8 +20,8 @@ class StackFrame:
     """One call of a function, or the top of a file.
 
     `closure` is the frame around a Python function. `aliases` are C++ references: names that
-    stand for a place of the caller; `constants` tells of C++ names whether nobody may write to
-    any of the variables that have it in this function. `types` binds template parameters. `scope`
+    stand for a slot of the caller; `constants` tells of C++ names whether all of the variables
+    that have it in this function are constant. `types` binds template parameters. `scope`
     is the C++ namespace or class that the code is written in. `caller` is the call that led here.
     """
 

@@ -105,7 +105,7 @@ def _yield(machine: AbstractMachine, node: Yield, frame: StackFrame) -> Outcome:
 
 
 def _raise(machine: AbstractMachine, node: Raise, frame: StackFrame) -> Outcome:
-    """Leave for whoever catches it; where nobody seen does, only this function ends."""
+    """Leave for the handler that catches it; without one, only this function ends."""
     value = machine.evaluate(node.value, frame) if node.value is not None else None
     thrown = _thrown_error(machine, node.value, value)
     if not any(_catches(names, thrown) for names in machine.active_handlers):

@@ -44,7 +44,7 @@ class UndoLog:
         del storage[key]
 
     def run_branches(self, branches: Sequence[Callable[[], bool]], locals_: dict[Any, Any]) -> None:
-        """Run each branch from the same state, then let every place hold what any of them left.
+        """Run each branch from the same state, then let every slot hold what any of them left.
 
         A branch returns whether it goes on behind the branches; of one that does not, what it
         wrote to `locals_` is forgotten.

@@ -115,7 +115,7 @@ class PythonObjects(PythonModules):
         return _bind_to_class(owner, self._find_member(owner, name))
 
     def _find_member(self, owner: ClassValue | LibraryClass, name: str) -> Value | None:
-        """Return what stands in a class, unbound: a native method has its class for owner."""
+        """Return what stands in a class, unbound: a library's method has its class for owner."""
         if name == "__name__":
             return Scalar(owner.name)
         return _first_member(self.lineage(owner), name)
@@ -233,7 +233,7 @@ def _bind_function(found: Value, owner: Value) -> Value:
 
 
 def _with_defining_class(found: Value, cls: ClassValue) -> Value:
-    """Return a member that knows the class it stands in, which `super()` asks for."""
+    """Return a member that knows the class it stands in, which `super()` needs."""
     if isinstance(found, FunctionValue) and found.cls is None:
         return replace(found, cls=cls)
     if isinstance(found, Instance) and found.type in _DESCRIPTORS.values():

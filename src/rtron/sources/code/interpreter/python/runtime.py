@@ -44,7 +44,7 @@ from rtron.sources.code.library_models.python_std.paths import PathString, path_
 
 @dataclass(eq=False, slots=True, kw_only=True)
 class PythonRuntime(PythonObjects):
-    """One program as the machine asks for it."""
+    """One program, as the machine runs it."""
 
     builtins: Mapping[str, Value]
 

@@ -89,6 +89,6 @@ def _with_object(machine: AbstractMachine, value: Value, owners: list[Instance])
 
 
 def register_callbacks(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
-    """`registerCallback(…)` and its kin; more are registered on what they return."""
+    """`registerCallback(…)` and the like; more are registered on what they return."""
     escape_functions(machine, arguments)
     return owner

@@ -1,4 +1,4 @@
-"""Methods of strings, in both languages, on strings that may have holes."""
+"""Methods of strings, in both languages, on strings that may be known in part."""
 
 import re
 from collections.abc import Callable, Mapping
@@ -85,7 +85,7 @@ def _call_bounded(machine: AbstractMachine, name: str, text: Any, values: list[A
 
 
 def _max_result_length(name: str, text: str, values: list[Any]) -> int:
-    """Return how many characters a method leaves at most; case changes only in their places."""
+    """Return how many characters a method leaves at most; case changes only where they are."""
     if name == "replace":
         old, new = values[:2]
         return len(text) + text.count(old) * max(0, len(new) - len(old))
@@ -168,7 +168,7 @@ def _join(_: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
 
 
 def _format(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
-    """`"…".format(…)`: fields by place and name, with attributes and elements."""
+    """`"…".format(…)`: fields by position and name, with attributes and elements."""
     parts: list[Value] = []
     for part in parts_of(owner):
         if isinstance(part, Unknown):

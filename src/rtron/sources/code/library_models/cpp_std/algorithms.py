@@ -19,7 +19,7 @@ from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.calls import dispatch
 
 _THIRD_ARGUMENT = 2
-"""The place of the function, or of the value looked for: behind both iterators."""
+"""The index of the function, or of the value looked for: behind both iterators."""
 
 
 def _for_each(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
@@ -60,7 +60,7 @@ def _find_if(machine: AbstractMachine, _: object, arguments: Arguments, *, expec
 def _first_match(
     machine: AbstractMachine, arguments: Arguments, fits: Callable[[Value], Value]
 ) -> Value:
-    """Return the place of the first item that fits, the end where certainly none does."""
+    """Return an iterator at the first item that fits, the end where certainly none does."""
     found = items_after(arguments.get(0))
     if found is None:
         machine.escape(arguments.get(_THIRD_ARGUMENT))

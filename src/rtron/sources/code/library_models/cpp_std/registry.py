@@ -1,4 +1,4 @@
-"""The standard library of C++, and boost and Qt in its place, as far as names depend on it."""
+"""The standard library of C++, and boost and Qt instead of it, as far as names depend on it."""
 
 from collections.abc import Callable, Mapping
 from functools import partial

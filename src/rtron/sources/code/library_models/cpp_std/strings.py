@@ -1,4 +1,4 @@
-"""Strings, streams and formats of C++, on text that may have holes."""
+"""Strings, streams and formats of C++, on text that may be known in part."""
 
 from collections.abc import Callable
 from typing import Any
@@ -133,7 +133,7 @@ def _boost_format(_: AbstractMachine, arguments: Arguments) -> Value:
 
 
 def _fill_placeholder(_: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
-    """`boost::format("%s_%d") % a % b`: each % fills the next place."""
+    """`boost::format("%s_%d") % a % b`: each % fills the next placeholder."""
     template = owner.fields["text"]
     if not isinstance(template, Scalar):
         return owner

@@ -143,7 +143,7 @@ POSITIONAL_PARAMETERS: Mapping[str, tuple[str, ...]] = {
     **_LAUNCH,
     **dict.fromkeys(("Executable", "ReadyToTest", *_BRIDGE, *_SIMULATOR), ()),
 }
-"""The classes, and the names of those parameters that may be given by their place."""
+"""The classes, and the names of those parameters that may be given by position."""
 
 CLASSES_BY_MODULE: Mapping[str, tuple[str, ...]] = {
     "launch": tuple(_LAUNCH),

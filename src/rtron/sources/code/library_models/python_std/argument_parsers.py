@@ -29,7 +29,7 @@ MAX_WORDS = 64
 
 
 class _ScriptArgumentParser(argparse.ArgumentParser):
-    """Goes by the words as far as they fit: a scanned program never ends this one.
+    """Parses the words as far as they fit: a scanned program never ends RTron.
 
     One positional argument may take any number of words: more make matching them slow.
     """
@@ -41,7 +41,7 @@ class _ScriptArgumentParser(argparse.ArgumentParser):
 
 
 def command_line_value(site: NodeSite) -> ListValue:
-    """Return a node's words, the program's name first; open where nobody says how it is started."""
+    """Return a node's words, the program's name first; open where its command line is unknown."""
     words = (Scalar(site.name.rpartition("/")[2]), *map(Scalar, site.args))
     return ListValue({"items": words, "open": not site.parameters_complete})
 

@@ -36,7 +36,7 @@ class TreeNode:
 
 
 def read_tree_nodes(text: str, path: str, tree_id: str = "") -> Iterator[TreeNode]:
-    """Yield the nodes of a file's main tree, or of the one that is wanted, with its subtrees.
+    """Yield the nodes of a file's main tree, or of the tree `tree_id`, with its subtrees.
 
     Raise InputError for what is no XML of trees, or has too many nodes.
     """

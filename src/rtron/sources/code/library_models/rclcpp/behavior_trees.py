@@ -346,7 +346,7 @@ _BASES = (
 )
 _LOADER = LibraryClass("BT::SharedLibrary", methods={"getOSName": _return_argument})
 TREE_CLASSES: Mapping[str, LibraryClass] = {
-    **{native.name: native for native in (_FACTORY, _LOADER)},
+    **{cls.name: cls for cls in (_FACTORY, _LOADER)},
     **{
         f"BT::{name}": LibraryClass(f"BT::{name}", _make_tree_node, _NODE.methods)
         for name in _BASES

@@ -13,7 +13,7 @@ from rtron.sources.code.library_models.rclcpp.node import NODE, container_option
 from rtron.sources.code.library_models.ros2_common import endpoints
 
 DEFAULT_CONTAINER_NAME = "ComponentManager"
-"""What a container is called that nobody names."""
+"""What a container without a name is called."""
 CONTAINER_SERVICES: Mapping[str, str] = {
     "_container/load_node": "composition_interfaces/srv/LoadNode",
     "_container/unload_node": "composition_interfaces/srv/UnloadNode",

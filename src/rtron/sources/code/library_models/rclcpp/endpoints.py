@@ -52,7 +52,7 @@ def split_node_argument(owner: Value, arguments: Arguments) -> tuple[Instance | 
 def create_endpoint(
     kind: DeclarationKind, machine: AbstractMachine, owner: Value, arguments: Arguments
 ) -> Value:
-    """`create_publisher<T>(topic, qos)`, `create_service<T>(name, callback)` and their kin.
+    """`create_publisher<T>(topic, qos)`, `create_service<T>(name, callback)` and the like.
 
     As methods of a node, or as functions that take it, or its interfaces, first.
     """
@@ -167,7 +167,7 @@ def _resolve_name(_: AbstractMachine, owner: Instance, arguments: Arguments) -> 
 
 
 def _unknown_graph_query(name: str, _: AbstractMachine, __: Instance, ___: Arguments) -> Value:
-    """Return what only the running graph tells; what is asked for stays as it is."""
+    """Return what only the running graph tells; the arguments stay as they are."""
     return Unknown(f"{name}()")
 
 

@@ -154,7 +154,7 @@ _FILTER = LibraryClass(
     {"subscribe": _filter_subscribe, "registerCallback": register_callbacks},
 )
 IMAGE_CLASSES: Mapping[str, LibraryClass] = {
-    native.name: native for native in (_TRANSPORT, _CLOUD_TRANSPORT, _FILTER)
+    cls.name: cls for cls in (_TRANSPORT, _CLOUD_TRANSPORT, _FILTER)
 }
 IMAGE_FUNCTIONS: Mapping[str, Callable[..., Value]] = {
     f"image_transport::create_{sort}": call for sort, call in _ENDPOINT_FACTORIES.items()

@@ -64,7 +64,7 @@ def _make_diagnostics(machine: AbstractMachine, arguments: Arguments) -> Value:
 
 
 def _make_bond(machine: AbstractMachine, arguments: Arguments) -> Value:
-    """`bond::Bond(topic, id, node)` both speaks and hears."""
+    """`bond::Bond(topic, id, node)` publishes and subscribes."""
     node = first_node(arguments.values)
     for kind in (_PUBLISH, _SUBSCRIBE) if node is not None else ():
         name, type = arguments.get(0), "bond/msg/Status"
@@ -146,7 +146,7 @@ def _event_handler(machine: AbstractMachine, arguments: Arguments) -> Value:
 def _register_parameter_callback(
     machine: AbstractMachine, owner: Value, arguments: Arguments
 ) -> Value:
-    """`add_parameter_callback(name, callback)` and its kin."""
+    """`add_parameter_callback(name, callback)` and the like."""
     note_parameter_callbacks(machine, arguments)
     return register_callbacks(machine, owner, arguments)
 

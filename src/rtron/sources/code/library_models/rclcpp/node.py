@@ -230,7 +230,7 @@ def _get_field(field: str, _: AbstractMachine, owner: Instance, arguments: Argum
 def _run_transition(
     callback: str, machine: AbstractMachine, owner: Instance, arguments: Arguments
 ) -> Value:
-    """`configure()` and its kin call what the class has for it."""
+    """`configure()` and the like call the class's method for it."""
     method = machine.runtime.attribute(owner, callback, ())
     if method is not None and (id(owner), callback) not in machine.started_callbacks:
         state = Arguments(values=(Unknown("state"),), line=arguments.line, frame=arguments.frame)
@@ -293,5 +293,5 @@ OPTIONS = LibraryClass(
     },
 )
 NODE_CLASSES: Mapping[str, LibraryClass] = {
-    native.name: native for native in (NODE, LIFECYCLE_NODE, OPTIONS)
+    cls.name: cls for cls in (NODE, LIFECYCLE_NODE, OPTIONS)
 }

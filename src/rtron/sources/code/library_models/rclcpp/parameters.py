@@ -147,7 +147,7 @@ def set_parameter(machine: AbstractMachine, owner: Value, arguments: Arguments) 
 
 
 def register_callbacks(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
-    """`register_on_configure(…)` and its kin."""
+    """`register_on_configure(…)` and the like."""
     del owner
     escape_functions(machine, arguments)
     return Unknown("handle")
@@ -156,7 +156,7 @@ def register_callbacks(machine: AbstractMachine, owner: Value, arguments: Argume
 def _register_parameter_callbacks(
     machine: AbstractMachine, owner: Value, arguments: Arguments
 ) -> Value:
-    """`add_on_set_parameters_callback(…)` and its kin."""
+    """`add_on_set_parameters_callback(…)` and the like."""
     note_parameter_callbacks(machine, arguments)
     return register_callbacks(machine, owner, arguments)
 

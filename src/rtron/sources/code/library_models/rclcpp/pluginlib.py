@@ -76,7 +76,7 @@ def _possible_plugins(
 ) -> list[Value]:
     """Return the plugins that a name may mean: all of the base where no launch is known.
 
-    These are taken once for each place: a plugin may load plugins of its own kind.
+    These are taken once for each location: a plugin may load plugins of its own kind.
     """
     if isinstance(name, Scalar):
         return [name]

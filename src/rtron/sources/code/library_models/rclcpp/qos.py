@@ -1,4 +1,4 @@
-"""rclcpp::QoS and its kin (rclcpp/qos.hpp)."""
+"""rclcpp::QoS and the classes around it (rclcpp/qos.hpp)."""
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial

@@ -53,7 +53,7 @@ def _unwrapped(value: Value | None) -> Value | None:
 
 
 def _declare_parameter(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
-    """`declare_parameter(name, value)`; a type in the value's place is no default."""
+    """`declare_parameter(name, value)`; a type instead of the value is no default."""
     name = arguments.get(0, "name") or _UNKNOWN
     default = arguments.get(1, "value")
     return parameter_object(

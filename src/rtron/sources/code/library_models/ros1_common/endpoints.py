@@ -55,7 +55,7 @@ def declare_dynamic_reconfigure(machine: AbstractMachine, namespace: Value, at: 
 def declare_transforms(
     machine: AbstractMachine, kind: DeclarationKind, at: Arguments, *, static: bool
 ) -> None:
-    """Record that a node sends or hears transforms (ROS wiki: tf2)."""
+    """Record that a node publishes or subscribes to transforms (ROS wiki: tf2)."""
     sent = ("/tf_static",) if static else ("/tf",)
     for name in ("/tf", "/tf_static") if kind is _SUBSCRIBE else sent:
         declare_endpoint(machine, kind, Scalar(name), "tf2_msgs/TFMessage", at, implicit=True)
@@ -68,7 +68,7 @@ def declare_diagnostics(machine: AbstractMachine, at: Arguments) -> None:
 
 
 def declare_bond(machine: AbstractMachine, name: Value, at: Arguments) -> None:
-    """Record a bond, which both speaks and hears (ROS wiki: bond)."""
+    """Record a bond, which publishes and subscribes (ROS wiki: bond)."""
     for kind in (_PUBLISH, _SUBSCRIBE):
         declare_endpoint(machine, kind, name, "bond/Status", at, implicit=True)
 

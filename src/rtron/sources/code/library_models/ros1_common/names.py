@@ -1,4 +1,4 @@
-"""How names resolve in a node, and what the parameter server says, for names known in part."""
+"""How names resolve in a node, and what the parameter server holds, for names known in part."""
 
 from rtron.sources.code.interpreter.abstract_values.items import list_of
 from rtron.sources.code.interpreter.abstract_values.value_types import (
@@ -68,7 +68,7 @@ def remap_name(machine: AbstractMachine, name: Value) -> Value:
 def parameter_value(machine: AbstractMachine, name: Value) -> Value | None:
     """Return a parameter by its absolute name; None where it is certainly not set.
 
-    What may or may not be set is a Hole that is called after the parameter.
+    What may or may not be set is an Unknown with the parameter's name.
     """
     found = [_one_parameter(machine, option) for option in options(name)]
     known = [value for value in found if value is not None]

@@ -191,7 +191,7 @@ def declare_transforms(
     *,
     static: bool = False,
 ) -> None:
-    """Record that a node sends or hears transforms (docs.ros.org: tf2)."""
+    """Record that a node publishes or subscribes to transforms (docs.ros.org: tf2)."""
     both = {"/tf": _TF, "/tf_static": _STATIC_TF}
     sent = "/tf_static" if static else "/tf"
     for name, qos in both.items() if kind is _SUBSCRIBE else [(sent, both[sent])]:

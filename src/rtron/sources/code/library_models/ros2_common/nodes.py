@@ -151,7 +151,7 @@ def _bool_or_text(value: Value) -> Value:
 
 @dataclass(frozen=True, slots=True)
 class _RemapRule:
-    """`node:left:=target`; without `add_node` it is for every node."""
+    """`node:left:=target`; without `node` it is for every node."""
 
     node: str
     left: str

@@ -66,7 +66,7 @@ def python_parameter_type(value: Value | None) -> Value | None:
 
 
 def unset_value(name: str) -> Unknown:
-    """Return what a parameter holds that is declared by its type alone, and that nobody sets."""
+    """Return what a parameter holds that is declared by its type alone, and that is not set."""
     return Unknown(name, tainted=True, type=_UNSET)
 
 

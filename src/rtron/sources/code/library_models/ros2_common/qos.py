@@ -27,7 +27,7 @@ QOS_PROFILES: Mapping[str, QoS] = {
     "system_default": QoS(),
     "action_status_default": QoS(depth=1, durability=Durability.TRANSIENT_LOCAL),
 }
-"""rmw/qos_profiles.h, with what Fast DDS takes where the system's default is asked for."""
+"""rmw/qos_profiles.h, with what Fast DDS takes for the system's default."""
 
 
 def qos_fields(qos: QoS) -> dict[object, Value]:

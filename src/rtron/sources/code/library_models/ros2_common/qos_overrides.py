@@ -146,7 +146,7 @@ def _qos_of_policies(policies: Mapping[str, Value]) -> QoS | None:
 
 
 def _with_durations(qos: QoS, policies: Mapping[str, Value]) -> QoS:
-    """Return what is asked for besides, where parameters give it: times in ns, and liveliness."""
+    """Return a profile with what parameters give besides: times in ns, and liveliness."""
     given = {w: p.value for w, p in policies.items() if isinstance(p, Scalar)}
     manual = given.get("liveliness") == _MANUAL.value
     return replace(

@@ -127,7 +127,7 @@ _IMAGE_FILTER = LibraryClass(
 _CAMERA_INFO = LibraryClass("camera_info_manager::CameraInfoManager", _camera_info_manager)
 
 IMAGE_CLASSES = {
-    **{native.name: native for native in (_TRANSPORT, _HINTS, _IMAGE_FILTER, _CAMERA_INFO)},
+    **{cls.name: cls for cls in (_TRANSPORT, _HINTS, _IMAGE_FILTER, _CAMERA_INFO)},
     **dict.fromkeys(("image_transport::Publisher", "image_transport::Subscriber"), ENDPOINT),
     **dict.fromkeys(
         ("image_transport::CameraPublisher", "image_transport::CameraSubscriber"), ENDPOINT

@@ -168,7 +168,7 @@ _CONSTRUCTORS: Mapping[str, Callable[..., Value]] = {
 
 SERVER_CLASSES = {
     **{name: LibraryClass(name, make) for name, make in _CONSTRUCTORS.items()},
-    **{native.name: native for native in (_RECONFIGURE, _UPDATER, _SHAPE_SHIFTER)},
+    **{cls.name: cls for cls in (_RECONFIGURE, _UPDATER, _SHAPE_SHIFTER)},
 }
 
 

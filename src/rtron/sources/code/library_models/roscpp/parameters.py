@@ -48,7 +48,7 @@ def _cpp_value(value: Value | None) -> Value | None:
 
 
 def value_or_default(found: Value | None, default: Value) -> Value:
-    """Return a parameter's value, the default where it is not set, both where nobody knows."""
+    """Return a parameter's value, the default where it is not set, both where that is unknown."""
     if found is None:
         return _tainted(default)
     return join((_tainted(default), found)) if isinstance(found, Unknown) else found

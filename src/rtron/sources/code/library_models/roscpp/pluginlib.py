@@ -97,6 +97,6 @@ _NODELET = LibraryClass(
 _NODELET_LOADER = LibraryClass("nodelet::Loader", _nodelet_loader)
 
 PLUGIN_CLASSES = {
-    **{native.name: native for native in (_LOADER, _NODELET, _NODELET_LOADER)},
+    **{cls.name: cls for cls in (_LOADER, _NODELET, _NODELET_LOADER)},
     "nodelet_topic_tools::NodeletLazy": _NODELET,
 }

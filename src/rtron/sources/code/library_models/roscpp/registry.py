@@ -47,7 +47,7 @@ _UNKNOWN = Unknown("?")
 
 
 def _with_node_handle(method: Callable[..., Value]) -> Callable[..., Value]:
-    """`ros::param::get` and its kin resolve in the node's own namespace."""
+    """`ros::param::get` and the like resolve in the node's own namespace."""
 
     def called(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
         return method(machine, handle(Scalar(node_namespace(machine))), arguments)
@@ -92,7 +92,7 @@ def _call_service(machine: AbstractMachine, _: object, arguments: Arguments) -> 
 
 
 def _init(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
-    """`ros::init(argc, argv, name)`, or with remaps in the place of the command line."""
+    """`ros::init(argc, argv, name)`, or with remaps instead of the command line."""
     if isinstance(arguments.get(0), (MapValue, ListValue)):
         note_program_remaps(machine, arguments)
     return NONE

@@ -208,7 +208,7 @@ def _wait_for_service(_: AbstractMachine, __: object, ___: Arguments) -> Value:
 
 
 def _register_callbacks(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
-    """`registerCallback`, `register_goal_callback` and their kin take callbacks."""
+    """`registerCallback`, `register_goal_callback` and the like take callbacks."""
     _escape_arguments(machine, arguments)
     return owner
 
