@@ -10,15 +10,9 @@ from rtron.sources.code.frontends.cpp.types import one_line_text
 from rtron.sources.code.ir import TypeRef
 
 _INNER = {
-    "pointer_declarator",
-    "reference_declarator",
-    "array_declarator",
-    "function_declarator",
-    "parenthesized_declarator",
-    "attributed_declarator",
-    "variadic_declarator",
-    "init_declarator",
-    "pointer_type_declarator",
+    *("pointer_declarator", "reference_declarator", "array_declarator", "function_declarator"),
+    *("parenthesized_declarator", "attributed_declarator", "variadic_declarator"),
+    *("init_declarator", "pointer_type_declarator"),
 }
 _POINTERS = {"pointer_declarator", "abstract_pointer_declarator", "pointer_type_declarator"}
 _REFERENCES = {"reference_declarator", "abstract_reference_declarator"}

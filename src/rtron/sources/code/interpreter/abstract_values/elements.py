@@ -1,6 +1,6 @@
 """Elements of what may be known in part: `owner[key]`."""
 
-from rtron.sources.code.interpreter.abstract_values.items import items_of
+from rtron.sources.code.interpreter.abstract_values.items import items_of, list_of
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     OPEN,
     ClassValue,
@@ -67,7 +67,7 @@ def _slice_value(owner: Value, key: Value) -> Value:
     if bounds is None:
         return Unknown("slice", is_tainted(owner))
     if isinstance(owner, ListValue):
-        return ListValue({"items": owner.items[bounds], "open": owner.open}, owner.kind)
+        return list_of(owner.items[bounds], owner.kind, certain=not owner.open)
     if isinstance(owner, Scalar) and isinstance(owner.value, (str, bytes)):
         return Scalar(owner.value[bounds], owner.tainted)
     return (

@@ -1,8 +1,9 @@
 """What a loop over a value sees."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from rtron.sources.code.interpreter.abstract_values.value_types import (
+    UNKNOWN,
     Choice,
     ClassValue,
     Instance,
@@ -47,9 +48,9 @@ def pair_of(first: Value, second: Value) -> Instance:
     return Instance(PAIR, {"first": first, "second": second})
 
 
-def list_of(items: "tuple[Value, ...] | list[Value]", kind: str = "list") -> ListValue:
-    """Return a list of just these items."""
-    return ListValue({"items": tuple(items)}, kind)
+def list_of(items: Iterable[Value], kind: str = "list", *, certain: bool = True) -> ListValue:
+    """Return a list of these items; unless that is certain, it may hold others as well."""
+    return ListValue({"items": tuple(items), "open": not certain}, kind)
 
 
 def unpack(value: Value, count: int) -> tuple[Value, ...]:
@@ -108,7 +109,7 @@ def unpack_with_rest(value: Value, before: int, after: int) -> tuple[Value, ...]
     """Return a value taken apart into `before` variables, a list of the rest, and `after` more."""
     items, certain = items_of(value)
     if not certain or len(items) < before + after:
-        rest = ListValue({"items": (), "open": True})
-        return (*(Unknown("?") for _ in range(before)), rest, *(Unknown("?") for _ in range(after)))
+        rest = list_of((), certain=False)
+        return (*(UNKNOWN for _ in range(before)), rest, *(UNKNOWN for _ in range(after)))
     end = len(items) - after
     return (*items[:before], list_of(items[before:end]), *items[end:])

@@ -4,7 +4,9 @@ import operator
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from rtron.sources.code.interpreter.abstract_values.items import list_of
 from rtron.sources.code.interpreter.abstract_values.value_types import (
+    UNKNOWN,
     Choice,
     ExternalSymbol,
     ListValue,
@@ -158,8 +160,8 @@ def _is_item(item: Scalar, container: ListValue) -> bool | None:
 def _repeat(items: ListValue, times: Value) -> Value:
     if isinstance(times, Scalar) and isinstance(times.value, int):
         count = max(0, min(times.value, MAX_LENGTH // max(1, len(items.items))))
-        return ListValue({"items": items.items * count}, items.kind)
-    return ListValue({"items": items.items, "open": True}, items.kind)
+        return list_of(items.items * count, items.kind)
+    return list_of(items.items, items.kind, certain=False)
 
 
 def _is_text(value: Value) -> bool:
@@ -211,9 +213,7 @@ def _format_conversion(
     spec, kind, rest = rest[:flags], rest[flags : flags + 1], rest[flags + 1 :]
     if kind == "%":
         return Scalar("%"), rest
-    value = (
-        mapping.get(name, Unknown(name)) if name else (values.pop(0) if values else Unknown("?"))
-    )
+    value = mapping.get(name, Unknown(name)) if name else (values.pop(0) if values else UNKNOWN)
     return _format_value(spec + kind, value), rest
 
 

@@ -226,6 +226,7 @@ Value: TypeAlias = (
 )
 
 NONE = Scalar(None)
+UNKNOWN = Unknown()
 TRUE = Scalar(value=True)
 FALSE = Scalar(value=False)
 
@@ -325,7 +326,7 @@ def parts_of(value: Value) -> tuple[str | Unknown, ...]:
         return value.parts
     if isinstance(value, Unknown):
         return (value,)
-    return (Unknown("?"),)
+    return (UNKNOWN,)
 
 
 def plain(value: object) -> str:

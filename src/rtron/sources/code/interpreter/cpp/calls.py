@@ -3,13 +3,13 @@
 from dataclasses import dataclass, field, replace
 
 from rtron.sources.code.interpreter.abstract_values.value_types import (
+    UNKNOWN,
     BindPlaceholder,
     ClassValue,
     FunctionValue,
     Instance,
     ListValue,
     MapValue,
-    Unknown,
     Value,
 )
 from rtron.sources.code.interpreter.cpp.types import CppTypes
@@ -79,7 +79,7 @@ def _with_bound_arguments(called: FunctionValue, arguments: Arguments) -> Argume
         return arguments
     left = list(arguments.values)
     values = [
-        (left.pop(0) if left else Unknown("?")) if isinstance(value, BindPlaceholder) else value
+        (left.pop(0) if left else UNKNOWN) if isinstance(value, BindPlaceholder) else value
         for value in called.bound_arguments
     ]
-    return Arguments(values=(*values, *left), line=arguments.line, frame=arguments.frame)
+    return arguments.with_values(*values, *left)

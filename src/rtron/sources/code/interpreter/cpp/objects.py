@@ -6,6 +6,7 @@ from pathlib import Path
 
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     NONE,
+    UNKNOWN,
     ClassValue,
     FunctionValue,
     Instance,
@@ -84,7 +85,7 @@ class CppObjects(CppCalls):
         if found is None:
             return None
         cls = self._load_plugin_class(found)
-        return self.construct_instance(cls, Arguments(frame=arguments.frame), ()) if cls else None
+        return self.construct_instance(cls, arguments.with_values(), ()) if cls else None
 
     def load_functions(self, sources: tuple[Path, ...], name: str) -> tuple[Function, ...]:
         """Take in sources, and return the functions of a name that they define."""
@@ -117,7 +118,7 @@ class CppObjects(CppCalls):
     ) -> Value:
         """Return what a variable without an initialiser holds."""
         if type is None or pointer:
-            return NONE if pointer else Unknown("?")
+            return NONE if pointer else UNKNOWN
         found = self.class_of(type, frame)
         if found is None:
             return Unknown(type.name.rpartition("::")[2], type=self.resolve_type(type, frame))

@@ -10,28 +10,11 @@ from rtron.sources.code.ir import Class, Declare, Function, SourceLanguage, Type
 MAX_FILES = 600
 MODELLED_FOLDERS = frozenset(
     [
-        "ros",
-        "actionlib",
-        "bondcpp",
-        "diagnostic_updater",
-        "dynamic_reconfigure",
-        "image_transport",
-        "interactive_markers",
-        "message_filters",
-        "nodelet",
-        "nodelet_topic_tools",
-        "pluginlib",
-        "realtime_tools",
-        "tf",
-        "tf2_ros",
-        "camera_info_manager",
-        "rclcpp",
-        "rclcpp_action",
-        "rclcpp_components",
-        "rclcpp_lifecycle",
-        "behaviortree_cpp",
-        "behaviortree_cpp_v3",
-        "tf2",
+        *("ros", "actionlib", "bondcpp", "diagnostic_updater", "dynamic_reconfigure"),
+        *("image_transport", "interactive_markers", "message_filters", "nodelet"),
+        *("nodelet_topic_tools", "pluginlib", "realtime_tools", "tf", "tf2_ros"),
+        *("camera_info_manager", "rclcpp", "rclcpp_action", "rclcpp_components"),
+        *("rclcpp_lifecycle", "behaviortree_cpp", "behaviortree_cpp_v3", "tf2"),
         "tf2_geometry_msgs",
     ]
 )

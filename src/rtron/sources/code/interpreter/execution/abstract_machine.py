@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
+from rtron.sources.code.interpreter.abstract_values.items import list_of
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     OPEN,
     ClassValue,
@@ -161,7 +162,7 @@ class AbstractMachine:
         if not ended:
             return Unknown(f"{function.name}()", type=function.returns)
         if frame.yields:
-            return ListValue({"items": tuple(frame.yields)})
+            return list_of(frame.yields)
         return join(frame.returns)
 
     def _run_bounded(self, function: Function, frame: StackFrame) -> bool:

@@ -4,7 +4,12 @@ from collections.abc import Callable, Mapping
 from dataclasses import field
 
 from rtron.sources.code.interpreter.abstract_values.items import list_of
-from rtron.sources.code.interpreter.abstract_values.value_types import MapValue, Unknown, Value
+from rtron.sources.code.interpreter.abstract_values.value_types import (
+    UNKNOWN,
+    MapValue,
+    Unknown,
+    Value,
+)
 from rtron.sources.code.interpreter.execution.stack_frame import StackFrame, StorageSlot
 from rtron.sources.code.ir import Const, Expr, Function, Param, TypeRef
 from rtron.sources.code.record import record
@@ -36,9 +41,17 @@ class Arguments:
             return self.values[index]
         return self.keywords.get(keyword) if keyword else None
 
+    def value(self, index: int, keyword: str = "") -> Value:
+        """Return the argument of a position or name, an unknown value where it is not given."""
+        return self.get(index, keyword) or UNKNOWN
+
     def slot(self, index: int) -> StorageSlot | None:
         """Return where the argument of a position is kept."""
         return self.slots[index] if index < len(self.slots) else None
+
+    def with_values(self, *values: Value) -> "Arguments":
+        """Return other positional arguments of the same call, without slots and types."""
+        return Arguments(values=values, line=self.line, frame=self.frame)
 
     def without_first(self, count: int) -> "Arguments":
         """Return the arguments behind the first `count`."""

@@ -4,14 +4,14 @@ from collections.abc import Callable
 from collections.abc import Mapping as MappingType
 
 from rtron.sources.code.interpreter.abstract_values.elements import element
-from rtron.sources.code.interpreter.abstract_values.items import items_of
+from rtron.sources.code.interpreter.abstract_values.items import items_of, list_of
 from rtron.sources.code.interpreter.abstract_values.operators import binary, unary
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     OPEN,
+    UNKNOWN,
     Choice,
     FunctionValue,
     Instance,
-    ListValue,
     MapValue,
     Scalar,
     Unknown,
@@ -167,7 +167,7 @@ def _sequence(machine: AbstractMachine, node: SequenceExpr, frame: StackFrame) -
             certain = certain and all_known
         else:
             items.append(machine.evaluate(item, frame))
-    return ListValue({"items": tuple(items), "open": not certain}, node.kind)
+    return list_of(items, node.kind, certain=certain)
 
 
 def _mapping(machine: AbstractMachine, node: MappingExpr, frame: StackFrame) -> Value:
@@ -186,8 +186,8 @@ def _comprehension(machine: AbstractMachine, node: Comprehension, frame: StackFr
     found: list[Value] = []
     certain = _run_loops(machine, node, 0, frame, found)
     if node.kind != "dict":
-        return ListValue({"items": tuple(found), "open": not certain}, node.kind)
-    made = MapValue({} if certain else {OPEN: Unknown("?")})
+        return list_of(found, node.kind, certain=certain)
+    made = MapValue({} if certain else {OPEN: UNKNOWN})
     for item in found:
         key, value = items_of(item)[0]
         made.fields[key.value if isinstance(key, Scalar) else OPEN] = value

@@ -1,11 +1,10 @@
 """What differs between the languages, as the machine uses it."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Protocol, cast
 
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     FunctionValue,
-    Instance,
     Value,
 )
 from rtron.sources.code.interpreter.execution.arguments import Arguments
@@ -24,6 +23,7 @@ from rtron.sources.code.ir import (
 )
 
 if TYPE_CHECKING:
+    from rtron.sources.code.interpreter.cpp.runtime import CppRuntime
     from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 
 
@@ -38,103 +38,53 @@ class LanguageRuntime(Protocol):
 
     def lookup(self, name: Name, frame: StackFrame) -> Value:
         """Return what a name means; an Unknown or ExternalSymbol where that is not known."""
-        ...
 
     def slot(self, name: str, frame: StackFrame) -> StorageSlot:
         """Return where a name is kept when it is assigned to."""
-        ...
 
     def is_constant(self, name: str, frame: StackFrame) -> bool:
         """Tell whether a name is of a constant: whoever is given it cannot change it."""
-        ...
 
     def attribute(self, owner: Value, name: str, types: tuple[TypeRef, ...]) -> Value | None:
         """Return a member of a value, bound to it; None where it has none of that name."""
-        ...
 
     def new(self, node: New, frame: StackFrame) -> Value:
         """Make an object (C++)."""
-        ...
 
     def declare(self, node: Declare, frame: StackFrame) -> None:
         """Make a variable (C++)."""
-        ...
 
     def closure_frame(self, node: Lambda, frame: StackFrame) -> StackFrame:
         """Return the frame that a lambda made in a frame stands in (C++)."""
-        ...
 
     def define(self, node: Define, frame: StackFrame) -> None:
         """Bind a function or class (Python)."""
-        ...
 
     def import_(self, node: Import, frame: StackFrame) -> None:
         """Bind what an import brings (Python)."""
-        ...
 
     def call_frame(self, called: FunctionValue, arguments: Arguments) -> StackFrame:
         """Return the frame that a call of a scanned function runs in, its parameters bound."""
-        ...
 
     def instantiate(self, called: Value, arguments: Arguments) -> Value:
         """Make an object of a scanned class."""
-        ...
 
     def method_names(self, definition: Class) -> list[str]:
         """Return the names of the methods that a class defines itself."""
-        ...
 
     def lineage(self, cls: Value) -> Iterator[Value]:
         """Yield a class and its bases, in the order in which a member is looked for."""
-        ...
 
     def functions_named(self, name: str) -> tuple[Function, ...]:
         """Return the scanned functions with a plain name, in whatever class."""
-        ...
 
     def version(self) -> int:
         """Return a number that changes when the program's functions do."""
-        ...
 
     def program_functions(self) -> Iterator[tuple[str, Function]]:
         """Yield the functions of the program's own files, each with what it is called by."""
-        ...
 
 
-class CppLanguageRuntime(LanguageRuntime, Protocol):
-    """What library models of C++ need besides."""
-
-    def construct(self, type: TypeRef, arguments: Arguments) -> Value:
-        """Make an object of a type from values."""
-        ...
-
-    def default_value(
-        self, type: TypeRef | None, frame: StackFrame, *, pointer: bool = False, line: int = 0
-    ) -> Value:
-        """Return what a variable without an initialiser holds."""
-        ...
-
-    def message_type(self, type: TypeRef | None, scope: str, types: Mapping[str, TypeRef]) -> str:
-        """Return the message that a type means in a scope."""
-        ...
-
-    def template_bindings(self, called: FunctionValue) -> Mapping[str, TypeRef]:
-        """Return what a method's template parameters, and those of its class, mean."""
-        ...
-
-    def bind_method(self, called: FunctionValue, owner: Instance) -> FunctionValue:
-        """Return a method named by `&Class::method`, bound to an object of that class."""
-        ...
-
-    def load_functions(self, sources: tuple[object, ...], name: str) -> tuple[Function, ...]:
-        """Take in sources, and return the functions of a name that they define."""
-        ...
-
-    def create_plugin(self, name: str, base: str, arguments: Arguments) -> Value | None:
-        """Make the object of a plugin, its library's sources taken in first."""
-        ...
-
-
-def cpp_runtime(machine: "AbstractMachine") -> CppLanguageRuntime:
+def cpp_runtime(machine: "AbstractMachine") -> "CppRuntime":
     """Return the machine's runtime, which is C++'s wherever a library model of C++ is called."""
-    return cast("CppLanguageRuntime", machine.runtime)
+    return cast("CppRuntime", machine.runtime)

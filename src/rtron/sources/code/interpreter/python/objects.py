@@ -38,15 +38,7 @@ from rtron.vocabulary import Evidence
 
 _PYTHON_2 = {"BaseHTTPServer", "ConfigParser", "HTMLParser", "Queue", "SocketServer", "UserDict"}
 _GUI_MODULES = {
-    "PyQt4",
-    "PyQt5",
-    "PyQt6",
-    "PySide",
-    "PySide2",
-    "PySide6",
-    "Tkinter",
-    "tkinter",
-    "wx",
+    *("PyQt4", "PyQt5", "PyQt6", "PySide", "PySide2", "PySide6", "Tkinter", "tkinter", "wx"),
 }
 _MODULES_WITHOUT_ROS = (
     sys.stdlib_module_names | _PYTHON_2 | _GUI_MODULES | {"python_qt_binding", "smach"}
@@ -68,7 +60,7 @@ class PythonObjects(PythonModules):
         if not isinstance(called, ClassValue):
             return Unknown("object")
         if ENUM in self.lineage(called):
-            return enum_member(called, arguments.get(0) or Unknown("?"))
+            return enum_member(called, arguments.value(0))
         made = Instance(called)
         self.machine.instances.append(made)
         init = self._instance_member(made, "__init__")

@@ -13,25 +13,9 @@ _ENDPOINT_VERBS = frozenset({"pub", "echo", "hz", "bw", "delay"})
 _SEPARATORS = frozenset({";", "&", "&&", "|", "||"})
 _WRAPPERS = frozenset(
     [
-        "env",
-        "exec",
-        "nohup",
-        "sudo",
-        "time",
-        "bash",
-        "sh",
-        "xterm",
-        "gnome-terminal",
-        "konsole",
-        "terminator",
-        "screen",
-        "tmux",
-        "new-session",
-        "stdbuf",
-        "nice",
-        "python",
-        "python2",
-        "python3",
+        *("env", "exec", "nohup", "sudo", "time", "bash", "sh", "xterm", "gnome-terminal"),
+        *("konsole", "terminator", "screen", "tmux", "new-session", "stdbuf", "nice", "python"),
+        *("python2", "python3"),
     ]
 )
 

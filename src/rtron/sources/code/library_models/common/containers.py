@@ -8,6 +8,7 @@ from rtron.sources.code.interpreter.abstract_values.items import items_of, list_
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     NONE,
     OPEN,
+    UNKNOWN,
     ClassValue,
     Instance,
     LibraryFunction,
@@ -58,7 +59,7 @@ def copy_instance(value: Value) -> Value:
 
 
 def _extend(machine: AbstractMachine, owner: ListValue, arguments: Arguments) -> Value:
-    items, certain = items_of(arguments.get(0) or Unknown("?"))
+    items, certain = items_of(arguments.value(0))
     if not certain:
         machine.undo_log.mark_open(owner.fields)
     return _write(machine, owner, (*owner.items, *items))
@@ -88,7 +89,7 @@ def _remove_item(machine: AbstractMachine, owner: ListValue, arguments: Argument
 
 def _pop_entry(machine: AbstractMachine, owner: MapValue, arguments: Arguments) -> Value:
     found = _get(machine, owner, arguments)
-    remove_element(machine, owner, arguments.get(0) or Unknown("?"))
+    remove_element(machine, owner, arguments.value(0))
     return found
 
 
@@ -151,25 +152,25 @@ def _reverse(machine: AbstractMachine, owner: ListValue, _: Arguments) -> Value:
 
 
 def _get(_: AbstractMachine, owner: MapValue, arguments: Arguments) -> Value:
-    key, default = arguments.get(0) or Unknown("?"), arguments.get(1) or NONE
+    key, default = arguments.value(0), arguments.get(1) or NONE
     if isinstance(key, Scalar) and key.value not in owner.entries:
         return join([default, owner.fields[OPEN]]) if owner.open else default
     return element(owner, key)
 
 
 def _keys(_: AbstractMachine, owner: MapValue, __: Arguments) -> Value:
-    return ListValue({"items": items_of(owner)[0], "open": owner.open})
+    return list_of(items_of(owner)[0], certain=not owner.open)
 
 
 def _values(_: AbstractMachine, owner: MapValue, __: Arguments) -> Value:
-    return ListValue({"items": tuple(owner.entries.values()), "open": owner.open})
+    return list_of(owner.entries.values(), certain=not owner.open)
 
 
 def _items(_: AbstractMachine, owner: MapValue, __: Arguments) -> Value:
     keys, _certain = items_of(owner)
     rows = zip(keys, owner.entries.values(), strict=True)
     pairs = tuple(list_of(row, "tuple") for row in rows)
-    return ListValue({"items": pairs, "open": owner.open})
+    return list_of(pairs, certain=not owner.open)
 
 
 def _update(machine: AbstractMachine, owner: MapValue, arguments: Arguments) -> Value:
@@ -184,7 +185,7 @@ def _set_default(machine: AbstractMachine, owner: MapValue, arguments: Arguments
     key = arguments.get(0)
     if isinstance(key, Scalar) and key.value not in owner.fields:
         machine.undo_log.set(owner.fields, key.value, arguments.get(1) or NONE)
-    return element(owner, key or Unknown("?"))
+    return element(owner, key or UNKNOWN)
 
 
 def _has_key(_: AbstractMachine, owner: MapValue, arguments: Arguments) -> Value:
@@ -201,10 +202,10 @@ def _count(machine: AbstractMachine, owner: MapValue, arguments: Arguments) -> V
 
 
 def _insert_pair(machine: AbstractMachine, owner: MapValue, arguments: Arguments) -> Value:
-    items, _ = items_of(arguments.get(0) or Unknown("?"))
+    items, _ = items_of(arguments.value(0))
     if len(arguments.values) > 1:
         items = arguments.values
-    key, value = (*items, Unknown("?"), Unknown("?"))[:2]
+    key, value = (*items, UNKNOWN, UNKNOWN)[:2]
     machine.undo_log.set(owner.fields, key.value if isinstance(key, Scalar) else OPEN, value)
     return NONE
 
@@ -259,7 +260,7 @@ LIST_METHODS: LibraryMethods = {
     "discard": _remove_item,
     "pop_back": _pop,
     "pop_front": lambda machine, owner, arguments: _pop(
-        machine, owner, Arguments(values=(Scalar(0),), frame=arguments.frame)
+        machine, owner, arguments.with_values(Scalar(0))
     ),
     "reserve": _do_nothing,
     "reverse": _reverse,

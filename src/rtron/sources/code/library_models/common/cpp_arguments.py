@@ -1,11 +1,11 @@
 """What the arguments of a call into ROS's C++ libraries say: names, messages, callbacks."""
 
 from rtron.sources.code.interpreter.abstract_values.value_types import (
+    UNKNOWN,
     BindPlaceholder,
     FunctionValue,
     Instance,
     Scalar,
-    Unknown,
     Value,
     options,
 )
@@ -15,13 +15,11 @@ from rtron.sources.code.interpreter.execution.language_runtime import cpp_runtim
 from rtron.sources.code.ir import TypeRef
 from rtron.sources.code.library_models.ros1_common.names import resolve_name
 
-_UNKNOWN = Unknown("?")
-
 
 def resolve_in_handle(machine: AbstractMachine, owner: Value, name: Value | None) -> Value:
     """Return a name resolved in a handle, before remapping."""
     namespace = owner.fields.get("namespace") if isinstance(owner, Instance) else None
-    return resolve_name(machine, name if name is not None else _UNKNOWN, namespace)
+    return resolve_name(machine, name if name is not None else UNKNOWN, namespace)
 
 
 def name_arguments(arguments: Arguments) -> list[Value]:

@@ -6,16 +6,9 @@ from rtron.sources.code.ir import TypeRef
 _PYTHON_MODULES = {"msg", "srv"}
 INTERFACE_FOLDERS = {"msg", "srv", "action"}
 _POINTER_TYPES = {
-    "boost::shared_ptr",
-    "std::shared_ptr",
-    "shared_ptr",
-    "boost::shared_ptr const",
-    "ros::MessageEvent",
-    "MessageEvent",
-    "message_filters::MessageEvent",
-    "std::unique_ptr",
-    "unique_ptr",
-    "rclcpp::LoanedMessage",
+    *("boost::shared_ptr", "std::shared_ptr", "shared_ptr", "boost::shared_ptr const"),
+    *("ros::MessageEvent", "MessageEvent", "message_filters::MessageEvent", "std::unique_ptr"),
+    *("unique_ptr", "rclcpp::LoanedMessage"),
 }
 _NON_MESSAGE_NAMESPACES = {"std", "boost", "ros", "cv", "Eigen", "pcl", "tf", "tf2"}
 _SUFFIXES = ("ConstPtr", "Ptr", "ConstWeakPtr", "Request", "Response")

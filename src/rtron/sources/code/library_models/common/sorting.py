@@ -35,10 +35,7 @@ def _sort_keys(machine: AbstractMachine, items: Items, at: Arguments) -> Items:
     function = at.keywords.get("key", NONE)
     if function == NONE:
         return items
-    return tuple(
-        dispatch(machine, function, Arguments(values=(item,), line=at.line, frame=at.frame))
-        for item in items
-    )
+    return tuple(dispatch(machine, function, at.with_values(item)) for item in items)
 
 
 def _comparable(key: Value) -> Any:  # noqa: ANN401

@@ -27,27 +27,9 @@ MAX_LONG_LENGTH = 2**20
 _CHARACTERS_PER_STEP = 64
 """As many characters of a long text take a step."""
 _STR_METHODS = [
-    "strip",
-    "lstrip",
-    "rstrip",
-    "lower",
-    "upper",
-    "title",
-    "capitalize",
-    "swapcase",
-    "replace",
-    "startswith",
-    "endswith",
-    "find",
-    "rfind",
-    "index",
-    "count",
-    "isdigit",
-    "isalpha",
-    "isalnum",
-    "isupper",
-    "islower",
-    "zfill",
+    *("strip", "lstrip", "rstrip", "lower", "upper", "title", "capitalize", "swapcase"),
+    *("replace", "startswith", "endswith", "find", "rfind", "index", "count", "isdigit"),
+    *("isalpha", "isalnum", "isupper", "islower", "zfill"),
 ]
 
 _PARTWISE_METHODS = frozenset({"lower", "upper", "replace", "swapcase"})
@@ -160,7 +142,7 @@ def _partition(name: str, _: AbstractMachine, owner: Value, arguments: Arguments
 
 
 def _join(_: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
-    items, certain = items_of(arguments.get(0) or Unknown("?"))
+    items, certain = items_of(arguments.value(0))
     if not certain:
         return Unknown("join")
     spread = [part for item in items for part in (owner, item)]
@@ -312,7 +294,7 @@ CPP_STRING_METHODS: StringMethods = {
     "at": _at,
     "front": _at,
     "back": lambda machine, owner, arguments: _at(
-        machine, owner, Arguments(values=(Scalar(-1),), frame=arguments.frame)
+        machine, owner, arguments.with_values(Scalar(-1))
     ),
 }
 

@@ -36,7 +36,7 @@ def _for_each(machine: AbstractMachine, _: object, arguments: Arguments) -> Valu
 def _call_with_item(
     machine: AbstractMachine, function: Value, item: Value, arguments: Arguments
 ) -> Value:
-    given = Arguments(values=(item,), line=arguments.line, frame=arguments.frame)
+    given = arguments.with_values(item)
     return dispatch(machine, function, given)
 
 

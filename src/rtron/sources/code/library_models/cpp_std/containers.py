@@ -7,6 +7,7 @@ from rtron.sources.code.interpreter.abstract_values.items import items_of, list_
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     NONE,
     OPEN,
+    UNKNOWN,
     Instance,
     ListValue,
     MapValue,
@@ -32,7 +33,7 @@ def _convert_item(
     """Return what braces make of an element: `{"a", 1}` in a vector of pairs or structs."""
     if not isinstance(item, ListValue) or len(arguments.types) <= at:
         return item
-    inner = Arguments(values=item.items, line=arguments.line, frame=arguments.frame)
+    inner = arguments.with_values(*item.items)
     made = cpp_runtime(machine).construct(arguments.types[at], inner)
     return item if isinstance(made, Unknown) else made
 
@@ -52,7 +53,7 @@ def make_vector(machine: AbstractMachine, arguments: Arguments) -> Value:
         return list_of([fill] * max(0, min(given.value, 256)))
     if given is not None and all(_is_element(value) for value in arguments.values):
         return list_of(arguments.values)
-    return ListValue({"items": (), "open": given is not None})
+    return list_of((), certain=given is None)
 
 
 def _is_element(value: Value) -> bool:
@@ -74,7 +75,7 @@ def make_map(machine: AbstractMachine, arguments: Arguments) -> Value:
         )
     pairs = items_of(given)[0] if given is not None and len(arguments.values) == 1 else ()
     for item in pairs or arguments.values:
-        key, value = (*items_of(item)[0], Unknown("?"), Unknown("?"))[:2]
+        key, value = (*items_of(item)[0], UNKNOWN, UNKNOWN)[:2]
         entry = _convert_item(machine, value, arguments, 1)
         made.fields[key.value if isinstance(key, Scalar) else OPEN] = entry
     return made
@@ -98,7 +99,7 @@ def make_array(machine: AbstractMachine, arguments: Arguments) -> Value:
     element: Value = Unknown("item")
     if types:
         element = cpp_runtime(machine).default_value(types[0], arguments.frame)
-    return ListValue({"items": (element,) * min(size, 64), "open": size == 0})
+    return list_of((element,) * min(size, 64), certain=size > 0)
 
 
 def make_pair(_: AbstractMachine, arguments: Arguments) -> Value:

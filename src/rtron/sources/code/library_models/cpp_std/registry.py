@@ -169,17 +169,8 @@ _STD_FUNCTIONS: Mapping[str, Callable[..., Value]] = {
 }
 
 _HIDDEN_CODE_FUNCTIONS = (
-    "dlopen",
-    "execl",
-    "execlp",
-    "execle",
-    "execv",
-    "execvp",
-    "execve",
-    "posix_spawn",
-    "ros::master::execute",
-    "ros::TopicManager::instance",
-    "ros::ServiceManager::instance",
+    *("dlopen", "execl", "execlp", "execle", "execv", "execvp", "execve", "posix_spawn"),
+    *("ros::master::execute", "ros::TopicManager::instance", "ros::ServiceManager::instance"),
 )
 _GLOBAL_FUNCTIONS: Mapping[str, Callable[..., Value]] = {
     "bind": bind,

@@ -15,7 +15,6 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     Instance,
     LibraryClass,
     LibraryFunction,
-    ListValue,
     MapValue,
     Scalar,
     Unknown,
@@ -86,7 +85,6 @@ class SubstitutionPerformer(Protocol):
 
     def perform(self, value: Value) -> Value:
         """Return the text that substitutions make."""
-        ...
 
 
 def launch_class_name(value: Value) -> str:
@@ -118,21 +116,21 @@ def _construct(name: str, machine: AbstractMachine, _: object, arguments: Argume
     }
     if name == "LaunchDescription":
         items, certain = items_of(found.get("initial_entities", NONE))
-        fields[ENTITIES_FIELD] = ListValue({"items": items, "open": not certain})
+        fields[ENTITIES_FIELD] = list_of(items, certain=certain)
     return Instance(_TYPES[name], fields)
 
 
 def _add_entity(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
     """`description.add_action(action)`."""
     action = arguments.get(0, "action") or arguments.get(0, "entity") or NONE
-    added = Arguments(values=(action,), frame=arguments.frame)
+    added = arguments.with_values(action)
     return LIST_METHODS["append"](machine, owner.fields[ENTITIES_FIELD], added)
 
 
 def _join_path(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
     """`path / part`, as substitutions that make paths have it."""
     parts = list_of((owner, arguments.get(0) or NONE))
-    joined = Arguments(values=(parts,), line=arguments.line, frame=arguments.frame)
+    joined = arguments.with_values(parts)
     return _construct("PathJoinSubstitution", machine, None, joined)
 
 

@@ -43,7 +43,7 @@ class _ScriptArgumentParser(argparse.ArgumentParser):
 def command_line_value(site: NodeSite) -> ListValue:
     """Return a node's words, the program's name first; open where its command line is unknown."""
     words = (Scalar(site.name.rpartition("/")[2]), *map(Scalar, site.args))
-    return ListValue({"items": words, "open": not site.parameters_complete})
+    return list_of(words, certain=site.parameters_complete)
 
 
 def _parser(_: AbstractMachine, __: object, ___: Arguments) -> Value:
@@ -64,7 +64,7 @@ def _add_argument(machine: AbstractMachine, owner: Instance, arguments: Argument
 def _add_subparsers(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
     """Take what the sub-parsers add for the parser's own; the command is a word before it."""
     dest = arguments.keywords.get("dest", Scalar("command"))
-    command = Arguments(values=(dest,), keywords={}, frame=arguments.frame)
+    command = arguments.with_values(dest)
     _add_argument(machine, owner, command)
     return owner
 
@@ -81,10 +81,10 @@ def _parse(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> t
     given = arguments.get(0, "args")
     if given is None or given == NONE:
         line = command_line_value(machine.recorder.site)
-        given = ListValue({"items": line.items[1:], "open": line.open})
+        given = list_of(line.items[1:], certain=not line.open)
     words, certain = items_of(given)
     namespace, rest = _namespace(machine, owner, words, arguments)
-    return namespace, ListValue({"items": tuple(rest), "open": not certain})
+    return namespace, list_of(rest, certain=certain)
 
 
 def _namespace(
@@ -178,7 +178,7 @@ def _convert(machine: AbstractMachine, option: Instance, word: Value, at: Argume
         type = BUILTINS.get({"string": "str"}.get(str(type.value), str(type.value)))
     if type is None:
         return word
-    return dispatch(machine, type, Arguments(values=(word,), line=at.line, frame=at.frame))
+    return dispatch(machine, type, at.with_values(word))
 
 
 def _return_self(_: AbstractMachine, owner: Instance, __: Arguments) -> Value:

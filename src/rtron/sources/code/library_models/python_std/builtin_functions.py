@@ -12,6 +12,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     NONE,
     OPEN,
     TRUE,
+    UNKNOWN,
     ClassValue,
     ExternalSymbol,
     Instance,
@@ -68,7 +69,7 @@ def _bool(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
 
 
 def _len(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
-    items, certain = items_of(arguments.get(0) or Unknown("?"))
+    items, certain = items_of(arguments.value(0))
     return Scalar(len(items)) if certain else Unknown("len")
 
 
@@ -82,9 +83,7 @@ def _range(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
         found = range(*numbers)
     except ValueError:
         return Unknown("range")
-    return ListValue(
-        {"items": tuple(map(Scalar, found[:MAX_RANGE])), "open": len(found) > MAX_RANGE}
-    )
+    return list_of(map(Scalar, found[:MAX_RANGE]), certain=len(found) <= MAX_RANGE)
 
 
 def _open(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
@@ -99,23 +98,23 @@ def _slice(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
 
 
 def _enumerate(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
-    items, certain = items_of(arguments.get(0) or Unknown("?"))
+    items, certain = items_of(arguments.value(0))
     start = arguments.get(1, "start")
     first = start.value if isinstance(start, Scalar) and isinstance(start.value, int) else 0
     pairs = tuple(list_of((Scalar(first + at), item), "tuple") for at, item in enumerate(items))
-    return ListValue({"items": pairs, "open": not certain})
+    return list_of(pairs, certain=certain)
 
 
 def _zip(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
     found = [items_of(value) for value in arguments.values]
     rows = zip(*(items for items, _ in found), strict=False)
     pairs = tuple(list_of(row, "tuple") for row in rows)
-    return ListValue({"items": pairs, "open": not all(certain for _, certain in found)})
+    return list_of(pairs, certain=all(certain for _, certain in found))
 
 
 def _copy(kind: str, _: AbstractMachine, __: object, arguments: Arguments) -> Value:
     items, certain = items_of(arguments.get(0) or list_of(()))
-    return ListValue({"items": items, "open": not certain}, kind)
+    return list_of(items, kind, certain=certain)
 
 
 def _call_on_items(
@@ -127,39 +126,36 @@ def _call_on_items(
     items, certain = items_of(given)
     if not certain:
         machine.escape(function)
-    return [
-        dispatch(machine, function, Arguments(values=(item,), line=at.line, frame=at.frame))
-        for item in items
-    ]
+    return [dispatch(machine, function, at.with_values(item)) for item in items]
 
 
 def _sorted(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
-    items, certain = items_of(arguments.get(0) or Unknown("?"))
+    items, certain = items_of(arguments.value(0))
     if not certain:
         machine.escape(arguments.keywords.get("key"))
-    return ListValue({"items": sort_items(machine, items, arguments), "open": not certain})
+    return list_of(sort_items(machine, items, arguments), certain=certain)
 
 
 def _dict(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
     given = arguments.get(0)
     made = MapValue(dict(given.fields) if isinstance(given, MapValue) else {})
     for item in items_of(given)[0] if isinstance(given, ListValue) else ():
-        key, value = (*items_of(item)[0], Unknown("?"), Unknown("?"))[:2]
+        key, value = (*items_of(item)[0], UNKNOWN, UNKNOWN)[:2]
         made.fields[key.value if isinstance(key, Scalar) else OPEN] = value
     made.fields.update(arguments.keywords)
     return made
 
 
 def _map(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
-    function, values = arguments.get(0) or Unknown("?"), arguments.get(1) or Unknown("?")
+    function, values = arguments.value(0), arguments.value(1)
     found = _call_on_items(machine, function, values, arguments)
-    return ListValue({"items": tuple(found), "open": not items_of(values)[1]})
+    return list_of(found, certain=items_of(values)[1])
 
 
 def _filter(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
-    items, _certain = items_of(arguments.get(1) or Unknown("?"))
+    items, _certain = items_of(arguments.value(1))
     _call_on_items(machine, arguments.get(0), arguments.get(1) or NONE, arguments)
-    return ListValue({"items": items, "open": True})
+    return list_of(items, certain=False)
 
 
 def _isinstance(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
@@ -180,7 +176,7 @@ def _isinstance(machine: AbstractMachine, _: object, arguments: Arguments) -> Va
 
 
 def _getattr(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
-    owner, name = arguments.get(0) or Unknown("?"), arguments.get(1)
+    owner, name = arguments.value(0), arguments.get(1)
     if not isinstance(name, Scalar):
         return get_member(machine, owner, name or NONE, arguments)
     found = machine.runtime.attribute(owner, str(name.value), ())
@@ -214,7 +210,7 @@ def _super(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
 
 
 def _sum(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
-    items, certain = items_of(arguments.get(0) or Unknown("?"))
+    items, certain = items_of(arguments.value(0))
     total: Value = Scalar(0)
     for item in items:
         total = binary("+", total, item)
@@ -238,7 +234,7 @@ def _min_or_max(
 
 
 def _any_or_all(_: AbstractMachine, __: object, arguments: Arguments, *, deciding: bool) -> Value:
-    items, certain = items_of(arguments.get(0) or Unknown("?"))
+    items, certain = items_of(arguments.value(0))
     answers = [truth(item) for item in items]
     if deciding in answers:
         return Scalar(deciding)
@@ -249,7 +245,7 @@ def _type(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
     """`type(value)`, or `type("Name", bases, members)`, which makes a class."""
     value, members = arguments.get(0), arguments.get(2)
     if isinstance(members, MapValue):
-        name = text_with_holes(value or Unknown("?"))
+        name = text_with_holes(value or UNKNOWN)
         definition = Class(name=name, file=arguments.frame.file, line=arguments.line)
         bases = items_of(arguments.get(1) or NONE)[0]
         return ClassValue(definition, bases, members.entries)

@@ -8,6 +8,7 @@ from functools import partial
 from rtron.sources.code.interpreter.abstract_values.items import items_of, list_of
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     NONE,
+    UNKNOWN,
     FunctionValue,
     Instance,
     LibraryClass,
@@ -36,7 +37,7 @@ def _default_dict(machine: AbstractMachine, _: object, arguments: Arguments) -> 
 
 def _named_tuple(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
     """`namedtuple("Name", ["a", "b"])` or `namedtuple("Name", "a b")`."""
-    given = arguments.get(1, "field_names") or Unknown("?")
+    given = arguments.value(1, "field_names")
     words = (
         map(text_with_holes, given.items)
         if isinstance(given, ListValue)
@@ -56,7 +57,7 @@ def _named_tuple(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
         return Instance(made, dict(fields(passed)))
 
     methods = {"__init__": init, "_asdict": _as_dict, "_replace": _replace_fields}
-    made = LibraryClass(text_with_holes(arguments.get(0) or Unknown("?")), make, methods)
+    made = LibraryClass(text_with_holes(arguments.value(0)), make, methods)
     return made
 
 
@@ -71,13 +72,13 @@ def _replace_fields(_: AbstractMachine, owner: Instance, arguments: Arguments) -
 def _chain(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
     found = [items_of(value) for value in arguments.values]
     items = tuple(item for items, _ in found for item in items)
-    return ListValue({"items": items, "open": not all(certain for _, certain in found)})
+    return list_of(items, certain=all(certain for _, certain in found))
 
 
 def _chain_from_iterable(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
-    values, certain = items_of(arguments.get(0) or Unknown("?"))
-    passed = (*values, *(() if certain else (Unknown("?"),)))
-    return _chain(machine, None, Arguments(values=passed, frame=arguments.frame))
+    values, certain = items_of(arguments.value(0))
+    passed = (*values, *(() if certain else (UNKNOWN,)))
+    return _chain(machine, None, arguments.with_values(*passed))
 
 
 def _product(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
@@ -90,7 +91,7 @@ def _product(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
 
 def _combine(choose: _Combinator, _: AbstractMachine, __: object, arguments: Arguments) -> Value:
     """`combinations(items, count)`, `permutations(items, count)`."""
-    items, certain = items_of(arguments.get(0) or Unknown("?"))
+    items, certain = items_of(arguments.value(0))
     count = arguments.get(1, "r")
     size = count.value if isinstance(count, Scalar) else len(items)
     if not isinstance(size, int) or size < 0:
@@ -101,11 +102,11 @@ def _combine(choose: _Combinator, _: AbstractMachine, __: object, arguments: Arg
 def _tuples(rows: Iterable[tuple[Value, ...]], *, certain: bool) -> Value:
     found = [list_of(row, "tuple") for row in itertools.islice(rows, MAX_ROWS + 1)]
     unsure = not certain or len(found) > MAX_ROWS
-    return ListValue({"items": tuple(found[:MAX_ROWS]), "open": unsure})
+    return list_of(found[:MAX_ROWS], certain=not unsure)
 
 
 def _partial(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
-    function, given = arguments.get(0) or Unknown("?"), arguments.without_first(1)
+    function, given = arguments.value(0), arguments.without_first(1)
     if isinstance(function, FunctionValue):
         named = {**function.bound_keywords, **given.keywords}
         return replace(

@@ -43,7 +43,7 @@ def _make_enum(_: AbstractMachine, arguments: Arguments) -> Value:
     """`Enum("Name", "LEFT RIGHT")`, `Enum("Name", ["LEFT", "RIGHT"])` or with a dict."""
     name = text_with_holes(arguments.get(0) or Unknown("Enum"))
     definition = Class(name=name, file=arguments.frame.file, line=arguments.line)
-    fields = _enum_values(arguments.get(1, "names") or Unknown("?"))
+    fields = _enum_values(arguments.value(1, "names"))
     return add_enum_members(ClassValue(definition, (ENUM,), fields))
 
 
@@ -98,7 +98,7 @@ def _is_field(name: str, value: Value) -> bool:
 def _make_field(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
     factory = arguments.keywords.get("default_factory")
     if factory is not None:
-        return dispatch(machine, factory, Arguments(line=arguments.line, frame=arguments.frame))
+        return dispatch(machine, factory, arguments.with_values())
     return arguments.keywords.get("default", Unknown("field"))
 
 

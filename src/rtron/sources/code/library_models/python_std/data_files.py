@@ -27,7 +27,7 @@ def _load_file(machine: AbstractMachine, _: object, arguments: Arguments) -> Val
         text = _file_text(machine, stream)
         return _parse(text) if text is not None else Unknown("file")
 
-    return map_options(arguments.get(0) or Unknown("?"), loaded)
+    return map_options(arguments.value(0), loaded)
 
 
 def _file_text(machine: AbstractMachine, stream: Value) -> str | None:

@@ -158,15 +158,9 @@ _MASTER_PROXY = LibraryClass(
     methods={name: partial(_note_call, name, _MASTER_REASON) for name in _REGISTRATION_METHODS},
 )
 _MASTER_PROXY_NAMES = (
-    "rosgraph.Master",
-    "rosgraph.masterapi.Master",
-    "rospy.get_master",
-    "rospy.client.get_master",
-    "rospy.msproxy.MasterProxy",
-    "xmlrpclib.Server",
-    "xmlrpclib.ServerProxy",
-    "xmlrpc.client.Server",
-    "xmlrpc.client.ServerProxy",
+    *("rosgraph.Master", "rosgraph.masterapi.Master", "rospy.get_master"),
+    *("rospy.client.get_master", "rospy.msproxy.MasterProxy", "xmlrpclib.Server"),
+    *("xmlrpclib.ServerProxy", "xmlrpc.client.Server", "xmlrpc.client.ServerProxy"),
     "rosgraph.xmlrpc.ServerProxy",
 )
 _ROSPY_INTERNALS = (
@@ -178,16 +172,9 @@ _ROSPY_INTERNALS = (
     "rospy.service.get_service_manager",
 )
 _CODE_RUNNERS = (
-    "builtins.exec",
-    "code.InteractiveInterpreter",
-    "ctypes.CDLL",
-    "ctypes.PyDLL",
-    "ctypes.cdll.LoadLibrary",
-    "imp.load_source",
-    "imp.load_module",
-    "importlib.util.spec_from_file_location",
-    "runpy.run_module",
-    "runpy.run_path",
+    *("builtins.exec", "code.InteractiveInterpreter", "ctypes.CDLL", "ctypes.PyDLL"),
+    *("ctypes.cdll.LoadLibrary", "imp.load_source", "imp.load_module"),
+    *("importlib.util.spec_from_file_location", "runpy.run_module", "runpy.run_path"),
 )
 _CALLS: Mapping[str, Callable[..., Value]] = {
     "builtins.eval": _eval,

@@ -11,7 +11,6 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     TRUE,
     Instance,
     LibraryFunction,
-    ListValue,
     Scalar,
     Unknown,
     Value,
@@ -59,7 +58,7 @@ def join_paths(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
 
 def _join_to_path(machine: AbstractMachine, owner: Scalar, arguments: Arguments) -> Value:
     values = (owner, *arguments.values)
-    return join_paths(machine, None, Arguments(values=values, frame=arguments.frame))
+    return join_paths(machine, None, arguments.with_values(*values))
 
 
 def _path(text: str) -> Scalar:
@@ -95,7 +94,7 @@ def _read(machine: AbstractMachine, owner: Scalar, _: Arguments) -> Value:
 
 
 def _unknown_listing(_: AbstractMachine, __: Scalar, ___: Arguments) -> Value:
-    return ListValue({"items": (), "open": True})
+    return list_of((), certain=False)
 
 
 def _path_exists(_: AbstractMachine, owner: Scalar, __: Arguments) -> Value:

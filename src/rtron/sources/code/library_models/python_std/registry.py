@@ -7,6 +7,7 @@ from functools import partial
 from rtron.sources.code.interpreter.abstract_values.items import items_of, list_of
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     NONE,
+    UNKNOWN,
     Instance,
     LibraryClass,
     LibraryFunction,
@@ -65,7 +66,7 @@ def _myargv(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
     words = arguments.get(0, "argv") or command_line_value(machine.recorder.site)
     items, certain = items_of(words)
     words_left = [item for item in items if ":=" not in text_with_holes(item)]
-    return ListValue({"items": tuple(words_left), "open": not certain})
+    return list_of(words_left, certain=certain)
 
 
 def _exit(_: AbstractMachine, __: object, ___: Arguments) -> Value:
@@ -105,7 +106,7 @@ def _launch_parent(machine: AbstractMachine, _: object, arguments: Arguments) ->
     for file in files:
         parts, _certain = items_of(file) if isinstance(file, ListValue) else ((file,), True)
         given = items_of(parts[1])[0] if len(parts) > 1 else ()
-        _record_launch(machine, parts[0] if parts else Unknown("?"), given, arguments)
+        _record_launch(machine, parts[0] if parts else UNKNOWN, given, arguments)
     return Instance(_LAUNCH)
 
 
@@ -122,7 +123,7 @@ def _record_launch(
 
 
 def _load_launch(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
-    _record_launch(machine, arguments.get(0) or Unknown("?"), (), arguments)
+    _record_launch(machine, arguments.value(0), (), arguments)
     return NONE
 
 
@@ -138,8 +139,7 @@ def _resolve_launch(_: AbstractMachine, __: object, arguments: Arguments) -> Val
 def _launch_node(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
     """`roslaunch.core.Node(package, node_type, …)`, started by `ROSLaunch().launch(node)`."""
     package, type = (
-        text_with_holes(arguments.get(n, k) or Unknown("?"))
-        for n, k in ((0, "package"), (1, "node_type"))
+        text_with_holes(arguments.value(n, k)) for n, k in ((0, "package"), (1, "node_type"))
     )
     machine.recorder.add_start(f"{package}/{type}", ("rosrun",), arguments.evidence)
     return Instance(_LAUNCH)

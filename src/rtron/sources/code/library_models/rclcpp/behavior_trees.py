@@ -14,6 +14,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     FALSE,
     NONE,
     TRUE,
+    UNKNOWN,
     FunctionValue,
     Instance,
     LibraryClass,
@@ -39,7 +40,6 @@ from rtron.vocabulary import Evidence
 REGISTER_FUNCTION = "BT_RegisterNodesFromPlugin"
 """What BT_REGISTER_NODES defines (behaviortree_cpp/utils/shared_library.h)."""
 
-_UNKNOWN = Unknown("?")
 _CONFIG_FIELD = "tree.config"
 _ARGUMENTS_WITH_DEFAULT = 3
 _BLACKBOARD_KEY = "tree.blackboard"
@@ -72,7 +72,7 @@ def _note_unread(machine: AbstractMachine, owner: Instance, at: Arguments) -> No
 def _register_plugin(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
     """`registerFromPlugin(library)`: what the library's source registers."""
     files = machine.runtime.files
-    for name in options(arguments.get(0) or _UNKNOWN):
+    for name in options(arguments.value(0)):
         if isinstance(name, Scalar):
             _register_library(machine, owner, files.library_sources(str(name.value)), arguments)
         else:
@@ -82,7 +82,7 @@ def _register_plugin(machine: AbstractMachine, owner: Instance, arguments: Argum
 
 
 def _register_library(
-    machine: AbstractMachine, owner: Instance, sources: tuple[object, ...], at: Arguments
+    machine: AbstractMachine, owner: Instance, sources: tuple[Path, ...], at: Arguments
 ) -> None:
     for function in cpp_runtime(machine).load_functions(sources, REGISTER_FUNCTION):
         key, ran = (
@@ -96,7 +96,7 @@ def _register_library(
         )
         if not known:
             machine.undo_log.set(owner.fields, key, TRUE)
-            given = Arguments(values=(owner,), line=at.line, frame=at.frame)
+            given = at.with_values(owner)
             machine.call(FunctionValue(function), given)
 
 
@@ -124,13 +124,13 @@ def _defer_node(
     make: Callable[[Arguments], Value],
 ) -> None:
     """Make a node of a tree when the program has put into the blackboard what it needs."""
-    name = arguments.get(0) or _UNKNOWN
+    name = arguments.value(0)
     if machine.recorder.site.parameters_complete:
         maker = LibraryFunction(text_with_holes(name), lambda _machine, _owner, given: make(given))
         machine.undo_log.set(owner.fields, f"{_MAKER_PREFIX}{text_with_holes(name)}", maker)
         return
     config = Instance(_CONFIGURATION, {"blackboard": _blackboard(machine)})
-    given = Arguments(values=(name, config), line=arguments.line, frame=arguments.frame)
+    given = arguments.with_values(name, config)
     machine.deferred_actions.append(lambda: make(given))
 
 
@@ -146,7 +146,7 @@ def _register_file(machine: AbstractMachine, owner: Instance, arguments: Argumen
 
 def _tree_paths(machine: AbstractMachine, arguments: Arguments) -> list[Scalar]:
     """Return the files that a call may mean; where it may be any other, this is noted."""
-    found = options(arguments.get(0) or _UNKNOWN)
+    found = options(arguments.value(0))
     known = [option for option in found if isinstance(option, Scalar)]
     if not known and machine.recorder.site.parameters_complete:
         machine.recorder.add_unresolved(
@@ -211,7 +211,7 @@ def _make_node(
     ports = MapValue({port: Scalar(text, tainted=True) for port, text in node.ports})
     blackboard = arguments.get(1) or _blackboard(machine)
     config = Instance(_CONFIGURATION, {"blackboard": blackboard, _PORTS_FIELD: ports})
-    given = Arguments(values=(Scalar(node.id), config), line=arguments.line, frame=arguments.frame)
+    given = arguments.with_values(Scalar(node.id), config)
     machine.deferred_actions.append(lambda: dispatch(machine, maker, given))
 
 
@@ -231,15 +231,13 @@ def _create_blackboard(machine: AbstractMachine, _: object, __: Arguments) -> Va
 
 def _set_entry(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
     """`blackboard->set(key, value)`."""
-    machine.undo_log.set(owner.fields, _entry_key(arguments), arguments.get(1) or _UNKNOWN)
+    machine.undo_log.set(owner.fields, _entry_key(arguments), arguments.value(1))
     return NONE
 
 
 def _get_entry(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
     """`blackboard->get<T>(key)`, `blackboard->get(key, variable)`."""
-    found = owner.fields.get(
-        _entry_key(arguments), Unknown(text_with_holes(arguments.get(0) or _UNKNOWN))
-    )
+    found = owner.fields.get(_entry_key(arguments), Unknown(text_with_holes(arguments.value(0))))
     slot = arguments.slot(1)
     if slot is not None:
         machine.undo_log.set(*slot, found)
@@ -247,13 +245,13 @@ def _get_entry(machine: AbstractMachine, owner: Instance, arguments: Arguments) 
 
 
 def _entry_key(arguments: Arguments) -> str:
-    return f"entry.{text_with_holes(arguments.get(0) or _UNKNOWN)}"
+    return f"entry.{text_with_holes(arguments.value(0))}"
 
 
 def _make_tree_node(_: AbstractMachine, arguments: Arguments) -> Value:
     """Make the part of a tree's node that its base class is: `SyncActionNode(name, config)`."""
     config = next((v for v in arguments.values if _is_configuration(v)), Unknown("config"))
-    return Instance(_NODE, {_CONFIG_FIELD: config, "tree.name": arguments.get(0) or _UNKNOWN})
+    return Instance(_NODE, {_CONFIG_FIELD: config, "tree.name": arguments.value(0)})
 
 
 def _is_configuration(value: Value) -> bool:
@@ -265,12 +263,12 @@ def _node_config(_: AbstractMachine, owner: Instance, __: Arguments) -> Value:
 
 
 def _node_name(_: AbstractMachine, owner: Instance, __: Arguments) -> Value:
-    return owner.fields.get("tree.name", _UNKNOWN)
+    return owner.fields.get("tree.name", UNKNOWN)
 
 
 def _get_input(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
     """`getInput(port, variable)`: what the tree gives, or the port's default."""
-    port = text_with_holes(arguments.get(0) or _UNKNOWN)
+    port = text_with_holes(arguments.value(0))
     slot, value = arguments.slot(1), _port_in_tree(owner, port)
     if value is None:
         value = _port_default(machine, owner, port, arguments)
@@ -299,7 +297,7 @@ def _port_in_tree(owner: Instance, port: str) -> Value | None:
 
 def _port_default(machine: AbstractMachine, owner: Instance, port: str, at: Arguments) -> Value:
     method = machine.runtime.attribute(owner, "providedPorts", ())
-    ports = dispatch(machine, method, Arguments(frame=at.frame)) if method is not None else NONE
+    ports = dispatch(machine, method, at.with_values()) if method is not None else NONE
     for item in items_of(ports)[0]:
         if isinstance(item, Instance) and item.fields.get("port") == Scalar(port):
             found = item.fields["default"]
@@ -309,14 +307,14 @@ def _port_default(machine: AbstractMachine, owner: Instance, port: str, at: Argu
 
 def _make_port(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
     """`BT::InputPort<T>(name[, default], description)`."""
-    name = arguments.get(0) or _UNKNOWN
+    name = arguments.value(0)
     hole = Unknown(f"~{text_with_holes(name)}", tainted=True)
     default = arguments.get(1) if len(arguments.values) >= _ARGUMENTS_WITH_DEFAULT else hole
     return Instance(_PORT, {"port": name, "default": default or hole})
 
 
 def _return_argument(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
-    return arguments.get(0) or _UNKNOWN
+    return arguments.value(0)
 
 
 _CONFIGURATION = LibraryClass("BT::NodeConfiguration")

@@ -26,7 +26,7 @@ def _make_component_manager(machine: AbstractMachine, arguments: Arguments) -> I
     """`ComponentManager(executor[, name][, options])`."""
     name = arguments.get(1) or Scalar(DEFAULT_CONTAINER_NAME)
     options = arguments.get(2) or container_options(machine, arguments)
-    given = Arguments(values=(name, options), line=arguments.line, frame=arguments.frame)
+    given = arguments.with_values(name, options)
     made = make_node(machine, given)
     endpoints.declare_services(machine, made, CONTAINER_SERVICES, arguments)
     return made

@@ -5,6 +5,7 @@ from functools import partial
 
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     TRUE,
+    UNKNOWN,
     Instance,
     LibraryClass,
     Scalar,
@@ -34,7 +35,6 @@ from rtron.sources.code.library_models.ros2_common.qos_overrides import QosOverr
 from rtron.sources.declaration import DeclarationKind
 from rtron.vocabulary import QoS
 
-_UNKNOWN = Unknown("?")
 _PUBLISH, _SUBSCRIBE = DeclarationKind.PUBLISH, DeclarationKind.SUBSCRIBE
 _REQUEST_SUFFIXES = ("::Request", "_Request", "Request")
 
@@ -122,7 +122,7 @@ def _wait_for_message(machine: AbstractMachine, owner: Value, arguments: Argumen
 
 
 def _topic_name(_: AbstractMachine, owner: Instance, __: Arguments) -> Value:
-    return owner.fields.get("name", _UNKNOWN)
+    return owner.fields.get("name", UNKNOWN)
 
 
 def _return_self(_: AbstractMachine, owner: Instance, __: Arguments) -> Value:
@@ -163,7 +163,7 @@ ENDPOINT_FUNCTIONS: Mapping[str, Callable[..., Value]] = {
 
 def _resolve_name(_: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
     """`get_node_topics_interface()->resolve_topic_name(name)`: it adds no sub-namespace."""
-    return expand_name(arguments.get(0) or Unknown("?"), node_name(owner), Scalar(""))
+    return expand_name(arguments.value(0), node_name(owner), Scalar(""))
 
 
 def _unknown_graph_query(name: str, _: AbstractMachine, __: Instance, ___: Arguments) -> Value:

@@ -5,6 +5,7 @@ from functools import partial
 
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     TRUE,
+    UNKNOWN,
     FunctionValue,
     Instance,
     LibraryClass,
@@ -61,7 +62,7 @@ def _create_image_endpoint(
     chosen = _chosen_transport(rest) if kind is _SUBSCRIBE else "raw"
     image, qos = resolve_at_node(node, name), _image_qos(rest)
     if chosen in TRANSPORTS:
-        name, type = concat((name or Unknown("?"), Scalar(f"/{chosen}"))), TRANSPORTS[chosen]
+        name, type = concat((name or UNKNOWN, Scalar(f"/{chosen}"))), TRANSPORTS[chosen]
     endpoints.declare_endpoint(machine, kind, node, name, type, rest, qos=qos)
     if kind is _PUBLISH and type == _IMAGE:
         _declare_transports(machine, node, image, rest, qos)

@@ -209,7 +209,7 @@ _BASES = ("ControllerInterfaceBase", "ControllerInterface", "ChainableController
 def _make_controller(name: str, machine: AbstractMachine, arguments: Arguments) -> Instance:
     """Make a controller's node, which its spawner names; it has no services of its lifecycle."""
     words = (Scalar("controller"), Scalar(""), controller_options(machine, arguments), FALSE)
-    given = Arguments(values=words, line=arguments.line, frame=arguments.frame)
+    given = arguments.with_values(*words)
     node = make_node(machine, given, lifecycle=True)
     return Instance(CONTROLLER_CLASSES[name], {_NODE: node})
 

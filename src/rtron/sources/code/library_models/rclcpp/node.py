@@ -8,6 +8,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     FALSE,
     NONE,
     TRUE,
+    UNKNOWN,
     Instance,
     LibraryClass,
     Scalar,
@@ -47,7 +48,6 @@ from rtron.sources.code.library_models.ros2_common.parameters import (
 )
 from rtron.sources.declaration import NodeSite
 
-_UNKNOWN = Unknown("?")
 _ARGUMENTS, _USES_GLOBAL_ARGUMENTS, _OVERRIDES = (
     "options.arguments",
     "options.globally",
@@ -91,14 +91,14 @@ def make_options(_: AbstractMachine, arguments: Arguments) -> Instance:
 
 def container_options(machine: AbstractMachine, at: Arguments) -> Instance:
     """Return options without parameter services and parameter events, as a container has them."""
-    made = make_options(machine, Arguments(frame=at.frame))
+    made = make_options(machine, at.with_values())
     made.fields |= {_SERVICES: FALSE, _EVENTS: FALSE}
     return made
 
 
 def controller_options(machine: AbstractMachine, at: Arguments) -> Instance:
     """Return options by which all that is set is declared, as a controller's node has them."""
-    made = make_options(machine, Arguments(frame=at.frame))
+    made = make_options(machine, at.with_values())
     made.fields |= {_AUTOMATIC: TRUE}
     return made
 
@@ -139,7 +139,7 @@ def _get_or_set_option(
 def _append_override(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
     """`append_parameter_override(name, value)`."""
     before = getattr(owner.fields[_OVERRIDES], "items", ())
-    added = parameter_object(arguments.get(0) or _UNKNOWN, arguments.get(1) or NONE)
+    added = parameter_object(arguments.value(0), arguments.get(1) or NONE)
     machine.undo_log.set(owner.fields, _OVERRIDES, list_of((*before, added)))
     return owner
 
@@ -157,7 +157,7 @@ def make_node(
         for v in arguments.values
         if isinstance(v, Instance) and _USES_GLOBAL_ARGUMENTS in v.fields
     ]
-    chosen = given[0] if given else make_options(machine, Arguments(frame=arguments.frame))
+    chosen = given[0] if given else make_options(machine, arguments.with_values())
     words = _node_arguments(arguments, chosen)
     fields = {NAME_FIELD: full_name(machine, words), SUB_NAMESPACE_FIELD: Scalar("")}
     fields |= {_OPTIONS: chosen, GLOBAL_ARGUMENTS_FIELD: Scalar(words.uses_global_arguments)}
@@ -208,7 +208,7 @@ def _parameter_overrides(chosen: Instance) -> Value:
 
 
 def _sub_node(_: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
-    return sub_node(owner, arguments.get(0) or _UNKNOWN)
+    return sub_node(owner, arguments.value(0))
 
 
 def _effective_namespace(_: AbstractMachine, owner: Instance, __: Arguments) -> Value:
@@ -219,12 +219,12 @@ def _effective_namespace(_: AbstractMachine, owner: Instance, __: Arguments) -> 
 def _copy_node_options(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
     given = owner.fields.get(_OPTIONS)
     values = (given,) if given is not None else ()
-    return make_options(machine, Arguments(values=values, frame=arguments.frame))
+    return make_options(machine, arguments.with_values(*values))
 
 
 def _get_field(field: str, _: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
     del arguments
-    return owner.fields.get(field, _UNKNOWN)
+    return owner.fields.get(field, UNKNOWN)
 
 
 def _run_transition(
@@ -233,7 +233,7 @@ def _run_transition(
     """`configure()` and the like call the class's method for it."""
     method = machine.runtime.attribute(owner, callback, ())
     if method is not None and (id(owner), callback) not in machine.started_callbacks:
-        state = Arguments(values=(Unknown("state"),), line=arguments.line, frame=arguments.frame)
+        state = arguments.with_values(Unknown("state"))
         machine.started_callbacks.add((id(owner), callback))
         dispatch(machine, method, state)
     return Unknown("state")

@@ -7,6 +7,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     FALSE,
     NONE,
     TRUE,
+    UNKNOWN,
     Instance,
     LibraryClass,
     ListValue,
@@ -35,8 +36,6 @@ from rtron.sources.code.library_models.ros2_common.parameters import (
     set_node_parameter,
 )
 
-_UNKNOWN = Unknown("?")
-
 
 def parameter_object(name: Value, value: Value) -> Instance:
     """Return an rclcpp::Parameter."""
@@ -54,15 +53,15 @@ def declare_parameter(machine: AbstractMachine, owner: Value, arguments: Argumen
     default = _unwrapped(arguments.get(1))
     if isinstance(default, Instance) and not is_parameter_type(default):
         default = None
-    return declare_node_parameter(machine, owner, arguments.get(0) or _UNKNOWN, default)
+    return declare_node_parameter(machine, owner, arguments.value(0), default)
 
 
 def declare_parameters(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
     """`declare_parameters(namespace, {{name, default}, …})`."""
     found: list[Value] = []
     for item in items_of(arguments.get(1) or NONE)[0]:
-        name, default = (*items_of(item)[0], _UNKNOWN, None)[:2]
-        full = _prefixed_name(arguments.get(0), name or _UNKNOWN)
+        name, default = (*items_of(item)[0], UNKNOWN, None)[:2]
+        full = _prefixed_name(arguments.get(0), name or UNKNOWN)
         found.append(declare_node_parameter(machine, owner, full, _unwrapped(default)))
     return list_of(found)
 
@@ -75,7 +74,7 @@ def _prefixed_name(namespace: Value | None, name: Value) -> Value:
 
 def get_parameter(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
     """`get_parameter(name)`, or `get_parameter(name, variable)`, which tells whether it is set."""
-    name = arguments.get(0) or _UNKNOWN
+    name = arguments.value(0)
     if len(arguments.values) < 2:  # noqa: PLR2004 - a name and a variable
         return parameter_object(name, read_node_parameter(machine, owner, name))
     return _write_variable(machine, arguments, node_parameter_value(machine, owner, name))
@@ -86,15 +85,15 @@ def _write_variable(machine: AbstractMachine, arguments: Arguments, found: Value
     if found is None or is_unset(found):
         return FALSE
     if slot is not None:
-        name = arguments.get(0) or _UNKNOWN
+        name = arguments.value(0)
         machine.undo_log.set(*slot, parameter_object(name, found) if is_parameter else found)
     return Unknown("get_parameter") if isinstance(found, Unknown) else TRUE
 
 
 def get_parameter_or(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
     """`get_parameter_or(name, variable, default)`, `get_parameter_or(name, default)`."""
-    default = arguments.get(len(arguments.values) - 1) or _UNKNOWN
-    found = node_parameter_value(machine, owner, arguments.get(0) or _UNKNOWN)
+    default = arguments.value(len(arguments.values) - 1)
+    found = node_parameter_value(machine, owner, arguments.value(0))
     if found is None or is_unset(found):
         value = default
     else:
@@ -115,14 +114,14 @@ def get_parameters(machine: AbstractMachine, owner: Value, arguments: Arguments)
         parameter_object(n, Unknown("parameter", tainted=True) if v is None else v)
         for n, v in found
     ]
-    return ListValue({"items": tuple(items), "open": not certain})
+    return list_of(items, certain=certain)
 
 
 def has_parameter(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
     """`has_parameter(name)`: whether it is declared."""
-    answer = is_declared(machine, owner, arguments.get(0) or _UNKNOWN)
+    answer = is_declared(machine, owner, arguments.value(0))
     if answer is False and _is_automatic(owner):
-        found = node_parameter_value(machine, owner, arguments.get(0) or _UNKNOWN)
+        found = node_parameter_value(machine, owner, arguments.value(0))
         return (
             FALSE
             if found is None
@@ -163,12 +162,12 @@ def _register_parameter_callbacks(
 
 def _make_parameter(_: AbstractMachine, arguments: Arguments) -> Value:
     """`rclcpp::Parameter(name, value)`."""
-    return parameter_object(arguments.get(0) or _UNKNOWN, _unwrapped(arguments.get(1)) or NONE)
+    return parameter_object(arguments.value(0), _unwrapped(arguments.get(1)) or NONE)
 
 
 def _make_parameter_value(_: AbstractMachine, arguments: Arguments) -> Value:
     """`rclcpp::ParameterValue(x)` is x."""
-    return _unwrapped(arguments.get(0)) or _UNKNOWN
+    return _unwrapped(arguments.get(0)) or UNKNOWN
 
 
 def _get(_: AbstractMachine, owner: Instance, __: Arguments) -> Value:

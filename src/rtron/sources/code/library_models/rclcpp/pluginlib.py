@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     FALSE,
     TRUE,
+    UNKNOWN,
     Instance,
     LibraryClass,
     Scalar,
@@ -21,7 +22,6 @@ from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.language_runtime import cpp_runtime
 from rtron.sources.code.library_models.cpp_std.functional import hold_by_pointer
 
-_UNKNOWN = Unknown("?")
 _CREATE = (
     *("createInstance", "createSharedInstance", "createUniqueInstance"),
     "createUnmanagedInstance",
@@ -30,21 +30,21 @@ _CREATE = (
 
 def _make_loader(_: AbstractMachine, arguments: Arguments) -> Value:
     """`pluginlib::ClassLoader<Base>(package, base)`."""
-    return Instance(_LOADER, {"base": arguments.get(1) or _UNKNOWN, "truth": TRUE})
+    return Instance(_LOADER, {"base": arguments.value(1), "truth": TRUE})
 
 
 def _create_plugins(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
     """Make a plugin from its source; each that the workspace has where only the launch knows."""
-    base = owner.fields.get("base", _UNKNOWN)
+    base = owner.fields.get("base", UNKNOWN)
     found: dict[str, Value] = {}
-    for option in options(arguments.get(0) or _UNKNOWN):
+    for option in options(arguments.value(0)):
         names = _possible_plugins(machine, option, base, arguments)
         if not names and not machine.recorder.site.parameters_complete:
             continue
         for name in names or [option]:
             _load_plugin(machine, name, base, arguments, found)
     if not found and (machine.recorder.site.parameters_complete or not isinstance(base, Scalar)):
-        _note_missing(machine, arguments.get(0) or _UNKNOWN, arguments)
+        _note_missing(machine, arguments.value(0), arguments)
     return join(found.values()) if found else Unknown("plugin")
 
 
@@ -93,7 +93,7 @@ def _possible_plugins(
 
 def _is_class_available(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
     """`isClassAvailable(name)`."""
-    name, base = arguments.get(0), owner.fields.get("base", _UNKNOWN)
+    name, base = arguments.get(0), owner.fields.get("base", UNKNOWN)
     if not (isinstance(name, Scalar) and isinstance(base, Scalar)):
         return Unknown("isClassAvailable")
     found = machine.runtime.files.find_plugin(str(name.value), str(base.value))
@@ -102,7 +102,7 @@ def _is_class_available(machine: AbstractMachine, owner: Instance, arguments: Ar
 
 def _class_type(_: AbstractMachine, __: Instance, arguments: Arguments) -> Value:
     """`getClassType(name)`: what a plugin is called, taken for its type."""
-    return arguments.get(0) or _UNKNOWN
+    return arguments.value(0)
 
 
 _LOADER = LibraryClass(

@@ -6,6 +6,7 @@ from functools import partial
 from rtron.sources.code.interpreter.abstract_values.items import list_of
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     NONE,
+    UNKNOWN,
     Instance,
     LibraryClass,
     ListValue,
@@ -29,8 +30,6 @@ from rtron.sources.code.library_models.ros2_common.qos import (
 )
 from rtron.vocabulary import Durability, Reliability
 
-_UNKNOWN = Unknown("?")
-
 
 def _make_profile(name: str, machine: AbstractMachine, arguments: Arguments) -> Value:
     """Make a profile: `rclcpp::QoS(10)`, `QoS(KeepLast(10))`, `SensorDataQoS()`."""
@@ -53,7 +52,7 @@ def _make_initialization(_: AbstractMachine, arguments: Arguments) -> Value:
 
 def _from_rmw(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
     """`rclcpp::QoSInitialization::from_rmw(profile)`."""
-    return arguments.get(0) or _UNKNOWN
+    return arguments.value(0)
 
 
 def _set_policy(
@@ -78,7 +77,7 @@ def _return_self(_: AbstractMachine, owner: Instance, __: Arguments) -> Value:
 
 def _get_policy(field: str, _: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
     del arguments
-    return owner.fields.get(field, _UNKNOWN)
+    return owner.fields.get(field, UNKNOWN)
 
 
 _METHODS: Mapping[str, Callable[..., Value]] = {

@@ -32,7 +32,6 @@ from rtron.sources.code.library_models.rclcpp.qos import (
 from rtron.sources.code.library_models.ros2_common.names import expand_name, name_below
 from rtron.sources.code.library_models.ros2_common.parameter_types import PARAMETER_TYPE_CONSTANTS
 
-_UNKNOWN = Unknown("?")
 _INTERFACES = ("base", "clock", "graph", "logging", "parameters", "services", "timers", "topics")
 
 
@@ -44,7 +43,7 @@ def _node_interface(_: AbstractMachine, __: object, arguments: Arguments) -> Val
 def _expand_name(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
     """`rclcpp::expand_topic_or_service_name(name, node_name, namespace)`."""
     del machine
-    name, node, space = (arguments.get(at) or _UNKNOWN for at in range(3))
+    name, node, space = (arguments.value(at) for at in range(3))
     return expand_name(name, name_below(space, node), Scalar(""))
 
 

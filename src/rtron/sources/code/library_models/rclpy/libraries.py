@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping
 from functools import partial
 
 from rtron.sources.code.interpreter.abstract_values.value_types import (
+    UNKNOWN,
     Instance,
     Scalar,
     Unknown,
@@ -53,11 +54,7 @@ def _declare_with_node(
 def _wait_for_message(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
     """`wait_for_message(type, node, topic)`."""
     values = (arguments.get(0, "msg_type"), arguments.get(2, "topic"))
-    given = Arguments(
-        values=tuple(value or Unknown("?") for value in values),
-        line=arguments.line,
-        frame=arguments.frame,
-    )
+    given = arguments.with_values(*tuple(value or UNKNOWN for value in values))
     declare_endpoint(_SUBSCRIBE, machine, arguments.get(1, "node") or Unknown("node"), given, 0)
     return Unknown("message")
 

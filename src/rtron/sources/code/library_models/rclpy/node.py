@@ -43,7 +43,6 @@ from rtron.sources.code.library_models.ros2_common.parameters import (
 from rtron.sources.code.library_models.ros2_common.qos_overrides import QosOverrides
 from rtron.sources.declaration import DeclarationKind
 
-_UNKNOWN = Unknown("?")
 _MODULE_PARTS = 3
 _OPTION_KEYWORDS = {
     "parameter_services": ("start_parameter_services", TRUE),

@@ -8,10 +8,10 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     NONE,
     OPEN,
     TRUE,
+    UNKNOWN,
     ExternalSymbol,
     Instance,
     LibraryClass,
-    ListValue,
     MapValue,
     Scalar,
     Unknown,
@@ -35,7 +35,6 @@ from rtron.sources.code.library_models.ros2_common.parameters import (
     set_node_parameter,
 )
 
-_UNKNOWN = Unknown("?")
 _VALUES = (
     *("string_value", "integer_value", "double_value", "bool_value", "string_array_value"),
     *("integer_array_value", "double_array_value", "bool_array_value", "byte_array_value"),
@@ -54,7 +53,7 @@ def _unwrapped(value: Value | None) -> Value | None:
 
 def _declare_parameter(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
     """`declare_parameter(name, value)`; a type instead of the value is no default."""
-    name = arguments.get(0, "name") or _UNKNOWN
+    name = arguments.value(0, "name")
     default = arguments.get(1, "value")
     return parameter_object(
         name, declare_node_parameter(machine, owner, name, _declared_default(default))
@@ -75,22 +74,22 @@ def _declare_parameters(machine: AbstractMachine, owner: Value, arguments: Argum
     items, certain = items_of(given or NONE)
     found: list[Value] = []
     for item in items:
-        name, value = (*items_of(item)[0], _UNKNOWN, None)[:2]
+        name, value = (*items_of(item)[0], UNKNOWN, None)[:2]
         full = concat((space, Scalar("."), name)) if space and space != Scalar("") else name  # type: ignore[arg-type]
         declared = declare_node_parameter(machine, owner, full, _declared_default(value))  # type: ignore[arg-type]
         found.append(parameter_object(full, declared))  # type: ignore[arg-type]
-    return ListValue({"items": tuple(found), "open": not certain})
+    return list_of(found, certain=certain)
 
 
 def _get_parameter(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
     """`get_parameter(name)`."""
-    name = arguments.get(0, "name") or _UNKNOWN
+    name = arguments.value(0, "name")
     return parameter_object(name, read_node_parameter(machine, owner, name))
 
 
 def _get_parameter_or(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
     """`get_parameter_or(name, alternative)`."""
-    name = arguments.get(0, "name") or _UNKNOWN
+    name = arguments.value(0, "name")
     default = _unwrapped(arguments.get(1, "alternative_value")) or NONE
     found = node_parameter_value(machine, owner, name)
     if found is None or is_unset(found):
@@ -125,13 +124,13 @@ def _get_parameters_by_prefix(
         if value is not None:
             found[name.removeprefix(start)] = parameter_object(Scalar(name), value)
     if not machine.recorder.site.parameters_complete:
-        found[OPEN] = parameter_object(_UNKNOWN, Unknown(f"~{start}*", tainted=True))
+        found[OPEN] = parameter_object(UNKNOWN, Unknown(f"~{start}*", tainted=True))
     return MapValue(found)
 
 
 def _has_parameter(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
     """`has_parameter(name)`."""
-    name = arguments.get(0, "name") or _UNKNOWN
+    name = arguments.value(0, "name")
     answer = is_declared(machine, owner, name)
     automatic = isinstance(owner, Instance) and owner.fields.get(AUTOMATIC_FIELD) == TRUE
     if answer is False and automatic:
@@ -157,7 +156,7 @@ def _add_parameter_callback(machine: AbstractMachine, _: Value, arguments: Argum
 def _make_parameter(_: AbstractMachine, arguments: Arguments) -> Value:
     """`Parameter(name, type, value)`."""
     value = arguments.get(2, "value") or NONE
-    return parameter_object(arguments.get(0, "name") or _UNKNOWN, value)
+    return parameter_object(arguments.value(0, "name"), value)
 
 
 def _parameter_value_message(_: AbstractMachine, owner: Instance, __: Arguments) -> Value:

@@ -102,7 +102,7 @@ def _preset_by_key(
         found = presets.get(text_with_holes(key).upper())
         return found.fields["value"] if isinstance(found, Instance) else Unknown("profile")
 
-    return map_options(arguments.get(0, "name") or Unknown("?"), named)
+    return map_options(arguments.value(0, "name"), named)
 
 
 _PROFILE = LibraryClass("rclpy.qos.QoSProfile", _make_profile)

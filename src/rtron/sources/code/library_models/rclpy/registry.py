@@ -38,7 +38,7 @@ def _get_interface(
         is_full = len(parts) == _PARTS and all(parts) and parts[1] in folders
         return MessageType("/".join(parts)) if is_full else Unknown("interface")
 
-    return map_options(arguments.get(0, "identifier") or Unknown("?"), named)
+    return map_options(arguments.value(0, "identifier"), named)
 
 
 ROSIDL: Mapping[str, Value] = {

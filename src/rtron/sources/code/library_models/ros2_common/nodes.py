@@ -13,6 +13,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     FALSE,
     NONE,
     TRUE,
+    UNKNOWN,
     Instance,
     PartialText,
     Scalar,
@@ -89,7 +90,7 @@ def node_base_name(node: Value) -> Value:
 def resolve_at_node(node: Value, name: Value | None) -> Value:
     """Return a name as it resolves at a node, before remapping."""
     sub = node.fields.get(SUB_NAMESPACE_FIELD, _EMPTY) if isinstance(node, Instance) else _EMPTY
-    return expand_name(name if name is not None else Unknown("?"), node_name(node), sub)
+    return expand_name(name if name is not None else UNKNOWN, node_name(node), sub)
 
 
 def full_name(machine: AbstractMachine, words: NodeArguments) -> Value:

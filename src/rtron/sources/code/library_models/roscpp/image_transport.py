@@ -78,7 +78,7 @@ def _hinted_transport(machine: AbstractMachine, arguments: Arguments) -> Value:
     for value in arguments.values:
         if isinstance(value, Instance) and value.type is _HINTS:
             return value.fields["transport"]
-    found = _make_transport_hints(machine, Arguments(frame=arguments.frame))
+    found = _make_transport_hints(machine, arguments.with_values())
     return found.fields["transport"] if isinstance(found, Instance) else Scalar("raw")
 
 

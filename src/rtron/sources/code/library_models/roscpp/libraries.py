@@ -4,10 +4,10 @@ from collections.abc import Callable, Mapping
 from functools import partial
 
 from rtron.sources.code.interpreter.abstract_values.value_types import (
+    UNKNOWN,
     Instance,
     LibraryClass,
     Scalar,
-    Unknown,
     Value,
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
@@ -29,7 +29,6 @@ from rtron.sources.code.library_models.roscpp.node_handle import (
 )
 from rtron.sources.declaration import DeclarationKind
 
-_UNKNOWN = Unknown("?")
 _PUBLISH, _SUBSCRIBE = DeclarationKind.PUBLISH, DeclarationKind.SUBSCRIBE
 
 
@@ -75,7 +74,7 @@ def _diagnostics(machine: AbstractMachine, arguments: Arguments) -> Value:
 def _make_bond(machine: AbstractMachine, arguments: Arguments) -> Value:
     names = name_arguments(arguments)
     endpoints.declare_bond(
-        machine, resolve_name(machine, names[0] if names else _UNKNOWN), arguments
+        machine, resolve_name(machine, names[0] if names else UNKNOWN), arguments
     )
     return Instance(ENDPOINT)
 
@@ -92,7 +91,7 @@ def _realtime_publisher(machine: AbstractMachine, arguments: Arguments) -> Value
 
 def _marker_server(machine: AbstractMachine, arguments: Arguments) -> Value:
     """`InteractiveMarkerServer(topic_ns)` (ROS wiki: interactive_markers)."""
-    base = resolve_name(machine, arguments.get(0) or _UNKNOWN)
+    base = resolve_name(machine, arguments.value(0))
     for kind, name, type in (
         (_PUBLISH, "update", "visualization_msgs/InteractiveMarkerUpdate"),
         (_PUBLISH, "update_full", "visualization_msgs/InteractiveMarkerInit"),

@@ -6,6 +6,7 @@ from functools import partial
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     NONE,
     TRUE,
+    UNKNOWN,
     Instance,
     LibraryClass,
     MapValue,
@@ -37,8 +38,6 @@ from rtron.sources.code.library_models.roscpp.parameters import (
     set_param,
 )
 from rtron.sources.declaration import DeclarationKind
-
-_UNKNOWN = Unknown("?")
 
 
 def make_handle(machine: AbstractMachine, arguments: Arguments) -> Value:
@@ -93,7 +92,7 @@ def advertise(machine: AbstractMachine, owner: Value, arguments: Arguments) -> V
     if isinstance(first, Instance) and "options" in first.fields:
         name, type = first.fields["options"], str(getattr(first.fields["type"], "value", ""))
     else:
-        name, type = first or _UNKNOWN, template_message_type(machine, arguments)
+        name, type = first or UNKNOWN, template_message_type(machine, arguments)
     topic = resolve_in_handle(machine, owner, name)
     latched = any(value == TRUE for value in arguments.values[2:]) or _has_latch(first)
     escape_functions(machine, arguments)
@@ -112,7 +111,7 @@ def subscribe(machine: AbstractMachine, owner: Value, arguments: Arguments) -> V
     if isinstance(first, Instance) and "options" in first.fields:
         name, type = first.fields["options"], str(getattr(first.fields["type"], "value", ""))
     else:
-        name = first or _UNKNOWN
+        name = first or UNKNOWN
         type = template_message_type(machine, arguments) or callback_message_type(
             machine, arguments, 1
         )
@@ -209,12 +208,12 @@ def create_options(machine: AbstractMachine, _: object, arguments: Arguments) ->
     """`AdvertiseOptions::create<T>(topic, …)`, `SubscribeOptions::create<T>(topic, …)`."""
     escape_functions(machine, arguments)
     type = Scalar(template_message_type(machine, arguments))
-    return Instance(ADVERTISE_OPTIONS, {"options": arguments.get(0) or _UNKNOWN, "type": type})
+    return Instance(ADVERTISE_OPTIONS, {"options": arguments.value(0), "type": type})
 
 
 def _make_options(_: AbstractMachine, arguments: Arguments) -> Value:
     return (
-        Instance(ADVERTISE_OPTIONS, {"options": _UNKNOWN, "type": Scalar("")})
+        Instance(ADVERTISE_OPTIONS, {"options": UNKNOWN, "type": Scalar("")})
         if arguments
         else Unknown("options")
     )
@@ -223,7 +222,7 @@ def _make_options(_: AbstractMachine, arguments: Arguments) -> Value:
 def _init_options(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
     """`SubscribeOptions::init<T>(topic, queue, callback)`."""
     escape_functions(machine, arguments)
-    machine.undo_log.set(owner.fields, "options", arguments.get(0) or _UNKNOWN)
+    machine.undo_log.set(owner.fields, "options", arguments.value(0))
     machine.undo_log.set(owner.fields, "type", Scalar(template_message_type(machine, arguments)))
     return owner
 

@@ -5,6 +5,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     FALSE,
     NONE,
     TRUE,
+    UNKNOWN,
     ListValue,
     MapValue,
     Scalar,
@@ -17,14 +18,13 @@ from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.library_models.common.cpp_arguments import resolve_in_handle
 from rtron.sources.code.library_models.ros1_common.names import parameter_value, search_parameter
 
-_UNKNOWN = Unknown("?")
 _NAME_AND_DEFAULT = 2
 
 
 def param(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
     """`param("name", variable, default)`, `param<T>("name", default)`."""
     written = len(arguments.values) > _NAME_AND_DEFAULT
-    default = arguments.get(2 if written else 1) or _UNKNOWN
+    default = arguments.get(2 if written else 1) or UNKNOWN
     found = _cpp_value(
         parameter_value(machine, resolve_in_handle(machine, owner, arguments.get(0)))
     )
@@ -87,14 +87,14 @@ def set_param(machine: AbstractMachine, owner: Value, arguments: Arguments) -> V
     """`setParam("name", value)`."""
     name = resolve_in_handle(machine, owner, arguments.get(0))
     if isinstance(name, Scalar):
-        machine.undo_log.set(machine.parameters, str(name.value), arguments.get(1) or _UNKNOWN)
+        machine.undo_log.set(machine.parameters, str(name.value), arguments.value(1))
     return Unknown("setParam")
 
 
 def search_param(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
     """`searchParam("name", found)` (ROS wiki: Parameter Server)."""
     namespace = resolve_in_handle(machine, owner, Scalar(""))
-    found = search_parameter(machine, arguments.get(0) or _UNKNOWN, namespace)
+    found = search_parameter(machine, arguments.value(0), namespace)
     slot = arguments.slot(1)
     if found is None:
         return FALSE

@@ -3,6 +3,7 @@
 import re
 
 from rtron.sources.code.interpreter.abstract_values.value_types import (
+    UNKNOWN,
     Instance,
     LibraryClass,
     Scalar,
@@ -17,17 +18,15 @@ from rtron.sources.code.interpreter.execution.language_runtime import cpp_runtim
 from rtron.sources.code.library_models.ros1_common.names import node_namespace
 from rtron.sources.code.library_models.roscpp.node_handle import handle, private_handle
 
-_UNKNOWN = Unknown("?")
-
 
 def _make_loader(_: AbstractMachine, arguments: Arguments) -> Value:
     """`pluginlib::ClassLoader<Base>(package, base)`."""
-    return Instance(_LOADER, {"base": arguments.get(1) or _UNKNOWN}, arguments.types)
+    return Instance(_LOADER, {"base": arguments.value(1)}, arguments.types)
 
 
 def _create_instance(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
     """`loader.createInstance(name)`: the plugin's class, made from its source."""
-    base = owner.fields.get("base", _UNKNOWN)
+    base = owner.fields.get("base", UNKNOWN)
     for option in options(arguments.get(0)):
         if isinstance(option, Scalar) and isinstance(base, Scalar):
             made = cpp_runtime(machine).create_plugin(str(option.value), str(base.value), arguments)

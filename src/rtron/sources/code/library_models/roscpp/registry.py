@@ -43,8 +43,6 @@ from rtron.sources.code.library_models.roscpp.parameters import (
 from rtron.sources.code.library_models.roscpp.pluginlib import PLUGIN_CLASSES
 from rtron.sources.declaration import DeclarationKind
 
-_UNKNOWN = Unknown("?")
-
 
 def _with_node_handle(method: Callable[..., Value]) -> Callable[..., Value]:
     """`ros::param::get` and the like resolve in the node's own namespace."""
@@ -71,19 +69,17 @@ def _node_namespace(machine: AbstractMachine, _: object, __: Arguments) -> Value
 
 
 def _resolve(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
-    return remap_name(
-        machine, resolve_name(machine, arguments.get(len(arguments.values) - 1) or _UNKNOWN)
-    )
+    return remap_name(machine, resolve_name(machine, arguments.value(len(arguments.values) - 1)))
 
 
 def _append(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
-    left, right = arguments.get(0) or _UNKNOWN, arguments.get(1) or _UNKNOWN
+    left, right = arguments.value(0), arguments.value(1)
     return concat((left, Scalar("/"), right))
 
 
 def _call_service(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
     """`ros::service::call("name", service)`."""
-    name = resolve_name(machine, arguments.get(0) or _UNKNOWN)
+    name = resolve_name(machine, arguments.value(0))
     service = arguments.get(1)
     made = service.type if isinstance(service, Unknown) else None
     type = message_type_of(machine, made, arguments)
@@ -113,7 +109,7 @@ ROSCPP_FUNCTIONS: Mapping[str, Callable[..., Value]] = {
     "ros::names::resolve": _resolve,
     "ros::names::remap": _resolve,
     "ros::names::append": _append,
-    "ros::names::clean": lambda machine, owner, arguments: arguments.get(0) or _UNKNOWN,
+    "ros::names::clean": lambda machine, owner, arguments: arguments.value(0),
     "ros::AdvertiseServiceOptions::create": create_options,
     "ros::AdvertiseOptions::create": create_options,
     "ros::SubscribeOptions::create": create_options,

@@ -8,6 +8,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     FALSE,
     NONE,
     TRUE,
+    UNKNOWN,
     FunctionValue,
     Instance,
     LibraryClass,
@@ -46,7 +47,7 @@ def _declare_endpoint(
     kind: DeclarationKind, machine: AbstractMachine, _: object, arguments: Arguments
 ) -> Instance:
     """`Publisher(name, data_class, …)`, `Subscriber(name, data_class, callback, …)` and so on."""
-    name = resolve_name(machine, arguments.get(0, "name") or Unknown("?"))
+    name = resolve_name(machine, arguments.value(0, "name"))
     type = message_type_name(arguments.get(1, "data_class") or arguments.get(1, "service_class"))
     latched = truth(arguments.keywords.get("latch", FALSE)) is True
     endpoints.declare_endpoint(machine, kind, name, type, arguments, latched=latched)
@@ -87,7 +88,7 @@ def _wait_for_message(machine: AbstractMachine, _: object, arguments: Arguments)
 
 
 def _get_param(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
-    name = resolve_name(machine, arguments.get(0, "param_name") or Unknown("?"))
+    name = resolve_name(machine, arguments.value(0, "param_name"))
     default, found = arguments.get(1, "default"), parameter_value(machine, name)
     if found is None and default is None:
         if machine.active_handlers:
@@ -103,14 +104,12 @@ def _tainted_value(value: Value | None) -> Value:
 
 
 def _has_param(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
-    found = parameter_value(
-        machine, resolve_name(machine, arguments.get(0, "param_name") or Unknown("?"))
-    )
+    found = parameter_value(machine, resolve_name(machine, arguments.value(0, "param_name")))
     return FALSE if found is None else Unknown("has_param") if isinstance(found, Unknown) else TRUE
 
 
 def _set_param(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
-    name = resolve_name(machine, arguments.get(0, "param_name") or Unknown("?"))
+    name = resolve_name(machine, arguments.value(0, "param_name"))
     if isinstance(name, Scalar):
         machine.undo_log.set(machine.parameters, str(name.value), arguments.get(1, "param_value"))
     return NONE
@@ -118,13 +117,11 @@ def _set_param(machine: AbstractMachine, _: object, arguments: Arguments) -> Val
 
 def _search_param(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
     namespace = Scalar(machine.recorder.site.name)
-    return (
-        search_parameter(machine, arguments.get(0, "param_name") or Unknown("?"), namespace) or NONE
-    )
+    return search_parameter(machine, arguments.value(0, "param_name"), namespace) or NONE
 
 
 def _resolve_name(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
-    return remap_name(machine, resolve_name(machine, arguments.get(0, "name") or Unknown("?")))
+    return remap_name(machine, resolve_name(machine, arguments.value(0, "name")))
 
 
 def _get_name(machine: AbstractMachine, _: object, __: Arguments) -> Value:
@@ -144,7 +141,7 @@ def _register_callback(machine: AbstractMachine, _: object, arguments: Arguments
 def _declare_action(
     kind: DeclarationKind, machine: AbstractMachine, _: object, arguments: Arguments
 ) -> Value:
-    name = resolve_name(machine, arguments.get(0, "ns") or arguments.get(0, "name") or Unknown("?"))
+    name = resolve_name(machine, arguments.get(0, "ns") or arguments.get(0, "name") or UNKNOWN)
     type = arguments.get(1, "ActionSpec") or arguments.get(1, "action_spec")
     endpoints.declare_endpoint(machine, kind, name, message_type_name(type), arguments)
     _escape_arguments(machine, arguments)
@@ -162,7 +159,7 @@ def _declare_reconfigure_server(machine: AbstractMachine, _: object, arguments: 
 
 
 def _declare_reconfigure_client(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
-    namespace = resolve_name(machine, arguments.get(0, "name") or Unknown("?"))
+    namespace = resolve_name(machine, arguments.value(0, "name"))
     for name, type in (
         ("parameter_descriptions", "dynamic_reconfigure/ConfigDescription"),
         ("parameter_updates", "dynamic_reconfigure/Config"),
@@ -197,9 +194,7 @@ def _declare_diagnostics(machine: AbstractMachine, _: object, arguments: Argumen
 
 
 def _declare_bond(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
-    endpoints.declare_bond(
-        machine, resolve_name(machine, arguments.get(0, "topic") or Unknown("?")), arguments
-    )
+    endpoints.declare_bond(machine, resolve_name(machine, arguments.value(0, "topic")), arguments)
     return Instance(_ENDPOINT)
 
 
@@ -220,7 +215,7 @@ def _message_class(_: AbstractMachine, __: object, arguments: Arguments) -> Valu
         is_type = isinstance(value, Scalar) and str(value.value).count("/") == 1
         return MessageType(text_with_holes(value)) if is_type else Unknown("message class")
 
-    return map_options(arguments.get(0) or Unknown("?"), named)
+    return map_options(arguments.value(0), named)
 
 
 def _is_shutdown(_: AbstractMachine, __: object, ___: Arguments) -> Value:
@@ -231,14 +226,8 @@ _ENDPOINT = LibraryClass(
     "endpoint",
     methods=dict.fromkeys(
         [
-            "registerCallback",
-            "register_goal_callback",
-            "register_preempt_callback",
-            "send_goal",
-            "add",
-            "on_shutdown",
-            "send_goal_and_wait",
-            "setCallback",
+            *("registerCallback", "register_goal_callback", "register_preempt_callback"),
+            *("send_goal", "add", "on_shutdown", "send_goal_and_wait", "setCallback"),
         ],
         _register_callbacks,
     ),
