@@ -16,6 +16,7 @@ from rtron.wire.ros1.xmlrpc import ros_call
 
 HERE = Path(__file__).parent
 NODES = HERE / "nodes"
+SOURCE = HERE.parents[1] / "src"
 ROS_PYTHON = "/usr/bin/python3"
 LIMIT_S = 60.0
 GRACE_S = 20.0
@@ -188,7 +189,7 @@ class Ros1:
 
     def rtron(self, *arguments):
         """Start `rtron` with the Python of the tests, before all others if we may."""
-        process = self.spawn(sys.executable, "-m", "rtron", *arguments)
+        process = self.spawn(sys.executable, "-m", "rtron", *arguments, PYTHONPATH=str(SOURCE))
         process.hurry()
         return process
 

@@ -5,12 +5,14 @@ import signal
 import socket
 import sys
 
+from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.runner import run_guard
 from rtron.guard.supervision.guard_config import read_config, stopped_streams
 from rtron.guard.supervision.programs import open_descriptors, run_program
-from rtron.guard.supervision.shared_memory import GuardMemory
+from rtron.guard.supervision.shared_memory import GuardMemory, StatusWord
 from rtron.guard.supervision.supervisor_client import SupervisorClient
 from rtron.guard.supervision.supervisor_handover import BEGIN
+from rtron.guard.transport.factory import load_middleware
 
 
 def main(numbers: str) -> None:
@@ -25,6 +27,8 @@ def main(numbers: str) -> None:
     config = read_config(config_file)
     logging.basicConfig(level=config.log_level, format="%(levelname)s %(message)s")
     memory = GuardMemory(memory_file, len(stopped_streams(config.plan)))
+    load_middleware(config.plan.ros)
+    memory[StatusWord.READY] = EventLoop.now()
     if connection.recv(len(BEGIN)) != BEGIN:
         return
 

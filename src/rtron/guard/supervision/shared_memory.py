@@ -38,6 +38,8 @@ class StatusWord(IntEnum):
     """When the supervisor last stopped the robot (ns), 0 if never. The supervisor's."""
     OWNER = 5
     """The process that started the supervisor, roslaunch or a shell. The supervisor's."""
+    READY = 6
+    """When the guard had loaded what it needs to begin (ns), 0 before. The guard's."""
 
 
 class DoubleBuffer:

@@ -168,7 +168,7 @@ class Supervisor:
         if spare and spare.exit_code() is not None:
             spare.discard()
             return None
-        if spare:
+        if spare and spare.memory[StatusWord.READY]:
             self._fsm.spare_taken()
         return spare
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+from importlib import import_module
 from typing import TYPE_CHECKING
 
 from rtron.errors import SourceError
@@ -19,6 +21,13 @@ _RMW_PREFIX = "rmw_fastrtps"
 def domain_address(domain: int) -> str:
     """Return what stands for a ROS 2 domain where a ROS 1 master's address would."""
     return f"{_DOMAIN}{domain}"
+
+
+def load_middleware(ros: int) -> None:
+    """Import what `open_transport` needs; if something is missing, that says so."""
+    if ros != 1:
+        with suppress(ImportError):
+            import_module("rtron.guard.transport.ros2.middleware")
 
 
 def open_transport(ros: int, address: str, loop: EventLoop) -> Ros1Transport | Ros2Transport:

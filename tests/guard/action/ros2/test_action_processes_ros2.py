@@ -60,20 +60,31 @@ def guards(supervisor):
     return [int(pid) for pid in re.findall(r"the guard begins, process (\d+)", supervisor.log)]
 
 
+def client_one(ros2, *orders):
+    """Start the approved client /one."""
+    return ros2.node("fibonacci_client.py", *orders, name="/one", remaps=remaps("/rtron/fib/flow1"))
+
+
+def fibonacci_server(ros2, *arguments):
+    """Start the server of the plan."""
+    server_remaps = remaps("/rtron/fib/out")
+    return ros2.node("fibonacci_server.py", *arguments, name="/server", remaps=server_remaps)
+
+
 def test_a_guard_that_is_killed_mid_goal_costs_no_answer(ros2, tmp_path):
-    plan = tmp_path / "rtron.yaml"
+    plan, finish = tmp_path / "rtron.yaml", tmp_path / "finish"
     plan.write_text(PLAN)
-    server = ros2.node("fibonacci_server.py", name="/server", remaps=remaps("/rtron/fib/out"))
+    server = fibonacci_server(ros2, finish)
     guard = ros2.rtron("guard", "--plan", plan)
-    one = ros2.node(
-        "fibonacci_client.py", 0, 400, 7, name="/one", remaps=remaps("/rtron/fib/flow1")
-    )
-    wait_for(lambda: "started 400" in server.log, what="the long goal")
+    one = client_one(ros2, 0, 4000, 7)
+    wait_for(lambda: "started 4000" in server.log, what="the long goal")
     eve = ros2.node("fibonacci_client.py", 9, name="/eve")
     wait_for(lambda: "9 rejected" in eve.log, what="a stranger's goal to be rejected")
     os.kill(guards(guard)[0], signal.SIGKILL)
+    wait_for(lambda: len(guards(guard)) > 1, what="the next guard")
+    finish.touch()
     wait_for(lambda: "done" in one.log, what="the answers", limit_s=60)
-    assert one.log.splitlines() == ["ready", "0 4 [0]", "400 4 [400]", "7 4 [7]", "done"]
+    assert one.log.splitlines() == ["ready", "0 4 [0]", "4000 4 [4000]", "7 4 [7]", "done"]
     assert "started 9" not in server.log
     assert len(guards(guard)) == 2
 
@@ -82,24 +93,16 @@ def test_who_follows_on_a_killed_server_and_a_killed_client_is_heard_at_once(nev
     ros2 = never_forgetting
     plan = ros2.folder / "rtron.yaml"
     plan.write_text(PLAN)
-
-    def server():
-        return ros2.node("fibonacci_server.py", name="/server", remaps=remaps("/rtron/fib/out"))
-
-    def one(*orders):
-        return ros2.node(
-            "fibonacci_client.py", *orders, name="/one", remaps=remaps("/rtron/fib/flow1")
-        )
-
-    first, guard, client = server(), ros2.rtron("guard", "--plan", plan), one(0, 400)
+    first, guard = fibonacci_server(ros2), ros2.rtron("guard", "--plan", plan)
+    client = client_one(ros2, 0, 400)
     wait_for(lambda: "started 400" in first.log, what="the long goal")
     for each in (client, first):
         each.tell(signal.SIGKILL)
         wait_for(lambda each=each: each.ended, what="an end")
     wait_for(lambda: "the server /server is gone" in guard.log, what="its loss", limit_s=60)
-    second = server()
+    second = fibonacci_server(ros2)
     wait_for(lambda: guard.log.count("the server /server is there") == 2, what="the next server")
-    client = one(7)
+    client = client_one(ros2, 7)
     wait_for(lambda: "done" in client.log, what="the answer", limit_s=60)
     assert "7 4 [7]" in client.log
     assert "started 7" in second.log

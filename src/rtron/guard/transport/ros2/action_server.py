@@ -136,36 +136,28 @@ class ActionServer:
             request_id = bytes.fromhex(token)
         except ValueError:
             return None
-        return (
-            ResultResponder(self, request_id, is_inherited=True)
-            if len(request_id) == REQUEST_ID_SIZE
-            else None
-        )
+        if len(request_id) != REQUEST_ID_SIZE:
+            return None
+        return ResultResponder(self.flow, request_id, self._send_inherited_result)
 
-    def send_result(
-        self, request_id: bytes, status: int, result: object | None, *, is_inherited: bool = False
-    ) -> None:
-        """Answer a request for a result, maybe one that a former guard has taken."""
-        if is_inherited and not self._are_clients_connected(
-            partial(self.send_result, request_id, status, result)
-        ):
-            return
-        if is_inherited:
-            request_id = self._writer_request_id(Ros2ActionEntity.GET_RESULT, request_id)
+    def _send_result(self, request_id: bytes, status: int, result: object | None) -> None:
+        """Answer a request for a result."""
         cls = self._context.service_class(Ros2ActionEntity.GET_RESULT).Response
         message = self._context.action_class.Result() if result is None else result
         self._respond(Ros2ActionEntity.GET_RESULT, request_id, cls(status=status, result=message))
 
-    def _are_clients_connected(self, retry: Callable[..., None]) -> bool:
-        """Tell whether clients of a former guard have found this one; call again when they have."""
-        retry = partial(retry, former=True)
+    def _send_inherited_result(self, request_id: bytes, status: int, result: object | None) -> None:
+        """Answer a request that a former guard has taken, once its clients have found this one."""
+        retry = partial(self._send_inherited_result, request_id, status, result)
         if not self._services:
             self._deferred_replies.append(retry)
-            return False
+            return
         early = self._opened_at + _DISCOVERY_TIME - self._context.shared.loop.now()
         if early > 0:
             self._context.shared.loop.call_later(early / SECOND, retry)
-        return early <= 0
+            return
+        request_id = self._writer_request_id(Ros2ActionEntity.GET_RESULT, request_id)
+        self._send_result(request_id, status, result)
 
     def _writer_request_id(self, end: Ros2ActionEntity, request_id: bytes) -> bytes:
         """Return the place of a request by its writer's GUID, where Fast DDS gave its reader's.
@@ -234,7 +226,7 @@ class ActionServer:
         self._respond(Ros2ActionEntity.SEND_GOAL, request_id, response)
 
     def _on_result_request(self, request_id: bytes, request: ServiceMessage, peer: Peer) -> None:
-        reply = ResultResponder(self, request_id)
+        reply = ResultResponder(self.flow, request_id, self._send_result)
         self._listener.on_result_request(
             self.flow, peer, _uuid_bytes(request.decode().goal_id), reply
         )
@@ -273,16 +265,15 @@ class ResultResponder:
     """Where one request for a result is answered, now or by a later guard."""
 
     def __init__(
-        self, server: ActionServer, request_id: bytes, *, is_inherited: bool = False
+        self, flow: str, request_id: bytes, send: Callable[[bytes, int, object | None], None]
     ) -> None:
-        self._server = server
         self._request_id = request_id
-        self._is_inherited = is_inherited
-        self.token = f"{server.flow} {request_id.hex()}"
+        self._send = send
+        self.token = f"{flow} {request_id.hex()}"
 
     def __call__(self, status: int, result: object | None) -> None:
         """Answer."""
-        self._server.send_result(self._request_id, status, result, is_inherited=self._is_inherited)
+        self._send(self._request_id, status, result)
 
 
 def goal_info(id: bytes, stamp: int) -> GoalInfo:
