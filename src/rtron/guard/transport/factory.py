@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from rtron.errors import SourceError
 from rtron.guard.master_proxy.master_file import find_private_master
 from rtron.guard.transport.ros1.middleware import Ros1Transport
+from rtron.vocabulary import GUARD_NODE
 
 if TYPE_CHECKING:
     from rtron.guard.core.event_loop import EventLoop
@@ -33,12 +34,14 @@ def load_middleware(ros: int) -> None:
 def open_transport(ros: int, address: str, loop: EventLoop) -> Ros1Transport | Ros2Transport:
     """Return a transport for ROS 1 at a master, or for ROS 2 in the domain of an address.
 
-    SourceError if ROS 2 is not installed here, or its RMW is not Fast DDS: others give
-    a message another id than the publisher has in the graph.
+    SourceError if ROS 2 is not installed here, if its structures are not laid out as the guard
+    reads them, or if its RMW is not Fast DDS: others give a message another id than the publisher
+    has in the graph.
     """
     if ros == 1:
         return Ros1Transport(loop, find_private_master(address), public=address)
     try:
+        from rtron.guard.transport.ros2.abi_check import check_abi  # noqa: PLC0415
         from rtron.guard.transport.ros2.middleware import Ros2Transport  # noqa: PLC0415
         from rtron.wire.ros2.discovery_tuning import enable_fast_announcements  # noqa: PLC0415
         from rtron.wire.ros2.session import Ros2Session, rmw_identifier  # noqa: PLC0415
@@ -49,4 +52,10 @@ def open_transport(ros: int, address: str, loop: EventLoop) -> Ros1Transport | R
         help = "export RMW_IMPLEMENTATION=rmw_fastrtps_cpp for the whole app"
         raise SourceError(f"the guard cannot tell publishers apart with {rmw}", help=help)
     enable_fast_announcements()
-    return Ros2Transport(loop, Ros2Session(int(address.removeprefix(_DOMAIN))))
+    session = Ros2Session(int(address.removeprefix(_DOMAIN)))
+    try:
+        check_abi(session.node(GUARD_NODE))
+    except SourceError:
+        session.close()
+        raise
+    return Ros2Transport(loop, session)

@@ -94,7 +94,7 @@ def find_installed_type(type: str) -> InstalledType | None:
     if parts is None:
         return None
     package, kind, name = parts["package"], parts["kind"] or "msg", parts["name"]
-    for prefix in _prefixes():
+    for prefix in install_prefixes():
         listed = _listed(prefix / _INDEX / package)
         if listed is not None:
             known = listed & {f"{kind}/{name}.{kind}", f"{kind}/{name}.idl"}
@@ -115,7 +115,7 @@ def _parts(type: str) -> "re.Match[str] | None":
     return _TYPE.fullmatch(type) if len(type) <= _LONGEST_NAME else None
 
 
-def _prefixes() -> list[Path]:
+def install_prefixes() -> list[Path]:
     """Return where packages are installed: what was sourced, then wheels beside this Python."""
     sourced = os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
     return [Path(each) for each in (*sourced, sysconfig.get_path("data")) if each]

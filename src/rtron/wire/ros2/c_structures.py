@@ -1,37 +1,50 @@
-"""C structures of rcutils and rmw that several of our calls share, and C functions with types."""
+"""C structures of rcutils and rmw, and C functions with types.
+
+No call of theirs tells how a structure is laid out, so each says for which releases it holds: by
+the headers of Foxy (rmw 1.0) to Kilted (rmw 7.8), on x86-64 and AArch64. The guard checks those
+that it reads when it starts (`rtron.guard.transport.ros2.abi_check`).
+"""
 
 from __future__ import annotations
 
 import ctypes
 from ctypes import (
+    POINTER,
     Structure,
     addressof,
     c_bool,
     c_char_p,
     c_int,
+    c_int64,
     c_size_t,
     c_ssize_t,
+    c_uint8,
     c_uint64,
     c_void_p,
     py_object,
 )
 from typing import Any
 
+GID_SIZE = 16
+"""RMW_GID_STORAGE_SIZE: 16 from Iron on; 24 before, of which 8 are padding."""
+_RESERVE = 192
+"""Bytes behind a structure that rmw fills, for what a later release appends."""
+
 
 class Allocator(Structure):
-    """rcutils_allocator_t: five pointers."""
+    """rcutils_allocator_t: five pointers. Foxy and later."""
 
     _fields_ = (("calls", c_void_p * 5),)
 
 
 class RmwTime(Structure):
-    """rmw_time_t."""
+    """rmw_time_t. Foxy and later."""
 
     _fields_ = (("sec", c_uint64), ("nsec", c_uint64))
 
 
 class QosProfile(Structure):
-    """rmw_qos_profile_t; `raw_name` is avoid_ros_namespace_conventions."""
+    """rmw_qos_profile_t; `raw_name` is avoid_ros_namespace_conventions. Foxy and later."""
 
     _fields_ = (
         ("history", c_int),
@@ -44,6 +57,77 @@ class QosProfile(Structure):
         ("lease", RmwTime),
         ("raw_name", c_bool),
     )
+
+
+class TypeHash(Structure):
+    """rosidl_type_hash_t. Iron and later."""
+
+    _fields_ = (("version", c_uint8), ("value", c_uint8 * 32))
+
+
+class EndpointInfo(Structure):
+    """rmw_topic_endpoint_info_t. Iron (rmw 7.1) to Kilted (7.8).
+
+    Humble has no hash and a longer GID. ros2/rmw#419 appends a field: arrays have another stride.
+    """
+
+    _fields_ = (
+        ("node", c_char_p),
+        ("space", c_char_p),
+        ("type", c_char_p),
+        ("hash", TypeHash),
+        ("kind", c_int),
+        ("gid", c_uint8 * GID_SIZE),
+        ("qos", QosProfile),
+    )
+
+
+class EndpointInfoArray(Structure):
+    """rmw_topic_endpoint_info_array_t. Foxy and later."""
+
+    _fields_ = (("size", c_size_t), ("infos", POINTER(EndpointInfo)))
+
+
+class MessageInfo(Structure):
+    """rmw_message_info_t, times in ns. Humble (rmw 6.1) and later.
+
+    Before, there were no sequence numbers; Humble's GID has 8 bytes of padding more.
+    """
+
+    _fields_ = (
+        ("source_timestamp", c_int64),
+        ("received_timestamp", c_int64),
+        ("publication_sequence_number", c_uint64),
+        ("reception_sequence_number", c_uint64),
+        ("implementation", c_char_p),
+        ("gid", c_uint8 * GID_SIZE),
+        ("reserve", c_uint8 * _RESERVE),
+    )
+
+
+class RequestId(Structure):
+    """rmw_request_id_t. Foxy and later: the GUID always had 16 bytes."""
+
+    _fields_ = (("guid", c_uint8 * GID_SIZE), ("number", c_int64))
+
+
+class ServiceInfo(Structure):
+    """rmw_service_info_t, times in ns. Foxy and later."""
+
+    _fields_ = (
+        ("source_timestamp", c_int64),
+        ("received_timestamp", c_int64),
+        ("request_id", RequestId),
+    )
+
+
+class SubscriptionOptions(Structure):
+    """rmw_subscription_options_t, with room for what later releases append. Humble and later.
+
+    Before rmw 6.1 it had 16 bytes, which a function returns in registers, not in memory.
+    """
+
+    _fields_ = (("words", c_uint64 * 16),)
 
 
 def typed_function(function: Any, result: Any, *arguments: Any) -> Any:  # noqa: ANN401 - ctypes
@@ -72,7 +156,7 @@ _MAX_REUSED_CAPACITY = 1 << 24
 
 
 class SerializedMessage(Structure):
-    """rcutils_uint8_array_t."""
+    """rcutils_uint8_array_t. Foxy and later."""
 
     _fields_ = (
         ("buffer", c_char_p),

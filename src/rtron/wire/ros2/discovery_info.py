@@ -10,15 +10,7 @@ from __future__ import annotations
 
 import ctypes
 import logging
-from ctypes import (
-    Structure,
-    byref,
-    c_bool,
-    c_char_p,
-    c_int,
-    c_uint64,
-    c_void_p,
-)
+from ctypes import byref, c_bool, c_char_p, c_int, c_void_p
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
@@ -28,9 +20,16 @@ from rclpy.serialization import deserialize_message
 from rtron.errors import SourceError, WireError
 from rtron.messages.common.definition_parser import parse_definition
 from rtron.messages.ros2.cdr_validator import cdr_validator
-from rtron.wire.ros2.c_structures import MessageBuffer, QosProfile, capsule_pointer, typed_function
-from rtron.wire.ros2.endpoints import GID_SIZE
+from rtron.wire.ros2.c_structures import (
+    GID_SIZE,
+    MessageBuffer,
+    QosProfile,
+    SubscriptionOptions,
+    capsule_pointer,
+    typed_function,
+)
 from rtron.wire.ros2.interfaces import find_interface
+from rtron.wire.ros2.release import HUMBLE, rmw_version
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -46,12 +45,6 @@ _MAX_MESSAGES_AT_ONCE = 4096
 _KEEP_LAST, _RELIABLE, _TRANSIENT_LOCAL = 1, 1, 1
 _DEPTH = 1000
 _CREATE_ARGUMENTS = c_void_p, c_void_p, c_char_p, c_void_p, c_void_p
-
-
-class _Options(Structure):
-    """rmw_subscription_options_t, with room for what later versions add."""
-
-    _fields_ = (("words", c_uint64 * 16),)
 
 
 class DiscoveryInfoReader:
@@ -91,13 +84,16 @@ class DiscoveryInfoReader:
 
     def _create_subscription(self) -> int | None:
         """Return the subscription's pointer, None if there can be none."""
+        version = rmw_version()
+        if version and version < HUMBLE:  # its options come in registers (`SubscriptionOptions`)
+            return None
         try:
             found = find_interface(_TYPE)
         except SourceError as error:
             log.debug("nobody tells which endpoints its nodes have: %s", error)
             return None
         defaults = typed_function(
-            ctypes.CDLL("librmw.so").rmw_get_default_subscription_options, _Options
+            ctypes.CDLL("librmw.so").rmw_get_default_subscription_options, SubscriptionOptions
         )
         profile = QosProfile(
             history=_KEEP_LAST,

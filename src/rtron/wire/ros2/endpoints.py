@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from rclpy.qos import DurabilityPolicy, LivelinessPolicy, ReliabilityPolicy
 
 from rtron.vocabulary import Direction, Durability, Liveliness, QoS, Reliability
+from rtron.wire.ros2.c_structures import GID_SIZE
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
 
 PARTICIPANT_SIZE = 12
 """How many bytes of a GID name the participant."""
-GID_SIZE = 16
 _UNKNOWN = "_NODE_NAME_UNKNOWN_"
 _INFINITE = 1 << 62
 

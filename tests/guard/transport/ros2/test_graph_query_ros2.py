@@ -11,7 +11,6 @@ from rclpy.duration import Duration
 from rclpy.qos import DurabilityPolicy, LivelinessPolicy, QoSProfile, ReliabilityPolicy
 from ros2_harness import NODES2
 
-from rtron.errors import SourceError
 from rtron.guard.transport.ros2.graph_query import GraphQuery
 from rtron.guard.transport.ros2.participants import MAX_ENDPOINTS
 from rtron.vocabulary import Direction
@@ -85,12 +84,6 @@ def test_of_a_crowd_it_tells_of_some_and_of_those_that_are_known(session):
     found = listing.endpoints("/t", Direction.PUBLISH, last)
     assert len(first) == len(found) == MAX_ENDPOINTS
     assert set(last) <= set(found)
-
-
-def test_a_version_with_another_layout_is_refused(session, monkeypatch):
-    monkeypatch.setattr("rtron.guard.transport.ros2.graph_query.GID_SIZE", 12)
-    with pytest.raises(SourceError, match="does not know this version"):
-        GraphQuery(session.node("/node"))
 
 
 PROFILE = """<dds xmlns="http://www.eprosima.com"><profiles>

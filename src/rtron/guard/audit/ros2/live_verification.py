@@ -33,12 +33,14 @@ def verify_domain(plan: Plan, timeout: float, domain: int | None = None) -> Veri
     could be what is wrong.
     """
     try:
+        from rtron.guard.transport.ros2.abi_check import check_endpoint_info  # noqa: PLC0415
         from rtron.wire.ros2.session import Ros2Session  # noqa: PLC0415 - only where ROS 2 is chosen
     except ImportError as error:
         raise SourceError("ROS 2 is not there: no rclpy", help=_HELP_RCLPY) from error
     enable_fast_announcements()
     session = Ros2Session(domain)
     try:
+        check_endpoint_info(session.node(_NODE))
         topics = (*ExpectedGraph(plan).topics, ROSOUT_TOPIC)
         observed = _wait_until_settled(
             GraphReader(session.node(_NODE)), topics, max(timeout, _MIN_WAIT_S)

@@ -18,7 +18,8 @@ from rtron.guard.transport.ros2.client_resolver import ClientResolver
 from rtron.guard.transport.ros2.event_fd import EventFd
 from rtron.guard.transport.ros2.service_calls import REQUEST_ID_SIZE, ResponsePacer
 from rtron.vocabulary import ROS2_ACTION_SERVICES, SECOND, Ros2ActionEntity, ros2_entity_name
-from rtron.wire.ros2.endpoints import GID_SIZE, PARTICIPANT_SIZE
+from rtron.wire.ros2.c_structures import GID_SIZE
+from rtron.wire.ros2.endpoints import PARTICIPANT_SIZE
 from rtron.wire.ros2.service_names import request_topic
 
 if TYPE_CHECKING:

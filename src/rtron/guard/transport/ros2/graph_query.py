@@ -7,25 +7,13 @@ rclpy makes objects of all there are before it tells of anybody, which takes a s
 from __future__ import annotations
 
 import ctypes
-import uuid
-from ctypes import (
-    POINTER,
-    Structure,
-    addressof,
-    c_bool,
-    c_char_p,
-    c_int,
-    c_size_t,
-    c_uint8,
-    c_void_p,
-    string_at,
-)
+from contextlib import contextmanager
+from ctypes import addressof, c_bool, c_char_p, c_int, c_void_p, string_at
 from typing import TYPE_CHECKING
 
-from rtron.errors import SourceError, WireError
+from rtron.errors import WireError
 from rtron.guard.transport.ros2.participants import select_endpoints
 from rtron.vocabulary import (
-    PRIVATE_ROOT,
     SECOND,
     Direction,
     Durability,
@@ -33,18 +21,20 @@ from rtron.vocabulary import (
     QoS,
     Reliability,
 )
-from rtron.wire.ros2.c_structures import QosProfile, RmwTime, default_allocator, typed_function
-from rtron.wire.ros2.endpoints import (
+from rtron.wire.ros2.c_structures import (
     GID_SIZE,
-    PARTICIPANT_SIZE,
-    Ros2Endpoint,
-    node_name,
-    publishers_of,
+    EndpointInfo,
+    EndpointInfoArray,
+    QosProfile,
+    RmwTime,
+    TypeHash,
+    default_allocator,
+    typed_function,
 )
-from rtron.wire.ros2.interfaces import find_interface
+from rtron.wire.ros2.endpoints import PARTICIPANT_SIZE, Ros2Endpoint, node_name
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
     from rclpy.node import Node
 
@@ -53,36 +43,10 @@ _NEVER = 1 << 62
 _QUERY_SIGNATURE = c_int, c_void_p, c_void_p, c_char_p, c_bool, c_void_p
 
 
-class _Hash(Structure):
-    """rosidl_type_hash_t."""
-
-    _fields_ = (("version", c_uint8), ("value", c_uint8 * 32))
-
-
-class _EndpointInfo(Structure):
-    """rmw_topic_endpoint_info_t."""
-
-    _fields_ = (
-        ("node", c_char_p),
-        ("space", c_char_p),
-        ("type", c_char_p),
-        ("hash", _Hash),
-        ("kind", c_int),
-        ("gid", c_uint8 * GID_SIZE),
-        ("qos", QosProfile),
-    )
-
-
-class _EndpointInfoArray(Structure):
-    """rmw_topic_endpoint_info_array_t."""
-
-    _fields_ = (("size", c_size_t), ("found", POINTER(_EndpointInfo)))
-
-
 class GraphQuery:
     """Asks what the domain has told one of our nodes; `raw` asks by the middleware's own names.
 
-    SourceError if this version of ROS 2 lays out its structures in another way than is read here.
+    `check_endpoint_info` has been called before: it tells whether what is read here is there.
     """
 
     def __init__(self, node: Node, *, raw: bool = False) -> None:
@@ -101,8 +65,6 @@ class GraphQuery:
         self._free = typed_function(
             rmw.rmw_topic_endpoint_info_array_fini, c_int, c_void_p, c_void_p
         )
-        if not raw:
-            self._check_layout()
 
     def endpoints(
         self,
@@ -113,50 +75,43 @@ class GraphQuery:
     ) -> tuple[Ros2Endpoint, ...]:
         """Return who publishes or subscribes a topic, at most 256, by their GIDs.
 
-        `known` are those that were told before, `excluded` is a participant that is left out. WireError
-        if rcl cannot tell.
+        `known` are those that were told before, `excluded` is a participant that is left out.
+        WireError if rcl cannot tell.
         """
-        infos, allocator = _EndpointInfoArray(), addressof(self._allocator)
-        query, node = self._query_functions[direction], self._node.handle.pointer
-        if code := query(node, allocator, topic.encode(), self._raw, addressof(infos)):
-            raise WireError(f"rcl cannot tell who is on {topic}: error {code}")
-        try:
+        with self._infos(topic, direction) as infos:
             index_by_gid = {
                 gid: at for at, gid in enumerate(_gids(infos)) if gid[:PARTICIPANT_SIZE] != excluded
             }
             chosen = select_endpoints(index_by_gid, {each.gid for each in known})
             return tuple(
-                _endpoint(topic, direction, gid, infos.found[index_by_gid[gid]]) for gid in chosen
+                _endpoint(topic, direction, gid, infos.infos[index_by_gid[gid]]) for gid in chosen
             )
+
+    def gids(self, topic: str, direction: Direction) -> list[bytes]:
+        """Return the GIDs of all who publish or subscribe a topic; WireError if rcl cannot tell."""
+        with self._infos(topic, direction) as infos:
+            return _gids(infos)
+
+    @contextmanager
+    def _infos(self, topic: str, direction: Direction) -> Iterator[EndpointInfoArray]:
+        infos, allocator = EndpointInfoArray(), addressof(self._allocator)
+        query, node = self._query_functions[direction], self._node.handle.pointer
+        if code := query(node, allocator, topic.encode(), self._raw, addressof(infos)):
+            raise WireError(f"rcl cannot tell who is on {topic}: error {code}")
+        try:
+            yield infos
         finally:
             self._free(addressof(infos), allocator)
 
-    def _check_layout(self) -> None:
-        """Compare with what rclpy tells of a publisher of ours."""
-        topic = f"{PRIVATE_ROOT}/self_{uuid.uuid4().hex}"
-        publisher = self._node.create_publisher(find_interface("std_msgs/Empty").cls, topic, 1)
-        try:
-            read, expected = (
-                self.endpoints(topic, Direction.PUBLISH, ()),
-                publishers_of(self._node, topic),
-            )
-        finally:
-            self._node.destroy_publisher(publisher)
-        if list(read) != expected:
-            raise SourceError("the guard does not know this version of ROS 2", help=_HELP)
 
-
-_HELP = "it knows Jazzy and Kilted; tell us of yours"
-
-
-def _gids(infos: _EndpointInfoArray) -> list[bytes]:
+def _gids(infos: EndpointInfoArray) -> list[bytes]:
     """Return the GIDs of all; of a crowd nothing else is looked at."""
-    size = ctypes.sizeof(_EndpointInfo)
-    data = string_at(infos.found, infos.size * size) if infos.size else b""
-    return [data[at : at + GID_SIZE] for at in range(_EndpointInfo.gid.offset, len(data), size)]
+    size = ctypes.sizeof(EndpointInfo)
+    data = string_at(infos.infos, infos.size * size) if infos.size else b""
+    return [data[at : at + GID_SIZE] for at in range(EndpointInfo.gid.offset, len(data), size)]
 
 
-def _endpoint(topic: str, direction: Direction, gid: bytes, info: _EndpointInfo) -> Ros2Endpoint:
+def _endpoint(topic: str, direction: Direction, gid: bytes, info: EndpointInfo) -> Ros2Endpoint:
     return Ros2Endpoint(
         topic=topic,
         direction=direction,
@@ -172,7 +127,7 @@ def _text(data: bytes | None) -> str:
     return (data or b"").decode(errors="replace")
 
 
-def _hash(type_hash: _Hash) -> str:
+def _hash(type_hash: TypeHash) -> str:
     """Return a type's hash (REP 2016), "" where there is none."""
     return f"RIHS{type_hash.version:02}_{bytes(type_hash.value).hex()}" if type_hash.version else ""
 

@@ -9,18 +9,20 @@ message, which rclpy tells only since Kilted.
 from __future__ import annotations
 
 import ctypes
-from ctypes import addressof, c_int, c_int64, c_uint8, c_uint64, c_void_p
+from ctypes import addressof, c_int, c_void_p
 from typing import Any
 
 from rtron.errors import WireError
-from rtron.wire.ros2.c_structures import MessageBuffer, SerializedMessage, typed_function
-from rtron.wire.ros2.endpoints import GID_SIZE
+from rtron.wire.ros2.c_structures import (
+    GID_SIZE,
+    MessageBuffer,
+    MessageInfo,
+    SerializedMessage,
+    typed_function,
+)
 
 _OK, _NO_MESSAGE = 0, 401
-_INFO_SIZE = 256
-_NUMBER_AT = 16
-_GID_AT = 40
-"""Behind two stamps, two sequence numbers and the implementation's name (rmw/types.h)."""
+"""RCL_RET_OK and RCL_RET_SUBSCRIPTION_TAKE_FAILED (rcl/types.h), Foxy and later."""
 _UNSUPPORTED = (1 << 64) - 1
 """RMW_MESSAGE_INFO_SEQUENCE_NUMBER_UNSUPPORTED"""
 
@@ -43,12 +45,11 @@ class Rcl:
         self._eventfd_write = ctypes.cast(ctypes.CDLL(None).eventfd_write, c_void_p)
         self._input_buffer = MessageBuffer()
         self._output = SerializedMessage(allocator=self._input_buffer.allocator)
-        self._info = (c_uint8 * _INFO_SIZE)()
+        self._info = MessageInfo()
         self._in_at, self._out_at = self._input_buffer.address, addressof(self._output)
         self._info_at = addressof(self._info)
-        self._source_time = c_int64.from_address(self._info_at)
-        self._number = c_uint64.from_address(self._info_at + _NUMBER_AT)
-        self._gid = memoryview(self._info).cast("B")[_GID_AT : _GID_AT + GID_SIZE]
+        gid_at = MessageInfo.gid.offset
+        self._gid = memoryview(self._info).cast("B")[gid_at : gid_at + GID_SIZE]
 
     def notify(self, kind: str, handle: Any, fd: int) -> None:  # noqa: ANN401 - rclpy's handle
         """Add to the eventfd `fd` whenever something comes in for a handle.
@@ -69,13 +70,13 @@ class Rcl:
     @property
     def source_time(self) -> int:
         """When what was taken last was said, ns of its publisher's wall clock; 0 if unknown."""
-        time: int = self._source_time.value
+        time: int = self._info.source_timestamp
         return time
 
     @property
     def sequence_number(self) -> int | None:
         """Which of its publisher's messages was taken last; None where the RMW does not tell."""
-        number: int = self._number.value
+        number: int = self._info.publication_sequence_number
         return None if number == _UNSUPPORTED else number
 
     def publish(self, publisher: int, message: bytes) -> None:
@@ -101,3 +102,5 @@ _NOTIFY = {
     "service": "rcl_service_set_on_new_request_callback",
     "client": "rcl_client_set_on_new_response_callback",
 }
+"""rcl's functions that take a callback, `void (const void * user_data, size_t count)`, and its
+`user_data`, Humble and later: `eventfd_write(int, uint64_t)` takes the same registers."""

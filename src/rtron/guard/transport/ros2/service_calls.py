@@ -10,14 +10,14 @@ from __future__ import annotations
 import ctypes
 from collections import deque
 from contextlib import contextmanager
-from ctypes import Structure, byref, c_bool, c_int, c_int64, c_uint8, c_void_p, py_object
+from ctypes import byref, c_bool, c_int, c_int64, c_void_p, py_object, sizeof
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 from weakref import finalize
 
 from rtron.errors import WireError
 from rtron.vocabulary import SECOND
-from rtron.wire.ros2.c_structures import capsule_pointer, typed_function
+from rtron.wire.ros2.c_structures import RequestId, ServiceInfo, capsule_pointer, typed_function
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -27,22 +27,16 @@ if TYPE_CHECKING:
 
 _OK, _TIMED_OUT = 0, 2
 _NO_MESSAGE = frozenset({401, 501, 601})
-_GUID = 16
+"""RCL_RET_{SUBSCRIPTION,CLIENT,SERVICE}_TAKE_FAILED (rcl/types.h), Foxy and later."""
 _POINTERS = c_void_p, c_void_p, c_void_p
-REQUEST_ID_SIZE = _GUID + 8
+REQUEST_ID_SIZE = sizeof(RequestId)
 """The size of the place of a request: the writer's GUID, and the number of its request."""
 
 
-class _RequestId(Structure):
-    """rmw_request_id_t."""
-
-    _fields_ = (("guid", c_uint8 * _GUID), ("number", c_int64))
-
-
-class _ServiceInfo(Structure):
-    """rmw_service_info_t."""
-
-    _fields_ = (("sent", c_int64), ("received", c_int64), ("place", _RequestId))
+def request_id_parts(request_id: bytes) -> tuple[bytes, int]:
+    """Return the GUID of the writer of a request, and the number of the request."""
+    parts = RequestId.from_buffer_copy(request_id)
+    return bytes(parts.guid), int(parts.number)
 
 
 class _MessageConverter:
@@ -56,9 +50,8 @@ class _MessageConverter:
         self.destroy = ctypes.CFUNCTYPE(None, c_void_p)(capsule_pointer(meta._DESTROY_ROS_MESSAGE))  # noqa: SLF001
         fill = ctypes.PYFUNCTYPE(c_bool, py_object, c_void_p)
         self.from_python = fill(capsule_pointer(meta._CONVERT_FROM_PY))  # noqa: SLF001
-        self.to_python = ctypes.PYFUNCTYPE(py_object, c_void_p)(
-            capsule_pointer(meta._CONVERT_TO_PY)
-        )  # noqa: SLF001
+        read = ctypes.PYFUNCTYPE(py_object, c_void_p)
+        self.to_python = read(capsule_pointer(meta._CONVERT_TO_PY))  # noqa: SLF001
 
     @contextmanager
     def new_message(self) -> Iterator[int]:
@@ -103,9 +96,9 @@ class ServiceCalls:
 
         WireError if it cannot be taken.
         """
-        info = _ServiceInfo()
+        info = ServiceInfo()
         request = self._take_message(self._take_request, service, cls, info)
-        return None if request is None else (bytes(info.place), request)
+        return None if request is None else (bytes(info.request_id), request)
 
     def respond(self, service: Any, request_id: bytes, response: object) -> None:  # noqa: ANN401
         """Answer a request; one whose client is gone, or not there yet, stays unanswered."""
@@ -113,7 +106,7 @@ class ServiceCalls:
         converter = _converter_for(cls)
         with converter.new_message() as message:
             converter.from_python(response, message)
-            header = _RequestId.from_buffer_copy(request_id)
+            header = RequestId.from_buffer_copy(request_id)
             code = self._send_response(service.pointer, byref(header), message)
         if code != _TIMED_OUT:
             self._check(code, "answer a request")
@@ -133,13 +126,17 @@ class ServiceCalls:
 
         WireError if it cannot be read.
         """
-        info = _ServiceInfo()
+        info = ServiceInfo()
         response = self._take_message(self._take_response, client, cls, info)
-        return None if response is None else (info.place.number, response.decode())
+        return None if response is None else (info.request_id.number, response.decode())
 
     def _take_message(
-        self, take: Any, handle: Any, cls: type, info: _ServiceInfo
-    ) -> ServiceMessage | None:  # noqa: ANN401
+        self,
+        take: Any,  # noqa: ANN401 - ctypes
+        handle: Any,  # noqa: ANN401 - rclpy's handle
+        cls: type,
+        info: ServiceInfo,
+    ) -> ServiceMessage | None:
         message = ServiceMessage(cls)
         code = take(handle.pointer, byref(info), message.message)
         if code in _NO_MESSAGE:
