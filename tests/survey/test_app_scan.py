@@ -22,7 +22,7 @@ def test_what_the_scan_complains_of_is_told(repositories):
 
 
 def test_a_scan_that_takes_too_long_is_ended(repositories, monkeypatch):
-    monkeypatch.setattr(app_scan, "SECONDS", 0.001)
+    monkeypatch.setattr(app_scan, "TIMEOUT_S", 0.001)
     began = time.monotonic()
     with pytest.raises(SourceError, match="not done within"):
         scan_app(subject(repositories, "drive_base/launch/two.launch"))

@@ -25,7 +25,7 @@ def test_an_app_is_a_launch_file_that_no_other_includes_and_that_needs_nothing(r
     assert [each.name for each in find_apps(repositories, left.append)] == APPS
     asks, broken = left
     assert str(asks) == "drive/drive_base/launch/asks.launch: needs the arguments robot"
-    assert broken.place == "drive/drive_base/launch/broken.launch"
+    assert broken.location == "drive/drive_base/launch/broken.launch"
 
 
 def test_a_repository_without_end_costs_itself_only(repositories, tmp_path, monkeypatch):

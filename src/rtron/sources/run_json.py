@@ -3,8 +3,11 @@
 Keys are those of `rtron.vocabulary.Run`; durations are whole nanoseconds.
 """
 
+import json
+import os
 import re
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import asdict, dataclass, fields, is_dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -66,6 +69,28 @@ def read_run(path: Path) -> MeasuredRun:
 def run_to_json(run: MeasuredRun) -> dict[str, Any]:
     """Return a run as a JSON document."""
     return {"schema": RUN_SCHEMA, **asdict(run)}
+
+
+@dataclass(frozen=True, slots=True)
+class RunFileWriter:
+    """Writes each run to a file in place of the one before; the guard's own process calls it."""
+
+    path: Path
+
+    def __call__(self, run: MeasuredRun) -> None:
+        """Write a run; InputError if that is not possible."""
+        temporary = self.path.with_name(f".{self.path.name}.{os.getpid()}")
+        try:
+            temporary.unlink(missing_ok=True)
+            with temporary.open("x", encoding="utf-8") as file:
+                file.write(json.dumps(run_to_json(run), indent=2) + "\n")
+            temporary.replace(self.path)
+        except OSError as error:
+            reason = error.strerror or "cannot be written"
+            raise InputError(reason, path=str(self.path), help="choose another file") from None
+        finally:
+            with suppress(OSError):
+                temporary.unlink(missing_ok=True)
 
 
 def _validation_error(error: ValidationError, path: str) -> InputError:

@@ -1,4 +1,4 @@
-"""Scans one app, in a process of its own: one that dies, or takes too long, costs itself only."""
+"""Scan one app in a process of its own: a crash or a timeout costs this app only."""
 
 from __future__ import annotations
 
@@ -7,19 +7,18 @@ import signal
 import subprocess
 import sys
 from collections import Counter
-from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from rtron.errors import SourceError
 from rtron.functions.app_categories import AppProfile, app_profile
-from rtron.risks import discover_risks
 from rtron.sources.graph_json import parse_graph
-from rtron.survey.app_listing import AppToScan
+from rtron.survey.scan_process import NO_GRAPH
+from rtron.workflows.scan import scan_graph
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterator, Mapping
 
     from rtron.survey.app_listing import AppToScan
     from rtron.vocabulary import CoordinationCount, InteractionGraph, RiskKind
@@ -42,8 +41,8 @@ class AppSurvey:
 
 
 def survey_app(app: AppToScan, graph: InteractionGraph) -> AppSurvey:
-    """Return what an app's graph tells."""
-    report = discover_risks(graph)
+    """Return the numbers of an app's graph."""
+    report = scan_graph(graph).report
     return AppSurvey(
         app=app.name,
         nodes=len(graph.nodes),
@@ -57,21 +56,23 @@ def survey_app(app: AppToScan, graph: InteractionGraph) -> AppSurvey:
 
 TIMEOUT_S = 900.0
 _STOP_TIMEOUT_S = 90.0
-"""Seconds in which a scan that is told to stop ends what it has begun."""
-_GRAPH_OPTIONS = ("--format", "graph", "--fail-on", "never", "--jobs", "1")
-_ERROR_PREFIX = "error: "
+"""Seconds for a scan to stop after SIGINT."""
+_MAX_ERROR_LENGTH = 200
 
 
 def scan_app(app: AppToScan) -> AppSurvey:
-    """Return what a scan of an app tells; raise SourceError, with its words, if it fails."""
-    command = [sys.executable, "-m", "rtron", "scan", str(app.repository)]
-    command += ["--launch", str(app.launch), *_GRAPH_OPTIONS]
+    """Return the numbers of an app; raise SourceError, with the reason, if its scan fails."""
+    command = [sys.executable, "-m", "rtron.survey.scan_process"]
+    command += [str(app.repository), str(app.launch)]
     environ = os.environ | {"ROS_PACKAGE_PATH": str(app.top)}
     with _scan_process(command, environ) as process:
-        graph, stderr = process.communicate(timeout=TIMEOUT_S)
+        output, stderr = process.communicate(timeout=TIMEOUT_S)
+    if process.returncode == NO_GRAPH:
+        raise SourceError(output.decode(errors="replace"))
     if process.returncode:
-        raise SourceError(_error_message(stderr.decode(errors="replace")))
-    return survey_app(app, parse_graph(graph, app.name))
+        last = stderr.decode(errors="replace").strip()[-_MAX_ERROR_LENGTH:]
+        raise SourceError(last or "the scan ended without a word")
+    return survey_app(app, parse_graph(output, app.name))
 
 
 @contextmanager
@@ -86,7 +87,7 @@ def _scan_process(command: list[str], environ: dict[str, str]) -> Iterator[subpr
             _stop(process)
 
 
-def _stop(process: "subprocess.Popen[bytes]") -> None:
+def _stop(process: subprocess.Popen[bytes]) -> None:
     """End a scan so that it ends its own processes too."""
     if process.poll() is None:
         process.send_signal(signal.SIGINT)
@@ -94,12 +95,3 @@ def _stop(process: "subprocess.Popen[bytes]") -> None:
             process.communicate(timeout=_STOP_TIMEOUT_S)
         except subprocess.TimeoutExpired:
             process.kill()
-
-
-def _error_message(stderr: str) -> str:
-    errors = [
-        line.removeprefix(_ERROR_PREFIX)
-        for line in stderr.splitlines()
-        if line.startswith(_ERROR_PREFIX)
-    ]
-    return errors[-1] if errors else stderr.strip()[-200:] or "the scan ended without a word"

@@ -1,16 +1,16 @@
-"""Which app a command is about: a graph, a bag, running, or source with launch files."""
+"""Select the app to read: a graph, a bag, a running app, or source with launch files."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from shlex import quote
 
-from rtron.cli.support.options import Ros
 from rtron.errors import InputError
 from rtron.folders import is_folder
 from rtron.sources.bounded_file import STDIN
 from rtron.sources.graph_json import GraphFile
 from rtron.sources.source import GraphSource
+from rtron.sources.static.common.scan_options import Progress, ignore_progress
 from rtron.vocabulary import InteractionGraph
 from rtron.workflows.launch_arguments import ASSIGNMENT
 from rtron.workflows.live_app import LiveApp
@@ -35,7 +35,10 @@ class FunctionAnnotatedSource:
 
 @dataclass(frozen=True, slots=True)
 class SelectedApp:
-    """Where to read an app, how that is said, and the arguments that choose it."""
+    """The source of an app, its description for people, and the arguments that select it again.
+
+    For an app in source, `root` is the folder above all its folders.
+    """
 
     source: GraphSource
     description: str
@@ -46,7 +49,7 @@ class SelectedApp:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AppSelection:
-    """What a command line says about the app: its words, and where it runs if that is wanted."""
+    """The app that a person names: paths and launch arguments, or a running app."""
 
     inputs: Sequence[str]
     live: LiveApp | None
@@ -83,58 +86,30 @@ class AppSelection:
         return folders
 
 
-def select_app_options(  # noqa: PLR0913 - one for each option
-    inputs: Sequence[str] | None,
-    launch: Sequence[str] | None,
-    env: Sequence[str] | None,
-    *,
-    execute: bool,
-    python: str | None,
-    live: bool,
-    ros: Ros,
-    master: str,
-    domain: int | None,
-    timeout: float | None,
-    jobs: int | None,
-    no_cache: bool,
-) -> AppSelection:
-    """Return what the options of a command about an app choose."""
-    static = SourceOptions(
-        launches=launch or (),
-        env=env or (),
-        jobs=jobs,
-        use_cache=not no_cache,
-        execute=execute,
-        python=python,
-    )
-    running = LiveApp(ros=ros, master=master, domain=domain, timeout=timeout)
-    return AppSelection(inputs=inputs or (), live=running if live else None, source=static)
+def select_app(selection: AppSelection, progress: Progress = ignore_progress) -> SelectedApp:
+    """Return the selected app, whose nodes get their functions when it is read.
 
-
-def select_app(chosen: AppSelection) -> SelectedApp:
-    """Return the app that is chosen, its nodes with their functions.
-
-    Raise InputError if none is chosen, or more than one.
+    `progress` is called while source is read. Raise InputError if no app is selected, or two are.
     """
-    app = _select_app(chosen)
+    app = _select_app(selection, progress)
     return replace(app, source=FunctionAnnotatedSource(app.source))
 
 
-def _select_app(chosen: AppSelection) -> SelectedApp:
-    paths = chosen.paths
-    if chosen.source.execute and not chosen.folders:
+def _select_app(selection: AppSelection, progress: Progress) -> SelectedApp:
+    paths = selection.paths
+    if selection.source.execute and not selection.folders:
         help = "give folders with source, and --launch"
         raise InputError("--execute-launch without an app in source", help=help)
-    if paths and chosen.live:
+    if paths and selection.live:
         help = "leave one of the two out"
         raise InputError(f"both {paths[0]} and --live are given", help=help)
-    if chosen.live:
-        source, description = chosen.live.open_source()
-        return SelectedApp(source, description, chosen.live.command_line)
-    if chosen.bag:
-        return _bag_app(chosen.bag, chosen.source.launches)
-    if chosen.folders:
-        return _source_app(chosen)
+    if selection.live:
+        source, description = selection.live.open_source()
+        return SelectedApp(source, description, selection.live.command_line)
+    if selection.bag:
+        return _bag_app(selection.bag, selection.source.launches)
+    if selection.folders:
+        return _source_app(selection, progress)
     if len(paths) > 1:
         raise InputError(
             f"what is {paths[1]}?", help="give one graph, one bag, or folders with source"
@@ -152,16 +127,20 @@ def _graph_file(graph: Path) -> SelectedApp:
     )
 
 
-def _source_app(chosen: AppSelection) -> SelectedApp:
-    source: WorkspaceSource = open_workspace_source(
-        chosen.folders, chosen.launch_arguments, chosen.source
+def _source_app(selection: AppSelection, progress: Progress) -> SelectedApp:
+    source = open_workspace_source(
+        selection.folders, selection.launch_arguments, selection.source, progress
     )
-    arguments = [*map(str, chosen.folders), *chosen.launch_arguments, *chosen.source.command_line]
+    arguments = [
+        *map(str, selection.folders),
+        *selection.launch_arguments,
+        *selection.source.command_line,
+    ]
     return SelectedApp(
         source,
-        ", ".join(chosen.source.launches),
+        ", ".join(selection.source.launches),
         " ".join(map(quote, arguments)),
-        root=_common_folder(chosen.folders),
+        root=_common_folder(selection.folders),
         launches=tuple(str(path) for path, _ in source.launches),
     )
 

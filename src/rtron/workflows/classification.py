@@ -1,16 +1,18 @@
-"""Classifies repositories, wherever that is asked to be done, and shows how far it is."""
+"""Classify repositories by function, in this process or in many."""
 
 from collections.abc import Iterator, Sequence
+from operator import attrgetter
 
 from rtron.executors.chunked_map import CHUNK_SIZE
 from rtron.functions.classifier.pipeline import classify
 from rtron.functions.classifier.result import Classification
 from rtron.functions.reading import SkippedHandler
 from rtron.functions.repository import SourceRepository
+from rtron.sources.static.common.scan_options import Progress
 from rtron.workflows.parallel_map import choose_executor, map_with_progress
 
 _PARALLEL_THRESHOLD = 2000
-"""Repositories that are done here sooner than other processes have started."""
+"""So many repositories take less time here than other processes take to start."""
 
 
 def classify_repositories(
@@ -18,12 +20,14 @@ def classify_repositories(
     jobs: int | None,
     cluster: str | None,
     note_skipped: SkippedHandler,
+    progress: Progress,
 ) -> Iterator[tuple[SourceRepository, Classification]]:
-    """Return repositories with their classes, in `jobs` processes or on a cluster if given.
+    """Yield repositories with their classes, in `jobs` processes or on a cluster if given.
 
-    One at which the work fails goes to `note_skipped`. Raise InputError and SourceError as executors do.
+    A repository that fails goes to `note_skipped`. Raise the errors of the executors.
     """
     executor = choose_executor(
         jobs, cluster, chunk=CHUNK_SIZE, is_worth_parallel=len(repositories) > _PARALLEL_THRESHOLD
     )
-    return map_with_progress(executor, classify, repositories, lambda each: each.name, note_skipped)
+    name = attrgetter("name")
+    return map_with_progress(executor, classify, repositories, name, note_skipped, progress)

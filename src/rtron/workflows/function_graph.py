@@ -1,11 +1,9 @@
-"""The packages that `rtron functions graph` looks at: their functions and their messages."""
+"""The graph of functions: which packages of an ecosystem exchange which messages."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from rtron.cli.support.progress import show_progress
-from rtron.cli.support.skipped_report import report_skipped
 from rtron.errors import InputError
 from rtron.folders import is_folder
 from rtron.functions.app_categories import AppProfile, app_profile
@@ -30,7 +28,7 @@ _NO_TRAFFIC = PackageTraffic()
 
 @dataclass(frozen=True, slots=True)
 class FunctionGraphRequest:
-    """A corpus, a folder or a distribution, READMEs beside it, and where to work on it."""
+    """A corpus, a folder or a distribution, READMEs beside it, and where the work is done."""
 
     source: Path
     readmes: Path | None = None
@@ -38,28 +36,29 @@ class FunctionGraphRequest:
     cluster: str | None = None
 
 
-def build_function_graph(request: FunctionGraphRequest, options: ScanOptions) -> AbstractGraph:
-    """Return the graph of what is asked for; of a folder with its messages.
+def build_function_graph(
+    request: FunctionGraphRequest, options: ScanOptions, note_skipped: SkippedHandler
+) -> AbstractGraph:
+    """Return the graph of a corpus, a folder or a distribution; of a folder with its messages.
 
-    Of packages with one name the first counts. Raise InputError if nothing can be read; what is
-    left out is told on standard error.
+    Of packages with one name the first counts; others, and all that cannot be read, go to
+    `note_skipped`. Raise InputError if nothing can be read.
     """
     source = request.source
-    with report_skipped() as note_skipped:
-        repositories = read_repositories(source, request.readmes, note_skipped)
-        classified = list(
-            classify_repositories(repositories, request.jobs, request.cluster, note_skipped)
+    repositories = read_repositories(source, request.readmes, note_skipped)
+    classified = list(
+        classify_repositories(
+            repositories, request.jobs, request.cluster, note_skipped, options.progress
         )
-        first_packages = _first_of_each_name(repositories)
-        traffic = WorkspaceTraffic(packages={})
-        if source != STDIN and source.is_dir():
-            traffic = _traffic(source, first_packages, options)
-        for note in traffic.unresolved:
-            location = note.evidence[0].file if note.evidence else str(source)
-            note_skipped(SkippedEntry(location=location, reason=f"{note.what}: {note.why}"))
-        repeated = sum(
-            _report_duplicates(each, first_packages, note_skipped) for each in repositories
-        )
+    )
+    first_packages = _first_of_each_name(repositories)
+    traffic = WorkspaceTraffic(packages={})
+    if source != STDIN and source.is_dir():
+        traffic = _traffic(source, first_packages, options)
+    for note in traffic.unresolved:
+        location = note.evidence[0].file if note.evidence else str(source)
+        note_skipped(SkippedEntry(location=location, reason=f"{note.what}: {note.why}"))
+    repeated = sum(_report_duplicates(each, first_packages, note_skipped) for each in repositories)
     graph = abstract_graph(_package_uses(classified, first_packages, traffic))
     return replace(graph, repeated=repeated, unresolved=traffic.unresolved)
 
@@ -89,8 +88,7 @@ def _traffic(
     top: Path, first_packages: Mapping[str, SourcePackage], options: ScanOptions
 ) -> WorkspaceTraffic:
     folders = {name: each.folder.absolute() for name, each in first_packages.items() if each.folder}
-    with show_progress() as progress:
-        return read_traffic(top, folders, replace(options, progress=progress))
+    return read_traffic(top, folders, options)
 
 
 def _package_uses(

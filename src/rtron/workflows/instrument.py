@@ -1,10 +1,24 @@
-"""Whether a launch file is of the ROS that a plan is for."""
+"""Write the launch file that starts an app with its guard."""
 
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from rtron.errors import InputError
+from rtron.planning.instrument import GuardedLaunch, RuntimeLaunchTree, write_guarded_launch
+from rtron.planning.instrument import instrument as instrument_ros1
+from rtron.planning.instrument.ros2 import instrument_ros2
+from rtron.planning.plan_file.loader import parse_plan
+from rtron.planning.plan_file.yaml_parser import read_text
 from rtron.sources.bounded_file import read_bounded
+from rtron.sources.launch.common.packages import find_packages
+from rtron.sources.launch.ros2.reader import read_ros2_launch
 from rtron.vocabulary import Plan
+
+if TYPE_CHECKING:
+    from rtron.sources.static.ros1.app import StaticApp
 
 _ROS1 = (".launch", ".test", ".xml")
 _ROS2 = (".py", ".yaml", ".yml", ".xml")
@@ -16,7 +30,68 @@ _MARKERS = {
 """What XML of one generation has and the other has not."""
 
 
-def check_launch_generation(launch: Path, plan: Plan, path: str) -> None:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class InstrumentRequest:
+    """A launch file with its arguments, the plan that guards it, and where the result goes.
+
+    Packages are looked for in `folders`, then as ROS does.
+    """
+
+    launch: Path
+    arguments: Mapping[str, str]
+    folders: Sequence[Path]
+    plan: Path
+    output: Path
+
+
+@dataclass(frozen=True, slots=True)
+class InstrumentResult:
+    """The launch files that were written, for an app of ROS 1 or 2."""
+
+    ros: int
+    launch: GuardedLaunch
+
+
+def instrument(request: InstrumentRequest) -> InstrumentResult:
+    """Write the guarded launch of an app; raise InputError if the launch file or plan is unfit."""
+    text = read_text(request.plan)
+    plan = parse_plan(text, str(request.plan))
+    _check_launch_generation(request.launch, plan, str(request.plan))
+    guarded = _instrument_ros1 if plan.ros == 1 else _instrument_ros2
+    launch = guarded(request, plan, text)
+    write_guarded_launch(launch)
+    return InstrumentResult(plan.ros, launch)
+
+
+def _instrument_ros1(request: InstrumentRequest, plan: Plan, plan_text: str) -> GuardedLaunch:
+    from rtron.sources.static.ros1.app import scan_app  # noqa: PLC0415 - ROS 2 does without it
+
+    app = scan_app(request.folders, [(request.launch, request.arguments)], os.environ)
+    return instrument_ros1(
+        app.trees[0],
+        plan,
+        request.output,
+        plan_text=plan_text,
+        started=_started_launches(app),
+        packages=find_packages(request.folders),
+    )
+
+
+def _started_launches(app: "StaticApp") -> Sequence[RuntimeLaunchTree]:
+    """Return the launch files that nodes start; their trees come after the app's own."""
+    return [
+        RuntimeLaunchTree(tree=tree, starter=file.started_by, evidence=(file.evidence,))
+        for tree, file in zip(app.trees[1:], app.started, strict=True)
+    ]
+
+
+def _instrument_ros2(request: InstrumentRequest, plan: Plan, plan_text: str) -> GuardedLaunch:
+    packages = find_packages(request.folders)
+    tree = read_ros2_launch(request.launch, request.arguments, os.environ, packages)
+    return instrument_ros2(tree, plan, request.output, plan_text=plan_text)
+
+
+def _check_launch_generation(launch: Path, plan: Plan, path: str) -> None:
     """Raise InputError if a launch file is for another ROS than the plan, read from `path`."""
     other = 3 - plan.ros
     known = {1: _ROS1, 2: _ROS2}

@@ -1,19 +1,45 @@
-"""A bag's messages as the guard sees them."""
+"""Play a bag through a plan: what the guard would have done."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 
 from rtron.errors import InputError
+from rtron.guard.replay.player import Message, RecordingPlayer
 from rtron.guard.replay.recorded_streams import RecordedStream
 from rtron.messages.common.encoding import Encoding
+from rtron.planning.plan_file.loader import read_plan
 from rtron.sources.bag.common.reader import BagConnection, BagReader
 from rtron.sources.bag.formats import open_bag
+from rtron.vocabulary import MeasuredRun, Plan, ReplayReport
 
-Message = tuple[int, RecordedStream, bytes]
+
+def replay_bag(bag: Path, plan: Path, on_message: Callable[[int], None]) -> ReplayReport:
+    """Return what the policies of a plan decide on the messages of a bag.
+
+    `on_message` is called with the number of messages played. Raise InputError if one of the files
+    cannot be read, or if the bag is of another ROS than the plan.
+    """
+    recording = GuardRecording(bag)
+    guard_plan = read_plan(plan, recording.definitions)
+    return RecordingPlayer(guard_plan).play(recording.messages(guard_plan.ros), on_message)
+
+
+def measure_bag(
+    bag: Path, plan: Path, on_message: Callable[[int], None]
+) -> tuple[Plan, MeasuredRun, tuple[str, ...]]:
+    """Return the plan, what a dry run of the guard would have measured, and notes on the bag.
+
+    Callbacks and errors are those of `replay_bag`.
+    """
+    recording = GuardRecording(bag)
+    guard_plan = read_plan(plan, recording.definitions)
+    player = RecordingPlayer(guard_plan, measured=True)
+    report = player.play(recording.messages(guard_plan.ros), on_message)
+    return guard_plan, player.figures(), report.notes
 
 
 class GuardRecording:
-    """A bag that was opened; InputError if it cannot be read, also while its messages are."""
+    """An open bag; InputError if it cannot be read, also while its messages are."""
 
     def __init__(self, bag: Path) -> None:
         self._reading = open_bag(bag)

@@ -1,13 +1,30 @@
-"""Evidence as people read it: files named from the folder that was scanned."""
+"""Scan an app: its interaction graph, and what its nodes can do to each other."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
-from rtron.vocabulary import Endpoint, Evidence, InteractionGraph, UnresolvedItem
+from rtron.risks import discover_risks, load_lists
+from rtron.vocabulary import Endpoint, Evidence, InteractionGraph, RiskReport, UnresolvedItem
+
+
+@dataclass(frozen=True, slots=True)
+class ScanResult:
+    """The graph of an app, and its risks."""
+
+    graph: InteractionGraph
+    report: RiskReport
+
+
+def scan_graph(graph: InteractionGraph, name_lists: Path | None = None) -> ScanResult:
+    """Return the risks of a graph; `name_lists` is a file with more message types and topic names.
+
+    Raise InputError if that file cannot be used.
+    """
+    return ScanResult(graph, discover_risks(graph, load_lists(name_lists) if name_lists else None))
 
 
 def with_relative_evidence(graph: InteractionGraph, root: Path | None) -> InteractionGraph:
-    """Return a graph whose evidence below `root` is named from there."""
+    """Return a graph whose evidence below `root` is named from there, as people read it."""
     if root is None:
         return graph
     prefix = f"{root}/"

@@ -1,54 +1,19 @@
-"""The security service as commands call it: JSON over HTTP with a token, and nothing installed."""
+"""A client of the security service: JSON over HTTP with a token, by Python's own library."""
 
 import json
 import ssl
-import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from http.client import HTTPException
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 from urllib.error import HTTPError, URLError
 from urllib.parse import quote, urlencode, urlsplit
 from urllib.request import HTTPRedirectHandler, HTTPSHandler, ProxyHandler, Request, build_opener
 
-import typer
-
 from rtron.errors import InputError, RTronError, SourceError
 
-ServiceOption = Annotated[
-    str,
-    typer.Option(
-        "--service",
-        metavar="URL",
-        envvar="RTRON_SERVICE",
-        help="The security service, as `rtron serve` says it.",
-    ),
-]
-TokenOption = Annotated[
-    Path | None,
-    typer.Option(
-        "--token-file",
-        metavar="FILE",
-        envvar="RTRON_TOKEN_FILE",
-        help="Your token for the service; `rtron token create` makes one.",
-    ),
-]
-RobotOption = Annotated[
-    str,
-    typer.Option(
-        "--robot",
-        metavar="NAME",
-        envvar="RTRON_ROBOT",
-        help="The robot; can be left out if there is only one.",
-    ),
-]
-CaOption = Annotated[
-    Path | None,
-    typer.Option(metavar="FILE", help="The service's own certificate authority, as PEM."),
-]
-DEFAULT_SERVICE = "http://127.0.0.1:8600"
 _API = "/api/v1"
 _TIMEOUT_S = 10.0
 _MAX_RESPONSE_BYTES = 1 << 26
@@ -75,16 +40,16 @@ class SecurityServiceClient:
     ca: Path | None = None
 
     def get(self, *path: str, **query: object) -> Any:  # noqa: ANN401 - JSON
-        """Return what stands at a path; what is None is left out of the query."""
+        """Return the resource at a path; None is left out of the query."""
         parameters = {key: value for key, value in query.items() if value is not None}
         return self._request("GET", path, query=urlencode(parameters))
 
     def patch(self, *path: str, body: object) -> Any:  # noqa: ANN401 - JSON
-        """Change what stands at a path."""
+        """Change the resource at a path."""
         return self._request("PATCH", path, json.dumps(body).encode())
 
     def post(self, *path: str, body: object) -> Any:  # noqa: ANN401 - JSON
-        """Make something at a path."""
+        """Create a resource at a path."""
         return self._request("POST", path, json.dumps(body).encode())
 
     def put(self, *path: str, data: bytes) -> Any:  # noqa: ANN401 - JSON
@@ -92,11 +57,11 @@ class SecurityServiceClient:
         return self._request("PUT", path, data)
 
     def delete(self, *path: str, body: object) -> Any:  # noqa: ANN401 - JSON
-        """Take away what stands at a path."""
+        """Delete the resource at a path."""
         return self._request("DELETE", path, json.dumps(body).encode())
 
     def resolve_robot(self, name: str) -> str:
-        """Return the robot that is meant: `name`, or the only one there is."""
+        """Return `name`, or else the only robot that the service knows."""
         if name:
             return name
         names = [robot["name"] for robot in self.get("robots")]
@@ -106,19 +71,25 @@ class SecurityServiceClient:
         raise InputError("which robot?" if names else "the service knows no robot", help=help)
 
     @property
+    def sends_token_in_clear(self) -> bool:
+        """Whether the token crosses a network without TLS."""
+        parts = urlsplit(self.service)
+        return parts.scheme == "http" and parts.hostname not in _LOOPBACK
+
+    @property
     def live_url(self) -> str:
-        """The address of what is live."""
+        """The address of the live WebSocket."""
         parts = urlsplit(self.service)
         return f"{_WS[parts.scheme]}://{parts.netloc}{parts.path.rstrip('/')}{_API}/live"
 
     @property
     def auth_headers(self) -> dict[str, str]:
-        """What tells the service who calls."""
+        """The headers that authenticate the caller."""
         return {"Authorization": f"Bearer {self.token}"}
 
     @cached_property
     def tls_context(self) -> ssl.SSLContext | None:
-        """How the service's certificate is checked; None where it speaks in clear."""
+        """How the service's certificate is checked; None without TLS."""
         if urlsplit(self.service).scheme != "https":
             return None
         try:
@@ -153,7 +124,7 @@ class SecurityServiceClient:
 
 
 class _NoRedirects(HTTPRedirectHandler):
-    """Ends a call that is sent elsewhere."""
+    """Fails a call that is redirected."""
 
     def redirect_request(self, *_: object) -> None:
         return None
@@ -162,15 +133,11 @@ class _NoRedirects(HTTPRedirectHandler):
 def open_service_client(
     service: str, token_file: Path | None, ca: Path | None
 ) -> SecurityServiceClient:
-    """Return a client as the options say; warns where the token would cross a network in clear."""
+    """Return a client with the token of a file; InputError if there is none, or no such address."""
     parts = urlsplit(service)
     if parts.scheme not in _WS or not parts.hostname:
         help = "give the address of `rtron serve`, for example https://robots.example:8600"
         raise InputError(f"{service!r} is no address of a service", help=help)
-    if parts.scheme == "http" and parts.hostname not in _LOOPBACK:
-        sys.stderr.write(
-            f"warning: {parts.hostname} is called without TLS: others can read the token\n"
-        )
     return SecurityServiceClient(service, _token(token_file), ca)
 
 
@@ -200,7 +167,7 @@ def _decode_json(data: bytes) -> Any:  # noqa: ANN401 - JSON
 
 
 def _error_of(error: HTTPError) -> RTronError:
-    """Return the error that an answer is: the caller's where the status says so."""
+    """Return the error of an answer: the caller's where the status says so."""
     problem = _problem(error)
     message, help = (
         str(problem.get("error") or f"the service answers {error.code}"),

@@ -1,9 +1,8 @@
-"""Events as they happen: the service's live WebSocket, and its pages for what was missed."""
+"""Follow events: the service's live WebSocket, and its pages for events that were missed."""
 
 import json
-import sys
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -26,13 +25,17 @@ EventFilter = Mapping[str, str | None]
 
 
 def follow_events(
-    client: SecurityServiceClient, event_filter: EventFilter, last: int
+    client: SecurityServiceClient,
+    event_filter: EventFilter,
+    last: int,
+    on_lost: Callable[[Exception], None],
 ) -> Iterator[Event]:
     """Yield the events after the id `last` that fit `event_filter`, each once; without end.
 
-    While the service is away it tries again; InputError if the token is no longer good.
+    It reconnects to a service that is away, which `on_lost` is told; InputError if the token is no
+    longer valid.
     """
-    follower = _EventFollower(client, event_filter, last)
+    follower = _EventFollower(client, event_filter, last, on_lost)
     while True:
         yield from follower.while_connected()
         time.sleep(_PAUSE_S)
@@ -40,23 +43,24 @@ def follow_events(
 
 @dataclass(slots=True)
 class _EventFollower:
-    """Knows up to which event all is told."""
+    """Yields events once each: `last` is the id of the newest one that was yielded or skipped."""
 
     client: SecurityServiceClient
     event_filter: EventFilter
     last: int
+    on_lost: Callable[[Exception], None]
 
     def while_connected(self) -> Iterator[Event]:
-        """Yield events until the service is away; that stands on standard error."""
+        """Yield events until the connection to the service is lost."""
         try:
             with _connect(self.client) as socket:
                 yield from self._events(socket)
         except (SourceError, OSError, InvalidHandshake, ConnectionClosed, TimeoutError) as error:
             _raise_if_unauthorized(error)
-            sys.stderr.write(f"the service is away, trying again: {error}\n")
+            self.on_lost(error)
 
     def _events(self, socket: ClientConnection) -> Iterator[Event]:
-        """Yield what was missed, then what is live; of many at once not all are told live."""
+        """Yield missed events, then live ones; of a burst the service sends only some live."""
         yield from self._missed_events()
         for event in _live_events(socket):
             if event["id"] > self.last + 1:
@@ -67,7 +71,7 @@ class _EventFollower:
                     yield event
 
     def _missed_events(self) -> Iterator[Event]:
-        """Yield what is stored after the last event, oldest first."""
+        """Yield the stored events after the last one, oldest first."""
         newest = self.client.get("events", limit=1)["events"]
         end = max(self.last, newest[0]["id"]) if newest else self.last
         for event in _events_between(self.client, self.event_filter, self.last, end):
@@ -90,7 +94,7 @@ def _connect(client: SecurityServiceClient) -> ClientConnection:
 def _events_between(
     client: SecurityServiceClient, event_filter: EventFilter, last: int, end: int
 ) -> list[Event]:
-    """Return what has happened after `last` up to `end`, oldest first."""
+    """Return the events after `last` up to `end`, oldest first."""
     found: list[Event] = []
     before: int | None = end + 1
     while True:
@@ -116,9 +120,9 @@ def _matches(event: Event, event_filter: EventFilter) -> bool:
 
 
 def _raise_if_unauthorized(error: Exception) -> None:
-    """Raise InputError if trying again is of no use."""
+    """Raise InputError if the service refused the token: a new connection does not help."""
     status = error.response.status_code if isinstance(error, InvalidStatus) else 0
     closed = error.rcvd.code if isinstance(error, ConnectionClosed) and error.rcvd else 0
     if status in _REFUSED or closed == _POLICY_VIOLATION:
         help = "is the token revoked, or is it a guard's?"
-        raise InputError("the service refuses to tell what is live", help=help) from None
+        raise InputError("the service refuses to send live events", help=help) from None

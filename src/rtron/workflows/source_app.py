@@ -1,4 +1,4 @@
-"""An app in source, as the command line names it."""
+"""An app in source: folders, and the launch files that start it."""
 
 import os
 import shlex
@@ -7,9 +7,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rtron.cli.support.progress import show_progress
 from rtron.errors import InputError
-from rtron.sources.static.common.scan_options import ScanOptions
+from rtron.sources.static.common.scan_options import Progress, ScanOptions
 from rtron.vocabulary import InteractionGraph
 from rtron.workflows.launch_arguments import ASSIGNMENT, parse_assignments
 
@@ -22,7 +21,11 @@ _INHERITED = ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SourceOptions:
-    """The options that only an app in source has."""
+    """The options that only an app in source has.
+
+    Each of `launches` is a launch file with its own arguments, quoted as in a shell. `execute`
+    allows the Python of ROS 2 launch files to run, in the interpreter `python`.
+    """
 
     launches: Sequence[str] = ()
     env: Sequence[str] = ()
@@ -52,15 +55,14 @@ class WorkspaceSource:
     ros: int = 1
 
     def read(self) -> InteractionGraph:
-        """Return the graph, with a progress bar where somebody sees it."""
-        from rtron.sources.static.ros1.app import scan_app  # noqa: PLC0415 - the guard starts without it
-        from rtron.sources.static.ros2.app import scan_ros2_app  # noqa: PLC0415 - likewise
+        """Return the graph; raise InputError if a launch file cannot be read."""
+        if self.ros > 1:
+            from rtron.sources.static.ros2.app import scan_ros2_app  # noqa: PLC0415 - only one is needed
 
-        with show_progress() as progress:
-            options = replace(self.options, progress=progress)
-            if self.ros > 1:
-                return scan_ros2_app(self.folders, self.launches, self.environ, options)
-            return scan_app(self.folders, self.launches, self.environ, options).graph
+            return scan_ros2_app(self.folders, self.launches, self.environ, self.options)
+        from rtron.sources.static.ros1.app import scan_app  # noqa: PLC0415 - likewise
+
+        return scan_app(self.folders, self.launches, self.environ, self.options).graph
 
     def descriptions(self, graph: InteractionGraph) -> Mapping[str, str]:
         """Return what the manifests of the packages say whose nodes are in a graph."""
@@ -69,11 +71,10 @@ class WorkspaceSource:
 
 
 def open_workspace_source(
-    folders: Sequence[Path], arguments: Sequence[str], options: SourceOptions
+    folders: Sequence[Path], arguments: Sequence[str], options: SourceOptions, progress: Progress
 ) -> WorkspaceSource:
     """Return the app in source; raise InputError for a launch file that is not there."""
-    from rtron.sources.launch.common.generation import launch_generation  # noqa: PLC0415 - likewise
-    from rtron.sources.static.common.cache import user_cache_folder  # noqa: PLC0415 - the guard starts without it
+    from rtron.sources.launch.common.generation import launch_generation  # noqa: PLC0415 - the guard starts without it
     from rtron.sources.static.common.launch_paths import find_launch_file  # noqa: PLC0415 - likewise
     from rtron.sources.workspace import read_workspace  # noqa: PLC0415 - likewise
 
@@ -91,12 +92,20 @@ def open_workspace_source(
         )
         for spelled, *launch_arguments in launch_lines
     ]
-    scan_options = ScanOptions(cache=user_cache_folder() if options.use_cache else None)
-    if options.jobs:
-        scan_options = replace(scan_options, workers=options.jobs)
     ros = _single_generation({path: launch_generation(path) for path, _ in launches})
-    scan_options = replace(scan_options, execution=_launch_execution(options, ros))
+    scan_options = replace(
+        static_scan_options(options.jobs, use_cache=options.use_cache, progress=progress),
+        execution=_launch_execution(options, ros),
+    )
     return WorkspaceSource(tuple(folders), tuple(launches), environ, scan_options, workspace, ros)
+
+
+def static_scan_options(jobs: int | None, *, use_cache: bool, progress: Progress) -> ScanOptions:
+    """Return how source is read: over `jobs` processes, by default all cores."""
+    from rtron.sources.static.common.cache import user_cache_folder  # noqa: PLC0415 - the guard starts without it
+
+    options = ScanOptions(cache=user_cache_folder() if use_cache else None, progress=progress)
+    return replace(options, workers=jobs) if jobs else options
 
 
 def _launch_execution(choice: SourceOptions, ros: int) -> "Execution | None":

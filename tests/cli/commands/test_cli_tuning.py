@@ -11,9 +11,8 @@ from rosbags.typesys import Stores, get_typestore
 
 from rtron.errors import InputError
 from rtron.planning.plan_file.loader import parse_plan, read_plan
-from rtron.sources.run_json import read_run, run_to_json
+from rtron.sources.run_json import RunFileWriter, read_run, run_to_json
 from rtron.vocabulary import MeasuredRun
-from rtron.workflows.tuning import RunFileWriter
 
 STORE = get_typestore(Stores.ROS1_NOETIC)
 TWIST = "geometry_msgs/msg/Twist"

@@ -8,7 +8,6 @@ from demo_runs import CORRIDOR, make_run, runs_by_variant
 
 from rtron.cli.commands.demo import CaseName, demo
 from rtron.cli.support import demo_session
-from rtron.cli.support.options import Ros
 from rtron.demos.cases import GR, RunConditions
 from rtron.demos.experiment.demonstration import DemoRequest, are_as_expected
 from rtron.demos.experiment.results import results_document, write_results
@@ -19,6 +18,7 @@ from rtron.demos.runtime import ros_installation
 from rtron.demos.runtime.processes import CompletedCommand
 from rtron.errors import InputError, SourceError
 from rtron.vocabulary import Domain, Risk, RiskKind, Severity
+from rtron.workflows.live_app import RosGeneration
 
 WISH = DemoRequest(cases=[GR], seeds=[1], ros=1, speed=2.0)
 RISK = Risk(
@@ -135,7 +135,7 @@ def test_it_says_which_packages_are_missing(monkeypatch):
 )
 def test_ros_2_is_taken_before_ros_1(monkeypatch, lacks, chosen):
     monkeypatch.setattr(ros_installation, "missing_requirements", lambda: lacks)
-    assert demo_session.choose_ros(Ros.AUTO) == chosen
+    assert demo_session.choose_ros(RosGeneration.AUTO) == chosen
 
 
 def test_without_any_ros_it_says_what_is_lacking(monkeypatch):
@@ -143,7 +143,7 @@ def test_without_any_ros_it_says_what_is_lacking(monkeypatch):
         ros_installation, "missing_requirements", lambda: {1: "no ROS 1", 2: "no ROS 2"}
     )
     with pytest.raises(SourceError, match="no ROS 2; no ROS 1"):
-        demo_session.choose_ros(Ros.AUTO)
+        demo_session.choose_ros(RosGeneration.AUTO)
 
 
 def test_the_last_world_is_known():

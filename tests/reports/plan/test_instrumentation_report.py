@@ -1,5 +1,6 @@
 import json
 
+from rtron.planning.problem import PlanProblem
 from rtron.reports.plan.instrumentation import (
     InstrumentedLaunch,
     NodeRemap,
@@ -7,7 +8,7 @@ from rtron.reports.plan.instrumentation import (
     instrumentation_text,
     instrumentation_to_json,
 )
-from rtron.reports.plan.problems import Remark, problems_text
+from rtron.reports.plan.problems import problems_text
 
 
 def remap(node, written, target):
@@ -88,7 +89,10 @@ def test_json_keys():
 
 
 def test_problems(printed):
-    remarks = [Remark("error", "grcn_x", "no such topic"), Remark("warning", "/y", "unused")]
+    remarks = [
+        PlanProblem("error", "grcn_x", "no such topic"),
+        PlanProblem("warning", "/y", "unused"),
+    ]
     assert printed(problems_text("rtron.yaml", remarks)) == (
         "rtron.yaml  2 problems\n"
         "  error    grcn_x\n           no such topic\n"
@@ -107,7 +111,7 @@ def test_hostile_names_do_nothing(printed):
         notes=(name,),
     )
     text = printed(instrumentation_text(guarded)) + printed(
-        problems_text(name, [Remark(name, name, name)])
+        problems_text(name, [PlanProblem(name, name, name)])
     )
     assert "\x1b" not in text
     assert text.count("/\\x1b[2J[bold]\\n") == 12

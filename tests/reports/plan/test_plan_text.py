@@ -1,5 +1,5 @@
+from rtron.planning.problem import PlanProblem
 from rtron.reports.plan.plan_text import plan_text
-from rtron.reports.plan.problems import Remark
 from rtron.vocabulary import (
     GRCN,
     MSRCN,
@@ -212,7 +212,7 @@ Next
 def test_at_80_columns(printed):
     next_step = "rtron instrument APP.launch --plan rtron.yaml -o guarded.launch"
     assert (
-        printed(plan_text(PLAN, next_step, [Remark("warning", "/odd", "it has no type")]))
+        printed(plan_text(PLAN, next_step, [PlanProblem("warning", "/odd", "it has no type")]))
         == AT_80_COLUMNS
     )
 

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from rtron.cli.support.outcome import FINDINGS, OK, Outcome, to_remarks
+from rtron.cli.support.outcome import FINDINGS, OK, Outcome
 from rtron.planning.app_check import check_plan
 from rtron.planning.plan_file.loader import read_plan
 from rtron.planning.problem import ProblemLevel
@@ -34,4 +34,4 @@ def check(
     checked_plan = read_plan(plan)
     problems = check_plan(checked_plan, read_graph(graph) if graph else None)
     failed = any(problem.level is ProblemLevel.ERROR for problem in problems)
-    return Outcome(problems_text(str(plan), to_remarks(problems)), FINDINGS if failed else OK)
+    return Outcome(problems_text(str(plan), problems), FINDINGS if failed else OK)

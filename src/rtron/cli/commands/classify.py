@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from rtron.cli.support.options import Output
+from rtron.cli.support.options import ClusterAddress, Output, ProcessCount, Readmes
 from rtron.cli.support.outcome import STDOUT, Outcome
-from rtron.cli.support.skipped_report import Readmes, report_skipped
-from rtron.workflows.parallel_map import ClusterAddress, ProcessCount
+from rtron.cli.support.progress import show_progress
+from rtron.cli.support.skipped_report import report_skipped
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -54,11 +54,10 @@ def classify(
     from rtron.functions.reading import read_repositories  # noqa: PLC0415 - the guard starts without it
     from rtron.workflows.classification import classify_repositories  # noqa: PLC0415 - the guard starts without it
 
-    with report_skipped() as left:
-        repositories = read_repositories(source, readmes, left)
-        classifications = [
-            each for _, each in classify_repositories(repositories, jobs, cluster, left)
-        ]
+    with report_skipped() as note_skipped, show_progress() as progress:
+        repositories = read_repositories(source, readmes, note_skipped)
+        classified = classify_repositories(repositories, jobs, cluster, note_skipped, progress)
+        classifications = [each for _, each in classified]
     if table:
         from rtron.functions.classifier.tables import build_tables  # noqa: PLC0415 - the guard starts without it
         from rtron.reports.functions.tables import tables_text  # noqa: PLC0415 - the guard starts without it

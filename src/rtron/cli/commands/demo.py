@@ -16,9 +16,10 @@ from rtron.cli.support.demo_session import (
     show_demo_progress,
     world_seeds,
 )
-from rtron.cli.support.options import Ros, TextOrJson
+from rtron.cli.support.options import TextOrJson
 from rtron.cli.support.outcome import FINDINGS, OK, Outcome, as_json, print_part
 from rtron.errors import InputError
+from rtron.workflows.live_app import RosGeneration
 
 if TYPE_CHECKING:
     from rtron.demos.experiment.demonstration import DemoRequest
@@ -41,8 +42,9 @@ def demo(  # noqa: PLR0913 - one for each option
     case: Annotated[CaseName, typer.Argument(help="The case study, or all three.")],
     *,
     ros: Annotated[
-        Ros, typer.Option(help="Which ROS to run it on; auto takes what is there, 2 before 1.")
-    ] = Ros.AUTO,
+        RosGeneration,
+        typer.Option(help="Which ROS to run it on; auto takes what is there, 2 before 1."),
+    ] = RosGeneration.AUTO,
     guard: Annotated[
         bool, typer.Option("--guard/--no-guard", help="Run the guarded app, too.")
     ] = True,

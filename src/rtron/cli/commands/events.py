@@ -1,6 +1,7 @@
 """`rtron events`."""
 
 import json
+import sys
 from collections.abc import Mapping
 from enum import Enum
 from typing import Annotated, Any
@@ -9,14 +10,14 @@ import typer
 
 from rtron.cli.support.options import TextOrJson
 from rtron.cli.support.outcome import Outcome, print_part
-from rtron.reports.event_line import event_line
-from rtron.workflows.service_client import (
+from rtron.cli.support.service_options import (
     DEFAULT_SERVICE,
     CaOption,
     ServiceOption,
     TokenOption,
-    open_service_client,
+    connect_to_service,
 )
+from rtron.reports.event_line import event_line
 from rtron.workflows.service_events import follow_events
 
 _PAGE = 1000
@@ -62,20 +63,23 @@ def events(  # noqa: PLR0913 - one for each option
 
     Exit code: 0 shown, 2 the service does not answer.
     """
-    client_session = open_service_client(service, token_file, ca)
+    client = connect_to_service(service, token_file, ca)
     event_filter = {"robot": robot, "node": node, "kind": kind, "level": level.value}
-    stored_events = client_session.get("events", **event_filter, limit=number or 1)["events"]
+    stored_events = client.get("events", **event_filter, limit=number or 1)["events"]
     shown = list(reversed(stored_events[:number]))
     lines = "".join(_format_event(event, format) for event in shown)
     if not follow:
         return Outcome(lines)
-    live_events = follow_events(
-        client_session, event_filter, stored_events[0]["id"] if stored_events else 0
-    )
+    last = stored_events[0]["id"] if stored_events else 0
+    live_events = follow_events(client, event_filter, last, _warn_of_lost_connection)
     is_read = print_part(lines)
     while is_read:
         is_read = print_part(_format_event(next(live_events), format))
     return Outcome("")
+
+
+def _warn_of_lost_connection(error: Exception) -> None:
+    sys.stderr.write(f"the service is away, trying again: {error}\n")
 
 
 def _format_event(event: Mapping[str, Any], format: TextOrJson) -> str:

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from rtron.cli.support.options import Readmes
 from rtron.cli.support.outcome import Outcome
-from rtron.cli.support.skipped_report import Readmes, print_to_stderr, report_skipped
+from rtron.cli.support.skipped_report import print_to_stderr, report_skipped
 from rtron.errors import InputError, RTronError
 from rtron.folders import is_folder
 from rtron.reports.sanitize import sanitize
@@ -80,8 +81,8 @@ def _find_repository(repo: str, source: Path | None, readmes: Path | None) -> "S
     if source is None and not is_folder(Path(repo)):
         help = "give its folder, or say --from which file"
         raise InputError(f"{repo[:_LONGEST_SHOWN]!r} is no folder", help=help)
-    with report_skipped() as left:
-        found = read_repositories(source or Path(repo), readmes, left)
+    with report_skipped() as note_skipped:
+        found = read_repositories(source or Path(repo), readmes, note_skipped)
     return _repository_named(repo, found) if source else _single_repository(repo, found)
 
 

@@ -7,12 +7,18 @@ from typing import Annotated
 
 import typer
 
-from rtron.cli.support.options import NoCache, Output, TextOrJson
+from rtron.cli.support.options import (
+    ClusterAddress,
+    NoCache,
+    Output,
+    ProcessCount,
+    Readmes,
+    TextOrJson,
+)
 from rtron.cli.support.outcome import STDOUT, Outcome, as_json
-from rtron.cli.support.skipped_report import Readmes, report_skipped
+from rtron.cli.support.progress import show_progress
+from rtron.cli.support.skipped_report import report_skipped
 from rtron.functions.interactions.abstract_graph import AbstractGraph
-from rtron.sources.static.common.scan_options import ScanOptions
-from rtron.workflows.parallel_map import ClusterAddress, ProcessCount
 
 functions = typer.Typer(
     name="functions", no_args_is_help=True, help="Study what the functions of robots are."
@@ -71,17 +77,14 @@ def graph(
 
     See docs/functions_graph.md. Exit code: 0 drawn, 2 bad input.
     """
-    from rtron.sources.static.common.cache import user_cache_folder  # noqa: PLC0415 - other commands start without it
     from rtron.workflows.function_graph import FunctionGraphRequest, build_function_graph  # noqa: PLC0415 - other commands start without it
+    from rtron.workflows.source_app import static_scan_options  # noqa: PLC0415 - likewise
 
-    options = ScanOptions(cache=None if no_cache else user_cache_folder())
-    if jobs:
-        options = ScanOptions(cache=options.cache, workers=jobs)
     request = FunctionGraphRequest(source, readmes, jobs, cluster)
-    return Outcome(
-        _RENDERERS[format or _format_from_suffix(output)](build_function_graph(request, options)),
-        to=output,
-    )
+    with report_skipped() as note_skipped, show_progress() as progress:
+        options = static_scan_options(jobs, use_cache=not no_cache, progress=progress)
+        drawn = build_function_graph(request, options, note_skipped)
+    return Outcome(_RENDERERS[format or _format_from_suffix(output)](drawn), to=output)
 
 
 @functions.command()
@@ -113,8 +116,8 @@ def apps(
     from rtron.reports.functions.app_categories import apps_text, apps_to_json  # noqa: PLC0415 - nor this
     from rtron.workflows.function_graph import read_app_rows  # noqa: PLC0415 - other commands start without it
 
-    with report_skipped() as left:
-        rows = read_app_rows(graphs, left)
+    with report_skipped() as note_skipped:
+        rows = read_app_rows(graphs, note_skipped)
     counted = count_categories(rows) if len(rows) > 1 else ()
     if format is TextOrJson.JSON:
         return Outcome(as_json(apps_to_json(rows, counted)), to=output)

@@ -10,6 +10,7 @@ from typing import Annotated
 import typer
 
 from rtron.cli.support.options import DEFAULT_MASTER, Domain, Master, PlanOption
+from rtron.cli.support.service_options import CaOption, ServiceOption, TokenOption
 from rtron.errors import InputError
 from rtron.guard.link.options import LinkOptions, state_folder
 from rtron.planning.plan_file.loader import read_plan
@@ -17,20 +18,6 @@ from rtron.vocabulary import MeasuredRun
 from rtron.wire.ros2.domain_id import domain_id
 from rtron.workflows.launch_arguments import parse_assignments
 
-ServiceUrl = Annotated[
-    str,
-    typer.Option(
-        metavar="URL",
-        envvar="RTRON_SERVICE",
-        help="The security service, as `rtron serve` says it.",
-    ),
-]
-TokenFile = Annotated[
-    Path | None,
-    typer.Option(
-        metavar="FILE", envvar="RTRON_TOKEN_FILE", help="Where the token for the service stands."
-    ),
-]
 Robot = Annotated[
     str,
     typer.Option(metavar="NAME", envvar="RTRON_ROBOT", help="What the service calls this robot."),
@@ -38,10 +25,6 @@ Robot = Annotated[
 State = Annotated[
     Path | None,
     typer.Option(metavar="FOLDER", help="Where settings and waiting events are kept."),
-]
-CertificateAuthority = Annotated[
-    Path | None,
-    typer.Option(metavar="FILE", help="The service's own certificate authority, as PEM."),
 ]
 
 
@@ -100,11 +83,11 @@ def guard(  # noqa: PLR0913 - one for each option
         Path | None,
         typer.Option(metavar="SOCKET", help="Where to listen for `rtron override`."),
     ] = None,
-    service: ServiceUrl = "",
-    token_file: TokenFile = None,
+    service: ServiceOption = "",
+    token_file: TokenOption = None,
     robot: Robot = "",
     state: State = None,
-    ca: CertificateAuthority = None,
+    ca: CaOption = None,
     log_level: Annotated[LogLevel, typer.Option(help="How much to log.")] = LogLevel.INFO,
 ) -> None:
     """Stand between the app's nodes, as the plan says, until stopped.
@@ -159,7 +142,7 @@ def guard(  # noqa: PLR0913 - one for each option
 
 
 def _run_file_writer(path: Path) -> Callable[[MeasuredRun], None]:
-    from rtron.workflows.tuning import RunFileWriter  # noqa: PLC0415 - few guards keep figures
+    from rtron.sources.run_json import RunFileWriter  # noqa: PLC0415 - few guards keep figures
 
     return RunFileWriter(path.absolute())
 

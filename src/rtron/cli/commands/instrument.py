@@ -1,20 +1,12 @@
 """`rtron instrument`."""
 
-import os
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from rtron.cli.support.options import PlanOption, TextOrJson
 from rtron.cli.support.outcome import FINDINGS, OK, Outcome, as_json
-from rtron.planning.instrument import GuardedLaunch, RuntimeLaunchTree, write_guarded_launch
-from rtron.planning.instrument import instrument as instrumented
-from rtron.planning.instrument.ros2 import instrument_ros2
-from rtron.planning.plan_file.loader import parse_plan
-from rtron.planning.plan_file.yaml_parser import read_text
 from rtron.reports.plan.instrumentation import (
     InstrumentedLaunch,
     NodeRemap,
@@ -22,14 +14,9 @@ from rtron.reports.plan.instrumentation import (
     instrumentation_text,
     instrumentation_to_json,
 )
-from rtron.sources.launch.common.packages import find_packages
-from rtron.sources.launch.ros2.reader import read_ros2_launch
-from rtron.vocabulary import Plan
-from rtron.workflows.instrument import check_launch_generation
+from rtron.workflows.instrument import InstrumentRequest, InstrumentResult
+from rtron.workflows.instrument import instrument as run_instrument
 from rtron.workflows.launch_arguments import parse_assignments
-
-if TYPE_CHECKING:
-    from rtron.sources.static.ros1.app import StaticApp
 
 
 def instrument(
@@ -86,15 +73,16 @@ def instrument(
     Exit code: 0 all is closed; 1 written, but something cannot be enforced and
     the plan does not accept it; 2 bad input.
     """
-    text = read_text(plan)
-    parsed_plan = parse_plan(text, str(plan))
-    check_launch_generation(launch, parsed_plan, str(plan))
-    request = _InstrumentRequest(
-        launch, parse_assignments(arguments or ()), packages or (), parsed_plan, output, text
+    result = run_instrument(
+        InstrumentRequest(
+            launch=launch,
+            arguments=parse_assignments(arguments or ()),
+            folders=packages or (),
+            plan=plan,
+            output=output,
+        )
     )
-    result = _instrument_ros1(request) if parsed_plan.ros == 1 else _instrument_ros2(request)
-    write_guarded_launch(result)
-    guarded = _guarded_report(result, parsed_plan.ros)
+    guarded = _guarded_report(result)
     report = (
         as_json(instrumentation_to_json(guarded))
         if format is TextOrJson.JSON
@@ -103,58 +91,19 @@ def instrument(
     return Outcome(report, OK if guarded.is_closed else FINDINGS)
 
 
-@dataclass(frozen=True, slots=True)
-class _InstrumentRequest:
-    """What the command was given: a launch file and its arguments, where to look, what to make."""
-
-    launch: Path
-    arguments: Mapping[str, str]
-    folders: Sequence[Path]
-    plan: Plan
-    out: Path
-    plan_text: str
-
-
-def _instrument_ros1(request: _InstrumentRequest) -> GuardedLaunch:
-    from rtron.sources.static.ros1.app import scan_app  # noqa: PLC0415 - the guard starts without it
-
-    app = scan_app(request.folders, [(request.launch, request.arguments)], os.environ)
-    return instrumented(
-        app.trees[0],
-        request.plan,
-        request.out,
-        plan_text=request.plan_text,
-        started=_started_launches(app),
-        packages=find_packages(request.folders),
-    )
-
-
-def _instrument_ros2(request: _InstrumentRequest) -> GuardedLaunch:
-    packages = find_packages(request.folders)
-    tree = read_ros2_launch(request.launch, request.arguments, os.environ, packages)
-    return instrument_ros2(tree, request.plan, request.out, plan_text=request.plan_text)
-
-
-def _started_launches(app: "StaticApp") -> Sequence[RuntimeLaunchTree]:
-    """Return what nodes start; the trees of it come after the app's own."""
-    return [
-        RuntimeLaunchTree(tree=tree, starter=file.started_by, evidence=(file.evidence,))
-        for tree, file in zip(app.trees[1:], app.started, strict=True)
-    ]
-
-
-def _guarded_report(result: GuardedLaunch, ros: int) -> InstrumentedLaunch:
+def _guarded_report(result: InstrumentResult) -> InstrumentedLaunch:
+    written = result.launch
     return InstrumentedLaunch(
-        ros=ros,
-        launch=str(result.launch),
-        files=tuple(map(str, (*result.files, *result.copies))),
+        ros=result.ros,
+        launch=str(written.launch),
+        files=tuple(map(str, (*written.files, *written.copies))),
         remaps=tuple(
             NodeRemap(node=r.node, topic=r.topic, written=r.written, target=r.target)
-            for r in result.remaps
+            for r in written.remaps
         ),
         unenforceable=tuple(
-            UnenforceableNode(what=end.what, why=end.why, accepted=end.accepted)
-            for end in result.unenforceable
+            UnenforceableNode(what=gap.what, why=gap.why, accepted=gap.accepted)
+            for gap in written.unenforceable
         ),
-        notes=result.notes,
+        notes=written.notes,
     )

@@ -6,35 +6,22 @@ from typing import Annotated
 
 import typer
 
-from rtron.cli.support.options import (
-    DEFAULT_MASTER,
-    Domain,
-    Env,
-    Execute,
-    Inputs,
-    Jobs,
-    Launches,
-    LaunchPython,
-    Lists,
-    Live,
-    LiveTimeout,
-    Master,
-    NoCache,
-    Ros,
-    RosOption,
-    TextOrJson,
-)
-from rtron.cli.support.outcome import STDOUT, Outcome, replace_file, to_remarks
+from rtron.cli.support.app_options import with_app_options
+from rtron.cli.support.options import Lists, TextOrJson
+from rtron.cli.support.outcome import STDOUT, Outcome, as_json, log_errors, replace_file
+from rtron.cli.support.progress import show_count, show_progress
 from rtron.errors import InputError
 from rtron.planning.plan_file.writer import write_plan
-from rtron.planning.proposal.policy_defaults import propose_plan, unguardable_topics
+from rtron.planning.tuning import tuned_yaml
 from rtron.reports.plan.plan_text import plan_text
-from rtron.risks import discover_risks, load_lists
-from rtron.workflows.app_selection import select_app, select_app_options
-from rtron.workflows.tuning import TuningRequest, tune_from_run
+from rtron.reports.plan.tuning import tuning_text, tuning_to_json
+from rtron.workflows.app_selection import AppSelection, select_app
+from rtron.workflows.plan import propose, tune_from_run
+from rtron.workflows.scan import scan_graph
 
 _SUFFIXES = {1: ("",), 2: (".py", ".xml", ".yaml", ".yml")}
 """What a launch file's name has behind `.launch`, by ROS; the usual one first."""
+PLAN_FILE, TUNED_FILE = "rtron.yaml", "tuned.yaml"
 
 Output = Annotated[
     Path | None,
@@ -50,25 +37,15 @@ RunsPlan = Annotated[
 Format = Annotated[TextOrJson, typer.Option(help="What a run proposes: a report, or JSON.")]
 
 
-def plan(  # noqa: PLR0913 - one for each option
-    inputs: Inputs = None,
+@with_app_options
+def plan(
+    selection: AppSelection,
     *,
-    launch: Launches = None,
-    env: Env = None,
-    execute_launch: Execute = False,
-    launch_python: LaunchPython = None,
-    live: Live = False,
-    master: Master = DEFAULT_MASTER,
-    ros: RosOption = Ros.AUTO,
-    domain: Domain = None,
-    timeout: LiveTimeout = None,
     lists: Lists = None,
     output: Output = None,
     from_run: FromRun = None,
     plan_file: RunsPlan = None,
     format: Format = TextOrJson.TEXT,
-    jobs: Jobs = None,
-    no_cache: NoCache = False,
 ) -> Outcome:
     """Propose what to put between the nodes of an app.
 
@@ -99,43 +76,52 @@ def plan(  # noqa: PLR0913 - one for each option
     Exit code: 0 proposed, 2 bad input.
     """
     if from_run:
-        if inputs or launch or live:
+        if selection.inputs or selection.source.launches or selection.live:
             help = "the app is that of the plan: leave the others out"
             raise InputError("--from-run and an app to read", help=help)
-        return tune_from_run(
-            TuningRequest(run=from_run, plan=plan_file, output=output, format=format)
-        )
+        return _fit_to_run(from_run, plan_file, output, format)
     if plan_file:
         raise InputError("--plan without --from-run", help="`rtron check` checks a plan")
-    selection = select_app_options(
-        inputs,
-        launch,
-        env,
-        execute=execute_launch,
-        python=launch_python,
-        live=live,
-        ros=ros,
-        master=master,
-        domain=domain,
-        timeout=timeout,
-        jobs=jobs,
-        no_cache=no_cache,
-    )
-    app = select_app(selection)
-    graph = app.source.read()
-    report = discover_risks(graph, load_lists(lists) if lists else None)
-    proposed = propose_plan(graph, report)
+    return _propose(selection, lists, output)
+
+
+def _propose(selection: AppSelection, lists: Path | None, output: Path | None) -> Outcome:
+    with show_progress() as progress:
+        app = select_app(selection, progress)
+        graph = app.source.read()
+    proposed = propose(scan_graph(graph, lists))
     if output == STDOUT:
-        return Outcome(write_plan(proposed))
+        return Outcome(write_plan(proposed.plan))
     if output:
-        replace_file(output, write_plan(proposed))
-    omitted = to_remarks(unguardable_topics(graph, report))
-    if output is None:
-        next_step = f"rtron plan {app.arguments} -o rtron.yaml"
-        return Outcome(plan_text(proposed, next_step, omitted, graph.nodes))
-    app_launch = next(iter((*app.launches, *(launch or ()))), None)
-    next_step = _instrument_command(app_launch, output, proposed.ros)
-    return Outcome(plan_text(proposed, next_step, omitted, graph.nodes))
+        replace_file(output, write_plan(proposed.plan))
+        app_launch = next(iter((*app.launches, *selection.source.launches)), None)
+        next_step = _instrument_command(app_launch, output, proposed.plan.ros)
+    else:
+        next_step = f"rtron plan {app.arguments} -o {PLAN_FILE}"
+    return Outcome(plan_text(proposed.plan, next_step, proposed.omitted, graph.nodes))
+
+
+def _fit_to_run(run: Path, plan: Path | None, output: Path | None, format: TextOrJson) -> Outcome:
+    """Return what a run proposes for its plan; write the plan if there is an `output`."""
+    if plan is None:
+        help = "add --plan rtron.yaml, the plan that the run was measured under"
+        raise InputError("--from-run without --plan", help=help)
+    if output == STDOUT and format is TextOrJson.JSON:
+        help = "leave one of the two out, or give -o a file"
+        raise InputError("both the plan and its figures would be printed", help=help)
+    log_errors()
+    with show_count("messages") as update:
+        tuned = tune_from_run(run, plan, update)
+    yaml = tuned_yaml(tuned.plan, tuned.proposals)
+    if output == STDOUT:
+        return Outcome(yaml)
+    if output:
+        replace_file(output, yaml)
+    if format is TextOrJson.JSON:
+        return Outcome(as_json(tuning_to_json(tuned.run, tuned.proposals)))
+    command = f"rtron plan --from-run {quote(str(run))} --plan {quote(str(plan))} -o {TUNED_FILE}"
+    next_step = f"rtron check {quote(str(output))}" if output else command
+    return Outcome(tuning_text(str(run), tuned.run, tuned.proposals, tuned.notes, next_step))
 
 
 def _instrument_command(app_launch: str | None, written: Path, ros: int) -> str:

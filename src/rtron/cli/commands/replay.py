@@ -1,15 +1,13 @@
 """`rtron replay`."""
 
-import logging
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from rtron.cli.support.options import Output, PlanOption, TextOrJson
-from rtron.cli.support.outcome import STDOUT, Outcome, as_json
+from rtron.cli.support.outcome import STDOUT, Outcome, as_json, log_errors
 from rtron.cli.support.progress import show_count
-from rtron.planning.plan_file.loader import read_plan
 from rtron.reports.plan.replay import replay_text, replay_to_json
 
 
@@ -35,14 +33,11 @@ def replay(
 
     Exit code: 0 played, 2 bad input.
     """
-    from rtron.guard.replay.player import RecordingPlayer  # noqa: PLC0415 - likewise
-    from rtron.workflows.replay import GuardRecording  # noqa: PLC0415 - no other command needs it
+    from rtron.workflows.replay import replay_bag  # noqa: PLC0415 - no other command needs it
 
-    logging.basicConfig(level=logging.ERROR, format="%(levelname)s %(message)s")
-    recording = GuardRecording(bag)
-    guard_plan = read_plan(plan, recording.definitions)
+    log_errors()
     with show_count("messages") as update:
-        found = RecordingPlayer(guard_plan).play(recording.messages(guard_plan.ros), update)
+        found = replay_bag(bag, plan, update)
     if format is TextOrJson.JSON:
         return Outcome(as_json(replay_to_json(found)), to=output)
     return Outcome(replay_text(str(bag), found), to=output)

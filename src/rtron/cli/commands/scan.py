@@ -1,32 +1,17 @@
 """`rtron scan`."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from enum import Enum
+from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from rtron.cli.support.launch_list import list_launches
-from rtron.cli.support.options import (
-    DEFAULT_MASTER,
-    Domain,
-    Env,
-    Execute,
-    Inputs,
-    Jobs,
-    Launches,
-    LaunchPython,
-    Lists,
-    Live,
-    LiveTimeout,
-    Master,
-    NoCache,
-    Output,
-    Ros,
-    RosOption,
-    TextOrJson,
-)
+from rtron.cli.support.app_options import with_app_options
+from rtron.cli.support.launch_list import launch_list_text, launch_list_to_json, launches_by_name
+from rtron.cli.support.options import Lists, Output
 from rtron.cli.support.outcome import FINDINGS, OK, STDOUT, Outcome, as_json, write_files
+from rtron.cli.support.progress import show_progress
 from rtron.errors import InputError
 from rtron.planning.proposal.policy_defaults import propose_plan
 from rtron.reports.app.dot import graph_to_dot
@@ -37,11 +22,10 @@ from rtron.reports.app.rosgraph import graph_to_rosgraph
 from rtron.reports.app.sarif import risks_to_sarif
 from rtron.reports.app.scan_text import Scan, scan_text
 from rtron.reports.text_layout import Report
-from rtron.risks import discover_risks, load_lists
 from rtron.sources.graph_json import graph_to_json
 from rtron.vocabulary import InteractionGraph, RiskReport, Severity
-from rtron.workflows.app_selection import SelectedApp, select_app, select_app_options
-from rtron.workflows.scan import with_relative_evidence
+from rtron.workflows.app_selection import AppSelection, SelectedApp, select_app
+from rtron.workflows.scan import scan_graph, with_relative_evidence
 
 
 class Format(str, Enum):
@@ -66,18 +50,10 @@ class FailOn(str, Enum):
     NEVER = "never"
 
 
-def scan(  # noqa: PLR0913 - one for each option
-    inputs: Inputs = None,
+@with_app_options
+def scan(
+    selection: AppSelection,
     *,
-    launch: Launches = None,
-    env: Env = None,
-    execute_launch: Execute = False,
-    launch_python: LaunchPython = None,
-    live: Live = False,
-    master: Master = DEFAULT_MASTER,
-    ros: RosOption = Ros.AUTO,
-    domain: Domain = None,
-    timeout: LiveTimeout = None,
     format: Annotated[
         Format,
         typer.Option(
@@ -90,8 +66,6 @@ def scan(  # noqa: PLR0913 - one for each option
     ] = FailOn.LOW,
     lists: Lists = None,
     output: Output = STDOUT,
-    jobs: Jobs = None,
-    no_cache: NoCache = False,
 ) -> Outcome:
     """Find what the nodes of an app can do to each other.
 
@@ -117,27 +91,14 @@ def scan(  # noqa: PLR0913 - one for each option
 
     Exit code: 0 no risk as severe as --fail-on, 1 risks found, 2 bad input.
     """
-    selection = select_app_options(
-        inputs,
-        launch,
-        env,
-        execute=execute_launch,
-        python=launch_python,
-        live=live,
-        ros=ros,
-        master=master,
-        domain=domain,
-        timeout=timeout,
-        jobs=jobs,
-        no_cache=no_cache,
-    )
-    if selection.folders and not launch and not live:
-        return Outcome(list_launches(selection.folders, _listing_format(format)), OK, output)
-    app = select_app(selection)
-    graph = app.source.read()
+    if selection.folders and not selection.source.launches and not selection.live:
+        return Outcome(_launch_list(selection.folders, format), OK, output)
+    with show_progress() as progress:
+        app = select_app(selection, progress)
+        graph = app.source.read()
     if format in _HUMAN_FORMATS:
         graph = with_relative_evidence(graph, app.root)
-    report = discover_risks(graph, load_lists(lists) if lists else None)
+    report = scan_graph(graph, lists).report
     exit_code = FINDINGS if _has_severe_risk(report, fail_on) else OK
     if format is Format.NODL and output.is_dir():
         write_files(output, nodl_files(graph))
@@ -145,11 +106,18 @@ def scan(  # noqa: PLR0913 - one for each option
     return Outcome(_RENDERERS[format](app, graph, report), exit_code, output)
 
 
-def _listing_format(format: Format) -> TextOrJson:
+def _launch_list(folders: Sequence[Path], format: Format) -> str | Report:
+    """Return the launch files below folders; raise InputError if there are none."""
     if format not in {Format.TEXT, Format.JSON}:
         help = "without it, launch files are listed as text or json"
         raise InputError("--launch is missing", help=help)
-    return TextOrJson(format.value)
+    launches = launches_by_name(folders)
+    if not launches:
+        help = "give the folder of a ROS workspace, or of a package"
+        raise InputError("no launch files", path=str(folders[0]), help=help)
+    if format is Format.JSON:
+        return as_json(launch_list_to_json(launches))
+    return launch_list_text(launches, folders)
 
 
 def _has_severe_risk(report: RiskReport, fail_on: FailOn) -> bool:

@@ -9,18 +9,18 @@ import typer
 
 from rtron.cli.support.options import TextOrJson
 from rtron.cli.support.outcome import FINDINGS, OK, Outcome, as_json
-from rtron.cli.support.settings_arguments import KEYS, parse_patch
-from rtron.cli.support.settings_report import node_report, nodes_report, outcome_line, stop_line
-from rtron.reports.text_layout import Report
-from rtron.workflows.service_client import (
+from rtron.cli.support.service_options import (
     DEFAULT_SERVICE,
     CaOption,
     RobotOption,
-    SecurityServiceClient,
     ServiceOption,
     TokenOption,
-    open_service_client,
+    connect_to_service,
 )
+from rtron.cli.support.settings_arguments import KEYS, parse_patch
+from rtron.cli.support.settings_report import node_report, nodes_report, outcome_line, stop_line
+from rtron.reports.text_layout import Report
+from rtron.workflows.service_client import SecurityServiceClient
 
 settings = typer.Typer(
     name="settings", no_args_is_help=True, help="See and change what a guard enforces."
@@ -64,13 +64,13 @@ def get(
 
     RTRON_SERVICE, RTRON_TOKEN_FILE and RTRON_ROBOT save typing.
     """
-    client_session = open_service_client(service, token_file, ca)
-    name = client_session.resolve_robot(robot)
-    view = client_session.get("robots", name, "settings")
+    client = connect_to_service(service, token_file, ca)
+    name = client.resolve_robot(robot)
+    view = client.get("robots", name, "settings")
     if node is not None:
-        one = client_session.get("robots", name, "nodes", node)
+        one = client.get("robots", name, "nodes", node)
         return _render(format, {"settings": view, "node": one}, node_report(view, one))
-    nodes = client_session.get("robots", name, "nodes")
+    nodes = client.get("robots", name, "nodes")
     return _render(format, {"settings": view, "nodes": nodes}, nodes_report(name, view, nodes))
 
 
@@ -110,14 +110,14 @@ def set(  # noqa: PLR0913 - one for each option
     Exit code: 0 stored and sent (with --wait: in force), 1 the guard refused
     it or did not answer, 2 nothing was changed.
     """
-    client_session = open_service_client(service, token_file, ca)
-    name = client_session.resolve_robot(robot)
-    view = client_session.get("robots", name, "settings")
-    planned = client_session.get("robots", name, "nodes", node)["plan"]
+    client = connect_to_service(service, token_file, ca)
+    name = client.resolve_robot(robot)
+    view = client.get("robots", name, "settings")
+    planned = client.get("robots", name, "nodes", node)["plan"]
     patch = parse_patch(assignments, _flow_names(planned), has_rules="rules" in planned)
     body = {"revision": view["revision"], "nodes": {node: patch}, "reason": reason}
-    changed = client_session.patch("robots", name, "settings", body=body)
-    return _outcome(client_session, name, changed, timeout if wait else None)
+    changed = client.patch("robots", name, "settings", body=body)
+    return _outcome(client, name, changed, timeout if wait else None)
 
 
 @settings.command()
@@ -139,10 +139,10 @@ def stop(
 
     Exit code: as of `rtron settings set`.
     """
-    client_session = open_service_client(service, token_file, ca)
-    name = client_session.resolve_robot(robot)
-    view = client_session.post("robots", name, "stop", body={"reason": reason})
-    return _outcome(client_session, name, view, timeout if wait else None)
+    client = connect_to_service(service, token_file, ca)
+    name = client.resolve_robot(robot)
+    view = client.post("robots", name, "stop", body={"reason": reason})
+    return _outcome(client, name, view, timeout if wait else None)
 
 
 @settings.command()
@@ -166,38 +166,38 @@ def release(
 
     Exit code: as of `rtron settings set`.
     """
-    client_session = open_service_client(service, token_file, ca)
-    name = client_session.resolve_robot(robot)
-    before = client_session.get("robots", name, "settings")
+    client = connect_to_service(service, token_file, ca)
+    name = client.resolve_robot(robot)
+    before = client.get("robots", name, "settings")
     body = {"reason": reason, "revision": before["revision"]}
-    view = client_session.delete("robots", name, "stop", body=body)
-    outcome = _outcome(client_session, name, view, timeout if wait else None)
+    view = client.delete("robots", name, "stop", body=body)
+    outcome = _outcome(client, name, view, timeout if wait else None)
     return replace(outcome, shown=f"{stop_line(before)}{outcome.shown}")
 
 
 def _outcome(
-    client_session: SecurityServiceClient,
+    client: SecurityServiceClient,
     robot: str,
     view: Mapping[str, Any],
     timeout: float | None,
 ) -> Outcome:
     """Say what became of settings; with `timeout` (s) once the guard has answered."""
     if timeout is not None:
-        view = _wait_for_answer(client_session, robot, view, timeout)
+        view = _wait_for_answer(client, robot, view, timeout)
     has_timed_out = timeout is not None and view["outcome"] == _PENDING
     failed = view["outcome"] == "refused" or has_timed_out
     return Outcome(outcome_line(view), FINDINGS if failed else OK)
 
 
 def _wait_for_answer(
-    client_session: SecurityServiceClient, robot: str, view: Mapping[str, Any], timeout: float
+    client: SecurityServiceClient, robot: str, view: Mapping[str, Any], timeout: float
 ) -> Mapping[str, Any]:
     """Return the settings once the guard has answered them, or as they are after `timeout` s."""
     deadline = time.monotonic() + timeout
     before = view["revision"] + 1
     while view["outcome"] == _PENDING and time.monotonic() < deadline:
         time.sleep(_POLL_S)
-        (view,) = client_session.get("robots", robot, "settings", "history", before=before, limit=1)
+        (view,) = client.get("robots", robot, "settings", "history", before=before, limit=1)
     return view
 
 

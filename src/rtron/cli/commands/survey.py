@@ -1,15 +1,17 @@
 """`rtron survey`."""
 
+from operator import attrgetter
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from rtron.cli.support.options import Output
+from rtron.cli.support.options import ClusterAddress, Output, ProcessCount
 from rtron.cli.support.outcome import STDOUT, Outcome
+from rtron.cli.support.progress import show_progress
 from rtron.cli.support.skipped_report import report_skipped
 from rtron.errors import InputError
-from rtron.workflows.parallel_map import ClusterAddress, ProcessCount, choose_executor
+from rtron.workflows.parallel_map import choose_executor, map_with_progress
 
 
 def survey(
@@ -43,17 +45,13 @@ def survey(
     from rtron.survey.app_listing import find_apps  # noqa: PLC0415 - the guard starts without it
     from rtron.survey.app_scan import scan_app  # noqa: PLC0415 - the guard starts without it
     from rtron.survey.report import survey_json_line, survey_text  # noqa: PLC0415 - the guard starts without it
-    from rtron.workflows.parallel_map import map_with_progress  # noqa: PLC0415 - the guard starts without it
 
-    with report_skipped() as note_skipped:
+    with report_skipped() as note_skipped, show_progress() as progress:
         apps = list(find_apps(folder, note_skipped))
         executor = choose_executor(jobs, cluster, chunk=1, is_worth_parallel=len(apps) > 1)
-        results = [
-            each
-            for _, each in map_with_progress(
-                executor, scan_app, apps, lambda a: a.name, note_skipped
-            )
-        ]
+        name = attrgetter("name")
+        scanned = map_with_progress(executor, scan_app, apps, name, note_skipped, progress)
+        results = [each for _, each in scanned]
     if not results:
         help = "rtron scan DIR lists the launch files and the arguments that they need"
         raise InputError("no app can be scanned", path=str(folder), help=help)

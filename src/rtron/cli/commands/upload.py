@@ -7,16 +7,16 @@ from typing import Annotated
 import typer
 
 from rtron.cli.support.outcome import Outcome
-from rtron.reports.text_layout import counted
-from rtron.sources.bounded_file import read_bounded
-from rtron.workflows.service_client import (
+from rtron.cli.support.service_options import (
     DEFAULT_SERVICE,
     CaOption,
     RobotOption,
     ServiceOption,
     TokenOption,
-    open_service_client,
+    connect_to_service,
 )
+from rtron.reports.text_layout import counted
+from rtron.sources.bounded_file import read_bounded
 
 _LONGEST = 16 << 20
 
@@ -42,10 +42,10 @@ def upload(
 
     Exit code: 0 stored, 2 not.
     """
-    client_session = open_service_client(service, token_file, ca)
+    client = connect_to_service(service, token_file, ca)
     data = read_bounded(graph, _LONGEST)
-    name = client_session.resolve_robot(robot)
-    risks = client_session.put("robots", name, "graph", data=data)["risks"]
+    name = client.resolve_robot(robot)
+    risks = client.put("robots", name, "graph", data=data)["risks"]
     kinds = Counter(risk["kind"] for risk in risks)
     kind_counts = ", ".join(f"{number} {kind}" for kind, number in sorted(kinds.items()))
     summary = f"{counted(len(risks), 'risk')}{f': {kind_counts}' if kind_counts else ''}"

@@ -20,7 +20,7 @@ from rtron.errors import InputError
 from rtron.guard.audit.common.verification import GuardedPath, PathState, Verification
 from rtron.planning.plan_file.loader import read_plan
 from rtron.reports.text_layout import Report, TextPage, columns, counted, heading, line, paragraph
-from rtron.vocabulary import Plan
+from rtron.workflows.verify import verify_running_app
 
 VERIFY_SCHEMA = "rtron.verify/1"
 _STYLES = {
@@ -133,22 +133,8 @@ def verify(
         help = "add --live; before the app runs, `rtron check` compares the plan with its graph"
         raise InputError("what is there to verify?", help=help)
     guard_plan = read_plan(plan)
-    verification = _verify_running_app(guard_plan, master, domain, timeout)
+    verification = verify_running_app(guard_plan, master, domain, timeout)
     code = OK if verification.is_closed else FINDINGS if verification.is_conclusive else BAD_INPUT
     if format is TextOrJson.JSON:
         return Outcome(as_json(verification_to_json(verification)), code)
     return Outcome(verification_text(str(plan), verification), code)
-
-
-def _verify_running_app(
-    plan: Plan, master: str, domain: int | None, timeout: float
-) -> Verification:
-    """Look at the app that the plan is for; only who verifies loads what that needs."""
-    if plan.ros != 1:
-        from rtron.guard.audit.ros2.live_verification import verify_domain  # noqa: PLC0415
-
-        return verify_domain(plan, timeout, domain)
-    from rtron.guard.audit.ros1.live_verification import verify_live  # noqa: PLC0415
-    from rtron.guard.master_proxy.master_file import find_private_master  # noqa: PLC0415
-
-    return verify_live(plan, find_private_master(master), timeout)

@@ -14,10 +14,10 @@ from typing import TYPE_CHECKING
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-from rtron.cli.support.options import Ros
 from rtron.cli.support.outcome import print_part
 from rtron.cli.support.service_database import require_service_packages
 from rtron.errors import InputError, SourceError
+from rtron.workflows.live_app import RosGeneration
 
 if TYPE_CHECKING:
     from rtron.demos.experiment.study import ProgressListener
@@ -39,11 +39,11 @@ def require_demo_packages() -> None:
     require_service_packages()
 
 
-def choose_ros(ros: Ros) -> int:
+def choose_ros(ros: RosGeneration) -> int:
     """Return the ROS to run on: the one asked for, or else what is there, ROS 2 first."""
     from rtron.demos.runtime.ros_installation import find_ros_python, missing_requirements  # noqa: PLC0415 - the guard starts without it
 
-    if ros is not Ros.AUTO:
+    if ros is not RosGeneration.AUTO:
         find_ros_python(int(ros.value))
         return int(ros.value)
     lacks = missing_requirements()

@@ -1,33 +1,43 @@
 """The launch files that `rtron scan PATH` can analyse."""
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from shlex import quote
 
 from rich.text import Text
 
-from rtron.cli.support.options import TextOrJson
-from rtron.cli.support.outcome import as_json
-from rtron.errors import InputError
 from rtron.reports.text_layout import Report, columns, counted, line
-from rtron.sources.launch.ros1.file_search import LaunchFileInfo
-from rtron.workflows.launch_listing import launches_by_name
+from rtron.sources.launch.ros1.file_search import LaunchFileInfo, find_launch_files
+from rtron.sources.launch.ros2.file_search import list_ros2_launch_files
 
 LAUNCHES_SCHEMA = "rtron.launches/1"
 
 
-def list_launches(folders: Sequence[Path], format: TextOrJson) -> str | Report:
-    """Return the launch files below folders; raise InputError if there are none."""
-    found = launches_by_name(folders)
-    if not found:
-        help = "give the folder of a ROS workspace, or of a package"
-        raise InputError("no launch files", path=str(folders[0]), help=help)
-    if format is TextOrJson.JSON:
-        return as_json(_document(found))
-    return Report(lambda _: _lines(found, folders))
+def launches_by_name(folders: Sequence[Path]) -> dict[str, LaunchFileInfo]:
+    """Return the launch files by name; those of a package that share a name, by path."""
+    found = {
+        each.path: each for each in (*find_launch_files(folders), *list_ros2_launch_files(folders))
+    }
+    counted = Counter(map(_launch_name, found.values()))
+    return {
+        _launch_name(each) if counted[_launch_name(each)] == 1 else str(each.path): each
+        for each in found.values()
+    }
 
 
-def _document(found: Mapping[str, LaunchFileInfo]) -> dict[str, object]:
+def _launch_name(launch: LaunchFileInfo) -> str:
+    """Return `package/file`, or the path of a file that lies in no package."""
+    return f"{launch.package}/{launch.path.name}" if launch.package else str(launch.path)
+
+
+def launch_list_text(launches: Mapping[str, LaunchFileInfo], folders: Sequence[Path]) -> Report:
+    """Return the launch files with their arguments, and the command that scans one."""
+    return Report(lambda _: _lines(launches, folders))
+
+
+def launch_list_to_json(found: Mapping[str, LaunchFileInfo]) -> dict[str, object]:
+    """Return the launch files as a JSON document."""
     launches = [
         {
             "launch": name,

@@ -6,16 +6,22 @@ from typing import Annotated
 
 import typer
 
+from rtron.errors import RTronError
 from rtron.wire.ros2.domain_id import LAST_DOMAIN
-from rtron.workflows.launch_listing import complete_launch
+from rtron.workflows.live_app import ANSWER_TIMEOUT_S, RosGeneration
 
 
-class Ros(str, Enum):
-    """The ROS that a running app speaks."""
+def complete_launch(ctx: typer.Context, incomplete: str) -> list[str]:
+    """Return the names of launch files for a shell's completion."""
+    from rtron.cli.support.launch_list import launches_by_name  # noqa: PLC0415 - the guard starts without it
 
-    AUTO = "auto"
-    ONE = "1"
-    TWO = "2"
+    inputs = ctx.params.get("inputs") or ctx.args or ["."]
+    folders = [Path(word) for word in inputs if Path(word).is_dir()]
+    try:
+        names = launches_by_name(folders)
+    except (RTronError, OSError):
+        return []
+    return [name for name in names if name.startswith(incomplete)]
 
 
 Inputs = Annotated[
@@ -73,7 +79,7 @@ Master = Annotated[
     str, typer.Option(envvar="ROS_MASTER_URI", metavar="URI", help="The ROS master of the app.")
 ]
 RosOption = Annotated[
-    Ros,
+    RosGeneration,
     typer.Option(
         help="Which ROS the running app speaks. auto: ROS_VERSION, as a sourced ROS sets it, or "
         "else a master that answers (1) or an installed rclpy (2)."
@@ -111,7 +117,25 @@ Output = Annotated[
 ]
 PlanOption = Annotated[Path, typer.Option("--plan", metavar="rtron.yaml", help="The plan.")]
 DEFAULT_MASTER = "http://localhost:11311"
-DEFAULT_TIMEOUT = 5.0
+DEFAULT_TIMEOUT = ANSWER_TIMEOUT_S
+
+
+Readmes = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="FILE.jsonl", help="A line `{repo, readme}` for repositories without a README."
+    ),
+]
+ProcessCount = Annotated[
+    int | None,
+    typer.Option(
+        "--jobs", "-j", min=1, metavar="N", help="Work in N processes; no more than cores."
+    ),
+]
+ClusterAddress = Annotated[
+    str | None,
+    typer.Option("--cluster", metavar="ADDRESS", help="Work on a Dask cluster that you trust."),
+]
 
 
 class TextOrJson(str, Enum):

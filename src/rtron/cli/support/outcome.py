@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import logging
 import os
 import sys
 from dataclasses import dataclass
@@ -13,16 +14,14 @@ from typing import TYPE_CHECKING
 import typer
 
 from rtron.errors import InputError, RTronError
-from rtron.reports.plan.problems import Remark
 from rtron.reports.sanitize import sanitize
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Mapping
 
     from rich.console import Console
     from rich.markdown import Markdown
 
-    from rtron.planning.problem import PlanProblem
     from rtron.reports.text_layout import Report
 
 
@@ -81,6 +80,11 @@ def replace_file(path: Path, text: str) -> None:
     write_file(path, text)
 
 
+def log_errors() -> None:
+    """Show errors that policies log, and nothing else."""
+    logging.basicConfig(level=logging.ERROR, format="%(levelname)s %(message)s")
+
+
 def print_error(error: RTronError) -> None:
     """Say on standard error what is wrong and what to do about it."""
     from rich.console import Console  # noqa: PLC0415 - slow, and few commands complain
@@ -136,8 +140,3 @@ def _render(shown: str | Report | Markdown, console: Console) -> str:
 def _write_error(error: OSError, path: str) -> InputError:
     reason = error.strerror or "cannot be written"
     return InputError(reason, path=path, help="choose a file that can be written")
-
-
-def to_remarks(problems: Iterable[PlanProblem]) -> list[Remark]:
-    """Return a remark for each problem."""
-    return [Remark(problem.level, problem.location, problem.message) for problem in problems]

@@ -7,15 +7,15 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 
 from rtron.reports.sanitize import sanitize
-from rtron.sources.static.common.scan_options import Progress as Told
+from rtron.sources.static.common.scan_options import Progress as ProgressCallback
 from rtron.sources.static.common.scan_options import ignore_progress
 
 _MAX_SHOWN = 40
 
 
 @contextmanager
-def show_progress() -> Iterator[Told]:
-    """Yield what takes the progress of a scan; it shows it until it ends."""
+def show_progress() -> Iterator[ProgressCallback]:
+    """Yield a callback that shows the progress of a scan until the end of the block."""
     console = Console(stderr=True)
     if not console.is_terminal:
         yield ignore_progress
@@ -33,7 +33,7 @@ def show_progress() -> Iterator[Told]:
 
 @contextmanager
 def show_count(what: str) -> Iterator[Callable[[int], None]]:
-    """Yield what takes a number that grows, of what nobody knows how many there are."""
+    """Yield a callback that shows a growing number of `what`, whose total is unknown."""
     console = Console(stderr=True)
     if not console.is_terminal:
         yield lambda done: None

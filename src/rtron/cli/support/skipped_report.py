@@ -1,10 +1,8 @@
-"""What the commands about repositories share: their options, and what was left out."""
+"""The items that a command skipped, on standard error."""
 
 from contextlib import contextmanager
-from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
-import typer
 from rich.console import Console
 from rich.text import Text
 
@@ -15,22 +13,13 @@ if TYPE_CHECKING:
 
     from rtron.functions.reading import SkippedEntry, SkippedHandler
 
-Readmes = Annotated[
-    Path | None,
-    typer.Option(
-        metavar="FILE.jsonl", help="A line `{repo, readme}` for repositories without a README."
-    ),
-]
 _MAX_SHOWN = 10
 _MAX_LENGTH = 300
 
 
 @contextmanager
 def report_skipped() -> "Iterator[SkippedHandler]":
-    """Yield what takes what was left out; the first of it stands on standard error at the end.
-
-    It stands there before an error, too.
-    """
+    """Yield a handler of skipped items; the first are listed at the end, also before an error."""
     rows: list[str] = []
     count = 0
 
@@ -49,6 +38,6 @@ def report_skipped() -> "Iterator[SkippedHandler]":
 
 
 def print_to_stderr(*rows: str) -> None:
-    """Say something on standard error, beside the result."""
+    """Print lines on standard error, beside the result."""
     if rows:
         Console(stderr=True, highlight=False).print(Text("\n".join(rows)), soft_wrap=True)

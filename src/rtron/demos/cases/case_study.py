@@ -48,11 +48,11 @@ class RunConditions:
 class Case:
     """One of the paper's three case studies (section 7.4 and appendix D).
 
-    `find_harm` names the harm in a sample of a scene, "" for none; `is_malicious` tells a malicious
-    message of a scene by its topic and value, where it arrives. The attack begins when the robot
-    has moved for `attack_delay` simulated s. `has_manual_attacker`: a second attacker is started under another name.
-    `shows_turn_rate`: how fast the robot turns tells of the attack, too.
-    The texts are for people, each a sentence or two; `remedy` is why the plan is as it is.
+    `find_harm` names the harm in a sample of a scene, "" for none; `is_malicious` recognises a
+    malicious message of a scene by its topic and value, where it arrives. The attack begins when
+    the robot has moved for `attack_delay` simulated s. With `has_manual_attacker` a second attacker
+    starts under another name; `shows_turn_rate` says that the turn rate shows the attack, too.
+    The texts are for people, each a sentence or two; `remedy` explains the plan.
     """
 
     name: str

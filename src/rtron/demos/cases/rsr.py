@@ -72,7 +72,8 @@ RSR = Case(
     topic=TOPIC,
     risk="RSR-max_vel:/control/max_vel",
     attack_delay=4.0,
-    harm_description="The robot drives faster than 0.26 m/s, or hits a pedestrian whom it sees too late.",
+    harm_description="The robot drives faster than 0.26 m/s, or hits a pedestrian whom it sees "
+    "too late.",
     attack="/tb3_monitor, a package from elsewhere, publishes a maximal velocity of 2 m/s. The "
     "robot brakes for a pedestrian only when three images in a row show one.",
     remedy="Safe+Constrain: the maximal velocity is never above 0.22 m/s, and lower where the "

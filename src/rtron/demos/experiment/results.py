@@ -33,7 +33,7 @@ _SCALES = "The highest bar of each row is its own busiest second."
 def results_document(
     request: DemoRequest, study: Study, *, with_samples: bool = False
 ) -> dict[str, Any]:
-    """Return what was found as plain JSON, with every moment of each run if it is to be `with_samples`."""
+    """Return the results as plain JSON; `with_samples` adds every moment of each run."""
     return {
         "schema": SCHEMA,
         "ros": request.ros,

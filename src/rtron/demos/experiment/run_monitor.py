@@ -19,10 +19,10 @@ _STANDSTILL_SPEED = 0.01
 
 @dataclass(slots=True)
 class RunMonitor:
-    """Takes the truth of a run of `case` in `scene`, moment by moment, from its start on.
+    """Watches the ground truth of a run of `case` in `scene`, sample by sample.
 
-    `find_harm` names what harm came first, "" for none; `harmed_at` and `arrived_at` are in simulated
-    s since the start.
+    `harm` names the first harm, "" for none; `harmed_at` and `arrived_at` are in simulated s since
+    the start.
     """
 
     case: Case

@@ -20,9 +20,9 @@ from rtron.demos.runtime.environment import DemoEnvironment
 from rtron.demos.runtime.instrumentation import InstrumentationPipeline
 from rtron.demos.runtime.service import DemoService
 from rtron.planning.plan_file.loader import read_plan
-from rtron.risks import discover_risks
 from rtron.sources.graph_json import GraphFile
 from rtron.vocabulary import Risk, build_streams
+from rtron.workflows.scan import scan_graph
 
 if TYPE_CHECKING:
     from rtron.demos.runtime.processes import CompletedCommand
@@ -110,7 +110,7 @@ class Study:
 
     def risks(self) -> Sequence[Risk]:
         """Return the risks that the scan found, in the order of kinds."""
-        return discover_risks(GraphFile(self.pipeline.graph).read()).risks
+        return scan_graph(GraphFile(self.pipeline.graph).read()).report.risks
 
     def run_unguarded(self) -> None:
         """Scan the app and run it as it is: each case in each world, without and with an attack.
@@ -130,7 +130,7 @@ class Study:
                         self._add_run(self._run(session, case, seed, variant))
 
     def run_guarded(self, service: DemoService | None = None) -> None:
-        """Run the guarded app: each case in each world, attacked. To be called after `run_unguarded`.
+        """Attack the guarded app: each case in each world. Call `run_unguarded` before.
 
         With a service the guard's decisions are recorded, and become part of the runs; it gets the
         app's graph, too.

@@ -22,7 +22,7 @@ class TrajectoryDeviation:
 def measure_deviation(
     trajectory: Sequence[Position], reference: Sequence[Position]
 ) -> TrajectoryDeviation | None:
-    """Return how far the places of `trajectory` are from the line `reference`; None if either is empty."""
+    """Return the distances of `trajectory` from the line `reference`; None if either is empty."""
     if not trajectory or not reference:
         return None
     line = _without_rests(reference)

@@ -24,11 +24,10 @@ from rtron.demos.runtime.processes import CompletedCommand, ProcessGroup, Starte
 from rtron.demos.runtime.ros_installation import find_ros_python
 from rtron.demos.runtime.world import run_world
 from rtron.demos.world.client import WorldClient
-from rtron.errors import RTronError
-from rtron.wire.ros1.xmlrpc import ros_call
+from rtron.workflows.live_app import master_answers
 
 _NAME = "/rtron_demo"
-_LIMIT = 2.0
+_ANSWER_TIMEOUT_S = 2.0
 
 
 @contextmanager
@@ -37,16 +36,8 @@ def run_master(processes: ProcessGroup, environ: Mapping[str, str]) -> Iterator[
     uri = environ["ROS_MASTER_URI"]
     command = ["rosmaster", "--core", "-p", uri.rpartition(":")[2]]
     with processes.running(command, environ):
-        wait_for(lambda: _master_answers(uri), "the ROS master")
+        wait_for(lambda: master_answers(uri, _NAME, _ANSWER_TIMEOUT_S), "the ROS master")
         yield
-
-
-def _master_answers(uri: str) -> bool:
-    try:
-        ros_call(uri, "getPid", _NAME, timeout=_LIMIT)
-    except RTronError:
-        return False
-    return True
 
 
 MANUAL_ATTACKER = "safe_control_by_hand"
@@ -117,10 +108,10 @@ class DemoEnvironment:
     def launch_app(
         self, launch: Path, more_environ: Mapping[str, str] | None = None, plan: Path | None = None
     ) -> AbstractContextManager[LaunchedApp]:
-        """Run the app of a launch file until the end of the block; the nodes are joined then.
+        """Run the app of a launch file until the end of the block, which starts when all nodes run.
 
-        `more_environ` is for the environment; with `plan` every path of that plan is closed, too. Whatever
-        was armed is disarmed.
+        `more_environ` is added to the environment. With `plan` the block also waits until every
+        path of that plan is closed. An attack that was armed is disarmed.
         """
         self.arm_attack("none", 0)
         return launch_app(self, launch, more_environ or {}, plan)

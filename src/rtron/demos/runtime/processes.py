@@ -128,7 +128,10 @@ class ProcessGroup:
     def run_in_background(
         self, command: Command, environ: Environ, codes: Collection[int] = (0,), name: str = ""
     ) -> Iterator[Callable[[], CompletedCommand]]:
-        """Run a command beside the block, which waits for its end as `run_command` does, or ends it."""
+        """Run a command beside the block; the yielded function waits for its end.
+
+        A command that still runs after the block is ended.
+        """
         command_line = shlex.join(map(str, command))
 
         def finished() -> CompletedCommand:

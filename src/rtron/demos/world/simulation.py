@@ -46,7 +46,7 @@ class RobotSimulation:
         self._started = self.t
 
     def set_velocity(self, velocity: robot_base.Velocity, step_fraction: float) -> None:
-        """Take a velocity (m/s, rad/s) that came when `step_fraction` (0 to 1) of the step had passed."""
+        """Take a velocity (m/s, rad/s) that came at `step_fraction` (0 to 1) of the step."""
         self._command.set_velocity(velocity, step_fraction)
 
     def step(self) -> None:

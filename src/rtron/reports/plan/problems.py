@@ -1,7 +1,7 @@
 """What is wrong with a plan, as text for the person who mends it."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from typing import Protocol
 
 from rich.text import Text
 
@@ -10,13 +10,20 @@ from rtron.reports.text_layout import Report, TextPage, counted, line, paragraph
 _STYLE = {"error": "bold red", "warning": "yellow"}
 
 
-@dataclass(frozen=True, slots=True)
-class Remark:
-    """One remark on a plan: its level (`error` or `warning`), what it is about, and itself."""
+class Remark(Protocol):
+    """A remark on a plan."""
 
-    level: str
-    where: str
-    message: str
+    @property
+    def level(self) -> str:
+        """`error` or `warning`."""
+
+    @property
+    def location(self) -> str:
+        """The coordination node or topic that it is about."""
+
+    @property
+    def message(self) -> str:
+        """What is wrong."""
 
 
 def problems_text(title: str, remarks: Sequence[Remark]) -> Report:
@@ -33,6 +40,6 @@ def _lines(title: str, remarks: Sequence[Remark], page: TextPage) -> Iterator[Te
 def remark_lines(remarks: Sequence[Remark], page: TextPage) -> Iterator[Text]:
     """Yield each remark with its level in colour."""
     for remark in remarks:
-        level = (f"{remark.level:<9}", _STYLE.get(remark.level, ""))
-        yield line(level, (remark.where, "bold"), indent=2)
+        level = (f"{remark.level!s:<9}", _STYLE.get(remark.level, ""))
+        yield line(level, (remark.location, "bold"), indent=2)
         yield from paragraph(remark.message, page, indent=11)

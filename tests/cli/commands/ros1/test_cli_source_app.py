@@ -4,11 +4,11 @@ from types import SimpleNamespace
 
 import pytest
 
+from rtron.cli.support.options import complete_launch
 from rtron.sources.declaration import NodeSite
 from rtron.sources.models import Model, node_interface
 from rtron.sources.models.common.yaml_model import read_model
 from rtron.vocabulary import Evidence, Parameter, ParameterTree
-from rtron.workflows.launch_listing import complete_launch
 
 LAUNCH = """<launch><arg name="speed"/><arg name="topic" default="cmd_vel"/>
 <node pkg="robot" type="drive.py" name="a"><remap from="cmd_vel" to="$(arg topic)"/></node>

@@ -42,8 +42,8 @@ Obstacle = RoundObstacle | PolygonObstacle
 class Crossing:
     """A pedestrian's walk: out of a door, into the robot's way, and back.
 
-    The walk begins when the robot is `trigger_distance` m of the way before the place `stand`; it goes at
-    `pace` m/s, and the pedestrian stands still for `pause` s.
+    The walk begins when the robot is `trigger_distance` m of its path before the point `stand`. The
+    pedestrian walks at `pace` m/s and stands still for `pause` s.
     """
 
     start: Position

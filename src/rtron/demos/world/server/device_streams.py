@@ -4,7 +4,6 @@ from collections.abc import Callable
 from typing import Any
 
 from rtron.demos.world import camera, lidar
-from rtron.demos.world.server import device_streams
 from rtron.demos.world.server.protocol import encode_frame
 from rtron.demos.world.server.requests import ClientRole
 from rtron.demos.world.simulation import RobotSimulation
@@ -70,8 +69,8 @@ def _battery(world: RobotSimulation) -> bytes:
     return encode_frame(
         _stamp(
             world,
-            percentage=device_streams.battery_percentage(t),
-            voltage=device_streams.battery_voltage(t),
+            percentage=battery_percentage(t),
+            voltage=battery_voltage(t),
         )
     )
 

@@ -1,0 +1,52 @@
+"""The options of commands that call the security service."""
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from rtron.workflows.service_client import SecurityServiceClient, open_service_client
+
+ServiceOption = Annotated[
+    str,
+    typer.Option(
+        "--service",
+        metavar="URL",
+        envvar="RTRON_SERVICE",
+        help="The security service, as `rtron serve` says it.",
+    ),
+]
+TokenOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--token-file",
+        metavar="FILE",
+        envvar="RTRON_TOKEN_FILE",
+        help="Your token for the service; `rtron token create` makes one.",
+    ),
+]
+RobotOption = Annotated[
+    str,
+    typer.Option(
+        "--robot",
+        metavar="NAME",
+        envvar="RTRON_ROBOT",
+        help="The robot; can be left out if there is only one.",
+    ),
+]
+CaOption = Annotated[
+    Path | None,
+    typer.Option(metavar="FILE", help="The service's own certificate authority, as PEM."),
+]
+DEFAULT_SERVICE = "http://127.0.0.1:8600"
+
+
+def connect_to_service(
+    service: str, token_file: Path | None, ca: Path | None
+) -> SecurityServiceClient:
+    """Return a client; warn on standard error if its token crosses a network in clear."""
+    client = open_service_client(service, token_file, ca)
+    if client.sends_token_in_clear:
+        sys.stderr.write(f"warning: {service} is not encrypted: others can read the token\n")
+    return client

@@ -1,0 +1,59 @@
+"""Make a plan: propose one for an app, or fit one to what a run measured."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from rtron.planning.plan_file.loader import read_plan
+from rtron.planning.problem import PlanProblem
+from rtron.planning.proposal.policy_defaults import propose_plan, unguardable_topics
+from rtron.planning.tuning import tune_plan
+from rtron.sources.bag.file_type import is_bag
+from rtron.sources.run_json import read_run
+from rtron.vocabulary import MeasuredRun, Plan, TuningProposal
+from rtron.workflows.scan import ScanResult
+
+
+@dataclass(frozen=True, slots=True)
+class ProposedPlan:
+    """A plan for an app, and what it leaves out because no guard can be put in between."""
+
+    plan: Plan
+    omitted: tuple[PlanProblem, ...]
+
+
+def propose(scan: ScanResult) -> ProposedPlan:
+    """Return the plan that the risks of an app ask for."""
+    plan = propose_plan(scan.graph, scan.report)
+    return ProposedPlan(plan, unguardable_topics(scan.graph, scan.report))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TunedPlan:
+    """A plan with what a run proposes for it; `notes` say what a bag does not tell."""
+
+    plan: Plan
+    proposals: tuple[TuningProposal, ...]
+    run: MeasuredRun
+    notes: tuple[str, ...]
+
+
+def tune_from_run(run: Path, plan: Path, on_message: Callable[[int], None]) -> TunedPlan:
+    """Return a plan fitted to a run, or to a bag that is played through the plan.
+
+    `on_message` is called with the number of messages played. Raise InputError if one of the files
+    cannot be read.
+    """
+    before, measured, notes = _read_run(run, plan, on_message)
+    tuned, proposals = tune_plan(before, measured)
+    return TunedPlan(plan=tuned, proposals=proposals, run=measured, notes=notes)
+
+
+def _read_run(
+    run: Path, plan: Path, on_message: Callable[[int], None]
+) -> tuple[Plan, MeasuredRun, tuple[str, ...]]:
+    if not is_bag(run):
+        return read_plan(plan), read_run(run), ()
+    from rtron.workflows.replay import measure_bag  # noqa: PLC0415 - needs the guard's policies
+
+    return measure_bag(run, plan, on_message)
