@@ -72,7 +72,7 @@ class Participant:
             self.executor.spin()
 
 
-class Liar(Participant):
+class ForgedServer(Participant):
     """Tells no status and takes no goals; says of every goal that it has succeeded."""
 
     def __init__(self, domain, name):
@@ -151,7 +151,7 @@ class Client(Participant):
     def ready(self):
         return self.end.server_is_ready()
 
-    def ask(self, *orders):
+    def send_goal(self, *orders):
         for order in orders:
             self.answers.setdefault(order, [])
             self.open.add(order)
@@ -190,32 +190,32 @@ class Client(Participant):
         )
 
 
-class Guard:
+class GuardThread:
     """The guard of the action, its loop in a thread."""
 
-    def __init__(self, domain, plan, will=None):
+    def __init__(self, domain, plan, handover=None):
         self.loop = EventLoop()
         self.session = Ros2Session(domain)
         self.transport = Ros2Transport(self.loop, self.session)
-        self.host = Coordinator(
-            self.transport, build_streams(plan), observations_of(plan), handover=will
+        self.coordinator = Coordinator(
+            self.transport, build_streams(plan), observations_of(plan), handover=handover
         )
-        self.action = self.host.streams[0]
-        self.loop.post(self.host.open)
+        self.action = self.coordinator.streams[0]
+        self.loop.post(self.coordinator.open)
         self._thread = threading.Thread(target=self.loop.run, daemon=True)
         self._thread.start()
 
-    def do(self, what):
+    def call(self, function):
         """Call something in the loop's thread and return what it returns."""
-        done, found = threading.Event(), []
+        done, results = threading.Event(), []
 
         def call():
-            found.append(what())
+            results.append(function())
             done.set()
 
         self.loop.post(call)
         assert done.wait(10)
-        return found[0]
+        return results[0]
 
     def close(self):
         self.loop.post(self.loop.stop)
@@ -225,12 +225,12 @@ class Guard:
         self.loop.close()
 
 
-class App2:
+class RclpyActionApp:
     """Two approved clients, a server, and the guard between them."""
 
     def __init__(self, domain, policy=PolicyName.FIFO_QUEUE, *, more=None, **settings):
         self.domain = domain
-        made = grcn(
+        topic = grcn(
             ACTION,
             [ONE, TWO],
             [SERVER],
@@ -240,8 +240,8 @@ class App2:
             max_age=60 * SECOND,
             **settings,
         )
-        self.plan = plan_of(made, ros=2, **(more or {}))
-        self.wills = []
+        self.plan = plan_of(topic, ros=2, **(more or {}))
+        self.handovers = []
         self._parts = []
         try:
             self._start()
@@ -252,7 +252,7 @@ class App2:
     def _start(self):
         self.server = self.keep(Server(self.domain))
         self.guard = self.keep(
-            Guard(self.domain, self.plan, HandoverState(write=self.wills.append))
+            GuardThread(self.domain, self.plan, HandoverState(write=self.handovers.append))
         )
         self.one, self.two = self.client(ONE, "flow1"), self.client(TWO, "flow2")
         for client in (self.one, self.two):

@@ -16,17 +16,17 @@ def domains():
 
 
 @pytest.fixture
-def app2(monkeypatch, domains):
+def start_action_app(monkeypatch, domains):
     """Have a guarded action in a domain of the test's own."""
     pytest.importorskip("rclpy")
-    from ros2_action_app import App2  # noqa: PLC0415 - needs rclpy
+    from ros2_action_app import RclpyActionApp  # noqa: PLC0415 - needs rclpy
     from ros2_harness import reserve_domain  # noqa: PLC0415
 
     monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     monkeypatch.delenv("ROS_LOCALHOST_ONLY", raising=False)
     with ExitStack() as apps:
 
-        def found(*policy, kind=App2, **settings):
+        def found(*policy, kind=RclpyActionApp, **settings):
             """Start an app whose parts find each other: Fast DDS does not always succeed."""
             for _ in range(TRIES - 1):
                 with suppress(WaitTimeoutError):

@@ -10,7 +10,18 @@ pytest.importorskip("rclpy")
 from action_msgs.msg import GoalInfo, GoalStatusArray
 from harness import wait_for
 from rclpy.qos import qos_profile_action_status_default
-from ros2_action_app import ACTION, ONE, SERVER, TWO, TYPE, Client, Guard, Liar, Server, settle
+from ros2_action_app import (
+    ACTION,
+    ONE,
+    SERVER,
+    TWO,
+    TYPE,
+    Client,
+    ForgedServer,
+    GuardThread,
+    Server,
+    settle,
+)
 
 from rtron.guard.audit.ros2.auditor import Ros2Auditor
 from rtron.guard.core.handover_state import HandoverState
@@ -31,13 +42,13 @@ from rtron.vocabulary import (
 pytestmark = pytest.mark.ros2
 
 
-def test_goals_go_one_by_one_in_the_order_of_arrival(app2):
-    app = app2()
-    app.one.ask(1)
+def test_goals_go_one_by_one_in_the_order_of_arrival(start_action_app):
+    app = start_action_app()
+    app.one.send_goal(1)
     wait_for(lambda: app.server.started == [1], what="the first goal")
-    app.two.ask(2)
+    app.two.send_goal(2)
     wait_for(lambda: 2 in app.two.handles, what="a goal that waits to be accepted")
-    app.one.ask(3)
+    app.one.send_goal(3)
     wait_for(lambda: 3 in app.one.handles, what="another to be accepted")
     assert app.server.started == [1]
     for client, order in ((app.one, 1), (app.two, 2), (app.one, 3)):
@@ -58,13 +69,13 @@ def flows(*ranked):
     )
 
 
-def test_the_higher_flow_goes_first_and_interrupts_nothing(app2):
-    app = app2(PolicyName.PRIORITY_QUEUE, flows=flows((ONE, 1), (TWO, 2)))
-    app.one.ask(1)
+def test_the_higher_flow_goes_first_and_interrupts_nothing(start_action_app):
+    app = start_action_app(PolicyName.PRIORITY_QUEUE, flows=flows((ONE, 1), (TWO, 2)))
+    app.one.send_goal(1)
     wait_for(lambda: app.server.started, what="the first goal")
-    app.one.ask(3)
+    app.one.send_goal(3)
     wait_for(lambda: 3 in app.one.handles, what="the lower goal to wait")
-    app.two.ask(2)
+    app.two.send_goal(2)
     wait_for(lambda: 2 in app.two.handles, what="the higher goal to wait")
     for order in (1, 2, 3):
         app.server.finish(order)
@@ -72,12 +83,12 @@ def test_the_higher_flow_goes_first_and_interrupts_nothing(app2):
     assert app.server.started == [1, 2, 3]
 
 
-def test_a_client_cancels_only_its_own_goals(app2):
-    app = app2()
-    app.one.ask(1)
+def test_a_client_cancels_only_its_own_goals(start_action_app):
+    app = start_action_app()
+    app.one.send_goal(1)
     wait_for(lambda: 1 in app.one.handles, what="the first goal")
     for client, order in ((app.two, 2), (app.one, 3), (app.two, 4)):
-        client.ask(order)
+        client.send_goal(order)
         wait_for(lambda client=client, order=order: order in client.handles, what=f"goal {order}")
     others = app.two.cancel_raw(goal_info=GoalInfo(goal_id=app.one.handles[3].goal_id))
     wait_for(others.done, what="the answer about another's goal")
@@ -100,10 +111,10 @@ def test_a_client_cancels_only_its_own_goals(app2):
     assert late.result().return_code == 3
 
 
-def test_a_cancel_with_a_stamp_means_what_was_accepted_before(app2):
-    app = app2()
+def test_a_cancel_with_a_stamp_means_what_was_accepted_before(start_action_app):
+    app = start_action_app()
     for order in (1, 2, 3):
-        app.one.ask(order)
+        app.one.send_goal(order)
         wait_for(lambda order=order: order in app.one.handles, what=f"goal {order}")
     answer = app.one.cancel_raw(goal_info=GoalInfo(stamp=app.one.handles[2].stamp))
     wait_for(answer.done, what="the answer")
@@ -111,9 +122,9 @@ def test_a_cancel_with_a_stamp_means_what_was_accepted_before(app2):
     wait_for(lambda: app.server.started == [1, 3], what="the goal that is left")
 
 
-def test_a_server_that_does_not_cancel_is_told_as_such(app2):
-    app = app2()
-    app.one.ask(1001)
+def test_a_server_that_does_not_cancel_is_told_as_such(start_action_app):
+    app = start_action_app()
+    app.one.send_goal(1001)
     wait_for(lambda: app.server.started, what="the goal")
     answer = app.one.cancel(1001)
     wait_for(answer.done, what="the answer")
@@ -122,13 +133,13 @@ def test_a_server_that_does_not_cancel_is_told_as_such(app2):
     wait_for(lambda: app.one.answers[1001], what="the end")
 
 
-def test_what_the_server_rejects_is_rejected_or_aborted_if_it_was_accepted_here(app2):
-    app = app2()
-    app.one.ask(-1)
+def test_what_the_server_rejects_is_rejected_or_aborted_if_it_was_accepted_here(start_action_app):
+    app = start_action_app()
+    app.one.send_goal(-1)
     wait_for(lambda: app.one.answers[-1], what="the server's no")
-    app.one.ask(1)
+    app.one.send_goal(1)
     wait_for(lambda: app.server.started, what="a goal in progress")
-    app.two.ask(-2, 2)
+    app.two.send_goal(-2, 2)
     wait_for(lambda: 2 in app.two.handles, what="goals that wait")
     app.server.finish(1)
     app.server.finish(2)
@@ -137,8 +148,8 @@ def test_what_the_server_rejects_is_rejected_or_aborted_if_it_was_accepted_here(
     assert app.two.answers == {-2: [("aborted", [])], 2: [("succeeded", [2, 3])]}
 
 
-def test_hundreds_of_goals_are_answered_once_each(app2):
-    app = app2(queue_size=200)
+def test_hundreds_of_goals_are_answered_once_each(start_action_app):
+    app = start_action_app(queue_size=200)
     chance = Random(7)
     orders = {app.one: range(2000, 2150), app.two: range(3000, 3150)}
     for order in (*orders[app.one], *orders[app.two]):
@@ -146,7 +157,7 @@ def test_hundreds_of_goals_are_answered_once_each(app2):
     for pair in zip(*orders.values(), strict=True):
         for client, order in chance.sample(list(zip(orders, pair, strict=True)), 2):
             wait_for(lambda client=client: len(client.open) < 5, what="answers to goals")
-            client.ask(order)
+            client.send_goal(order)
             if chance.random() < 0.2 and client.handles:
                 client.cancel(chance.choice(list(client.handles)))
     for client, own in orders.items():
@@ -161,11 +172,11 @@ def test_hundreds_of_goals_are_answered_once_each(app2):
     assert not ends["rejected"]
 
 
-def test_a_server_that_dies_leaves_no_goal_unanswered(app2):
-    app = app2()
-    app.one.ask(1)
+def test_a_server_that_dies_leaves_no_goal_unanswered(start_action_app):
+    app = start_action_app()
+    app.one.send_goal(1)
     wait_for(lambda: app.server.started, what="the goal")
-    app.two.ask(2)
+    app.two.send_goal(2)
     wait_for(lambda: 2 in app.two.handles, what="a goal that waits")
     app.end(app.server)
     wait_for(lambda: app.one.answers[1], what="the answer to the goal that is lost")
@@ -177,23 +188,23 @@ def test_a_server_that_dies_leaves_no_goal_unanswered(app2):
     assert (again.started, app.two.answers[2]) == ([2], [("succeeded", [2, 3])])
 
 
-def test_without_a_server_the_action_is_not_there(app2):
-    app = app2()
+def test_without_a_server_the_action_is_not_there(start_action_app):
+    app = start_action_app()
     app.end(app.server)
     wait_for(lambda: not app.one.ready(), what="the action to go")
     app.keep(Server(app.domain))
     wait_for(app.one.ready, what="the action to come back")
 
 
-def test_a_guard_that_is_restarted_answers_the_goals_of_the_one_before(app2):
-    app = app2()
-    app.one.ask(1)
+def test_a_guard_that_is_restarted_answers_the_goals_of_the_one_before(start_action_app):
+    app = start_action_app()
+    app.one.send_goal(1)
     wait_for(lambda: app.server.started, what="the goal")
-    app.two.ask(2)
+    app.two.send_goal(2)
     wait_for(lambda: 2 in app.two.handles, what="a goal that waits")
-    wait_for(lambda: goals_in_handover(app) == 2, what="the will")
+    wait_for(lambda: goals_in_handover(app) == 2, what="the handover")
     app.end(app.guard)
-    app.guard = app.keep(Guard(app.domain, app.plan, HandoverState(app.wills[-1])))
+    app.guard = app.keep(GuardThread(app.domain, app.plan, HandoverState(app.handovers[-1])))
     wait_for(lambda: app.two.answers[2], what="the answer to the goal that waited")
     assert app.two.answers[2] == [("aborted", [])]
     cancel = app.two.cancel_raw(goal_info=GoalInfo(goal_id=app.one.handles[1].goal_id))
@@ -202,33 +213,33 @@ def test_a_guard_that_is_restarted_answers_the_goals_of_the_one_before(app2):
     app.server.finish(1)
     wait_for(lambda: app.one.answers[1], what="the answer to the goal in progress")
     assert app.one.answers[1] == [("succeeded", [1, 2])]
-    app.two.ask(3)
+    app.two.send_goal(3)
     app.server.finish(3)
     wait_for(lambda: app.two.answers[3], what="a new goal")
     assert app.server.started == [1, 3]
 
 
 @pytest.mark.filterwarnings("ignore:Deprecated in favor of:DeprecationWarning")
-def test_the_goals_of_the_guard_before_are_answered_though_the_server_comes_late(app2):
-    app = app2()
-    app.one.ask(1)
+def test_the_goals_of_the_guard_before_are_answered_though_the_server_comes_late(start_action_app):
+    app = start_action_app()
+    app.one.send_goal(1)
     wait_for(lambda: app.server.started, what="the goal")
-    app.two.ask(2)
+    app.two.send_goal(2)
     wait_for(lambda: 2 in app.two.handles, what="a goal that waits")
-    wait_for(lambda: goals_in_handover(app) == 2, what="the will")
+    wait_for(lambda: goals_in_handover(app) == 2, what="the handover")
     app.end(app.guard)
     app.end(app.server)
-    app.guard = app.keep(Guard(app.domain, app.plan, HandoverState(app.wills[-1])))
-    over = app.guard.action._results.flow
+    app.guard = app.keep(GuardThread(app.domain, app.plan, HandoverState(app.handovers[-1])))
+    over = app.guard.action._results.flow_of
     wait_for(lambda: over(id_of(app.two, 2)), what="the end of the goal that waited")
     app.keep(Server(app.domain))
     wait_for(lambda: app.two.answers[2], what="the answer")
     assert app.two.answers[2] == [("aborted", [])]
 
 
-def test_strangers_are_rejected_and_cancel_nothing(app2):
-    app = app2()
-    app.one.ask(1)
+def test_strangers_are_rejected_and_cancel_nothing(start_action_app):
+    app = start_action_app()
+    app.one.send_goal(1)
     wait_for(lambda: app.server.started, what="the goal")
     strangers = [
         app.client("/mallory"),
@@ -240,7 +251,7 @@ def test_strangers_are_rejected_and_cancel_nothing(app2):
         answer = stranger.cancel_raw()
         wait_for(answer.done, what="the answer to a stranger's cancel")
         assert answer.result().return_code == 1
-        stranger.ask(order)
+        stranger.send_goal(order)
         wait_for(lambda stranger=stranger, order=order: stranger.answers[order], what="a no")
         assert stranger.answers[order] == [("rejected", [])]
     assert (app.server.started, app.server.cancels) == ([1], [])
@@ -250,15 +261,17 @@ def test_strangers_are_rejected_and_cancel_nothing(app2):
     assert app.one.answers[1] == [("succeeded", [1, 2])]
 
 
-def test_beside_a_second_server_the_first_keeps_its_goal_and_neither_is_sent_another(app2, caplog):
-    app = app2()
-    app.one.ask(1)
+def test_beside_a_second_server_the_first_keeps_its_goal_and_neither_is_sent_another(
+    start_action_app, caplog
+):
+    app = start_action_app()
+    app.one.send_goal(1)
     wait_for(lambda: app.server.started, what="the goal")
-    app.two.ask(2)
+    app.two.send_goal(2)
     wait_for(lambda: 2 in app.two.handles, what="a goal that waits")
     other = app.keep(Server(app.domain, "/mallory"))
     wait_for(lambda: app.guard.action.doubt, what="two servers to be noticed")
-    app.two.ask(3)
+    app.two.send_goal(3)
     wait_for(lambda: app.two.answers[3], what="a no")
     settle(3)
     assert (app.one.answers[1], app.two.answers[3]) == ([], [("rejected", [])])
@@ -271,80 +284,82 @@ def test_beside_a_second_server_the_first_keeps_its_goal_and_neither_is_sent_ano
     wait_for(lambda: app.server.started == [1, 2], what="the goal that waited")
 
 
-def test_who_only_tells_a_status_does_not_keep_a_goal_from_being_cancelled(app2):
-    app = app2()
-    app.one.ask(1)
+def test_who_only_tells_a_status_does_not_keep_a_goal_from_being_cancelled(start_action_app):
+    app = start_action_app()
+    app.one.send_goal(1)
     wait_for(lambda: app.server.started, what="the goal")
     stranger = app.keep(Client(app.domain, "/mallory", ACTION))
     name = ros2_entity_name(output_topic(ACTION), Ros2ActionEntity.STATUS)
     stranger.node.create_publisher(GoalStatusArray, name, qos_profile_action_status_default)
     wait_for(lambda: app.guard.action.doubt, what="the stranger to be noticed")
-    app.guard.do(lambda: app.guard.action.brake("a test", "a person is there"))
+    app.guard.call(lambda: app.guard.action.brake("a test", "a person is there"))
     wait_for(lambda: app.one.answers[1], what="the end of the goal")
     assert app.one.answers[1][0][0] == "canceled"
     assert app.server.cancels == [1]
 
 
-def test_a_second_server_is_an_alarm_that_stops_the_goal_in_progress(app2):
-    app = app2()
+def test_a_second_server_is_an_alarm_that_stops_the_goal_in_progress(start_action_app):
+    app = start_action_app()
     guard = app.guard
-    auditor = Ros2Auditor(app.plan, guard.host, guard.transport, guard.loop)
-    guard.do(auditor.start)
-    app.one.ask(1)
+    auditor = Ros2Auditor(app.plan, guard.coordinator, guard.transport, guard.loop)
+    guard.call(auditor.start)
+    app.one.send_goal(1)
     wait_for(lambda: app.server.started, what="the goal")
-    assert guard.do(lambda: guard.host.alarms.standing) == ()
+    assert guard.call(lambda: guard.coordinator.alarms.active) == ()
     other = app.keep(Server(app.domain, "/mallory"))
     wait_for(lambda: app.one.answers[1], what="the end of the goal")
     assert app.one.answers[1] == [("canceled", [-1])]
-    standing = guard.do(lambda: guard.host.alarms.standing)
-    (alarm,) = (each for each in standing if f"offers to serve {ACTION}, too" in each.reason)
+    active = guard.call(lambda: guard.coordinator.alarms.active)
+    (alarm,) = (each for each in active if f"offers to serve {ACTION}, too" in each.reason)
     assert (alarm.kind, alarm.peer) == (AlarmKind.FOREIGN_PUBLISHER, "/mallory")
     app.end(other)
-    wait_for(lambda: not guard.do(lambda: guard.host.alarms.standing), what="the alarm to end")
-    app.two.ask(2)
+    wait_for(
+        lambda: not guard.call(lambda: guard.coordinator.alarms.active), what="the alarm to end"
+    )
+    app.two.send_goal(2)
     wait_for(lambda: app.server.started == [1, 2], what="a goal after the alarm")
     assert other.started == []
 
 
 @pytest.mark.filterwarnings("ignore:Deprecated in favor of:DeprecationWarning")
-def test_a_guard_that_comes_after_a_second_server_follows_the_goal_of_the_first(app2):
-    app = app2()
-    app.one.ask(1)
+def test_a_guard_that_comes_after_a_second_server_follows_the_goal_of_the_first(start_action_app):
+    app = start_action_app()
+    app.one.send_goal(1)
     wait_for(lambda: app.server.started, what="the goal")
-    wait_for(lambda: goals_in_handover(app) == 1, what="the will")
+    wait_for(lambda: goals_in_handover(app) == 1, what="the handover")
     app.end(app.guard)
     app.keep(Server(app.domain, "/mallory"))
-    app.guard = app.keep(Guard(app.domain, app.plan, HandoverState(app.wills[-1])))
+    app.guard = app.keep(GuardThread(app.domain, app.plan, HandoverState(app.handovers[-1])))
     action = app.guard.action
     wait_for(lambda: action.server and action.doubt, what="the first and the second")
-    app.guard.do(lambda: action.brake("a test", "a person is there"))
+    app.guard.call(lambda: action.brake("a test", "a person is there"))
     wait_for(lambda: app.server.cancels, what="the cancel")
 
 
-def test_who_only_answers_for_results_ends_no_goal(app2):
-    app = app2()
-    app.one.ask(1)
+def test_who_only_answers_for_results_ends_no_goal(start_action_app):
+    app = start_action_app()
+    app.one.send_goal(1)
     wait_for(lambda: app.server.started, what="the goal")
-    wait_for(lambda: goals_in_handover(app) == 1, what="the will")
+    wait_for(lambda: goals_in_handover(app) == 1, what="the handover")
     app.end(app.guard)
-    app.keep(Liar(app.domain, "/mallory"))
-    app.guard = app.keep(Guard(app.domain, app.plan, HandoverState(app.wills[-1])))
+    app.keep(ForgedServer(app.domain, "/mallory"))
+    app.guard = app.keep(GuardThread(app.domain, app.plan, HandoverState(app.handovers[-1])))
     action = app.guard.action
     wait_for(lambda: action.server, what="the server")
     wait_for(lambda: action.doubt == "/mallory answers in its place", what="the liar")
-    app.guard.do(lambda: action.brake("a test", "a person is there"))
+    app.guard.call(lambda: action.brake("a test", "a person is there"))
     wait_for(lambda: app.server.cancels, what="the cancel")
 
 
 def goals_in_handover(app):
-    return len(json.loads(app.wills[-1]).get("results /fib", ())) if app.wills else 0
+    return len(json.loads(app.handovers[-1]).get("results /fib", ())) if app.handovers else 0
 
 
 OWN = MessageDefinition(type=TYPE, definition="int32 order\n")
 
 
 @pytest.mark.parametrize("messages", [(OWN,), ()], ids=["told", "installed"])
-def test_a_rule_looks_into_the_goal(app2, messages):
+def test_a_rule_looks_into_the_goal(start_action_app, messages):
     rule = MissionRule(name="small", block=(ACTION,), action="action.order > 100")
     aflows = (
         GuardedTopic(
@@ -354,36 +369,36 @@ def test_a_rule_looks_into_the_goal(app2, messages):
     msrcn = MSRCN(
         id="msrcn", mode=Mode.ENFORCE, policy=PolicyName.BLOCK, aflows=aflows, rules=(rule,)
     )
-    app = app2(more={"msrcn": msrcn, "messages": messages})
-    app.one.ask(101, 100)
+    app = start_action_app(more={"msrcn": msrcn, "messages": messages})
+    app.one.send_goal(101, 100)
     app.server.finish(100)
     wait_for(lambda: app.one.answers[100], what="the goal that is allowed")
     assert app.one.answers == {101: [("rejected", [])], 100: [("succeeded", [100, 101])]}
     assert app.server.started == [100]
 
 
-def test_a_brake_cancels_the_goal_in_progress(app2):
-    app = app2()
-    app.one.ask(1)
+def test_a_brake_cancels_the_goal_in_progress(start_action_app):
+    app = start_action_app()
+    app.one.send_goal(1)
     wait_for(lambda: app.server.started, what="the goal")
-    app.guard.do(lambda: app.guard.action.brake("a test", "a person is there"))
+    app.guard.call(lambda: app.guard.action.brake("a test", "a person is there"))
     wait_for(lambda: app.one.answers[1], what="the end of the goal")
     assert app.one.answers[1] == [("canceled", [-1])]
-    app.two.ask(2)
+    app.two.send_goal(2)
     wait_for(lambda: app.two.answers[2], what="a no")
-    app.guard.do(lambda: app.guard.action.release("a test"))
-    app.two.ask(3)
+    app.guard.call(lambda: app.guard.action.release("a test"))
+    app.two.send_goal(3)
     app.server.finish(3)
     wait_for(lambda: app.two.answers[3], what="a goal after the brake")
     assert (app.two.answers[2], app.server.started) == ([("rejected", [])], [1, 3])
 
 
-def test_a_client_that_cancels_a_crowd_of_goals_gets_all_the_answers(app2):
-    app = app2()
+def test_a_client_that_cancels_a_crowd_of_goals_gets_all_the_answers(start_action_app):
+    app = start_action_app()
     crowd = range(1, 41)
     for order in crowd:
         wait_for(lambda: len(app.one.open) < 5, what="answers to goals")
-        app.one.ask(order)
+        app.one.send_goal(order)
     wait_for(lambda: len(app.one.handles) == len(crowd), what="all goals to be accepted")
     everything = app.one.cancel_raw()
     wait_for(everything.done, what="the answer")

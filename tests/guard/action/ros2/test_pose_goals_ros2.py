@@ -15,9 +15,9 @@ from ros2_action_app import (
     ONE,
     SERVER,
     TWO,
-    App2,
-    Guard,
+    GuardThread,
     Participant,
+    RclpyActionApp,
     Server,
     settle,
 )
@@ -27,7 +27,7 @@ from rtron.vocabulary import SECOND, Flow, PolicyName, StreamKind, flow_topic, o
 
 pytestmark = pytest.mark.ros2
 GOAL_POSE, THREE = "/goal_pose", "/three"
-ASKED = (Flow(name="flow1", publisher=THREE),)
+ACTION_FLOWS = (Flow(name="flow1", publisher=THREE),)
 POSES = grcn(
     GOAL_POSE,
     [ONE, TWO],
@@ -62,13 +62,13 @@ class PosePublisher(Participant):
         self.end = self.node.create_publisher(PoseStamped, flow_topic(GOAL_POSE, flow), 10)
         self.start()
 
-    def give(self, x):
+    def publish_pose(self, x):
         pose = PoseStamped()
         pose.pose.position.x = float(x)
         self.end.publish(pose)
 
 
-class PoseApp(App2):
+class PoseApp(RclpyActionApp):
     """Two who give poses, a server, and the guard between them, of the action too if asked to."""
 
     def __init__(self, domain, *, guarded):
@@ -76,11 +76,11 @@ class PoseApp(App2):
         super().__init__(domain)
 
     def _start(self):
-        asked = (replace(each, flows=ASKED) for each in self.plan.grcn if self.guarded)
+        asked = (replace(each, flows=ACTION_FLOWS) for each in self.plan.grcn if self.guarded)
         self.plan = plan_of(POSES, *asked, ros=2)
         action = output_topic(ACTION) if self.guarded else ACTION
         self.server = self.keep(PoseServer(self.domain, action))
-        self.guard = self.keep(Guard(self.domain, self.plan))
+        self.guard = self.keep(GuardThread(self.domain, self.plan))
         self.one = self.keep(PosePublisher(self.domain, ONE, "flow1"))
         self.two = self.keep(PosePublisher(self.domain, TWO, "flow2"))
         wait_for(self._found, FOUND_S, "all to find each other")
@@ -88,15 +88,19 @@ class PoseApp(App2):
     def _found(self):
         heard = all(each.end.get_subscription_count() for each in (self.one, self.two))
         hears = self.server.poses.get_publisher_count()
-        served = self.guard.host.guarded[1].server if self.guarded else self.guard.action._is_action
+        served = (
+            self.guard.coordinator.streams[1].server
+            if self.guarded
+            else self.guard.action._is_action
+        )
         return heard and hears and served
 
 
-def test_poses_go_one_by_one_and_a_block_cancels_the_goal_they_became(app2):
-    app = app2(kind=PoseApp, guarded=False)
-    app.one.give(1)
+def test_poses_go_one_by_one_and_a_block_cancels_the_goal_they_became(start_action_app):
+    app = start_action_app(kind=PoseApp, guarded=False)
+    app.one.publish_pose(1)
     wait_for(lambda: app.server.started == [1], what="the first pose's goal")
-    app.two.give(2)
+    app.two.publish_pose(2)
     settle()
     assert app.server.started == [1]
     app.server.finish(1)
@@ -104,22 +108,22 @@ def test_poses_go_one_by_one_and_a_block_cancels_the_goal_they_became(app2):
 
     def block():
         app.guard.action.pipeline.bar("a test", ["flow2"], "an area is closed")
-        app.guard.host.attend()
+        app.guard.coordinator.recheck()
 
-    app.guard.do(block)
+    app.guard.call(block)
     wait_for(lambda: app.server.ended == [1, 2], what="the end of what was cancelled")
     assert app.server.cancels == [2]
 
 
-def test_poses_and_goals_of_a_guarded_action_take_turns(app2):
-    app = app2(kind=PoseApp, guarded=True)
+def test_poses_and_goals_of_a_guarded_action_take_turns(start_action_app):
+    app = start_action_app(kind=PoseApp, guarded=True)
     client = app.client(THREE, "flow1")
     wait_for(client.ready, FOUND_S, "the action")
-    app.one.give(1)
+    app.one.publish_pose(1)
     wait_for(lambda: app.server.started == [1], what="the pose's goal")
-    client.ask(3)
+    client.send_goal(3)
     wait_for(lambda: 3 in client.handles, what="a goal that waits to be accepted")
-    app.two.give(2)
+    app.two.publish_pose(2)
     settle()
     assert app.server.started == [1]
     for order in (1, 2, 3):
