@@ -11,26 +11,26 @@ import pytest
 from harness import lives, wait_for
 
 BUSY = """
-from executor_work import linger
-from rtron.executors import Processes
-list(Processes(2, chunk=1).map(linger, [sys.argv[1]] * 2))
+from executor_work import sleep_marked
+from rtron.executors import ProcessExecutor
+list(ProcessExecutor(2, chunk_size=1).map(sleep_marked, [sys.argv[1]] * 2))
 """
-BELOW = BUSY.replace("linger", "linger_below")
+BELOW = BUSY.replace("sleep_marked", "start_child_sleep")
 IDLE = """
-from rtron.executors import Processes
-from executor_work import process
-results = Processes(1, chunk=1).map(process, iter(int, 1))
+from rtron.executors import ProcessExecutor
+from executor_work import process_id
+results = ProcessExecutor(1, chunk_size=1).map(process_id, iter(int, 1))
 Path(sys.argv[1], str(next(results))).touch()
 sys.stdin.read()
 """
 INTERPRETING = """
 from rtron.sources.declaration import NodeSite
-from rtron.sources.static.common.worker_pool import Pool
-from rtron.sources.static.common.task import Task, TaskKind
+from rtron.sources.static.common.worker_pool import WorkerPool
+from rtron.sources.static.common.task import InterpretationTask, TaskKind
 from rtron.sources.workspace import read_workspace
 folder = Path(sys.argv[1])
-pool = Pool(read_workspace([folder], {}), 1, 60)
-list(pool.run([Task(kind=TaskKind.PYTHON, sources=(folder,), site=NodeSite(name="/n"))]))
+pool = WorkerPool(read_workspace([folder], {}), 1, 60)
+list(pool.run_tasks([InterpretationTask(kind=TaskKind.PYTHON, sources=(folder,), site=NodeSite(name="/n"))]))
 for process in pool._executor._processes:
     (folder / str(process)).touch()
 sys.stdin.read()

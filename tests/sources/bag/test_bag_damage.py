@@ -15,9 +15,11 @@ from bag_files import (
     channel,
     mcap_chunk_record,
     mcap_message_record,
+    mcap_record,
     ros1_bag,
     ros1_connection_record,
     ros1_message_record,
+    ros1_record,
     ros2_bag,
     schema,
     write_mcap_records,
@@ -30,8 +32,9 @@ from rtron.errors import InputError
 from rtron.sources.bag.common import limits
 from rtron.sources.bag.common.compression import decompress, decompress_zstd
 from rtron.sources.bag.formats import open_bag
-from rtron.sources.bag.mcap import record
-from rtron.sources.bag.ros1 import chunk, reader, record
+from rtron.sources.bag.mcap import record as mcap_record_module
+from rtron.sources.bag.ros1 import chunk, reader
+from rtron.sources.bag.ros1 import record as ros1_record_module
 from rtron.sources.bag.ros2 import sqlite
 from rtron.sources.bag.ros2.offered_qos import parse_offered_qos
 from rtron.vocabulary import QoS
@@ -80,9 +83,9 @@ def test_an_old_bag_and_one_that_was_not_closed(tmp_path):
     path.write_bytes(b"#ROSBAG V1.2\n")
     assert "another version" in fault(path)
     header = {b"op": b"\x03", b"index_pos": bytes(8), b"conn_count": bytes(4)}
-    path.write_bytes(b"#ROSBAG V2.0\n" + record(header))
+    path.write_bytes(b"#ROSBAG V2.0\n" + ros1_record(header))
     assert "was not closed" in fault(path)
-    path.write_bytes(b"#ROSBAG V2.0\n" + record({b"op": b"\x03", b"encryptor": b"x"}))
+    path.write_bytes(b"#ROSBAG V2.0\n" + ros1_record({b"op": b"\x03", b"encryptor": b"x"}))
     assert "encrypted" in fault(path)
 
 
@@ -97,10 +100,10 @@ def test_an_old_bag_and_one_that_was_not_closed(tmp_path):
         ({"infos": [(1, 13 + 4096)] * 1000}, "number of entries"),
         ({"infos": [(2, 13 + 4096)]}, "wrong time for a chunk"),
         ({"connections": [ros1_connection_record(7, "/x")]}, "a message of no connection (0)"),
-        ({"connections": [record({b"op": b"\x07"})]}, "no field 'topic'"),
+        ({"connections": [ros1_record({b"op": b"\x07"})]}, "no field 'topic'"),
         ({"connections": [ros1_connection_record(0, "/x", callerid=b"\xff")]}, "can't decode"),
         ({"connections": [ros1_connection_record(0, "/x", type=b"\xff")]}, "can't decode"),
-        ({"connections": [record({b"op": b"\x09"})]}, "another kind"),
+        ({"connections": [ros1_record({b"op": b"\x09"})]}, "another kind"),
         ({"connections": [b"\xff\xff\xff\xff"]}, "a record of 4294967295 bytes"),
     ],
 )
@@ -120,8 +123,8 @@ def test_an_index_that_lies(tmp_path, damage, said):
         (chunk1(ros1_message_record(0, 1, b"xyz")[:-1]), "longer than its chunk"),
         (chunk1(ros1_message_record(0, 1, b"xyz") + b"\0" * 3), "wrong size"),
         (chunk1(b"\xff" * 50), "longer than its chunk"),
-        (chunk1(record({b"op": b"\x06"})), "no message and no connection"),
-        (chunk1(record({b"op": b"\x02", b"conn": bytes(4), b"time": b"x"})), "wrong size"),
+        (chunk1(ros1_record({b"op": b"\x06"})), "no message and no connection"),
+        (chunk1(ros1_record({b"op": b"\x02", b"conn": bytes(4), b"time": b"x"})), "wrong size"),
         (chunk1(ros1_message_record(9, 1, b"")), "no connection (9)"),
     ],
 )
@@ -183,10 +186,10 @@ def test_a_bag_may_unpack_to_so_many_times_its_size(tmp_path, monkeypatch):
     packed = bz2.compress(data)
     chunks = [chunk1(packed, compression=b"bz2", size=len(data))] * 5
     path = write_ros1_records(tmp_path / "x.bag", chunks)
-    monkeypatch.setattr(limits, "_ALWAYS_UNPACKED", 5 * len(data))
-    monkeypatch.setattr(limits, "_MOST_PER_BYTE", 10)
+    monkeypatch.setattr(limits, "_MIN_BUDGET_BYTES", 5 * len(data))
+    monkeypatch.setattr(limits, "_MAX_RATIO", 10)
     assert len(list(open_bag(path))) == 5000
-    monkeypatch.setattr(limits, "_ALWAYS_UNPACKED", 5 * len(data) - 1)
+    monkeypatch.setattr(limits, "_MIN_BUDGET_BYTES", 5 * len(data) - 1)
     assert "10 times its size" in fault(path)
 
 
@@ -199,10 +202,10 @@ def test_messages_in_a_chunk_are_counted(tmp_path, monkeypatch):
         summary,
         chunks=[(1, mcap_chunk_record(1, mcap_message_record(1, 1, b"") * 4))],
     )
-    for module in (chunk, record):
+    for module in (chunk, mcap_record_module):
         monkeypatch.setattr(module, "MAX_CHUNK_MESSAGES", 5)
     assert len(list(open_bag(ros1_path))) == len(list(open_bag(mcap_path))) == 4
-    for module in (chunk, record):
+    for module in (chunk, mcap_record_module):
         monkeypatch.setattr(module, "MAX_CHUNK_MESSAGES", 3)
     assert "more than 3 messages" in fault(ros1_path)
     assert "more than 3 messages" in fault(mcap_path)
@@ -210,7 +213,7 @@ def test_messages_in_a_chunk_are_counted(tmp_path, monkeypatch):
 
 def test_an_index_larger_than_allowed(tmp_path, monkeypatch):
     path = ros1_bag(tmp_path / "x.bag")
-    monkeypatch.setattr(record.RecordReader.__init__, "__defaults__", (300,))
+    monkeypatch.setattr(ros1_record_module.RecordReader.__init__, "__defaults__", (300,))
     assert "an index of more than" in fault(path)
 
 
@@ -229,9 +232,9 @@ def test_connections_are_counted(tmp_path, monkeypatch):
         (b"", {"start": 0}, "no summary"),
         (b"", {"start": 2**63}, "not where it should be"),
         (b"", {"start": 1}, "not where it should be"),
-        (record(3, b"x"), {}, "shorter than its values"),
+        (mcap_record(3, b"x"), {}, "shorter than its values"),
         (b"\x04" + b"\xff" * 8, {}, "longer than what it is in"),
-        (record(4, struct.pack("<HHI", 1, 1, 2**32 - 1)), {}, "shorter than its values"),
+        (mcap_record(4, struct.pack("<HHI", 1, 1, 2**32 - 1)), {}, "shorter than its values"),
         (channel(metadata={"a": "b"})[:-1] + b"\xff", {}, "can't decode"),
         (channel(), {"body": mcap_message_record(9, 1, b"")}, "no channel (9)"),
         (
@@ -268,7 +271,7 @@ def test_connections_are_counted(tmp_path, monkeypatch):
             {"chunks": [(2, mcap_chunk_record(1, b"", size=2**40))]},
             "unpacks to 1099511627776",
         ),
-        (channel(), {"chunks": [(2, (record(5, bytes(40)), 40))]}, "points to no chunk"),
+        (channel(), {"chunks": [(2, (mcap_record(5, bytes(40)), 40))]}, "points to no chunk"),
     ],
 )
 def test_an_mcap_that_lies(tmp_path, summary, more, said):
@@ -342,7 +345,7 @@ def test_a_table_of_topics_is_small(tmp_path, monkeypatch):
     monkeypatch.setattr(sqlite, "MAX_CONNECTIONS", 7)
     assert "too large" in fault(path)
     monkeypatch.setattr(sqlite, "MAX_CONNECTIONS", 8)
-    monkeypatch.setattr(sqlite, "MAX_INDEX", 10)
+    monkeypatch.setattr(sqlite, "MAX_INDEX_BYTES", 10)
     assert "too large" in fault(path)
 
 
@@ -350,9 +353,9 @@ def test_a_query_takes_so_many_steps(tmp_path, monkeypatch):
     rows = "INSERT INTO messages VALUES(1, 1, 1, x'00');" * 2000
     path = database(tmp_path / "x.db3", TOPICS + MESSAGES + TOPIC + rows)
     assert len(list(open_bag(path))) == 2000
-    monkeypatch.setattr(sqlite, "_STEPS_ALWAYS", 0)
+    monkeypatch.setattr(sqlite, "_MIN_STEPS", 0)
     monkeypatch.setattr(sqlite, "_STEPS_PER_BYTE", 0)
-    monkeypatch.setattr(sqlite, "_STEPS", 1000)
+    monkeypatch.setattr(sqlite, "_STEPS_PER_CHECK", 1000)
     assert "interrupted" in fault(path)
 
 

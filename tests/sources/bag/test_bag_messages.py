@@ -120,9 +120,9 @@ def test_messages_of_one_time_come_as_they_stand_in_the_file(tmp_path):
 )
 def test_a_header_has_its_fields_in_any_order(tmp_path, order):
     chunk = ros1_connection_record(0, "/cmd_vel") + b"".join(
-        ros1_message_record(0, second, b"%d" % second, time_order) for second in (1, 2)
+        ros1_message_record(0, second, b"%d" % second, order) for second in (1, 2)
     )
-    other = ros1_message_record(0, 3, b"3", time_order[::-1])
+    other = ros1_message_record(0, 3, b"3", order[::-1])
     path = write_ros1_records(tmp_path / "x.bag", [(1, b"none", len(chunk + other), chunk + other)])
     assert [(t // SECOND, d) for t, _, _, d in read(path)] == [(1, b"1"), (2, b"2"), (3, b"3")]
 
@@ -227,9 +227,9 @@ def test_what_waits_for_later_chunks_is_bounded(tmp_path, monkeypatch):
     path = ros1_bag(tmp_path / "run.bag", times, chunk=500)
     in_chunk = max(Counter(each.chunk_pos for each in indexed(path)).values())
     most = (in_chunk + 1) * (len(twist(0)) + 200)
-    monkeypatch.setattr(time_order, "MAX_WAITING", most)
+    monkeypatch.setattr(time_order, "MAX_PENDING_BYTES", most)
     assert len(read(path)) == 50
-    monkeypatch.setattr(time_order, "MAX_WAITING", most - 1)
+    monkeypatch.setattr(time_order, "MAX_PENDING_BYTES", most - 1)
     with pytest.raises(InputError, match="overlap by more than"):
         read(path)
 

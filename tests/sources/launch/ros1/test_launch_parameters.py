@@ -362,7 +362,7 @@ def test_a_file_is_parsed_once_however_often_it_is_included(launch, monkeypatch)
 
 @pytest.mark.parametrize(("limit", "names"), [(2, ["/a", "/b"]), (3, ["/a", "/b", "/n/c"])])
 def test_what_a_launch_sets_is_bounded_and_no_node_is_lost(launch, monkeypatch, limit, names):
-    monkeypatch.setattr(parameter_server, "MAX_SET", limit)
+    monkeypatch.setattr(parameter_server, "MAX_PARAMETERS", limit)
     node = '<node pkg="p" type="t" name="n"><param name="c" value="1"/></node>'
     tree = launch('<param name="a" value="1"/><rosparam>b: 1</rosparam>' + node)
     assert (list(values(tree)), len(tree.nodes())) == (names, 1)
@@ -370,7 +370,7 @@ def test_what_a_launch_sets_is_bounded_and_no_node_is_lost(launch, monkeypatch, 
 
 
 def test_what_rosparam_nodes_set_is_bounded(launch, monkeypatch):
-    monkeypatch.setattr(parameter_server, "MAX_SET", 3)
+    monkeypatch.setattr(parameter_server, "MAX_PARAMETERS", 3)
     node = '<node pkg="rosparam" type="rosparam" name="{}" args="load $(dirname)/p.yaml"/>'
     tree = launch(node.format("a") + node.format("b"), files={"p.yaml": "a: 1\nb: 2"})
     assert (len(tree.nodes()), len(tree.unresolved)) == (2, 1)
@@ -378,7 +378,7 @@ def test_what_rosparam_nodes_set_is_bounded(launch, monkeypatch):
 
 @pytest.mark.parametrize(("size", "is_read"), [(5, True), (6, False)])
 def test_files_are_bounded_together(launch, monkeypatch, size, is_read):
-    monkeypatch.setattr(load_state, "MAX_BYTES_OF_ALL", 10)
+    monkeypatch.setattr(load_state, "MAX_TOTAL_BYTES", 10)
     body = '<param name="a" textfile="$(dirname)/t"/><param name="b" binfile="$(dirname)/t"/>'
     tree = launch(body, files={"t": "x" * size})
     assert (values(tree)["/a"], tree.unresolved == ()) == ("x" * size, is_read)

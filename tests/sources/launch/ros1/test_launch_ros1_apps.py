@@ -42,7 +42,7 @@ def difference(tree, dump):
 
 
 def test_apps_start_and_set_what_they_do_in_ros(tmp_path, monkeypatch):
-    monkeypatch.setattr(param_tag, "_output", lambda *_: OUTPUT)
+    monkeypatch.setattr(param_tag, "_command_output", lambda *_: OUTPUT)
     write_files(tmp_path, {"xacro/package.xml": package("xacro")})
     found, differences = Counter(), {}
     with RosLoader() as ros:

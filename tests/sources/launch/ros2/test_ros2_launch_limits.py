@@ -33,7 +33,7 @@ def doubled(first, last, body="x = [x, x]"):
     ],
 )
 def test_lists_that_double_each_other_end(program, monkeypatch, text):
-    monkeypatch.setattr(limits, "MAX_PIECES", 5_000)
+    monkeypatch.setattr(limits, "MAX_TEXT_PARTS", 5_000)
     app = program(text)
     assert any("more than 5000 parts" in why for why in whys(app))
 

@@ -148,8 +148,8 @@ class SnapshotSequence:
 
 @pytest.fixture
 def quick(monkeypatch):
-    monkeypatch.setattr(discovery, "LEAST_S", 0.0)
-    monkeypatch.setattr(discovery, "_PAUSE_S", 0.0)
+    monkeypatch.setattr(discovery, "MIN_DISCOVERY_S", 0.0)
+    monkeypatch.setattr(discovery, "_POLL_S", 0.0)
 
 
 WHOLE = Snapshot(nodes=("/a",), endpoints=(end("/a", "/t", ">"),))

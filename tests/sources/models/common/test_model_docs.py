@@ -9,7 +9,7 @@ from rtron.sources.models.common.functions import model_functions
 from rtron.sources.models.common.model_scope import node_scope
 from rtron.sources.models.common.schema import Model, ModelEntry
 
-PAGE = (Path(__file__).parents[3] / "docs" / "models.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[4] / "docs" / "models.md").read_text(encoding="utf-8")
 KEYS = {
     field.alias or name for form in (Model, ModelEntry) for name, field in form.model_fields.items()
 }

@@ -24,7 +24,7 @@ def ran(monkeypatch):
         names.extend(task.site.name for task in tasks)
         return run(self, tasks)
 
-    monkeypatch.setattr(WorkerPool, "run", watched)
+    monkeypatch.setattr(WorkerPool, "run_tasks", watched)
     return names
 
 

@@ -9,9 +9,9 @@ from rtron.errors import InputError
 from rtron.sources.models.common.schema import MODEL_KINDS, Model
 from rtron.sources.models.common.yaml_model import read_model
 
-ROS1_LIBRARY = Path(__file__).parent / "library"
-ROS2_LIBRARY = Path(__file__).parent / "library2"
-"""ROS 2's."""
+_MODELS = Path(__file__).parents[1]
+ROS1_LIBRARY = _MODELS / "ros1" / "library"
+ROS2_LIBRARY = _MODELS / "ros2" / "library"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
