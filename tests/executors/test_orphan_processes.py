@@ -30,7 +30,9 @@ from rtron.sources.static.common.task import InterpretationTask, TaskKind
 from rtron.sources.workspace import read_workspace
 folder = Path(sys.argv[1])
 pool = WorkerPool(read_workspace([folder], {}), 1, 60)
-list(pool.run_tasks([InterpretationTask(kind=TaskKind.PYTHON, sources=(folder,), site=NodeSite(name="/n"))]))
+site = NodeSite(name="/n")
+task = InterpretationTask(kind=TaskKind.PYTHON, sources=(folder,), site=site)
+list(pool.run_tasks([task]))
 for process in pool._executor._processes:
     (folder / str(process)).touch()
 sys.stdin.read()

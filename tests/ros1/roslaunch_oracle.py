@@ -59,7 +59,7 @@ def nodes_of_tree(tree):
             node.package,
             node.type,
             node.args,
-            [(remap.declared, remap.target) for remap in node.remaps],
+            [(remap.source, remap.target) for remap in node.remaps],
         )
         for node in tree.nodes()
     }

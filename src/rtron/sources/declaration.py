@@ -85,8 +85,8 @@ _FORWARDED = "forward_global_arguments"
 class ComponentLoading:
     """How a container loads a component (rclcpp_components: ComponentManager).
 
-    `container` is the full name of the node that loads it, `is_process_known` says that a launch that is read
-    tells all that this process is started with. `options` are the extra arguments.
+    `container` is the full name of the node that loads it, `is_process_known` says that a launch
+    that is read tells all that this process is started with. `options` are the extra arguments.
     """
 
     container: str
@@ -101,12 +101,12 @@ class NodeSite:
     `remaps` lead from absolute declared names to absolute targets. `parameters_complete` says that
     `parameters` holds all there are: what is not in it is not set.
 
-    In ROS 2 (`ros`) the parameters are `settings`, of which the last that fits counts. `has_launch_name` and
-    `has_launch_namespace` say that the launch gives the name and the namespace; where it does not, the source
-    does. They are for every node of the process that takes the process's arguments. Of a component
-    that is loaded (`loading`) they are its container's; `args` and `overrides` are its own, the
-    arguments and the parameters of the options that it is loaded with. `remap_rules` are remap rules as
-    written, of which the first that fits counts.
+    In ROS 2 (`ros`) the parameters are `settings`, of which the last that fits counts.
+    `has_launch_name` and `has_launch_namespace` say that the launch gives the name and the
+    namespace; where it does not, the source does. They are for every node of the process that takes
+    the process's arguments. Of a component that is loaded (`loading`) they are its container's;
+    `args` and `overrides` are its own, the arguments and the parameters of the options that it is
+    loaded with. `remap_rules` are remap rules as written, of which the first that fits counts.
     """
 
     name: str
@@ -152,8 +152,8 @@ class RuntimeStart:
 class CreatedNode:
     """A node that a process of ROS 2 makes: its full name, and the remaps that it gives itself.
 
-    The remaps are rules as written, and count before the process's. `uses_global_arguments` says that the
-    process's own count for it at all (rclcpp: NodeOptions::use_global_arguments).
+    The remaps are rules as written, and count before the process's. `uses_global_arguments` says
+    that the process's own count for it at all (rclcpp: NodeOptions::use_global_arguments).
     """
 
     name: str

@@ -30,7 +30,7 @@ def names(tree):
 
 def test_a_node_knows_its_element_and_line(launch):
     (node,) = launch('\n<!-- <x/> -->\n<group>\n<node pkg="p" type="t" name="n"/></group>').nodes()
-    assert (node.element, node.line, node.anonymous) == (2, 4, False)
+    assert (node.element_index, node.line, node.anonymous) == (2, 4, False)
     assert (node.package, node.type, node.args) == ("p", "t", "")
 
 
@@ -61,7 +61,7 @@ def test_a_file_included_twice_stands_in_the_tree_twice(launch, tmp_path):
         '<include file="$(dirname)/sub.launch" ns="a"/><include file="$(dirname)/sub.launch"/>',
         sub=included(NODE.format("n")),
     )
-    assert [include.element for include in tree.root.includes] == [1, 2]
+    assert [include.element_index for include in tree.root.includes] == [1, 2]
     assert [file.path for file in tree.root.walk()] == [
         str(tmp_path / name) for name in ("app.launch", "sub.launch", "sub.launch")
     ]
@@ -136,7 +136,7 @@ def test_a_node_of_unknown_name_or_namespace_is_left_out_and_said(launch, body):
 def test_a_remap_that_cannot_be_resolved_leaves_its_node(launch):
     remap = '<remap from="a" to="$(env NONE)"/><remap from="b" to="c"/>'
     tree = launch(f'<node pkg="p" type="t" name="n">{remap}</node>')
-    assert [remap.written for remap in tree.nodes()[0].remaps] == ["b"]
+    assert [remap.written_source for remap in tree.nodes()[0].remaps] == ["b"]
     assert tree.unresolved[0].what == "remap a"
 
 

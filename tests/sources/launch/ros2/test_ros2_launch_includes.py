@@ -48,7 +48,7 @@ def test_a_python_file_includes_every_format(python, child, suffix, source):
     assert names(app) == ["/child"]
     [included] = app.includes
     assert included.file == str(child / f"in.launch.{suffix}")
-    assert [place.file for place in app.starts[0].chain] == [app.file]
+    assert [place.file for place in app.starts[0].include_chain] == [app.file]
     assert app.starts[0].evidence.file == included.file
     assert app.unresolved == ()
 
@@ -131,7 +131,7 @@ def test_files_in_files(python, package, child):
     [inner] = outer.includes
     assert inner.file == str(child / "in.launch.py")
     assert inner.evidence.file == outer.file
-    assert len(app.starts[0].chain) == 2
+    assert len(app.starts[0].include_chain) == 2
 
 
 def test_a_helper_module_beside_the_launch_file(program, package):

@@ -16,7 +16,7 @@ TWICE = """<launch>{}
 
 
 @pytest.fixture
-def noted(tmp_path):
+def repetition_notes(tmp_path):
     """Return what is noted on nodes where a file is included twice."""
     top = tmp_path / "robot"
     top.mkdir()
@@ -33,29 +33,29 @@ def noted(tmp_path):
 
 
 @pytest.mark.parametrize("name", ["", 'name="keys"'])
-def test_a_node_that_two_includes_start_is_noted(skipped_entries, name):
-    ((what, why),) = skipped_entries(NODE.format(name))
+def test_a_node_that_two_includes_start_is_noted(repetition_notes, name):
+    ((what, why),) = repetition_notes(NODE.format(name))
     assert what == ("node /keys" if name else "node /teleop_twist_keyboard")
     assert why.startswith("started 2 times")
 
 
-def test_a_node_whose_name_is_another_each_time_is_not(skipped_entries):
-    assert skipped_entries(NODE.format('name="$(var which)"')) == []
-    assert skipped_entries(NODE.format('namespace="$(var which)"')) == []
-    assert skipped_entries(LOAD) == []
+def test_a_node_whose_name_is_another_each_time_is_not(repetition_notes):
+    assert repetition_notes(NODE.format('name="$(var which)"')) == []
+    assert repetition_notes(NODE.format('namespace="$(var which)"')) == []
+    assert repetition_notes(LOAD) == []
 
 
-def test_a_node_that_may_start_once_only_is_not(skipped_entries):
+def test_a_node_that_may_start_once_only_is_not(repetition_notes):
     unknown = '<let name="both" value="$(command date)"/>'
-    assert skipped_entries(NODE.format(""), unknown, ' if="$(var both)"') == []
+    assert repetition_notes(NODE.format(""), unknown, ' if="$(var both)"') == []
 
 
-def test_a_node_that_names_itself_at_random_is_not(skipped_entries):
+def test_a_node_that_names_itself_at_random_is_not(repetition_notes):
     frames = 'pkg="tf2_ros" exec="static_transform_publisher"'
-    assert skipped_entries(f'<node {frames} args="0 0 0 0 0 0 a b"/>') == []
+    assert repetition_notes(f'<node {frames} args="0 0 0 0 0 0 a b"/>') == []
 
 
-def test_what_it_calls_itself_is_said_and_remaps_tell_it_apart(skipped_entries):
+def test_what_it_calls_itself_is_said_and_remaps_tell_it_apart(repetition_notes):
     joy = '<node pkg="joy_linux" exec="joy_linux_node"{}</node>'
-    assert [what for what, _ in skipped_entries(joy.format(">"))] == ["node /joy_node"]
-    assert skipped_entries(joy.format('><remap from="joy" to="$(var which)"/>')) == []
+    assert [what for what, _ in repetition_notes(joy.format(">"))] == ["node /joy_node"]
+    assert repetition_notes(joy.format('><remap from="joy" to="$(var which)"/>')) == []

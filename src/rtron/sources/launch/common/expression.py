@@ -37,7 +37,7 @@ def evaluate(text: str, functions: Mapping[str, Function], argument: Callable[[s
 
 
 def evaluate_with(evaluator: "ExpressionEvaluator", text: str) -> Value:
-    """Return the value of an expression, by the grammar of `evaluator`; raise as `evaluate` does."""
+    """Return the value of an expression in `evaluator`'s grammar; raise as `evaluate` does."""
     try:
         return evaluator.value(_parse(text))
     except _EVALUATION_ERRORS as error:

@@ -24,7 +24,7 @@ MAX_ELEMENTS = 200_000
 
 @dataclass(slots=True, kw_only=True)
 class LaunchFileReader:
-    """Collects the nodes and includes of one file; `including_files` are the files that include it."""
+    """Collects the nodes and includes of one file; `including_files` include it."""
 
     document: LaunchDocument
     state: LoadState
@@ -104,10 +104,8 @@ class LaunchFileReader:
 
     def _open_included(self, spelled: str, context: LoaderContext) -> "LaunchFileReader":
         """Return a reader of an included file; roslaunch takes it from the current directory."""
-        path, including_files = (
-            os.path.join(os.getcwd(), spelled),
-            (*self.including_files, self.document.path),
-        )  # noqa: PTH109, PTH118 - keep `..`
+        path = os.path.join(os.getcwd(), spelled)  # noqa: PTH109, PTH118 - keep `..`
+        including_files = (*self.including_files, self.document.path)
         if len(including_files) > MAX_DEPTH or self.state.include_count == MAX_FILES:
             raise UnresolvableError(f"more than {MAX_DEPTH} includes deep, or {MAX_FILES} in all")
         if context.uncertainty and path in including_files:

@@ -37,9 +37,10 @@ class PrivateParameter:
 
 @dataclass(slots=True, kw_only=True)
 class LoaderContext:
-    """The state at one place. `passes_all_arguments` marks a file that got all arguments of its includer.
+    """What holds at one element of a launch file.
 
-    `private` holds the `~name` parameters that each following node gets.
+    `passes_all_arguments` marks a file that got all arguments of its includer. `private` holds the
+    `~name` parameters that each following node gets.
     """
 
     namespace: str = "/"

@@ -81,10 +81,10 @@ class SubstitutionArgs:
         before, _, after = text.partition(f"$({command})")
         path, space, rest = after.partition(" ")
         inside = path.replace("\\", "/").removeprefix("/")
-        package_path = self._find(arguments[0])
-        return (
-            before + (os.path.join(package_path, inside) if inside else package_path) + space + rest
-        )  # noqa: PTH118
+        found = self._find(arguments[0])
+        if inside:
+            found = os.path.join(found, inside)  # noqa: PTH118 - keep `..`
+        return before + found + space + rest
 
     def _functions(self) -> Mapping[str, Function]:
         return {

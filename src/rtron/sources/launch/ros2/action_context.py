@@ -105,7 +105,7 @@ class ActionContextTracker:
         current = self._current
         return {
             "conditions": current.conditions,
-            "event": current.awaited_event,
-            "chain": current.include_chain,
+            "awaited_event": current.awaited_event,
+            "include_chain": current.include_chain,
             "evidence": element_location(element, file),
         }

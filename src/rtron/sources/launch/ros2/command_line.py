@@ -118,13 +118,12 @@ def as_ros2_run(process: Element) -> Element:
         return process
     first = words[0] if words else ()
     call = first[0] if len(first) == 1 else None
-    if (
-        not isinstance(call, SubstitutionCall)
-        or call.name != _IN_PACKAGE
-        or len(call.arguments) != 2
-    ):  # noqa: PLR2004
+    if not isinstance(call, SubstitutionCall) or call.name != _IN_PACKAGE:
         return process
-    program, package = call.arguments
+    try:
+        program, package = call.arguments
+    except ValueError:
+        return process
     all_words = (*((word,) for word in ROS2_RUN), package, program, *words[1:])
     listed = (Element("cmd", {"value": word}, line=process.line) for word in all_words)
     other_children = (child for child in process.children if child.tag != "cmd")

@@ -77,10 +77,8 @@ class ContextActions:
             self.set_configuration(element, context, file)
         elif tag in NAMESPACE_TAGS:
             pushed = self.evaluator.text(element, "namespace", context, file)
-            namespace, source = (
-                context.node_namespace(UNKNOWN_NAME if pushed is None else pushed),
-                LaunchVariable(NAMESPACE),
-            )
+            namespace = context.node_namespace(UNKNOWN_NAME if pushed is None else pushed)
+            source = LaunchVariable(NAMESPACE)
             context.set_value(
                 source,
                 None if namespace == UNKNOWN_NAME else namespace,

@@ -172,10 +172,8 @@ class LaunchEvaluator(UnresolvedNotes):
                 raise UnresolvableError(f"the value of '{looked_up_variable.name}' is not known")
             return function(arguments)
 
-        value, variable_value = (
-            configuration_function(context.configurations),
-            environment_function(context.environ),
-        )
+        value = configuration_function(context.configurations)
+        variable_value = environment_function(context.environ)
         return {
             "var": lambda words: looked_up(value, words),
             "env": lambda words: looked_up(variable_value, words, environment=True),

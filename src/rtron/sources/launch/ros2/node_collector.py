@@ -37,10 +37,8 @@ class LaunchNodeCollector:
             if holds is False:
                 self._evaluator.choices.decide(dependencies)
             else:
-                outer_uncertain, context.is_uncertain = (
-                    context.is_uncertain,
-                    context.is_uncertain or holds is None,
-                )
+                outer_uncertain = context.is_uncertain
+                context.is_uncertain = context.is_uncertain or holds is None
                 file.nodes.append(self._launch_node(component, context, file, "plugin"))
                 context.is_uncertain = outer_uncertain
 

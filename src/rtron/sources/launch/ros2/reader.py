@@ -1,8 +1,8 @@
 """ROS 2's launch files, evaluated: nodes, their namespaces and their remaps.
 
 Sources: docs.ros.org, launch file formats; the docstrings of launch and launch_ros, and what both
-do when they run. Nothing is run. `read_ros2_launch` is for the guarded launch: it looks into no Python
-launch file, which stands in the tree without nodes. `app.read_app_launch` looks into all.
+do when they run. Nothing is run. `read_ros2_launch` is for the guarded launch: it looks into no
+Python launch file, which stands in the tree without nodes. `app.read_app_launch` looks into all.
 """
 
 import os.path
@@ -197,10 +197,8 @@ class LaunchReader:
         except ValueError:
             period = 0.0
         due = inf if element.plain_text("event") == "OnShutdown" else self._time + period
-        number, action_context = (
-            self._evaluator.limits.actions,
-            self._collector.event_context(element),
-        )
+        number = self._evaluator.limits.actions
+        action_context = self._collector.event_context(element)
         heappush(
             self._timers, _Timer(due, number, element, file, context.is_uncertain, action_context)
         )

@@ -29,13 +29,14 @@ class LaunchStart:
     """A node, component or process that a launch starts.
 
     `name` is empty where the program names its node itself; `full_name` then ends in `*`. What is
-    not known of a text stands in braces. `has_namespace` says that a namespace is given. `program` is an
-    executable, or a component's class, which the node `container` loads. `remaps` are in order: the
-    first that fits a name counts, `global_remap_count` of them are not the node's own. `arguments` are the
-    words of a command line, for a process the whole of it. `parameters_complete` says that every parameter
-    file is known, `extra_arguments` are a component's extra arguments. `conditions` are those that it stands
-    under, `is_uncertain` says that one of them is not known. `awaited_event` is what it waits for. `include_chain` has
-    the includes around, outermost first. `executed` says that the launch file was run to find it;
+    not known of a text stands in braces. `has_namespace` says that a namespace is given. `program`
+    is an executable, or a component's class, which the node `container` loads. `remaps` are in
+    order: the first that fits a name counts, `global_remap_count` of them are not the node's own.
+    `arguments` are the words of a command line, for a process the whole of it.
+    `parameters_complete` says that every parameter file is known, `extra_arguments` are a
+    component's extra arguments. `conditions` are those that it stands under, `is_uncertain` says
+    that one of them is not known. `awaited_event` is what it waits for. `include_chain` has the
+    includes around, outermost first. `executed` says that the launch file was run to find it;
     conditions and chain are not known then.
     """
 

@@ -69,10 +69,8 @@ class StartCollector(ActionContextTracker):
         for component in element.children_named("composable_node"):
             holds, _ = self.evaluator.condition(component, context, file)
             if holds is not False:
-                outer_uncertain, context.is_uncertain = (
-                    context.is_uncertain,
-                    context.is_uncertain or holds is None,
-                )
+                outer_uncertain = context.is_uncertain
+                context.is_uncertain = context.is_uncertain or holds is None
                 with self.under_condition(component, context, file, holds):
                     start = self._node_start(component, context, file, StartKind.COMPONENT)
                     extra = NodeConfiguration(self.evaluator, context, file).extra_arguments(

@@ -28,7 +28,7 @@ class SystemState:
 
 @dataclass(frozen=True, slots=True)
 class IncomingConnection:
-    """A connection through which a node takes messages of a topic; `publisher_uri` is an address."""
+    """A connection that brings a node the messages of a topic; `publisher_uri` is an address."""
 
     topic: str
     publisher_uri: str

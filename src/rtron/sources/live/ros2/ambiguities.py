@@ -26,8 +26,8 @@ def unnamed_participants(snapshot: Snapshot) -> Iterator[UnresolvedItem]:
     count = Counter(
         endpoint.participant for endpoint in snapshot.all_endpoints if not endpoint.node
     )
-    for participant, count_of_endpoints in sorted(count.items()):
-        why = f"has {count_of_endpoints} endpoints and does not say whose: no node of ROS 2, or still starting"
+    for participant, number in sorted(count.items()):
+        why = f"has {number} endpoints and does not say whose: no node of ROS 2, or still starting"
         yield UnresolvedItem(what=participant_placeholder(participant), why=why)
 
 

@@ -43,8 +43,8 @@ class Snapshot:
     """What the domain told: each node's full name as often as there is one, and all ends.
 
     `services` are the ends of services: all servers, and of actions the clients. `malformed` counts
-    names that ROS 2 does not allow, and that are left out; `missing_endpoints` the ends that somebody says to
-    have and the domain has not shown.
+    names that ROS 2 does not allow, and that are left out; `missing_endpoints` the ends that
+    somebody says to have and the domain has not shown.
     """
 
     nodes: tuple[str, ...] = ()

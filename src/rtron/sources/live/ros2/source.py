@@ -174,7 +174,8 @@ def _malformed_names(snapshot: Snapshot) -> Iterator[UnresolvedItem]:
 
 def _missing_endpoints(snapshot: Snapshot) -> Iterator[UnresolvedItem]:
     if snapshot.missing_endpoints:
-        why = f"has nodes that are said to have {snapshot.missing_endpoints} more endpoints, which nobody shows"
+        missing = f"{snapshot.missing_endpoints} more endpoints, which nobody shows"
+        why = f"has nodes that are said to have {missing}"
         yield UnresolvedItem(what="the domain", why=why)
 
 

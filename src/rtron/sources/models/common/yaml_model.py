@@ -19,7 +19,7 @@ _MAX_SHOWN = 60
 
 
 def read_model(path: Path, schema: type[T]) -> T:
-    """Return what a YAML file says, as `schema`; raise InputError with its line where it is wrong."""
+    """Return a YAML file as `schema`; raise InputError with its line where it is wrong."""
     root = compose_yaml(path)
     try:
         return schema.model_validate(construct_value(root, path))

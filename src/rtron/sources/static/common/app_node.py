@@ -17,9 +17,9 @@ _ASSIGNMENT = ":="
 class AppNode:
     """A node, what it runs, and the line that starts it; `started_by` is a node or empty.
 
-    In ROS 2 a component is loaded by `container`, `type` is its class then. `process_remap_rules` are the remap
-    rules of its process as written, `is_uncertain` says that it starts on a condition not known,
-    `executed` that its launch file was run to find it.
+    In ROS 2 a component is loaded by `container`, `type` is its class then. `process_remap_rules`
+    are the remap rules of its process as written, `is_uncertain` says that it starts on a condition
+    not known, `executed` that its launch file was run to find it.
     """
 
     site: NodeSite

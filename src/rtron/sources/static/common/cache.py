@@ -35,7 +35,10 @@ def user_cache_folder(environ: Mapping[str, str] = os.environ) -> Path:
 
 @dataclass(slots=True)
 class InterfaceCache:
-    """Results in a folder; `workspace_hash` names what they all depend on. Without a folder it is empty."""
+    """Results in a folder; without a folder it is empty.
+
+    `workspace_hash` names what all results depend on.
+    """
 
     folder: Path | None
     workspace_hash: str

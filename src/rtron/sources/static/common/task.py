@@ -27,8 +27,8 @@ class TaskKind(StringEnum):
 class InterpretationTask:
     """A program's sources, macros and the node it runs as.
 
-    `class_name` is a nodelet's or component's class, or the function that a Python module is entered by.
-    `other_components` are the other components of its package, which it does not run.
+    `class_name` is a nodelet's or component's class, or the function that a Python module is
+    entered by. `other_components` are the other components of its package, which it does not run.
     """
 
     kind: TaskKind

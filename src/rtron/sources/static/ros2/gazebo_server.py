@@ -84,9 +84,9 @@ def gazebo_server_node(start: LaunchStart, environ: Mapping[str, str]) -> AppNod
 
 @dataclass(frozen=True, slots=True)
 class GazeboServers:
-    """Finds what the servers of an app load; `environ` is the user's, `plugin_nodes` makes plugins nodes.
+    """Finds what the servers of an app load; `plugin_nodes` turns plugins into nodes.
 
-    Where a launch tells Gazebo to look, only the folders of the workspace count.
+    `environ` is the user's. Of what a launch tells Gazebo, only folders of the workspace count.
     """
 
     plugin_nodes: GazeboPluginNodes

@@ -17,7 +17,7 @@ from rtron.sources.launch.ros2.result import StartKind
 from rtron.sources.workspace import read_workspace
 from rtron.vocabulary import UnknownValue
 
-DOUBLE = Path(__file__).parents[2] / "ros2" / "launch_double"
+DOUBLE = Path(__file__).parents[4] / "ros2" / "launch_double"
 HEAD = """
 import os, subprocess, sys, time
 from launch import LaunchDescription
@@ -62,9 +62,10 @@ def app(package, tmp_path):
 def told(start):
     """Return what a start is, without what only reading, or only executing, knows of it."""
     return (
-        *(start.kind, start.package, start.program, start.full_name, start.placed, start.remaps),
-        *(start.shared, start.arguments, start.environ, start.container, start.event),
-        *(values(start), start.extra, start.evidence),
+        *(start.kind, start.package, start.program, start.full_name, start.has_namespace),
+        *(start.remaps, start.global_remap_count, start.arguments, start.environ),
+        *(start.container, start.awaited_event, values(start), start.extra_arguments),
+        start.evidence,
     )
 
 

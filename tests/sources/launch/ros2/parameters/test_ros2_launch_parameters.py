@@ -153,7 +153,7 @@ def test_parameters_for_all_nodes_come_first(python, file):
         "nested": True,
     }
     assert values(outer) == {"b": 1}
-    assert [source.shared for source in inner.sources] == [True] * 3 + [False]
+    assert [source.shared for source in inner.parameter_sources] == [True] * 3 + [False]
 
 
 def test_a_list_that_is_there_already_is_shared_with_a_group(python):
@@ -229,10 +229,10 @@ def test_a_file_that_is_none(python, package, text):
 def test_a_file_whose_name_is_not_known(python):
     app = python(node("[LaunchConfiguration('dir'), '/p.yaml'], {'a': 1}"))
     [started] = app.starts
-    assert not started.complete
-    assert [source.file for source in started.sources] == ["{dir}/p.yaml", ""]
+    assert not started.parameters_complete
+    assert [source.file for source in started.parameter_sources] == ["{dir}/p.yaml", ""]
     assert whys(app) == ["argument 'dir' is not given"]
-    assert python(node("{'a': 1}")).starts[0].complete
+    assert python(node("{'a': 1}")).starts[0].parameters_complete
 
 
 def test_a_file_that_the_build_installs_elsewhere(python, package):
@@ -274,12 +274,12 @@ def test_a_file_among_the_arguments_counts_in_its_place(python, file, how):
     start = python(NODES[how].format(words)).starts[0]
     found = values(start)
     assert (found["all"], found["own"], found["deep.er"]) == (1, [1, 2], "x")
-    assert start.complete
+    assert start.parameters_complete
 
 
 def test_a_file_among_the_arguments_that_is_not_known_or_not_there(python):
     unknown = "'--ros-args', '--params-file', EnvironmentVariable('WHERE')"
-    assert not python(NODES["a node"].format(unknown)).starts[0].complete
+    assert not python(NODES["a node"].format(unknown)).starts[0].parameters_complete
     gone = "'--ros-args', '--params-file', '/none/at/all.yaml'"
     app = python(NODES["a node"].format(gone))
     assert values(app.starts[0]) == {}

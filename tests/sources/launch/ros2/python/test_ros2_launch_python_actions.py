@@ -43,7 +43,7 @@ def test_names_among_the_arguments_count_first(python):
     ).starts
     assert node.full_name == "/deep/other"
     assert node.remaps == (("a", "b"), ("c", "d"))
-    assert node.shared == 1
+    assert node.global_remap_count == 1
     assert values(node) == {"k": 3}
 
 
@@ -79,7 +79,7 @@ def test_remaps_for_all_nodes_stand_before_their_own(python):
         "ComposableNode(package='p', plugin='P', name='c')])"
     )
     node, container, component = app.starts
-    assert (node.remaps, node.shared) == ((("a", "b"), ("c", "d")), 1)
+    assert (node.remaps, node.global_remap_count) == ((("a", "b"), ("c", "d")), 1)
     assert container.remaps == component.remaps == (("a", "b"),)
 
 
@@ -167,7 +167,7 @@ def test_containers_and_the_components_loaded_into_them(python):
     assert [one.full_name for one in components] == ["/one", "/two"]
     assert components[0].program == "P::one"
     assert values(components[1]) == {"k": "two"}
-    assert components[1].extra["use_intra_process_comms"].value is True
+    assert components[1].extra_arguments["use_intra_process_comms"].value is True
 
 
 def test_components_of_a_container_that_is_given_itself_and_under_conditions(program):
@@ -239,7 +239,7 @@ def generate_launch_description():
     return LaunchDescription([late, first])
 """)
     assert names(app) == ["/first", "/then"]
-    assert app.starts[1].event == handler.partition("(")[0]
+    assert app.starts[1].awaited_event == handler.partition("(")[0]
     assert app.unresolved == ()
 
 

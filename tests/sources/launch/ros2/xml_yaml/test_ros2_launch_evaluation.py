@@ -34,12 +34,12 @@ def read(tmp_path):
 def led(tree, name="/teleop"):
     """Return where the names of a node lead."""
     [node] = [node for node in tree.nodes() if node.name == name]
-    return {remap.declared: remap.target for remap in node.remaps}
+    return {remap.source: remap.target for remap in node.remaps}
 
 
 def choices(tree):
     """Return what a tree depends on, without the namespace that every node's name depends on."""
-    return {one.name: one.values for one in tree.choices if one.name != "ros_namespace"}
+    return {one.name: one.values for one in tree.inputs if one.name != "ros_namespace"}
 
 
 def test_a_set_remap_in_a_group_is_added_to_the_list_that_is_there_already(read):
@@ -162,7 +162,7 @@ def test_an_action_that_is_not_known_is_noted(read):
 
 def test_rules_of_a_node_whose_name_is_not_known_are_kept_for_the_names_it_may_have(read):
     [node] = read('<node pkg="t" exec="t"><remap from="base:out" to="/cmd_vel"/></node>').nodes()
-    assert [remap.written for remap in node.remaps] == ["base:out"]
+    assert [remap.written_source for remap in node.remaps] == ["base:out"]
 
 
 def test_texts_that_double_each_other_end_at_the_bound(read):
@@ -191,7 +191,7 @@ def test_actions_are_bounded_over_all_files(read, tmp_path, monkeypatch):
     ("name", "most", "action", "what"),
     [
         ("MAX_NODES", 5, TELEOP, "nodes"),
-        ("MAX_RULES", 5, REMAP, "shared remaps"),
+        ("MAX_REMAPS", 5, REMAP, "shared remaps"),
         ("MAX_NAMES", 5, '<let name="n{}" value=""/>', "configurations"),
         ("MAX_ACTIONS", 10, TELEOP[:-2] + '><remap from="a" to="b"/></node>', "actions"),
     ],

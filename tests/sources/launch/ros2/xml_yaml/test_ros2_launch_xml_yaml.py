@@ -26,7 +26,7 @@ def test_a_node_with_all_it_can_be_given(xml, package):
     [node] = app.starts
     assert (node.kind, node.full_name) == (StartKind.NODE, "/ns/n")
     assert node.arguments == ("-d", "7_y z", "--", "z", "--ros-args", "-p", "q:=2")
-    assert (node.remaps, node.shared) == ((("a", "b"), ("in", "out")), 1)
+    assert (node.remaps, node.global_remap_count) == ((("a", "b"), ("in", "out")), 1)
     assert node.environ == (("K", "v"),)
     assert values(node) == {
         "q": 2,
@@ -86,7 +86,7 @@ def test_containers_and_components(xml):
     assert [part.full_name for part in (one, two)] == ["/c/one", "/c/two"]
     assert one.remaps == (("in", "out"),)
     assert values(one) == {"k": 1}
-    assert one.extra["use_intra_process_comms"].value is True
+    assert one.extra_arguments["use_intra_process_comms"].value is True
     assert (one.conditions, len(two.conditions)) == ((), 1)
 
 
@@ -128,7 +128,7 @@ def test_a_process_and_a_timer(xml):
     assert (process.kind, process.arguments) == (StartKind.PROCESS, ("gz", "sim", "w"))
     assert process.environ == (("K", "v"),)
     assert (run.package, run.program, run.full_name) == ("p", "e", "/x/*")
-    assert (late.name, late.event) == ("late", "timer")
+    assert (late.name, late.awaited_event) == ("late", "timer")
 
 
 @pytest.mark.parametrize("owner", ["p", "$(env P p)"])

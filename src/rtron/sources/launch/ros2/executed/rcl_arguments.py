@@ -30,7 +30,10 @@ _NODE_NAME_RULES = ("__node:=", "__ns:=", "__name:=")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RclArguments:
-    """Reads what launch adds to a command line; files in `generated_folder` are there for the visit only."""
+    """Reads what launch adds to a command line.
+
+    Files in `generated_folder` are there for the visit only.
+    """
 
     texts: ReportTexts
     generated_folder: Path
@@ -72,10 +75,8 @@ class RclArguments:
 
     def _parameter_file(self, path: str) -> ParameterSource:
         """Return what a parameter file says; one that cannot be read is noted."""
-        evaluator, is_generated = (
-            self.texts.evaluator,
-            Path(path).is_relative_to(self.generated_folder),
-        )
+        evaluator = self.texts.evaluator
+        is_generated = Path(path).is_relative_to(self.generated_folder)
         entries: Entries = ()
         try:
             entries = self._generated_file(path) if is_generated else evaluator.files.entries(path)

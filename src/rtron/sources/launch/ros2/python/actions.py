@@ -105,10 +105,8 @@ class ActionTranslator:
 
     def condition_attributes(self, value: Value) -> Attributes:
         """Return what an action's condition says, in the words of XML."""
-        name, fields = (
-            launch_class_name(value),
-            constructor_arguments(value) if isinstance(value, Instance) else {},
-        )
+        name = launch_class_name(value)
+        fields = constructor_arguments(value) if isinstance(value, Instance) else {}
         if value == NONE:
             return {}
         if name == "UnlessCondition":

@@ -26,7 +26,7 @@ Texts = Mapping[str, str]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ParameterRewrite:
-    """What is changed: parameters by their key or whole path, values, keys; `root_key` goes above."""
+    """What changes: parameters by key or whole path, values, keys; `root_key` goes above."""
 
     parameters: Texts = field(default_factory=dict)
     values: Texts = field(default_factory=dict)

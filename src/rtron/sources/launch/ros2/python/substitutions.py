@@ -126,7 +126,9 @@ def is_false(value: Value | None) -> bool:
 def _placeholder_name(value: Value) -> str:
     if isinstance(value, Choice):
         return " or ".join(text_with_holes(option) for option in options(value)[:4])
-    return value.name if isinstance(value, ExternalSymbol) else getattr(value, "why", "?")
+    if isinstance(value, ExternalSymbol):
+        return value.name
+    return value.label if isinstance(value, Unknown) else "?"
 
 
 def _call_builder(

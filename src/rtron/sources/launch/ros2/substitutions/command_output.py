@@ -27,7 +27,8 @@ _Key = tuple[str, tuple[tuple[str, str], ...]]
 class CommandOutput:
     """Knows what xacro and cat would print; what else a command is, it is not known.
 
-    `unresolved` gets what in a description has no value, `locate_source` finds the source of a file.
+    `unresolved` gets what in a description has no value, `locate_source` finds the source of a
+    file.
     """
 
     packages: Mapping[str, Path]

@@ -42,7 +42,7 @@ class _TemplateParser:
     depth: int = 0
 
     def fragments(self, terminators: str) -> Template:
-        """Return what stands up to one of the characters `terminators`, or to the end of the text."""
+        """Return what stands before one of the characters `terminators`, or the end."""
         parts: list[str | SubstitutionCall | DeferredSubstitution] = []
         literal: list[str] = []
         while self.position < len(self.text) and self.text[self.position] not in terminators:
@@ -89,8 +89,8 @@ class _TemplateParser:
 class SubstitutionEvaluator:
     """Replaces substitutions; `functions` are those that depend on where the text stands.
 
-    `on_error` gets what has no value here and returns what stands for it, or raises; `context_view` is what a
-    substitution gets that the launch file defines itself.
+    `on_error` gets what has no value here and returns what stands for it, or raises; `context_view`
+    is what a substitution gets that the launch file defines itself.
     """
 
     functions: Mapping[str, Function]

@@ -23,7 +23,7 @@ class SubstitutionCall:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DeferredSubstitution:
-    """A substitution that a Python launch file defines itself; `perform` gets what a launch knows."""
+    """A substitution that a Python launch file defines; `perform` gets what a launch knows."""
 
     perform: Callable[[object], str]
 

@@ -19,7 +19,8 @@ class Element:
 
     `position` counts the elements of an XML text in document order, the root being 0; in YAML it is
     where the element's value begins in the text, in characters. `file` is empty where it is that of
-    the launch itself. `expand` calls a function of a Python launch file, for the actions it returns.
+    the launch itself. `expand` calls a function of a Python launch file, for the actions it
+    returns.
     """
 
     tag: str

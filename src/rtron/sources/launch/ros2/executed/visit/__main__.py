@@ -21,4 +21,4 @@ def _as_package(folder: Path) -> None:
 
 if __name__ == "__main__":
     _as_package(Path(__file__).resolve().parent)
-    importlib.import_module(f"{_NAME}.visiting").main(sys.argv[1])
+    importlib.import_module(f"{_NAME}.visitor").main(sys.argv[1])
