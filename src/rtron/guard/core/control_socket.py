@@ -10,7 +10,6 @@ import logging
 import os
 import pwd
 import socket
-import struct
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -18,6 +17,7 @@ from typing import Any
 
 from rtron.errors import SourceError, WireError
 from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.core.unix_socket import peer_credentials
 
 log = logging.getLogger(__name__)
 
@@ -26,7 +26,6 @@ RequestHandler = Callable[[str, Mapping[str, Any]], Mapping[str, Any]]
 
 _MAX_REQUEST = 1 << 12
 _BACKLOG = 8
-_CREDENTIALS = struct.Struct("3i")
 
 
 class ControlSocket:
@@ -53,9 +52,7 @@ class ControlSocket:
     def _accept(self) -> None:
         sock, _ = self._sock.accept()
         sock.settimeout(0)
-        _, uid, _ = _CREDENTIALS.unpack(
-            sock.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, _CREDENTIALS.size)
-        )
+        _, uid = peer_credentials(sock)
         if uid in (0, os.getuid()):
             _Client(self._loop, sock, _name(uid), self._handler)
         else:
@@ -101,11 +98,9 @@ class _Client:
 
 def control_path(app: str) -> Path:
     """Return where the guard of an app listens: in the user's own runtime folder."""
-    # The folder is checked before it is used.
-    runtime_dir = os.environ.get("XDG_RUNTIME_DIR", "")
-    runtime = (
-        runtime_dir if runtime_dir and Path(runtime_dir).is_dir() else f"/tmp/rtron-{os.getuid()}"
-    )  # noqa: S108
+    runtime = os.environ.get("XDG_RUNTIME_DIR", "")
+    if not (runtime and Path(runtime).is_dir()):
+        runtime = f"/tmp/rtron-{os.getuid()}"  # noqa: S108 - checked before it is used
     name = "".join(each if each.isalnum() else "_" for each in app) or "app"
     return Path(runtime) / f"rtron-{name[:64]}.sock"
 

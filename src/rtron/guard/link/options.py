@@ -1,12 +1,12 @@
 """Where the security service is, and where the link keeps what must outlive it."""
 
-import hashlib
 import os
 from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import urlsplit, urlunsplit
 
 from rtron.errors import InputError
+from rtron.guard.core.unix_socket import abstract_address, user_name
 
 _PATH = "/link/v1"
 _SCHEMES = {"http": "ws", "https": "wss"}
@@ -47,12 +47,11 @@ class LinkOptions:
     @property
     def address(self) -> bytes:
         """The link process's own address (an abstract one, unix(7)), and so the lock on `state`."""
-        return f"\0{self._name}".encode()
+        return abstract_address(self._name)
 
     @property
     def _name(self) -> str:
-        digest = hashlib.sha256(os.fsencode(self.state.resolve())).hexdigest()[:32]
-        return f"rtron-link-{os.getuid()}-{digest}"
+        return user_name("link", os.fsencode(self.state.resolve()))
 
     @property
     def settings_file(self) -> Path:

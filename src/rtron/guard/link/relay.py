@@ -6,12 +6,12 @@ import os
 import signal
 import socket
 import sqlite3
-import struct
 import time
 from contextlib import suppress
 from dataclasses import replace
 
 from rtron.errors import RTronError, SourceError
+from rtron.guard.core.unix_socket import peer_credentials
 from rtron.guard.link.event_counter import forget_run, former_runs
 from rtron.guard.link.options import LinkOptions
 from rtron.guard.link.service_connection import ServiceConnection
@@ -61,7 +61,6 @@ class LineWriter:
 
 log = logging.getLogger(__name__)
 
-_CREDENTIALS = struct.Struct("3i")
 _DRAIN_S = 2.0
 _CHECK_S = 1.0
 _UNUSED_S = 30.0
@@ -149,7 +148,7 @@ class Relay:
             await asyncio.wait_for(self._spool.is_empty.wait(), _DRAIN_S)
 
     async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-        if not _is_same_user(writer):
+        if peer_credentials(writer.get_extra_info("socket"))[1] != os.getuid():
             writer.close()
             return
         if self._serving:  # a guard that was killed has said things that are not read yet
@@ -274,12 +273,6 @@ def _in_local_time(message: NewSettings, now: int) -> Settings:
         for id, override in message.settings.overrides.items()
     }
     return replace(message.settings, overrides=overrides)
-
-
-def _is_same_user(writer: asyncio.StreamWriter) -> bool:
-    sock = writer.get_extra_info("socket")
-    data = sock.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, _CREDENTIALS.size)
-    return bool(_CREDENTIALS.unpack(data)[1] == os.getuid())
 
 
 def run_relay(options: LinkOptions) -> None:

@@ -16,7 +16,7 @@ from rtron.vocabulary import Mode, Plan, Stream, StreamKind, build_streams
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GuardConfig:
-    """A plan, the master, what else `run_guard` is told, and how much is logged."""
+    """A plan, the master, the other arguments of `run_guard`, and how much is logged."""
 
     plan: Plan
     master: str
@@ -25,20 +25,20 @@ class GuardConfig:
 
     @property
     def digest(self) -> str:
-        """What tells one order from another."""
+        """What tells one configuration from another."""
         content = repr((self.plan, self.master)).encode() + pickle.dumps(self.options)
         return hashlib.sha256(content).hexdigest()
 
     def write_to_memory(self) -> int:
-        """Return the descriptor of a file in memory with the order."""
-        descriptor = os.memfd_create("rtron-order", os.MFD_CLOEXEC)
+        """Return the descriptor of a file in memory with the configuration."""
+        descriptor = os.memfd_create("rtron-config", os.MFD_CLOEXEC)
         with os.fdopen(os.dup(descriptor), "wb") as file:
             file.write(pickle.dumps(self))
         return descriptor
 
 
 def read_config(descriptor: int) -> GuardConfig:
-    """Return the order that a process of ours has written before it became this one."""
+    """Return the configuration that a process of ours wrote before it became this one."""
     data = os.pread(descriptor, os.fstat(descriptor).st_size, 0)
     config: GuardConfig = pickle.loads(data)  # noqa: S301 - nobody else can have written it
     return config

@@ -16,9 +16,9 @@ from rtron.guard.transport.factory import load_middleware
 
 
 def main(numbers: str) -> None:
-    """Guard by the order, the page and the connection in the open files; end with the exit code.
+    """Guard with the configuration, the memory and the connection in open files; end with the code.
 
-    Not before the supervisor says so: a spare one waits here, ready, and ends with the supervisor.
+    Not before the supervisor says so: a spare guard waits here, and ends with the supervisor.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})

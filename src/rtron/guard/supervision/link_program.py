@@ -9,7 +9,7 @@ from rtron.guard.supervision.programs import open_descriptors, run_program
 
 
 def main(numbers: str) -> None:
-    """Relay by the order in the open file that is named; end with the exit code."""
+    """Relay as the configuration in an open file says; end with the exit code."""
     (config_file,) = open_descriptors(numbers)
     config = read_config(config_file)
     logging.basicConfig(level=config.log_level, format="%(levelname)s link: %(message)s")

@@ -14,6 +14,7 @@ from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.handover_state import HandoverState
 from rtron.guard.core.out_of_memory import exit_if_out_of_memory
 from rtron.guard.core.stream import GuardedStream
+from rtron.guard.core.unix_socket import peer_credentials
 from rtron.guard.supervision.guard_config import GuardConfig, is_stoppable
 from rtron.guard.supervision.programs import BACKUP_SUPERVISOR, command
 from rtron.guard.supervision.shared_memory import (
@@ -30,7 +31,6 @@ from rtron.guard.supervision.supervisor_handover import (
     HandoverSocket,
     bind_guard_socket,
     is_running,
-    peer_credentials,
 )
 from rtron.guard.supervision.watchdog import BEAT_PERIOD, Watchdog
 from rtron.guard.transport.common.protocol import TypeInfo

@@ -1,14 +1,13 @@
 """A guard that goes on without its supervisor, and the supervisor that takes it over.
 
-The supervisor sends one line of JSON, `{"order": DIGEST}`, and gets one back: `{"answer": ...}`,
-with the shared memory if it is `yes`. From then on the connection is what ties the two.
+The supervisor sends one line of JSON, `{"config": DIGEST}`, and gets one back: `{"answer": ...}`,
+with the shared memory if it is `yes`. From then on each notices by this connection when the other
+ends.
 """
 
-import hashlib
 import json
 import os
 import socket
-import struct
 import time
 from collections.abc import Callable
 from contextlib import suppress
@@ -17,21 +16,12 @@ from pathlib import Path
 
 from rtron.errors import SourceError
 from rtron.guard.core.event_loop import EventLoop
-
-_CREDENTIALS = struct.Struct("3i")
+from rtron.guard.core.unix_socket import abstract_address, peer_credentials, user_name
 
 
 def guard_address(master: str) -> bytes:
     """Return the address of the guard on a master."""
-    digest = hashlib.sha256(master.rstrip("/").encode()).hexdigest()[:32]
-    return f"\0rtron-guard-{os.getuid()}-{digest}".encode()
-
-
-def peer_credentials(sock: socket.socket) -> tuple[int, int]:
-    """Return the process and the user at the other end, as the kernel says (SO_PEERCRED)."""
-    data = sock.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, _CREDENTIALS.size)
-    pid, uid, _ = _CREDENTIALS.unpack(data)
-    return pid, uid
+    return abstract_address(user_name("guard", master.rstrip("/").encode()))
 
 
 def is_running(pid: int) -> bool:
@@ -47,9 +37,9 @@ def is_running(pid: int) -> bool:
 
 
 RELEASE = b"L"
-"""What a guard says to the supervisor whose place another one takes."""
+"""What a guard sends to a supervisor that another one replaces."""
 BEGIN = b"B"
-"""What a supervisor says to the guard that it has started, when it is to guard."""
+"""What a supervisor sends to a guard that it has started, when it is to guard."""
 _MAX_LINE_BYTES = 1 << 10
 _TIMEOUT_S = 3.0
 _PAUSE_S = 0.5
@@ -62,7 +52,7 @@ class GuardExistsError(SourceError):
 
 
 class HandoverAnswer(Enum):
-    """What a guard says to a supervisor that offers itself."""
+    """What a guard answers to a supervisor that offers itself."""
 
     YES = "yes"
     SUPERVISED = "supervised"
@@ -73,8 +63,8 @@ class HandoverAnswer(Enum):
 class HandoverSocket:
     """Where supervisors offer themselves to a guard.
 
-    `on_offer` takes the digest of a supervisor's order; it gives the answer, and the shared memory
-    if that is yes. `taken` gets the connection then.
+    `on_offer` takes the digest of a supervisor's configuration and returns the answer, with the
+    shared memory if that is yes. `on_accept` takes the connection then.
     """
 
     def __init__(
@@ -91,7 +81,7 @@ class HandoverSocket:
         loop.watch(sock, self._accept_caller, lambda error: loop.suspend(sock, _PAUSE_S))
 
     def close(self) -> None:
-        """Be found no more."""
+        """Accept no offers any more."""
         self._loop.forget(self._sock)
 
     def _accept_caller(self) -> None:
@@ -120,7 +110,7 @@ class HandoverSocket:
 def bind_guard_socket(master: str) -> socket.socket | None:
     """Return a socket at the guard's address; None if another user's process has it.
 
-    TakenError if a guard of the same user is there.
+    GuardExistsError if a guard of the same user is there.
     """
     for _ in range(_RETRIES):
         sock = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
@@ -141,7 +131,7 @@ def bind_guard_socket(master: str) -> socket.socket | None:
 def request_handover(
     master: str, digest: str
 ) -> tuple[HandoverAnswer, int, socket.socket, int] | None:
-    """Offer oneself to the guard on a master; None if there is none of this user.
+    """Offer to supervise the guard on a master; None if there is none of this user.
 
     Returns its answer, its process, the connection and the shared memory (-1 if it gives none).
     """
@@ -162,7 +152,7 @@ def request_handover(
 
 def _send_offer(sock: socket.socket, digest: str) -> tuple[HandoverAnswer, int]:
     try:
-        sock.sendall(json.dumps({"order": digest}).encode() + b"\n")
+        sock.sendall(json.dumps({"config": digest}).encode() + b"\n")
         line, pages, _, _ = socket.recv_fds(sock, _MAX_LINE_BYTES, 1)
         answer = HandoverAnswer(json.loads(line)["answer"])
     except (OSError, ValueError, LookupError, TypeError):
@@ -175,7 +165,7 @@ def _parse_digest(line: bytes) -> str:
         request = json.loads(line)
     except (ValueError, RecursionError):
         request = None
-    return str(request.get("order")) if isinstance(request, dict) else ""
+    return str(request.get("config")) if isinstance(request, dict) else ""
 
 
 def _peer_at(master: str) -> tuple[int, int] | None:
