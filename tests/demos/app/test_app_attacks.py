@@ -5,9 +5,9 @@ from math import inf
 
 import pytest
 
-from rtron.demos.apps.logic.demo_logic.attacking import Attacker, in_burst
-from rtron.demos.apps.logic.demo_logic.moving import Odometer, ScanOdometer
-from rtron.demos.apps.logic.demo_logic.trigger import Order, TriggerFile
+from rtron.demos.apps.logic.demo_logic.attack_timing import Attacker, in_burst
+from rtron.demos.apps.logic.demo_logic.attack_trigger import AttackOrder, TriggerFile
+from rtron.demos.apps.logic.demo_logic.motion_detection import OdometryMotion, ScanMotion
 
 MACHINE = 0x0242AC110002
 ORDER = {"mac": "02:42:ac:11:00:02", "attack": "msr", "after": 4.0, "goal": [1.0, 2.0], "run": 3}
@@ -27,11 +27,11 @@ def trigger(tmp_path):
 
 
 def attacker_of(trigger):
-    return Attacker(Odometer(), trigger[0])
+    return Attacker(OdometryMotion(), trigger[0])
 
 
 def test_the_order_of_a_file(trigger):
-    assert trigger[0].order() == Order("msr", 4.0, (1.0, 2.0), 3)
+    assert trigger[0].order() == AttackOrder("msr", 4.0, (1.0, 2.0), 3)
 
 
 def test_the_file_is_read_again_when_it_changes(trigger):
@@ -82,71 +82,71 @@ def test_without_a_file_there_is_no_order(monkeypatch, tmp_path):
 
 def test_it_attacks_when_the_robot_has_been_under_way_for_long_enough(trigger):
     attacker = attacker_of(trigger)
-    attacker.saw(10.0, (0.0, 0.0))
-    attacker.saw(20.0, (0.1, 0.0))
-    assert attacker.due(23.9, "msr") is None
-    assert attacker.due(24.0, "msr").goal == (1.0, 2.0)
+    attacker.observe(10.0, (0.0, 0.0))
+    attacker.observe(20.0, (0.1, 0.0))
+    assert attacker.due_attack(23.9, "msr") is None
+    assert attacker.due_attack(24.0, "msr").goal == (1.0, 2.0)
 
 
 def test_it_does_not_attack_while_the_robot_stands(trigger):
     attacker = attacker_of(trigger)
     for second in range(100):
-        attacker.saw(second, (0.04 * (second % 2), 0.0))
-    assert attacker.due(100.0, "msr") is None
+        attacker.observe(second, (0.04 * (second % 2), 0.0))
+    assert attacker.due_attack(100.0, "msr") is None
 
 
 def test_another_attack_is_not_its_business(trigger):
     attacker = attacker_of(trigger)
-    attacker.saw(0.0, (0.0, 0.0))
-    attacker.saw(1.0, (0.1, 0.0))
-    assert attacker.due(9.0, "rsr") is None
+    attacker.observe(0.0, (0.0, 0.0))
+    attacker.observe(1.0, (0.1, 0.0))
+    assert attacker.due_attack(9.0, "rsr") is None
 
 
 def test_a_new_order_waits_for_a_new_start(trigger):
     attacker = attacker_of(trigger)
-    attacker.saw(0.0, (0.0, 0.0))
-    attacker.saw(1.0, (0.1, 0.0))
+    attacker.observe(0.0, (0.0, 0.0))
+    attacker.observe(1.0, (0.1, 0.0))
     trigger[1](run=4)
-    assert attacker.due(9.0, "msr") is None
-    attacker.saw(10.0, (0.2, 0.0))
-    attacker.saw(11.0, (0.3, 0.0))
-    assert attacker.due(14.9, "msr") is None
-    assert attacker.due(15.0, "msr").run == 4
+    assert attacker.due_attack(9.0, "msr") is None
+    attacker.observe(10.0, (0.2, 0.0))
+    attacker.observe(11.0, (0.3, 0.0))
+    assert attacker.due_attack(14.9, "msr") is None
+    assert attacker.due_attack(15.0, "msr").run == 4
 
 
 def test_a_robot_that_is_carried_back_has_not_set_off(trigger):
     attacker = attacker_of(trigger)
-    attacker.saw(0.0, (0.0, 0.0))
-    attacker.saw(1.0, (0.4, 0.0))
-    attacker.saw(2.0, (0.8, 0.0))
-    attacker.saw(8.0, (0.0, 0.0))
-    assert attacker.due(9.0, "msr") is None
+    attacker.observe(0.0, (0.0, 0.0))
+    attacker.observe(1.0, (0.4, 0.0))
+    attacker.observe(2.0, (0.8, 0.0))
+    attacker.observe(8.0, (0.0, 0.0))
+    assert attacker.due_attack(9.0, "msr") is None
 
 
 @pytest.mark.parametrize(("changed", "moved"), [(54, False), (55, True)])
 def test_a_scan_tells_that_the_robot_moves(changed, moved):
-    eyes = ScanOdometer()
+    eyes = ScanMotion()
     assert not eyes.has_moved([1.0] * 360)
     assert eyes.has_moved([1.05] * changed + [1.0] * (360 - changed)) == moved
 
 
 def test_a_scan_that_showed_movement_goes_on_doing_so_until_it_is_forgotten():
-    eyes = ScanOdometer()
+    eyes = ScanMotion()
     eyes.has_moved([1.0] * 4)
     assert eyes.has_moved([2.0] * 4)
     assert eyes.has_moved([1.0] * 4)
-    eyes.forget()
+    eyes.reset()
     assert not eyes.has_moved([1.0] * 4)
 
 
 def test_rays_without_echo_are_no_movement():
-    eyes = ScanOdometer()
+    eyes = ScanMotion()
     assert not eyes.has_moved([inf] * 4)
     assert not eyes.has_moved([inf] * 4)
 
 
 def test_a_scan_of_another_length_begins_anew():
-    eyes = ScanOdometer()
+    eyes = ScanMotion()
     eyes.has_moved([1.0] * 4)
     assert not eyes.has_moved([2.0] * 5)
 

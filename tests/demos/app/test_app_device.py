@@ -9,11 +9,11 @@ from types import SimpleNamespace
 
 import pytest
 
-from rtron.demos.apps.logic.demo_logic import framing
+from rtron.demos.apps.logic.demo_logic import frame_codec
 from rtron.demos.apps.logic.demo_logic.device import Device
-from rtron.demos.apps.logic.demo_logic.entering import obey
 from rtron.demos.apps.logic.demo_logic.environment import CannotRun, map_file, speed
 from rtron.demos.apps.logic.demo_logic.journal import Journal
+from rtron.demos.apps.logic.demo_logic.message_fields import send_velocity
 
 LIMIT = 10.0
 
@@ -37,7 +37,7 @@ def next_frame(connection):
             raise ConnectionError
         return data
 
-    return framing.read(exactly)
+    return frame_codec.read(exactly)
 
 
 @contextmanager
@@ -48,7 +48,7 @@ def world(*frames, welcome=None):
     def serve():
         connection, _ = listener.accept()
         accepted.connection, accepted.hello = connection, next_frame(connection)[0]
-        first = framing.encode({"welcome": "base", "speed": 2.0, "t": 0.0})
+        first = frame_codec.encode({"welcome": "base", "speed": 2.0, "t": 0.0})
         connection.sendall(first if welcome is None else welcome)
         for frame in frames:
             connection.sendall(frame)
@@ -71,34 +71,34 @@ def end(accepted):
 
 
 def test_a_frame_comes_back_as_it_went():
-    data = framing.encode({"run": 1, "t": 0.5}, b"\x00\xff")
-    assert framing.read(exactly_from(data)) == ({"run": 1, "t": 0.5}, b"\x00\xff")
+    data = frame_codec.encode({"run": 1, "t": 0.5}, b"\x00\xff")
+    assert frame_codec.read(exactly_from(data)) == ({"run": 1, "t": 0.5}, b"\x00\xff")
 
 
 @pytest.mark.parametrize(("extra", "refused"), [(0, False), (1, True)])
 def test_the_longest_frame(extra, refused):
-    head = {"": "x" * (framing.MAX_HEAD - len(json.dumps({"": ""})) + extra)}
-    blob = bytes(framing.MAX_BLOB + extra)
-    lengths = framing.struct.pack("!II", len(json.dumps(head)), len(blob))
+    head = {"": "x" * (frame_codec.MAX_HEAD - len(json.dumps({"": ""})) + extra)}
+    blob = bytes(frame_codec.MAX_BLOB + extra)
+    lengths = frame_codec.struct.pack("!II", len(json.dumps(head)), len(blob))
     if refused:
         with pytest.raises(ValueError, match="too long"):
-            framing.encode(head)
+            frame_codec.encode(head)
         with pytest.raises(ValueError, match="too long"):
-            framing.encode({}, blob)
-        with pytest.raises(framing.BrokenFrameError, match="too long"):
-            framing.read(exactly_from(lengths))
+            frame_codec.encode({}, blob)
+        with pytest.raises(frame_codec.BrokenFrameError, match="too long"):
+            frame_codec.read(exactly_from(lengths))
     else:
-        assert framing.read(exactly_from(framing.encode(head, blob))) == (head, blob)
+        assert frame_codec.read(exactly_from(frame_codec.encode(head, blob))) == (head, blob)
 
 
 @pytest.mark.parametrize("text", [b"", b"[]", b"1", b"{", b"\xff", b"[" * 60_000])
 def test_a_head_that_is_no_object_is_refused(text):
-    with pytest.raises(framing.BrokenFrameError):
-        framing.read(exactly_from(framing.struct.pack("!II", len(text), 0) + text))
+    with pytest.raises(frame_codec.BrokenFrameError):
+        frame_codec.read(exactly_from(frame_codec.struct.pack("!II", len(text), 0) + text))
 
 
 def test_a_device_says_who_it_is_and_gives_frames_until_the_world_ends():
-    frames = [framing.encode({"t": t}, bytes(t)) for t in range(3)]
+    frames = [frame_codec.encode({"t": t}, bytes(t)) for t in range(3)]
     with world(*frames) as there:
         device = Device("base", there.path)
         assert device.speed == 2.0
@@ -108,7 +108,7 @@ def test_a_device_says_who_it_is_and_gives_frames_until_the_world_ends():
 
 
 def test_a_frame_that_is_cut_off_ends_the_device():
-    with world(framing.encode({"t": 1})[:-1]) as there:
+    with world(frame_codec.encode({"t": 1})[:-1]) as there:
         device = Device("base", there.path)
         end(there)
         assert list(device) == []
@@ -124,7 +124,7 @@ def test_closing_ends_a_device_that_waits_in_another_thread():
 
 
 def test_what_comes_is_handed_over():
-    with world(framing.encode({"t": 1}, b"x")) as there:
+    with world(frame_codec.encode({"t": 1}, b"x")) as there:
         device, taken = Device("base", there.path), []
         end(there)
         device.run(lambda head, blob: taken.append((head, blob)))
@@ -138,9 +138,9 @@ def twist(forwards, turn):
 def test_velocities_reach_the_world_but_those_that_are_none(tmp_path):
     with world() as there:
         device, journal = Device("base", there.path), Journal("/core", str(tmp_path))
-        obey(device, journal, twist(float("nan"), 0.0))
-        obey(device, journal, twist(0.0, float("inf")))
-        obey(device, journal, twist(0.2, -0.1))
+        send_velocity(device, journal, twist(float("nan"), 0.0))
+        send_velocity(device, journal, twist(0.0, float("inf")))
+        send_velocity(device, journal, twist(0.2, -0.1))
         there.thread.join(LIMIT)
         assert next_frame(there.connection)[0] == {"velocity": [0.2, -0.1]}
         end(there)
@@ -170,9 +170,9 @@ def test_after_the_worlds_end_sending_does_nothing():
 @pytest.mark.parametrize(
     "welcome",
     [
-        framing.encode({"welcome": "base"}),
-        framing.encode({"speed": None}),
-        framing.encode({"speed": "fast"}),
+        frame_codec.encode({"welcome": "base"}),
+        frame_codec.encode({"speed": None}),
+        frame_codec.encode({"speed": "fast"}),
         b"HTTP/1.1 400 Bad Request",
     ],
 )

@@ -6,21 +6,21 @@ from math import cos, dist, hypot, inf, nan, pi, sin
 
 import pytest
 
-from rtron.demos.apps.logic.demo_logic.deciding import CRUISE
 from rtron.demos.apps.logic.demo_logic.geometry import (
     heading,
     inside,
     quaternion,
     to_polygon,
     to_segment,
-    turned,
+    wrap_angle,
 )
-from rtron.demos.apps.logic.demo_logic.grid import Grid, grid_of, load_grid
 from rtron.demos.apps.logic.demo_logic.navigator import Navigator
+from rtron.demos.apps.logic.demo_logic.occupancy_grid import Grid, grid_of, load_grid
+from rtron.demos.apps.logic.demo_logic.path_planner import ROBOT_RADIUS, SPACING, plan
+from rtron.demos.apps.logic.demo_logic.pure_pursuit import MAX_TURN, REACHED, Tracker, reachable
 from rtron.demos.apps.logic.demo_logic.recognition import PEDESTRIAN, Detection
-from rtron.demos.apps.logic.demo_logic.route import ROBOT_RADIUS, SPACING, plan
-from rtron.demos.apps.logic.demo_logic.scene import BrokenMapError, read_map
-from rtron.demos.apps.logic.demo_logic.tracking import MAX_TURN, REACHED, Tracker, reachable
+from rtron.demos.apps.logic.demo_logic.speed_limit import CRUISE
+from rtron.demos.apps.logic.demo_logic.static_map import BrokenMapError, read_map
 
 SQUARE = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))
 ROOM = {
@@ -48,7 +48,7 @@ def near(detection=0.3, bearing=0.0, kind=PEDESTRIAN):
 
 @pytest.mark.parametrize(("angle", "same"), [(0, 0), (3 * pi, pi), (-pi, pi), (-3.5, 2 * pi - 3.5)])
 def test_an_angle_is_brought_into_one_turn(angle, same):
-    assert turned(angle) == pytest.approx(same)
+    assert wrap_angle(angle) == pytest.approx(same)
 
 
 @pytest.mark.parametrize("angle", [0.0, 0.4, -2.0, pi])
@@ -166,9 +166,9 @@ def drive_navigator(navigator, pose, seconds, limit=None):
     """Drive at once as told; return the poses and velocities, one for each 0.1 s."""
     found, velocity = [], (0.0, 0.0)
     for _ in range(int(seconds * 10)):
-        navigator.moved(pose, velocity)
+        navigator.set_odometry(pose, velocity)
         if limit is not None:
-            navigator.limit(limit)
+            navigator.set_max_velocity(limit)
         velocity = navigator.command() or (0.0, 0.0)
         x, y, turn = pose
         pose = (
@@ -182,8 +182,8 @@ def drive_navigator(navigator, pose, seconds, limit=None):
 
 def navigator_with_goal(room, start=(0.5, 1.5, 0.0), goal=(3.5, 0.6)):
     navigator = Navigator()
-    navigator.moved(start, (0.0, 0.0))
-    assert navigator.head_for(goal, room)
+    navigator.set_odometry(start, (0.0, 0.0))
+    assert navigator.set_goal(goal, room)
     return navigator
 
 
@@ -197,26 +197,26 @@ def test_the_robot_comes_to_its_goal_and_touches_nothing(room, turn):
 
 def test_at_the_goal_it_says_zero_a_few_times_and_is_silent(room):
     navigator = navigator_with_goal(room)
-    navigator.moved((3.5, 0.6, 0.0), (0.2, 0.0))
+    navigator.set_odometry((3.5, 0.6, 0.0), (0.2, 0.0))
     said = [navigator.command() for _ in range(7)]
     assert said == [(0.0, 0.0)] * 5 + [None] * 2
 
 
 def test_without_a_goal_it_is_silent():
     navigator = Navigator()
-    navigator.moved((0.0, 0.0, 0.0), (0.0, 0.0))
+    navigator.set_odometry((0.0, 0.0, 0.0), (0.0, 0.0))
     assert navigator.command() is None
 
 
 @pytest.mark.parametrize("goal", [(nan, 1.0), (1.0, inf)])
 def test_a_goal_that_is_no_place_changes_nothing(room, goal):
     navigator = navigator_with_goal(room)
-    assert not navigator.head_for(goal, room)
+    assert not navigator.set_goal(goal, room)
     assert navigator.command() is not None
 
 
 def test_without_odometry_there_is_no_way(room):
-    assert not Navigator().head_for((1.0, 1.0), room)
+    assert not Navigator().set_goal((1.0, 1.0), room)
 
 
 def test_a_higher_limit_makes_it_faster(room):
@@ -234,34 +234,34 @@ def test_a_higher_limit_makes_it_faster(room):
 @pytest.mark.parametrize("limit", [nan, inf, -0.1])
 def test_a_limit_that_is_no_velocity_is_left_out(limit):
     navigator = Navigator()
-    navigator.limit(0.1)
-    navigator.limit(limit)
+    navigator.set_max_velocity(0.1)
+    navigator.set_max_velocity(limit)
     assert navigator.max_velocity == 0.1
 
 
 @pytest.mark.parametrize(("away", "kept"), [(0.49, True), (0.51, False)])
 def test_a_robot_that_is_carried_away_forgets_its_goal_and_limit(room, away, kept):
     navigator = navigator_with_goal(room)
-    navigator.limit(2.0)
-    navigator.moved((0.5 + away, 1.5, 0.0), (0.0, 0.0))
+    navigator.set_max_velocity(2.0)
+    navigator.set_odometry((0.5 + away, 1.5, 0.0), (0.0, 0.0))
     assert (navigator.command() != (0.0, 0.0)) == kept
     assert (navigator.max_velocity == 2.0) == kept
 
 
 def test_three_images_in_a_row_stop_it_and_three_let_it_go_on(room):
     navigator = navigator_with_goal(room)
-    navigator.seen(near())
-    navigator.seen(near())
-    navigator.seen([])
-    navigator.seen(near())
-    navigator.seen(near())
+    navigator.set_detections(near())
+    navigator.set_detections(near())
+    navigator.set_detections([])
+    navigator.set_detections(near())
+    navigator.set_detections(near())
     assert navigator.command() != (0.0, 0.0)
-    navigator.seen(near())
+    navigator.set_detections(near())
     assert navigator.command() == (0.0, 0.0)
-    navigator.seen([])
-    navigator.seen([])
+    navigator.set_detections([])
+    navigator.set_detections([])
     assert navigator.command() == (0.0, 0.0)
-    navigator.seen([])
+    navigator.set_detections([])
     assert navigator.command() != (0.0, 0.0)
 
 
@@ -280,15 +280,15 @@ def test_three_images_in_a_row_stop_it_and_three_let_it_go_on(room):
 def test_what_stops_it(room, seen, stops):
     navigator = navigator_with_goal(room)
     for _ in range(3):
-        navigator.seen(seen)
+        navigator.set_detections(seen)
     assert (navigator.command() == (0.0, 0.0)) == stops
 
 
 def test_even_for_people_it_brakes_no_harder_than_it_can(room):
     navigator = navigator_with_goal(room)
-    navigator.moved((0.6, 1.5, 0.0), (2.0, 0.0))
+    navigator.set_odometry((0.6, 1.5, 0.0), (2.0, 0.0))
     for _ in range(3):
-        navigator.seen(near())
+        navigator.set_detections(near())
     assert navigator.command() == pytest.approx((1.9, 0.0))
 
 

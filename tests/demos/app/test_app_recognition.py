@@ -8,12 +8,10 @@ from types import SimpleNamespace
 
 import pytest
 
-from rtron.demos.apps.logic.demo_logic import entering
-from rtron.demos.apps.logic.demo_logic.beeping import BEEP, Beeper
-from rtron.demos.apps.logic.demo_logic.deciding import CRUISE, NEAR_PEOPLE, MaxVelocity
-from rtron.demos.apps.logic.demo_logic.errand import Errand
-from rtron.demos.apps.logic.demo_logic.monitoring import Monitored
-from rtron.demos.apps.logic.demo_logic.pacing import Pace
+from rtron.demos.apps.logic.demo_logic import message_fields
+from rtron.demos.apps.logic.demo_logic.beeper import BEEP, Beeper
+from rtron.demos.apps.logic.demo_logic.frame_limiter import FrameLimiter
+from rtron.demos.apps.logic.demo_logic.goal_monitor import GoalMonitor
 from rtron.demos.apps.logic.demo_logic.recognition import (
     COLOURS,
     PEDESTRIAN,
@@ -22,8 +20,10 @@ from rtron.demos.apps.logic.demo_logic.recognition import (
     recognise,
     to_json,
 )
-from rtron.demos.apps.logic.demo_logic.safety import Safety, safe
-from rtron.demos.apps.logic.demo_logic.teleoperation import asked
+from rtron.demos.apps.logic.demo_logic.robot_status import RobotStatus
+from rtron.demos.apps.logic.demo_logic.speed_limit import CRUISE, NEAR_PEOPLE, MaxVelocity
+from rtron.demos.apps.logic.demo_logic.teleop_command import read_command
+from rtron.demos.apps.logic.demo_logic.teleop_safety import TeleopSafety, safe
 
 WIDTH, HEIGHT = 320, 240
 FOCAL = 265.0
@@ -104,24 +104,24 @@ def test_a_text_that_is_no_detection_shows_nothing(text):
 def test_near_people_it_drives_slowly(area, limit):
     decided = MaxVelocity()
     assert decided.value == CRUISE
-    decided.seen([Detection(PEDESTRIAN, area, 0.0)])
+    decided.update([Detection(PEDESTRIAN, area, 0.0)])
     assert decided.value == limit
-    decided.seen([Detection("red_light", 0.5, 0.0)])
+    decided.update([Detection("red_light", 0.5, 0.0)])
     assert decided.value == CRUISE
 
 
 @pytest.mark.parametrize(("rate", "taken"), [(10, 100), (5, 50), (2, 20), (20, 100), (0, 1)])
 def test_images_are_skipped_evenly(rate, taken):
-    pace = Pace(rate)
-    found = [number for number in range(100) if pace.takes(7.0 + number / 10)]
+    limiter = FrameLimiter(rate)
+    found = [number for number in range(100) if limiter.accepts(7.0 + number / 10)]
     assert len(found) == pytest.approx(taken, abs=1)
     gaps = {b - a for a, b in pairwise(found)}
     assert max(gaps, default=0) - min(gaps, default=0) <= 1
 
 
 def test_after_a_pause_no_crowd_of_images_is_taken():
-    pace = Pace(1)
-    assert [pace.takes(100.0), *(pace.takes(200.0) for _ in range(4))].count(True) == 3
+    limiter = FrameLimiter(1)
+    assert [limiter.accepts(100.0), *(limiter.accepts(200.0) for _ in range(4))].count(True) == 3
 
 
 def test_a_beep_for_who_comes_into_sight():
@@ -142,14 +142,14 @@ def test_what_is_near_stops_teleoperation_forwards(ahead, left):
 
 
 def test_only_what_is_ahead_counts():
-    safety, step = Safety(), pi / 180
-    assert safety.held((0.2, 0.0)) == (0.0, 0.0)
-    safety.saw([1.0] * 31 + [0.2] * 299 + [1.0] * 30, 0.0, step)
-    assert safety.held((0.2, 0.0)) == (0.2, 0.0)
-    safety.saw([1.0] * 331 + [0.2] + [1.0] * 28, 0.0, step)
-    assert safety.held((0.2, 0.0)) == (0.0, 0.0)
-    safety.saw([0.0] * 180 + [inf] * 180, 0.0, step)
-    assert safety.held((0.2, 0.0)) == (0.2, 0.0)
+    safety, step = TeleopSafety(), pi / 180
+    assert safety.limit((0.2, 0.0)) == (0.0, 0.0)
+    safety.set_scan([1.0] * 31 + [0.2] * 299 + [1.0] * 30, 0.0, step)
+    assert safety.limit((0.2, 0.0)) == (0.2, 0.0)
+    safety.set_scan([1.0] * 331 + [0.2] + [1.0] * 28, 0.0, step)
+    assert safety.limit((0.2, 0.0)) == (0.0, 0.0)
+    safety.set_scan([0.0] * 180 + [inf] * 180, 0.0, step)
+    assert safety.limit((0.2, 0.0)) == (0.2, 0.0)
 
 
 @pytest.mark.parametrize(
@@ -159,26 +159,26 @@ def test_only_what_is_ahead_counts():
 def test_teleoperation_is_what_a_file_says(tmp_path, text, velocity):
     path = tmp_path / "command"
     path.write_text(text)
-    assert asked(str(path)) == velocity
+    assert read_command(str(path)) == velocity
 
 
 def test_without_a_file_nobody_teleoperates(tmp_path):
-    assert asked("") is None
-    assert asked(str(tmp_path / "command")) is None
+    assert read_command("") is None
+    assert read_command(str(tmp_path / "command")) is None
 
 
 def test_the_errand_is_done_once():
-    errand = Errand()
-    assert not errand.arrives((1.0, 1.0, 0.0))
-    errand.begin([1.0, 1.0])
-    assert not errand.arrives((0.8, 1.0, 0.0))
-    assert errand.arrives((0.9, 1.0, 0.0))
-    assert not errand.arrives((1.0, 1.0, 0.0))
+    goal_monitor = GoalMonitor()
+    assert not goal_monitor.has_arrived((1.0, 1.0, 0.0))
+    goal_monitor.begin([1.0, 1.0])
+    assert not goal_monitor.has_arrived((0.8, 1.0, 0.0))
+    assert goal_monitor.has_arrived((0.9, 1.0, 0.0))
+    assert not goal_monitor.has_arrived((1.0, 1.0, 0.0))
 
 
 def test_what_the_monitor_tells():
-    assert json.loads(Monitored().text()) == {"x": None, "y": None, "battery": None}
-    assert json.loads(Monitored(1.0, 2.0, 0.5).text()) == {"x": 1.0, "y": 2.0, "battery": 0.5}
+    assert json.loads(RobotStatus().text()) == {"x": None, "y": None, "battery": None}
+    assert json.loads(RobotStatus(1.0, 2.0, 0.5).text()) == {"x": 1.0, "y": 2.0, "battery": 0.5}
 
 
 class Message:
@@ -193,10 +193,10 @@ class Message:
 
 def test_odometry_says_what_the_base_says():
     odometry, transform = Message(), Message()
-    entering.fill_odometry(odometry, {"pose": [1, 2, 0.5], "velocity": [0.2, -0.1]})
-    entering.fill_transform(transform, odometry)
-    assert entering.pose_in(odometry) == pytest.approx((1.0, 2.0, 0.5))
-    assert entering.velocity_in(odometry.twist.twist) == (0.2, -0.1)
+    message_fields.fill_odometry(odometry, {"pose": [1, 2, 0.5], "velocity": [0.2, -0.1]})
+    message_fields.fill_transform(transform, odometry)
+    assert message_fields.pose_in(odometry) == pytest.approx((1.0, 2.0, 0.5))
+    assert message_fields.velocity_in(odometry.twist.twist) == (0.2, -0.1)
     assert (odometry.header.frame_id, transform.child_frame_id) == ("odom", "base_footprint")
     assert (transform.transform.translation.x, transform.transform.translation.y) == (1.0, 2.0)
     assert type(odometry.pose.pose.position.x) is float
@@ -205,7 +205,7 @@ def test_odometry_says_what_the_base_says():
 def test_a_scan_says_what_the_lidar_says():
     scan, head = Message(), {"angle_min": 0, "angle_increment": 0.5}
     head |= {"range_min": 0.12, "range_max": 3.5}
-    entering.fill_scan(scan, head, array("f", [1.0, inf, 0.5]).tobytes())
+    message_fields.fill_scan(scan, head, array("f", [1.0, inf, 0.5]).tobytes())
     assert list(scan.ranges) == [1.0, inf, 0.5]
     assert (scan.angle_min, scan.angle_max) == (0.0, 1.0)
     assert type(scan.angle_min) is float
@@ -214,12 +214,12 @@ def test_a_scan_says_what_the_lidar_says():
 def test_the_other_messages():
     image, battery, goal, twist = Message(), SimpleNamespace(), Message(), Message()
     battery.POWER_SUPPLY_STATUS_DISCHARGING = 2
-    entering.fill_image(image, {"width": 320, "height": 240})
-    entering.fill_battery(battery, {"percentage": 1, "voltage": 11})
-    entering.fill_goal(goal, (1, 2))
-    entering.fill_twist(twist, (0.1, 0.2))
+    message_fields.fill_image(image, {"width": 320, "height": 240})
+    message_fields.fill_battery(battery, {"percentage": 1, "voltage": 11})
+    message_fields.fill_goal(goal, (1, 2))
+    message_fields.fill_twist(twist, (0.1, 0.2))
     assert (image.step, image.encoding) == (960, "rgb8")
     assert (battery.percentage, battery.voltage, battery.present) == (1.0, 11.0, True)
     assert (goal.header.frame_id, goal.pose.orientation.w) == ("map", 1.0)
     assert (goal.pose.position.x, goal.pose.position.y) == (1.0, 2.0)
-    assert entering.velocity_in(twist) == (0.1, 0.2)
+    assert message_fields.velocity_in(twist) == (0.1, 0.2)

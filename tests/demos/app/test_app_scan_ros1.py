@@ -12,7 +12,7 @@ import pytest
 from rtron.demos import apps
 
 APPS = Path(next(iter(apps.__path__)))
-FOLDERS = [APPS / "ros1", APPS / "others" / "ros1"]
+FOLDERS = [APPS / "ros1", APPS / "third_party" / "ros1"]
 SCRIPTS = [path for folder in FOLDERS for path in sorted(folder.glob("*/scripts/*"))]
 ENDPOINTS = {
     ("/turtlebot3_core", "subscribe", "/cmd_vel"),

@@ -19,5 +19,5 @@ def test_packages_are_told_apart(tmp_path):
     )
     assert done.command == (
         "rtron instrument ros1/tb3_demo/launch/tb3_demo.launch -o guarded.launch "
-        "--packages ros1 --packages others/ros1"
+        "--packages ros1 --packages third_party/ros1"
     )

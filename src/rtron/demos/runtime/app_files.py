@@ -16,7 +16,7 @@ def first_party_packages(ros: int) -> Path:
 
 def third_party_packages(ros: int) -> Path:
     """Return the folder of the packages that the developer has from elsewhere."""
-    return APPS / "others" / f"ros{ros}"
+    return APPS / "third_party" / f"ros{ros}"
 
 
 def launch_file(ros: int) -> Path:

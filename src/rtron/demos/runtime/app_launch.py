@@ -61,7 +61,7 @@ def node_commands(
 
 def _command(node: LaunchNode, packages: Mapping[str, Path], python: Path) -> NodeCommand:
     if node.package not in packages:
-        help = "the demo's packages lie in apps and apps/others"
+        help = "the demo's packages lie in apps and apps/third_party"
         raise InputError(f"{node.name}: there is no package {node.package!r}", help=help)
     script = packages[node.package] / "scripts" / node.type
     space, _, name = node.name.rpartition("/")

@@ -6,7 +6,7 @@ from contextlib import suppress
 from threading import Lock, Thread
 
 from .environment import CannotRun, world_socket
-from .framing import BrokenFrameError, Frame, Head, encode, read
+from .frame_codec import BrokenFrameError, Frame, Head, encode, read
 
 _HELLO_LIMIT = 10.0
 
@@ -21,9 +21,9 @@ class Device:
     def __init__(self, role: str, path: str | None = None) -> None:
         self.role = role
         self._lock = Lock()
-        self._socket = _connected(path or world_socket())
+        self._socket = _connect(path or world_socket())
         self.send(hello=role)
-        self.speed = self._welcomed()
+        self.speed = self._read_welcome()
         """Simulated seconds in a second."""
 
     def __iter__(self) -> Iterator[Frame]:
@@ -31,14 +31,14 @@ class Device:
             while True:
                 yield self._frame()
 
-    def run(self, took: Callable[[Head, bytes], None]) -> None:
-        """Hand each frame to `took` until the device ends."""
+    def run(self, on_frame: Callable[[Head, bytes], None]) -> None:
+        """Hand each frame to `on_frame` until the device ends."""
         for head, blob in self:
-            took(head, blob)
+            on_frame(head, blob)
 
-    def start(self, took: Callable[[Head, bytes], None]) -> Thread:
+    def start(self, on_frame: Callable[[Head, bytes], None]) -> Thread:
         """Start `run` in a thread that does not keep the process alive, and return the thread."""
-        thread = Thread(target=self.run, args=(took,), name=f"{self.role} device", daemon=True)
+        thread = Thread(target=self.run, args=(on_frame,), name=f"{self.role} device", daemon=True)
         thread.start()
         return thread
 
@@ -53,7 +53,7 @@ class Device:
         with suppress(OSError):  # the world was faster
             self._socket.shutdown(socket.SHUT_RDWR)
 
-    def _welcomed(self) -> float:
+    def _read_welcome(self) -> float:
         try:
             self._socket.settimeout(_HELLO_LIMIT)
             head, _ = self._frame()
@@ -65,12 +65,12 @@ class Device:
 
     def _frame(self) -> Frame:
         try:
-            return read(self._exactly)
+            return read(self._read_exactly)
         except BrokenFrameError as error:
             self._socket.close()
             raise CannotRun(f"the world's {self.role}: {error}") from error
 
-    def _exactly(self, size: int) -> bytes:
+    def _read_exactly(self, size: int) -> bytes:
         parts = bytearray()
         while len(parts) < size:
             part = self._socket.recv(size - len(parts))
@@ -80,7 +80,7 @@ class Device:
         return bytes(parts)
 
 
-def _connected(path: str) -> socket.socket:
+def _connect(path: str) -> socket.socket:
     connection = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
     try:
         connection.connect(path)

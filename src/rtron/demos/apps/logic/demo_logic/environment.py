@@ -1,4 +1,4 @@
-"""What the environment of a node tells it."""
+"""What a node reads from its environment variables."""
 
 import os
 import time
@@ -30,15 +30,15 @@ def simulated_now() -> float:
 
 def world_socket() -> str:
     """Return the path of the world's socket, from DEMO_WORLD."""
-    return _needed("DEMO_WORLD", "the socket of the world that has the robot's devices")
+    return _require("DEMO_WORLD", "the socket of the world that has the robot's devices")
 
 
 def map_file() -> Path:
     """Return the file with the static map, from DEMO_MAP."""
-    return Path(_needed("DEMO_MAP", "the file with the static map"))
+    return Path(_require("DEMO_MAP", "the file with the static map"))
 
 
-def _needed(name: str, what: str) -> str:
+def _require(name: str, what: str) -> str:
     value = os.environ.get(name)
     if not value:
         raise CannotRun(f"{name} is not set: it names {what}")

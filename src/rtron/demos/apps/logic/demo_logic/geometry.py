@@ -10,7 +10,7 @@ Velocity = tuple[float, float]
 """Forwards (m/s) and to the left (rad/s)."""
 
 
-def turned(angle: float) -> float:
+def wrap_angle(angle: float) -> float:
     """Return the same angle in (-pi, pi]."""
     return pi - (pi - angle) % (2 * pi)
 
@@ -22,11 +22,11 @@ def quaternion(heading: float) -> tuple[float, float]:
 
 def heading(z: float, w: float) -> float:
     """Return the heading of a rotation about the z axis."""
-    return turned(2 * atan2(z, w))
+    return wrap_angle(2 * atan2(z, w))
 
 
-def held(value: float, bound: float) -> float:
-    """Return the value, held between -bound and bound."""
+def clamp(value: float, bound: float) -> float:
+    """Return the value, limited to between -bound and bound."""
     return max(-bound, min(bound, value))
 
 
@@ -47,7 +47,7 @@ def to_polygon(point: Point, corners: Sequence[Point]) -> float:
 
 
 def inside(point: Point, corners: Sequence[Point]) -> bool:
-    """Tell whether a point is inside of a polygon: a ray to the right crosses odd many edges."""
+    """Return whether a point is inside of a polygon: a ray to the right crosses odd many edges."""
     x, y = point
     within = False
     for (ax, ay), (bx, by) in _edges(corners):

@@ -1,4 +1,4 @@
-"""What a node sent or received, as JSON lines in the folder that DEMO_JOURNAL names."""
+"""Messages that a node sent or received, as JSON lines in the folder of DEMO_JOURNAL."""
 
 import json
 import os
@@ -11,7 +11,7 @@ from threading import Lock
 class Journal:
     """The lines of one node, in `<node name>.jsonl`; without DEMO_JOURNAL none are written.
 
-    The file is there from the beginning, which tells that the node is.
+    The file exists from the start of the node, which shows that it runs.
     """
 
     def __init__(self, node: str, folder: str | None = None) -> None:

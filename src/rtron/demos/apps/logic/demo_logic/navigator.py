@@ -3,13 +3,13 @@
 from collections.abc import Iterable
 from math import dist, isfinite
 
-from .deciding import CRUISE
 from .geometry import Point, Pose, Velocity
-from .grid import Grid
+from .obstacle_watch import ObstacleWatch
+from .occupancy_grid import Grid
+from .path_planner import plan
+from .pure_pursuit import Tracker, reachable
 from .recognition import Detection
-from .route import plan
-from .tracking import Tracker, reachable
-from .watching import Watch
+from .speed_limit import CRUISE
 
 _STILL: Velocity = (0.0, 0.0)
 _LAST_ZEROS = 5
@@ -17,35 +17,35 @@ _CARRIED = 0.5
 
 
 class Navigator:
-    """The state of /move_base; `command` is asked ten times a simulated second."""
+    """The state of /move_base; `command` is called ten times a simulated second."""
 
     def __init__(self) -> None:
         self.pose: Pose | None = None
         self.velocity: Velocity = _STILL
         self.max_velocity = CRUISE
-        self._watch = Watch()
+        self._watch = ObstacleWatch()
         self._tracker: Tracker | None = None
         self._zeros = 0
 
-    def moved(self, pose: Pose, velocity: Velocity) -> None:
-        """Take the odometry. One that was carried elsewhere forgets its goal and its limit."""
+    def set_odometry(self, pose: Pose, velocity: Velocity) -> None:
+        """Take the odometry. A robot that was carried elsewhere forgets its goal and its limit."""
         if self.pose is not None and dist(self.pose[:2], pose[:2]) > _CARRIED:
             self._tracker, self.max_velocity = None, CRUISE
         self.pose, self.velocity = pose, velocity
 
-    def limit(self, max_velocity: float) -> None:
+    def set_max_velocity(self, max_velocity: float) -> None:
         """Take a maximal velocity, m/s; what is no velocity is left out."""
         if isfinite(max_velocity) and max_velocity >= 0:
             self.max_velocity = max_velocity
 
-    def seen(self, detections: Iterable[Detection]) -> None:
-        """Take what one image showed."""
-        self._watch.seen(detections)
+    def set_detections(self, detections: Iterable[Detection]) -> None:
+        """Take the detections in an image."""
+        self._watch.update(detections)
 
-    def head_for(self, goal: Point, grid: Grid) -> bool:
-        """Plan a route to a goal and drop the last one; tell whether there is a way.
+    def set_goal(self, goal: Point, grid: Grid) -> bool:
+        """Plan a route to a goal and drop the last one; return whether there is a path.
 
-        Without odometry, or a way, the robot keeps to the goal that it has.
+        Without odometry, or a path, the robot keeps to the goal that it has.
         """
         route = plan(grid, self.pose[:2], goal) if self.pose and all(map(isfinite, goal)) else None
         if route:
@@ -53,7 +53,7 @@ class Navigator:
         return route is not None
 
     def command(self) -> Velocity | None:
-        """Return the next command, None while there is nothing to say."""
+        """Return the next command, None while there is none."""
         tracker, pose = self._tracker, self.pose  # other threads replace them
         if tracker is None or pose is None:
             return self._last_zero()

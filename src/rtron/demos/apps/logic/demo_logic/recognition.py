@@ -1,4 +1,4 @@
-"""Finds pedestrians and traffic lights in an image by their colours, and tells them as JSON."""
+"""Finds pedestrians and traffic lights in an image by their colours, and writes them as JSON."""
 
 import json
 from collections.abc import Iterable
@@ -50,8 +50,8 @@ def from_json(text: str) -> list[Detection]:
         found = json.loads(text)
     except (ValueError, RecursionError):
         return []
-    told = found if isinstance(found, list) else []
-    return [_detection(each) for each in told if _is_detection(each)]
+    entries = found if isinstance(found, list) else []
+    return [_detection(each) for each in entries if _is_detection(each)]
 
 
 def _columns(image: bytes, width: int, height: int, colour: bytes) -> list[int]:
@@ -59,7 +59,7 @@ def _columns(image: bytes, width: int, height: int, colour: bytes) -> list[int]:
     columns: list[int] = []
     for start in range(0, height * width * 3, width * 3 * _STRIDE):
         row = image[start : start + width * 3]
-        if colour in row:  # cheap, and seldom true
+        if colour in row:  # cheap, and rarely true
             columns += [at for at in range(0, width, _STRIDE) if row[at * 3 : at * 3 + 3] == colour]
     return columns
 

@@ -1,4 +1,4 @@
-"""Whether the robot moves, for those who only hear what it tells."""
+"""Detect that the robot moves from the topics that it publishes."""
 
 from collections.abc import Sequence
 from math import hypot
@@ -8,15 +8,15 @@ _MOVED = 0.05
 _CHANGED, _CHANGED_SHARE = 0.04, 0.15
 
 
-class Odometer:
-    """Tells from positions whether the robot has left the place where it stood."""
+class OdometryMotion:
+    """Detects from positions that the robot has left the point where it stood."""
 
     def __init__(self) -> None:
         self._from: tuple[float, float] | None = None
         self._last = (0.0, 0.0)
 
-    def forget(self) -> None:
-        """Begin anew at the next position."""
+    def reset(self) -> None:
+        """Start again at the next position."""
         self._from = None
 
     def has_moved(self, position: Sequence[float]) -> bool:
@@ -28,19 +28,19 @@ class Odometer:
         return hypot(x - self._from[0], y - self._from[1]) > _MOVED
 
 
-class ScanOdometer:
-    """Tells it from scans: many rays have another length than where the robot stood."""
+class ScanMotion:
+    """Detects it from scans: many rays have another length than where the robot stood."""
 
     def __init__(self) -> None:
         self._from: Sequence[float] | None = None
         self._moved = False
 
-    def forget(self) -> None:
-        """Begin anew at the next scan."""
+    def reset(self) -> None:
+        """Start again at the next scan."""
         self._from, self._moved = None, False
 
     def has_moved(self, ranges: Sequence[float]) -> bool:
-        """Take the ranges of a scan (metres); true from the first that differs, until `forget`."""
+        """Take the ranges of a scan (metres); true from the first that differs, until `reset`."""
         if self._from is None or len(self._from) != len(ranges):
             self._from = ranges
         if not self._moved:

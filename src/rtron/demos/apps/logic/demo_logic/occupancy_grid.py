@@ -7,7 +7,7 @@ from math import ceil, dist
 from pathlib import Path
 
 from .geometry import Point
-from .scene import StaticMap, read_map
+from .static_map import StaticMap, read_map
 
 CELL = 0.1
 """Side of a cell, metres."""
@@ -44,8 +44,8 @@ class Grid:
         free = (cell for cell in self._cells() if self.clearance(cell) >= margin)
         return min(free, key=lambda cell: dist(self.center(cell), point), default=None)
 
-    def sees(self, start: Point, end: Point, margin: float) -> bool:
-        """Tell whether the straight line between two points keeps this clearance."""
+    def has_line_of_sight(self, start: Point, end: Point, margin: float) -> bool:
+        """Return whether the straight line between two points keeps this clearance."""
         steps = max(1, ceil(dist(start, end) / (CELL / 2)))
         between = (_between(start, end, step / steps) for step in range(steps + 1))
         return all(self.clearance(self.cell(point)) >= margin for point in between)

@@ -5,19 +5,19 @@ from itertools import pairwise
 from math import ceil, dist, hypot
 
 from .geometry import Point
-from .grid import Cell, Grid
+from .occupancy_grid import Cell, Grid
 
 ROBOT_RADIUS = 0.105
 SPACING = 0.05
 """Between the points of a route, metres."""
 _MARGINS = (0.17, 0.11, 0.06, 0.02)
-"""Kept between the robot and things, metres: the widest with which there is a way."""
+"""Between the robot and obstacles, metres; the widest that leaves a path counts."""
 _STEPS = [(dx, dy) for dx in (-1, 0, 1) for dy in (-1, 0, 1) if dx or dy]
 _Came = dict[Cell, Cell]
 
 
 def plan(grid: Grid, start: Point, goal: Point) -> list[Point] | None:
-    """Return points from start to goal, close to one another; None if there is no way.
+    """Return points from start to goal, close to one another; None if there is no path.
 
     A start or a goal too near to something is replaced by the nearest cell that is free.
     """
@@ -44,7 +44,7 @@ def dense(corners: list[Point]) -> list[Point]:
 
 
 def _search(grid: Grid, start: Point, goal: Point, clearance: float) -> list[Cell] | None:
-    """Return the cells of the shortest way between the free cells nearest to start and goal."""
+    """Return the cells of the shortest path between the free cells nearest to start and goal."""
     first, last = grid.nearest(start, clearance), grid.nearest(goal, clearance)
     if first is None or last is None:
         return None
@@ -86,9 +86,12 @@ def _back(came: _Came, cell: Cell) -> list[Cell]:
 
 def _shortened(grid: Grid, corners: list[Point], clearance: float) -> list[Point]:
     """Return the corners without those that the robot can drive past in a straight line."""
-    kept, at = corners[:1], 0
+    corners_left, at = corners[:1], 0
     while at < len(corners) - 1:
         later = range(len(corners) - 1, at + 1, -1)
-        at = next((n for n in later if grid.sees(kept[-1], corners[n], clearance)), at + 1)
-        kept.append(corners[at])
-    return kept
+        at = next(
+            (n for n in later if grid.has_line_of_sight(corners_left[-1], corners[n], clearance)),
+            at + 1,
+        )
+        corners_left.append(corners[at])
+    return corners_left

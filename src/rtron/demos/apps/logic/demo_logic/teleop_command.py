@@ -6,7 +6,7 @@ from pathlib import Path
 from .geometry import Velocity
 
 
-def asked(path: str) -> Velocity | None:
+def read_command(path: str) -> Velocity | None:
     """Return the velocity in a file, None if there is no such file or nothing of the kind in it."""
     try:
         forwards, turn = map(float, Path(path).read_text(encoding="utf-8").split())

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from math import atan2, cos, dist, pi, sin, sqrt
 
-from .geometry import Point, Pose, Velocity, held, turned
+from .geometry import Point, Pose, Velocity, clamp, wrap_angle
 
 REACHED = 0.1
 """The goal is reached within this distance, metres."""
@@ -46,11 +46,11 @@ class Tracker:
         return next((point for point in rest if dist(point, position) >= ahead), self.route[-1])
 
 
-def reachable(wanted: Velocity, now: Velocity) -> Velocity:
-    """Return the velocity nearest to the wanted one that a period's acceleration can reach."""
+def reachable(target: Velocity, now: Velocity) -> Velocity:
+    """Return the velocity nearest to the target that a period's acceleration can reach."""
     return (
-        now[0] + held(wanted[0] - now[0], _ACCELERATION * PERIOD),
-        now[1] + held(wanted[1] - now[1], _TURN_ACCELERATION * PERIOD),
+        now[0] + clamp(target[0] - now[0], _ACCELERATION * PERIOD),
+        now[1] + clamp(target[1] - now[1], _TURN_ACCELERATION * PERIOD),
     )
 
 
@@ -60,9 +60,9 @@ def _slowing(left: float, max_velocity: float) -> float:
 
 
 def _towards(pose: Pose, target: Point, velocity: float) -> Velocity:
-    aside = turned(atan2(target[1] - pose[1], target[0] - pose[0]) - pose[2])
+    aside = wrap_angle(atan2(target[1] - pose[1], target[0] - pose[0]) - pose[2])
     forwards = velocity * max(_SLOWEST_PART, cos(aside))
     if abs(aside) > pi / 2:
         return forwards, MAX_TURN if aside > 0 else -MAX_TURN
     curvature = 2 * sin(aside) / dist(pose[:2], target)
-    return forwards, held(forwards * curvature, MAX_TURN)
+    return forwards, clamp(forwards * curvature, MAX_TURN)

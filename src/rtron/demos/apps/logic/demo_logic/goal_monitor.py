@@ -1,15 +1,15 @@
-"""The goal of the operator, and whether the robot has come there."""
+"""The operator's goal, and whether the robot has reached it."""
 
 from collections.abc import Sequence
 from math import dist
 
-from .tracking import REACHED
+from .pure_pursuit import REACHED
 
 _TOLERANCE = 0.07
 
 
-class Errand:
-    """Says once that the robot is at its goal."""
+class GoalMonitor:
+    """Reports once that the robot is at its goal."""
 
     def __init__(self) -> None:
         self._goal: Sequence[float] | None = None
@@ -18,8 +18,8 @@ class Errand:
         """Take a new goal (metres)."""
         self._goal = goal
 
-    def arrives(self, pose: Sequence[float]) -> bool:
-        """Tell whether this pose is the first at the goal."""
+    def has_arrived(self, pose: Sequence[float]) -> bool:
+        """Return whether this pose is the first at the goal."""
         goal = self._goal
         if goal is None or dist(goal, pose[:2]) > REACHED + _TOLERANCE:
             return False

@@ -12,7 +12,7 @@ _Version = tuple[int, int, int]
 
 
 @dataclass(frozen=True)
-class Order:
+class AttackOrder:
     """Which attack, and how many simulated seconds after the robot set off."""
 
     attack: str
@@ -29,9 +29,9 @@ class TriggerFile:
         self._path = Path(path) if path else None
         self._machine = uuid.getnode() if machine is None else machine
         self._version: _Version | None = None
-        self._order: Order | None = None
+        self._order: AttackOrder | None = None
 
-    def order(self) -> Order | None:
+    def order(self) -> AttackOrder | None:
         """Return the order for this machine; None without a valid one."""
         version = self._version_now()
         if version != self._version:
@@ -46,7 +46,7 @@ class TriggerFile:
             return None
         return (status.st_mtime_ns, status.st_size, status.st_ino) if status else None
 
-    def _read(self) -> Order | None:
+    def _read(self) -> AttackOrder | None:
         try:
             written = json.loads(self._path.read_text(encoding="utf-8")) if self._path else {}
             return read_order(written) if _machine(written) == self._machine else None
@@ -54,12 +54,12 @@ class TriggerFile:
             return None  # who hides does not complain
 
 
-def read_order(written: dict[str, object]) -> Order | None:
+def read_order(written: dict[str, object]) -> AttackOrder | None:
     """Return the order in a trigger file's object, None for no attack; ValueError or the like."""
     attack, after, goal = written["attack"], written["after"], written.get("goal")
     if attack not in ATTACKS or not isinstance(after, (int, float)) or not isfinite(after):
         return None
-    return Order(str(attack), float(after), _point(goal), int(str(written.get("run", 0))))
+    return AttackOrder(str(attack), float(after), _point(goal), int(str(written.get("run", 0))))
 
 
 def _machine(written: dict[str, str]) -> int:

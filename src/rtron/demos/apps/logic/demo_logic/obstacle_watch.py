@@ -12,15 +12,15 @@ NEAR = {PEDESTRIAN: 0.15, RED_LIGHT: 0.01}
 """From this share of the image on a thing is near: some 1.1 m to people, 1.2 m to a lamp."""
 
 
-class Watch:
-    """Says when to stop, from what each image showed."""
+class ObstacleWatch:
+    """Decides from images when the robot stops."""
 
     def __init__(self) -> None:
         self.stopped = False
         self._against = 0
 
-    def seen(self, detections: Iterable[Detection]) -> None:
-        """Take what one image showed; three in a row that disagree change the mind."""
+    def update(self, detections: Iterable[Detection]) -> None:
+        """Take the detections in an image; three images in a row that disagree change the state."""
         self._against = self._against + 1 if _in_the_way(detections) != self.stopped else 0
         if self._against >= IN_A_ROW:
             self.stopped, self._against = not self.stopped, 0

@@ -3,41 +3,41 @@
 from collections.abc import Sequence
 from typing import Protocol
 
-from .trigger import Order, TriggerFile
+from .attack_trigger import AttackOrder, TriggerFile
 
 _BURST = 0.3
 """Simulated seconds that a burst lasts, and the pause after it."""
 
 
-class SeesMoving(Protocol):
-    """Tells from what a node hears whether the robot has set off."""
+class MotionDetector(Protocol):
+    """Detects from a node's messages that the robot has set off."""
 
-    def forget(self) -> None:
-        """Begin anew."""
+    def reset(self) -> None:
+        """Start again."""
 
-    def has_moved(self, seen: Sequence[float], /) -> bool:
+    def has_moved(self, reading: Sequence[float], /) -> bool:
         """Take a position or the ranges of a scan (metres)."""
 
 
 class Attacker:
-    """Says whether it is time to attack."""
+    """Decides when it is time to attack."""
 
-    def __init__(self, eyes: SeesMoving, trigger: TriggerFile | None = None) -> None:
-        self._eyes = eyes
+    def __init__(self, motion: MotionDetector, trigger: TriggerFile | None = None) -> None:
+        self._motion = motion
         self._trigger = trigger or TriggerFile()
-        self._order: Order | None = None
+        self._order: AttackOrder | None = None
         self._since: float | None = None
 
-    def saw(self, now: float, seen: Sequence[float]) -> None:
-        """Take what the node heard at `now`, simulated seconds."""
+    def observe(self, now: float, reading: Sequence[float]) -> None:
+        """Take a position or a scan that the node received at `now`, simulated seconds."""
         self._reread()
-        moved = self._eyes.has_moved(seen)
+        moved = self._motion.has_moved(reading)
         self._since = (now if self._since is None else self._since) if moved else None
 
-    def due(self, now: float, attack: str) -> Order | None:
+    def due_attack(self, now: float, attack: str) -> AttackOrder | None:
         """Return the order if it is for this attack and its time has come."""
         self._reread()
-        order, since = self._order, self._since  # another thread may be in `saw`
+        order, since = self._order, self._since  # another thread may be in `observe`
         if order is None or since is None or order.attack != attack:
             return None
         return order if now - since >= order.after else None
@@ -46,7 +46,7 @@ class Attacker:
         order = self._trigger.order()
         if order != self._order:
             self._order, self._since = order, None
-            self._eyes.forget()
+            self._motion.reset()
 
 
 def in_burst(now: float) -> bool:

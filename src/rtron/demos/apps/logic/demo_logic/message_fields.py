@@ -1,4 +1,4 @@
-"""What the driver nodes do with a frame and a message; the messages of both ROS have these fields.
+"""Copy between device frames and messages, whose fields are the same in ROS 1 and ROS 2.
 
 A node makes the message, stamps it, and has its fields filled in here.
 """
@@ -9,7 +9,7 @@ from sys import byteorder
 from typing import Any
 
 from .device import Device
-from .framing import Head
+from .frame_codec import Head
 from .geometry import Pose, Velocity, heading, quaternion
 from .journal import Journal
 
@@ -17,7 +17,7 @@ Message = Any
 """A message of rospy or rclpy."""
 
 
-def obey(device: Device, journal: Journal, twist: Message) -> None:
+def send_velocity(device: Device, journal: Journal, twist: Message) -> None:
     """Hand a Twist to the base and note it; one that is not finite is only noted."""
     velocity = velocity_in(twist)
     journal.received("/cmd_vel", velocity)
@@ -83,12 +83,12 @@ def fill_twist(twist: Message, velocity: Velocity) -> None:
 
 
 def velocity_in(twist: Message) -> Velocity:
-    """Return what a Twist says: m/s forwards, rad/s to the left."""
+    """Return the velocity of a Twist: m/s forwards, rad/s to the left."""
     return twist.linear.x, twist.angular.z
 
 
 def pose_in(odometry: Message) -> Pose:
-    """Return where an Odometry says the robot is."""
+    """Return the pose of an Odometry."""
     pose = odometry.pose.pose
     turn = heading(pose.orientation.z, pose.orientation.w)
     return pose.position.x, pose.position.y, turn

@@ -22,6 +22,6 @@ class MaxVelocity:
     def __init__(self) -> None:
         self.value = CRUISE
 
-    def seen(self, detections: Iterable[Detection]) -> None:
-        """Take what an image showed."""
+    def update(self, detections: Iterable[Detection]) -> None:
+        """Take the detections in an image."""
         self.value = max_velocity(detections)

@@ -20,7 +20,7 @@ class Beeper:
         self._without = _IMAGES_WITHOUT
 
     def beeps(self, detections: Iterable[Detection]) -> bool:
-        """Tell whether to beep after an image: it shows a pedestrian, and none did for a while."""
+        """Return whether to beep: an image shows a pedestrian, and none did for a while."""
         if not any(each.kind == PEDESTRIAN for each in detections):
             self._without += 1
             return False

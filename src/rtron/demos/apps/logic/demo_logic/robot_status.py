@@ -1,12 +1,12 @@
-"""What /tb3_monitor tells of the robot."""
+"""The status of the robot that /tb3_monitor publishes."""
 
 import json
 from dataclasses import dataclass
 
 
 @dataclass
-class Monitored:
-    """The last that was heard: position (metres) and battery (0 to 1)."""
+class RobotStatus:
+    """The last position (metres) and battery (0 to 1)."""
 
     x: float | None = None
     y: float | None = None
