@@ -170,23 +170,24 @@ def test_a_snippet_is_short():
 
 
 SLOW = {
-    "lambdas": "a = 1 = " + "lambda (" * 100_000,
-    "tuples": "a = 1 = " + "lambda (a, b): " * 60_000,
-    "quotes": "a = = '''" + "\\'''" * 200_000,
-    "backslashes": "a = = " + "\\" * 1_000_000,
-    "prints": "print a;" * 100_000 + "= =",
-    "errors": "a b\n" * 200_000,
-    "colons": "if " + "lambda:" * 100_000,
-    "backticks": "`" * 300_001,
-    "tabs": "\t" * 500_000 + "a b",
+    "lambdas": "a = 1 = " + "lambda (" * 25_000,
+    "tuples": "a = 1 = " + "lambda (a, b): " * 15_000,
+    "quotes": "a = = '''" + "\\'''" * 50_000,
+    "backslashes": "a = = " + "\\" * 250_000,
+    "prints": "print a;" * 25_000 + "= =",
+    "errors": "a b\n" * 50_000,
+    "colons": "if " + "lambda:" * 25_000,
+    "backticks": "`" * 75_001,
+    "tabs": "\t" * 125_000 + "a b",
 }
 
 
 @pytest.mark.parametrize("kind", SLOW)
 def test_a_hostile_file_takes_bounded_time(kind):
+    """A few seconds for 200 kB: what grows with the square of the size takes minutes."""
     begin = time.process_time()
     assert lowered(SLOW[kind]).problems
-    assert time.process_time() - begin < 20
+    assert time.process_time() - begin < 5
 
 
 @given(st.binary(max_size=300))

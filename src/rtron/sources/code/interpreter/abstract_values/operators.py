@@ -6,6 +6,7 @@ from typing import Any
 
 from rtron.sources.code.interpreter.abstract_values.items import list_of
 from rtron.sources.code.interpreter.abstract_values.value_types import (
+    MAX_LENGTH,
     UNKNOWN,
     Choice,
     ExternalSymbol,
@@ -17,12 +18,12 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     Value,
     concat,
     is_tainted,
+    is_text,
     join,
     options,
     parts_of,
 )
 
-MAX_LENGTH = 4096
 MAX_BITS = 256
 
 _ARITHMETIC: Mapping[str, Callable[[Any, Any], Any]] = {
@@ -62,7 +63,7 @@ def _binary(name: str, left: Value, right: Value) -> Value:
         return _membership(name, left, right)
     if name in _COMPARISONS:
         return _compare(name, left, right)
-    if name == "%" and _is_text(left):
+    if name == "%" and is_text(left):
         return percent_format(left, right)
     if name == "+":
         return _add(left, right)
@@ -77,7 +78,7 @@ def _add(left: Value, right: Value) -> Value:
         cut = len(items) > MAX_LENGTH
         both = {"items": items[:MAX_LENGTH], "open": left.open or right.open or cut}
         return ListValue(both, left.kind)
-    if _is_text(left) or _is_text(right):
+    if is_text(left) or is_text(right):
         return concat((left, right))
     return _arithmetic("+", left, right)
 
@@ -91,7 +92,7 @@ def _arithmetic(name: str, left: Value, right: Value) -> Value:
             return Unknown("large", tainted)
         return Scalar(_check_size(_ARITHMETIC[name](left.value, right.value)), tainted)
     except TypeError:
-        is_path = name == "/" and _is_text(left) and _is_text(right)
+        is_path = name == "/" and is_text(left) and is_text(right)
         return concat((left, Scalar("/"), right)) if is_path else Unknown("?", tainted)
     except (ArithmeticError, ValueError):
         return Unknown("?", tainted)
@@ -162,12 +163,6 @@ def _repeat(items: ListValue, times: Value) -> Value:
         count = max(0, min(times.value, MAX_LENGTH // max(1, len(items.items))))
         return list_of(items.items * count, items.kind)
     return list_of(items.items, items.kind, certain=False)
-
-
-def _is_text(value: Value) -> bool:
-    return isinstance(value, PartialText) or (
-        isinstance(value, Scalar) and isinstance(value.value, str)
-    )
 
 
 def _hole_name(left: Value, right: Value) -> str:

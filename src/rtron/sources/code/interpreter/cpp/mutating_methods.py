@@ -6,11 +6,11 @@ A smart pointer is kept as what it points at and a string as its value, so that 
 
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     NONE,
-    PartialText,
     Scalar,
     Unknown,
     Value,
     concat,
+    is_text,
     options,
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
@@ -60,8 +60,8 @@ def _new_value(name: str, owner: Value, values: list[Value]) -> Value:
     if name == "reset":
         return values[0] if values else NONE
     if name == "clear":
-        return Scalar("") if _is_text(owner) else owner
-    if name in {"append", "push_back"} and _is_text(owner) and values:
+        return Scalar("") if is_text(owner) else owner
+    if name in {"append", "push_back"} and is_text(owner) and values:
         return concat((owner, values[0]))
     if name == "assign" and values:
         return values[0]
@@ -88,9 +88,3 @@ def _edit_text(name: str, owner: Value, values: list[Value]) -> Value:
         case _:
             return Unknown(name)
     return Scalar(text, owner.tainted)
-
-
-def _is_text(value: Value) -> bool:
-    return isinstance(value, PartialText) or (
-        isinstance(value, Scalar) and isinstance(value.value, str)
-    )

@@ -66,8 +66,7 @@ class CppObjects(CppCalls):
                 frame=frame,
             )
             return found.construct(self.machine, typed)
-        for value in arguments.values:
-            self.machine.escape(value)
+        self.machine.escape_arguments(arguments)
         if found is not None:
             return Instance(found, {}, resolved.args)
         note_passed_handle(self.machine, resolved.name, arguments)

@@ -6,10 +6,10 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     ClassValue,
     FunctionValue,
     Instance,
-    PartialText,
     Scalar,
     Unknown,
     Value,
+    is_text,
 )
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.ir import Function, Param, TypeRef
@@ -66,9 +66,7 @@ def _type_score(type: TypeRef, value: Value) -> int:
     last = type.name.rpartition("::")[2]
     if isinstance(value, Unknown):
         return _unknown_type_score(last, value)
-    if isinstance(value, PartialText) or (
-        isinstance(value, Scalar) and isinstance(value.value, str)
-    ):
+    if is_text(value):
         return 2 if type.name in _TEXTS else -_is_scalar(type)
     if isinstance(value, Scalar):
         return 1 if type.name in _NUMBERS else -1

@@ -11,7 +11,6 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     LibraryFunction,
     ListValue,
     MapValue,
-    PartialText,
     Scalar,
     Unknown,
     Value,
@@ -127,9 +126,7 @@ class CppRuntime(CppObjects):
             return LibraryFunction(name, _PARAMETER_TYPE_METHODS[name], owner)
         if isinstance(owner, (ListValue, MapValue)):
             return _container_member(owner, name)
-        if isinstance(owner, PartialText) or (
-            isinstance(owner, Scalar) and isinstance(owner.value, str)
-        ):
+        if is_text(owner):
             return bound_string_method(CPP_STRING_METHODS, owner, name)
         return None
 

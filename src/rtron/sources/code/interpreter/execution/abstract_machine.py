@@ -99,7 +99,7 @@ class AbstractMachine:
     trial_depth: int = 0
     is_relevant: Callable[["AbstractMachine", Function], bool] = lambda machine, function: True
     _steps: int = 0
-    _step_limit: int = MAX_STEPS
+    _step_limit: int = field(default_factory=lambda: MAX_STEPS)
     _loop_depth: int = 0
     _call_stack: list[Function] = field(default_factory=list)
 
@@ -215,16 +215,24 @@ class AbstractMachine:
         if isinstance(value, FunctionValue):
             self._queue_callback(value)
 
+    def escape_arguments(self, arguments: Arguments) -> None:
+        """Remember every function among the arguments of a call."""
+        for value in arguments.all_values:
+            self.escape(value)
+
     def _queue_callback(self, value: FunctionValue) -> None:
         """Remember a callback once; too many of one function are noted if they could join nodes."""
         function = value.function
         same_function = [other for other in self.pending_callbacks if other.function is function]
+        has_room = len(same_function) < MAX_CALLBACKS_PER_FUNCTION
+        if not (has_room or self.is_relevant(self, function)):
+            return
         if any(_same_call(value, other) for other in same_function):
             return
-        if len(same_function) < MAX_CALLBACKS_PER_FUNCTION:
+        if has_room:
             self.pending_callbacks.append(value)
             self.escaped_functions.append(function)
-        elif self.is_relevant(self, function):
+        else:
             location = Evidence(file=function.file, line=function.line)
             self.recorder.add_unresolved(function.name, "more callbacks than are run", location)
 

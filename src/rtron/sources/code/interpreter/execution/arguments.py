@@ -35,6 +35,11 @@ class Arguments:
         """Where the call stands."""
         return Evidence(file=self.frame.file, line=self.line)
 
+    @property
+    def all_values(self) -> tuple[Value, ...]:
+        """The positional arguments and those by name."""
+        return (*self.values, *self.keywords.values())
+
     def get(self, index: int, keyword: str = "") -> Value | None:
         """Return the argument of a position or name, None where it is not given."""
         if index < len(self.values):

@@ -124,8 +124,7 @@ def _call_unknown(machine: AbstractMachine, called: Value, arguments: Arguments)
         method = machine.runtime.attribute(called, name, ())
         if method is not None:
             return dispatch(machine, method, arguments)
-    for value in (*arguments.values, *arguments.keywords.values()):
-        machine.escape(value)
+    machine.escape_arguments(arguments)
     name = callee_name(called)
     note_passed_handle(machine, name, arguments)
     if not (name.isupper() or name.removeprefix("std::") in READ_ONLY_FUNCTIONS):

@@ -115,7 +115,7 @@ def is_logging_call(node: Call) -> bool:
 
 def call_may_throw(called: Value, arguments: Arguments, returned: Value) -> bool:
     """Tell whether a call may have thrown, beside what the function's own body did."""
-    given = (*arguments.values, *arguments.keywords.values())
+    given = arguments.all_values
     if isinstance(called, FunctionValue):
         return False
     if isinstance(called, MessageType):

@@ -15,7 +15,16 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.source_provider import SourceProvider
 from rtron.sources.code.interpreter.execution.stack_frame import StackFrame
-from rtron.sources.code.ir import Assign, Class, Function, Import, Lambda, SourceLanguage, Unit
+from rtron.sources.code.ir import (
+    Assign,
+    Class,
+    Define,
+    Function,
+    Import,
+    Lambda,
+    SourceLanguage,
+    Unit,
+)
 from rtron.sources.code.library_models.common.message_types import (
     is_message_package,
     python_message_type,
@@ -162,25 +171,25 @@ class PythonModules:
     def _index_unit(self, unit: Unit, path: Path) -> None:
         for problem in unit.problems:
             self.machine.recorder.add_problem(path, problem)
-        for name, function in called_names(unit.body):
+        for name, function in named_functions(unit.body):
             self._functions_by_name.setdefault(name, []).append(function)
 
 
-def called_names(body: tuple[object, ...], cls: str = "") -> Iterator[tuple[str, Function]]:
+def named_functions(body: tuple[object, ...], cls: str = "") -> Iterator[tuple[str, Function]]:
     """Yield every function with the plain name it is called by: `__init__` by its class's."""
     for statement in body:
-        definition = getattr(statement, "definition", None)
+        definition = statement.definition if isinstance(statement, Define) else None
         if isinstance(definition, Function):
             yield (cls if definition.name == "__init__" else definition.name), definition
-            yield from called_names(definition.body or ())
+            yield from named_functions(definition.body or ())
         elif isinstance(definition, Class):
-            yield from called_names(definition.body, definition.name)
+            yield from named_functions(definition.body, definition.name)
         elif isinstance(statement, Assign) and isinstance(statement.value, Lambda):
             for target in statement.targets:
                 yield getattr(target, "id", ""), statement.value.function
         else:
             for name in ("body", "orelse", "final"):
-                yield from called_names(getattr(statement, name, ()) or ())
+                yield from named_functions(getattr(statement, name, ()) or ())
 
 
 def _reexported_name(dotted: str) -> str:

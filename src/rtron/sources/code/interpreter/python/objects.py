@@ -27,8 +27,8 @@ from rtron.sources.code.interpreter.python.method_resolution_order import (
     SUPER,
     MethodResolutionOrders,
 )
-from rtron.sources.code.interpreter.python.modules import PythonModules
-from rtron.sources.code.ir import Class, Function, TypeRef
+from rtron.sources.code.interpreter.python.modules import PythonModules, named_functions
+from rtron.sources.code.ir import Class, TypeRef
 from rtron.sources.code.library_models.python_std.data_classes import (
     ENUM,
     add_enum_members,
@@ -53,7 +53,7 @@ class PythonObjects(PythonModules):
 
     def method_names(self, definition: Class) -> list[str]:
         """Return the names of the methods that a class defines itself."""
-        return [f.name for f in functions_in(definition.body)]
+        return [function.name for _, function in named_functions(definition.body)]
 
     def instantiate(self, called: Value, arguments: Arguments) -> Value:
         """Make an object and run its `__init__`."""
@@ -67,8 +67,7 @@ class PythonObjects(PythonModules):
         if init is not None:
             dispatch(self.machine, init, arguments)
         else:
-            for value in (*arguments.values, *arguments.keywords.values()):
-                self.machine.escape(value)
+            self.machine.escape_arguments(arguments)
         return made
 
     def lineage(self, cls: Value) -> Iterator[Value]:
@@ -163,20 +162,6 @@ def _first_member(classes: Iterable[Value], name: str) -> Value | None:
         if isinstance(cls, LibraryClass) and name in cls.methods:
             return LibraryFunction(name, cls.methods[name], cls)
     return None
-
-
-def functions_in(body: tuple[object, ...]) -> Iterator[Function]:
-    """Yield every function that is defined in statements, nested ones too."""
-    for statement in body:
-        definition = getattr(statement, "definition", None)
-        if isinstance(definition, Function):
-            yield definition
-            yield from functions_in(definition.body or ())
-        elif isinstance(definition, Class):
-            yield from functions_in(definition.body)
-        else:
-            for name in ("body", "orelse", "final"):
-                yield from functions_in(getattr(statement, name, ()) or ())
 
 
 def _bind_to_instance(owner: Instance, found: Value | None) -> Value | None:

@@ -13,10 +13,10 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     ListValue,
     MapValue,
     ModuleValue,
-    PartialText,
     Scalar,
     Unknown,
     Value,
+    is_text,
 )
 from rtron.sources.code.interpreter.execution.arguments import (
     Arguments,
@@ -155,8 +155,6 @@ def _value_member(owner: Value, name: str) -> Value | None:
         member = path_member(owner, name)
         if member is not None:
             return member
-    if isinstance(owner, PartialText) or (
-        isinstance(owner, Scalar) and isinstance(owner.value, str)
-    ):
+    if is_text(owner):
         return bound_string_method(PYTHON_STRING_METHODS, owner, name)
     return None

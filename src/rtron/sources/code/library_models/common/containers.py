@@ -1,7 +1,6 @@
 """Methods of lists, dicts and the containers of C++."""
 
 from collections.abc import Callable, Mapping
-from functools import partial
 
 from rtron.sources.code.interpreter.abstract_values.elements import element
 from rtron.sources.code.interpreter.abstract_values.items import items_of, list_of, pair_of
@@ -18,11 +17,13 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     Unknown,
     Value,
     join,
+    truth,
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.assignment import remove_element
 from rtron.sources.code.library_models.common.sorting import sort_items
+from rtron.sources.code.library_models.common.trivial_functions import return_none
 
 MAX_ITEMS = 1024
 LibraryMethods = Mapping[str, Callable[..., Value]]
@@ -103,16 +104,14 @@ def _clear(machine: AbstractMachine, owner: ListValue, _: Arguments) -> Value:
     return _write(machine, owner, ())
 
 
-def _size(_: AbstractMachine, owner: ListValue, __: Arguments) -> Value:
-    return Unknown("size") if owner.open else Scalar(len(owner.items))
+def _size(_: AbstractMachine, owner: Value, __: Arguments) -> Value:
+    items, certain = items_of(owner)
+    return Scalar(len(items)) if certain else Unknown("size")
 
 
-def _empty(_: AbstractMachine, owner: ListValue, __: Arguments) -> Value:
-    return (
-        Scalar(value=False)
-        if owner.items
-        else (Unknown("empty") if owner.open else Scalar(value=True))
-    )
+def _empty(_: AbstractMachine, owner: Value, __: Arguments) -> Value:
+    filled = truth(owner)
+    return Unknown("empty") if filled is None else Scalar(not filled)
 
 
 def _at(_: AbstractMachine, owner: ListValue, arguments: Arguments) -> Value:
@@ -134,10 +133,6 @@ def _resize(machine: AbstractMachine, owner: ListValue, arguments: Arguments) ->
 
 def _copy(_: AbstractMachine, owner: ListValue, __: Arguments) -> Value:
     return ListValue(dict(owner.fields), owner.kind)
-
-
-def _do_nothing(_: AbstractMachine, __: Value, ___: Arguments) -> Value:
-    return NONE
 
 
 def _sort(machine: AbstractMachine, owner: ListValue, arguments: Arguments) -> Value:
@@ -222,18 +217,6 @@ def _end(_: AbstractMachine, __: Value, ___: Arguments) -> Value:
     return _END
 
 
-def _map_size(_: AbstractMachine, owner: MapValue, __: Arguments) -> Value:
-    return Unknown("size") if owner.open else Scalar(len(owner.entries))
-
-
-def _map_empty(_: AbstractMachine, owner: MapValue, __: Arguments) -> Value:
-    return (
-        Scalar(value=False)
-        if owner.entries
-        else (Unknown("empty") if owner.open else Scalar(value=True))
-    )
-
-
 _END = Scalar("end()")
 
 LIST_METHODS: LibraryMethods = {
@@ -262,7 +245,7 @@ LIST_METHODS: LibraryMethods = {
     "pop_front": lambda machine, owner, arguments: _pop(
         machine, owner, arguments.with_values(Scalar(0))
     ),
-    "reserve": _do_nothing,
+    "reserve": return_none,
     "reverse": _reverse,
     "sort": _sort,
 }
@@ -281,15 +264,15 @@ DICT_METHODS: LibraryMethods = {
     "clear": _clear_map,
 }
 CPP_MAP_METHODS: LibraryMethods = {
-    "at": partial(_get),
+    "at": _get,
     "count": _count,
     "contains": _has_key,
     "insert": _insert_pair,
     "emplace": _insert_pair,
     "find": _find_pair,
     "end": _end,
-    "size": _map_size,
-    "empty": _map_empty,
+    "size": _size,
+    "empty": _empty,
     "hasMember": _has_key,
     "erase": _pop_entry,
     "clear": _clear_map,

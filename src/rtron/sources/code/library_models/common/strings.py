@@ -9,6 +9,7 @@ from typing import Any
 from rtron.sources.code.interpreter.abstract_values.elements import element
 from rtron.sources.code.interpreter.abstract_values.items import items_of, list_of
 from rtron.sources.code.interpreter.abstract_values.value_types import (
+    MAX_LENGTH,
     LibraryFunction,
     PartialText,
     Scalar,
@@ -20,8 +21,8 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
+from rtron.sources.code.library_models.common.trivial_functions import return_owner
 
-MAX_LENGTH = 4096
 MAX_LONG_LENGTH = 2**20
 """The most that a method leaves of a text longer than that, as the description of a robot is."""
 _CHARACTERS_PER_STEP = 64
@@ -199,10 +200,6 @@ def _apply_format_spec(value: Value, spec: str) -> Value:
     return value
 
 
-def _return_self(_: AbstractMachine, owner: Value, __: Arguments) -> Value:
-    return owner
-
-
 def _length(_: AbstractMachine, owner: Value, __: Arguments) -> Value:
     return (
         Scalar(len(str(owner.value)), owner.tainted)
@@ -282,8 +279,8 @@ def _cpp_starts_or_ends_with(
 
 
 CPP_STRING_METHODS: StringMethods = {
-    **dict.fromkeys(("c_str", "data", "str", "toStdString", "toUtf8", "constData"), _return_self),
-    **dict.fromkeys(("string", "generic_string"), _return_self),
+    **dict.fromkeys(("c_str", "data", "str", "toStdString", "toUtf8", "constData"), return_owner),
+    **dict.fromkeys(("string", "generic_string"), return_owner),
     **{name: partial(_cpp_starts_or_ends_with, name) for name in ("starts_with", "ends_with")},
     **dict.fromkeys(("size", "length"), _length),
     "empty": _empty,

@@ -11,10 +11,10 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     Instance,
     ListValue,
     MapValue,
-    PartialText,
     Scalar,
     Unknown,
     Value,
+    is_text,
 )
 from rtron.sources.code.interpreter.cpp.iterators import ITERATOR
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
@@ -58,11 +58,7 @@ def make_vector(machine: AbstractMachine, arguments: Arguments) -> Value:
 
 def _is_element(value: Value) -> bool:
     """`std::vector<std::string> v{"a", "b"}`: iterators and sizes are no items."""
-    if isinstance(value, Scalar):
-        return isinstance(value.value, str)
-    return isinstance(value, PartialText) or (
-        isinstance(value, Instance) and value.type is not ITERATOR
-    )
+    return is_text(value) or (isinstance(value, Instance) and value.type is not ITERATOR)
 
 
 def make_map(machine: AbstractMachine, arguments: Arguments) -> Value:

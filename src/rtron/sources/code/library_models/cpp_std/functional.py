@@ -20,11 +20,6 @@ from rtron.sources.code.library_models.common.command_lines import record_starte
 _HIDDEN_REASON = "runs or registers what the source does not show"
 
 
-def return_argument(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
-    """Return what is given: `std::move(x)`, `std::ref(x)`."""
-    return arguments.get(0) or NONE
-
-
 def bind(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
     """`boost::bind(&C::method, object, _1)`: the method, bound to the object (boost: bind)."""
     called, given = arguments.get(0), arguments.values[1:]

@@ -17,6 +17,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
+from rtron.sources.code.library_models.common.trivial_functions import return_argument
 from rtron.sources.code.library_models.cpp_std.algorithms import ALGORITHMS
 from rtron.sources.code.library_models.cpp_std.containers import (
     get_tuple_item,
@@ -35,7 +36,6 @@ from rtron.sources.code.library_models.cpp_std.functional import (
     make_shared,
     make_thread,
     note_hidden_code,
-    return_argument,
     run_system,
 )
 from rtron.sources.code.library_models.cpp_std.strings import (

@@ -25,6 +25,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.library_models.common.containers import LIST_METHODS
+from rtron.sources.code.library_models.common.trivial_functions import return_argument
 from rtron.sources.code.library_models.launch.signatures import (
     CLASSES_BY_MODULE,
     POSITIONAL_PARAMETERS,
@@ -155,10 +156,6 @@ def _perform_substitutions(_: AbstractMachine, __: object, arguments: Arguments)
     return _perform_in_context(arguments.get(0, "context"), arguments.get(1, "subs") or NONE)
 
 
-def _return_argument(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
-    return arguments.get(0) or NONE
-
-
 _METHODS: dict[str, Callable[..., Value]] = {
     "add_action": _add_entity,
     "add_entity": _add_entity,
@@ -211,6 +208,6 @@ LAUNCH_FUNCTIONS: Mapping[str, Value] = {
         "perform_substitutions", _perform_substitutions
     ),
     "launch.utilities.normalize_to_list_of_substitutions": LibraryFunction(
-        "normalize", _return_argument
+        "normalize", return_argument
     ),
 }

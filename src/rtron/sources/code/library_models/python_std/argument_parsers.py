@@ -18,6 +18,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.calls import dispatch
+from rtron.sources.code.library_models.common.trivial_functions import return_owner
 from rtron.sources.code.library_models.python_std.builtin_functions import BUILTINS
 from rtron.sources.declaration import NodeSite
 
@@ -163,8 +164,8 @@ def _option_default(machine: AbstractMachine, option: Instance, at: Arguments) -
     if is_flag and not machine.recorder.site.parameters_complete:
         return Unknown("flag")
     if given is not None:
-        is_text = isinstance(given, Scalar) and isinstance(given.value, str)
-        return _convert(machine, option, given, at) if is_text else given
+        is_string = isinstance(given, Scalar) and isinstance(given.value, str)
+        return _convert(machine, option, given, at) if is_string else given
     if is_flag:
         return Scalar(action == Scalar("store_false"))
     flags = items_of(option.fields["flags"])[0]
@@ -181,13 +182,9 @@ def _convert(machine: AbstractMachine, option: Instance, word: Value, at: Argume
     return dispatch(machine, type, at.with_values(word))
 
 
-def _return_self(_: AbstractMachine, owner: Instance, __: Arguments) -> Value:
-    return owner
-
-
 _GROUPS = {
     **dict.fromkeys(
-        ("add_argument_group", "add_mutually_exclusive_group", "add_parser"), _return_self
+        ("add_argument_group", "add_mutually_exclusive_group", "add_parser"), return_owner
     ),
     "add_subparsers": _add_subparsers,
 }
@@ -204,7 +201,7 @@ _OPTPARSE = LibraryClass(
     "optparse.OptionParser",
     methods={
         "add_option": _add_argument,
-        "add_option_group": _return_self,
+        "add_option_group": return_owner,
         "parse_args": _parse_known_args,
     },
 )

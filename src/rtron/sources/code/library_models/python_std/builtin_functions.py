@@ -253,8 +253,7 @@ def _type(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
 
 
 def _return_unknown(name: str, machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
-    for value in arguments.values:
-        machine.escape(value)
+    machine.escape_arguments(arguments)
     return Unknown(name)
 
 

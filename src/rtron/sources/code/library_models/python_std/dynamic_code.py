@@ -35,8 +35,7 @@ def _note_call(
     name: str, why: str, machine: AbstractMachine, _: object, arguments: Arguments
 ) -> Value:
     """Note a call; what it is given may be called."""
-    for value in (*arguments.values, *arguments.keywords.values()):
-        machine.escape(value)
+    machine.escape_arguments(arguments)
     machine.recorder.add_unresolved(f"{name}()", why, arguments.evidence)
     return Unknown(f"{name}()")
 

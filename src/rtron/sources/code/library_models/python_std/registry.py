@@ -22,6 +22,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine, ThrownError
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.library_models.common.command_lines import record_started, shell_words
+from rtron.sources.code.library_models.common.trivial_functions import return_none
 from rtron.sources.code.library_models.python_std.argument_parsers import (
     ARGUMENT_PARSERS,
     command_line_value,
@@ -150,7 +151,7 @@ _LAUNCH = LibraryClass(
     "roslaunch",
     methods={
         "load": _load_launch,
-        **{n: (lambda m, o, a: NONE) for n in ("start", "launch", "shutdown", "spin")},
+        **dict.fromkeys(("start", "launch", "shutdown", "spin"), return_none),
     },
 )
 

@@ -30,6 +30,7 @@ from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMa
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.calls import dispatch
 from rtron.sources.code.interpreter.execution.language_runtime import cpp_runtime
+from rtron.sources.code.library_models.common.trivial_functions import return_argument
 from rtron.sources.code.library_models.rclcpp.behavior_tree_xml import (
     BUILT_IN_NODES,
     TreeNode,
@@ -313,10 +314,6 @@ def _make_port(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
     return Instance(_PORT, {"port": name, "default": default or hole})
 
 
-def _return_argument(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
-    return arguments.value(0)
-
-
 _CONFIGURATION = LibraryClass("BT::NodeConfiguration")
 _PORT = LibraryClass("BT::PortInfo")
 _FACTORY = LibraryClass(
@@ -342,7 +339,7 @@ _BASES = (
     *("ThreadedAction", "ConditionNode", "DecoratorNode", "ControlNode", "LeafNode"),
     "SimpleActionNode",
 )
-_LOADER = LibraryClass("BT::SharedLibrary", methods={"getOSName": _return_argument})
+_LOADER = LibraryClass("BT::SharedLibrary", methods={"getOSName": return_argument})
 TREE_CLASSES: Mapping[str, LibraryClass] = {
     **{cls.name: cls for cls in (_FACTORY, _LOADER)},
     **{
@@ -352,6 +349,6 @@ TREE_CLASSES: Mapping[str, LibraryClass] = {
 }
 TREE_FUNCTIONS: Mapping[str, Callable[..., Value]] = {
     "BT::Blackboard::create": _create_blackboard,
-    "BT::SharedLibrary::getOSName": _return_argument,
+    "BT::SharedLibrary::getOSName": return_argument,
     **{f"BT::{kind}Port": _make_port for kind in ("Input", "Output", "Bidirectional")},
 }

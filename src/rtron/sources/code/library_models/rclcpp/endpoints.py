@@ -21,6 +21,10 @@ from rtron.sources.code.library_models.common.cpp_arguments import (
     register_callbacks,
     template_message_type,
 )
+from rtron.sources.code.library_models.common.trivial_functions import (
+    return_owner,
+    returning_unknown,
+)
 from rtron.sources.code.library_models.rclcpp.qos import overriding_options_argument
 from rtron.sources.code.library_models.ros2_common import endpoints
 from rtron.sources.code.library_models.ros2_common.names import expand_name
@@ -125,10 +129,6 @@ def _topic_name(_: AbstractMachine, owner: Instance, __: Arguments) -> Value:
     return owner.fields.get("name", UNKNOWN)
 
 
-def _return_self(_: AbstractMachine, owner: Instance, __: Arguments) -> Value:
-    return owner
-
-
 NO_OWNER = Scalar(None)
 ENDPOINT = LibraryClass(
     "rclcpp::Publisher",
@@ -137,7 +137,7 @@ ENDPOINT = LibraryClass(
         **dict.fromkeys(
             ("async_send_request", "async_send_goal", "async_cancel_goal"), register_callbacks
         ),
-        "shared_from_this": _return_self,
+        "shared_from_this": return_owner,
     },
 )
 _TIMER = LibraryClass("rclcpp::Timer")
@@ -166,11 +166,6 @@ def _resolve_name(_: AbstractMachine, owner: Instance, arguments: Arguments) -> 
     return expand_name(arguments.value(0), node_name(owner), Scalar(""))
 
 
-def _unknown_graph_query(name: str, _: AbstractMachine, __: Instance, ___: Arguments) -> Value:
-    """Return what only the running graph tells; the arguments stay as they are."""
-    return Unknown(f"{name}()")
-
-
 _GRAPH_QUERIES = (
     *("count_publishers", "count_subscribers", "count_clients", "count_services"),
     *("get_publishers_info_by_topic", "get_subscriptions_info_by_topic"),
@@ -181,5 +176,5 @@ _GRAPH_QUERIES = (
 )
 GRAPH_METHODS: Mapping[str, Callable[..., Value]] = {
     **dict.fromkeys(("resolve_topic_name", "resolve_service_name"), _resolve_name),
-    **{name: partial(_unknown_graph_query, name) for name in _GRAPH_QUERIES},
+    **{name: returning_unknown(f"{name}()") for name in _GRAPH_QUERIES},
 }

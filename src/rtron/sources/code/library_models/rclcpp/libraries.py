@@ -22,6 +22,7 @@ from rtron.sources.code.library_models.common.cpp_arguments import (
     message_type_of,
     register_callbacks,
 )
+from rtron.sources.code.library_models.common.trivial_functions import returning_unknown
 from rtron.sources.code.library_models.rclcpp.endpoints import split_node_argument
 from rtron.sources.code.library_models.rclcpp.node import controller_options, make_node
 from rtron.sources.code.library_models.rclcpp.parameters import declare_parameter
@@ -223,10 +224,6 @@ def _auto_declare(machine: AbstractMachine, owner: Instance, arguments: Argument
     return declare_parameter(machine, owner.fields.get(_NODE, Unknown("node")), arguments)
 
 
-def _succeed(_: AbstractMachine, __: Instance, ___: Arguments) -> Value:
-    return Unknown("CallbackReturn::SUCCESS")
-
-
 CONTROLLER_CLASSES: Mapping[str, LibraryClass] = {
     name: LibraryClass(
         name,
@@ -234,7 +231,7 @@ CONTROLLER_CLASSES: Mapping[str, LibraryClass] = {
         {
             "get_node": _get_node,
             "auto_declare": _auto_declare,
-            **dict.fromkeys(_CONTROLLER_CALLBACKS, _succeed),
+            **dict.fromkeys(_CONTROLLER_CALLBACKS, returning_unknown("CallbackReturn::SUCCESS")),
         },
         virtual_callbacks=_CONTROLLER_CALLBACKS,
     )

@@ -21,6 +21,10 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.calls import dispatch
+from rtron.sources.code.library_models.common.trivial_functions import (
+    return_owner,
+    returning_unknown,
+)
 from rtron.sources.code.library_models.rclcpp.endpoints import ENDPOINT_METHODS, GRAPH_METHODS
 from rtron.sources.code.library_models.rclcpp.parameters import (
     PARAMETER_METHODS,
@@ -144,10 +148,6 @@ def _append_override(machine: AbstractMachine, owner: Instance, arguments: Argum
     return owner
 
 
-def _return_self(_: AbstractMachine, owner: Instance, __: Arguments) -> Value:
-    return owner
-
-
 def make_node(
     machine: AbstractMachine, arguments: Arguments, *, lifecycle: bool = False
 ) -> Instance:
@@ -239,10 +239,6 @@ def _run_transition(
     return Unknown("state")
 
 
-def _return_success(_: AbstractMachine, __: Instance, ___: Arguments) -> Value:
-    return Unknown("success")
-
-
 _TRANSITIONS = ("configure", "activate", "deactivate", "cleanup", "shutdown")
 _INTERFACES = (
     *("base", "clock", "graph", "logging", "parameters", "services", "time_source", "timers"),
@@ -252,8 +248,8 @@ NODE_METHODS: Mapping[str, Callable[..., Value]] = {
     **ENDPOINT_METHODS,
     **PARAMETER_METHODS,
     **GRAPH_METHODS,
-    **{f"get_node_{interface}_interface": _return_self for interface in _INTERFACES},
-    **dict.fromkeys(("shared_from_this", "weak_from_this"), _return_self),
+    **{f"get_node_{interface}_interface": return_owner for interface in _INTERFACES},
+    **dict.fromkeys(("shared_from_this", "weak_from_this"), return_owner),
     "get_name": lambda machine, owner, arguments: node_base_name(owner),
     "get_namespace": lambda machine, owner, arguments: node_namespace(owner),
     "get_fully_qualified_name": lambda machine, owner, arguments: node_name(owner),
@@ -270,7 +266,7 @@ LIFECYCLE_NODE = LibraryClass(
         **NODE_METHODS,
         **{name: partial(_run_transition, f"on_{name}") for name in _TRANSITIONS},
         **{f"register_on_{name}": register_callbacks for name in (*_TRANSITIONS, "error")},
-        **{f"on_{name}": _return_success for name in (*_TRANSITIONS, "error")},
+        **{f"on_{name}": returning_unknown("success") for name in (*_TRANSITIONS, "error")},
     },
     virtual_callbacks=("on_configure", "on_activate", "on_deactivate", "on_cleanup", "on_shutdown"),
 )
@@ -288,7 +284,7 @@ OPTIONS = LibraryClass(
                 "use_clock_thread",
                 *("parameter_event_qos", "rosout_qos", "enable_topic_statistics", "allocator"),
             ),
-            _return_self,
+            return_owner,
         ),
     },
 )

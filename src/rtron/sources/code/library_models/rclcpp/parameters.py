@@ -21,6 +21,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.library_models.common.cpp_arguments import escape_functions
+from rtron.sources.code.library_models.common.trivial_functions import return_owner
 from rtron.sources.code.library_models.ros2_common.parameter_types import (
     is_parameter_type,
     is_unset,
@@ -178,10 +179,6 @@ def _get_name(_: AbstractMachine, owner: Instance, __: Arguments) -> Value:
     return owner.fields["name"]
 
 
-def _return_self(_: AbstractMachine, owner: Instance, __: Arguments) -> Value:
-    return owner
-
-
 def _parameter_type(_: AbstractMachine, owner: Instance, __: Arguments) -> Value:
     return parameter_type(owner.fields["value"])
 
@@ -194,7 +191,7 @@ PARAMETER = LibraryClass(
         **{f"as_{kind}": _get for kind in _AS},
         **{f"as_{kind}_array": _get for kind in (*_AS, "integer", "byte")},
         **dict.fromkeys(("get_value", "value_to_string", "get"), _get),
-        "get_parameter_value": _return_self,
+        "get_parameter_value": return_owner,
         "get_name": _get_name,
         "get_type": _parameter_type,
     },

@@ -20,6 +20,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.language_runtime import cpp_runtime
+from rtron.sources.code.library_models.common.trivial_functions import return_argument
 from rtron.sources.code.library_models.cpp_std.functional import hold_by_pointer
 
 _CREATE = (
@@ -100,18 +101,13 @@ def _is_class_available(machine: AbstractMachine, owner: Instance, arguments: Ar
     return FALSE if found is None and machine.recorder.site.parameters_complete else TRUE
 
 
-def _class_type(_: AbstractMachine, __: Instance, arguments: Arguments) -> Value:
-    """`getClassType(name)`: what a plugin is called, taken for its type."""
-    return arguments.value(0)
-
-
 _LOADER = LibraryClass(
     "pluginlib::ClassLoader",
     _make_loader,
     {
         **dict.fromkeys(_CREATE, _create_plugins),
         "isClassAvailable": _is_class_available,
-        **dict.fromkeys(("getClassType", "getName"), _class_type),
+        **dict.fromkeys(("getClassType", "getName"), return_argument),
     },
 )
 PLUGIN_CLASSES: Mapping[str, LibraryClass] = {_LOADER.name: _LOADER}

@@ -16,6 +16,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
+from rtron.sources.code.library_models.common.trivial_functions import return_argument, return_owner
 from rtron.sources.code.library_models.ros2_common import qos_overrides
 from rtron.sources.code.library_models.ros2_common.qos import (
     DEFAULT_QOS,
@@ -50,11 +51,6 @@ def _make_initialization(_: AbstractMachine, arguments: Arguments) -> Value:
     return Instance(_INITIALIZATION, {DEPTH_FIELD: arguments.get(0) or Scalar(0)})
 
 
-def _from_rmw(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
-    """`rclcpp::QoSInitialization::from_rmw(profile)`."""
-    return arguments.value(0)
-
-
 def _set_policy(
     field: str, value: Value, machine: AbstractMachine, owner: Instance, _: Arguments
 ) -> Value:
@@ -68,10 +64,6 @@ def _set_policy_argument(
     given = arguments.get(0)
     value = given if field == DEPTH_FIELD and given is not None else policy_value(given)
     machine.undo_log.set(owner.fields, field, value)
-    return owner
-
-
-def _return_self(_: AbstractMachine, owner: Instance, __: Arguments) -> Value:
     return owner
 
 
@@ -103,7 +95,7 @@ _METHODS: Mapping[str, Callable[..., Value]] = {
             *("deadline", "lifespan", "liveliness", "liveliness_lease_duration", "history"),
             *("avoid_ros_namespace_conventions", "get_rmw_qos_profile"),
         ),
-        _return_self,
+        return_owner,
     ),
 }
 QOS = LibraryClass("rclcpp::QoS", partial(_make_profile, "default"), dict(_METHODS))
@@ -131,7 +123,7 @@ QOS_CLASSES: Mapping[str, LibraryClass] = {
     ),
 }
 QOS_FUNCTIONS: Mapping[str, Callable[..., Value]] = {
-    "rclcpp::QoSInitialization::from_rmw": _from_rmw
+    "rclcpp::QoSInitialization::from_rmw": return_argument
 }
 QOS_CONSTANTS: Mapping[str, Value] = {
     f"rmw_qos_profile_{name}": qos_object(QOS, qos) for name, qos in QOS_PROFILES.items()

@@ -13,6 +13,10 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
+from rtron.sources.code.library_models.common.trivial_functions import (
+    return_argument,
+    returning_unknown,
+)
 from rtron.sources.code.library_models.rclcpp.behavior_trees import TREE_CLASSES, TREE_FUNCTIONS
 from rtron.sources.code.library_models.rclcpp.component_manager import COMPONENT_CLASSES
 from rtron.sources.code.library_models.rclcpp.endpoints import ENDPOINT_FUNCTIONS
@@ -33,11 +37,6 @@ from rtron.sources.code.library_models.ros2_common.names import expand_name, nam
 from rtron.sources.code.library_models.ros2_common.parameter_types import PARAMETER_TYPE_CONSTANTS
 
 _INTERFACES = ("base", "clock", "graph", "logging", "parameters", "services", "timers", "topics")
-
-
-def _node_interface(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
-    """`rclcpp::node_interfaces::get_node_topics_interface(node)`: the node stands for it."""
-    return arguments.get(0) or NONE
 
 
 def _expand_name(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
@@ -67,17 +66,13 @@ def _package_share(machine: AbstractMachine, _: object, arguments: Arguments) ->
     return Unknown("package_share") if path is None else Scalar(str(path))
 
 
-def _is_running(_: AbstractMachine, __: object, ___: Arguments) -> Value:
-    return Unknown("ok")
-
-
 NAMESPACE_FUNCTIONS: Mapping[str, Callable[..., Value]] = {
     **{
-        f"rclcpp::node_interfaces::get_node_{name}_interface": _node_interface
+        f"rclcpp::node_interfaces::get_node_{name}_interface": return_argument
         for name in _INTERFACES
     },
     "rclcpp::expand_topic_or_service_name": _expand_name,
-    "rclcpp::ok": _is_running,
+    "rclcpp::ok": returning_unknown("ok"),
     **{
         f"ament_index_cpp::get_package_share_{what}": _package_share
         for what in ("directory", "path")

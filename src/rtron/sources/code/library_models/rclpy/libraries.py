@@ -16,7 +16,6 @@ from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.library_models.rclpy.node import (
     ENDPOINT,
     declare_endpoint,
-    escape_arguments,
 )
 from rtron.sources.code.library_models.ros2_common import endpoints, libraries
 from rtron.sources.code.library_models.ros2_common.libraries import node_argument
@@ -86,7 +85,7 @@ def _make_marker_server(machine: AbstractMachine, _: object, arguments: Argument
 
 
 def _register_callbacks(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
-    escape_arguments(machine, arguments)
+    machine.escape_arguments(arguments)
     return Instance(ENDPOINT)
 
 

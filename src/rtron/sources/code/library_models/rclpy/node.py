@@ -67,12 +67,6 @@ def interface_name(value: Value | None) -> str:
     return ""
 
 
-def escape_arguments(machine: AbstractMachine, arguments: Arguments) -> None:
-    """Remember every function among the arguments."""
-    for value in (*arguments.values, *arguments.keywords.values()):
-        machine.escape(value)
-
-
 def initialise_node(
     machine: AbstractMachine, owner: Instance, arguments: Arguments, *, lifecycle: bool = False
 ) -> Value:
@@ -137,7 +131,7 @@ def declare_endpoint(
     at: int,
 ) -> Value:
     """Record what is made of a type and a name, which are the arguments from `at` on."""
-    escape_arguments(machine, arguments)
+    machine.escape_arguments(arguments)
     type = interface_name(arguments.get(at, _TYPE_KEYWORDS[kind]) or arguments.keywords.get("type"))
     name = arguments.get(at + 1, _NAME_KEYWORDS[kind])
     owner = first_node((node,)) if node is not None else None
@@ -178,7 +172,7 @@ def _create_endpoint(
 
 
 def _register_callback(machine: AbstractMachine, _: Value, arguments: Arguments) -> Value:
-    escape_arguments(machine, arguments)
+    machine.escape_arguments(arguments)
     return Instance(ENDPOINT)
 
 

@@ -13,6 +13,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
+from rtron.sources.code.library_models.common.trivial_functions import returning_unknown
 from rtron.sources.code.library_models.rclpy.libraries import LIBRARY_FUNCTIONS
 from rtron.sources.code.library_models.rclpy.node import LIFECYCLE_NODE, NODE, make_node
 from rtron.sources.code.library_models.rclpy.parameters import PARAMETER
@@ -51,10 +52,6 @@ def _create_node(machine: AbstractMachine, _: object, arguments: Arguments) -> V
     return make_node(machine, arguments)
 
 
-def _is_running(_: AbstractMachine, __: object, ___: Arguments) -> Value:
-    return Unknown("ok")
-
-
 def rclpy_library() -> dict[str, Value]:
     """Return what RTron knows of rclpy, for one program."""
     return {
@@ -72,5 +69,5 @@ def rclpy_library() -> dict[str, Value]:
         ),
         **dict.fromkeys(("rclpy.parameter.Parameter", "rclpy.Parameter"), PARAMETER),
         "rclpy.create_node": LibraryFunction("rclpy.create_node", _create_node),
-        "rclpy.ok": LibraryFunction("rclpy.ok", _is_running),
+        "rclpy.ok": LibraryFunction("rclpy.ok", returning_unknown("ok")),
     }

@@ -129,8 +129,9 @@ def _is_same(value: Value, name: Value) -> bool:
         return True
     if isinstance(value, (Unknown, PartialText)):
         return value == name
-    is_text = isinstance(value, Scalar) and isinstance(value.value, str)
-    return is_text and isinstance(name, Scalar) and value.value == name.value  # type: ignore[union-attr]
+    if not (isinstance(value, Scalar) and isinstance(name, Scalar)):
+        return False
+    return isinstance(value.value, str) and value.value == name.value
 
 
 def declare_node(

@@ -24,7 +24,7 @@ from rtron.sources.declaration import DeclarationKind
 
 def node_argument(arguments: Arguments) -> Instance | None:
     """Return the node that is among what a library gets."""
-    return first_node((*arguments.values, *arguments.keywords.values()))
+    return first_node(arguments.all_values)
 
 
 def make_internal_node(machine: AbstractMachine, prefix: str, at: Arguments) -> Instance:

@@ -122,7 +122,7 @@ def _has_name(given: Value | None, name: Scalar) -> bool:
 
 def note_parameter_callbacks(machine: AbstractMachine, arguments: Arguments) -> None:
     """Remember the functions that a change of parameters calls."""
-    for value in (*arguments.values, *arguments.keywords.values()):
+    for value in arguments.all_values:
         machine.parameter_callbacks += [
             o.function for o in options(value) if isinstance(o, FunctionValue)
         ]

@@ -24,6 +24,7 @@ from rtron.sources.code.library_models.common.cpp_arguments import (
     resolve_in_handle,
     template_message_type,
 )
+from rtron.sources.code.library_models.common.trivial_functions import returning_unknown
 from rtron.sources.code.library_models.ros1_common import endpoints
 from rtron.sources.code.library_models.ros1_common.names import (
     node_namespace,
@@ -165,10 +166,6 @@ def _topic_name(_: AbstractMachine, owner: Instance, __: Arguments) -> Value:
     return owner.fields.get("name", Unknown("topic"))
 
 
-def _unknown_state(_: AbstractMachine, __: Instance, ___: Arguments) -> Value:
-    return Unknown("set")
-
-
 _HANDLE_METHODS: Mapping[str, Callable[..., Value]] = {
     "advertise": advertise,
     "subscribe": subscribe,
@@ -190,7 +187,9 @@ ENDPOINT = LibraryClass(
     "ros::Publisher",
     methods={
         **dict.fromkeys(("getTopic", "getService"), _topic_name),
-        **dict.fromkeys(("getNumSubscribers", "getNumPublishers", "isValid"), _unknown_state),
+        **dict.fromkeys(
+            ("getNumSubscribers", "getNumPublishers", "isValid"), returning_unknown("set")
+        ),
         **dict.fromkeys(("registerCallback", "setCallback", "call"), _register_callback),
     },
 )

@@ -15,6 +15,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.language_runtime import cpp_runtime
+from rtron.sources.code.library_models.common.trivial_functions import returning_unknown
 from rtron.sources.code.library_models.ros1_common.names import node_namespace
 from rtron.sources.code.library_models.roscpp.node_handle import handle, private_handle
 
@@ -43,10 +44,6 @@ def _plugin_name(_: AbstractMachine, __: Instance, arguments: Arguments) -> Valu
     if not isinstance(name, Scalar):
         return Unknown("name")
     return Scalar(re.split("::|/", str(name.value))[-1])
-
-
-def _is_class_available(_: AbstractMachine, __: Instance, ___: Arguments) -> Value:
-    return Unknown("isClassAvailable")
 
 
 def _nodelet_handle(machine: AbstractMachine, _: Value, __: Arguments) -> Value:
@@ -79,8 +76,8 @@ _LOADER = LibraryClass(
             _create_instance,
         ),
         "getName": _plugin_name,
-        "isClassAvailable": _is_class_available,
-        "isClassLoaded": _is_class_available,
+        "isClassAvailable": returning_unknown("isClassAvailable"),
+        "isClassLoaded": returning_unknown("isClassAvailable"),
     },
 )
 _NODELET = LibraryClass(

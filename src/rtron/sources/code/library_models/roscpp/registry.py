@@ -16,6 +16,10 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.library_models.common.cpp_arguments import message_type_of
+from rtron.sources.code.library_models.common.trivial_functions import (
+    return_argument,
+    returning_unknown,
+)
 from rtron.sources.code.library_models.ros1_common import endpoints
 from rtron.sources.code.library_models.ros1_common.names import (
     node_namespace,
@@ -109,11 +113,11 @@ ROSCPP_FUNCTIONS: Mapping[str, Callable[..., Value]] = {
     "ros::names::resolve": _resolve,
     "ros::names::remap": _resolve,
     "ros::names::append": _append,
-    "ros::names::clean": lambda machine, owner, arguments: arguments.value(0),
+    "ros::names::clean": return_argument,
     "ros::AdvertiseServiceOptions::create": create_options,
     "ros::AdvertiseOptions::create": create_options,
     "ros::SubscribeOptions::create": create_options,
-    "ros::ok": lambda machine, owner, arguments: Unknown("ok"),
+    "ros::ok": returning_unknown("ok"),
 }
 
 ROSCPP_CLASSES: dict[str, LibraryClass] = {

@@ -24,6 +24,10 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine, ThrownError
 from rtron.sources.code.interpreter.execution.arguments import Arguments
+from rtron.sources.code.library_models.common.trivial_functions import (
+    return_none,
+    returning_unknown,
+)
 from rtron.sources.code.library_models.ros1_common import endpoints
 from rtron.sources.code.library_models.ros1_common.names import (
     node_namespace,
@@ -52,7 +56,7 @@ def _declare_endpoint(
     latched = truth(arguments.keywords.get("latch", FALSE)) is True
     endpoints.declare_endpoint(machine, kind, name, type, arguments, latched=latched)
     if arguments.get(3, "callback_args") is None:
-        _escape_arguments(machine, arguments)
+        machine.escape_arguments(arguments)
     final = remap_name(machine, name)
     return Instance(_ENDPOINT, {"name": final, "resolved_name": final})
 
@@ -75,11 +79,6 @@ def _with_callback_args(callback: Value, given: Value) -> Value:
     return replace(
         callback, bound_keywords={**callback.bound_keywords, **{p.name: given for p in second}}
     )
-
-
-def _escape_arguments(machine: AbstractMachine, arguments: Arguments) -> None:
-    for value in (*arguments.values, *arguments.keywords.values()):
-        machine.escape(value)
 
 
 def _wait_for_message(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
@@ -134,7 +133,7 @@ def _get_namespace(machine: AbstractMachine, _: object, __: Arguments) -> Value:
 
 
 def _register_callback(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
-    _escape_arguments(machine, arguments)
+    machine.escape_arguments(arguments)
     return Unknown("timer")
 
 
@@ -144,7 +143,7 @@ def _declare_action(
     name = resolve_name(machine, arguments.get(0, "ns") or arguments.get(0, "name") or UNKNOWN)
     type = arguments.get(1, "ActionSpec") or arguments.get(1, "action_spec")
     endpoints.declare_endpoint(machine, kind, name, message_type_name(type), arguments)
-    _escape_arguments(machine, arguments)
+    machine.escape_arguments(arguments)
     return Instance(_ENDPOINT)
 
 
@@ -154,7 +153,7 @@ def _declare_reconfigure_server(machine: AbstractMachine, _: object, arguments: 
     endpoints.declare_dynamic_reconfigure(
         machine, resolve_name(machine, namespace, private), arguments
     )
-    _escape_arguments(machine, arguments)
+    machine.escape_arguments(arguments)
     return Instance(_ENDPOINT)
 
 
@@ -198,13 +197,9 @@ def _declare_bond(machine: AbstractMachine, _: object, arguments: Arguments) -> 
     return Instance(_ENDPOINT)
 
 
-def _wait_for_service(_: AbstractMachine, __: object, ___: Arguments) -> Value:
-    return NONE
-
-
 def _register_callbacks(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
     """`registerCallback`, `register_goal_callback` and the like take callbacks."""
-    _escape_arguments(machine, arguments)
+    machine.escape_arguments(arguments)
     return owner
 
 
@@ -216,10 +211,6 @@ def _message_class(_: AbstractMachine, __: object, arguments: Arguments) -> Valu
         return MessageType(text_with_holes(value)) if is_type else Unknown("message class")
 
     return map_options(arguments.value(0), named)
-
-
-def _is_shutdown(_: AbstractMachine, __: object, ___: Arguments) -> Value:
-    return Unknown("is_shutdown")
 
 
 _ENDPOINT = LibraryClass(
@@ -242,7 +233,7 @@ _CALLS: dict[str, RospyFunction] = {
     "rospy.Service": partial(_declare_endpoint, DeclarationKind.SERVICE),
     "rospy.ServiceProxy": partial(_declare_endpoint, DeclarationKind.SERVICE_CLIENT),
     "rospy.wait_for_message": _wait_for_message,
-    "rospy.wait_for_service": _wait_for_service,
+    "rospy.wait_for_service": return_none,
     "rospy.get_param": _get_param,
     "rospy.has_param": _has_param,
     "rospy.set_param": _set_param,
@@ -255,7 +246,7 @@ _CALLS: dict[str, RospyFunction] = {
     "rospy.get_name": _get_name,
     "rospy.get_namespace": _get_namespace,
     "roslib.message.get_message_class": _message_class,
-    "rospy.is_shutdown": _is_shutdown,
+    "rospy.is_shutdown": returning_unknown("is_shutdown"),
     "rospy.Timer": _register_callback,
     "rospy.on_shutdown": _register_callback,
     "message_filters.Subscriber": partial(_declare_endpoint, DeclarationKind.SUBSCRIBE),
