@@ -61,7 +61,7 @@ def constrain(limit: float):
 
 
 @dataclass
-class Passed:
+class VerdictTally:
     """What became of many velocities; `wrong` names the first that were not as they must be."""
 
     passed: int = 0
@@ -83,39 +83,39 @@ def violations(
     encode: Callable[[Velocity], object] = same,
     decode: Callable[[object], Velocity] = same,
     close: float = CLOSE,
-) -> Passed:
+) -> VerdictTally:
     """Give a policy `count` velocities, and look at all that it lets go on.
 
     Each is encoded, decoded, judged, encoded again if it was changed, and decoded.
     """
-    found, judge = Passed(), constrain(limit).verdict
+    report, judge = VerdictTally(), constrain(limit).verdict
     for now, velocity in enumerate(velocities(limit, count, seed)):
-        asked = decode(encode(velocity))
-        verdict = judge("vflow", asked, now)
+        requested = decode(encode(velocity))
+        verdict = judge("vflow", requested, now)
         if verdict.decision is Decision.PASS:
-            found.passed += 1
-            if not asked.is_finite or asked.speed > limit:
-                found.note("passed", asked)
+            report.passed += 1
+            if not requested.is_finite or requested.speed > limit:
+                report.note("passed", requested)
         elif verdict.decision is Decision.MODIFY:
-            found.modified += 1
-            check_modified(asked, decode(encode(verdict.message)), limit, close, found)
+            report.modified += 1
+            check_modified(requested, decode(encode(verdict.message)), limit, close, report)
         else:
-            found.dropped += 1
-            if asked.is_finite:
-                found.note("dropped", asked)
-    return found
+            report.dropped += 1
+            if requested.is_finite:
+                report.note("dropped", requested)
+    return report
 
 
-def check_modified(opened_sources, made, limit, close, fake_study):
-    if not made.is_finite or made.speed > limit or opened_sources.speed <= limit:
-        fake_study.note("modified", opened_sources, made)
-    elif not alike(opened_sources, made, close):
-        fake_study.note("bent", opened_sources, made)
+def check_modified(requested, made, limit, close, report):
+    if not made.is_finite or made.speed > limit or requested.speed <= limit:
+        report.note("modified", requested, made)
+    elif not alike(requested, made, close):
+        report.note("bent", requested, made)
 
 
-def alike(opened_sources, made, close=CLOSE):
+def alike(requested, made, close=CLOSE):
     """Tell whether one velocity is the other, scaled by one factor from 0 to 1."""
-    before, after = (*opened_sources.linear, *opened_sources.angular), (*made.linear, *made.angular)
+    before, after = (*requested.linear, *requested.angular), (*made.linear, *made.angular)
     pairs = [*zip(before, after, strict=True)]
     if any(a * m < 0 or abs(m) > abs(a) for a, m in pairs):
         return False

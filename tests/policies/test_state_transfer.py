@@ -380,7 +380,7 @@ def limited(speed, flows=FLOWS):
 
 
 def swapped(before, after, now=0):
-    assert after.resume(before.export_state(now), now) == ()
+    assert after.restore_state(before.export_state(now), now) == ()
     return [(release.message.speed, release.restores) for release in after.tick(now)]
 
 

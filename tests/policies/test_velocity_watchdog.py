@@ -293,17 +293,17 @@ def test_the_brake_holds_until_it_is_loosened_and_then_ends_as_any_stop(before):
     if before == "stopping":
         made.refuse("blocked", SILENT)
     made.brake("a foreign publisher", SILENT)
-    assert made.why == "a foreign publisher"
-    assert made.stops == 1
+    assert made.reason == "a foreign publisher"
+    assert made.stop_count == 1
     end = SILENT + RAMP + 10 * REPEAT
     sent = wave(made, until=end)
     ramped = before in ("moving", "stopping")
-    assert sent[0][1].moves is ramped
-    assert not sent[-1][1].moves
+    assert sent[0][1].is_moving is ramped
+    assert not sent[-1][1].is_moving
     assert sent[-1][0] > end - 2 * PERIOD
-    made.loosen()
+    made.release_brake()
     assert made.tick(made.deadline()) is None
-    assert (made.deadline(), made.why, state(made)) == (None, "", WatchdogState.RESTING)
+    assert (made.deadline(), made.reason, state(made)) == (None, "", WatchdogState.RESTING)
 
 
 def test_a_brake_that_is_loosened_early_lets_the_wave_end_in_its_time():
@@ -357,22 +357,23 @@ def test_no_wave_is_steeper_than_the_plan_allows(velocity, stop, latenesses):
             break
         now = made.deadline() + latenesses[number % len(latenesses)]
     assert made.deadline() is None
-    if not velocity.moves:
+    if not velocity.is_moving:
         assert not out
         return
     lasts = VelocityRamp.for_stop(velocity, stop, 0).duration
     began = [(SILENT - stop.period, velocity), *out]
     for (before, one), (after, other) in pairwise(began):
         assert other.speed <= one.speed
-        assert other.turn <= one.turn
+        assert other.angular_speed <= one.angular_speed
         passed = (after - before + 2) / SECOND
         if lasts < MAX_RAMP_DURATION:
             assert one.speed - other.speed <= stop.decel * passed * (1 + 1e-6)
         if (
             lasts < MAX_RAMP_DURATION
-            and velocity.turn <= stop.angular_decel * MAX_RAMP_DURATION / SECOND
+            and velocity.angular_speed <= stop.angular_decel * MAX_RAMP_DURATION / SECOND
         ):
-            assert one.turn - other.turn <= stop.angular_decel * passed * (1 + 1e-6)
+            slower = one.angular_speed - other.angular_speed
+            assert slower <= stop.angular_decel * passed * (1 + 1e-6)
     for at, sent in out:
         left = max(0.0, (SILENT + lasts - at - stop.period) / lasts) if lasts else 0.0
         assert sent.linear == pytest.approx(velocity.scaled(left).linear, abs=1e-12)

@@ -101,7 +101,7 @@ def test_keys_with_slashes_do_not_leave_their_namespace():
 
 
 @pytest.mark.parametrize(
-    ("name", "namespace", "fake_study"),
+    ("name", "namespace", "expected"),
     [
         ("speed", "/robot/arm", "/robot/speed"),
         ("joints", "/robot/arm", "/robot/arm/joints"),
@@ -111,9 +111,9 @@ def test_keys_with_slashes_do_not_leave_their_namespace():
         ("speed", "/", None),
     ],
 )
-def test_the_search_goes_upwards_for_the_first_part_of_the_name(name, namespace, fake_study):
+def test_the_search_goes_upwards_for_the_first_part_of_the_name(name, namespace, expected):
     parameters = made(("/robot/speed", 1), ("/robot/arm/joints", 6), ("/map", "office"))
-    assert parameters.search(name, namespace) == fake_study
+    assert parameters.search(name, namespace) == expected
 
 
 def test_a_launch_is_walked_in_document_order():

@@ -24,9 +24,9 @@ Block has one state. It remembers when each flow spoke last, for a policy that t
 
 ## Example
 
->>> from rtron.policies import build
+>>> from rtron.policies import build_policy
 >>> from rtron.vocabulary import Flow, PolicyName, PolicySettings, StreamKind
->>> policy = build(PolicySettings(
+>>> policy = build_policy(PolicySettings(
 ...     policy=PolicyName.BLOCK,
 ...     kind=StreamKind.COMMAND,
 ...     flows=(

@@ -29,9 +29,9 @@ the owner falls silent, so that a tick then finds the output idle, or the next o
 
 ## Example
 
->>> from rtron.policies import build
+>>> from rtron.policies import build_policy
 >>> from rtron.vocabulary import SECOND, Flow, PolicyName, PolicySettings, StreamKind
->>> policy = build(PolicySettings(
+>>> policy = build_policy(PolicySettings(
 ...     policy=PolicyName.PREEMPTION,
 ...     kind=StreamKind.COMMAND,
 ...     flows=(

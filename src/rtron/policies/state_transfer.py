@@ -30,9 +30,9 @@ class VelocityRequest:
 class PolicyState:
     """The state of a policy at one moment.
 
-    `last_message_times` are the flows that are fresh, and when each spoke last (ns). `held_messages` are the messages
-    that wait, in the order in which their places were taken. `has_lease`: the policy knows whose turn
-    it is, if anybody's. `last_output` is the flow and the message that went out last, behind all stages.
+    `last_message_times` are the fresh flows, and when the last message of each came (ns).
+    `held_messages` are in queue order. `has_lease`: the policy knows which flow, if any, has the
+    output. `last_output` is the flow and the message that went out last, behind all stages.
     """
 
     last_message_times: Mapping[str, int] = field(default_factory=dict)

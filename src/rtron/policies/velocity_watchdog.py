@@ -186,7 +186,7 @@ class VelocityWatchdog:
             self._stop_if_moving(reason, now, ramped=not is_released)
 
     def brake(self, reason: str, now: int) -> None:
-        """Stop the robot, and keep telling it to rest until `release_brake`, whoever else moves it."""
+        """Stop the robot and hold it at rest until `release_brake`, whoever else moves it."""
         velocity = self._velocity() if self._machine.state is WatchdogState.MOVING else None
         self._braked = True
         if self._machine.step(WatchdogInput.BRAKED) is TransitionEffect.STOP:

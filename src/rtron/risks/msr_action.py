@@ -62,8 +62,11 @@ def _risk(facts: GraphFacts, topic: TopicFacts) -> Risk:
             only_own_nodes=topic.only_own_publishers,
             reaches_successor=bool(successors),
         ),
-        reason=f"{join_names(nodes)} {conjugate(nodes, 'make')} the robot act through {topic.name}: "
-        f"{join_names(successors, 'no node so far')} {conjugate(successors, 'obey')}, whatever happens",
+        reason=(
+            f"{join_names(nodes)} {conjugate(nodes, 'make')} the robot act through {topic.name}: "
+            f"{join_names(successors, 'no node so far')} {conjugate(successors, 'obey')}, "
+            "whatever happens"
+        ),
         evidence=evidence_of(facts.graph_with_goals.publishers(topic.name)),
     )
 

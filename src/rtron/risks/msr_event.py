@@ -75,8 +75,10 @@ def _risk(facts: GraphFacts, topic: TopicFacts, nodes: tuple[str, ...]) -> Risk:
             only_own_nodes=facts.are_own(nodes),
             reaches_successor=bool(topic.successors),
         ),
-        reason=f"{join_names(nodes)} {conjugate(nodes, 'tell')} on {topic.name} what happens: a rule that "
-        f"relies on it is as good as {join_names(nodes)}",
+        reason=(
+            f"{join_names(nodes)} {conjugate(nodes, 'tell')} on {topic.name} what happens: "
+            f"a rule that relies on it is as good as {join_names(nodes)}"
+        ),
         evidence=evidence_of(e for e in endpoints if e.node in publishers),
     )
 

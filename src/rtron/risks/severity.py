@@ -15,7 +15,11 @@ from rtron.vocabulary import Domain, Severity, Sharing, TopicClass
 
 
 def severity_of(*, moves_robot: bool, only_own_nodes: bool, reaches_successor: bool) -> Severity:
-    """Return a severity: `moves_robot` the robot at once, by `only_own_nodes` nodes only, `reaches_successor` a successor."""
+    """Return how bad a risk is.
+
+    `moves_robot`: it moves the robot at once. `only_own_nodes`: only the user's own nodes cause
+    it. `reaches_successor`: a node obeys it.
+    """
     if not reaches_successor:
         return Severity.LOW
     if moves_robot:

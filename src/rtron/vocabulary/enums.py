@@ -216,13 +216,6 @@ class FrameSource(StringEnum):
     DETECTIONS = "detections"
 
 
-class Executor(StringEnum):
-    """Who may set a policy (paper, Executor column)."""
-
-    DEVELOPER = "developer"
-    END_USER = "end_user"
-
-
 class Decision(StringEnum):
     """What a policy does with a message."""
 

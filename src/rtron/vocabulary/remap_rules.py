@@ -39,12 +39,13 @@ def parse_remap_rules(text: str, *, in_ros_args: bool) -> Iterator[RemapRule]:
     `in_ros_args` says that the arguments begin as ROS arguments.
     """
     try:
-        tokens = shlex.split(text)
+        arguments = shlex.split(text)
     except ValueError:
-        tokens = text.split()
-    for token, following in pairwise([*tokens, ""]):
-        in_ros_args = token == "--ros-args" or (in_ros_args and token != "--")
-        rule = _RULE.fullmatch(following) if in_ros_args and token in {"-r", "--remap"} else None
+        arguments = text.split()
+    for argument, following in pairwise([*arguments, ""]):
+        in_ros_args = argument == "--ros-args" or (in_ros_args and argument != "--")
+        remaps = in_ros_args and argument in {"-r", "--remap"}
+        rule = _RULE.fullmatch(following) if remaps else None
         if rule and not rule[2].startswith("__"):
             yield f"{rule[1]}:{rule[2]}" if rule[1] else rule[2], rule[3]
 

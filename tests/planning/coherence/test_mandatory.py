@@ -102,7 +102,7 @@ def test_the_schema_has_both():
     nouns = plan_json_schema()["$defs"]
     policies = {"enum": [word.value for word in PolicyName]}
     assert nouns["RSRCN"]["properties"]["mandatory"] == {"anyOf": [policies, {"type": "null"}]}
-    assert nouns["Rule"]["properties"]["mandatory"] == {"type": "boolean"}
+    assert nouns["MissionRule"]["properties"]["mandatory"] == {"type": "boolean"}
 
 
 def _uncommented(written):

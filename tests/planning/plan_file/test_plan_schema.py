@@ -54,7 +54,7 @@ def test_a_duration_is_a_number_or_has_a_unit():
 
 
 def test_a_duration_has_the_bounds_of_the_reader():
-    number, _ = SCHEMA["$defs"]["Stop"]["properties"]["period"]["anyOf"]
+    number, _ = SCHEMA["$defs"]["StopProfile"]["properties"]["period"]["anyOf"]
     assert number == {"type": "number", "minimum": 0.001, "maximum": 1.0}
 
 
@@ -63,16 +63,16 @@ def test_a_duration_has_the_bounds_of_the_reader():
     [
         ("RSRCN", "max_vel_limit", [0, 0.22, 1000, "0.22 m/s", "1e-3km/h"], [-1, 1001, "1 m", "x"]),
         ("RSRCN", "threshold", [0.02, "2 cm/frame"], [0, "2 cm/s"]),
-        ("Stop", "decel", [1, "1 m/s2", "1 m/s^2"], [0, "1 m/s"]),
+        ("StopProfile", "decel", [1, "1 m/s2", "1 m/s^2"], [0, "1 m/s"]),
         ("Transform", "yaw", [-6.28, "90 deg", "1 rad"], [90, "90 °"]),
         ("Point", "x", [-5, "-5 m", "5 km"], [1e9, "5 s"]),
         ("Area", "name", ["kitchen", "trueish"], ["true", "in", "1", "a b"]),
         ("EventFlow", "name", ["low", "format"], ["for", "while"]),
         ("EventFlow", "on_silence", ["block", "set", "clear", "keep"], ["stop"]),
         ("EventFlow", "present", [0.1, "2 s", None], ["2 sec"]),
-        ("Rule", "block", [["/goal", "aflow1"]], [["a b"], "/goal", ["/goal/"]]),
-        ("Rule", "require", ["", "/alert", "low"], ["/a b"]),
-        ("Rule", "frame", ["", "map", "/map", "a/b-c.d"], ["a b", "/"]),
+        ("MissionRule", "block", [["/goal", "aflow1"]], [["a b"], "/goal", ["/goal/"]]),
+        ("MissionRule", "require", ["", "/alert", "low"], ["/a b"]),
+        ("MissionRule", "frame", ["", "map", "/map", "a/b-c.d"], ["a b", "/"]),
         ("Area", "frame", ["map"], ["", "a b"]),
         ("MessageDefinition", "type", ["a/B", "a/msg/B"], ["", "B"]),
         ("MessageDefinition", "definition", ["int8 x\nint8 y\n"], ["x" * 65537, 1]),

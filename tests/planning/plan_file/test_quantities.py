@@ -106,9 +106,9 @@ def test_what_is_no_such_quantity_is_told(quantity, text, fault):
         quantity.parse(text)
 
 
-@pytest.mark.parametrize("quantity", ALL, ids=lambda quantity: quantity.words)
+@pytest.mark.parametrize("quantity", ALL, ids=lambda quantity: quantity.description)
 def test_what_is_written_is_read_as_the_same_float(quantity):
-    values = st.floats(quantity.least, quantity.greatest).filter(
+    values = st.floats(quantity.minimum, quantity.maximum).filter(
         lambda value: value == 0 or abs(value) >= quantity.min_nonzero
     )
 
@@ -119,9 +119,9 @@ def test_what_is_written_is_read_as_the_same_float(quantity):
     check()
 
 
-@pytest.mark.parametrize("quantity", ALL, ids=lambda quantity: quantity.words)
+@pytest.mark.parametrize("quantity", ALL, ids=lambda quantity: quantity.description)
 def test_the_bounds_themselves_are_read(quantity):
-    for bound in (quantity.least, quantity.greatest):
+    for bound in (quantity.minimum, quantity.maximum):
         assert quantity.parse(quantity.write(bound)) == bound
 
 

@@ -7,7 +7,7 @@ import pytest
 from rtron.planning.tuning import duration_fit, flow_priorities, velocity_limits
 from rtron.vocabulary import PROPOSALS_SCHEMA, RUN_SCHEMA, SECOND
 
-PAGE = " ".join((Path(__file__).parents[2] / "docs" / "tuning.md").read_text().split())
+PAGE = " ".join((Path(__file__).parents[3] / "docs" / "tuning.md").read_text().split())
 
 
 @pytest.mark.parametrize(

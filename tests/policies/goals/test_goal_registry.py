@@ -28,8 +28,8 @@ def goal(id, client=ONE, stamp=0, **more):
     return Goal(id, stamp, "flow1", client, **more)
 
 
-def ids(fake_study):
-    return [goal.id for goal in fake_study]
+def ids(goals):
+    return [goal.id for goal in goals]
 
 
 def test_a_goal_is_known_until_it_is_over():
@@ -174,7 +174,7 @@ def test_the_next_guard_knows_the_same(every, over):
     made = GoalRegistry()
     for id, stamp, client, sent in every:
         where = GoalStage.SENT if sent else GoalStage.WAITING
-        made.add(goal(id, client, stamp, where=where, message=b"kept by the policy"))
+        made.add(goal(id, client, stamp, stage=where, message=b"kept by the policy"))
     for id in over:
         made.remember_finished(id, ONE, 0)
     again = GoalRegistry()

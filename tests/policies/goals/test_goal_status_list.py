@@ -25,8 +25,8 @@ def sent(id, seen=0):
     return Goal(id, 0, "flow1", "/one", stage=GoalStage.SENT, last_seen=seen)
 
 
-def ids(fake_study):
-    return [goal.id for goal in fake_study]
+def ids(expected):
+    return [goal.id for goal in expected]
 
 
 @pytest.mark.parametrize("name", ["PENDING", "ACTIVE", "PREEMPTING", "RECALLING"])
@@ -62,12 +62,12 @@ def test_what_is_over_is_told_as_long_as_it_is_there():
 
 
 @pytest.mark.parametrize(
-    ("status", "fake_study"), [(PENDING, [b"x"]), (ACTIVE, [b"x"]), (SUCCEEDED, [])]
+    ("status", "expected"), [(PENDING, [b"x"]), (ACTIVE, [b"x"]), (SUCCEEDED, [])]
 )
-def test_unknown_goals_that_go_on_are_found(status, fake_study):
+def test_unknown_goals_that_go_on_are_found(status, expected):
     made = GoalRegistry()
     news = compare_status_list(made, {b"x": status}, 7)
-    assert ids(news.discovered) == fake_study
+    assert ids(news.discovered) == expected
     for goal in news.discovered:
         assert (goal.flow, goal.client, goal.stage, goal.last_seen) == (
             SERVER_FLOW,

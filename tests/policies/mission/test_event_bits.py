@@ -37,9 +37,9 @@ flows = st.builds(
 def tell(bit, what, now):
     """Let a bit hear something."""
     if what == FOUND:
-        bit.found()
+        bit.add_publisher()
     elif what == LOST:
-        bit.lost()
+        bit.remove_publisher()
     else:
         bit.observe(what, now)
 

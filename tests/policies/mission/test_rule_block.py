@@ -46,7 +46,7 @@ def made(*rules, flows=FLOWS, revision=0):
 
 def hear(mission, now=0, **bits):
     for name, judged in bits.items():
-        mission.bits.named[name].observe(judged, now)
+        mission.bits.by_name[name].observe(judged, now)
     mission.update(now)
 
 

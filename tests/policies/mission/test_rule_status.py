@@ -177,7 +177,7 @@ def test_looking_when_time_changes_a_bit_is_looking_at_every_moment(condition, s
     told = {id(always): [], id(seldom): []}
     now = 0
     for made in (always, seldom):
-        made.on_change = lambda standing, made=made: told[id(made)].append((now, standing.blocks))
+        made.on_change = lambda status, made=made: told[id(made)].append((now, status.is_blocking))
         made.update(0)
     for gap, name, what in told_steps(story):
         end = now + gap

@@ -69,8 +69,8 @@ def limiting(speed=0.5, flows=FLOW, *, reissues=False, **others):
     return policy
 
 
-def limited(speed, opened_sources, flow=LOW):
-    return limiting(speed).verdict(flow, opened_sources, 0)
+def limited(speed, requested, flow=LOW):
+    return limiting(speed).verdict(flow, requested, 0)
 
 
 # One velocity
@@ -179,10 +179,10 @@ def test_what_is_no_velocity_is_dropped_with_what_is_said_about_it():
 
 
 @pytest.mark.parametrize("flow", [BLOCKED, STRANGER, UNAPPROVED])
-@pytest.mark.parametrize("opened_sources", [Velocity((0.1,)), Velocity((9.0,)), "no velocity"])
-def test_blocked_and_unknown_flows_are_refused(flow, opened_sources):
+@pytest.mark.parametrize("requested", [Velocity((0.1,)), Velocity((9.0,)), "no velocity"])
+def test_blocked_and_unknown_flows_are_refused(flow, requested):
     policy = limiting(flows=FLOWS)
-    verdict = policy.verdict(flow, opened_sources, 0)
+    verdict = policy.verdict(flow, requested, 0)
     assert (verdict.decision, verdict.error) == (DROP, False)
     assert verdict == policy.refusal(flow, 0)
     assert ("blocked" if flow == BLOCKED else "not an approved flow") in verdict.reason
@@ -198,11 +198,11 @@ def test_a_pass_builds_no_verdict():
 
 
 @pytest.mark.parametrize(
-    "opened_sources", [Velocity((0.1,)), Velocity((0.0,), (1.0,)), Velocity((0.0,))]
+    "requested", [Velocity((0.1,)), Velocity((0.0,), (1.0,)), Velocity((0.0,))]
 )
-def test_a_limit_of_0_lets_nothing_pass_not_even_a_turn_on_the_spot(opened_sources):
+def test_a_limit_of_0_lets_nothing_pass_not_even_a_turn_on_the_spot(requested):
     policy = limiting(0.0)
-    verdict = policy.verdict(LOW, opened_sources, 0)
+    verdict = policy.verdict(LOW, requested, 0)
     assert (verdict.decision, verdict.error) == (DROP, False)
     assert verdict.reason == "nothing moves: 0 m/s"
     assert policy.refusal(LOW, 0) is verdict
@@ -226,12 +226,12 @@ def test_the_refusal_asks_for_the_limit_of_the_moment():
     assert policy._source.asked == [17, 18]
 
 
-@pytest.mark.parametrize("opened_sources", [0.1, 9.0])
-def test_what_is_dropped_leaves_the_state(opened_sources):
+@pytest.mark.parametrize("requested", [0.1, 9.0])
+def test_what_is_dropped_leaves_the_state(requested):
     policy = limiting(0.5, FLOWS)
-    policy.verdict(HIGH, Velocity((opened_sources,)), 0)
+    policy.verdict(HIGH, Velocity((requested,)), 0)
     state = policy._machine.state
-    assert state is (LimitState.LIMITED if opened_sources > 0.5 else LimitState.WITHIN)
+    assert state is (LimitState.LIMITED if requested > 0.5 else LimitState.WITHIN)
     policy.verdict(LOW, Velocity((1.0,)), 0)
     policy.verdict(STRANGER, Velocity((1.0,)), 0)
     policy.verdict(HIGH, Velocity((math.nan,)), 0)
@@ -314,10 +314,10 @@ def test_a_blocked_flow_counts_where_priorities_must_differ():
 # What goes out again
 
 
-def reissue(speeds, opened_sources=1.0, first=0.5):
+def reissue(speeds, requested=1.0, first=0.5):
     """Return what goes out at the ticks of one deadline after the other, under changing limits."""
     policy = limiting(first, reissues=True)
-    policy.verdict(LOW, Velocity((opened_sources,)), 0)
+    policy.verdict(LOW, Velocity((requested,)), 0)
     out = []
     for speed in speeds:
         policy._source.speed = speed
@@ -381,10 +381,10 @@ def test_a_message_puts_the_next_look_off():
     assert policy.deadline() == 50 + REISSUE_PERIOD
 
 
-@pytest.mark.parametrize("opened_sources", ["no velocity", Velocity((math.inf,))])
-def test_what_is_dropped_does_not_count_as_asked(opened_sources):
+@pytest.mark.parametrize("requested", ["no velocity", Velocity((math.inf,))])
+def test_what_is_dropped_does_not_count_as_asked(requested):
     policy = limiting(0.5, reissues=True)
-    policy.verdict(LOW, opened_sources, 0)
+    policy.verdict(LOW, requested, 0)
     policy.verdict(STRANGER, Velocity((1.0,)), 0)
     assert policy.deadline() is None
 
@@ -406,12 +406,12 @@ def test_a_limit_that_stays_needs_no_look():
     assert policy.tick(SECOND) == ()
 
 
-@pytest.mark.parametrize(("opened_sources", "out"), [(1.0, [0.5]), (0.5, []), (0.1, [])])
+@pytest.mark.parametrize(("requested", "out"), [(1.0, [0.5]), (0.5, []), (0.1, [])])
 @pytest.mark.parametrize(("varies", "later"), [(True, 7 + REISSUE_PERIOD), (False, None)])
-def test_what_has_gone_on_whole_meanwhile_is_limited_again(opened_sources, out, varies, later):
+def test_what_has_gone_on_whole_meanwhile_is_limited_again(requested, out, varies, later):
     policy = limiting(0.5, reissues=True)
     policy._source.is_variable = varies
-    policy.verdict(LOW, Velocity((opened_sources,)), 0)
+    policy.verdict(LOW, Velocity((requested,)), 0)
     policy.reevaluate(7)
     assert policy.deadline() == 7
     releases = policy.tick(7)
@@ -467,7 +467,7 @@ def safe(policy=PolicyName.SAFE, **others):
 def feed(rates, count, until):
     for number in range(count):
         now = until - SECOND * number // count
-        rates.monitors["fps_a"].frame(number + 1, now)
+        rates.monitors["fps_a"].add_frame(number + 1, now)
 
 
 def reason(policy, now=SECOND):
@@ -700,8 +700,8 @@ def test_the_named_state_tells_whether_what_was_asked_for_last_is_limited(
     run = LimitRun(policy, flows, reissues, busy=True, lowest=lowest)
     for step in steps:
         run.play([step])
-        asked = run.limit._asked
-        limited = asked is not None and asked.sent.speed < asked.wanted.speed
+        asked = run.limit._last_request
+        limited = asked is not None and asked.sent.speed < asked.requested.speed
         assert (run.limit._machine.state is LimitState.LIMITED) is limited
 
 

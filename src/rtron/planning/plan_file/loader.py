@@ -16,8 +16,8 @@ _NO_DEFINITIONS: Mapping[str, str] = {}
 def read_plan(path: Path, recorded_definitions: Mapping[str, str] = _NO_DEFINITIONS) -> Plan:
     """Read a plan; raise one PlanError that tells all that is wrong, each with file and line.
 
-    `recorded_definitions` are definitions by their types, which a recording brings: in a plan for ROS 2 those
-    count that its expressions need and that nothing else defines.
+    `recorded_definitions` are definitions by their types, which a recording brings: in a plan for
+    ROS 2 those count that its expressions need and that nothing else defines.
     """
     return parse_plan(read_text(path), str(path), recorded_definitions)
 

@@ -6,8 +6,8 @@ The rules of thumb, the same for every duration that waits for somebody:
   the usual, rounded up to a number that a person likes to read. So nothing that was measured would
   have been cut off.
 - It is made longer if at least `min_samples` were measured and the need is above it.
-- It is made shorter if at least `enough_samples` were measured, the need is a fifth below it or more, and
-  nothing objects: other flows of which too little is known, for instance.
+- It is made shorter if at least `enough_samples` were measured, the need is a fifth below it or
+  more, and nothing objects: other flows of which too little is known, for instance.
 - A silence is never made longer than `MAX_SILENCE`: a robot that goes on for longer without a
   word is for a person to look at.
 """

@@ -95,10 +95,11 @@ def _why(
     )
     names = {each.name for each in passed}
     overlapped = max(each.duration for each in statistics.overlaps if each.flow in names)
+    phases = count_text(statistics.pauses.count + 1, "phase")
     return (
-        f"{flow.publisher} spoke in {count_text(statistics.pauses.count + 1, 'phase')}, {short_duration(statistics.active)} in "
-        f"all ({_share(statistics, duration)} of the run), {short_duration(overlapped)} of it in vain beside {others}; "
-        f"right only if {flow.publisher} may interrupt"
+        f"{flow.publisher} spoke in {phases}, {short_duration(statistics.active)} in all "
+        f"({_share(statistics, duration)} of the run), {short_duration(overlapped)} of it in vain "
+        f"beside {others}; right only if {flow.publisher} may interrupt"
     )
 
 

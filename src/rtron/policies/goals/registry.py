@@ -43,8 +43,8 @@ class Goal:
     """A goal, whose it is, and since when it is where it is (ns).
 
     `status` is what the server last said of it (actionlib_msgs/GoalStatus), and `last_seen` when.
-    `cancel_reason` says why it was cancelled by the guard. A goal of the server's own, or one that was
-    there before us, has no client.
+    `cancel_reason` says why the guard cancelled it. A goal of the server's own, or one that is
+    older than the guard, has no client.
     """
 
     id: bytes

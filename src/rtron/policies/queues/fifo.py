@@ -41,9 +41,9 @@ Silence counts from the last message that passed, also from one that waited and 
 
 ## Example
 
->>> from rtron.policies import build
+>>> from rtron.policies import build_policy
 >>> from rtron.vocabulary import SECOND, Flow, PolicyName, PolicySettings, StreamKind
->>> policy = build(PolicySettings(
+>>> policy = build_policy(PolicySettings(
 ...     policy=PolicyName.FIFO_QUEUE,
 ...     kind=StreamKind.ACTION,
 ...     flows=(

@@ -41,9 +41,9 @@ A higher flow takes the turn from a lower one with its first command.
 
 ## Example
 
->>> from rtron.policies import build
+>>> from rtron.policies import build_policy
 >>> from rtron.vocabulary import SECOND, Flow, PolicyName, PolicySettings, StreamKind
->>> policy = build(PolicySettings(
+>>> policy = build_policy(PolicySettings(
 ...     policy=PolicyName.PRIORITY_QUEUE,
 ...     kind=StreamKind.COMMAND,
 ...     flows=(

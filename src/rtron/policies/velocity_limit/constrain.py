@@ -29,9 +29,9 @@ A velocity that is exactly at the limit is within it.
 
 ## Example
 
->>> from rtron.policies import build
+>>> from rtron.policies import build_policy
 >>> from rtron.vocabulary import Flow, PolicyName, PolicySettings, StreamKind, Velocity
->>> policy = build(PolicySettings(
+>>> policy = build_policy(PolicySettings(
 ...     policy=PolicyName.CONSTRAIN,
 ...     kind=StreamKind.COMMAND,
 ...     flows=(Flow(name="vflow1", publisher="/tb3_monitor"),),

@@ -36,21 +36,22 @@ A velocity that is exactly at the limit is within it.
 
 ## Example
 
->>> from rtron.policies import Rates, build
+>>> from rtron.policies import FrameMonitors, build_policy
 >>> from rtron.vocabulary import (
 ...     SECOND, Flow, FpsMonitor, PolicyName, PolicySettings, StreamKind, Velocity
 ... )
->>> rates = Rates([FpsMonitor(id="fps_detector", node="/detector", topic="/detector/image")])
->>> policy = build(PolicySettings(
+>>> detector = FpsMonitor(id="fps_detector", node="/detector", topic="/detector/image")
+>>> monitors = FrameMonitors([detector])
+>>> policy = build_policy(PolicySettings(
 ...     policy=PolicyName.SAFE,
 ...     kind=StreamKind.COMMAND,
 ...     flows=(Flow(name="vflow1", publisher="/move_base"),),
 ...     threshold=0.05,
-... ), rates)
+... ), monitors)
 >>> print(policy.verdict("vflow1", Velocity((0.5,), (0.25,)), now=0).reason)
 nothing moves: 0 m/s (fps_detector is silent)
 >>> for frame in range(4):
-...     rates.monitors["fps_detector"].frame(stamp=frame + 1, now=frame * SECOND // 4)
+...     monitors.monitors["fps_detector"].add_frame(stamp=frame + 1, now=frame * SECOND // 4)
 >>> verdict = policy.verdict("vflow1", Velocity((0.5,), (0.25,)), now=SECOND * 3 // 4)
 >>> print(verdict.message, "because", verdict.reason)
 Velocity(linear=(0.2,), angular=(0.1,)) because limited to 0.2 m/s (fps_detector: 4.0 fps x 0.05 m)

@@ -23,20 +23,21 @@ A velocity that is exactly at the limit is within it.
 
 ## Example
 
->>> from rtron.policies import Rates, build
+>>> from rtron.policies import FrameMonitors, build_policy
 >>> from rtron.vocabulary import (
 ...     SECOND, Flow, FpsMonitor, PolicyName, PolicySettings, StreamKind, Velocity
 ... )
->>> rates = Rates([FpsMonitor(id="fps_detector", node="/detector", topic="/detector/image")])
->>> policy = build(PolicySettings(
+>>> detector = FpsMonitor(id="fps_detector", node="/detector", topic="/detector/image")
+>>> monitors = FrameMonitors([detector])
+>>> policy = build_policy(PolicySettings(
 ...     policy=PolicyName.SAFE_CONSTRAIN,
 ...     kind=StreamKind.COMMAND,
 ...     flows=(Flow(name="vflow1", publisher="/move_base"),),
 ...     threshold=0.05,
 ...     max_vel_limit=0.15,
-... ), rates)
+... ), monitors)
 >>> for frame in range(4):
-...     rates.monitors["fps_detector"].frame(stamp=frame + 1, now=frame * SECOND // 4)
+...     monitors.monitors["fps_detector"].add_frame(stamp=frame + 1, now=frame * SECOND // 4)
 >>> print(policy.verdict("vflow1", Velocity((0.5,)), now=SECOND * 3 // 4).reason)
 limited to 0.15 m/s (max_vel_limit)
 >>> print(policy.verdict("vflow1", Velocity((0.5,)), now=2 * SECOND).reason)

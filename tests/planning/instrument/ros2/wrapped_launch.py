@@ -6,7 +6,7 @@ import sys
 from itertools import pairwise
 from pathlib import Path
 
-DOUBLE = Path(__file__).parents[2] / "ros2" / "launch_double"
+DOUBLE = Path(__file__).parents[3] / "ros2" / "launch_double"
 HEAD = """\
 import launch.events
 from launch import Action, LaunchDescription

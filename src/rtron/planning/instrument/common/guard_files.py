@@ -21,8 +21,8 @@ def guard_element(folder: str) -> tuple[str, ...]:
     """
     prefix = f"""launch-prefix='"$(dirname)/{folder}/{GUARD_SCRIPT}"'"""
     return (
-        f"<!-- The guard. rosout is only the package that roslaunch always finds: {GUARD_SCRIPT} does",
-        "     not run it. -->",
+        "<!-- The guard. rosout is only the package that roslaunch always finds:",
+        f"     {GUARD_SCRIPT} does not run it. -->",
         f'<node pkg="rosout" type="rosout" name="{GUARD_NODE.strip("/")}" ns="/" {prefix}',
         '      respawn="true" output="screen"/>',
     )

@@ -56,7 +56,8 @@ def redirect_include(
     conditions = ((c, text.attribute(element, c)) for c in ("if", "unless"))
     condition = "".join(f" {c}={value}" for c, value in conditions if value)
     text.insert(element, f'<arg name="{name}" value={written}{condition}/>')
-    file = f"{{{eval_literal(include.evaluated_name)}: dirname() + {eval_literal(copy)}}}[arg('{name}')]"
+    original = eval_literal(include.evaluated_name)
+    file = f"{{{original}: dirname() + {eval_literal(copy)}}}[arg('{name}')]"
     text.set_attribute(element, "file", f"$(eval {file})")
 
 
@@ -86,7 +87,7 @@ class LaunchCopies:
         return text.render()
 
     def render_started(self, file: LaunchFile, copies_path: str) -> str:
-        """Return the text of a launch file that a node starts; `copies_path` leads to the copies."""
+        """Return the text of a launch file that a node starts; `copies_path` leads to copies."""
         return self._changed_text(file, copies_path).render()
 
     def changes(self, file: LaunchFile) -> bool:

@@ -55,7 +55,8 @@ def _listed(folder: Path) -> Iterator[Path]:
 class Overlay:
     """The overlay's content: `launches` are guarded, `programs` and `modules` are copied.
 
-    `unchanged_launches` are other files that must be found beside those; `folder` is the guarded launch's.
+    `unchanged_launches` are other files that must be found beside those; `folder` is that of the
+    guarded launch.
     """
 
     folder: Path

@@ -26,7 +26,7 @@ _MAX_BYTES = 4 * 1024 * 1024
 
 @dataclass(frozen=True, slots=True)
 class ReachCheck:
-    """Looks at started launch files; `overlay_files` are the programs' files that run from the overlay."""
+    """Looks at started launch files; `overlay_files` are the programs that run from the overlay."""
 
     tree: LaunchTree
     overlay_files: frozenset[PackageFile]

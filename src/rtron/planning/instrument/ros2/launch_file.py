@@ -35,9 +35,7 @@ class LaunchFileText(Protocol):
     def redirect_include(self, index: int, file: str) -> None:
         """Lead an include to another file."""
 
-    def add_guard(
-        self, guarded_folder: "GuardedFolder", *, script: str, name: str, check: str
-    ) -> None:
+    def add_guard(self, folder: "GuardedFolder", *, script: str, name: str, check: str) -> None:
         """Include the file `check` first; then start `script`, and again when it ends."""
 
     def render(self) -> str:

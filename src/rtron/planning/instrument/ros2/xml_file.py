@@ -58,15 +58,14 @@ class XmlFile:
         """Change an include's `file`."""
         self.text.set_attribute(self._element(index), "file", file)
 
-    def add_guard(
-        self, guarded_folder: GuardedFolder, *, script: str, name: str, check: str
-    ) -> None:
+    def add_guard(self, folder: GuardedFolder, *, script: str, name: str, check: str) -> None:
         """Put a `<let>`, an `<include>` and an `<executable>` first."""
-        words = f"cmd={quoteattr(guarded_folder / script)} name={quoteattr(name)}"
+        process = f"cmd={quoteattr(folder / script)} name={quoteattr(name)}"
+        variable = f"name={quoteattr(folder.variable)} value={quoteattr(folder.folder)}"
         first = (
-            f"<let name={quoteattr(guarded_folder.variable)} value={quoteattr(guarded_folder.folder)}/>",
-            f"<include file={quoteattr(guarded_folder / check)}/>",
-            f'<executable {words} output="screen" respawn="true"/>',
+            f"<let {variable}/>",
+            f"<include file={quoteattr(folder / check)}/>",
+            f'<executable {process} output="screen" respawn="true"/>',
         )
         self.text.prepend(self.text.elements[0], first)
 

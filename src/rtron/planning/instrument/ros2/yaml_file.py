@@ -84,22 +84,24 @@ class YamlFile:
         if written is not None:
             self._replace(written, file)
 
-    def add_guard(
-        self, guarded_folder: GuardedFolder, *, script: str, name: str, check: str
-    ) -> None:
+    def add_guard(self, folder: GuardedFolder, *, script: str, name: str, check: str) -> None:
         """Put a `let:`, an `include:` and an `executable:` first into the list of actions."""
         actions = self.root.value[0][1]
         if isinstance(actions, yaml.MappingNode):
             actions = next(value for key, value in actions.value if key.value == "children")
-        folder = {"name": guarded_folder.variable, "value": guarded_folder.folder}
+        variable = {"name": folder.variable, "value": folder.folder}
         guard = {
-            "cmd": guarded_folder / script,
+            "cmd": folder / script,
             "name": name,
             "output": "screen",
             "respawn": "true",
         }
-        included = {"file": guarded_folder / check}
-        self._insert_items(actions, [{"let": folder}, {"include": included}, {"executable": guard}])
+        entries = [
+            {"let": variable},
+            {"include": {"file": folder / check}},
+            {"executable": guard},
+        ]
+        self._insert_items(actions, entries)
 
     def render(self) -> str:
         """Return the text with all changes made; one inside another is part of it."""
@@ -111,7 +113,7 @@ class YamlFile:
         return "".join([*pieces, self.text[last:]])
 
     def change(self, start: int, end: int, new: str) -> None:
-        """Put other text from `add_guard` to `end`."""
+        """Put other text from `start` to `end`."""
         self._changes.append((start, end, new))
 
     def _entry(self, index: int, key: str) -> YamlNode:

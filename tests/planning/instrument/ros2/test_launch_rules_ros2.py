@@ -17,7 +17,7 @@ from wrapped_launch import HEAD, launch  # noqa: E402
 
 from rtron.planning.instrument.ros2.wrapper import wrapper_text  # noqa: E402
 
-RESOLVED = Path(__file__).parent / "nodes" / "name_resolver.py"
+RESOLVED = Path(__file__).parents[3] / "ros2" / "nodes" / "name_resolver.py"
 PRIVATE = "/rtron/cmd_vel/teleop"
 GOALS = "/rtron/go/teleop/_action/send_goal"
 TABLE = {
