@@ -199,7 +199,9 @@ def test_a_node_that_is_gone_is_not_there(app):
     )
 
 
-@pytest.mark.parametrize(("limit", "what"), [("MOST_NAMES", "topics"), ("MOST_ENDS", "endpoints")])
+@pytest.mark.parametrize(
+    ("limit", "what"), [("MAX_NAMES", "topics"), ("MAX_ENDPOINTS", "endpoints")]
+)
 def test_a_domain_too_large_is_refused(app, monkeypatch, limit, what):
     monkeypatch.setattr(asking, limit, 6)
     with pytest.raises(SourceError, match=f"more than 6 ({what}|nodes)"):

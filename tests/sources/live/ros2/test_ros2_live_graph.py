@@ -136,13 +136,13 @@ class SnapshotSequence:
 
     def __init__(self, *snapshots):
         self.left = list(snapshots)
-        self.looks = 0
+        self.snapshots = 0
 
-    def sign(self):
+    def fingerprint(self):
         return len(self.left)
 
-    def look(self, patience):
-        self.looks += 1
+    def snapshot(self, timeout):
+        self.snapshots += 1
         return self.left.pop(0) if len(self.left) > 1 else self.left[0]
 
 

@@ -1,10 +1,10 @@
-"""When the graph of a domain is whole: it stands still, and all has been told of whoever is there.
+"""When the graph of a domain is complete: it is stable, and every participant is fully known.
 
-Nobody tells the end of discovery. What was missed comes again with the next announcement or
-heartbeat, which Fast DDS sends every 3 s: so long a graph may stand still and not be whole (of 30
-joins of an app of 20 processes on a busy machine, 13 were whole only after 2.5 to 4.4 s). So it is
-not looked at before, and of each participant all must be there that it says to have. What counts
-beside that is looks in time and not seconds: a machine too busy to hear of changes takes longer.
+DDS does not announce the end of discovery. What was missed comes again with the next announcement
+or heartbeat, which Fast DDS sends every 3 s: a graph may be stable for that long and incomplete (of
+30 joins of an app of 20 processes on a busy machine, 13 were complete only after 2.5 to 4.4 s). So
+no snapshot is taken before, and each participant must have all endpoints that it announces. Beside
+that, polls in time count and not seconds: a machine too busy to receive changes takes longer.
 """
 
 from __future__ import annotations
@@ -17,25 +17,25 @@ if TYPE_CHECKING:
     from rtron.sources.live.ros2.domain import DomainReader, Snapshot
 
 MIN_DISCOVERY_S = 3.5
-"""How long after joining a graph counts as whole at the earliest."""
+"""How long after joining a graph counts as complete at the earliest."""
 _POLL_S = 0.05
 _LATE_POLL_S = 0.15
-"""Who looks so much later than meant says nothing: others are as late."""
+"""A poll so much later than meant does not count: other processes are as late."""
 _STABLE_POLLS = 10
-"""Signs that must agree before the whole graph is looked at: 0.5 s at least."""
+"""Equal fingerprints before the first snapshot: 0.5 s at least."""
 _PROMPT_DISCOVERY_S = 4.5
-"""Who is heard of later than this had to say it twice, and others may have to say it thrice."""
+"""What is discovered later than this took two announcements; another may take three."""
 _ANNOUNCEMENT_POLLS = 64
-"""Signs that must agree then: 3.2 s at least, a whole period of announcements."""
+"""Equal fingerprints that are then needed: 3.2 s at least, a whole period of announcements."""
 _STABLE_POLLS_BETWEEN_SNAPSHOTS = 5
-"""Signs that must agree before it is looked at again."""
+"""Equal fingerprints before each further snapshot."""
 _SNAPSHOT_TIMEOUT_S = 10.0
-"""The longest that one look at the whole graph may take."""
+"""The longest that one snapshot may take."""
 
 
 @dataclass(frozen=True, slots=True)
 class DiscoveredGraph:
-    """The graph as it was in the end, and whether it stood still then."""
+    """The graph as it was in the end, and whether it was stable then."""
 
     snapshot: Snapshot
     is_stable: bool
@@ -60,19 +60,17 @@ def discover_graph(domain: DomainReader, timeout: float) -> DiscoveredGraph:
 
 
 def _wait_until_stable(domain: DomainReader, polls: int, earliest: float, deadline: float) -> float:
-    """Return when the sign changed last, once it was the same so many times; 0 if it did not.
+    """Return when the fingerprint changed last, once it was equal `polls` times; 0 for never.
 
-    Not before the time is `earliest`, and at once when it is `deadline`.
+    Return not before the time is `earliest`, and at once when it is `deadline`.
     """
     fingerprint, equal_polls, last_change = domain.fingerprint(), 0, 0.0
     while (equal_polls < polls or time.monotonic() < earliest) and time.monotonic() < deadline:
         polled_at = time.monotonic()
         time.sleep(_POLL_S)
-        current, late = domain.fingerprint(), time.monotonic() - polled_at > _LATE_POLL_S
+        current = domain.fingerprint()
         if current != fingerprint:
-            last_change = time.monotonic()
-        fingerprint, equal_polls = (
-            current,
-            equal_polls + (not late) if current == fingerprint else 0,
-        )
+            fingerprint, equal_polls, last_change = current, 0, time.monotonic()
+        elif time.monotonic() - polled_at <= _LATE_POLL_S:
+            equal_polls += 1
     return last_change
