@@ -1,4 +1,4 @@
-"""The alarms that stand, and what is said of those that find no place."""
+"""Active alarms, and the log of those for which there is no room."""
 
 import logging
 
@@ -11,7 +11,7 @@ def alarm(number):
     return Alarm(kind=AlarmKind.UNREGISTERED_PUBLISHER, reason=f"ghost {number}")
 
 
-def test_an_alarm_is_news_once_and_again_after_it_was_settled(caplog):
+def test_an_alarm_is_raised_once_and_again_after_it_was_cleared(caplog):
     caplog.set_level(logging.WARNING)
     alarms = Alarms()
     assert alarms.raise_(alarm(1), 5)
@@ -23,8 +23,8 @@ def test_an_alarm_is_news_once_and_again_after_it_was_settled(caplog):
     assert [r.getMessage().split(":")[0] for r in caplog.records] == ["alarm", "no more", "alarm"]
 
 
-def test_what_finds_no_place_is_counted_and_said_once_a_second(monkeypatch, caplog):
-    monkeypatch.setattr(module, "_MOST", 2)
+def test_an_alarm_without_room_is_counted_and_logged_once_a_second(monkeypatch, caplog):
+    monkeypatch.setattr(module, "_MAX_ALARMS", 2)
     alarms = Alarms()
     for now in range(0, 3 * SECOND, SECOND // 10):
         for number in range(5):

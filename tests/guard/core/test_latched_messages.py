@@ -185,7 +185,7 @@ def test_what_was_said_before_the_last_guard_was_gone_is_old():
 
 def test_the_very_moment_of_the_last_sign_of_life_counts_as_before():
     words = given(60, 59)
-    transport, out, _ = guard(left_at=words[0].said)
+    transport, out, _ = guard(left_at=words[0].source_time)
     hear(transport, words)
     assert out == words[1:]
 

@@ -15,74 +15,74 @@ NODE = "/rtron/grcn_cmd_vel"
 STOP = StopProfile(decel=10.0, angular_decel=10.0, period=SECOND // 50, repeat=SECOND // 10)
 
 
-class Told(MemoryTransport):
-    """Keeps which nodes left the graph, and how much the driver had been told by then."""
+class RemovalTransport(MemoryTransport):
+    """Records each node that leaves the graph, with what the driver had received by then."""
 
     def __init__(self, loop):
         super().__init__()
         self.now, self.call_at = loop.now, loop.call_at
-        self.left = []
+        self.removed = []
 
-    def remove(self, node):
-        self.left.append((node, speeds(self.driver)))
+    def remove_node(self, name):
+        self.removed.append((name, speeds(self.driver)))
 
 
-class Guarded:
+class UnsupervisedGuard:
     """A guard without a supervisor, and a robot that moves."""
 
     def __init__(self):
         self.loop = EventLoop()
-        self.transport = Told(self.loop)
-        self.host = Coordinator(self.transport, [stream(stage(), stop=STOP)])
-        self.host.open()
+        self.transport = RemovalTransport(self.loop)
+        self.coordinator = Coordinator(self.transport, [stream(stage(), stop=STOP)])
+        self.coordinator.open()
         self.transport.driver = self.transport.listen(OUT)
-        self.obeying = ShutdownSequence(self.host, self.transport, self.loop)
+        self.shutdown = ShutdownSequence(self.coordinator, self.transport, self.loop)
 
     def move(self):
         self.transport.publisher(NAV, peer("/nav"))(twist(1.0))
 
     def run(self):
-        while not self.transport.left:
+        while not self.transport.removed:
             self.loop.step(0.01)
 
 
 @pytest.fixture
-def guarded():
-    made = Guarded()
-    yield made
-    made.loop.close()
+def guard():
+    guard = UnsupervisedGuard()
+    yield guard
+    guard.loop.close()
 
 
 @pytest.mark.parametrize("node", [NODE, GUARD_NODE])
-def test_a_node_leaves_when_the_robot_was_told_to_rest(guarded, node):
-    guarded.move()
-    guarded.obeying.handle(node, "a test")
-    guarded.obeying.handle(node, "a test")
-    assert guarded.transport.left == []
-    guarded.run()
-    ((left, told),) = guarded.transport.left
-    assert left == node
-    assert told[0] == (1.0, 0.0)
-    assert 0 < told[1][0] < 1
-    assert told[-1] == (0.0, 0.0)
+def test_a_node_leaves_once_the_robot_was_stopped(guard, node):
+    guard.move()
+    guard.shutdown.handle(node, "a test")
+    guard.shutdown.handle(node, "a test")
+    assert guard.transport.removed == []
+    guard.run()
+    ((node_left, received),) = guard.transport.removed
+    assert node_left == node
+    assert received[0] == (1.0, 0.0)
+    assert 0 < received[1][0] < 1
+    assert received[-1] == (0.0, 0.0)
 
 
-def test_a_node_that_moves_nothing_leaves_at_once(guarded):
-    guarded.obeying.handle(NODE, "a test")
-    assert guarded.transport.left == [(NODE, [])]
+def test_a_node_that_moves_nothing_leaves_at_once(guard):
+    guard.shutdown.handle(NODE, "a test")
+    assert guard.transport.removed == [(NODE, [])]
 
 
-def test_the_guard_ends_with_its_own_node(guarded):
-    guarded.loop.post(lambda: guarded.obeying.handle(GUARD_NODE, "a test"))
-    guarded.loop.run()
-    assert guarded.transport.left[0][0] == GUARD_NODE
+def test_the_guard_ends_with_its_own_node(guard):
+    guard.loop.post(lambda: guard.shutdown.handle(GUARD_NODE, "a test"))
+    guard.loop.run()
+    assert guard.transport.removed[0][0] == GUARD_NODE
 
 
-def test_a_refusal_is_told_once_a_second_and_in_few_words(guarded, caplog):
-    refusing = ShutdownRefusal(guarded.loop)
+def test_a_refusal_is_logged_once_a_second_and_cut_short(guard, caplog):
+    refusal = ShutdownRefusal(guard.loop)
     for _ in range(100):
-        refusing.handle(NODE, "one\nline " + "x" * 10_000)
+        refusal.handle(NODE, "one\nline " + "x" * 10_000)
     (record,) = caplog.records
-    told = record.getMessage()
-    assert told.startswith(f"{NODE} is not shut down, end rtron guard itself: one\\n")
-    assert len(told) < 300
+    text = record.getMessage()
+    assert text.startswith(f"{NODE} is not shut down, end rtron guard itself: one\\n")
+    assert len(text) < 300

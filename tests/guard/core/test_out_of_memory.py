@@ -11,10 +11,10 @@ import resource
 size = int(open("/proc/self/statm").read().split()[0]) * resource.getpagesize()
 resource.setrlimit(resource.RLIMIT_AS, (size + {room}, size + {room}))
 """
-PROBE = "from rtron.guard.core.out_of_memory import end_if_starving\n{limit}\nend_if_starving()\n"
+PROBE = "from rtron.guard.core.out_of_memory import exit_if_out_of_memory\n{limit}\nexit_if_out_of_memory()\n"
 LOOP = """
-from rtron.guard.core.event_loop import Loop
-loop = Loop()
+from rtron.guard.core.event_loop import EventLoop
+loop = EventLoop()
 {limit}
 loop.call_later(0, lambda: bytearray(1 << 28))
 loop.call_later(0.01, loop.stop)

@@ -423,7 +423,7 @@ def test_nothing_is_kept_of_a_day_but_figures():
             dry.transport.advance(SECOND // 1000)
 
     def kept():
-        own = [tracemalloc.Filter(inclusive=True, filename_pattern="*/guard/measuring/*")]
+        own = [tracemalloc.Filter(inclusive=True, filename_pattern="*/guard/measurement/*")]
         return sum(each.size for each in tracemalloc.take_snapshot().filter_traces(own).traces)
 
     tracemalloc.start()

@@ -36,7 +36,7 @@ def base():
 
 
 def policies(base):
-    return [policy for each in base.host.guarded for policy in each.pipeline.policies]
+    return [policy for each in base.host.streams for policy in each.pipeline.policies]
 
 
 def test_only_what_changes_gets_a_new_policy_and_everything_else_stays(base):

@@ -84,7 +84,7 @@ def test_what_comes_in_is_what_was_sent(world):
 
 def test_what_goes_out_is_what_was_given(world):
     output = world.transport.advertise(A, TOPIC, STRING)
-    assert output.learn(world.info())
+    assert output.learn_type(world.info())
     heard = world.listener(LISTENER, TOPIC)
     publish_until(world, output.publish, lambda: heard)
     for message in said(world):
@@ -145,16 +145,16 @@ def test_who_leaves_is_lost_once(world):
 
 def test_a_second_type_is_refused(world):
     output = world.transport.advertise(A, TOPIC, "")
-    assert output.learn(world.info(STRING))
-    assert output.learn(world.info(STRING))
-    assert not output.learn(world.info(FLOAT64))
-    assert output.learn(world.info(STRING))
+    assert output.learn_type(world.info(STRING))
+    assert output.learn_type(world.info(STRING))
+    assert not output.learn_type(world.info(FLOAT64))
+    assert output.learn_type(world.info(STRING))
 
 
 def test_another_type_than_the_plan_s_is_refused(world):
     output = world.transport.advertise(A, TOPIC, FLOAT64)
-    assert not output.learn(world.info(STRING))
-    assert output.learn(world.info(FLOAT64))
+    assert not output.learn_type(world.info(STRING))
+    assert output.learn_type(world.info(FLOAT64))
 
 
 @pytest.mark.parametrize("kind", [STRING, FLOAT64])
@@ -178,7 +178,7 @@ def test_what_was_latched_before_the_guard_came_arrives(world):
 
 def test_late_subscribers_get_the_last_word_of_each(world):
     output = world.transport.advertise(A, TOPIC, STRING)
-    output.learn(world.info())
+    output.learn_type(world.info())
     for flow in ("one", "other"):
         output.offer(flow, LATCHED)
     for flow, word in (("one", "1"), ("other", "2"), ("one", "3")):
@@ -190,7 +190,7 @@ def test_late_subscribers_get_the_last_word_of_each(world):
 
 def test_a_busy_flow_leaves_the_last_word_of_a_quiet_one(world):
     output = world.transport.advertise(A, TOPIC, STRING)
-    output.learn(world.info())
+    output.learn_type(world.info())
     for flow in ("quiet", "busy"):
         output.offer(flow, LATCHED)
     output.publish(world.text("quiet"), latched_by="quiet")
@@ -203,7 +203,7 @@ def test_a_busy_flow_leaves_the_last_word_of_a_quiet_one(world):
 
 def test_what_is_kept_outlasts_a_change_of_qos(world):
     output = world.transport.advertise(A, TOPIC, STRING)
-    output.learn(world.info())
+    output.learn_type(world.info())
     output.offer("one", LATCHED)
     output.publish(world.text("kept"), latched_by="one")
     output.offer("other", replace(LATCHED, deadline=SECOND))
@@ -215,7 +215,7 @@ def test_what_is_kept_outlasts_a_change_of_qos(world):
 def test_what_was_meant_for_the_moment_is_not_told_to_who_comes_late(world):
     """Whoever is there gets all of it, also where late subscribers are told what is kept."""
     output = world.transport.advertise(A, TOPIC, STRING)
-    output.learn(world.info())
+    output.learn_type(world.info())
     output.offer("one", LATCHED)
     here = world.listener(LISTENER, TOPIC, latched=True)
     publish_until(world, output.publish, lambda: here)
@@ -232,10 +232,10 @@ def test_what_was_meant_for_the_moment_is_not_told_to_who_comes_late(world):
 
 def test_what_is_forgotten_is_not_told(world):
     output = world.transport.advertise(A, TOPIC, STRING)
-    output.learn(world.info())
+    output.learn_type(world.info())
     output.offer("one", LATCHED)
     output.publish(world.text("old"), latched_by="one")
-    output.forget()
+    output.clear_latched()
     heard = world.listener(LISTENER, TOPIC, latched=True)
     publish_until(world, partial(output.publish, latched_by="one"), lambda: heard)
     assert world.text("old") not in heard
@@ -260,7 +260,7 @@ def test_two_nodes_of_the_guard(world):
     """They are two in the graph; each has its own topics."""
     one, other = listening(world, node=A), listening(world, topic="/other", node=B)
     output = world.transport.advertise(B, "/third", STRING)
-    output.learn(world.info())
+    output.learn_type(world.info())
     heard = world.listener(LISTENER, "/third")
     publisher = talking(world, one)
     publish_until(world, output.publish, lambda: heard)
@@ -272,7 +272,7 @@ def test_two_nodes_of_the_guard(world):
 def test_the_guard_never_hears_itself(world):
     ear = listening(world)
     output = world.transport.advertise(B, TOPIC, STRING)
-    output.learn(world.info())
+    output.learn_type(world.info())
     heard = world.listener(LISTENER, TOPIC)
     publish_until(world, lambda _: output.publish(world.text("own")), lambda: heard)
     talking(world, ear)
@@ -281,24 +281,24 @@ def test_the_guard_never_hears_itself(world):
 
 
 def test_nodes_that_are_joined_are_shown_as_connected(world):
-    output = world.transport.join(A, B, "/joint", STRING)
-    output.learn(world.info())
+    output = world.transport.link_nodes(A, B, "/joint", STRING)
+    output.learn_type(world.info())
     output.offer("one", QoS())
     world.until(lambda: world.shows(A, B, "/joint"))
 
 
 def test_whom_an_output_reaches(world):
     output = world.transport.advertise(A, TOPIC, STRING)
-    output.learn(world.info())
+    output.learn_type(world.info())
     world.listener(LISTENER, TOPIC)
-    world.until(lambda: output.reaches(LISTENER))
-    assert not output.reaches("/nobody")
+    world.until(lambda: output.is_subscribed_by(LISTENER))
+    assert not output.is_subscribed_by("/nobody")
 
 
 def test_first_words_wait_for_an_expected_successor(world):
     """What is said while it is still connecting is not lost, and comes in order."""
     output = world.transport.advertise(A, TOPIC, STRING, successors=(LISTENER,))
-    output.learn(world.info())
+    output.learn_type(world.info())
     heard = world.listener(LISTENER, TOPIC)
     words = said(world, 3)
     for message in words:
