@@ -1,4 +1,4 @@
-"""What the transport could not read of others, as alarms that stand while it goes on."""
+"""Alarms for input that the transport cannot read."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _MAX_LENGTH = 300
 
 
 class UnreadableInputAlarms:
-    """Raises an alarm for each topic and node; settles it when nothing was wrong for 10 s."""
+    """Raises an alarm for each topic and node; clears it after 10 s without a new report."""
 
     def __init__(self, alarms: Alarms, transport: Transport) -> None:
         self._alarms = alarms
@@ -28,9 +28,9 @@ class UnreadableInputAlarms:
         self._last_report: dict[Alarm, int] = {}
 
     def report(self, topic: str, node: str, why: str) -> None:
-        """Tell that something a node says on a topic is not heard, and why.
+        """Report that a message of a node on a topic cannot be read, and why.
 
-        What stands behind a colon differs from message to message and is only logged.
+        What follows the first colon differs from message to message, so it is only logged.
         """
         who = f"{topic}: {node or 'a node without a name'}"
         log.warning("%s %s", who, why[:_MAX_LENGTH])

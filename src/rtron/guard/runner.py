@@ -1,4 +1,4 @@
-"""Running the guard until it is told to end."""
+"""Running the guard until it is ended."""
 
 from __future__ import annotations
 
@@ -54,11 +54,11 @@ def run_guard(
 ) -> int:
     """Guard a plan's streams on the master or in the domain at `master`; return the exit code.
 
-    A dry run lets everything pass and reports what would have become of it. `control` is where
-    the guard listens for overrides, by default in the user's runtime folder. `figures` keeps what
-    is measured meanwhile. `supervisor_client` connects the guard to its supervisor, `link` to the security
-    service, whose last settings are put in force first. SourceError if the plan is for ROS 2, which
-    is not installed here, or if `control` cannot be used.
+    A dry run forwards everything and reports what it would have decided. `control` is the socket
+    for overrides, by default in the user's runtime folder. `figures` writes what is measured.
+    `supervisor_client` connects the guard to its supervisor, `link` to the security service, whose
+    last settings are put in force first. SourceError if the plan is for ROS 2, which is not
+    installed here, or if `control` cannot be used.
     """
     _raise_file_limit()
     loop = EventLoop()

@@ -12,7 +12,7 @@ from rtron.guard.core.handover_state import HeartbeatFile, heartbeat_path
 
 @pytest.fixture
 def path(tmp_path):
-    return tmp_path / "robot.seen"
+    return tmp_path / "robot.heartbeat"
 
 
 def test_the_first_guard_knows_of_nobody(path):
@@ -40,16 +40,16 @@ def test_a_time_to_come_counts_as_now(path):
 
 def test_where_nothing_can_be_written_the_guard_goes_on(tmp_path):
     loop = EventLoop()
-    HeartbeatFile(tmp_path / "none" / "robot.seen").beat(loop)
+    HeartbeatFile(tmp_path / "none" / "robot.heartbeat").beat(loop)
     loop.close()
 
 
 @pytest.mark.parametrize(
     ("address", "expected"),
     [
-        ("domain 42", "rtron-a-domain_42.seen"),
-        ("http://localhost:11311", "rtron-a-http___localhost_11311.seen"),
-        ("../" * 40, f"rtron-a-{'_' * 64}.seen"),
+        ("domain 42", "rtron-a-domain_42.heartbeat"),
+        ("http://localhost:11311", "rtron-a-http___localhost_11311.heartbeat"),
+        ("../" * 40, f"rtron-a-{'_' * 64}.heartbeat"),
     ],
 )
 def test_each_master_and_domain_has_a_file_of_its_own(address, expected):

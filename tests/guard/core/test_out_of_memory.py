@@ -11,7 +11,11 @@ import resource
 size = int(open("/proc/self/statm").read().split()[0]) * resource.getpagesize()
 resource.setrlimit(resource.RLIMIT_AS, (size + {room}, size + {room}))
 """
-PROBE = "from rtron.guard.core.out_of_memory import exit_if_out_of_memory\n{limit}\nexit_if_out_of_memory()\n"
+PROBE = """
+from rtron.guard.core.out_of_memory import exit_if_out_of_memory
+{limit}
+exit_if_out_of_memory()
+"""
 LOOP = """
 from rtron.guard.core.event_loop import EventLoop
 loop = EventLoop()

@@ -142,7 +142,7 @@ def test_two_types_on_one_topic(guard, outside, stand, topic):
     other.publish(string(b"x" * 43))
     outside.say_until(nav, twist(0.25), lambda: twist(0.25) in driver, "the navigation after it")
     assert set(driver) - {STOP} == {twist(0.5), twist(0.25)}
-    assert f"{topic}: /teleop is not heard: it publishes std_msgs/msg/String" in guard.log
+    assert f"{topic}: /teleop is ignored: it publishes std_msgs/msg/String" in guard.log
 
 
 def test_publishers_and_subscribers_that_do_not_fit(guard, outside):

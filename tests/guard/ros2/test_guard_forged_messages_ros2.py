@@ -69,7 +69,7 @@ def test_a_publisher_of_another_version_of_the_type_is_refused(guard, stand):
     driver = app.listener("/driver", OUT)
     with another_version(find_interface(TWIST).cls):
         nav = elsewhere.publisher("/nav", NAV)
-    told = f"{NAV}: /nav is not heard: its geometry_msgs/msg/Twist is another version"
+    told = f"{NAV}: /nav is ignored: its geometry_msgs/msg/Twist is another version"
     elsewhere.say_until(nav, twist(9.0), lambda: told in guard.log, "the event")
     teleop = app.publisher("/teleop", TELEOP)
     app.say_until(teleop, twist(0.5), lambda: twist(0.5) in driver, "the teleoperation")

@@ -123,4 +123,4 @@ def test_a_guard_that_was_stalled_does_not_do_what_has_waited(ros2, stand):
     guard.tell(signal.SIGCONT)
     robot.say_until(drive, twist(0.25), lambda: twist(0.25) in driven, "the next command")
     assert twist(6) not in driven
-    assert "what comes late is dropped" in guard.log
+    assert "a late command is dropped" in guard.log

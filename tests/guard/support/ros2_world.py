@@ -2,7 +2,7 @@
 
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import DurabilityPolicy, QoSProfile
-from transport_worlds import Real
+from transport_worlds import RosWorld
 
 from rtron.guard.transport.ros2.middleware import Ros2Transport
 from rtron.messages.common.encoding import Encoding
@@ -13,7 +13,7 @@ from rtron.wire.ros2.session import Ros2Session
 DEPTH = 1000
 
 
-class OnRos2(Real):
+class OnRos2(RosWorld):
     """A domain of the test's own; the outside nodes are one participant, the guard another."""
 
     encoding = Encoding.CDR

@@ -1,7 +1,7 @@
-"""A transport of the guard and outside nodes beside it, with the same few words for each of them.
+"""A transport of the guard and nodes outside the guard, with one interface for each middleware.
 
-A `TransportWorld` has `transport`, `publisher` and `listener` for outside nodes, `shows` for what the graph
-tells of two nodes, and `until`, which lets the guard work until something is so.
+A `TransportWorld` has `transport`, `publisher` and `listener` for outside nodes, `shows`, which
+tells whether the graph has two nodes, and `until`, which runs the guard until a condition holds.
 """
 
 import socket
@@ -104,7 +104,7 @@ class MemoryPublisher:
             self._last = message
 
 
-class Real(TransportWorld):
+class RosWorld(TransportWorld):
     """A transport on the loop, which only works while the test waits."""
 
     def __init__(self):
@@ -127,7 +127,7 @@ class Real(TransportWorld):
         self.loop.close()
 
 
-class OnRos1(Real):
+class OnRos1(RosWorld):
     """A real master; the outside nodes speak by hand."""
 
     def __init__(self, ros1):

@@ -1,4 +1,4 @@
-"""The alarms that stand: raised once, told in the log and in the diagnostics, and settled."""
+"""Active alarms: each is raised once, logged, shown in the diagnostics, and cleared."""
 
 import logging
 from typing import Protocol
@@ -12,21 +12,21 @@ _MAX_ALARMS = 256
 
 
 class AlarmListener(Protocol):
-    """Is told each alarm that is raised, and each that stands no more."""
+    """Called for each alarm that is raised or cleared."""
 
     def __call__(self, alarm: Alarm, *, active: bool) -> None:
-        """Take one."""
+        """Take an alarm; it is `active`, or was cleared."""
 
 
 def _ignore_alarm(alarm: Alarm, *, active: bool) -> None:
-    """Nobody listens."""
+    """Do nothing with an alarm."""
 
 
 class Alarms:
-    """What is wrong at this moment, and how often something was.
+    """The alarms that are active now, and the number of all that were raised.
 
-    Bounded: a stranger who makes one alarm after the other fills neither the memory nor the log;
-    what finds no place is counted, and one of it is logged each second.
+    The number of active alarms is bounded, so a stranger can fill neither the memory nor the log.
+    An alarm without room is counted; one of these is logged each second.
     """
 
     def __init__(self) -> None:
@@ -37,28 +37,28 @@ class Alarms:
 
     @property
     def active(self) -> tuple[Alarm, ...]:
-        """The alarms that stand, the oldest first."""
+        """The active alarms, the oldest first."""
         return tuple(self._active)
 
     def since(self, alarm: Alarm) -> int | None:
-        """Return when an alarm was raised (ns), None if it does not stand."""
+        """Return when an alarm was raised (ns), None if it is not active."""
         return self._active.get(alarm)
 
     def raise_(self, alarm: Alarm, now: int) -> bool:
-        """Raise an alarm; tell whether it is news."""
+        """Raise an alarm; return whether it was inactive before."""
         if alarm in self._active:
             return False
         self.raised += 1
         has_room = len(self._active) < _MAX_ALARMS
         if has_room:
             self._active[alarm] = now
-        if has_room or self._log_throttle.allows("no place", now):
+        if has_room or self._log_throttle.allows("no room", now):
             log.error("alarm: %s: %s", alarm.kind, alarm.reason)
             self.listener(alarm, active=True)
         return True
 
     def clear(self, alarm: Alarm) -> None:
-        """Take back an alarm; nothing if it does not stand."""
+        """Clear an alarm; do nothing if it is not active."""
         if self._active.pop(alarm, None) is not None:
             log.warning("no more: %s: %s", alarm.kind, alarm.reason)
             self.listener(alarm, active=False)

@@ -1,7 +1,7 @@
-"""The guard's local door: a socket in the file system, for people on the same machine.
+"""The guard's control socket: a Unix socket for people on the same machine.
 
-One JSON object a line in, one out. Who asks is what the kernel says, not what the caller says: only
-the user that the guard runs as, and root, are listened to (unix(7), SO_PEERCRED).
+Each request is one line of JSON, and so is each response. Only the user that the guard runs as, and
+root, may send requests: the kernel names a client's user (unix(7), SO_PEERCRED).
 """
 
 import fcntl
@@ -22,7 +22,7 @@ from rtron.guard.core.unix_socket import peer_credentials
 log = logging.getLogger(__name__)
 
 RequestHandler = Callable[[str, Mapping[str, Any]], Mapping[str, Any]]
-"""Takes who asks and what; returns the answer. WireError if the request is wrong."""
+"""Takes the user and the request; returns the response. WireError if the request is wrong."""
 
 _MAX_REQUEST = 1 << 12
 _BACKLOG = 8
@@ -31,7 +31,7 @@ _BACKLOG = 8
 class ControlSocket:
     """Listens at `path`, which only the guard's user can reach.
 
-    SourceError if another guard listens there, or if nobody can.
+    SourceError if another guard listens there, or if `path` cannot be used.
     """
 
     def __init__(self, loop: EventLoop, path: Path, handler: RequestHandler) -> None:
@@ -44,7 +44,7 @@ class ControlSocket:
         log.info("listening for overrides at %s", path)
 
     def close(self) -> None:
-        """Listen no more; a socket that somebody else has put at the path stays."""
+        """Stop listening; a socket that another process has put at the path stays."""
         if _inode_of(self._path) == self._inode:
             self._path.unlink(missing_ok=True)
         self._loop.forget(self._sock)
@@ -61,7 +61,7 @@ class ControlSocket:
 
 
 class _Client:
-    """One connection: requests line by line, each answered at once."""
+    """One connection: requests line by line, each gets its response at once."""
 
     def __init__(
         self, loop: EventLoop, sock: socket.socket, name: str, handler: RequestHandler
@@ -92,7 +92,7 @@ class _Client:
             return {"error": str(error)}
 
     def _on_error(self, error: Exception) -> None:
-        log.info("a caller of the guard is gone: %s", error)
+        log.info("a client of the control socket is gone: %s", error)
         self._loop.forget(self._sock)
 
 
@@ -118,7 +118,7 @@ def _listen(path: Path) -> socket.socket:
 
 @contextmanager
 def _lock_folder(folder: Path) -> Iterator[None]:
-    """Keep other guards that start from looking at the folder; it must be the user's own."""
+    """Lock the folder against other guards that start; it must be the user's own."""
     descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
     try:
         state = os.fstat(descriptor)
@@ -148,7 +148,7 @@ def _is_listening(path: Path) -> bool:
             sock.connect(str(path))
         except (ConnectionRefusedError, FileNotFoundError):
             return False
-        except BlockingIOError:  # it has not accepted those who came before
+        except BlockingIOError:  # its backlog is full
             return True
         return True
 

@@ -1,4 +1,4 @@
-"""The host: every coordination node of a plan in one process, and what they tell the world."""
+"""The coordinator: all coordination nodes of a plan in one process, and their reports."""
 
 import logging
 import time
@@ -41,7 +41,7 @@ _FPS_PERIOD = SECOND // 10
 class Coordinator:
     """Opens the streams on a transport and reports: `~active` on change, `/diagnostics` at 1 Hz.
 
-    A dry run lets everything pass and reports what would have become of it.
+    A dry run forwards everything and reports what it would have decided.
     """
 
     def __init__(
@@ -53,11 +53,11 @@ class Coordinator:
         dry_run: bool = False,
         handover: HandoverState | None = None,
     ) -> None:
-        """`handover` is what a guard that ended has left to this one."""
+        """`handover` is the state that the guard before has left."""
         self.observations = observations or Observations()
         self.alarms = Alarms()
         self.emergency = ""
-        """Why everything that moves the robot is stopped, or nothing."""
+        """The reason of the emergency stop in force, "" if there is none."""
         self._transport = transport
         self._dry_run = dry_run
         self._handover = handover or HandoverState()
@@ -75,7 +75,7 @@ class Coordinator:
         self.observations.mission.on_change = self._on_rule_change
 
     def open(self) -> None:
-        """Join the graph with every coordination node, and report from now on."""
+        """Join the graph with every coordination node, and start to report."""
         self.open_streams()
         for stream in self.streams:
             self._publish_owner(stream)
@@ -87,13 +87,13 @@ class Coordinator:
         self._publish_diagnostics()
 
     def open_streams(self) -> None:
-        """Join the graph without a report: a recording has nobody who reads it."""
+        """Join the graph without reports: a recording has no reader of them."""
         for stream in self.streams:
             stream.open()
         self._inputs.open()
 
     def shut_down_node(self, node: str, reason: str) -> bool:
-        """Shut what a killed node took part in; tell whether it was the guard's own node."""
+        """Shut down the streams of a killed node; return whether it was the guard's own node."""
         for stream in self.streams:
             if node in stream.nodes:
                 stream.shut_down(f"{node} was shut down, {reason}")
@@ -109,9 +109,9 @@ class Coordinator:
         ]
 
     def apply_updates(self, observations: Observations, updates: Sequence[StreamUpdate]) -> None:
-        """Put other settings of the streams in force, in their order; `recheck` after it.
+        """Put other settings of the streams in force; call `recheck` afterwards.
 
-        First all of them change; only then is anybody told what cannot be held any more.
+        All streams change before any message that can no longer be held is dropped.
         """
         self.observations = observations
         now = self._transport.now()
@@ -136,7 +136,7 @@ class Coordinator:
         return GuardedStream(*common, dry_run=self._dry_run)
 
     def _create_ros2_action(self, stream: Stream) -> GuardedStream:
-        """Return an action of ROS 2; requests need a transport for them, and cannot be observed."""
+        """Return an action of ROS 2; its requests cannot be observed, only served."""
         common = (stream, self._transport, self.observations, self._handover)
         transport = self._transport
         if stream.mode is not Mode.ENFORCE or not isinstance(transport, ActionTransport):
@@ -146,7 +146,7 @@ class Coordinator:
         return action
 
     def _connect_simple_goals(self) -> None:
-        """Let goals without an id be followed where their action is guarded too."""
+        """Attach streams of goals without an id to their action, where that is guarded too."""
         actions = {each.name: each for each in self.streams if isinstance(each, TurnSharingStream)}
         for each in self.streams:
             if isinstance(each, SimpleGoalStream) and each.spec.mode is Mode.ENFORCE:
@@ -155,7 +155,7 @@ class Coordinator:
                     each.attach(action)
 
     def _on_goal_stopped(self, action: TurnSharingStream, node: str, why: str) -> None:
-        """Keep the server of a goal that was stopped from moving the robot, until it is over."""
+        """Bar the server of a stopped goal from moving the robot, until the goal is over."""
         for stream in self.streams:
             if stream is action:
                 continue
@@ -187,7 +187,7 @@ class Coordinator:
             self._transport.call_at(self._transport.now(), self.recheck)
 
     def _log_rule_change(self, rule_status: RuleStatus) -> None:
-        """Log that a rule began or ceased to block; of a flickering one, what it is in the end."""
+        """Log that a rule began or ceased to block; of one that flickers, log its last state."""
         now, rule = self._transport.now(), rule_status.rule.name
         if self._log_throttle.allows(rule, now):
             _log_rule_status(rule_status)
@@ -200,7 +200,7 @@ class Coordinator:
         _log_rule_status(rule_status)
 
     def recheck(self) -> None:
-        """Let every stream look whether what moves the robot may go on."""
+        """Let every stream check whether the flow that moves the robot may go on."""
         self._recheck_scheduled = False
         now = self._transport.now()
         for stream in self.streams:
@@ -242,7 +242,7 @@ def _log_rule_status(rule_status: RuleStatus) -> None:
 
 
 def _publisher_topics(streams: Sequence[Stream]) -> PublisherTopics:
-    """Return where the publishers that an enforced stream has remapped speak."""
+    """Return the private topics of the publishers that enforced streams have remapped."""
     return PublisherTopics(
         {
             (stream.topic, flow.publisher): flow_topic(stream.topic, flow.name)

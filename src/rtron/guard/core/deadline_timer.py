@@ -1,4 +1,4 @@
-"""When a stream has something to do although nobody speaks."""
+"""A timer for the next deadline of something that changes by time alone."""
 
 from collections.abc import Callable
 from functools import partial
@@ -7,9 +7,9 @@ from rtron.guard.transport.common.protocol import Transport
 
 
 class DeadlineTimer:
-    """Calls `tick(now)` when it is due, and `on_tick` after it; `deadline` tells when that is (ns).
+    """Calls `tick(now)` when `deadline()` (ns) has come, and `on_tick` after it.
 
-    Of the calls that the transport was asked for, only the earliest counts.
+    The transport may hold several calls; only the earliest counts.
     """
 
     def __init__(
@@ -26,31 +26,31 @@ class DeadlineTimer:
         self._armed_deadline: int | None = None
 
     def run_due(self, now: int) -> None:
-        """Do what is due, and be called when the next is."""
+        """Tick if that is due, and arm the timer for the next deadline."""
         due = self._deadline()
         if due is not None and due <= now:
             self._tick(now)
         self._arm()
 
     def ensure_armed(self) -> None:
-        """Be called in time, if no call was asked for yet."""
+        """Arm the timer if it is not armed."""
         if self._armed_deadline is None:
             self._arm()
 
     def rearm_if_earlier(self, due: int | None) -> None:
-        """Be called in time, if `due` is before the call that was asked for."""
+        """Arm the timer again if `due` (ns) is before the deadline it is armed for."""
         if due is not None and (self._armed_deadline is None or due < self._armed_deadline):
             self._arm()
 
     def _arm(self) -> None:
-        """Ask to be called at the next deadline, unless an earlier call is already due."""
+        """Ask for a call at the next deadline, unless an earlier call comes anyway."""
         due = self._deadline()
         if due is not None and (self._armed_deadline is None or due < self._armed_deadline):
             self._armed_deadline = due
             self._transport.call_at(due, partial(self._on_timer, due))
 
     def _on_timer(self, due: int) -> None:
-        """Do what is due, unless an earlier call has taken the place of this one."""
+        """Tick, unless an earlier call has replaced this one."""
         if due != self._armed_deadline:
             return
         self._armed_deadline = None

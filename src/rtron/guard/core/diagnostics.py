@@ -1,4 +1,4 @@
-"""What the guard says about itself: the texts of `~active` and of `/diagnostics`."""
+"""The guard's reports about itself: the texts of `~active` and of `/diagnostics`."""
 
 from collections.abc import Iterator, Sequence
 
@@ -43,13 +43,13 @@ def emergency_statuses(why: str, *, dry_run: bool) -> Iterator[Status]:
 
 
 def alarm_statuses(alarms: Alarms, now: int) -> Iterator[Status]:
-    """Yield the state of the alarms: one entry for all, and one for each that stands."""
+    """Yield the state of the alarms: one entry for all, and one for each active alarm."""
     active = alarms.active
     level, text = (ERROR, f"{len(active)} alarms") if active else (OK, "none")
     yield Status(level, "rtron: alarms", text, {"raised": str(alarms.raised)})
     for number, alarm in enumerate(active, start=1):
         values = {"topic": alarm.topic, "node": alarm.node, "peer": alarm.peer}
-        values["stands"] = f"{(now - (alarms.since(alarm) or now)) / SECOND:.1f} s"
+        values["active_for"] = f"{(now - (alarms.since(alarm) or now)) / SECOND:.1f} s"
         yield Status(ERROR, f"rtron: alarm {number}", f"{alarm.kind}: {alarm.reason}", values)
 
 

@@ -1,4 +1,4 @@
-"""One event loop for everything the guard does: sockets, timers, and answers from threads."""
+"""The guard's event loop: sockets, timers, and callbacks from threads."""
 
 import heapq
 import logging
@@ -20,7 +20,7 @@ Callback = Callable[[], None]
 
 
 class Pollable(Protocol):
-    """What a selector can watch: a socket, or another descriptor."""
+    """A socket, or another object with a file descriptor that a selector can watch."""
 
     def fileno(self) -> int:
         """Return the descriptor, negative when it is closed."""
@@ -32,7 +32,7 @@ class Pollable(Protocol):
 
 
 class IoHandler:
-    """What to do when a socket can be read or written, and when serving it failed."""
+    """The callbacks for a socket that can be read or written, or whose handler failed."""
 
     __slots__ = ("on_error", "on_readable", "on_writable")
 
@@ -45,7 +45,7 @@ class IoHandler:
 class EventLoop:
     """A selector with timers; every callback runs in the thread of `run`.
 
-    A callback that fails ends what it served (`Watch.broken`), never the loop.
+    A callback that fails ends its own connection (`IoHandler.on_error`), never the loop.
     """
 
     def __init__(self) -> None:
@@ -69,14 +69,14 @@ class EventLoop:
         self._selector.register(sock, selectors.EVENT_READ, IoHandler(on_readable, on_error))
 
     def await_writable(self, sock: Pollable, on_writable: Callback | None) -> None:
-        """Call `on_writable` whenever the socket can be written, until told None."""
+        """Call `on_writable` whenever the socket can be written; None ends that."""
         handler: IoHandler = self._selector.get_key(sock).data
         handler.on_writable = on_writable
         write = selectors.EVENT_WRITE if on_writable else 0
         self._selector.modify(sock, selectors.EVENT_READ | write, handler)
 
     def suspend(self, sock: Pollable, duration: float) -> None:
-        """Leave a socket alone for `duration` seconds; it keeps its place."""
+        """Stop watching a socket for `duration` seconds."""
         handler: IoHandler = self._selector.unregister(sock).data
 
         def resume() -> None:
@@ -86,7 +86,7 @@ class EventLoop:
         self.call_later(duration, resume)
 
     def forget(self, sock: Pollable) -> None:
-        """Serve a socket no more and close it; a second time does nothing."""
+        """Stop watching a socket and close it; a second call does nothing."""
         with suppress(KeyError, ValueError):
             self._selector.unregister(sock)
         sock.close()
@@ -100,7 +100,7 @@ class EventLoop:
         self.call_at(self.now() + int(delay * 1e9), callback)
 
     def call_after_event(self, callback: Callback) -> None:
-        """Call back once the present event has been dealt with."""
+        """Call back once the current event is handled."""
         self._after_event.append(callback)
 
     def post(self, callback: Callback) -> None:
@@ -116,14 +116,14 @@ class EventLoop:
             self.step()
 
     def step(self, longest_wait: float | None = None) -> None:
-        """Wait for what comes next, `longest_wait` seconds at most, and deal with it."""
+        """Wait for the next events, `longest_wait` seconds at most, and handle them."""
         for key, events in self._selector.select(self._timeout(longest_wait)):
             self._dispatch(key.data, events)
         self._run_timers()
         self._flush()
 
     def stop(self) -> None:
-        """End `run` after the present step."""
+        """End `run` after the current step."""
         self._running = False
 
     def close(self) -> None:

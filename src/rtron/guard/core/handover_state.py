@@ -17,34 +17,35 @@ from rtron.guard.core.event_loop import EventLoop
 log = logging.getLogger(__name__)
 
 MOST_BYTES = 1 << 18
-"""The longest will, bytes of JSON."""
+"""The longest handover state, bytes of JSON."""
 
 
 class HandoverState:
-    """Values by key; `inherited` gives what the guard before left, `store` what the next one finds.
+    """Values by key: `inherited` reads those of the guard before, `store` writes for the next one.
 
-    Without a supervisor nothing outlives the process: the values are kept in memory only.
+    Without a supervisor the values stay in memory and end with the process.
     """
 
     def __init__(
         self, inherited: bytes = b"", write: Callable[[bytes], object] = lambda document: None
     ) -> None:
-        """`inherited` is the document of the guard before; `write` keeps one of `MOST_BYTES` bytes."""
+        """`inherited` is the last guard's document; `write` stores one of at most `MOST_BYTES`."""
         self.last_seen_at = 0
-        """When the guard before was last there, ns of the wall clock, 0 if that is not known."""
+        """When the guard before last ran, ns of the wall clock, 0 if unknown."""
         self._write = write
         self._inherited = _values(inherited)
         self._stored = {key: _member(key, value) for key, value in self._inherited.items()}
         self._length = sum(map(len, self._stored.values()))
 
     def inherited(self, key: str) -> Any:  # noqa: ANN401 - any JSON value
-        """Return what the guard before kept under a key; None if nothing."""
+        """Return the value that the guard before stored under a key, None if there is none."""
         return self._inherited.get(key)
 
     def store(self, key: str, value: object) -> None:
-        """Leave a JSON value to the next guard, in place of what was kept under the key.
+        """Store a JSON value for the next guard, in place of the key's value before.
 
-        What makes the will too long is not kept, nor what stood there before: it would be wrong.
+        A value that makes the document too long is not stored, and the old one goes all the same:
+        it would be wrong.
         """
         self._drop_member(key)
         if value is not None:
@@ -56,7 +57,7 @@ class HandoverState:
 
     def _add_member(self, key: str, member: bytes) -> None:
         if self._length + len(member) + len(self._stored) + len("{}") > MOST_BYTES:
-            log.warning("%s is not left to the next guard: it is too long", key)
+            log.warning("%s is not handed over to the next guard: it is too long", key)
             return
         self._stored[key] = member
         self._length += len(member)
@@ -67,14 +68,14 @@ def _member(key: str, value: object) -> bytes:
 
 
 def _values(document: bytes) -> dict[str, Any]:
-    """Return what a will says; nothing if it is none."""
+    """Return the values of a document; none if it cannot be read."""
     try:
         values = json.loads(document or b"{}")
     except (ValueError, RecursionError):
         values = None
     if isinstance(values, dict):
         return values
-    log.warning("what the guard before left cannot be read")
+    log.warning("the state of the guard before cannot be read")
     return {}
 
 
@@ -83,10 +84,10 @@ _PRIVATE = 0o600
 
 
 class HeartbeatFile:
-    """A file whose time is that of the last sign of life.
+    """A file whose modification time is the guard's last heartbeat.
 
-    `previous_time` is that of the guard before, ns of the wall clock; 0 if none is known, as after a
-    reboot, which ends its publishers too.
+    `previous_time` is the last heartbeat of the guard before, ns of the wall clock. It is 0 if
+    unknown, as after a reboot, which ends the publishers too.
     """
 
     def __init__(self, path: Path) -> None:
@@ -94,22 +95,22 @@ class HeartbeatFile:
         self.previous_time = _modification_time(path)
 
     def beat(self, loop: EventLoop) -> None:
-        """Leave a sign now, and each second from now on."""
+        """Touch the file now, and each second from now on."""
         loop.call_later(_PERIOD_S, partial(self.beat, loop))
         try:
             self._path.touch(mode=_PRIVATE)
         except OSError as error:
-            log.debug("the next guard will not know when this one was there: %s", error)
+            log.debug("the next guard will not know when this one ran: %s", error)
 
 
 def heartbeat_path(control: Path, address: str) -> Path:
     """Return the file of the guard at a master or domain that listens at `control`."""
     name = "".join(each if each.isalnum() else "_" for each in address)
-    return control.with_name(f"{control.stem}-{name[:64]}.seen")
+    return control.with_name(f"{control.stem}-{name[:64]}.heartbeat")
 
 
 def _modification_time(path: Path) -> int:
-    """Return when a file was written; one of the future was, when the clock has been set since."""
+    """Return when a file was written (ns), now at the latest: the clock may have been set back."""
     try:
         return min(path.stat().st_mtime_ns, time.time_ns())
     except OSError:

@@ -1,16 +1,19 @@
-"""Latched goals and commands: what is kept comes again over each new connection, to be done once.
+"""Latched goals and commands: each new connection brings them again, and they count only once.
 
-Also the next guard must know it. In ROS 1 a publisher keeps its last word, which is compared with
-the first of a new connection: a publisher says nothing of when it said it. In ROS 2 it keeps as
-many as it likes, and DDS gives each a number, which it has still when it comes again: what is not
-above the highest number that was heard of that publisher is old. Neither clocks nor what a message
-says matter to that: a goal that is given twice counts twice, also while no guard was there.
+The next guard must know the last ones too, so they are part of the handover state.
 
-What was said while the guard before was there is not done either: after a restart of the whole no
-numbers are left, but the time of its last sign of life is. This goes by DDS's time of when it was
-said. A publisher whose clock is slow shall be heard all the same, so only what comes as a
-connection begins, as what was kept does, is held against it. Where its numbers are left, they alone
-count: a guard may have been there, and killed before it had heard what was said.
+ROS 1: a publisher latches its last message and does not say when it sent it. The guard compares the
+first message of a new connection with the last one it knows.
+
+ROS 2: a publisher keeps any number of messages, and DDS numbers them. A message is old if its
+number is not above the highest one received from that publisher. Neither clocks nor contents
+matter: a goal that is sent twice counts twice, also while no guard runs.
+
+After a restart of the whole app no numbers are left, but the last heartbeat of the guard before is.
+A message whose DDS source timestamp is not after that heartbeat is old. A publisher whose clock is
+slow must still get through, so this holds only for messages that arrive as a connection begins, as
+latched ones do. Where numbers are left, they alone count: the guard before may have been killed
+before it received the message.
 """
 
 import logging
@@ -28,9 +31,9 @@ _HISTORY_WINDOW = 10 * SECOND
 
 
 class LatchedMessageFilter:
-    """Knows the last goal of each latching publisher of a topic, this guard's and those before.
+    """Knows the last message of each latching publisher of a topic, also from guards before.
 
-    By the publisher's name its digest, by the publisher's writer its number.
+    It is a digest by the publisher's name (ROS 1), or a number by its writer (ROS 2).
     """
 
     def __init__(self, topic: str, handover: HandoverState) -> None:
@@ -41,7 +44,7 @@ class LatchedMessageFilter:
         self._last_marks: dict[str, object] = dict(inherited) if isinstance(inherited, dict) else {}
 
     def filter(self, node: str, take: MessageHandler) -> MessageHandler:
-        """Return what takes the messages of a new connection, of those kept only what is new."""
+        """Return a handler for a new connection that drops latched messages which are not new."""
         first, history_until = True, monotonic_ns() + _HISTORY_WINDOW
 
         def receive(message: bytes) -> None:
@@ -55,7 +58,9 @@ class LatchedMessageFilter:
             ):
                 take(message)
             elif is_first:
-                log.warning("%s: what %s has kept is old; it is dropped", self._topic, node)
+                log.warning(
+                    "%s: latched message of %s was already handled: dropped", self._topic, node
+                )
 
         return receive
 
@@ -63,14 +68,14 @@ class LatchedMessageFilter:
         return isinstance(message, NumberedMessage) and message.writer in self._last_marks
 
     def _is_older_than_handover(self, message: bytes) -> bool:
-        """Tell whether a message was said before the last guard was gone; False if nobody knows."""
+        """Return whether a message was sent before the last guard ended; False if unknown."""
         return (
             isinstance(message, NumberedMessage)
             and 0 < message.source_time <= self._handover.last_seen_at
         )
 
     def _is_new(self, node: str, message: bytes, *, is_first: bool) -> bool:
-        """Tell whether a message comes for the first time, and remember it if so."""
+        """Return whether a message comes for the first time, and remember it if so."""
         mark: int | str
         if isinstance(message, NumberedMessage):
             writer, mark = message.writer, message.number

@@ -1,4 +1,4 @@
-"""Saying the same thing once a second at most, so that a flood of events is none of log lines."""
+"""Rate limit of log messages: one a second for each key."""
 
 from collections.abc import Hashable
 
@@ -8,13 +8,13 @@ PERIOD = SECOND
 
 
 class LogThrottle:
-    """Tells whether it is time to say something again."""
+    """Remembers when each key was logged last."""
 
     def __init__(self) -> None:
         self._last_times: dict[Hashable, int] = {}
 
     def allows(self, key: Hashable, now: int) -> bool:
-        """Tell whether `key` was not said within the last second, and take it as said."""
+        """Return whether `key` may be logged: not within a second of the last time it was."""
         last_time = self._last_times.get(key)
         if last_time is not None and now - last_time < PERIOD:
             return False

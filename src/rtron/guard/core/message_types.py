@@ -1,4 +1,4 @@
-"""What a publisher says that its messages are, and how to look into them."""
+"""Message types as publishers state them, and codecs for their messages."""
 
 from collections.abc import Callable
 
@@ -20,7 +20,7 @@ _STANDARD_DEFINITIONS = {
 
 
 def standard_info(type: str, encoding: Encoding) -> TypeInfo | None:
-    """Return what a publisher of a standard type would say; None if the type is not standard."""
+    """Return the type information of a standard type; None if the type is not standard."""
     name = normalise_type(type)
     definition = _known_definition(name, encoding)
     text = standard_text(name, 1 if encoding is Encoding.ROS1 else 2)
@@ -30,7 +30,7 @@ def standard_info(type: str, encoding: Encoding) -> TypeInfo | None:
 
 
 def codec_of(info: TypeInfo, encoding: Encoding) -> VelocityCodec | None:
-    """Return how to read the velocities of a publisher, None if its messages hold none."""
+    """Return a codec for the velocities of a publisher, None if its messages hold none."""
     if normalise_type(info.type) not in VELOCITY_TYPES:
         return None
     definition = _definition(info, encoding)
@@ -38,14 +38,14 @@ def codec_of(info: TypeInfo, encoding: Encoding) -> VelocityCodec | None:
 
 
 def stamp_of(info: TypeInfo, encoding: Encoding) -> Callable[[bytes], int]:
-    """Return how to read the stamps of a publisher's messages; those without have stamp 0."""
+    """Return a reader of message stamps; messages without a stamp have stamp 0."""
     definition = _definition(info, encoding)
     reader = stamp_reader(definition, encoding) if definition else None
     return reader or _no_stamp
 
 
 def _definition(info: TypeInfo, encoding: Encoding) -> Definition | None:
-    """Return what the publisher's MD5 sum stands for: its own text, or what is known here."""
+    """Return the definition with the publisher's MD5 sum: the publisher's, or an installed one."""
     stated = _stated_definition(info)
     if stated and stated.md5sum == info.md5sum:
         return stated
@@ -54,7 +54,7 @@ def _definition(info: TypeInfo, encoding: Encoding) -> Definition | None:
 
 
 def _known_definition(type: str, encoding: Encoding) -> Definition | None:
-    """Return the definition of a type that is standard, or installed; None if it is of no use."""
+    """Return the definition of a standard or installed type; None if it cannot be used."""
     try:
         return _STANDARD_DEFINITIONS[encoding].find(type)
     except InputError:

@@ -1,4 +1,4 @@
-"""What becomes of calls to shut the guard's nodes down: the slave API lets anybody make them."""
+"""Requests to shut down the guard's nodes; the slave API of ROS 1 lets anybody send them."""
 
 import logging
 
@@ -17,21 +17,21 @@ _POLL_PERIOD = SECOND // 50
 
 
 class ShutdownRefusal:
-    """Goes on: what guards the robot is not ended over the network while it is supervised."""
+    """Refuses: a supervised guard cannot be ended over the network."""
 
     def __init__(self, loop: EventLoop) -> None:
         self._loop = loop
         self._log_throttle = LogThrottle()
 
     def handle(self, node: str, reason: str) -> None:
-        """Say how the guard is ended instead, once a second at most."""
+        """Log how to end the guard instead, once a second at most."""
         if self._log_throttle.allows(node, self._loop.now()):
             text = "%s is not shut down, end rtron guard itself: %s"
             log.warning(text, node, printable(reason))
 
 
 class ShutdownSequence:
-    """Shuts nodes down, once what they moved was told to stop."""
+    """Shuts nodes down once the robot that they moved has stopped."""
 
     def __init__(self, coordinator: Coordinator, transport: Ros1Transport, loop: EventLoop) -> None:
         self._coordinator = coordinator
@@ -40,7 +40,7 @@ class ShutdownSequence:
         self._nodes_ending: set[str] = set()
 
     def handle(self, node: str, reason: str) -> None:
-        """Stop what a node has moved, then take it out of the graph; end with the guard's own."""
+        """Stop the streams of a node, then remove it; the guard's own node ends the guard."""
         if node in self._nodes_ending:
             return
         self._nodes_ending.add(node)

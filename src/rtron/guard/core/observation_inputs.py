@@ -1,4 +1,4 @@
-"""Listening to events and frames: what the senses are told, and when others must look again."""
+"""Subscriptions to events and frames, which update the observations."""
 
 import logging
 from collections.abc import Callable, Iterable
@@ -15,10 +15,10 @@ from rtron.vocabulary import PRIVATE_ROOT, FpsMonitor, WatchedFlow, matches_node
 
 
 class StampFilter:
-    """Knows the stamp of the last event of one publisher.
+    """Drops repeated events of one publisher, which have the stamp of the one before.
 
-    That a message arrives does not make what it says fresh: a node that repeats its last message
-    looks alive. Without a stamp, or with stamp 0, each message is news.
+    A node that repeats its last message looks alive, but says nothing new. A message without a
+    stamp, or with stamp 0, is always new.
     """
 
     def __init__(self, stamp: Callable[[bytes], int]) -> None:
@@ -26,7 +26,7 @@ class StampFilter:
         self._last_stamp = NO_STAMP
 
     def is_new(self, message: bytes) -> bool:
-        """Tell whether a message is not the last one once more; one without a head is new."""
+        """Return whether a message does not repeat the last one; one without a header is new."""
         try:
             stamp = self._stamp(message)
         except WireError:
@@ -44,12 +44,12 @@ FrameHandler = Callable[[int, int], None]
 
 @dataclass(frozen=True, slots=True)
 class PublisherTopics:
-    """Where a publisher is heard: an approved one of an enforced topic speaks on a private one."""
+    """The topics of a publisher: an approved one of an enforced topic uses a private topic."""
 
     private_topics: dict[tuple[str, str], str]
 
     def topics_of(self, topic: str, publisher: str) -> Iterable[str]:
-        """Return the topics to listen to."""
+        """Yield the topics on which a publisher of `topic` may publish."""
         yield topic
         for (guarded_topic, approved), private in self.private_topics.items():
             if guarded_topic == topic and (
@@ -59,7 +59,7 @@ class PublisherTopics:
 
 
 class ObservationInputs:
-    """Subscribes what the senses need, and calls `on_change` when they may say something else."""
+    """Subscribes to the sources of observations; calls `on_change` when these may have changed."""
 
     def __init__(
         self,
@@ -123,7 +123,7 @@ class ObservationInputs:
             self._observations.mission.observe(bit.flow.name, truth, now)
             if truth is None and self._log_throttle.allows(bit.flow.name, now):
                 log.warning(
-                    "%s: what %s says is not known: %s", source.topic, bit.flow.name, judgement
+                    "%s: the value of %s is unknown: %s", source.topic, bit.flow.name, judgement
                 )
         self._update_mission()
 
@@ -157,8 +157,8 @@ class ObservationInputs:
 
 
 def _is_planned_publisher(publisher: str, peer: Peer, topic: str) -> bool:
-    """Tell whether a peer is the publisher that the plan names; say so if it is not."""
+    """Return whether a peer is the publisher that the plan names; log it if not."""
     is_planned = peer.verified and matches_node(publisher, peer.node)
     if not is_planned:
-        log.warning("%s: %s is not heard: it is not %s", topic, peer.node, publisher)
+        log.warning("%s: %s is ignored: it is not %s", topic, peer.node, publisher)
     return is_planned

@@ -1,4 +1,4 @@
-"""What the guard learns beside the streams: the app's events and frame rates, as the plan says."""
+"""The app's events and frame rates that the plan's policies depend on."""
 
 from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
@@ -24,11 +24,11 @@ from rtron.vocabulary import (
 )
 
 EvaluateMessage = Callable[[bytes], Sequence[RuleResult]]
-"""Judges a message by several expressions, in their order."""
+"""Evaluates several expressions on a message; returns their results in the same order."""
 
 
 class EvaluatorFactory:
-    """Makes judges for the message types of a plan, with the areas and transforms of its MSRCN."""
+    """Compiles a plan's expressions, with the areas and transforms of its MSRCN."""
 
     def __init__(self, plan: Plan, msrcn: MSRCN) -> None:
         self._definitions = DefinitionRegistry(plan.messages, ros=plan.ros)
@@ -38,7 +38,7 @@ class EvaluatorFactory:
     def create(
         self, type: str, subject: str, texts: Sequence[str], frames: Sequence[str]
     ) -> tuple[str, EvaluateMessage]:
-        """Return the MD5 sum of `type`, and what judges its messages by `texts`.
+        """Return the MD5 sum of `type`, and a function that evaluates `texts` on its messages.
 
         PlanError if the type is not known or an expression cannot be used.
         """
@@ -59,12 +59,12 @@ class EvaluatorFactory:
 
 
 MAX_EVENT = 1 << 20
-"""The longest event that an expression looks into, bytes: all other streams wait meanwhile."""
+"""The longest event that expressions read, bytes: all other streams wait meanwhile."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class EventSource:
-    """A publisher's topic, and the bits that its messages set; `md5sum` is "" where any will do."""
+    """A publisher's topic and the bits that its messages set; `md5sum` is "" for any type."""
 
     topic: str
     publisher: str
@@ -74,28 +74,28 @@ class EventSource:
     evaluate: EvaluateMessage
 
     def judgements_of(self, message: bytes) -> Sequence[RuleResult]:
-        """Return what a message says about each bit, or why that cannot be told."""
+        """Return the value of each bit after a message, or why it is unknown."""
         if len(message) > MAX_EVENT and self.md5sum:
-            return (f"a message of {len(message)} bytes is too long to look into",) * len(self.bits)
+            return (f"a message of {len(message)} bytes is too long to read",) * len(self.bits)
         return self.evaluate(message)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ActionEvaluator:
-    """Judges the messages of a topic by the rules that look into them."""
+    """Evaluates the `action` expressions of rules on the messages of a topic."""
 
     md5sum: str
     rules: tuple[str, ...]
     evaluate: EvaluateMessage
 
     def judgements_of(self, message: object) -> Mapping[str, RuleResult]:
-        """Return what each rule's `action` says about a message."""
+        """Return the result of each rule's `action` for a message."""
         return dict(zip(self.rules, self.evaluate(message), strict=True))  # type: ignore[arg-type]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Observations:
-    """The state that the policies of all streams share, and where it comes from."""
+    """The state that the policies of all streams share, and its sources."""
 
     rates: FrameMonitors = field(default_factory=FrameMonitors)
     mission: MissionMonitor = field(default_factory=lambda: MissionMonitor(EventBits()))
@@ -105,17 +105,17 @@ class Observations:
     node: str = "msrcn"
 
     def update_time(self, now: int) -> None:
-        """Let what has changed by time alone be known."""
+        """Apply changes that come by time alone, as of `now` (ns)."""
         self.mission.update_if_due(now)
 
     def deadline(self, now: int) -> int | None:
-        """Return when something next changes if nothing more is heard."""
+        """Return when (ns) the state next changes if no message arrives, None if it does not."""
         times = (self.mission.due, self.rates.deadline(now))
         return min((time for time in times if time is not None), default=None)
 
 
 def observations_of(plan: Plan) -> Observations:
-    """Return what a plan's RSRCN and MSRCN ask for; PlanError if an expression cannot be used."""
+    """Return what a plan's RSRCN and MSRCN need; PlanError if an expression cannot be used."""
     rates = FrameMonitors(plan.fps_monitor)
     msrcn = plan.msrcn
     if msrcn is None:
@@ -163,14 +163,14 @@ def _always_true(flows: int) -> EvaluateMessage:
 def action_evaluator(
     topic: GuardedTopic, rules: Sequence[MissionRule], evaluators: EvaluatorFactory
 ) -> ActionEvaluator:
-    """Return what judges the messages of a topic by the `action` of rules."""
+    """Return the evaluator of the rules' `action` expressions for a topic."""
     texts, frames = [rule.action for rule in rules], [rule.frame for rule in rules]
     md5sum, evaluate = evaluators.create(topic.type, "action", texts, frames)
     return ActionEvaluator(md5sum, tuple(rule.name for rule in rules), evaluate)
 
 
 def rules_reading(topic: GuardedTopic, msrcn: MSRCN) -> list[MissionRule]:
-    """Return the rules that look into the messages of a topic."""
+    """Return the rules whose `action` reads the messages of a topic."""
     names = {topic.topic, *(flow.name for flow in topic.flows)}
     return [rule for rule in msrcn.rules if rule.action and names.intersection(rule.block)]
 

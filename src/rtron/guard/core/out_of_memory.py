@@ -1,6 +1,6 @@
-"""What a process without memory does: it ends, so that somebody else can act in its place.
+"""A process that runs out of memory ends, so that its supervisor can act in its place.
 
-One that lingers drops what it should say, forgets connections, and still looks alive.
+Otherwise it would drop messages and connections, and still look alive.
 """
 
 import mmap

@@ -1,4 +1,4 @@
-"""A supervised override: for a while, what a coordination node would forbid passes, and is told."""
+"""A supervised override: for a while, messages that a node would forbid pass, and are logged."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -12,7 +12,7 @@ from rtron.vocabulary import UNAPPROVED, Decision, Verdict
 
 @dataclass(frozen=True, slots=True)
 class Override:
-    """Who lets what pass, why, and until when (ns)."""
+    """Who overrides a coordination node, why, and until when (ns)."""
 
     by: str
     why: str
@@ -20,9 +20,9 @@ class Override:
 
 
 class OverridablePolicy(ImmediatePolicy):
-    """Stands before a policy that holds no messages; an override lets approved flows pass.
+    """Wraps a policy that holds no messages; an override lets approved flows pass.
 
-    What cannot be judged, and who is not approved, is refused all the same.
+    Messages that cannot be read, and those of unapproved flows, are refused all the same.
     """
 
     __slots__ = ("_policy", "active_override", "overrides")
@@ -30,32 +30,32 @@ class OverridablePolicy(ImmediatePolicy):
     def __init__(self, policy: Policy) -> None:
         self._policy = policy
         self.overrides: Mapping[str, Override] = {}
-        """What was granted, by the way it was asked for."""
+        """The granted overrides by their channel."""
         self.active_override: Override | None = None
-        """Of what was granted, what lasts longest."""
+        """The granted override that lasts longest."""
 
     def grant(self, channel: str, override: Override) -> None:
-        """Let pass as `active_override` says, in place of what was granted the same way before."""
+        """Grant an override, in place of the one before of the same channel."""
         self.overrides = {**self.overrides, channel: override}
         self._select_override()
 
     def end_override(self, channel: str, now: int) -> None:
-        """Let what was granted one way be over by `now`."""
+        """End the override of a channel at `now` (ns)."""
         if channel in self.overrides:
             self.grant(channel, replace(self.overrides[channel], until=now))
 
     def inherit_overrides(self, predecessor: "OverridablePolicy") -> None:
-        """Be overridden as the one was in whose place this stands now."""
+        """Take over the overrides of the policy that this one replaces."""
         self.overrides = predecessor.overrides
         self._select_override()
 
     def learn(self, codec: VelocityCodec) -> None:
-        """Tell a policy that looks into messages how these are laid out."""
+        """Give the codec to a policy that reads velocities."""
         if isinstance(self._policy, VelocityAdapter):
             self._policy.learn(codec)
 
     def reevaluate(self, now: int) -> None:
-        """Look at what was asked for last again: what was to go out may have been held up."""
+        """Evaluate the last request again: its result may have changed."""
         if isinstance(self._policy, VelocityAdapter):
             self._policy.reevaluate(now)
 
@@ -67,7 +67,7 @@ class OverridablePolicy(ImmediatePolicy):
         return self._policy.limit(now)
 
     def verdict(self, flow: str, message: object, now: int) -> Verdict:
-        """Return the policy's verdict, or that it is overridden."""
+        """Return the policy's verdict, or a pass by the override."""
         verdict = self._policy.verdict(flow, message, now)
         if self.active_override is None or verdict.decision is Decision.PASS:
             return verdict
@@ -86,7 +86,7 @@ class OverridablePolicy(ImmediatePolicy):
         self._policy.observe_done(now)
 
     def tick(self, now: int) -> Sequence[Release]:
-        """Return what the policy lets go; nothing while it is overridden."""
+        """Return what the policy releases; nothing while it is overridden."""
         if self.active_override and now < self.active_override.until:
             self._policy.tick(now)
             return ()
@@ -96,7 +96,7 @@ class OverridablePolicy(ImmediatePolicy):
         return self._policy.tick(now)
 
     def close(self) -> Sequence[Release]:
-        """Return what the policy gives up."""
+        """Return what the policy drops."""
         return self._policy.close()
 
     def export_state(self, now: int) -> PolicyState:
@@ -112,7 +112,7 @@ class OverridablePolicy(ImmediatePolicy):
         self._policy.revise(revision)
 
     def deadline(self) -> int | None:
-        """Return when the policy wants to be asked again, or the override ends."""
+        """Return when (ns) the policy must tick again or the override ends."""
         due = self._policy.deadline()
         if self.active_override is None:
             return due

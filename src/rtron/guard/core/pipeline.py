@@ -1,6 +1,6 @@
-"""A pipeline: one message enters once and leaves once, whatever the number of stages.
+"""A pipeline: each message enters once and leaves once, whatever the number of stages.
 
-Sans-I/O: what is let go is handed to `emit`; time is passed in.
+It does no I/O: messages that pass go to `emit`, and the time is an argument.
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -15,12 +15,12 @@ if TYPE_CHECKING:
     from rtron.policies.state_transfer import PolicyState
 
 Emit = Callable[[str, bytes, int], None]
-"""Takes the flow, the message that every stage let go, and the time (ns)."""
+"""Takes the flow, a message that every stage has passed, and the time (ns)."""
 
 
 @dataclass(slots=True)
 class VerdictTally:
-    """What became of one flow's messages; `last_output` is the newest verdict."""
+    """The number of verdicts on one flow's messages; `last` is the newest verdict."""
 
     passed: int = 0
     held: int = 0
@@ -32,10 +32,10 @@ class VerdictTally:
 class Pipeline:
     """The policies of one stream, asked in the order of its stages.
 
-    What a later stage would refuse is not put to the earlier ones: what may not pass must not take
-    the output from others, nor wait in a queue. It is asked again when its turn has come.
-    `on_verdict_change`, if it is set, is told a verdict that differs from the one before on its flow;
-    `on_dropped` each message that was held and will not go.
+    A message that a later stage would refuse does not reach the earlier ones: it must not take the
+    output from others, nor wait in a queue. When its turn has come, the later stages decide again.
+    `on_verdict_change`, if set, is called with each verdict that differs from the one before on its
+    flow; `on_dropped` with each message that was held and is dropped.
     """
 
     def __init__(self, policies: Sequence["Policy"], flows: Sequence[str], emit: Emit) -> None:
@@ -51,9 +51,9 @@ class Pipeline:
         self.on_dropped: Callable[[bytes, Verdict], None] = _ignore_dropped
 
     def receive(self, flow: str, message: bytes, now: int) -> Verdict | None:
-        """Decide about a message that arrived at `now` (ns); emit it if all stages agree.
+        """Decide about a message that arrived at `now` (ns); emit it if all stages pass it.
 
-        None if the pipeline is shut.
+        None if the pipeline is shut down.
         """
         if self.closed_reason:
             self.tallies[flow].dropped += 1
@@ -67,9 +67,9 @@ class Pipeline:
         return self._run_stages(0, flow, message, now)
 
     def replace(self, at: int, policy: "Policy", now: int) -> Sequence["Release"]:
-        """Let another policy go on in the place of the stage `at`; return what it cannot hold.
+        """Replace the policy of the stage `at`; return held messages that the new one cannot hold.
 
-        An action that one without turns has let go is in progress all the same.
+        An action that a policy without turns has passed is in progress all the same.
         """
         before = self.policies[at]
         carried = self._with_turn(before.export_state(now))
@@ -79,20 +79,20 @@ class Pipeline:
         return dropped
 
     def drop_held(self, releases: Iterable["Release"]) -> None:
-        """Tell what was held and will not go."""
+        """Report held messages that are dropped."""
         for release in releases:
             self._count(release.verdict)
             self.on_dropped(release.message, release.verdict)  # type: ignore[arg-type]
 
     def revise(self, revision: int) -> None:
-        """Give verdicts by settings of `revision` from now on, also where nothing has changed."""
+        """Give verdicts with the settings' `revision` from now on."""
         self._revision = revision
         for policy in self.policies:
             policy.revise(revision)
         self._bars = {key: replace(bar, revision=revision) for key, bar in self._bars.items()}
 
     def tick(self, now: int) -> None:
-        """Let time pass: what a stage releases goes on to the stages after it."""
+        """Let time pass; messages that a stage releases go on to the next stages."""
         for at, policy in enumerate(() if self.closed_reason else self.policies):
             for release in policy.tick(now):
                 self._release(at, release, now)
@@ -105,19 +105,19 @@ class Pipeline:
         self.tick(now)
 
     def occupy(self, flow: str, now: int) -> None:
-        """Learn that an action is in progress that was not let go here."""
+        """Learn that an action is in progress which did not come through the pipeline."""
         self._last_emitted = (flow, b"", now)
         for policy in self.policies:
             policy.occupy(flow, now)
 
     def withdraw(self, message: bytes, why: str, now: int) -> None:
-        """Give up a message that is held."""
+        """Drop a message that is held."""
         for policy in self.policies:
             policy.withdraw(message, why)
         self.tick(now)
 
     def refusal(self, flow: str, now: int, message: bytes | None = None) -> str:
-        """Return why `message` of `flow`, or none of its messages, would pass at `now`."""
+        """Return why `message`, or any message of `flow`, would be refused at `now` (ns), or ""."""
         if self.closed_reason:
             return self.closed_reason
         refusals = (policy.refusal(flow, now, message) for policy in self.policies)
@@ -125,24 +125,24 @@ class Pipeline:
         return refusal.reason if refusal else ""
 
     def bar(self, by: str, flows: Iterable[str], why: str) -> None:
-        """Let nothing of these flows pass until `by` frees them, whatever the policies say."""
+        """Drop all messages of these flows until `unbar(by)`, whatever the policies decide."""
         for flow in flows:
             reason = Verdict(Decision.DROP, flow, PolicyName.BLOCK, why, self._revision)
             self._bars[by, flow] = reason
 
     def unbar(self, by: str) -> None:
-        """Take back all that `by` has barred."""
+        """Remove all bars of `by`."""
         self._bars = {key: verdict for key, verdict in self._bars.items() if key[0] != by}
 
     def deadline(self) -> int | None:
-        """Return when `tick` next has something to do, or None."""
+        """Return when (ns) `tick` next has something to do, or None."""
         if self.closed_reason:
             return None
         times = [due for policy in self.policies if (due := policy.deadline()) is not None]
         return min(times, default=None)
 
     def shut_down(self, why: str) -> None:
-        """Let nothing through any more; what was held is dropped with a verdict."""
+        """Drop all messages from now on, also the held ones, each with a verdict."""
         self.closed_reason = why
         for policy in self.policies:
             self.drop_held(policy.close())
@@ -158,9 +158,9 @@ class Pipeline:
         return self.policies[0].owner if self.policies and not self.closed_reason else None
 
     def _release(self, at: int, release: "Release", now: int) -> None:
-        """Let what the stage `at` releases go on; a rule of an earlier one may keep it low.
+        """Pass on a message that the stage `at` releases; an earlier stage may refuse it now.
 
-        What is refused now is in progress nowhere: it shall not hold up the others.
+        A refused message is in progress nowhere, so that it does not hold up the others.
         """
         verdict, message = release.verdict, release.message
         if verdict.decision is Decision.DROP:
@@ -185,7 +185,7 @@ class Pipeline:
     def _run_stages(
         self, first: int, flow: str, message: bytes, now: int, verdict: Verdict | None = None
     ) -> Verdict:
-        """Ask the stages from `first` on; `verdict` is what those before it said."""
+        """Ask the stages from `first` on; `verdict` is that of the stages before."""
         for policy in self._policies_from[first]:
             stage_verdict = policy.verdict(flow, message, now)
             if stage_verdict.decision is Decision.MODIFY:
@@ -203,7 +203,7 @@ class Pipeline:
         return verdict
 
     def _with_turn(self, carried: "PolicyState") -> "PolicyState":
-        """Add what went out last, whatever the policy knows of it."""
+        """Add the last output, which the policy may not know."""
         if self._last_emitted is None:
             return carried
         flow, message, at = self._last_emitted
@@ -227,12 +227,12 @@ class Pipeline:
 
 
 def _policy_suffixes(policies: Sequence["Policy"]) -> list[tuple["Policy", ...]]:
-    """Return the policies from each stage on, and none behind the last."""
+    """Return for each stage the policies from it on, and an empty tuple after the last."""
     return [tuple(policies[at:]) for at in range(len(policies) + 1)]
 
 
 def _differs(verdict: Verdict, previous: Verdict | None) -> bool:
-    """Tell whether what happens has changed; the limit of the moment is no change."""
+    """Return whether the outcome has changed; another limit alone is no change."""
     if (
         previous is None
         or verdict.decision is not previous.decision
@@ -243,4 +243,4 @@ def _differs(verdict: Verdict, previous: Verdict | None) -> bool:
 
 
 def _ignore_dropped(_message: bytes, _verdict: Verdict) -> None:
-    """Nobody waits for an answer."""
+    """Do nothing with a dropped message."""

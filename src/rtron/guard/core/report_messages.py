@@ -1,4 +1,4 @@
-"""The messages that the guard writes itself, as bytes in either encoding."""
+"""The guard's own messages, as bytes in the encoding of either ROS."""
 
 import struct
 from collections.abc import Mapping, Sequence
@@ -36,7 +36,7 @@ DIAGNOSTICS = {
         "5174d6fb6863edc1c01a605da45a367f", "builtin_interfaces/Time stamp\n"
     ),
 }
-"""What the guard's state is told in; ROS 2's headers have no sequence number."""
+"""The type of the guard's diagnostics; headers of ROS 2 have no sequence number."""
 OK, WARN, ERROR = range(3)
 
 
@@ -68,7 +68,7 @@ class MessageWriter:
         self._body += value.to_bytes(4, "little")
 
     def string(self, text: str) -> None:
-        """Write a text as UTF-8; what CDR ends it with cannot be in it."""
+        """Write a text as UTF-8; in CDR a zero byte ends it, so its own become `?`."""
         data = text.encode(errors="replace")
         if self._encoding is Encoding.CDR:
             data = data.replace(b"\0", b"?") + b"\0"
@@ -76,7 +76,7 @@ class MessageWriter:
         self._body += data
 
     def message(self) -> bytes:
-        """Return the message as it travels."""
+        """Return the message with its framing."""
         return self._encoding.prefix(len(self._body)) + self._body
 
 

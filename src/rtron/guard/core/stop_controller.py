@@ -1,4 +1,4 @@
-"""The stop wave of one stream, as messages of its type."""
+"""The stop of one velocity stream: messages of its type that bring the robot to rest."""
 
 from collections.abc import Callable
 
@@ -17,11 +17,11 @@ from rtron.vocabulary import (
 )
 
 Send = Callable[[str, bytes], None]
-"""Takes the flow in whose place the guard speaks, and the message."""
+"""Takes the flow that the guard speaks for, and the message."""
 
 
 class StopController:
-    """Stops what a velocity stream moves; idle on any other, and until `learn` tells its type."""
+    """Stops the robot that a velocity stream moves; idle on other streams, and before `learn`."""
 
     def __init__(self, stream: Stream, send: Send) -> None:
         stranger = Flow(name=UNAPPROVED, publisher="*")
@@ -34,18 +34,18 @@ class StopController:
         self._last_message = b""
 
     def learn(self, codec: VelocityCodec) -> None:
-        """Take how the stream's messages are laid out."""
+        """Take the codec of the stream's messages."""
         if self._is_enabled and not codec.is_limit:
             self._codec = codec
 
     @property
     def is_ready(self) -> bool:
-        """Whether it is known how the stream's messages say stop."""
+        """Whether the codec of the stream's messages is known."""
         return self._codec is not None
 
     @property
     def reason(self) -> str:
-        """Why the robot is being stopped, or nothing."""
+        """Why the robot is being stopped, "" if it is not."""
         return self._stopping.reason
 
     @property
@@ -55,7 +55,7 @@ class StopController:
 
     @property
     def stop_count(self) -> int:
-        """How often the robot was stopped."""
+        """How many times the robot was stopped."""
         return self._stopping.stop_count
 
     @property
@@ -65,7 +65,7 @@ class StopController:
 
     @property
     def speed(self) -> float | None:
-        """The speed (m/s) that went out last; None before, and where nothing is moved."""
+        """The last speed (m/s) that went out; None before, and where the stream moves nothing."""
         velocity = self._velocity() if self._last_message else None
         return velocity.speed if velocity else None
 
@@ -76,15 +76,16 @@ class StopController:
             self._stopping.record_output(self._flows[flow], now)
 
     def note_dropped(self, verdict: Verdict, now: int) -> None:
-        """Stop the robot if the flow that moves it said what cannot be judged."""
+        """Stop the robot if a message of the flow that moves it cannot be read."""
         flow = self.moving_flow
         if verdict.error and flow and flow.name == verdict.flow and flow.on_error is OnError.STOP:
             self.stop_motion(verdict.reason, now)
 
     def slow_down(self, limit: float, now: int) -> None:
-        """Say again what moves the robot at no more than `limit` (m/s), if that is less.
+        """Repeat the last command at `limit` (m/s), if it is faster.
 
-        What was released may have come to rest: it is told to rest, not set in motion again.
+        A flow that has released the output may have stopped the robot: it is stopped, not set in
+        motion again.
         """
         velocity = self._velocity()
         if self._codec is None or velocity is None or velocity.speed <= limit:
@@ -96,28 +97,28 @@ class StopController:
         self._send(self.stopped_flow, self._last_message)
 
     def stop_motion(self, why: str, now: int) -> None:
-        """Stop the robot: what moves it may not go on."""
+        """Stop the robot: the flow that moves it may not go on."""
         self._stopping.refuse(why, now)
 
     def brake(self, why: str, now: int) -> None:
-        """Stop the robot, and keep it stopped until `release_brake`; nothing if this stream moves none."""
+        """Stop the robot until `release_brake`; do nothing if this stream moves none."""
         if self._codec is not None:
             self._stopping.brake(why, now)
 
     def set_reason(self, why: str) -> None:
-        """Say why the stop that is under way goes on."""
+        """Give the stop that is under way another reason."""
         self._stopping.set_reason(why)
 
     def release_brake(self) -> None:
-        """Let the stop end as any other."""
+        """Let the stop end as others do."""
         self._stopping.release_brake()
 
     def interrupt(self) -> None:
-        """Somebody else has stopped the robot."""
+        """Note that the robot was stopped by others."""
         self._stopping.mark_stopped_elsewhere()
 
     def tick(self, now: int) -> None:
-        """Send what is due."""
+        """Send the stop message that is due."""
         velocity = self._stopping.tick(now)
         if velocity is not None and self._codec is not None:
             rest = not velocity.linear
@@ -129,7 +130,7 @@ class StopController:
             self._send(self.stopped_flow or UNAPPROVED, message)
 
     def deadline(self) -> int | None:
-        """Return when `tick` next has something to do."""
+        """Return when (ns) `tick` next has something to do."""
         return self._stopping.deadline()
 
     def _velocity(self) -> Velocity | None:

@@ -34,7 +34,7 @@ log = logging.getLogger(__name__)
 
 
 class GuardedStream(StreamEndpoints):
-    """Takes what the flows say, asks the pipeline, and gives the successors what it lets go."""
+    """Takes the messages of the flows, asks the pipeline, and sends those that pass."""
 
     def __init__(
         self,
@@ -75,21 +75,21 @@ class GuardedStream(StreamEndpoints):
             self._stop_robot(why)
 
     def shut_down(self, why: str) -> None:
-        """Let nothing through any more: a coordination node of the pipeline is gone."""
-        log.error("%s: nothing passes any more: %s", self.spec.topic, why)
+        """Block all messages: a coordination node of the pipeline was shut down."""
+        log.error("%s: all messages are blocked: %s", self.spec.topic, why)
         self.pipeline.shut_down(why)
         self._outputs.clear_latched()
         self.recheck(self._transport.now())
 
     @property
     def details(self) -> Mapping[str, str]:
-        """What there is to tell beside the flows."""
+        """More entries for the diagnostics."""
         return {}
 
     def brake(self, by: str, why: str) -> None:
-        """Let nothing pass and keep the robot stopped, until `by` releases it.
+        """Block all messages and keep the robot stopped, until `release(by)`.
 
-        What is not open yet stops the robot when it is.
+        A stream that is not open yet stops the robot as it opens.
         """
         self.pipeline.bar(by, self.pipeline.tallies, why)
         self._brake_reasons[by] = why
@@ -98,17 +98,17 @@ class GuardedStream(StreamEndpoints):
 
     @property
     def brake_reason(self) -> str:
-        """Why the robot is kept stopped, or nothing."""
+        """Why the robot is kept stopped, "" if it is not."""
         return next(iter(self._brake_reasons.values()), "")
 
     def bar(self, by: str, publisher: str, why: str) -> None:
-        """Let nothing of a publisher pass until `by` releases it; stop the robot if it moves it."""
+        """Block a publisher until `release(by)`; stop the robot if that publisher moves it."""
         flows = [f.name for f in self.spec.flows if matches_node(f.publisher, publisher)]
         self.pipeline.bar(by, flows, why)
         self.recheck(self._transport.now())
 
     def release(self, by: str) -> None:
-        """Let pass again what the policies let pass."""
+        """Remove the brakes and bars of `by`: the policies decide again."""
         self.pipeline.unbar(by)
         self._brake_reasons.pop(by, None)
         if self._brake_reasons:
@@ -122,16 +122,16 @@ class GuardedStream(StreamEndpoints):
     def prepare_update(
         self, stream: Stream, observations: Observations, rule_statuses: Mapping[str, RuleStatus]
     ) -> StreamUpdate:
-        """Return what `apply_update` puts in force; nothing changes yet. PlanError if it cannot be."""
+        """Return an update for `apply_update`; nothing changes yet. PlanError if it is invalid."""
         format = MessageFormat(self._type_info, self._codec)
         return prepare_update(
             self.spec, self._with_defaults(stream), observations, rule_statuses, format
         )
 
     def apply_update(self, update: StreamUpdate, now: int) -> Sequence[Release]:
-        """Put other settings of the stream in force; return what was held and can be no more.
+        """Put other settings in force; return the held messages that can no longer be held.
 
-        It is for `pipeline.give_up`, once all streams have adapted.
+        Pass them to `pipeline.drop_held` once all streams have their update.
         """
         self.spec, self._rules_md5sum = update.stream, update.md5sum
         self._rules_met = rules_met_by_flow(self.spec)
@@ -149,7 +149,7 @@ class GuardedStream(StreamEndpoints):
             self.override_policies[node_id] = policy
 
     def recheck(self, now: int) -> None:
-        """Stop the robot if what moves it may not go on: a rule, a limit or a stage has changed."""
+        """Stop or slow the robot if the flow that moves it may not go on as before."""
         flow = self.stop_controller.moving_flow
         if flow and (why := self.pipeline.refusal(flow.name, now)):
             self.stop_controller.stop_motion(why, now)
@@ -158,7 +158,7 @@ class GuardedStream(StreamEndpoints):
         self._notify_state_change()
 
     def _slow_down(self, now: int) -> None:
-        """Say again, more slowly, what moves the robot, if it is now above a limit."""
+        """Repeat the last command more slowly, if it is now above a limit."""
         limits = (policy.limit(now) for policy in self.override_policies.values())
         limit = min((limit for limit in limits if limit is not None), default=None)
         if limit is not None and self.stop_controller.moving_flow:
@@ -172,7 +172,7 @@ class GuardedStream(StreamEndpoints):
         self._deadline_timer.run_due(now)
 
     def _stop_robot(self, why: str) -> None:
-        """Stop the robot; nothing passes that would move it again."""
+        """Stop the robot while all messages are blocked."""
         if not self.stop_controller.is_ready:
             self._learn_standard()
         self.stop_controller.brake(why, self._transport.now())
@@ -255,7 +255,7 @@ class GuardedStream(StreamEndpoints):
         except MemoryError:
             exit_out_of_memory()
         except Exception:
-            log.exception("%s: internal error, what was held is lost", self.spec.topic)
+            log.exception("%s: internal error, held messages are lost", self.spec.topic)
 
     def _notify_state_change(self) -> None:
         state = (self.pipeline.owner, self.stop_controller.reason)

@@ -1,4 +1,4 @@
-"""The ends of one stream on a transport: who is heard on them, and as which flow."""
+"""The endpoints of one stream: which publishers it accepts, and as which flow."""
 
 import logging
 from abc import ABC, abstractmethod
@@ -39,10 +39,9 @@ _MAX_STRANGERS = 32
 
 
 class StreamEndpoints(ABC):
-    """Closed at both ends: an approved publisher speaks on its flow's private topic.
+    """Subscribes to the private topic of each flow, and publishes the private output.
 
-    A successor listens on the private output, and what arrives under the public name is
-    `unapproved`.
+    A message on the public topic belongs to the flow `unapproved`.
     """
 
     def __init__(
@@ -70,20 +69,20 @@ class StreamEndpoints(ABC):
 
     @abstractmethod
     def _on_action_done(self, message: bytes) -> None:
-        """Take a message that tells that an action is done."""
+        """Take a message which reports that an action is done."""
 
     @abstractmethod
     def _on_codec(self, codec: VelocityCodec) -> None:
-        """Take how the velocities in the stream's messages are laid out."""
+        """Take the codec of the velocities in the stream's messages."""
 
     def set_listeners(
         self, on_type: Callable[[TypeInfo], None], on_sent: Callable[[str, bytes], None]
     ) -> None:
-        """Tell from now on which type was learned, and each message that goes out."""
+        """Call `on_type` when the type is learned, and `on_sent` with each message and its flow."""
         self._outputs.set_listeners(on_type, on_sent)
 
     def _with_defaults(self, stream: Stream) -> Stream:
-        """Return a stream as it is guarded."""
+        """Return the stream with all that the guard adds to the plan."""
         return with_unapproved(stream)
 
     def _open_endpoints(self) -> None:
@@ -151,9 +150,9 @@ class StreamEndpoints(ABC):
         return self._receiver_for(UNAPPROVED, peer)
 
     def _receiver_for(self, flow: str, peer: Peer) -> MessageHandler:
-        """Return what takes the messages of a publisher; what it has kept is done once.
+        """Return the handler of a publisher's messages, with a filter for latched ones.
 
-        Of those who are blocked nothing is remembered: they are as many as they like.
+        The filter remembers nothing of blocked publishers: there may be any number of them.
         """
         take = partial(self._receive, flow)
         is_blocked = flow == UNAPPROVED and self.spec.block_unapproved
@@ -161,9 +160,9 @@ class StreamEndpoints(ABC):
         return self._latch_filter.filter(peer.node, take) if once else take
 
     def _needs_latch_filter(self, peer: Peer) -> bool:
-        """Tell whether a publisher has kept what is to be done, and is no state: goals, commands.
+        """Return whether a publisher's latched messages are goals or commands, and no state.
 
-        Of a command of ROS 1 nobody knows whether it is said again or comes again.
+        Of a latched command in ROS 1 nobody knows whether it was sent again or is old.
         """
         commands = peer.qos is not None and not self._is_latched_state(peer)
         return (self._is_goal() or commands) and peer.latching and not self.dry_run
@@ -173,11 +172,11 @@ class StreamEndpoints(ABC):
         return is_action or bool(self.spec.action)
 
     def _is_momentary(self, peer: Peer) -> bool:
-        """Tell whether what a publisher says is a command: neither a goal nor a state."""
+        """Return whether a publisher's messages are commands: neither goals nor states."""
         return not (self._is_goal() or self.spec.done or self._is_latched_state(peer))
 
     def _is_latched_state(self, peer: Peer) -> bool:
-        """Tell whether a late subscriber is told the last message: only of what is a state."""
+        """Return whether a late subscriber gets the last message: only that of a state."""
         first = self.spec.stages[0]
         if first.coordination_kind is CoordinationKind.GRCN:
             return first.settings.kind is StreamKind.STATE
@@ -197,7 +196,7 @@ class StreamEndpoints(ABC):
         return True
 
     def _learn_standard(self) -> None:
-        """Learn the plan's type although no publisher has told what its messages are."""
+        """Learn the plan's type although no publisher has connected."""
         info = standard_info(self.spec.type, self._transport.encoding)
         if info:
             self._learn_type(Peer("", info))

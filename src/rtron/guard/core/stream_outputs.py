@@ -1,4 +1,4 @@
-"""What a guarded stream publishes: to its successors, to tools, and between its own nodes."""
+"""The topics that a guarded stream publishes: for successors, for tools, between its nodes."""
 
 from collections.abc import Callable, Sequence
 
@@ -16,7 +16,7 @@ from rtron.vocabulary import (
 
 
 class StreamOutputs:
-    """The outputs of one stream; a flow whose publisher also listens gets all but its own words."""
+    """The outputs of one stream; a flow's publisher that also subscribes gets others' messages."""
 
     def __init__(self, stream: Stream, nodes: Sequence[str], transport: Transport) -> None:
         self._stream = stream
@@ -34,7 +34,7 @@ class StreamOutputs:
     def set_listeners(
         self, on_type: Callable[[TypeInfo], None], on_sent: Callable[[str, bytes], None]
     ) -> None:
-        """Tell from now on which type was learned, and each message with its flow."""
+        """Call `on_type` when the type is learned, and `on_sent` with each message and its flow."""
         self._on_type, self._on_sent = on_type, on_sent
 
     def open(self) -> None:
@@ -53,20 +53,20 @@ class StreamOutputs:
         return is_accepted
 
     def has_type(self, info: TypeInfo) -> bool:
-        """Tell whether a type is the one that was learned."""
+        """Return whether a type is the one that was learned."""
         return self._type_info is not None and self._type_info.md5sum == info.md5sum
 
     def set_latching(self, flow: str, *, latching: bool) -> None:
-        """Keep a flow's last message for late subscribers from now on, or keep none.
+        """Latch a flow's last message for late subscribers from now on, or do not.
 
-        Where flows take turns, the last message of all is kept as soon as one of them latches: an
-        older one of another flow is no longer so.
+        Where flows take turns, the last message of all flows is latched as soon as one of them
+        latches: an older one of another flow is out of date.
         """
         change = self._latching_flows.add if latching else self._latching_flows.discard
         change(flow)
 
     def offer(self, flow: str, qos: QoS) -> None:
-        """Offer what a flow's publisher offers to all who get its words."""
+        """Offer the QoS of a flow's publisher on all topics that its messages go to."""
         for output in (*self._outputs, *self._node_links):
             output.offer(flow, qos)
         for name, mirror in self._mirrors.items():
@@ -74,7 +74,7 @@ class StreamOutputs:
                 mirror.offer(flow, qos)
 
     def send(self, flow: str, message: bytes) -> None:
-        """Send a message that a flow said, or that is said in its place."""
+        """Send a message of a flow, or one that the guard sends for it."""
         latched_by = self._latch_key(flow)
         if self._on_sent:
             self._on_sent(flow, message)
@@ -87,7 +87,7 @@ class StreamOutputs:
             link.publish(message, latched_by)
 
     def reaches(self, node: str) -> bool:
-        """Tell whether what is sent reaches a node, on its own flow or on the private output."""
+        """Return whether a node subscribes to the private output, or to a mirror for its flow."""
         private = (*self._outputs[:1], *self._mirrors.values())
         return any(output.is_subscribed_by(node) for output in private)
 
@@ -97,7 +97,7 @@ class StreamOutputs:
             output.clear_latched()
 
     def _latch_key(self, flow: str) -> str | None:
-        """Return as whose last word late subscribers get what a flow says; None if as nobody's."""
+        """Return the key under which a flow's message is latched, None if it is not."""
         if self._takes_turns:
             return self._stream.topic if self._latching_flows else None
         return flow if flow in self._latching_flows else None
@@ -137,7 +137,7 @@ class StreamOutputs:
 
 
 def _takes_turns(stream: Stream) -> bool:
-    """Tell whether one flow at a time has the output, so that one word is what is so now."""
+    """Return whether one flow at a time has the output, so that one message is current."""
     first = stream.stages[0]
     is_grcn = first.coordination_kind is CoordinationKind.GRCN
     return is_grcn and first.settings.policy is not PolicyName.BLOCK

@@ -1,4 +1,4 @@
-"""Other settings of a guarded stream: all is made first, and only then put in force."""
+"""The policies of a stream's settings, and updates: prepared first, then applied at once."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -22,10 +22,10 @@ def create_policy(
     observations: Observations,
     rule_statuses: Mapping[str, RuleStatus] | None = None,
 ) -> Policy:
-    """Return what decides in a stage; all but a GRCN's can be overridden.
+    """Return the policy of a stage; all but a GRCN's can be overridden.
 
-    `rule_statuses` are those of the mission once other rules are in force. PlanError if the settings
-    cannot be.
+    `rule_statuses` are those of the mission once other rules are in force. PlanError if the
+    settings cannot be used.
     """
     if stage.coordination_kind is CoordinationKind.GRCN:
         return build_policy(stage.settings)
@@ -65,7 +65,7 @@ def _no_judgements(_message: object) -> Mapping[str, RuleResult]:
 
 
 def with_unapproved(stream: Stream) -> Stream:
-    """Give the unapproved flow a place behind all others where the plan lets it through."""
+    """Add the unapproved flow behind all others where the plan lets it through."""
     if stream.block_unapproved:
         return stream
     return replace(stream, stages=tuple(_with_unapproved_flow(stage) for stage in stream.stages))
@@ -84,7 +84,7 @@ def revision_of(stream: Stream) -> int:
 
 
 def rules_md5sum(stream: Stream, observations: Observations) -> str:
-    """Return the MD5 sum of the messages that the mission's rules look into, or nothing."""
+    """Return the MD5 sum of the message type that the mission's rules read, or ""."""
     action = observations.actions.get(stream.topic)
     return action.md5sum if action else ""
 
@@ -100,8 +100,8 @@ def rules_met_by_flow(stream: Stream) -> dict[str, list[str]]:
 class StreamUpdate:
     """Other settings of a stream, ready to be put in force.
 
-    `policies` are those that change, by the coordination node; `md5sum` is that of the messages
-    which rules look into, "" where any will do.
+    `policies` are those that change, by the coordination node; `md5sum` is that of the message type
+    that rules read, "" for any.
     """
 
     stream: Stream
@@ -111,7 +111,7 @@ class StreamUpdate:
 
 @dataclass(frozen=True, slots=True)
 class MessageFormat:
-    """What a stream's publishers have told of their messages, as far as they have."""
+    """The type of a stream's messages and their codec, as far as they are known."""
 
     info: TypeInfo | None
     codec: VelocityCodec | None
@@ -124,10 +124,10 @@ def prepare_update(
     rule_statuses: Mapping[str, RuleStatus],
     format: MessageFormat,
 ) -> StreamUpdate:
-    """Return what puts a stream's other settings in force; PlanError if that cannot be."""
+    """Return an update to other settings of a stream; PlanError if they cannot be used."""
     md5sum = rules_md5sum(after, observations)
     if format.info and md5sum not in ("", format.info.md5sum):
-        text = f"{after.topic}: its messages are of another version than the rules look into"
+        text = f"{after.topic}: its messages are of another version than the rules read"
         raise PlanError(text)
     policies = changed_policies(before, after, observations, rule_statuses)
     for policy in policies.values():

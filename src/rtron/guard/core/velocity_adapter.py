@@ -1,4 +1,4 @@
-"""A policy about velocities, asked about messages: decoded once, and encoded again if changed."""
+"""Applies a velocity policy to messages: decodes each once, encodes it again if changed."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -12,9 +12,9 @@ from rtron.vocabulary import Decision, Velocity, Verdict
 
 
 class VelocityAdapter(ImmediatePolicy):
-    """Stands before a policy that limits velocities; what it cannot read is no velocity.
+    """Wraps a policy that limits velocities.
 
-    Until `learn` has told the type of the messages, nothing can be read, and nothing passes.
+    Before `learn` gives the codec, no message can be read, and none passes.
     """
 
     __slots__ = ("_codec", "_last_message", "_policy")
@@ -25,7 +25,7 @@ class VelocityAdapter(ImmediatePolicy):
         self._last_message = b""
 
     def learn(self, codec: VelocityCodec) -> None:
-        """Take how the topic's messages are laid out."""
+        """Take the codec of the topic's messages."""
         self._codec = codec
         self._policy.reissues = codec.is_limit
 
@@ -47,14 +47,14 @@ class VelocityAdapter(ImmediatePolicy):
         return self._policy.refusal(flow, now, message)
 
     def tick(self, now: int) -> Sequence[Release]:
-        """Return what goes out again, as messages."""
+        """Return the messages that go out again."""
         encoded = (
             (self._with_velocity(each.verdict), each.restores) for each in self._policy.tick(now)
         )
         return [Release(verdict.message, verdict, restores) for verdict, restores in encoded]
 
     def reevaluate(self, now: int) -> None:
-        """Let the policy look again at what was asked for last."""
+        """Let the policy evaluate the last request again."""
         self._policy.reevaluate(now)
 
     def export_state(self, now: int) -> PolicyState:
@@ -78,7 +78,7 @@ class VelocityAdapter(ImmediatePolicy):
         self._policy.revise(revision)
 
     def deadline(self) -> int | None:
-        """Return when the policy wants to be asked again."""
+        """Return when (ns) the policy must tick again."""
         return self._policy.deadline()
 
     @property

@@ -1,4 +1,4 @@
-"""When somebody speaks: the gaps within phases of speaking, and the pauses between these.
+"""When a publisher is active: the gaps within its phases of activity, and the pauses between them.
 
 A gap ends a phase if it is longer than ten times the usual one (the median), and than a second:
 the rule by which openpilot takes an input as lagging (commaai/opendbc, `safety/safety.h`).
@@ -12,7 +12,7 @@ _FRESH = 3
 
 
 class ActivityPhases:
-    """The phases of one speaker; `last_time` is when it was heard last (ns), None before."""
+    """The phases of one publisher; `last_time` is its last message (ns), None before the first."""
 
     __slots__ = ("_gaps", "_limit", "_typical_gap", "last_time", "messages")
 
@@ -24,7 +24,7 @@ class ActivityPhases:
         self.messages = 0
 
     def add_message(self, now: int) -> int | None:
-        """Note that it spoke at `now`; return the gap (ns) within its phase, None if one begins."""
+        """Note a message at `now`; return the gap (ns) within the phase, None if a phase begins."""
         self.messages += 1
         last, self.last_time = self.last_time, now
         if last is None:
@@ -36,11 +36,11 @@ class ActivityPhases:
         return gap if gap <= self._limit else None
 
     def is_active(self, now: int) -> bool:
-        """Tell whether it is in the midst of a phase, by its usual gap."""
+        """Return whether it is in the midst of a phase, by its usual gap."""
         return self.last_time is not None and now - self.last_time <= _FRESH * self._typical_gap
 
     def is_over(self, now: int) -> bool:
-        """Tell whether its last phase is over."""
+        """Return whether its last phase is over."""
         return self.last_time is not None and now - self.last_time > self._limit
 
     def gaps_and_pauses(self) -> tuple[Histogram[int], Histogram[int]]:

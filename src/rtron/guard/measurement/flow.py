@@ -1,4 +1,4 @@
-"""What one flow does."""
+"""Figures of one flow."""
 
 from rtron.guard.measurement.activity import ActivityPhases
 from rtron.guard.measurement.histogram import Histogram, duration_figures, value_figures
@@ -57,26 +57,26 @@ class FlowMeasurement:
         return gap
 
     def is_active(self, now: int) -> bool:
-        """Tell whether the flow is in the midst of a phase."""
+        """Return whether the flow is in the midst of a phase."""
         return self._activity.is_active(now)
 
     def add_overlap(self, other: str, duration: int) -> None:
-        """Note that another flow spoke at the same time."""
+        """Note that another flow was active at the same time."""
         self._overlaps[other] = self._overlaps.get(other, 0) + duration
 
     def add_velocity(self, velocity: Velocity, *, moves: bool) -> None:
-        """Note a velocity; `moves` tells whether the robot goes on with it."""
+        """Note a velocity; `moves` says whether the robot moves with it."""
         self._speeds.add(velocity.speed)
         self._moving = moves
 
     def add_refusal(self, verdict: Verdict) -> None:
-        """Note what would not have passed as it was."""
+        """Note a verdict that a message would not have passed unchanged."""
         key = verdict.policy, verdict.decision
         count, _ = self._refusals.get(key, (0, verdict))
         self._refusals[key] = count + 1, verdict
 
     def figures(self, now: int, still_open: int) -> FlowStatistics:
-        """Return what was measured until `now`."""
+        """Return the figures until `now`."""
         gaps, pauses = self._activity.gaps_and_pauses()
         return FlowStatistics(
             flow=self.flow.name,

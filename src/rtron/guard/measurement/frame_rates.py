@@ -21,7 +21,7 @@ class MeasuredFrameMonitor(FrameMonitor):
         self._active_since: int | None = None
 
     def add_frame(self, stamp: int, now: int) -> None:
-        """Note what the image node published for a frame."""
+        """Note a frame of the image node."""
         before = self._last
         super().add_frame(stamp, now)
         if self._last == before:
@@ -32,11 +32,11 @@ class MeasuredFrameMonitor(FrameMonitor):
             self._fps.add(self.rate(now).fps)
 
     def is_warm(self, now: int) -> bool:
-        """Tell whether a whole window was seen since frames come: the rate is a rate by then."""
+        """Return whether frames have come for a whole window: before that there is no rate."""
         return self._active_since is not None and now - self._active_since >= self._window
 
     def figures(self) -> MonitorStatistics:
-        """Return what was measured."""
+        """Return the figures."""
         gaps, pauses = self._activity.gaps_and_pauses()
         return MonitorStatistics(
             id=self.id,
@@ -48,17 +48,17 @@ class MeasuredFrameMonitor(FrameMonitor):
 
 
 class FrameRateMeasurement:
-    """The monitors of an app, and the least of their rates."""
+    """The monitors of an app, and their lowest rate."""
 
     def __init__(self, monitors: Iterable[FpsMonitor]) -> None:
         self.monitors = {plan.id: MeasuredFrameMonitor(plan) for plan in monitors}
 
     def is_silent(self, now: int) -> bool:
-        """Tell whether an image node is silent."""
+        """Return whether an image node is silent."""
         return any(monitor.rate(now).is_silent for monitor in self.monitors.values())
 
     def least(self, now: int) -> float:
-        """Return the least rate, frames a second; 0 while one of them is not known yet."""
+        """Return the lowest rate, frames a second; 0 while one of them is unknown."""
         monitors = self.monitors.values()
         if not all(monitor.is_warm(now) for monitor in monitors):
             return 0.0

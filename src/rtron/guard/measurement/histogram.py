@@ -54,7 +54,7 @@ class Histogram(Generic[N]):
         self.count += 1
 
     def quantile(self, fraction: float, default: N) -> N:
-        """Return a value that at least this part of all is not above, at most a tenth too high."""
+        """Return the quantile of `fraction`: one of the values, at most a tenth too high."""
         rank, counted, quantile = math.ceil(fraction * self.count), 0, default
         for index in sorted(self._buckets):
             if counted >= rank and counted:
@@ -72,7 +72,7 @@ class Histogram(Generic[N]):
         return sum((bucket.total for bucket in self._buckets.values()), start=zero)
 
     def split_at(self, limit: N) -> "tuple[Histogram[N], Histogram[N]]":
-        """Return what is at most `limit`, its bucket included, and what is above."""
+        """Return the values up to `limit`, its bucket included, and those above."""
         low, high = Histogram[N](), Histogram[N]()
         for index, bucket in self._buckets.items():
             side = low if bucket.least <= limit else high
@@ -111,7 +111,7 @@ def _bucket_index(value: float) -> int:
 
 
 class LatencyStatistics:
-    """The mean and the worst since the last `reset`."""
+    """The mean and the maximum since the last `reset`."""
 
     __slots__ = ("_count", "_sum", "_worst")
 
@@ -119,13 +119,13 @@ class LatencyStatistics:
         self._count = self._sum = self._worst = 0
 
     def add(self, latency: int) -> None:
-        """Take one delay, ns."""
+        """Add one latency, ns."""
         self._count += 1
         self._sum += latency
         self._worst = max(self._worst, latency)
 
     def reset(self) -> tuple[float, float] | None:
-        """Return mean and worst, us, and begin anew; None if there was no message."""
+        """Return mean and maximum, us, and begin anew; None if there was no message."""
         if not self._count:
             return None
         statistics = (self._sum / self._count / 1e3, self._worst / 1e3)

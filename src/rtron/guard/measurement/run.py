@@ -1,4 +1,4 @@
-"""Measuring a run: what a guard keeps of an app that it watches, a dry run or a recording."""
+"""Measurement of a run of the app: observed, as a dry run, or from a recording."""
 
 import logging
 from collections.abc import Callable, Iterable, Sequence
@@ -18,13 +18,13 @@ from rtron.vocabulary import SECOND, EventStatistics, MeasuredRun, Plan
 log = logging.getLogger(__name__)
 
 WriteFigures = Callable[[MeasuredRun], None]
-"""Keeps the figures so far; RTronError if that is not possible."""
+"""Writes the figures so far; RTronError if that is not possible."""
 
 WRITE_PERIOD = 10 * SECOND
 
 
 class RunMeasurement:
-    """The figures of a whole plan; `observations` are what its host must use."""
+    """The figures of a whole plan; its coordinator must use `observations`."""
 
     def __init__(self, plan: Plan, transport: Transport) -> None:
         self._plan = plan
@@ -40,13 +40,13 @@ class RunMeasurement:
         )
 
     def measure(self, streams: Iterable[GuardedStream]) -> None:
-        """Measure these streams, too, from now on."""
+        """Measure these streams from now on."""
         for each in streams:
             each.measurement = StreamMeasurement(each.spec, self._rates)
             self._streams.append((each, each.measurement))
 
     def figures(self) -> MeasuredRun:
-        """Return what was measured so far."""
+        """Return the figures so far."""
         now = self._transport.now()
         return MeasuredRun(
             app=self._plan.app,
@@ -61,7 +61,7 @@ class RunMeasurement:
         )
 
     def write_periodically(self, write: WriteFigures) -> None:
-        """Write the figures now, RTronError if that fails, and every now and then from now on."""
+        """Write the figures now, RTronError if that fails, and every `WRITE_PERIOD` from now on."""
         write(self.figures())
         self._schedule_write(write)
 
@@ -73,7 +73,7 @@ class RunMeasurement:
         try:
             write(self.figures())
         except RTronError as error:
-            log.error("the figures are not written: %s", error)  # noqa: TRY400 - it tells enough
+            log.error("the figures are not written: %s", error)  # noqa: TRY400 - the message is enough
         self._schedule_write(write)
 
     def _measured_source(self, source: EventSource) -> EventSource:

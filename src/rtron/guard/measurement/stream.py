@@ -1,4 +1,4 @@
-"""What the flows of one stream do, message by message, in a memory that does not grow with time."""
+"""Figures of one stream, message by message, in a memory that does not grow with time."""
 
 from rtron.errors import WireError
 from rtron.guard.action.ros2.endpoints import GoalMessage
@@ -19,14 +19,14 @@ from rtron.vocabulary import (
 )
 
 MOST_COMPARED = 32
-"""Overlaps are measured between so many flows of a stream."""
+"""The number of flows of a stream whose overlaps are measured."""
 
 MOST_OPEN = 100
-"""So many goals, and so many held messages, are waited for."""
+"""The number of open goals, and of held messages, that are remembered."""
 
 
 class StreamMeasurement:
-    """Measures one stream; the guard tells it what arrives, what goes and what is done."""
+    """Measures one stream; the guard reports each message, each output and each finished goal."""
 
     def __init__(self, stream: Stream, rates: FrameRateMeasurement) -> None:
         unapproved = Flow(name=UNAPPROVED, publisher="*")
@@ -42,11 +42,11 @@ class StreamMeasurement:
         self._goals: dict[bytes, tuple[FlowMeasurement, int]] = {}
 
     def learn(self, codec: VelocityCodec) -> None:
-        """Take how the stream's messages are laid out."""
+        """Take the codec of the stream's messages."""
         self._codec = codec
 
     def add_message(self, name: str, message: bytes, now: int, verdict: Verdict | None) -> None:
-        """Note a message of a flow, and what the pipeline says of it."""
+        """Note a message of a flow, and the pipeline's verdict."""
         flow = self._flows[name]
         gap = flow.add_message(now)
         if gap:
@@ -68,7 +68,7 @@ class StreamMeasurement:
             flow.waits.add(now - arrived)
 
     def finish_goal_without_id(self, now: int) -> None:
-        """Note that a goal without an id is done: the last, no other is known to be open."""
+        """Note that the goal without an id is done; at most one is open."""
         if not self._has_goal_ids:
             self.finish_goal(b"", now)
 
@@ -80,7 +80,7 @@ class StreamMeasurement:
             flow.takes.add(now - start_time)
 
     def figures(self, now: int, strangers: tuple[str, ...]) -> StreamStatistics:
-        """Return what was measured until `now`."""
+        """Return the figures until `now`."""
         undone = [flow for flow, _ in self._goals.values()]
         flows = [flow for flow in self._flows.values() if flow.flow.name != UNAPPROVED]
         unapproved = self._flows[UNAPPROVED]
@@ -118,7 +118,7 @@ class StreamMeasurement:
     def _measure_distance_per_frame(
         self, flow: FlowMeasurement, velocity: Velocity, now: int
     ) -> None:
-        """Note how far the robot would go in the time of a frame."""
+        """Note how far the robot moves during one frame."""
         if not self._rates.monitors or flow.flow.name == UNAPPROVED:
             return
         if self._rates.is_silent(now):
@@ -127,13 +127,13 @@ class StreamMeasurement:
             self._per_frame.add(velocity.speed / fps)
 
     def _add_held(self, flow: FlowMeasurement, message: bytes, now: int) -> None:
-        """Keep a held message, so that its id is nobody else's; the oldest makes room."""
+        """Keep a held message, so that its `id()` stays its own; the oldest makes room."""
         if len(self._held) >= MOST_OPEN:
             del self._held[next(iter(self._held))]
         self._held[id(message)] = (message, flow, now)
 
     def _open_goal(self, flow: FlowMeasurement, message: bytes, now: int) -> None:
-        """Wait for the end of a goal; of those without ids, for one: which ended is not told."""
+        """Remember a goal until its end; of goals without an id, only the last."""
         try:
             goal = _goal_id(message) if self._has_goal_ids else b""
         except WireError:

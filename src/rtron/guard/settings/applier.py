@@ -1,4 +1,4 @@
-"""New settings for the running guard: all of them, at once, or nothing and why."""
+"""New settings for the running guard: all of them at once, or none."""
 
 from rtron.errors import InputError
 from rtron.guard.core.coordinator import Coordinator
@@ -19,10 +19,10 @@ from rtron.vocabulary.settings_validation import apply_valid_settings
 
 
 class SettingsApplier:
-    """Puts settings in force in a host that guards `plan`, before it is opened or while it runs.
+    """Puts settings in force in a coordinator of `plan`, before it is opened or while it runs.
 
-    The messages wait meanwhile. Everything that can fail is made first; then the new parts take
-    the places of the old ones and go on with what these know.
+    Messages wait meanwhile. First it creates all that can fail; then the new parts replace the old
+    ones and take over their state.
     """
 
     def __init__(self, plan: Plan, coordinator: Coordinator, transport: Transport) -> None:
@@ -39,14 +39,14 @@ class SettingsApplier:
     def is_stopped(self) -> bool:
         """Whether the emergency stop keeps the robot from moving.
 
-        It cannot in a dry run, nor where the plan only observes: there it is only told.
+        In a dry run, and where the plan only observes, the stop is only reported.
         """
         return bool(self._coordinator.emergency) and self._emergency_stop.has_effect
 
     def apply(self, settings: Settings, wall_now: int) -> None:
         """Put settings in force; `wall_now` is the wall clock (ns) that overrides end by.
 
-        RTronError if they cannot be: then nothing has changed.
+        RTronError if they cannot be used; then nothing has changed.
         """
         plan = self._plan_in_force(settings)
         rules = self._rules.prepare(plan)
@@ -76,7 +76,7 @@ class SettingsApplier:
 
 
 def _check_types(plan: Plan) -> None:
-    """Refuse to limit what is no velocity: nothing would pass any more."""
+    """Refuse to limit a topic without velocities: none of its messages would pass. InputError."""
     if plan.rsrcn is None or plan.rsrcn.policy is PolicyName.BLOCK:
         return
     for topic in plan.rsrcn.vflows:

@@ -1,4 +1,4 @@
-"""The emergency stop: nothing that moves the robot passes until it is taken back."""
+"""The emergency stop: no message that moves the robot passes until it is released."""
 
 import logging
 
@@ -15,22 +15,22 @@ _OWNER = "emergency stop"
 
 
 class EmergencyBrake:
-    """Brakes every enforced stream that can move the robot; in a dry run it only tells so."""
+    """Brakes every enforced stream that can move the robot; a dry run only reports it."""
 
     def __init__(self, coordinator: Coordinator, transport: Transport) -> None:
         self._coordinator = coordinator
         self._streams = [each for each in coordinator.streams if _can_move_robot(each)]
-        # The first definition that is read takes a third of a second: not when there is no time.
+        # The first definition takes a third of a second to read: too long in an emergency.
         for stream in self._streams:
             standard_info(stream.spec.type, transport.encoding)
 
     @property
     def has_effect(self) -> bool:
-        """Whether there is anything that a stop keeps from moving the robot."""
+        """Whether there is a stream that a stop can brake."""
         return bool(self._streams)
 
     def stop(self, stop: EmergencyStop) -> None:
-        """Stop the robot; nothing changes if it is stopped for this already."""
+        """Stop the robot; do nothing if it is stopped for the same reason already."""
         why = _stop_reason(stop)
         if why == self._coordinator.emergency:
             return
@@ -40,7 +40,7 @@ class EmergencyBrake:
             stream.brake(_OWNER, why)
 
     def release(self) -> None:
-        """Let pass again what nobody else keeps from passing."""
+        """Release the brakes of the emergency stop."""
         if not self._coordinator.emergency:
             return
         log.warning("no more: %s", self._coordinator.emergency)

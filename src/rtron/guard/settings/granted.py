@@ -1,4 +1,4 @@
-"""Overrides that settings hold: granted until their time has come, and taken back with them."""
+"""Overrides in the settings: granted until their end, or until the settings drop them."""
 
 import logging
 from collections.abc import Iterator, Mapping
@@ -15,7 +15,7 @@ _CHANNEL = "settings"
 
 
 class SettingsOverrides:
-    """The overrides of the settings in force; those asked for on the robot stand beside them."""
+    """The overrides of the settings in force; those requested on the robot are independent."""
 
     def __init__(self, coordinator: Coordinator, transport: Transport) -> None:
         self._coordinator = coordinator
@@ -25,7 +25,7 @@ class SettingsOverrides:
     def replace(self, overrides: Mapping[str, TimedOverride], wall_now: int) -> None:
         """Grant these, and end all others; `wall_now` is the wall clock, ns.
 
-        No override lasts longer than one that is asked for on the robot.
+        No override lasts longer than one that is requested on the robot.
         """
         before, self._overrides = self._overrides, dict(overrides)
         for id in before.keys() - overrides.keys():

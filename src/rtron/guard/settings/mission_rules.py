@@ -1,4 +1,4 @@
-"""The rules of the mission under settings: which count, what they block, and when."""
+"""The mission's rules under settings: which are selected, what they block, and when."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -18,10 +18,10 @@ from rtron.vocabulary import MSRCN, GuardedTopic, MissionRule, Plan, normalise_t
 
 
 class ActionEvaluators:
-    """The judges of a plan, and one for each rule, which any topic of its type can use.
+    """The evaluators of a plan's topics, and one for each rule that any topic of its type can use.
 
-    Compiling takes milliseconds, which the messages would wait: it is done once, and beforehand
-    for the type that a rule is written for.
+    Compiling takes milliseconds, in which messages wait. So each rule is compiled once, and
+    beforehand for the type that it is written for.
     """
 
     def __init__(self, plan: Plan, planned: Mapping[str, ActionEvaluator]) -> None:
@@ -33,7 +33,7 @@ class ActionEvaluators:
                 self._rule_evaluator(topic, rule)
 
     def for_mission(self, msrcn: MSRCN | None) -> dict[str, ActionEvaluator]:
-        """Return the judge of each topic that rules look into; InputError if one cannot be."""
+        """Return the evaluator of each topic that rules read; InputError if one is invalid."""
         return {
             topic.topic: self._topic_evaluator(topic, rules)
             for topic, rules in _topics_with_rules(msrcn)
@@ -83,7 +83,7 @@ def _combined(evaluators: Sequence[ActionEvaluator]) -> ActionEvaluator:
 
 @dataclass(frozen=True, slots=True)
 class RuleChange:
-    """Other rules, ready to be put in force: what judges messages by them, and how they stand."""
+    """Other rules, ready to be put in force, with their evaluators and statuses."""
 
     observations: Observations
     rule_statuses: dict[str, RuleStatus]
@@ -99,7 +99,7 @@ class MissionRules:
         self._planned_conditions = conditions_by_text(observations.mission.statuses)
 
     def prepare(self, plan: Plan) -> RuleChange:
-        """Return the rules of a plan, nothing changes yet; InputError if they cannot be."""
+        """Return the change to a plan's rules; nothing changes yet. InputError if it is invalid."""
         evaluators = self._evaluators.for_mission(plan.msrcn)
         conditions = self._planned_conditions | conditions_by_text(
             self._observations.mission.statuses
@@ -118,6 +118,6 @@ class MissionRules:
 
 
 def conditions_by_text(rule_statuses: Mapping[str, RuleStatus]) -> dict[str, Condition]:
-    """Return the conditions of rules that have been read already."""
+    """Return the compiled conditions of rules by their text."""
     conditions = (rule_status.condition for rule_status in rule_statuses.values())
     return {each.text: each for each in conditions if isinstance(each, Condition)}

@@ -1,4 +1,4 @@
-"""Supervised overrides: asked for by name, for a time, with a reason; told in the log, and over."""
+"""Supervised overrides, requested on the robot: by name, for a time, with a reason."""
 
 import logging
 from collections.abc import Mapping, Sequence
@@ -20,14 +20,14 @@ _KEYS = {"override", "duration", "reason"}
 
 
 class OverrideCommands:
-    """Grants overrides of the RSRCN and the MSRCN, and ends them in time."""
+    """Grants overrides of the RSRCN and the MSRCN."""
 
     def __init__(self, coordinator: Coordinator, transport: Transport) -> None:
         self._coordinator = coordinator
         self._transport = transport
 
     def handle(self, user: str, request: Mapping[str, Any]) -> Mapping[str, Any]:
-        """Grant what `user` asks for: `{"override": id, "duration": ns, "reason": text}`.
+        """Grant the request of `user`: `{"override": id, "duration": ns, "reason": text}`.
 
         A duration of 0 ends an override.
         """
@@ -76,6 +76,6 @@ def _reason(value: object) -> str:
 
 
 def single_line(text: str) -> str:
-    """Return what can be printed of a text: the rest could forge lines of a log."""
+    """Return a text without unprintable characters, which could forge lines of a log."""
     printable = "".join(each if each.isprintable() else " " for each in text[:_MAX_TEXT_LENGTH])
     return " ".join(printable.split())[:_MAX_REASON_LENGTH]

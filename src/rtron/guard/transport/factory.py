@@ -1,4 +1,4 @@
-"""Which middleware a guard speaks: the plan says it."""
+"""The transport of the middleware that the plan names."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ _RMW_PREFIX = "rmw_fastrtps"
 
 
 def domain_address(domain: int) -> str:
-    """Return what stands for a ROS 2 domain where a ROS 1 master's address would."""
+    """Return the address of a ROS 2 domain, which stands where ROS 1 has the master's."""
     return f"{_DOMAIN}{domain}"
 
 
 def load_middleware(ros: int) -> None:
-    """Import what `open_transport` needs; if something is missing, that says so."""
+    """Import the modules of `open_transport`, which reports what is missing."""
     if ros != 1:
         with suppress(ImportError):
             import_module("rtron.guard.transport.ros2.middleware")
@@ -34,9 +34,9 @@ def load_middleware(ros: int) -> None:
 def open_transport(ros: int, address: str, loop: EventLoop) -> Ros1Transport | Ros2Transport:
     """Return a transport for ROS 1 at a master, or for ROS 2 in the domain of an address.
 
-    SourceError if ROS 2 is not installed here, if its structures are not laid out as the guard
-    reads them, or if its RMW is not Fast DDS: others give a message another id than the publisher
-    has in the graph.
+    SourceError if ROS 2 is not installed here, if its structures have another layout than the guard
+    reads, or if its RMW is not Fast DDS: with another one, the publisher's id in a message differs
+    from its id in the graph.
     """
     if ros == 1:
         return Ros1Transport(loop, find_private_master(address), public=address)

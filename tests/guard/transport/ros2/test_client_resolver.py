@@ -11,39 +11,41 @@ from rtron.guard.transport.ros2.participants import NameOwners
 
 pytestmark = pytest.mark.ros2
 ONE, GIDS = b"participant1", (b"participant1:001", b"participant1:002")
-PLACE = ONE + bytes(12)
+REQUEST_ID = ONE + bytes(12)
 
 
 class Domain:
     """Who subscribes each topic, as the domain tells it."""
 
     def __init__(self):
-        self.changed, self._names = [], {}
+        self.listeners, self._names = [], {}
         self.owners = NameOwners()
-        self.callers = ClientResolver("/fib", "/one", TypeInfo("t", "m"), self._shared())
+        self.resolver = ClientResolver("/fib", "/one", TypeInfo("t", "m"), self._context())
 
     def watch(self, topic):
         pass
 
-    def ends(self, _topic):
-        told = self._names.items()
-        found = [SimpleNamespace(gid=g, node=n, participant=g[: len(ONE)]) for g, n in told]
-        return SimpleNamespace(subscribers=found)
+    def endpoints(self, _topic):
+        subscribers = [
+            SimpleNamespace(gid=gid, node=node, participant=gid[: len(ONE)])
+            for gid, node in self._names.items()
+        ]
+        return SimpleNamespace(subscribers=subscribers)
 
     def tells(self, **names):
         """Tell the names of endpoints from now on."""
         self._names = {GIDS[int(end[-1]) - 1]: name for end, name in names.items()}
         self.owners.update([(name, ONE) for name in names.values()])
-        for changed in self.changed:
-            changed()
+        for listener in self.listeners:
+            listener()
 
     def peer(self):
         """Return whose a request is."""
         peers = []
-        self.callers.resolve(PLACE, peers.append)
+        self.resolver.resolve(REQUEST_ID, peers.append)
         return [(peer.node, peer.verified) for peer in peers]
 
-    def _shared(self):
+    def _context(self):
         loop = SimpleNamespace(now=lambda: 0)
         return SimpleNamespace(graph=self, loop=loop, owners=self.owners)
 

@@ -23,20 +23,20 @@ def world(ros2, monkeypatch):
 
 
 @pytest.fixture
-def callers(world):
-    """Name the callers of an action whose client is /one."""
-    return ClientResolver("/fib", "/one", TypeInfo("t", "m"), world.transport._shared)
+def resolver(world):
+    """Name the resolver of an action whose client is /one."""
+    return ClientResolver("/fib", "/one", TypeInfo("t", "m"), world.transport._context)
 
 
-def place(participant, number=0):
-    """Return the place of a request: its writer's GUID and its number."""
+def request_id(participant, number=0):
+    """Return the id of a request: its writer's GUID and its number."""
     return participant + bytes(4) + number.to_bytes(8, "little")
 
 
-def test_strangers_without_a_name_are_told_apart(world, callers):
+def test_strangers_without_a_name_are_told_apart(world, resolver):
     peers = []
     for each in (NOBODY, NOBODY_ELSE):
-        callers.resolve(place(each), peers.append)
+        resolver.resolve(request_id(each), peers.append)
     assert peers == []
     world.until(lambda: len(peers) == 2)
     assert [peer.node for peer in peers] == [
@@ -45,13 +45,13 @@ def test_strangers_without_a_name_are_told_apart(world, callers):
     assert not any(peer.verified for peer in peers)
 
 
-def test_a_crowd_of_one_nameless_stranger_does_not_hurry_who_is_named_soon(world, callers):
+def test_a_crowd_of_one_nameless_stranger_does_not_hurry_who_is_named_soon(world, resolver):
     strangers, peers = [], []
     for number in range(300):
-        callers.resolve(place(NOBODY, number), strangers.append)
+        resolver.resolve(request_id(NOBODY, number), strangers.append)
     one = world.session.participant("/one")
     assert len(one) == PARTICIPANT_SIZE
-    callers.resolve(place(one), peers.append)
+    resolver.resolve(request_id(one), peers.append)
     assert peers == []
     client = ActionClient(world.session.node("/one"), Fibonacci, "/fib")
     world.until(lambda: peers and len(strangers) == 300)

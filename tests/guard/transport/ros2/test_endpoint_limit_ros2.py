@@ -51,9 +51,9 @@ def test_who_is_known_is_heard_whatever_crowd_comes(world, stranger):
     cls = find_interface("std_msgs/String").cls
     for _ in range(MAX_ENDPOINTS + 50):
         stranger.node("/mallory").create_publisher(cls, TOPIC, 1)
-    ends = world.transport.graph.ends
-    world.until(lambda: len(ends(TOPIC).publishers) == MAX_ENDPOINTS)
-    participants = [each.participant for each in ends(TOPIC).publishers]
+    endpoints = world.transport.graph.endpoints
+    world.until(lambda: len(endpoints(TOPIC).publishers) == MAX_ENDPOINTS)
+    participants = [each.participant for each in endpoints(TOPIC).publishers]
     assert participants == sorted(participants)
     assert participants[0] == stranger.participant("/mallory")
     world.until(lambda: says("after"))

@@ -19,7 +19,7 @@ TOPIC, DRIVER, TOOL = "/rtron/cmd/out", "/driver", "/tool"
 @pytest.fixture
 def output(world):
     output = world.transport.advertise("/rtron/a", TOPIC, "std_msgs/String", successors=(DRIVER,))
-    output.learn(world.info())
+    output.learn_type(world.info())
     output.offer("one", QoS())
     return output
 
@@ -27,12 +27,12 @@ def output(world):
 def listening(world, output, node):
     """Return what a node hears, once the guard knows that it listens."""
     heard = world.listener(node, TOPIC)
-    world.until(lambda: output.reaches(node))
+    world.until(lambda: output.is_subscribed_by(node))
     return heard
 
 
 def test_a_tool_that_listens_does_not_end_the_waiting_for_the_successor(world, output, monkeypatch):
-    monkeypatch.setattr(publication, "_AWAIT_FIRST", 100 * SECOND)
+    monkeypatch.setattr(publication, "_EARLY_TIMEOUT", 100 * SECOND)
     tool = listening(world, output, TOOL)
     words = [world.text(number) for number in range(3)]
     for word in words:
@@ -56,12 +56,12 @@ def test_what_has_waited_too_long_for_the_successor_is_told_to_nobody(world, out
 
 def test_a_stop_is_offered_as_a_successor_asks_for_it_and_not_as_a_tool_does(world):
     output = world.transport.advertise("/rtron/a", TOPIC, "std_msgs/String")
-    output.learn(world.info())
+    output.learn_type(world.info())
     output.offer("one", QoS())
     output.match_subscribers((DRIVER,))
-    made = output._writer
+    writer = output._writer
     world.listener(TOOL, TOPIC, latched=True)
-    world.until(lambda: output.reaches(TOOL))
-    assert output._writer is made
+    world.until(lambda: output.is_subscribed_by(TOOL))
+    assert output._writer is writer
     heard = world.listener(DRIVER, TOPIC, latched=True)
     world.until(lambda: output.publish(world.text("stop")) or heard)

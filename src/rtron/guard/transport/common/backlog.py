@@ -1,9 +1,9 @@
-"""Messages that wait, bounded in number and in bytes; the oldest make room."""
+"""A queue of messages, bounded in number and in bytes; the oldest make room."""
 
 from collections import deque
 
 MAX_BYTES = 1 << 26
-"""The most that may wait for one subscriber, bytes; a single larger message still may."""
+"""The most that one queue holds, bytes; a single message may be larger."""
 
 
 class Backlog:
@@ -22,7 +22,7 @@ class Backlog:
         return len(self._messages)
 
     def append(self, message: bytes) -> None:
-        """Let a message wait; what no longer fits before it is dropped and counted."""
+        """Append a message; drop and count the oldest ones that no longer fit."""
         self._messages.append(message)
         self._bytes += len(message)
         while len(self._messages) > self.limit or self._is_too_large():
@@ -30,13 +30,13 @@ class Backlog:
             self.dropped += 1
 
     def pop(self) -> bytes:
-        """Take the oldest."""
+        """Remove and return the oldest message."""
         message = self._messages.popleft()
         self._bytes -= len(message)
         return message
 
     def clear(self) -> None:
-        """Drop all, counted."""
+        """Drop and count all messages."""
         while self._messages:
             self.pop()
             self.dropped += 1

@@ -1,4 +1,4 @@
-"""A middleware in memory: the guard as it is, with a clock that only `advance` moves."""
+"""A middleware in memory, for tests and replays: only `advance` moves its clock."""
 
 import heapq
 from collections import defaultdict
@@ -21,7 +21,7 @@ from rtron.vocabulary import QoS, normalise_type
 
 
 class MemoryTransport:
-    """Topics as lists; outside nodes speak with `publisher` and listen with `listen`.
+    """Topics as lists; outside nodes publish with `publisher` and subscribe with `listen`.
 
     Every topic reaches every node that is not `unreachable`.
     """
@@ -69,7 +69,7 @@ class MemoryTransport:
         queue_size: int = 100,
         successors: tuple[str, ...] = (),
     ) -> Output:
-        """Publish `topic` as `node`; nothing waits here, so `queue_size` bounds nothing."""
+        """Publish `topic` as `node`; messages never wait here, so `queue_size` has no effect."""
         del node, queue_size, successors
         listeners = self._listeners[topic]
         self.outputs[topic] = MemoryOutput(
@@ -93,12 +93,12 @@ class MemoryTransport:
         self._subscribers[topic].append((on_connect, on_lost))
 
     def link_nodes(self, publisher: str, subscriber: str, topic: str, type: str) -> Output:
-        """Connect two nodes of the guard; what passes can be listened to."""
+        """Connect two nodes of the guard; `listen` shows the messages between them."""
         del subscriber
         return self.advertise(publisher, topic, type)
 
     def publisher(self, topic: str, peer: Peer) -> MessageHandler:
-        """Connect an outside publisher and return what it speaks into."""
+        """Connect an outside publisher and return the function that it publishes with."""
         receivers = []
         for on_connect, on_lost in self._subscribers[topic]:
             receive = on_connect(peer)
@@ -113,7 +113,7 @@ class MemoryTransport:
         return publish
 
     def leave(self, topic: str, peer: Peer) -> None:
-        """Let an outside publisher's connections end."""
+        """End an outside publisher's connections."""
         for on_lost in self._lost_handlers.pop((topic, peer), []):
             on_lost(peer)
 
@@ -144,14 +144,14 @@ class MemoryOutput:
         return self.info == info
 
     def offer(self, flow: str, qos: QoS) -> None:
-        """Know what the publisher of a flow offers."""
+        """Remember the QoS that a flow's publisher offers."""
         self.offered_qos[flow] = qos
 
     def match_subscribers(self, successors: tuple[str, ...]) -> None:
-        """Everybody here hears everything."""
+        """Do nothing: there is no QoS here."""
 
     def publish(self, message: bytes, latched_by: str | None = None) -> None:
-        """Hand the message to every listener; keep it for late ones."""
+        """Give the message to every listener; latch it for late ones."""
         if latched_by is not None:
             self.latched.pop(latched_by, None)
             self.latched[latched_by] = message
@@ -159,5 +159,5 @@ class MemoryOutput:
             messages.append(message)
 
     def clear_latched(self) -> None:
-        """Keep nothing for late listeners any more."""
+        """Latch no message for late listeners any more."""
         self.latched.clear()

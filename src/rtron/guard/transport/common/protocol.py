@@ -1,6 +1,6 @@
-"""What the guard needs of a middleware: nodes, inputs, outputs and a clock.
+"""The guard's interface to a middleware: nodes, subscriptions, outputs and a clock.
 
-Messages are bytes as the middleware frames them; nothing here looks inside.
+Messages are bytes as the middleware frames them; a transport does not decode them.
 """
 
 from collections.abc import Callable
@@ -27,8 +27,8 @@ class TypeInfo:
 class Peer:
     """The publisher at the other end of a connection; `qos` is what it offers in ROS 2.
 
-    `verified` is true when the middleware's own record confirms that `node` lives there; a name
-    that a peer only claims is not verified.
+    `verified` is true when the middleware's own records confirm the name `node`; a name that a peer
+    only claims is not verified.
     """
 
     node: str
@@ -39,10 +39,10 @@ class Peer:
 
 
 ConnectHandler = Callable[[Peer], MessageHandler | None]
-"""Says what takes the messages of a publisher that connected, or None to refuse it."""
+"""Returns the handler of a new publisher's messages, or None to refuse the publisher."""
 
 LostHandler = Callable[[Peer], None]
-"""Told that the connection to a publisher that was accepted has ended."""
+"""Called when the connection to an accepted publisher has ended."""
 
 
 def ignore_lost(peer: Peer) -> None:
@@ -50,11 +50,11 @@ def ignore_lost(peer: Peer) -> None:
 
 
 IsCommand = Callable[[Peer], bool]
-"""Says whether a publisher's messages are for the moment: what is late is not to be heard."""
+"""Returns whether a publisher's messages are commands, which are dropped if late."""
 
 
 def accept_any_age(peer: Peer) -> bool:
-    """Hear all messages, however old they are."""
+    """Accept all messages, however old they are."""
     del peer
     return False
 
@@ -63,27 +63,27 @@ class Output(Protocol):
     """A topic that a node of the guard publishes."""
 
     def learn_type(self, info: TypeInfo) -> bool:
-        """Take the type from a publisher; False if it is not what is known or asked for."""
+        """Take the type from a publisher; False if it is not the known or the requested one."""
         ...
 
     def offer(self, flow: str, qos: QoS) -> None:
-        """Offer subscribers at least what the publisher of a flow offers, where there is QoS."""
+        """Offer subscribers at least the QoS of a flow's publisher, where there is QoS."""
         ...
 
     def match_subscribers(self, successors: tuple[str, ...]) -> None:
-        """Offer these nodes all that they ask for, where there is QoS: a stop must reach them."""
+        """Offer these nodes the QoS that they request, where there is QoS: a stop reaches them."""
         ...
 
     def publish(self, message: bytes, latched_by: str | None = None) -> None:
-        """Send to every subscriber; keep it for late ones as the last word of `latched_by`."""
+        """Send to every subscriber; latch it for late ones as the last message of `latched_by`."""
         ...
 
     def is_subscribed_by(self, node: str) -> bool:
-        """Tell whether a node that says that it is `node` listens."""
+        """Return whether a node that calls itself `node` subscribes."""
         ...
 
     def clear_latched(self) -> None:
-        """Keep nothing for late subscribers any more."""
+        """Latch no message for late subscribers any more."""
         ...
 
 
@@ -111,9 +111,9 @@ class Transport(Protocol):
     ) -> Output:
         """Publish `topic` as `node`.
 
-        `queue_size` bounds what waits for a slow subscriber. For the `successors` that are
-        expected, what is said before the first one comes waits a moment, and the message type
-        that they ask for is the one that publishers must have.
+        `queue_size` bounds the messages that wait for a slow subscriber. Messages before the first
+        of the expected `successors` wait a moment for it, and publishers must have the message type
+        that `successors` request.
         """
         ...
 
@@ -128,25 +128,25 @@ class Transport(Protocol):
         is_command: IsCommand = accept_any_age,
         publishers: tuple[str, ...] = (),
     ) -> None:
-        """Subscribe `topic` as `node`; never hears what this transport publishes.
+        """Subscribe `topic` as `node`, without messages that this transport publishes.
 
-        Where the middleware tells messages' age (ROS 2), what is `is_command` is heard only if it
-        comes in time; what its publisher has kept, always. Where anybody can tell another name of
-        a publisher (ROS 2), who has been known by one of the `publishers` that is its own keeps it.
+        ROS 2 tells the age of messages: those of an `is_command` publisher are dropped if late,
+        unless they are latched. In ROS 2 anybody can announce another name for a publisher: one
+        that was known by one of the names in `publishers`, as its owner, keeps that name.
         """
         ...
 
     def link_nodes(self, publisher: str, subscriber: str, topic: str, type: str) -> Output:
-        """Show two nodes of the guard as connected by `topic`; what passes goes inside."""
+        """Show two nodes of the guard as connected by `topic`; messages pass inside the guard."""
         ...
 
 
 class NumberedMessage(bytes):
-    """A message with its publisher's number of it.
+    """A message with its DDS sequence number.
 
-    `writer` names the publisher and no other, not even the one in its place after a restart;
-    `number` grows with each of its messages, and one that it sends again has the number it had.
-    `source_time` is when it was said first, ns of its publisher's wall clock, 0 if nobody knows.
+    `writer` identifies the publisher, and not the one that replaces it after a restart. `number`
+    grows with each message; one that is sent again keeps its number. `source_time` is when the
+    message was first sent, ns of the publisher's wall clock, 0 if unknown.
     """
 
     writer: str
@@ -157,7 +157,7 @@ class NumberedMessage(bytes):
     def of(
         cls, message: bytes, writer: str, number: int, source_time: int = 0
     ) -> "NumberedMessage":
-        """Return a message that knows its number."""
+        """Return a message with its number."""
         numbered = cls(message)
         numbered.writer, numbered.number, numbered.source_time = writer, number, source_time
         return numbered

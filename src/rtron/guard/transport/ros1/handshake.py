@@ -1,4 +1,4 @@
-"""Connecting to a publisher: asked for in a worker thread, so that no dead node delays the loop."""
+"""Connecting to a publisher, in a worker thread, so that no dead node delays the loop."""
 
 import socket
 import time
@@ -18,7 +18,7 @@ _ADDRESS_LENGTH = 3
 
 @dataclass(frozen=True, slots=True)
 class TopicRequest:
-    """Which topic a node of ours wants, and the master that knows who is who."""
+    """The topic that one of our nodes requests, and the master that confirms names."""
 
     node: str
     topic: str
@@ -27,7 +27,7 @@ class TopicRequest:
 
 
 def connect(request: TopicRequest, uri: str) -> tuple[socket.socket, Peer]:
-    """Return a connection that is about to stream, and who is at the other end.
+    """Return a connection that is ready to stream, and its peer.
 
     Raises SourceError or OSError if the publisher cannot be reached, WireError if it breaks the
     protocol or has another type.
@@ -57,7 +57,7 @@ def _request_address(request: TopicRequest, uri: str) -> tuple[str, int]:
     return str(answer[1]), _port(answer[2])
 
 
-def _port(value: Any) -> int:  # noqa: ANN401 - a stranger's word
+def _port(value: Any) -> int:  # noqa: ANN401 - any XML-RPC value
     if not isinstance(value, int) or not 0 < value < 1 << 16:
         raise WireError(f"not a port: {value!r}")
     return value

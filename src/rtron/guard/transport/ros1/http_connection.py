@@ -1,4 +1,4 @@
-"""HTTP requests, XML-RPC ones for instance, served on the loop, one by one on each connection."""
+"""HTTP connections on the event loop, each serving one request after the other."""
 
 import logging
 import socket
@@ -23,7 +23,7 @@ _CHUNK = 1 << 16
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class HttpLimits:
-    """The longest request, and the most of our answers that may wait for the caller, in bytes."""
+    """The longest request, and the most response data that may wait for the client, in bytes."""
 
     request: int = 1 << 16
     response: int = 1 << 20
@@ -39,22 +39,21 @@ class MemoryBudget:
         self._left = limit
 
     def take(self, size: int) -> None:
-        """Hold some more; WireError, and nothing is held, if that is too much."""
+        """Take `size` bytes; WireError, and none are taken, if fewer are left."""
         if size > self._left:
             raise WireError("too much is being asked at once")
         self._left -= size
 
     def release(self, size: int) -> None:
-        """Hold this much less."""
+        """Give back `size` bytes."""
         self._left += size
 
 
 class HttpConnection:
-    """One HTTP connection; `on_request` takes the body of each request, `reply` answers it, also later.
+    """One HTTP connection: `on_request` takes each request's body, `reply` answers, also later.
 
-    Bad requests close it, slow ones are given up; `on_close` hears of its end. What a
-    request has beyond 64 KiB counts in the `budget` until it is answered; short ones are never
-    refused for the long ones of others.
+    A bad or slow request closes it; `on_close` is called at its end. The part of a request beyond
+    64 KiB counts in the `budget` until it is answered, so long requests never make short ones fail.
     """
 
     def __init__(
@@ -81,7 +80,7 @@ class HttpConnection:
         loop.call_later(_IDLE_TIMEOUT_S, self._close_if_idle)
 
     def reply(self, body: bytes) -> None:
-        """Answer the request that was served last; nothing if its caller has left."""
+        """Answer the last request; do nothing if its client has left."""
         if not self._is_closed:
             self._close_on_error(lambda: self._send_answer(body))
 
@@ -121,14 +120,14 @@ class HttpConnection:
             pass
 
     def _close_on_error(self, action: Callable[[], None]) -> None:
-        """Do what may fail while no caller of ours is there to hear of it."""
+        """Run `action`; close the connection if it fails."""
         try:
             action()
         except (h11.ProtocolError, OSError, WireError) as error:
             self._on_error(error)
 
     def _handle_event(self, event: Any) -> bool:  # noqa: ANN401 - h11's events have no common base
-        """Deal with an event; tell whether there may be another."""
+        """Handle an event; return whether there may be another."""
         if isinstance(event, h11.Data):
             self._body += event.data
             if len(self._body) > self._limits.request:
@@ -179,7 +178,7 @@ class HttpConnection:
         self._loop.call_later(_IDLE_TIMEOUT_S, self._close_if_idle)
 
     def close(self) -> None:
-        """Close the connection; a second time does nothing."""
+        """Close the connection; a second call does nothing."""
         if not self._is_closed:
             self._is_closed = True
             self._release()

@@ -33,7 +33,7 @@ _WORKERS = 4
 class Ros1Transport:
     """Nodes, topics and a clock on ROS 1; everything happens in the loop's thread.
 
-    `public` is the master's address that others are told, where it is not the one we use.
+    `public` is the master's address as other nodes know it, where it differs from `master`.
     """
 
     encoding = Encoding.ROS1
@@ -85,7 +85,7 @@ class Ros1Transport:
         is_command: IsCommand = accept_any_age,
         publishers: tuple[str, ...] = (),
     ) -> None:
-        """Subscribe `topic` as `node`; see `Transport`. ROS 1 tells no message's age."""
+        """Subscribe `topic` as `node`; see `Transport`. ROS 1 does not know the age of messages."""
         del is_command, publishers
         request = TopicRequest(node, topic, type, self._master)
         link = link_factory(self._loop, self._create_workers(topic), request, on_connect, on_lost)
@@ -103,7 +103,7 @@ class Ros1Transport:
 
     @property
     def port(self) -> int:
-        """The TCPROS port that every node of ours answers at."""
+        """The TCPROS port of all our nodes."""
         return self._server.port
 
     def node_uris(self) -> dict[str, str]:
@@ -111,12 +111,12 @@ class Ros1Transport:
         return {name: node.uri for name, node in self._nodes.items()}
 
     def subscribers(self, topic: str) -> set[str]:
-        """Return what the subscribers that are connected to a topic of ours call themselves."""
+        """Return the names that the connected subscribers of a topic give themselves."""
         publication = self._publications.get(topic)
         return {link.node for link in publication.links} if publication else set()
 
     def register_node(self, name: str) -> None:
-        """Register all of a node again: the master gives a name to who took it last."""
+        """Register a node again: the master gives a name to the last one that registers it."""
         if name in self._nodes:
             self._registrar.register_all(self._nodes[name])
 

@@ -1,7 +1,7 @@
 """A ROS 1 node of the guard: its topics, and the slave API that the graph's tools call.
 
-ROS wiki: Slave_API. A caller's word is never taken for the master's: `publisherUpdate` only makes
-us ask the master itself.
+ROS wiki: Slave_API. A caller may not be the master, so `publisherUpdate` only makes us ask the
+master itself.
 """
 
 import os

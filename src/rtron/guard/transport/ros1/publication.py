@@ -1,4 +1,4 @@
-"""A topic that one of our nodes publishes: its subscribers, and what late ones get."""
+"""A topic that one of our nodes publishes: its subscribers and its latched messages."""
 
 from collections.abc import Callable
 
@@ -15,8 +15,8 @@ class Publication:
     """Sends raw messages to every subscriber, each with a bounded queue of its own.
 
     The type is learned from the first publisher that the guard approves. A subscriber that comes
-    before and names its md5sum is served at once and cut off if the type turns out another; one
-    that asks for any type waits until it is known.
+    before and names an md5sum is accepted at once, and closed if the type turns out to be another;
+    one that requests any type waits until it is known.
     """
 
     def __init__(
@@ -59,13 +59,13 @@ class Publication:
         return True
 
     def offer(self, flow: str, qos: QoS) -> None:
-        """Do nothing: ROS 1 has no QoS but latching, which `publish` is told."""
+        """Do nothing: ROS 1 has no QoS but latching, which is an argument of `publish`."""
 
     def match_subscribers(self, successors: tuple[str, ...]) -> None:
-        """ROS 1 has no QoS."""
+        """Do nothing: ROS 1 has no QoS."""
 
     def publish(self, message: bytes, latched_by: str | None = None) -> None:
-        """Send to every subscriber; keep it for late ones as the last word of `latched_by`."""
+        """Send to every subscriber; latch it for late ones as the last message of `latched_by`."""
         if latched_by is not None:
             self._latched.pop(latched_by, None)
             self._latched[latched_by] = message
@@ -75,11 +75,11 @@ class Publication:
             self._queue_early(self._early_messages, message)
 
     def is_subscribed_by(self, node: str) -> bool:
-        """Tell whether a subscriber says that it is `node`."""
+        """Return whether a subscriber calls itself `node`."""
         return any(link.node == node for link in self.links)
 
     def clear_latched(self) -> None:
-        """Keep nothing for late subscribers any more."""
+        """Latch no message for late subscribers any more."""
         self._latched.clear()
         self._early_messages = None
 
@@ -133,7 +133,7 @@ class Publication:
             link.send(message)
 
     def _queue_early(self, early: Backlog, message: bytes) -> None:
-        """Let the first messages wait for the first subscriber; when it is late, they are stale."""
+        """Let the first messages wait for the first subscriber; after 1 s they are stale."""
         now = self._now()
         self._early_since = self._early_since or now
         if now - self._early_since > _EARLY_TIMEOUT_NS:
@@ -150,7 +150,7 @@ class Publication:
         return [message for message in messages if message not in latched]
 
     def _requested_md5sums(self, info: TypeInfo) -> set[str]:
-        """Return the md5sums that the successors ask for; any will do while none has said."""
+        """Return the md5sums that the successors request; that of `info` while there is none."""
         links = (link for link in self.links if link.node in self._successors)
         return {link.md5sum for link in links} or {info.md5sum}
 

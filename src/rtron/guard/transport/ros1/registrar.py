@@ -1,7 +1,7 @@
-"""The master, asked in a thread of its own: what we are is registered, and stays registered.
+"""Registration at the master, in a thread of its own.
 
-Every few seconds all registrations are said again; that is how a restarted master learns of us,
-how a registration that somebody took back returns, and how a missed update is made good.
+All registrations are repeated every few seconds. So a restarted master learns of our nodes, a
+registration that somebody has removed returns, and a missed update is made up for.
 """
 
 import logging
@@ -70,7 +70,7 @@ class Registrar:
             self.subscribe(node, topic)
 
     def unregister_all(self, node: Ros1Node) -> None:
-        """Take back all that a node has registered."""
+        """Unregister all that a node has."""
         for method, topics in (
             ("unregisterPublisher", node.publications),
             ("unregisterSubscriber", node.subscriptions),
@@ -79,7 +79,7 @@ class Registrar:
                 self._thread.submit(self._call, method, node.name, topic, node.uri)
 
     def close(self) -> None:
-        """Wait until all that was asked has been said, or the master has had its time."""
+        """Wait until all calls are answered, at most as long as one call may take."""
         self._deadline = time.monotonic() + _TIMEOUT_S
         self._thread.shutdown(wait=True)
 
@@ -146,7 +146,7 @@ class Registrar:
 
 
 class _RefusalLog:
-    """The log of what the master refuses: the same once in 10 s, and not too much of it."""
+    """The log of the master's refusals: each once in 10 s, and a bounded number of them."""
 
     def __init__(self) -> None:
         self._logged_at: dict[str, float] = {}
@@ -163,10 +163,10 @@ class _RefusalLog:
 
 
 def _is_refusal(error: RTronError) -> bool:
-    """Tell whether the master has answered, and said no."""
+    """Return whether the master has answered with a refusal."""
     return isinstance(error, SourceError) and error.__cause__ is None
 
 
 def _ignore_answer(answer: object) -> None:
-    """Take an answer that nobody needs."""
+    """Do nothing with an answer."""
     del answer

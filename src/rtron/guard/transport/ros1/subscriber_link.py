@@ -1,4 +1,4 @@
-"""A connection to one subscriber: what it waits for is bounded, and it delays nobody else."""
+"""A connection to one subscriber: its queue is bounded, and it delays no other one."""
 
 import logging
 import socket
@@ -19,8 +19,8 @@ _BATCH = 64
 class SubscriberLink:
     """One accepted TCPROS connection, from its header to its end.
 
-    What waits for a slow subscriber is bounded; the oldest is dropped and counted, as in roscpp's
-    publisher queue.
+    The queue of a slow subscriber is bounded; the oldest message is dropped and counted, as in
+    roscpp's publisher queue.
     """
 
     def __init__(
@@ -47,7 +47,7 @@ class SubscriberLink:
 
     @property
     def dropped(self) -> int:
-        """How many messages the subscriber was too slow for."""
+        """How many messages were dropped because the subscriber was too slow."""
         return self._queue.dropped
 
     def set_queue_size(self, size: int) -> None:
@@ -64,12 +64,12 @@ class SubscriberLink:
         return f"{host}:{port}"
 
     def accept(self, fields: dict[str, str]) -> None:
-        """Answer the header; messages may follow."""
+        """Accept the header; messages may follow."""
         self.is_streaming = True
         self._enqueue(encode_header(fields))
 
     def refuse(self, why: str) -> None:
-        """Answer the header with an error, as ROS 1 does, and close."""
+        """Answer the header with an error, as ROS 1 does, and close the connection."""
         log.warning("subscriber %s at %s refused: %s", self.node or "?", self.address, why)
         self._enqueue(encode_header({"error": why}))
         self._flush()
@@ -82,7 +82,7 @@ class SubscriberLink:
         self._unflushed.append(message)
 
     def close(self) -> None:
-        """End the connection; what waited is counted as dropped."""
+        """Close the connection; messages that wait count as dropped."""
         if self.is_closed:
             return
         self.is_closed = True
@@ -109,7 +109,7 @@ class SubscriberLink:
             self._queue.append(message)
 
     def _enqueue(self, data: bytes) -> None:
-        """Write while nothing waits; what the kernel does not take becomes the head."""
+        """Write to the socket; the rest that the kernel does not take becomes the head."""
         try:
             written = self._sock.send(data)
         except BlockingIOError:

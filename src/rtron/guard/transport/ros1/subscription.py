@@ -20,7 +20,7 @@ _LAST_RETRY_S = 5.0
 
 
 class PublisherLink:
-    """Connects to the publisher at `uri`, hands its messages on, and reconnects with back-off."""
+    """Connects to the publisher at `uri`, receives its messages, reconnects with back-off."""
 
     def __init__(
         self,
@@ -51,7 +51,7 @@ class PublisherLink:
 
     @property
     def is_connected(self) -> bool:
-        """Tell whether messages can come."""
+        """Return whether the connection is open."""
         return self._sock is not None
 
     def close(self) -> None:
@@ -137,12 +137,12 @@ def link_factory(
     on_connect: ConnectHandler,
     on_lost: LostHandler,
 ) -> Callable[[str], PublisherLink]:
-    """Return what makes a link from a publisher's address."""
+    """Return a function that creates a link to a publisher's address."""
     return lambda uri: PublisherLink(loop, workers, request, uri, on_connect, on_lost)
 
 
 class Subscription:
-    """Keeps one link a publisher; `is_internal` marks a connection between two nodes of the guard."""
+    """Keeps one link to each publisher; `is_internal` connects two nodes of the guard."""
 
     def __init__(
         self,
@@ -160,7 +160,7 @@ class Subscription:
         self.own_uris: tuple[str, ...] = ()
 
     def update(self, uris: Iterable[str], own_uris: frozenset[str]) -> None:
-        """Take the master's list of publishers; addresses of our own nodes are left out."""
+        """Take the master's list of publishers, without our own nodes."""
         self._forget_closed()
         listed_uris = set(uris)
         self.own_uris = tuple(sorted(listed_uris & own_uris))
@@ -174,7 +174,7 @@ class Subscription:
             self.links[uri] = self._create_link(uri)
 
     def keep_working_links(self) -> None:
-        """Keep the links that work although a new master knows nothing of them, as ROS does."""
+        """Keep the links that work although a new master does not list them, as ROS does."""
         for link in self.links.values():
             link.is_from_old_master = link.is_connected
 

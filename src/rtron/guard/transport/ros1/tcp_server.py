@@ -1,4 +1,4 @@
-"""A listening socket of the loop; both TCPROS and the XML-RPC slaves use it."""
+"""A listening socket of the event loop, for TCPROS and for the XML-RPC slaves."""
 
 import logging
 import socket
@@ -28,7 +28,7 @@ _PAUSE_S = 0.1
 
 
 class TcpServer:
-    """Accepts connections and hands each over, non-blocking; port 0 is a free one."""
+    """Accepts connections and passes on each as non-blocking; port 0 is a free one."""
 
     def __init__(
         self,
@@ -45,7 +45,7 @@ class TcpServer:
         loop.watch(self._sock, self._accept, self._on_error)
 
     def close(self) -> None:
-        """Listen no more."""
+        """Stop listening."""
         self._loop.forget(self._sock)
 
     def _accept(self) -> None:

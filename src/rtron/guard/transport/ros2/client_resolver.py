@@ -1,8 +1,8 @@
-"""Whose a request is: a node of the participant that sent it, as the graph tells.
+"""The client of a request: a node of the participant that sent it, by the graph.
 
-A client of an action also subscribes its topics (rcl_action), so the graph names its node there.
-Once that is an approved name of its own there, it stays: no endpoint changes its node, and anybody
-can tell the domain another name for it.
+A client of an action also subscribes to the action's topics (rcl_action), so the graph names its
+node there. Once that is an approved name which the participant owns, it stays: no endpoint changes
+its node, and anybody can announce another name for it.
 """
 
 from __future__ import annotations
@@ -28,12 +28,12 @@ _MAX_PER_PARTICIPANT = 32
 
 
 class ClientResolver:
-    """Names the senders of requests under one name of an action; the nameless wait a moment."""
+    """Names the clients of an action's requests; requests without a name yet wait a moment."""
 
     def __init__(
         self, action: str, publisher: str, info: TypeInfo, context: TransportContext
     ) -> None:
-        self._topics = [ros2_entity_name(action, end) for end in ROS2_ACTION_TOPICS]
+        self._topics = [ros2_entity_name(action, name) for name in ROS2_ACTION_TOPICS]
         self._publisher = publisher
         self._info = info
         self._graph = context.graph
@@ -46,11 +46,11 @@ class ClientResolver:
         self._graph.listeners.append(self.update)
 
     def close(self) -> None:
-        """Name nobody any more."""
+        """Stop resolving."""
         self._graph.listeners.remove(self.update)
 
     def resolve(self, request_id: bytes, on_peer: PeerHandler) -> None:
-        """Call `on_peer` with the sender of a request, now or when the graph knows it."""
+        """Call `on_peer` with the client of a request, now or once the graph knows it."""
         participant = request_id[:PARTICIPANT_SIZE]
         peer = self._peer(participant)
         if peer or self._is_full(participant):
@@ -61,14 +61,16 @@ class ClientResolver:
                 self._graph.query_if_due(topic)
 
     def _is_full(self, participant: bytes) -> bool:
-        """Tell whether no more may wait, of all or of one: it shall not crowd out the others."""
+        """Return whether no more requests may wait, in all or of this participant."""
         own_count = sum(each == participant for _, each, _ in self._unresolved)
         return own_count >= _MAX_PER_PARTICIPANT or len(self._unresolved) >= _MAX_UNRESOLVED
 
     def update(self) -> None:
-        """Take what the graph says: name who has waited for it, or waited for too long."""
+        """Take the new graph: name the clients that it knows now, or that have waited too long."""
         self._approved = {
-            end.gid: node for end, node in self._clients() if self._is_approved_client(end, node)
+            endpoint.gid: node
+            for endpoint, node in self._clients()
+            if self._is_approved_client(endpoint, node)
         }
         now, unresolved = self._loop.now(), list(self._unresolved)
         self._unresolved.clear()
@@ -80,22 +82,27 @@ class ClientResolver:
                 self._unresolved.append((since, participant, on_peer))
 
     def _nodes(self, participant: bytes) -> list[str]:
-        """Return the nodes of a participant that are clients here."""
-        return [node for end, node in self._clients() if node and end.participant == participant]
+        """Return the nodes of a participant that are clients of the action."""
+        return [
+            node
+            for endpoint, node in self._clients()
+            if node and endpoint.participant == participant
+        ]
 
     def _clients(self) -> Iterator[tuple[Ros2Endpoint, str]]:
-        """Yield the ends of clients here, each with its node."""
+        """Yield the endpoints of the action's clients, each with its node."""
         for topic in self._topics:
-            for end in self._graph.endpoints(topic).subscribers:
-                yield end, self._approved.get(end.gid, end.node)
+            for endpoint in self._graph.endpoints(topic).subscribers:
+                yield endpoint, self._approved.get(endpoint.gid, endpoint.node)
 
-    def _is_approved_client(self, end: Ros2Endpoint, node: str) -> bool:
-        return matches_node(self._publisher, node) and self._owners.is_owner(node, end.participant)
+    def _is_approved_client(self, endpoint: Ros2Endpoint, node: str) -> bool:
+        is_owner = self._owners.is_owner(node, endpoint.participant)
+        return is_owner and matches_node(self._publisher, node)
 
     def _peer(self, participant: bytes) -> Peer | None:
-        """Return the sender, None while it may turn out to be approved.
+        """Return the client, None while it may turn out to be approved.
 
-        Of several nodes in one process it is the one that is approved here.
+        Of several nodes in one participant it is the approved one.
         """
         nodes = self._nodes(participant)
         approved = [node for node in nodes if matches_node(self._publisher, node)]
@@ -105,9 +112,9 @@ class ClientResolver:
         return self._unapproved_peer(participant) if nodes and not approved else None
 
     def _unapproved_peer(self, participant: bytes) -> Peer:
-        """Return a sender that is not approved, or whose name is another's.
+        """Return a client that is not approved, or whose name another participant owns.
 
-        Those without a name are told apart by their participants.
+        Clients without a name are named by their participants.
         """
         nodes = self._nodes(participant)
         name = next(iter(nodes), f"participant {participant.hex()}")

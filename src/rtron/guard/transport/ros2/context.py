@@ -1,4 +1,4 @@
-"""What all ends of the transport share."""
+"""The objects that all endpoints of the transport share."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ if TYPE_CHECKING:
 
 @dataclass(slots=True)
 class TransportContext:
-    """The loop, rcl's calls, the graph, whose the node names in it are, and who of it lives.
+    """The event loop, rcl's calls, the graph, the owners of its node names, and their liveness.
 
-    `report_unreadable` is told what of a node's words on a topic is not heard, and why.
+    `report_unreadable` takes a topic, a node, and why a message of that node cannot be read.
     """
 
     loop: EventLoop

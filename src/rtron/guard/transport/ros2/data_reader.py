@@ -1,4 +1,4 @@
-"""One DDS reader of the guard: raw messages with their publishers' GIDs, as they come in."""
+"""One DDS reader of the guard: raw messages with their publishers' GIDs."""
 
 from __future__ import annotations
 
@@ -30,10 +30,10 @@ log = logging.getLogger(__name__)
 
 
 class DataReader:
-    """Asks for what publishers of one QoS offer; `on_message` gets the reader, the GID, the message.
+    """Reads publishers of one QoS; `on_message` takes the reader, the GID and the message.
 
-    What publishers keep comes numbered: DDS tells it again to every new reader. What is
-    `is_command` is not handed on late.
+    Transient-local messages get their numbers, since DDS sends them again to every new reader.
+    Messages of an `is_command` reader are dropped if they are late.
     """
 
     def __init__(
@@ -68,7 +68,7 @@ class DataReader:
         self._rcl.notify("subscription", self._subscription.handle, self._event_fd.fd)
 
     def close(self) -> None:
-        """Read no more."""
+        """Stop reading."""
         self._pointer = 0
         self._node.destroy_subscription(self._subscription)
         self._event_fd.stop()
@@ -93,11 +93,11 @@ class DataReader:
         if not lateness.is_late(gid, self._rcl.source_time, time_ns(), self._now):
             return False
         if self._log_throttle.allows("late", self._now()):
-            log.warning("%s: what comes late is dropped: it was meant for the moment", self._topic)
+            log.warning("%s: a late command is dropped", self._topic)
         return True
 
     def _deliver(self, gid: bytes, message: bytes) -> None:
-        """Hand a message on; one that fails must not leave those behind it unread."""
+        """Pass on a message; one that fails must not leave those behind it unread."""
         try:
             self._on_message(self, gid, message)
         except MemoryError:

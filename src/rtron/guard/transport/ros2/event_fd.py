@@ -1,4 +1,4 @@
-"""An eventfd that the loop watches: others count up, the loop is called with the count."""
+"""An eventfd that the event loop watches: DDS adds to it, the loop calls back with the count."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _MAX_COUNT = 64
 
 
 class EventFd:
-    """Calls `take(count)`, at most 64 at a time, so that no flood keeps the loop from others."""
+    """Calls `on_count(count)`, at most 64 at a time, so that a flood does not block the loop."""
 
     def __init__(self, loop: EventLoop, on_count: Callable[[int], None]) -> None:
         self._loop = loop
@@ -26,21 +26,21 @@ class EventFd:
         loop.watch(self, self._on_readable, self._on_error)
 
     def fileno(self) -> int:
-        """Return the descriptor, as a selector asks for it."""
+        """Return the descriptor, for a selector."""
         return self.fd
 
     def close(self) -> None:
-        """Close the descriptor; the loop calls it."""
+        """Close the descriptor; only the loop calls it."""
         if self.fd >= 0:
             os.close(self.fd)
         self.fd = -1
 
     def stop(self) -> None:
-        """Be called no more."""
+        """Stop watching, and close."""
         self._loop.forget(self)
 
     def _on_readable(self) -> None:
-        """Have what is there taken; after a failure once more as often, so that nothing stays."""
+        """Pass on the count; after a failure count the rest again, so that no message stays."""
         count = os.eventfd_read(self.fd)
         if count > _MAX_COUNT:
             os.eventfd_write(self.fd, count - _MAX_COUNT)
@@ -52,4 +52,4 @@ class EventFd:
             raise
 
     def _on_error(self, error: Exception) -> None:
-        log.error("news of ROS 2 could not be dealt with: %s", error)
+        log.error("an event of ROS 2 could not be handled: %s", error)

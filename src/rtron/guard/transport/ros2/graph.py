@@ -1,7 +1,7 @@
-"""The domain's graph as the guard needs it: who is on the topics it watches, told when it changes.
+"""The endpoints on the topics that the guard watches, updated when the ROS 2 graph changes.
 
-A thread waits for rcl's graph condition, since nothing else tells of changes; all else happens in
-the loop's thread.
+A thread waits for rcl's graph condition, the only notice of changes. All else runs in the loop's
+thread.
 """
 
 from __future__ import annotations
@@ -35,13 +35,13 @@ _QUERY_PERIOD = SECOND // 50
 _REFRESH_PERIOD_S = 0.5
 _LONGEST_WAIT_NS = 500_000_000
 _IDLE_FACTOR = 4
-"""So many times as long as the asking took."""
+"""The idle time after a query, as a multiple of the query's time."""
 _MAX_IDLE = 2 * SECOND
 
 
 @dataclass(frozen=True, slots=True)
 class TopicEndpoints:
-    """Who publishes and who subscribes a topic, without ourselves."""
+    """The publishers and subscribers of a topic, without our own."""
 
     publishers: tuple[Ros2Endpoint, ...] = ()
     subscribers: tuple[Ros2Endpoint, ...] = ()
@@ -51,10 +51,10 @@ _NO_ENDPOINTS = TopicEndpoints()
 
 
 class RosGraph:
-    """Keeps what the domain says of each watched topic, and calls all of `changed` after news.
+    """Keeps the endpoints of each watched topic, and calls all `listeners` after each refresh.
 
-    Strangers who make endpoints without end cost not more than a part of the time: of each topic a
-    bounded number is known, and after each asking the graph rests in proportion to its work.
+    Strangers who create endpoints without end cost only a part of the time: the number of endpoints
+    of a topic is bounded, and after each query the graph is idle in proportion to its work.
     """
 
     def __init__(self, loop: EventLoop, session: Ros2Session, rcl: Rcl) -> None:
@@ -68,7 +68,7 @@ class RosGraph:
         self._endpoints: dict[str, TopicEndpoints] = {}
         self.listeners: list[Callable[[], None]] = []
         self.participant = session.participant(GUARD_NODE)
-        """Which participant we are."""
+        """The guard's own participant."""
         self._is_refresh_due = False
         self._is_closing = False
         self._last_queries: dict[str, int] = {}
@@ -79,31 +79,31 @@ class RosGraph:
             target=self._wait_for_changes, args=(session,), daemon=True
         )
         self._wait_thread.start()
-        atexit.register(self.close)  # the thread must not be in rcl when Python ends
+        atexit.register(self.close)  # the thread must not be in rcl when Python exits
         self._refresh_periodically()
 
     def watch(self, topic: str) -> None:
-        """Know about a topic from now on; one without a slash in front is the middleware's own."""
+        """Watch a topic from now on; a name without a leading slash is the middleware's own."""
         if topic not in self._endpoints:
             self._endpoints[topic] = _NO_ENDPOINTS
             self._refresh_soon()
 
     def endpoints(self, topic: str) -> TopicEndpoints:
-        """Return who is on a watched topic."""
+        """Return the endpoints on a watched topic."""
         return self._endpoints.get(topic, _NO_ENDPOINTS)
 
     def watched_endpoints(self) -> tuple[TopicEndpoints, ...]:
-        """Return who is on all the watched topics."""
+        """Return the endpoints on all watched topics."""
         return tuple(self._endpoints.values())
 
     def is_own(self, gid: bytes) -> bool:
-        """Tell whether an endpoint is one of ours."""
+        """Return whether an endpoint is one of ours."""
         return gid.startswith(self.participant)
 
     def query_if_due(self, topic: str) -> TopicEndpoints:
-        """Ask the domain about one topic now; whoever is new, is told to all soon.
+        """Query one topic now; listeners learn of changes soon.
 
-        Asked again at once, or while it rests, it gives what it knows.
+        Soon after the last query, or while the graph is idle, return the known endpoints.
         """
         now = self._loop.now()
         if now < max(
@@ -114,7 +114,7 @@ class RosGraph:
         return self.query(topic)
 
     def query(self, topic: str) -> TopicEndpoints:
-        """Ask the domain about one topic, whatever it costs."""
+        """Query one topic, whatever it costs."""
         with self._pause_afterwards():
             endpoints = self._query_endpoints(topic)
         if endpoints != self._endpoints.get(topic):
@@ -123,7 +123,7 @@ class RosGraph:
         return endpoints
 
     def refresh(self) -> None:
-        """Ask the domain about every watched topic, and tell all of `changed`."""
+        """Query every watched topic, and call all listeners."""
         self._is_refresh_due = False
         if self._is_closing:
             return
@@ -134,27 +134,27 @@ class RosGraph:
 
     @contextmanager
     def _pause_afterwards(self) -> Iterator[None]:
-        """Leave time for all else after some work."""
+        """Be idle for a while after some work, to leave time for all else."""
         began = time.thread_time_ns()
         yield
         rest = min(_IDLE_FACTOR * (time.thread_time_ns() - began), _MAX_IDLE)
         self._idle_until = self._loop.now() + rest
 
     def _refresh_periodically(self) -> None:
-        """Refresh at times, change or not: some things are decided by time alone."""
+        """Refresh at times without a change, too: some decisions depend on time alone."""
         if not self._is_closing:
             self._refresh_soon()
             self._loop.call_later(_REFRESH_PERIOD_S, self._refresh_periodically)
 
     def close(self) -> None:
-        """Ask and tell no more."""
+        """Stop the queries and the thread."""
         atexit.unregister(self.close)
         self._is_closing = True
         self._stop_condition.trigger_guard_condition()
         self._wait_thread.join()
 
     def _query_endpoints(self, topic: str) -> TopicEndpoints:
-        """Return who is on a topic; who was, where that cannot be told."""
+        """Return the endpoints on a topic; those known before, if the query fails."""
         known = self.endpoints(topic)
         try:
             return TopicEndpoints(
@@ -173,14 +173,14 @@ class RosGraph:
         return listing.endpoints(topic, direction, known, self.participant)
 
     def _refresh_soon(self) -> None:
-        """Refresh in a moment: changes come in crowds."""
+        """Refresh in a moment: changes come in groups."""
         if not self._is_refresh_due:
             self._is_refresh_due = True
             now = self._loop.now()
             self._loop.call_at(max(now + _QUERY_PERIOD, self._idle_until), self.refresh)
 
     def _wait_for_changes(self, session: Ros2Session) -> None:
-        """Tell the loop of each change, until the end; in the thread of its own."""
+        """Post each change to the loop, until the end; runs in a thread of its own."""
         context = session.context.handle
         with context, self._node.handle:
             wait_set = implementation.WaitSet(0, 2, 0, 0, 0, 0, context)
@@ -188,7 +188,7 @@ class RosGraph:
                 try:
                     changes = self._has_changed(wait_set)
                 except Exception:
-                    log.exception("changes of the graph are only looked for twice a second now")
+                    log.exception("changes of the graph are found only twice a second from now on")
                     return
                 if changes:
                     self._loop.post(self._refresh_soon)
@@ -202,7 +202,7 @@ class RosGraph:
 
 
 def _call_safely(listener: Callable[[], None]) -> None:
-    """Call back; one that fails must not blind the others."""
+    """Call back; a listener that fails must not keep the others from their calls."""
     try:
         listener()
     except Exception:

@@ -1,7 +1,7 @@
-"""Who is on a topic, through rcl's C interface (rcl/graph.h, rmw/topic_endpoint_info.h).
+"""The endpoints on a topic, through rcl's C interface (rcl/graph.h, rmw/topic_endpoint_info.h).
 
-rclpy makes objects of all there are before it tells of anybody, which takes a second for some
-10 000; here only of those who are to be known. A name that is no text is told with replacements.
+rclpy creates objects for all endpoints, which takes a second for some 10 000; this module only for
+those that the guard needs. A name that is no valid text gets replacement characters.
 """
 
 from __future__ import annotations
@@ -44,9 +44,9 @@ _QUERY_SIGNATURE = c_int, c_void_p, c_void_p, c_char_p, c_bool, c_void_p
 
 
 class GraphQuery:
-    """Asks what the domain has told one of our nodes; `raw` asks by the middleware's own names.
+    """Queries the graph of one of our nodes; `raw` takes the middleware's own topic names.
 
-    `check_endpoint_info` has been called before: it tells whether what is read here is there.
+    Call `check_endpoint_info` before: it checks the layout of the structures.
     """
 
     def __init__(self, node: Node, *, raw: bool = False) -> None:
@@ -73,10 +73,10 @@ class GraphQuery:
         known: Sequence[Ros2Endpoint],
         excluded: bytes | None = None,
     ) -> tuple[Ros2Endpoint, ...]:
-        """Return who publishes or subscribes a topic, at most 256, by their GIDs.
+        """Return the publishers or subscribers of a topic, at most 256, sorted by their GIDs.
 
-        `known` are those that were told before, `excluded` is a participant that is left out.
-        WireError if rcl cannot tell.
+        `known` are those of the query before, `excluded` is a participant to leave out. WireError
+        if the query fails.
         """
         with self._infos(topic, direction) as infos:
             index_by_gid = {
@@ -88,7 +88,7 @@ class GraphQuery:
             )
 
     def gids(self, topic: str, direction: Direction) -> list[bytes]:
-        """Return the GIDs of all who publish or subscribe a topic; WireError if rcl cannot tell."""
+        """Return the GIDs of all publishers or subscribers of a topic; WireError if it fails."""
         with self._infos(topic, direction) as infos:
             return _gids(infos)
 
@@ -97,7 +97,7 @@ class GraphQuery:
         infos, allocator = EndpointInfoArray(), addressof(self._allocator)
         query, node = self._query_functions[direction], self._node.handle.pointer
         if code := query(node, allocator, topic.encode(), self._raw, addressof(infos)):
-            raise WireError(f"rcl cannot tell who is on {topic}: error {code}")
+            raise WireError(f"rcl cannot list the endpoints of {topic}: error {code}")
         try:
             yield infos
         finally:
@@ -105,7 +105,7 @@ class GraphQuery:
 
 
 def _gids(infos: EndpointInfoArray) -> list[bytes]:
-    """Return the GIDs of all; of a crowd nothing else is looked at."""
+    """Return the GIDs of all endpoints, without reading the rest."""
     size = ctypes.sizeof(EndpointInfo)
     data = string_at(infos.infos, infos.size * size) if infos.size else b""
     return [data[at : at + GID_SIZE] for at in range(EndpointInfo.gid.offset, len(data), size)]
@@ -133,7 +133,7 @@ def _hash(type_hash: TypeHash) -> str:
 
 
 def _qos(profile: QosProfile) -> QoS:
-    """Return a profile in our words; what is unknown or the system's choice is ROS 2's default."""
+    """Return a profile as QoS; an unknown or system-default policy is ROS 2's default."""
     best_effort = profile.reliability == _BEST_EFFORT
     latched = profile.durability == _TRANSIENT_LOCAL
     by_topic = profile.liveliness == _MANUAL_BY_TOPIC
@@ -149,6 +149,6 @@ def _qos(profile: QosProfile) -> QoS:
 
 
 def _bounded(duration: RmwTime) -> int:
-    """Return a duration in ns, 0 for one without end."""
+    """Return a duration in ns, 0 for an infinite one."""
     nanoseconds: int = duration.sec * SECOND + duration.nsec
     return nanoseconds if nanoseconds < _NEVER else 0

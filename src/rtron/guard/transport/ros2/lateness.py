@@ -1,8 +1,8 @@
-"""Whose messages come late: a guard that was stalled does not do what was meant for the moment.
+"""Detection of late messages: a guard that was stalled does not forward old commands.
 
-DDS tells when a message was said by its publisher's wall clock, which need not be ours. So each
-publisher's messages are compared with how long they take as a rule, by these two clocks. When they
-were received does not matter: while the whole process is stopped, nothing is.
+DDS gives the time that a message was sent by its publisher's wall clock, which may differ from
+ours. So each message's delay between these two clocks is compared with the publisher's typical one.
+The time of reception does not help: while the whole process is stopped, nothing is received.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 _LATE = SECOND // 4
-"""Half of the time after which a flow is silent, as a rule."""
+"""Half of the usual time after which a flow counts as silent."""
 _CLOCK_CHANGE_TIMEOUT = SECOND
 _SMOOTHING_SHIFT = 8
 _MOST = 256
@@ -24,16 +24,17 @@ _MOST = 256
 
 @dataclass(slots=True)
 class _TypicalDelay:
-    """How long a publisher's messages take (ns, by two clocks); since when they come late."""
+    """The typical delay of a publisher's messages (ns, by two clocks); since when they are late."""
 
     delay: int
     late_since: int | None = None
 
 
 class LatenessDetector:
-    """Tells whether a message took 250 ms longer than its publisher's do.
+    """Tells whether a message took 250 ms longer than its publisher's typical delay.
 
-    A clock that was set makes all late, but for a second only: then that is how it is.
+    A clock that was set makes all messages late, but only for a second: then the new delay is the
+    typical one.
     """
 
     def __init__(self) -> None:
@@ -42,9 +43,10 @@ class LatenessDetector:
     def is_late(
         self, publisher: bytes, source_time: int, now: int, steady_clock: Callable[[], int]
     ) -> bool:
-        """Tell it of a message that is taken `now`; `source_time` is 0 if nobody knows (wall clocks, ns).
+        """Return whether a message that is taken `now` is late.
 
-        `steady_clock` tells the time by a clock that nobody sets.
+        `now` and `source_time` are ns of wall clocks, `source_time` is 0 if unknown; `steady_clock`
+        is one that nobody sets.
         """
         if not source_time:
             return False

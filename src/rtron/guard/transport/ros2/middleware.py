@@ -51,10 +51,8 @@ class Ros2Transport:
         self.rcl = Rcl()
         self.graph = RosGraph(loop, session, self.rcl)
         self.processes = ProcessTable()
-        liveness, self._owners = (
-            ParticipantLiveness(self.graph.participant, self.processes),
-            NameOwners(),
-        )
+        liveness = ParticipantLiveness(self.graph.participant, self.processes)
+        self._owners = NameOwners()
         self._start_time = loop.now()
         self.now = loop.now
         self.call_at = loop.call_at
@@ -67,7 +65,7 @@ class Ros2Transport:
         self.graph.listeners.append(self._update_names)
 
     def report_unreadable_to(self, report: Callable[[str, str, str], None]) -> None:
-        """Tell what is not heard (topic, node, why) here instead of in the log."""
+        """Call `report` for messages that cannot be read (topic, node, why), instead of logging."""
         self._context.report_unreadable = report
 
     def advertise(
@@ -100,13 +98,13 @@ class Ros2Transport:
         self._subscriptions.append(subscription)
 
     def action_endpoints(self, stream: Stream, node: str, listener: ActionListener) -> ActionRelay:
-        """Return the services and topics of an action; see `CarriesRequests`."""
+        """Return the services and topics of an action; see `ActionTransport`."""
         endpoints = ActionRelay(stream, self.session.node(node), listener, self._context)
         self._actions.append(endpoints)
         return endpoints
 
     def goal_canceller(self, node: str, action: str) -> GoalCanceller:
-        """Return what cancels goals of an action that has no guard; see `CarriesCancels`."""
+        """Return a canceller of goals of an unguarded action; see `GoalCancelTransport`."""
         return GoalCanceller(self.session.node(node), action)
 
     def link_nodes(self, publisher: str, subscriber: str, topic: str, type: str) -> Output:
@@ -149,14 +147,15 @@ class Ros2Transport:
         return publication
 
     def _update_names(self) -> None:
-        """Know whose each name is, before anybody asks; the dead have none any more."""
+        """Update the owners of names; ended participants own none."""
         is_settled = self.now() - self._start_time > _SETTLING_TIME
         self._owners.update(self._live_names(), is_settled=is_settled)
 
     def _live_names(self) -> list[tuple[str, bytes]]:
-        """Return each node name with each participant that has it; who is gone may have it alone.
+        """Return each node name with each participant that has it.
 
-        Clients and servers of actions have their names at what they subscribe, too.
+        An ended participant keeps a name that no other one has. Clients and servers of actions have
+        their names also at their subscriptions.
         """
         liveness, watched = self._context.liveness, self.graph.watched_endpoints()
         endpoints = [

@@ -1,19 +1,19 @@
-"""Which participants still live, although the domain has not said that they do not.
+"""Liveness of participants, owners of node names, and the endpoints that the guard knows.
 
-A node that ends in order says so. One that is killed stays in the graph until its lease is over,
-20 s with Fast DDS, while the one that was started in its place is there already. On one machine
-the process tells it. Fast DDS makes a GID of the host's id, of the lower half of the id that the
+A node that ends in order leaves the graph. One that is killed stays there until its lease is over,
+20 s with Fast DDS, while its replacement is there already. On one machine the process shows which
+one has ended. Fast DDS makes a GID of the host's id, of the lower half of the id that the
 process knows itself by, and of 2 random bytes, the same for all participants of a process
 (GuidUtils.hpp: bytes 2 and 3, 4 and 5, 6 and 7). The host's id is made of its addresses: whoever
 shares our network has it, in a container too.
 
-So a participant is gone only if it certainly was a process that has ended: every process of the
-machine is seen here, one alone knows itself by such an id, that one has Fast DDS loaded and is in
-our network, and nobody with other random bytes is taken for it. Whoever is not certain is waited
-for. What remains: a guard in a container with process ids of its own does not see everybody, and
-waits for the lease always; a process that was forked from one which used Fast DDS already, and did
-not start another program, has its parent's GIDs and is taken for gone with it; and a GID is only
-what somebody claims.
+So a participant has ended only if it certainly was a process that has ended: the guard sees every
+process of the machine, exactly one has such an id, that one has Fast DDS loaded and is in our
+network, and no participant with other random bytes matches it. In doubt the guard waits for the
+lease. Limits: a guard in a container with process ids of its own does not see all processes, and
+always waits for the lease; a process that was forked from one which used Fast DDS already, and did
+not start another program, has its parent's GIDs and counts as ended with it; and a GID is only a
+claim.
 """
 
 from __future__ import annotations
@@ -32,30 +32,30 @@ if TYPE_CHECKING:
 
 
 MAX_LEASE = 25 * SECOND
-"""How long a participant that is dead may be in the graph, with some to spare."""
+"""How long an ended participant may stay in the graph, with a margin."""
 _FAST_DDS = b"\x01\x0f"
 _HOST = 4
 _PID = 6
 _PROCESS = 8
 _MAX_SEARCHED = 32
-"""So many processes are looked for at a time: each costs some reading."""
+"""The most processes that one update looks for: each costs some reading."""
 
 
 class ParticipantState(StringEnum):
-    """What is known of a participant: its process runs, has ended, or cannot be seen from here."""
+    """The state of a participant: its process runs, has ended, or cannot be seen from here."""
 
-    RUNNING = "runs"
-    ENDED = "gone"
-    UNKNOWN = "untold"
+    RUNNING = "running"
+    ENDED = "ended"
+    UNKNOWN = "unknown"
 
 
 class ParticipantLiveness:
-    """Remembers when each participant came (ns), and which process of this machine it is."""
+    """Remembers when each participant came (ns), and its process on this machine."""
 
     def __init__(self, own_participant: bytes, processes: ProcessTable) -> None:
         """`own_participant` is a participant of this process."""
         self.has_process_ids = own_participant.startswith(_FAST_DDS)
-        """Whether GIDs tell processes at all."""
+        """Whether GIDs contain process ids at all."""
         self._own_host_id = own_participant[:_HOST]
         self._processes = processes
         self._first_seen: dict[bytes, int] = {}
@@ -75,11 +75,11 @@ class ParticipantLiveness:
                 self._match_process(each)
 
     def since(self, participant: bytes) -> int:
-        """Return when a participant came, 0 if it is not there."""
+        """Return when a participant came (ns), 0 if it is not there."""
         return self._first_seen.get(participant, 0)
 
     def state(self, participant: bytes) -> ParticipantState:
-        """Return what is known of a participant at this moment."""
+        """Return the current state of a participant."""
         match = self._matches.get(participant)
         if match and self._processes.is_running(match.process):
             return ParticipantState.RUNNING
@@ -87,19 +87,19 @@ class ParticipantLiveness:
         return ParticipantState.ENDED if certain else ParticipantState.UNKNOWN
 
     def not_ended(self, participants: Iterable[bytes]) -> frozenset[bytes]:
-        """Return those that are not known to be gone: of a name that only one has, that one."""
+        """Return the participants of a name that have not ended; a single one stays."""
         candidates = frozenset(participants)
-        if len(candidates) < 2:  # noqa: PLR2004 - nothing to be told apart
+        if len(candidates) < 2:  # noqa: PLR2004 - no others
             return candidates
         return frozenset(
             each for each in candidates if self.state(each) is not ParticipantState.ENDED
         )
 
     def has_conflict(self, participants: Iterable[bytes], now: int) -> bool:
-        """Tell whether two of a name's participants certainly live.
+        """Return whether two of a name's participants certainly run.
 
-        The last to come does: it has just been discovered. Another one may be dead and unseen from
-        here until a lease has passed since then.
+        The last to come does: it was just discovered. An earlier one may have ended unseen, until a
+        lease has passed since then.
         """
         candidates = sorted(self.not_ended(participants), key=lambda each: (self.since(each), each))
         if len(candidates) < 2:  # noqa: PLR2004
@@ -108,17 +108,17 @@ class ParticipantLiveness:
         return late or any(self.state(each) is ParticipantState.RUNNING for each in candidates[:-1])
 
     def process(self, participant: bytes) -> Process | None:
-        """Return the process of this machine that a participant seems to be in."""
+        """Return the process of this machine that a participant seems to belong to."""
         match = self._matches.get(participant)
         return match.process if match else None
 
     def is_certain(self, participant: bytes) -> bool:
-        """Tell whether a participant can be in no other process than that one."""
+        """Return whether a participant can belong to no other process."""
         match = self._matches.get(participant)
         return match is not None and match.is_certain
 
     def _match_process(self, participant: bytes) -> None:
-        """Find a participant's process; two of one process agree about what is random in it."""
+        """Find a participant's process; those of one process have the same random bytes."""
         match = self._processes.find(int.from_bytes(participant[_HOST:_PID], "little"))
         self._matches[participant] = match
         if match:
@@ -133,17 +133,17 @@ class ParticipantLiveness:
 
 
 class NameOwners:
-    """Remembers, from what the graph lists at each look, who had a name first."""
+    """Remembers which participant had each node name first."""
 
     def __init__(self) -> None:
         self._owner_of: dict[str, bytes] = {}
 
     def update(self, names: Iterable[tuple[str, bytes]], *, is_settled: bool = True) -> None:
-        """Take the node names that are there now, each with its participant.
+        """Take the node names in the graph, each with its participant.
 
-        A name stays its owner's while that participant is there, under whatever name: what the
-        domain says of names can be forged. Until the graph has `is_settled`, who was found first need
-        not have been there first: then nobody has a name that two have.
+        A participant owns a name as long as it is there, under whatever name: names in the graph
+        can be forged. Until the graph `is_settled`, the first participant found need not be the
+        first to come, so nobody owns a name that two participants have.
         """
         participants_of: dict[str, set[bytes]] = defaultdict(set)
         for node, participant in names:
@@ -157,22 +157,22 @@ class NameOwners:
                 self._owner_of[node] = next(iter(participants))
 
     def is_owner(self, node: str, participant: bytes) -> bool:
-        """Tell whether a name is a participant's."""
+        """Return whether a participant owns a name."""
         return self._owner_of.get(node) == participant
 
 
 MAX_ENDPOINTS = 256
-"""So many publishers, and so many subscribers, are known of a topic."""
+"""The most publishers, and the most subscribers, that are known of a topic."""
 MAX_PER_PARTICIPANT = 16
-"""So many of them, of one participant, have their place before others."""
+"""The number of endpoints of one participant that have precedence."""
 _PARTICIPANT = 12
 
 
 def select_endpoints(gids: Collection[bytes], known_gids: Collection[bytes]) -> list[bytes]:
-    """Return the GIDs of the endpoints to know now, at most 256, in their order.
+    """Return the GIDs of the endpoints to know now, at most 256, sorted.
 
-    Whoever is known already stays, up to 16 of a participant: nobody is pushed out by who comes
-    later, and no single one keeps all others out.
+    Known endpoints stay, up to 16 of each participant: later ones do not displace them, and no
+    single participant keeps all others out.
     """
     candidates = sorted(gids)
     if len(candidates) <= MAX_ENDPOINTS:
@@ -185,7 +185,7 @@ def select_endpoints(gids: Collection[bytes], known_gids: Collection[bytes]) -> 
 
 
 def _exceeds_share(gids: Iterable[bytes]) -> Iterator[bool]:
-    """Yield of each endpoint whether its participant has had its share before it."""
+    """Yield for each endpoint whether it exceeds its participant's share."""
     shares: Counter[bytes] = Counter()
     for gid in gids:
         shares[gid[:_PARTICIPANT]] += 1

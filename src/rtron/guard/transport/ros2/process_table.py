@@ -1,8 +1,7 @@
-"""The processes of this machine, by the id that each knows itself by.
+"""The processes of this machine, by the process id in their own namespace.
 
-A container may count its processes from 1 again while it stands in our network
-(pid_namespaces(7)): its ids are others than those that we see it by, and who looks from inside
-sees nobody outside.
+A container in our network may count its processes from 1 again (pid_namespaces(7)): its ids differ
+from those that we see, and from inside it no process outside is visible.
 """
 
 import os
@@ -15,15 +14,15 @@ from pathlib import Path
 from rtron.vocabulary import SECOND
 
 Process = tuple[int, int]
-"""A process id and when it began, in the kernel's ticks: the ids are used again."""
+"""A process id and its start time in the kernel's ticks: ids are used again."""
 
 _FIRST_NAMESPACE = "pid:[4026531836]"
-"""The one in which every process is seen (Linux, proc_ns.h, PROC_PID_INIT_INO)."""
+"""The namespace in which every process is visible (Linux, proc_ns.h, PROC_PID_INIT_INO)."""
 _INIT_PID = 1
 _LOW_BITS = 0xFFFF
 _MIN_PERIOD = SECOND // 200
 _CACHE_TIMEOUT = SECOND
-"""No process id comes round again in so short a time."""
+"""No process id is used again within this time."""
 _ENDED_ERRORS = (FileNotFoundError, ProcessLookupError)
 _ENDED = frozenset("ZX")
 _STATE, _PARENT, _THREADS, _START_TIME = 0, 1, 17, 19
@@ -32,18 +31,18 @@ _LIBRARIES = (b"libfastdds", b"libfastrtps")
 
 @dataclass(frozen=True, slots=True)
 class ProcessMatch:
-    """The one process seen here that fits; `is_certain` if there is none that is not seen."""
+    """The only visible process that fits; `is_certain` if no process is invisible."""
 
     process: Process
     is_certain: bool
 
 
 class ProcessTable:
-    """Finds a process by the end of its own id; `update` keeps up with who comes and goes."""
+    """Finds a process by the low bits of its own id; `update` follows starts and ends."""
 
     def __init__(self, proc: Path = Path("/proc")) -> None:
         self.supervisor: Callable[[], int] = lambda: 0
-        """Returns who supervises us now, by its process id, 0 if nobody does."""
+        """Returns the process id of our supervisor, 0 if there is none."""
         self._proc = proc
         self._namespace_pids: dict[int, int | None] = {}
         self._pids_by_low_bits: dict[int, list[int]] = {}
@@ -51,7 +50,7 @@ class ProcessTable:
         self._updated_at = 0
 
     def update(self, now: int) -> None:
-        """Know who runs at `now` (ns); who has been seen within a second is not read again."""
+        """Read the processes that run at `now` (ns), except those known for less than a second."""
         if self._namespace_pids and now - self._updated_at < _MIN_PERIOD:
             return
         if now - self._updated_at > _CACHE_TIMEOUT:
@@ -71,7 +70,7 @@ class ProcessTable:
                 self._pids_by_low_bits[namespace_pid & _LOW_BITS].append(pid)
 
     def find(self, low: int) -> ProcessMatch | None:
-        """Return the one process whose own id ends in these 16 bits, if it has Fast DDS loaded."""
+        """Return the only process whose own id ends in these 16 bits, if it has Fast DDS loaded."""
         pids = self._pids_by_low_bits.get(low, ())
         with suppress(OSError):
             process = self.process(pids[0]) if len(pids) == 1 else None
@@ -82,18 +81,18 @@ class ProcessTable:
         return None
 
     def is_running(self, process: Process) -> bool:
-        """Tell whether a process has not ended; it has not where that cannot be read."""
+        """Return whether a process runs; True if that cannot be read."""
         try:
             return self.process(process[0]) == process
         except OSError:
             return True
 
     def is_proc_mounted(self) -> bool:
-        """Tell whether anybody is to be seen at this moment: who is not, need not have ended."""
+        """Return whether processes are visible at all; otherwise an invisible one may run."""
         return (self._proc / str(_INIT_PID)).exists()
 
     def process(self, pid: int) -> Process | None:
-        """Return a process with its start time if it runs, be it in other threads than the first.
+        """Return a process with its start time if it runs, even if its first thread has ended.
 
         OSError if that cannot be read.
         """
@@ -105,14 +104,14 @@ class ProcessTable:
         return None if ended else (pid, int(stat[_START_TIME]))
 
     def is_related(self, pid: int) -> bool:
-        """Tell whether a process supervises this one, has started it, or was started by it."""
+        """Return whether a process supervises this one, has started it, or was started by it."""
         with suppress(OSError):
             near = (self.supervisor(), os.getppid())
             return pid in near or int(self._stat(pid)[_PARENT]) == os.getpid()
         return False
 
     def _running(self, known: dict[int, int | None]) -> Iterator[tuple[int, int | None]]:
-        """Yield who runs, with the id that it knows itself by, None where that cannot be read."""
+        """Yield each process with the id in its own namespace, None where that cannot be read."""
         names = os.listdir(self._proc)  # noqa: PTH208 - twice as fast, and twice a second
         for pid in map(int, filter(str.isdigit, names)):
             if pid in known:
@@ -131,7 +130,7 @@ class ProcessTable:
         return int(ids[-1]) if ids else None
 
     def _is_in_our_network(self, pid: int) -> bool:
-        """Tell whether nobody is hidden from us, and a process is in our network."""
+        """Return whether all processes are visible to us, and this one is in our network."""
         ours, theirs = self._proc / "self/ns", self._proc / str(pid) / "ns"
         near = (ours / "net").readlink() == (theirs / "net").readlink()
         return near and str((ours / "pid").readlink()) == _FIRST_NAMESPACE

@@ -1,9 +1,9 @@
-"""A topic that one of our nodes publishes, with the QoS of those whose words it carries.
+"""A topic that one of our nodes publishes, with the QoS of the publishers that it forwards.
 
-What DDS keeps for late subscribers, it keeps of a writer as a whole, and it tells them without
-asking. So each flow whose last word is kept has a writer of its own, where no other flow pushes it
-out. The writer of all other words must offer transient local too where a driver asks for it, but
-keeps what it has said for a moment only: an old command would move a driver that comes back.
+DDS keeps messages for late subscribers by writer, and sends them on its own. So each latched flow
+has a writer of its own, where no other flow displaces its last message. The writer of all other
+messages must offer transient local too, where a driver requests it, but keeps messages for a moment
+only: an old command would move a driver that comes back.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 
 class Writer:
-    """`publish` sends a message, `count` tells how many subscribers it is matched with."""
+    """A DDS writer: `publish` sends a message, `count` returns the number of matched readers."""
 
     def __init__(self, node: Node, cls: type, topic: str, offered: QoSProfile, rcl: Rcl) -> None:
         self._node = node
@@ -40,7 +40,7 @@ class Writer:
         self.count: Callable[[], int] = handle.get_subscription_count
 
     def close(self) -> None:
-        """Leave the topic; what was kept goes too."""
+        """Leave the topic; the messages that DDS keeps go too."""
         self._node.destroy_publisher(self._publisher)
 
 
@@ -48,15 +48,15 @@ log = logging.getLogger(__name__)
 
 _EARLY_TIMEOUT = SECOND
 _EARLY_TIMEOUT_LATCHED = 5 * SECOND
-"""A publisher that keeps what it says, says it once; on a busy machine names take seconds."""
+"""A latching publisher may send only once, and on a busy machine names take seconds."""
 _EARLY_BYTES = 1 << 20
 
 
 class Publication:
-    """Publishes raw messages; its writers are made when the type and the QoS are known.
+    """Publishes raw messages; it creates its writers when the type and the QoS are known.
 
-    They are made again when flows offer more than they do. What is said before the first of the
-    expected `successors` is there waits for it a moment, in its order, the stop behind the command.
+    It creates them again when flows offer more QoS. Messages before the first of the expected
+    `successors` wait for it a moment, in their order: a stop behind its command.
     """
 
     def __init__(
@@ -71,7 +71,7 @@ class Publication:
     ) -> None:
         self.topic = topic
         self.internal_readers = 0
-        """How many subscribers are only there to be seen, and need no messages."""
+        """The number of our own subscribers, which are only for show and need no messages."""
         self.type = normalise_type(type)
         self.info: TypeInfo | None = None
         self._node = node
@@ -113,12 +113,12 @@ class Publication:
             self._create_writers(required)
 
     def match_subscribers(self, successors: tuple[str, ...]) -> None:
-        """Offer from now on what these ask for; see `Output`."""
+        """Offer the QoS that these nodes request from now on; see `Output`."""
         self._matched_successors = successors
         self._graph.listeners.append(self._offer_to_successors)
 
     def publish(self, message: bytes, latched_by: str | None = None) -> None:
-        """Send to every subscriber; keep it for late ones as the last word of `latched_by`."""
+        """Send to every subscriber; latch it for late ones as the last message of `latched_by`."""
         if latched_by is not None:
             self._publish_latched(message, latched_by)
             return
@@ -129,17 +129,17 @@ class Publication:
             writer.publish(message)
 
     def is_subscribed_by(self, node: str) -> bool:
-        """Tell whether a node of that name subscribes."""
+        """Return whether a node of that name subscribes."""
         return any(each.node == node for each in self._graph.endpoints(self.topic).subscribers)
 
     def clear_latched(self) -> None:
-        """Keep nothing for late subscribers any more."""
+        """Latch no message for late subscribers any more."""
         self._early = None
         self._latched.clear()
         self._close_latched_writers()
 
     def close(self) -> None:
-        """Publish no more."""
+        """Stop publishing."""
         self._close_latched_writers()
         if self._writer is not None:
             self._writer.close()
@@ -148,22 +148,25 @@ class Publication:
     def _offer_to_successors(self) -> None:
         subscribers = self._subscribers_named(self._matched_successors)
         requested = [
-            end.qos for end in subscribers if self._owners.is_owner(end.node, end.participant)
+            each.qos for each in subscribers if self._owners.is_owner(each.node, each.participant)
         ]
         if requested:
             self.offer("listeners", strongest(requested))
 
     def _subscribers_named(self, nodes: tuple[str, ...]) -> list[Ros2Endpoint]:
         """Return the subscribers that have one of these names."""
-        subscribers = self._graph.endpoints(self.topic).subscribers
-        return [end for end in subscribers if any(matches_node(each, end.node) for each in nodes)]
+        return [
+            endpoint
+            for endpoint in self._graph.endpoints(self.topic).subscribers
+            if any(matches_node(each, endpoint.node) for each in nodes)
+        ]
 
     def _requested_types(self) -> set[str]:
-        """Return the types that successors ask for."""
+        """Return the types that successors request."""
         return {normalise_type(each.type) for each in self._subscribers_named(self._successors)}
 
     def _create_writers(self, qos: QoS) -> Writer:
-        """Make the writers, and let them know what late subscribers are to get."""
+        """Create the writers, and publish the latched messages with them."""
         self.close()
         self._qos = qos
         self._writer = self._create_writer(command_qos(qos), self._depth)
@@ -183,7 +186,7 @@ class Publication:
         self._latched_writer(latched_by).publish(message)
 
     def _latched_writer(self, latched_by: str) -> Writer:
-        """Return the writer that keeps one last word."""
+        """Return the writer of one latched message."""
         if latched_by not in self._latched_writers:
             self._latched_writers[latched_by] = self._create_writer(latched(self._qos), 1)
         return self._latched_writers[latched_by]
@@ -195,11 +198,11 @@ class Publication:
 
     def _log_qos(self, offered: QoS) -> None:
         if len(set(self._offered.values())) > 1:
-            text = "%s: its publishers differ in QoS; offered is what fits all: %s, %s"
+            text = "%s: its publishers differ in QoS; the guard offers what fits all: %s, %s"
             log.warning(text, self.topic, offered.reliability, offered.durability)
 
     def _must_wait(self, early: Backlog) -> bool:
-        """Tell whether the first messages wait for a successor; when it is late, they are stale."""
+        """Return whether a message waits for the first successor; after a time it is stale."""
         self._flush()
         if self._early is None:
             return False
@@ -210,7 +213,7 @@ class Publication:
         return self._early is not None
 
     def _flush(self) -> None:
-        """Send what has waited, once a successor is there: a tool that listens is none."""
+        """Send the messages that wait, once a successor is there; a tool does not count."""
         if self._early is None or self._writer is None or not self._has_successor(self._writer):
             return
         early, self._early = self._early, None
@@ -218,14 +221,14 @@ class Publication:
             self._writer.publish(early.pop())
 
     def _is_fresh(self) -> bool:
-        """Tell whether what waits has not waited too long."""
+        """Return whether the messages that wait are not stale yet."""
         is_latched = self._qos.durability is Durability.TRANSIENT_LOCAL
         return self._now() - self._early_since <= (
             _EARLY_TIMEOUT_LATCHED if is_latched else _EARLY_TIMEOUT
         )
 
     def _has_successor(self, writer: Writer) -> bool:
-        """Tell whether a successor listens, and is matched: whose reader is, DDS does not tell."""
+        """Return whether a successor subscribes and readers are matched; DDS hides which ones."""
         return (
             bool(self._subscribers_named(self._successors))
             and writer.count() > self.internal_readers

@@ -1,4 +1,4 @@
-"""QoS that fits: asked for so that a publisher matches, offered so that no subscriber is lost."""
+"""QoS to request so that a publisher matches, and to offer so that every subscriber matches."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
 _QUEUE_DEPTH = 100
-"""So many messages of all publishers wait in a reader; the oldest make room."""
+"""The number of messages of all publishers that wait in a reader; the oldest make room."""
 _COMMAND_LIFESPAN = SECOND
-"""A writer keeps so long what is meant for the moment: a reader on a busy machine may need it."""
+"""How long a writer keeps commands: a reader on a busy machine may need them (ns)."""
 
 
 def requested_profile(offered: QoS) -> QoSProfile:
-    """Return what to ask a publisher for, to get all that it offers, what it has kept included.
+    """Return the profile that gets all messages of a publisher, transient-local ones included.
 
-    Nothing is asked of its deadline, lifespan or liveliness.
+    It requests nothing of the publisher's deadline, lifespan or liveliness.
     """
     return profile(
         QoS(reliability=offered.reliability, durability=offered.durability), _QUEUE_DEPTH
@@ -30,7 +30,7 @@ def requested_profile(offered: QoS) -> QoSProfile:
 
 
 def strongest(profiles: Iterable[QoS]) -> QoS:
-    """Return what matches every subscriber that one of these matches (ROS 2: QoS compatibilities).
+    """Return QoS that matches every subscriber that one of these matches (ROS 2, compatibility).
 
     The shortest deadline and lease of those that have one, the longest lifespan.
     """
@@ -52,9 +52,9 @@ def strongest(profiles: Iterable[QoS]) -> QoS:
 
 
 def command_qos(qos: QoS) -> QoS:
-    """Return what matches the same subscribers, and leaves late ones no more than the last second.
+    """Return QoS that matches the same subscribers, but gives late ones only the last second.
 
-    DDS drops what is older from a writer that keeps its words (lifespan).
+    The lifespan makes DDS drop what is older.
     """
     if qos.durability is Durability.VOLATILE:
         return qos
@@ -62,7 +62,7 @@ def command_qos(qos: QoS) -> QoS:
 
 
 def latched(qos: QoS) -> QoS:
-    """Return what matches the same subscribers, and is kept for late ones."""
+    """Return QoS that matches the same subscribers, and keeps messages for late ones."""
     return replace(qos, durability=Durability.TRANSIENT_LOCAL)
 
 

@@ -1,9 +1,9 @@
-"""What the data path needs of rcl's C interface (rcl/subscription.h, publisher.h, graph.h).
+"""rcl's C interface for the data path (rcl/subscription.h, publisher.h, graph.h).
 
-rclpy has no call that says which subscription has news without asking all of them; rcl has, and
-with libc's `eventfd_write` as its callback the news arrive at a selector without Python in between.
-Taking and publishing go the same way: one buffer for all, and the publisher's GID with each
-message, which rclpy tells only since Kilted.
+rclpy can only ask all subscriptions which of them has messages; rcl calls back. With libc's
+`eventfd_write` as its callback the news arrive at a selector without Python in between. Taking and
+publishing use rcl too: one buffer for all, and the publisher's GID with each message, which rclpy
+gives only since Kilted.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ _UNSUPPORTED = (1 << 64) - 1
 
 
 class Rcl:
-    """The calls, and the one buffer that messages are taken into."""
+    """Calls of rcl, and the one buffer that messages are taken into."""
 
     def __init__(self) -> None:
         rcl = ctypes.CDLL("librcl.so")
@@ -52,11 +52,12 @@ class Rcl:
         self._gid = memoryview(self._info).cast("B")[gid_at : gid_at + GID_SIZE]
 
     def notify(self, kind: str, handle: Any, fd: int) -> None:  # noqa: ANN401 - rclpy's handle
-        """Add to the eventfd `fd` whenever something comes in for a handle.
+        """Let rcl add to the eventfd `fd` whenever a message arrives for a handle.
 
         `kind` is `subscription`, `service` or `client`. WireError if rcl cannot do it.
         """
-        self._check(self._notify[kind](handle.pointer, self._eventfd_write, fd), "be told of news")
+        code = self._notify[kind](handle.pointer, self._eventfd_write, fd)
+        self._check(code, "register a callback")
 
     def take(self, subscription: int) -> tuple[bytes, bytes] | None:
         """Return the next message of a subscription, by its pointer, and its publisher's GID."""
@@ -69,13 +70,13 @@ class Rcl:
 
     @property
     def source_time(self) -> int:
-        """When what was taken last was said, ns of its publisher's wall clock; 0 if unknown."""
+        """When the last taken message was sent, ns of its publisher's wall clock; 0 if unknown."""
         time: int = self._info.source_timestamp
         return time
 
     @property
     def sequence_number(self) -> int | None:
-        """Which of its publisher's messages was taken last; None where the RMW does not tell."""
+        """The sequence number of the last taken message; None where the RMW does not give it."""
         number: int = self._info.publication_sequence_number
         return None if number == _UNSUPPORTED else number
 

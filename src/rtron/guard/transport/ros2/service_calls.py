@@ -1,8 +1,8 @@
-"""Requests and answers through rcl's C interface (rcl/service.h, rcl/client.h, rmw/types.h).
+"""Requests and responses through rcl's C interface (rcl/service.h, rcl/client.h, rmw/types.h).
 
-rclpy does not tell who sent a request, and makes no place to answer at but those it gave out
-itself. rcl does: whose a request is, the first 12 bytes of its writer's GUID say, and a place is
-that GUID with a number, which a guard can leave to the next one.
+rclpy does not say who sent a request, and responds only to request ids that it gave out itself. rcl
+does both: the first 12 bytes of the writer's GUID are the client's participant, and a request id is
+that GUID with a number, which a guard can hand over to the next one.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ _NO_MESSAGE = frozenset({401, 501, 601})
 """RCL_RET_{SUBSCRIPTION,CLIENT,SERVICE}_TAKE_FAILED (rcl/types.h), Foxy and later."""
 _POINTERS = c_void_p, c_void_p, c_void_p
 REQUEST_ID_SIZE = sizeof(RequestId)
-"""The size of the place of a request: the writer's GUID, and the number of its request."""
+"""The size of a request id: the writer's GUID, and the number of its request."""
 
 
 def request_id_parts(request_id: bytes) -> tuple[bytes, int]:
@@ -40,7 +40,7 @@ def request_id_parts(request_id: bytes) -> tuple[bytes, int]:
 
 
 class _MessageConverter:
-    """How messages of a class become rcl's, and back (rosidl_generator_py)."""
+    """Converts messages of a class to rcl's, and back (rosidl_generator_py)."""
 
     def __init__(self, cls: Any) -> None:  # noqa: ANN401 - a generated class
         meta = type(cls)
@@ -55,7 +55,7 @@ class _MessageConverter:
 
     @contextmanager
     def new_message(self) -> Iterator[int]:
-        """Give an empty message of rcl's."""
+        """Yield an empty message of rcl's."""
         message = self.create()
         try:
             yield message
@@ -64,7 +64,7 @@ class _MessageConverter:
 
 
 class ServiceMessage:
-    """A request or an answer as rcl has it; only who reads it makes rclpy's object of it."""
+    """A request or a response of rcl; only `decode` makes it rclpy's object."""
 
     def __init__(self, cls: type) -> None:
         self._cls = cls
@@ -73,7 +73,7 @@ class ServiceMessage:
         finalize(self, self._converter.destroy, self.message).atexit = False
 
     def decode(self) -> Any:  # noqa: ANN401 - a generated class
-        """Return rclpy's object; WireError if it is none."""
+        """Return rclpy's object; WireError if the message is invalid."""
         try:
             return self._converter.to_python(self.message)
         except (ValueError, AssertionError) as error:
@@ -81,7 +81,7 @@ class ServiceMessage:
 
 
 class ServiceCalls:
-    """The calls; services and clients are rclpy's handles, messages rclpy's objects."""
+    """Calls of rcl; services and clients are rclpy's handles, messages rclpy's objects."""
 
     def __init__(self) -> None:
         rcl, utils = ctypes.CDLL("librcl.so"), ctypes.CDLL("librcutils.so")
@@ -92,7 +92,7 @@ class ServiceCalls:
         self._reset = typed_function(utils.rcutils_reset_error, None)
 
     def take_request(self, service: Any, cls: type) -> tuple[bytes, ServiceMessage] | None:  # noqa: ANN401
-        """Return the place of the next request and the request, unopened; None if there is none.
+        """Return the id of the next request and the request, undecoded; None if there is none.
 
         WireError if it cannot be taken.
         """
@@ -101,7 +101,7 @@ class ServiceCalls:
         return None if request is None else (bytes(info.request_id), request)
 
     def respond(self, service: Any, request_id: bytes, response: object) -> None:  # noqa: ANN401
-        """Answer a request; one whose client is gone, or not there yet, stays unanswered."""
+        """Respond to a request; nothing happens if its client is not there."""
         cls: Any = type(response)
         converter = _converter_for(cls)
         with converter.new_message() as message:
@@ -109,7 +109,7 @@ class ServiceCalls:
             header = RequestId.from_buffer_copy(request_id)
             code = self._send_response(service.pointer, byref(header), message)
         if code != _TIMED_OUT:
-            self._check(code, "answer a request")
+            self._check(code, "respond to a request")
         self._reset()
 
     def send_request(self, client: Any, request: object) -> int:  # noqa: ANN401 - rclpy's handle
@@ -118,11 +118,12 @@ class ServiceCalls:
         converter, number = _converter_for(cls), c_int64()
         with converter.new_message() as message:
             converter.from_python(request, message)
-            self._check(self._send_request(client.pointer, message, byref(number)), "ask")
+            code = self._send_request(client.pointer, message, byref(number))
+            self._check(code, "send a request")
         return number.value
 
     def take_response(self, client: Any, cls: type) -> tuple[int, Any] | None:  # noqa: ANN401
-        """Return the number of the request that is answered next, and the answer.
+        """Return the next response, and the number of its request; None if there is none.
 
         WireError if it cannot be read.
         """
@@ -142,7 +143,7 @@ class ServiceCalls:
         if code in _NO_MESSAGE:
             self._reset()
             return None
-        self._check(code, "take a request or an answer")
+        self._check(code, "take a request or a response")
         return message
 
     def _check(self, code: int, what: str) -> None:
@@ -157,14 +158,14 @@ def _converter_for(cls: Any) -> _MessageConverter:  # noqa: ANN401 - a generated
 
 
 BURST_SIZE = 8
-"""So many answers go at once, and so many more after each pause."""
+"""The number of responses that go at once, and after each pause."""
 PAUSE = SECOND // 50
 
 
 class ResponsePacer:
-    """Sends what it is given in order, a few at once: a crowd of answers would push out its own.
+    """Sends responses in order and paced: too many at once would displace each other in the queue.
 
-    Who cancels many goals gets as many results.
+    A client that cancels many goals gets as many results.
     """
 
     def __init__(self, loop: EventLoop) -> None:

@@ -1,8 +1,8 @@
-"""A topic that one of our nodes subscribes: every publisher in the graph, told by its GID.
+"""A topic that one of our nodes subscribes to: every publisher in the graph, known by its GID.
 
-Each publisher is offered once to `on_connect`; its messages are read by a reader that asks for exactly
-what it offers, so that publishers of different QoS are all heard, and each only once. Messages
-whose publisher the graph does not name yet wait a moment for its name.
+Each publisher is offered once to `on_connect`. A reader that requests exactly the publisher's QoS
+reads its messages, so that publishers of different QoS all get through, and each only once.
+Messages whose publisher has no name in the graph yet wait a moment for it.
 """
 
 from __future__ import annotations
@@ -48,14 +48,14 @@ _MAX_READERS = 8
 _MAX_NAMES = 64
 _MAX_TYPES = 512
 _MAX_WAITING_BYTES = 1 << 24
-"""Messages that wait for a name may have so many bytes together."""
+"""The most bytes of all messages that wait for a name."""
 
 _Kind = tuple[type, Reliability, Durability]
 
 
 @dataclass(frozen=True, slots=True)
 class SubscriptionOptions:
-    """Whom to hear, and how; see `Transport.subscribe`."""
+    """The arguments of `Transport.subscribe`."""
 
     on_connect: ConnectHandler
     on_lost: LostHandler
@@ -65,7 +65,7 @@ class SubscriptionOptions:
 
 @dataclass(slots=True)
 class _PublisherState:
-    """A publisher that was offered, and what takes its messages, None if it was refused."""
+    """A publisher that was offered, and the handler of its messages, None if refused."""
 
     peer: Peer
     receive: MessageHandler | None
@@ -74,13 +74,13 @@ class _PublisherState:
     reader: DataReader | None = None
 
     def is_unchanged(self, peer: Peer, now: int) -> bool:
-        """Tell whether nothing has changed; who was refused is offered again after a while."""
+        """Return whether nothing has changed; a refused one is offered again after a while."""
         refused_long_ago = self.receive is None and now - self.refused_at >= _REFUSAL_PERIOD
         return self.peer == peer and not refused_long_ago
 
 
 class Subscription:
-    """Hands each publisher's messages to what `on_connect` gave for it, and tells who has left."""
+    """Passes each publisher's messages to its handler, and reports publishers that leave."""
 
     def __init__(
         self,
@@ -90,7 +90,7 @@ class Subscription:
         options: SubscriptionOptions,
         context: TransportContext,
     ) -> None:
-        """Hear publishers of one type, "" for any."""
+        """Subscribe to publishers of one type, "" for any."""
         self.topic = topic
         self._type = normalise_type(type)
         self._node = node
@@ -107,7 +107,7 @@ class Subscription:
         context.graph.listeners.append(self.update)
 
     def update(self) -> None:
-        """Take what the graph says: who has come, who has left, whose name is no more its own."""
+        """Take the new graph: publishers that have come, left, or changed their name."""
         endpoints = {
             each.gid: each for each in self._context.graph.endpoints(self.topic).publishers
         }
@@ -119,7 +119,7 @@ class Subscription:
         self._deliver_unresolved()
 
     def close(self) -> None:
-        """Hear nobody any more."""
+        """Close all readers."""
         self._context.graph.listeners.remove(self.update)
         for reader in self._readers.values():
             reader.close()
@@ -151,9 +151,9 @@ class Subscription:
         )
 
     def _name(self, endpoint: Ros2Endpoint) -> str:
-        """Return a publisher's node; one of those that are awaited keeps a name that is its own.
+        """Return a publisher's node; an expected publisher keeps a name that it owns.
 
-        No endpoint changes its node, and anybody can tell the domain another name for it.
+        No endpoint changes its node, and anybody can announce another name for it.
         """
         known = self._senders.get(endpoint.gid)
         if known and known.peer.verified and self._is_expected(known.peer.node):
@@ -176,14 +176,14 @@ class Subscription:
         return _PublisherState(peer, receive, now, _validator_of(interface_type), reader)
 
     def _find_interface(self, endpoint: Ros2Endpoint) -> tuple[Interface | None, str]:
-        """Return how a publisher's messages are read, or why they cannot be."""
+        """Return the interface of a publisher's messages, or why they cannot be read."""
         if self._type not in ("", normalise_type(endpoint.type)):
-            return None, f"is not heard: it publishes {endpoint.type}, not {self._type}"
+            return None, f"is ignored: it publishes {endpoint.type}, not {self._type}"
         interface_type = installed_type(endpoint.type)
         if isinstance(interface_type, SourceError):
-            return None, f"cannot be heard: {interface_type}; {interface_type.help}"
+            return None, f"is ignored: {interface_type}; {interface_type.help}"
         if _is_other_version(endpoint, interface_type):
-            return None, f"is not heard: its {endpoint.type} is another version than the one here"
+            return None, f"is ignored: its {endpoint.type} is another version than the one here"
         return interface_type, ""
 
     def _reader_for(self, interface_type: Interface, qos: QoS, peer: Peer) -> DataReader | None:
@@ -191,10 +191,10 @@ class Subscription:
         kind = (interface_type.cls, qos.reliability, qos.durability)
         if kind not in self._readers:
             if len(self._readers) == _MAX_READERS:
-                self._log_problem(peer, "is not heard: too many types and QoS on one topic")
+                self._log_problem(peer, "is ignored: too many types and QoS on one topic")
                 return None
             if self._readers:
-                text = "%s: its publishers differ in QoS or type; %s is read apart, as %s, %s"
+                text = "%s: its publishers differ in QoS or type; %s has its own reader, %s, %s"
                 log.warning(text, self.topic, peer.node, qos.reliability, qos.durability)
             self._readers[kind] = DataReader(
                 self._node,
@@ -220,7 +220,7 @@ class Subscription:
                 sender.receive(message)
 
     def _queue_unresolved(self, reader: DataReader, gid: bytes, message: bytes) -> None:
-        """Let a message wait until the graph names its publisher; our own words are nobody's."""
+        """Let a message wait until the graph names its publisher; drop our own messages."""
         if self._context.graph.is_own(gid):
             return
         own_count = sum(
@@ -232,7 +232,7 @@ class Subscription:
         self._context.graph.query_if_due(self.topic)
 
     def _deliver_unresolved(self) -> None:
-        """Hear what has waited for a name; of those who are not there, drop it in time."""
+        """Deliver messages whose publisher has a name now; drop those that have waited too long."""
         now, unresolved = self._context.loop.now(), list(self._unresolved)
         self._unresolved.clear()
         for since, reader, gid, message in unresolved:
@@ -241,10 +241,10 @@ class Subscription:
             elif now - since < 2 * _NAME_TIMEOUT:
                 self._unresolved.append((since, reader, gid, message))
             elif self._log_throttle.allows("unnamed", now):
-                log.warning("%s: messages of nobody in the graph are dropped", self.topic)
+                log.warning("%s: messages of an unknown publisher are dropped", self.topic)
 
     def _deliver_late(self, reader: DataReader, gid: bytes, message: bytes, waited: int) -> None:
-        """Hear what has waited for a name, unless it was meant for the moment and is old."""
+        """Deliver a message that has waited, unless it is an old one that was not latched."""
         if waited < _FRESH or self._senders[gid].peer.latching:
             self._on_message(reader, gid, message)
 
@@ -254,13 +254,13 @@ class Subscription:
             self._options.on_lost(sender.peer)
 
     def _log_problem(self, peer: Peer, why: str) -> None:
-        """Tell what is not heard of a publisher, at most once a second of each."""
+        """Report an unreadable message or publisher, at most once a second for each."""
         if self._log_throttle.allows(hash(peer.node) % _MAX_NAMES, self._context.loop.now()):
             self._context.report_unreadable(self.topic, peer.node, why)
 
 
 def _type_info_of(endpoint: Ros2Endpoint) -> TypeInfo:
-    """Return the publisher's type; one of another hash than ours equals nothing that is known."""
+    """Return the publisher's type; one with another hash than ours equals no known type."""
     interface_type = installed_type(endpoint.type)
     if isinstance(interface_type, SourceError):
         return TypeInfo(endpoint.type, endpoint.type_hash)
@@ -276,7 +276,7 @@ def _is_other_version(endpoint: Ros2Endpoint, interface_type: Interface) -> bool
 
 @lru_cache(_MAX_TYPES)
 def installed_type(type: str) -> Interface | SourceError:
-    """Return a type that is installed here, or why it is not; asked once for each."""
+    """Return a type that is installed here, or why it is not; looked up once."""
     try:
         return find_interface(type)
     except SourceError as error:
