@@ -20,7 +20,7 @@ from rtron.sources.code.interpreter.execution.abstract_machine import (
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.calls import dispatch
 from rtron.sources.code.interpreter.execution.stack_frame import StackFrame
-from rtron.sources.code.ir import Class, Function
+from rtron.sources.code.ir import Function
 from rtron.sources.code.ir.references import called_names, written_names
 from rtron.vocabulary import Evidence
 
@@ -78,7 +78,7 @@ MAX_ROS2_STEPS = 400_000
 def run_transitions(machine: AbstractMachine) -> None:
     """Run the virtual methods that a library calls of a program's objects, before anything else."""
     for waiting in _library_callbacks(machine):
-        machine.executed_functions.add(_key(waiting.function))
+        machine.executed_functions.add(waiting.function.key)
         _run_callback(machine, waiting)
 
 
@@ -91,7 +91,7 @@ def run_pending(machine: AbstractMachine) -> None:
         if waiting is None:
             _run_deferred(machine)
             continue
-        machine.executed_functions.add(_key(waiting.function))
+        machine.executed_functions.add(waiting.function.key)
         _run_callback(machine, waiting)
 
 
@@ -202,12 +202,8 @@ def _destructor(machine: AbstractMachine, instance: Instance) -> Iterator[Functi
         yield found
 
 
-def _key(function: Function) -> tuple[str, int, str]:
-    return function.file, function.line, function.name
-
-
 def _is_unexecuted(machine: AbstractMachine, function: Function) -> bool:
-    return _key(function) not in machine.executed_functions and joins_nodes(machine, function)
+    return function.key not in machine.executed_functions and joins_nodes(machine, function)
 
 
 def joins_nodes(machine: AbstractMachine, function: Function) -> bool:
@@ -218,7 +214,7 @@ def joins_nodes(machine: AbstractMachine, function: Function) -> bool:
         machine.joins_cache_version = size
         for key in [key for key, joins in known.items() if not joins]:
             del known[key]
-    key = _key(function)
+    key = function.key
     if key not in known:
         known[key] = _reaches_client_library(machine, function)
     return known[key]
@@ -228,10 +224,10 @@ def _reaches_client_library(machine: AbstractMachine, function: Function) -> boo
     """Look for a call of a client library; what was looked through in vain needs no second look."""
     api, known, seen = _client_library_api(machine), machine.joins_cache, list[Function]()
     for reached in _reachable_functions(machine, [function]):
-        if known.get(_key(reached)) or called_names(reached) & api:
+        if known.get(reached.key) or called_names(reached) & api:
             return True
         seen.append(reached)
-    known.update((_key(reached), False) for reached in seen)
+    known.update((reached.key, False) for reached in seen)
     return False
 
 
@@ -258,10 +254,10 @@ def _reachable_functions(
     left_out = frozenset[str]() if machine.recorder.site.ros == 1 else _CONTAINER_METHODS
     while queue:
         current = queue.pop()
-        if _key(current) in seen:
+        if current.key in seen:
             continue
-        seen.add(_key(current))
-        if machine.joins_cache.get(_key(current)) is False and not include_unrelated:
+        seen.add(current.key)
+        if machine.joins_cache.get(current.key) is False and not include_unrelated:
             continue
         yield current
         words = called_names(current) - left_out
@@ -282,14 +278,10 @@ def _is_object(cls: Value) -> bool:
 def _methods(machine: AbstractMachine, instance: Instance) -> Iterator[FunctionValue]:
     for cls in machine.runtime.lineage(instance.type):
         if isinstance(cls, ClassValue):
-            for name in _class_method_names(machine, cls.definition):
+            for name in machine.runtime.method_names(cls.definition):
                 found = machine.runtime.attribute(instance, name, ())
                 if isinstance(found, FunctionValue):
                     yield found
-
-
-def _class_method_names(machine: AbstractMachine, definition: Class) -> list[str]:
-    return machine.runtime.method_names(definition)
 
 
 ENDPOINT_CALLS = frozenset(
@@ -306,7 +298,7 @@ def note_unreached(machine: AbstractMachine, functions: Iterable[tuple[str, Func
     """Note the functions that would declare something and never ran, one note a file."""
     unreached: dict[str, list[tuple[str, Function]]] = defaultdict(list)
     for name, function in functions:
-        ran = (function.file, function.line, function.name) in machine.executed_functions
+        ran = function.key in machine.executed_functions
         if function.body is not None and not ran and called_names(function) & ENDPOINT_CALLS:
             unreached[function.file].append((name, function))
     for file, found in unreached.items():

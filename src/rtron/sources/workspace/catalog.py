@@ -102,14 +102,10 @@ class Workspace:
     def component(self, package: str, cls: str) -> Program | None:
         """Return the library that holds a component's class, with that class as `entry` (ROS 2)."""
         contents = self.contents(package)
-        found = (
-            next((c for c in contents.components if c.class_name == cls), None)
-            if contents
-            else None
-        )
-        if contents is None or found is None:
+        found = [c for c in contents.components if c.class_name == cls] if contents else []
+        if contents is None or not found:
             return None
-        target = contents.target(found.library, TargetKind.LIBRARY)
+        target = contents.target(found[0].library, TargetKind.LIBRARY)
         return replace(self._target_program(target, contents), entry=cls) if target else None
 
     def entry_points(self, package: str) -> Mapping[str, tuple[str, str]]:

@@ -194,11 +194,8 @@ class XacroEvaluator:
         with self.context.noting_errors(element, f"<{element.tag}> value: {text[:200]}"):
             holds = truth_value(self.context.evaluate_text(text, frame.symbols))
             unless = element.tag.removeprefix(PREFIX) == "unless"
-            return (
-                []
-                if holds is unless
-                else self.evaluate_children(element, frame.with_parent_attributes({}))
-            )
+            if holds is not unless:
+                return self.evaluate_children(element, frame.with_parent_attributes({}))
         return []
 
     def _insert_block(self, element: XmlElement, frame: ElementScope) -> list[XmlNode]:

@@ -48,6 +48,11 @@ class Function:
     static: bool = False
     virtual: bool = False
 
+    @property
+    def key(self) -> tuple[str, int, str]:
+        """What tells it from all others: its file, line and name."""
+        return self.file, self.line, self.name
+
 
 @record(frozen=True, slots=True, kw_only=True)
 class Class:

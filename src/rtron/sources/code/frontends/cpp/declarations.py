@@ -123,20 +123,17 @@ def _enum(context: LoweringContext, node: Node, _out: list[Stmt]) -> None:
 
 def add_enum(context: LoweringContext, node: Node, name: str) -> None:
     """Add the enumerators, each with and without the enum's name."""
-    body, value = node.child_by_field_name("body"), -1
-    known: int | None = value
+    body = node.child_by_field_name("body")
+    known: int | None = -1
     for child in body.named_children if body else ():
         given = child.child_by_field_name("value")
         label = child.child_by_field_name("name")
         if child.type != "enumerator" or label is None:
             continue
-        known = (
-            integer_value(context, lower_expression(context, given))
-            if given
-            else None
-            if known is None
-            else known + 1
-        )
+        if given is not None:
+            known = integer_value(context, lower_expression(context, given))
+        elif known is not None:
+            known += 1
         for prefix in {"", f"{name}::" if name else ""}:
             context.enums[context.qualified(prefix + context.text(label))] = known
 

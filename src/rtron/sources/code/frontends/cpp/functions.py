@@ -162,11 +162,8 @@ def lower_parameters(context: LoweringContext, node: Node | None) -> tuple[Param
     """Return a function's parameters; `(void)` has none."""
     children = node.named_children if node else []
     made = [_parameter(context, child) for child in children if child.type in _PARAMETERS]
-    return (
-        ()
-        if [param.type for param in made] == [TypeRef("void")] and not made[0].name
-        else (tuple(made))
-    )
+    is_void = [param.type for param in made] == [TypeRef("void")] and not made[0].name
+    return () if is_void else tuple(made)
 
 
 def _parameter(context: LoweringContext, node: Node) -> Param:

@@ -1,6 +1,7 @@
 """Which function lowers which kind of node: one table for expressions, statements, declarations."""
 
 from collections.abc import Callable, Iterable
+from typing import TypeVar
 
 from tree_sitter import Node
 
@@ -9,6 +10,7 @@ from rtron.sources.code.ir import Evaluate, Expr, Opaque, Stmt
 
 ExpressionLowerer = Callable[[LoweringContext, Node], Expr]
 StatementLowerer = Callable[[LoweringContext, Node, list[Stmt]], None]
+_Lowerer = TypeVar("_Lowerer")
 
 _EXPRESSIONS: dict[str, ExpressionLowerer] = {}
 _STATEMENTS: dict[str, StatementLowerer] = {}
@@ -16,34 +18,29 @@ _DECLARATIONS: dict[str, StatementLowerer] = {}
 _MAX_PARTS = 4096
 
 
-def lowers_expression(*kinds: str) -> Callable[[ExpressionLowerer], ExpressionLowerer]:
-    """Let a function lower expressions of these kinds."""
-
-    def register(function: ExpressionLowerer) -> ExpressionLowerer:
-        _EXPRESSIONS.update(dict.fromkeys(kinds, function))
+def _registering(
+    table: dict[str, _Lowerer], kinds: tuple[str, ...]
+) -> Callable[[_Lowerer], _Lowerer]:
+    def register(function: _Lowerer) -> _Lowerer:
+        table.update(dict.fromkeys(kinds, function))
         return function
 
     return register
+
+
+def lowers_expression(*kinds: str) -> Callable[[ExpressionLowerer], ExpressionLowerer]:
+    """Let a function lower expressions of these kinds."""
+    return _registering(_EXPRESSIONS, kinds)
 
 
 def lowers_statement(*kinds: str) -> Callable[[StatementLowerer], StatementLowerer]:
     """Let a function lower statements of these kinds, in a function's body."""
-
-    def register(function: StatementLowerer) -> StatementLowerer:
-        _STATEMENTS.update(dict.fromkeys(kinds, function))
-        return function
-
-    return register
+    return _registering(_STATEMENTS, kinds)
 
 
 def lowers_declaration(*kinds: str) -> Callable[[StatementLowerer], StatementLowerer]:
     """Let a function lower these kinds of a namespace's or class's members."""
-
-    def register(function: StatementLowerer) -> StatementLowerer:
-        _DECLARATIONS.update(dict.fromkeys(kinds, function))
-        return function
-
-    return register
+    return _registering(_DECLARATIONS, kinds)
 
 
 def lower_expression(context: LoweringContext, node: Node) -> Expr:
@@ -51,8 +48,7 @@ def lower_expression(context: LoweringContext, node: Node) -> Expr:
     if context.is_too_deep(node):
         return Opaque((), context.text(node)[:60])
     context.depth += 1
-    lower = _EXPRESSIONS.get(node.type)
-    value = lower(context, node) if lower else _lower_opaque(context, node)
+    value = _EXPRESSIONS.get(node.type, lower_opaque)(context, node)
     context.depth -= 1
     return value
 
@@ -67,10 +63,6 @@ def lower_opaque(context: LoweringContext, node: Node) -> Opaque:
     return Opaque(
         lower_expressions(context, node.named_children[:_MAX_PARTS]), context.text(node)[:60]
     )
-
-
-def _lower_opaque(context: LoweringContext, node: Node) -> Expr:
-    return lower_opaque(context, node)
 
 
 def lower_statement(context: LoweringContext, node: Node, out: list[Stmt]) -> None:

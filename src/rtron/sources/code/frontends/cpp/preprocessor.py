@@ -135,11 +135,9 @@ class _DirectiveReader:
         segment.clear()
         lines = code.count("\n")
         self._line += lines
-        return (
-            self.macros.expand(_SPLICED.sub(_join_continued, code))
-            if self._is_active
-            else "\n" * lines
-        )
+        if not self._is_active:
+            return "\n" * lines
+        return self.macros.expand(_SPLICED.sub(_join_continued, code))
 
     @property
     def _is_active(self) -> bool:

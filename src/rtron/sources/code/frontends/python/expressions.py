@@ -59,11 +59,9 @@ def _(node: ast.Name, _: SourceFile) -> Expr:
 
 @_lower.register
 def _(node: ast.Constant, source: SourceFile) -> Expr:
-    return (
-        ir.Const(node.value)
-        if isinstance(node.value, _CONSTANT_TYPES)
-        else lower_opaque(node, (), source)
-    )
+    if isinstance(node.value, _CONSTANT_TYPES):
+        return ir.Const(node.value)
+    return lower_opaque(node, (), source)
 
 
 @_lower.register

@@ -43,15 +43,11 @@ def _pattern_test(pattern: ast.pattern, subject: ir.Name, source: SourceFile) ->
     if isinstance(pattern, ast.MatchSingleton):
         return ir.Binary("is", subject, ir.Const(pattern.value), pattern.lineno)
     if isinstance(pattern, ast.MatchAs):
-        return (
-            _pattern_test(pattern.pattern, subject, source)
-            if pattern.pattern
-            else ir.Const(value=True)
-        )
+        inner = pattern.pattern
+        return _pattern_test(inner, subject, source) if inner else ir.Const(value=True)
     if isinstance(pattern, ast.MatchOr):
-        return ir.Logic(
-            "or", tuple([_pattern_test(one, subject, source) for one in pattern.patterns])
-        )
+        tests = [_pattern_test(one, subject, source) for one in pattern.patterns]
+        return ir.Logic("or", tuple(tests))
     return ir.Opaque((subject,), "case")
 
 

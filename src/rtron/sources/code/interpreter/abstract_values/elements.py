@@ -70,11 +70,9 @@ def _slice_value(owner: Value, key: Value) -> Value:
         return list_of(owner.items[bounds], owner.kind, certain=not owner.open)
     if isinstance(owner, Scalar) and isinstance(owner.value, (str, bytes)):
         return Scalar(owner.value[bounds], owner.tainted)
-    return (
-        _slice_text(owner, bounds.start, bounds.stop, bounds.step)
-        if isinstance(owner, PartialText)
-        else Unknown("slice", is_tainted(owner))
-    )
+    if isinstance(owner, PartialText):
+        return _slice_text(owner, bounds.start, bounds.stop, bounds.step)
+    return Unknown("slice", is_tainted(owner))
 
 
 def _slice_text(owner: PartialText, start: int | None, stop: int | None, step: int | None) -> Value:

@@ -63,14 +63,10 @@ def dereference(value: Value) -> Value:
     """Return what an iterator points at; any other value is itself."""
     if not isinstance(value, Instance) or value.type is not ITERATOR or _END in value.fields:
         return value
-    items = value.fields["items"]
-    position = value.fields["at"]
-    found = (
-        items.fields.get(position.value)
-        if isinstance(items, Instance) and isinstance(position, Scalar)
-        else None
-    )
-    return found or Unknown("item")
+    items, position = value.fields["items"], value.fields["at"]
+    if isinstance(items, Instance) and isinstance(position, Scalar):
+        return items.fields.get(position.value) or Unknown("item")
+    return Unknown("item")
 
 
 def _iterator_at(items: Instance, position: int, count: int, *, certain: bool) -> Instance:

@@ -188,7 +188,7 @@ class AbstractMachine:
         """Run a function's body in a frame that is ready."""
         if not self._may_enter(function):
             return
-        self.executed_functions.add((function.file, function.line, function.name))
+        self.executed_functions.add(function.key)
         self._call_stack.append(function)
         try:
             self.execute(function.body or (), frame)

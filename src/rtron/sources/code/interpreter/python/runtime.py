@@ -118,13 +118,9 @@ class PythonRuntime(PythonObjects):
 
     def call_frame(self, called: FunctionValue, arguments: Arguments) -> StackFrame:
         """Return the frame of a call."""
-        given = (
-            called.bound_arguments
-            if called.owner is None
-            else (called.owner, *called.bound_arguments)
-        )
+        bound = () if called.owner is None else (called.owner,)
         passed = Arguments(
-            values=(*given, *arguments.values),
+            values=(*bound, *called.bound_arguments, *arguments.values),
             keywords={**called.bound_keywords, **arguments.keywords},
             line=arguments.line,
             frame=arguments.frame,

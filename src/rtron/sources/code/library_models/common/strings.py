@@ -42,15 +42,12 @@ def _call_str_method(
 ) -> Value:
     values = arguments.values
     if not all(isinstance(value, Scalar) for value in values):
-        return owner if name in {"strip", "lstrip", "rstrip"} else Unknown(name, is_tainted(owner))
+        return owner if name in _STRIP_METHODS else Unknown(name, is_tainted(owner))
     if isinstance(owner, PartialText):
         return _call_on_parts(name, owner, [value.value for value in values])  # type: ignore[union-attr]
     if not isinstance(owner, Scalar):
-        return (
-            owner
-            if name in {*_PARTWISE_METHODS, *_STRIP_METHODS}
-            else Unknown(name, is_tainted(owner))
-        )
+        keeps_owner = name in _PARTWISE_METHODS | _STRIP_METHODS
+        return owner if keeps_owner else Unknown(name, is_tainted(owner))
     try:
         found = _call_bounded(machine, name, owner.value, [value.value for value in values])  # type: ignore[union-attr]
     except (TypeError, ValueError, AttributeError):
@@ -129,9 +126,8 @@ def _splitlines(_: AbstractMachine, owner: Value, __: Arguments) -> Value:
 def _encode_or_decode(_: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
     """Text and bytes are one here; what `errors` leaves out is not known."""
     plain = isinstance(owner, Scalar) and str(owner.value).isascii()
-    return (
-        owner if plain or not arguments.get(1, "errors") else Unknown("encode", is_tainted(owner))
-    )
+    known = plain or not arguments.get(1, "errors")
+    return owner if known else Unknown("encode", is_tainted(owner))
 
 
 def _partition(name: str, _: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
@@ -201,11 +197,9 @@ def _apply_format_spec(value: Value, spec: str) -> Value:
 
 
 def _length(_: AbstractMachine, owner: Value, __: Arguments) -> Value:
-    return (
-        Scalar(len(str(owner.value)), owner.tainted)
-        if isinstance(owner, Scalar)
-        else Unknown("size")
-    )
+    if isinstance(owner, Scalar):
+        return Scalar(len(str(owner.value)), owner.tainted)
+    return Unknown("size")
 
 
 def _empty(_: AbstractMachine, owner: Value, __: Arguments) -> Value:

@@ -38,12 +38,8 @@ def _default_dict(machine: AbstractMachine, _: object, arguments: Arguments) -> 
 def _named_tuple(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
     """`namedtuple("Name", ["a", "b"])` or `namedtuple("Name", "a b")`."""
     given = arguments.value(1, "field_names")
-    words = (
-        map(text_with_holes, given.items)
-        if isinstance(given, ListValue)
-        else [text_with_holes(given)]
-    )
-    names = " ".join(words).replace(",", " ").split()
+    items = given.items if isinstance(given, ListValue) else (given,)
+    names = " ".join(map(text_with_holes, items)).replace(",", " ").split()
 
     def fields(passed: Arguments) -> dict[str, Value]:
         return {name: passed.get(at, name) or Unknown(name) for at, name in enumerate(names)}

@@ -32,12 +32,8 @@ def _load_file(machine: AbstractMachine, _: object, arguments: Arguments) -> Val
 
 def _file_text(machine: AbstractMachine, stream: Value) -> str | None:
     if isinstance(stream, Instance) and stream.type is FILE:
-        path = stream.fields["path"]
-        return (
-            machine.runtime.files.read_text(Path(str(path.value)))
-            if isinstance(path, Scalar)
-            else None
-        )
+        path, read = stream.fields["path"], machine.runtime.files.read_text
+        return read(Path(str(path.value))) if isinstance(path, Scalar) else None
     return str(stream.value) if isinstance(stream, Scalar) else None
 
 

@@ -29,11 +29,9 @@ def environment_value(site: NodeSite) -> EnvironmentValue:
 def getenv(machine: AbstractMachine, owner: object, arguments: Arguments) -> Value:
     """`os.getenv(name, default)`, `os.environ.get(name, default)`; the default is noted."""
     name, default = arguments.get(0, "key"), arguments.get(1, "default") or NONE
-    fields = (
-        owner.fields
-        if isinstance(owner, EnvironmentValue)
-        else environment_value(machine.recorder.site).fields
-    )
+    if not isinstance(owner, EnvironmentValue):
+        owner = environment_value(machine.recorder.site)
+    fields = owner.fields
     if not isinstance(name, Scalar):
         return Unknown("environ")
     if name.value in fields:

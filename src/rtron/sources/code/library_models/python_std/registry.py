@@ -91,11 +91,7 @@ def _rospack(_: AbstractMachine, __: object, ___: Arguments) -> Value:
 def _run_command(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
     """`os.system("roslaunch …")`, `subprocess.Popen(["roslaunch", …])`."""
     command = arguments.get(0, "args") or NONE
-    words = (
-        [text_with_holes(item) for item in command.items]
-        if isinstance(command, ListValue)
-        else None
-    )
+    words = list(map(text_with_holes, command.items)) if isinstance(command, ListValue) else []
     for option in options(command):
         record_started(machine, words or shell_words(text_with_holes(option)), arguments)
     return Unknown("process")

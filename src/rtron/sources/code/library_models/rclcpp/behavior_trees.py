@@ -86,15 +86,11 @@ def _register_library(
     machine: AbstractMachine, owner: Instance, sources: tuple[Path, ...], at: Arguments
 ) -> None:
     for function in cpp_runtime(machine).load_functions(sources, REGISTER_FUNCTION):
-        key, ran = (
-            f"{_LIBRARY_PREFIX}{function.file}",
-            (function.file, function.line, function.name),
-        )
-        known = (
-            key in owner.fields
-            if machine.recorder.site.parameters_complete
-            else ran in machine.executed_functions
-        )
+        key = f"{_LIBRARY_PREFIX}{function.file}"
+        if machine.recorder.site.parameters_complete:
+            known = key in owner.fields
+        else:
+            known = function.key in machine.executed_functions
         if not known:
             machine.undo_log.set(owner.fields, key, TRUE)
             given = at.with_values(owner)

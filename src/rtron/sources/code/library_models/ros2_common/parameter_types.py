@@ -57,12 +57,10 @@ def parameter_type(value: Value) -> Value:
 
 def python_parameter_type(value: Value | None) -> Value | None:
     """Return the kind that `Parameter.Type.STRING` names in rclpy; None for any other value."""
-    name = value.label if isinstance(value, Unknown) else getattr(value, "name", "")
-    return (
-        _PARAMETER_TYPES.get(str(name).rpartition(".")[2])
-        if isinstance(value, (Unknown, ExternalSymbol))
-        else None
-    )
+    if not isinstance(value, (Unknown, ExternalSymbol)):
+        return None
+    name = value.label if isinstance(value, Unknown) else value.name
+    return _PARAMETER_TYPES.get(name.rpartition(".")[2])
 
 
 def unset_value(name: str) -> Unknown:

@@ -109,11 +109,9 @@ def override_value(machine: AbstractMachine, node: Value, name: Value) -> Value 
     for one in machine.recorder.site.settings if uses_global_arguments(node) else ():
         if one.name == name.value and _node_pattern(one.node).fullmatch(full):
             found = one
-    return (
-        None
-        if found is None
-        else abstract_value(found.value, short_name(machine, node, found.name))
-    )
+    if found is None:
+        return None
+    return abstract_value(found.value, short_name(machine, node, found.name))
 
 
 def _has_name(given: Value | None, name: Scalar) -> bool:

@@ -92,11 +92,9 @@ class QosOverrides:
                 likely = self.machine.recorder.reported_options(found)
                 written[word] = likely[0] if len(likely) == 1 else Unknown(word)
         read = _qos_of_policies(written)
-        return (
-            _with_durations(read, written)
-            if read is not None
-            else self._note_unknown(Scalar(prefix))
-        )
+        if read is None:
+            return self._note_unknown(Scalar(prefix))
+        return _with_durations(read, written)
 
     def _remapped_topic(self, name: Value) -> str | None:
         """Return the topic that the parameters are named by: as it is remapped."""

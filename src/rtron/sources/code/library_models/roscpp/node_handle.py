@@ -211,11 +211,8 @@ def create_options(machine: AbstractMachine, _: object, arguments: Arguments) ->
 
 
 def _make_options(_: AbstractMachine, arguments: Arguments) -> Value:
-    return (
-        Instance(ADVERTISE_OPTIONS, {"options": UNKNOWN, "type": Scalar("")})
-        if arguments
-        else Unknown("options")
-    )
+    del arguments
+    return Instance(ADVERTISE_OPTIONS, {"options": UNKNOWN, "type": Scalar("")})
 
 
 def _init_options(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
