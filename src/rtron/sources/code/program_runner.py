@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
+from typing import TypeAlias
 
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     ClassValue,
@@ -62,6 +63,9 @@ from rtron.sources.declaration import NodeInterface, NodeSite
 from rtron.vocabulary import Evidence
 
 _UNREADABLE_PIECE = "cannot be read: "
+_MISSING_CLASS_REASON = "its class is not in the sources"
+_Start: TypeAlias = tuple[str, Callable[[], object]]
+"""The file that a program starts in, and what runs it."""
 
 
 def run_python(
@@ -96,43 +100,26 @@ def _run_script(runtime: PythonRuntime, script: Path, function: str) -> None:
 def run_cpp(sources: tuple[Path, ...], site: NodeSite, files: SourceProvider) -> NodeInterface:
     """Return what the program of these sources declares: from its `main` on."""
 
-    def run(volatile: frozenset[str]) -> AbstractMachine:
-        runtime, machine = _create_cpp_machine(sources, site, files, volatile)
-        mains = [f for f in runtime.symbols.functions.get("main", []) if f.body is not None]
-        if not mains:
-            location = Evidence(file=str(sources[0]) if sources else "")
-            machine.recorder.add_unresolved("main", "the sources have no main function", location)
-        for main in mains[:1]:
-            words = command_line_value(site)
-            values = (_argument_count(words), words)
-            arguments = Arguments(values=values, line=main.line, frame=StackFrame(file=main.file))
-            called = FunctionValue(main)
-            _run_part(machine, Path(main.file), runtime.initialise_globals)
-            _run_all(machine, Path(main.file), partial(machine.call, called, arguments))
-        return machine
+    def start(runtime: CppRuntime) -> _Start | None:
+        functions = runtime.symbols.functions.get("main", [])
+        main = next((function for function in functions if function.body is not None), None)
+        if main is None:
+            return None
+        words = command_line_value(site)
+        values = (_argument_count(words), words)
+        arguments = Arguments(values=values, line=main.line, frame=StackFrame(file=main.file))
+        return main.file, partial(runtime.machine.call, FunctionValue(main), arguments)
 
-    return _run_to_fixpoint(run)
+    missing = ("main", "the sources have no main function")
+    return _run_cpp_program(sources, site, files, start, missing)
 
 
 def run_nodelet(
     sources: tuple[Path, ...], cls: str, site: NodeSite, files: SourceProvider
 ) -> NodeInterface:
     """Return what a nodelet's class declares: made, then its `onInit` run."""
-
-    def run(volatile: frozenset[str]) -> AbstractMachine:
-        runtime, machine = _create_cpp_machine(sources, site, files, volatile)
-        found = runtime.class_named(cls)
-        if found is None:
-            location = Evidence(file=str(sources[0]) if sources else "")
-            machine.recorder.add_unresolved(
-                f"nodelet {cls}", "its class is not in the sources", location
-            )
-        else:
-            _run_part(machine, Path(found.definition.file), runtime.initialise_globals)
-            _run_all(machine, Path(found.definition.file), partial(_load_nodelet, runtime, found))
-        return machine
-
-    return _run_to_fixpoint(run)
+    missing = (f"nodelet {cls}", _MISSING_CLASS_REASON)
+    return _run_cpp_program(sources, site, files, _class_start(cls, _load_nodelet), missing)
 
 
 def run_component(
@@ -146,25 +133,49 @@ def run_component(
 
     Functions of `other_components` that nothing calls are not noted.
     """
+    start = _class_start(cls, partial(_make_component, site))
+    missing = (f"component {cls}", _MISSING_CLASS_REASON)
+    return _run_cpp_program(sources, site, files, start, missing, other_components)
+
+
+def _class_start(
+    cls: str, run: Callable[[CppRuntime, ClassValue], object]
+) -> Callable[[CppRuntime], _Start | None]:
+    def start(runtime: CppRuntime) -> _Start | None:
+        found = runtime.class_named(cls)
+        return (found.definition.file, partial(run, runtime, found)) if found else None
+
+    return start
+
+
+def _run_cpp_program(
+    sources: tuple[Path, ...],
+    site: NodeSite,
+    files: SourceProvider,
+    start: Callable[[CppRuntime], _Start | None],
+    missing: tuple[str, str],
+    other_components: tuple[str, ...] = (),
+) -> NodeInterface:
+    """Run a program from where it starts; without a start, what is missing is noted."""
 
     def run(volatile: frozenset[str]) -> AbstractMachine:
         runtime, machine = _create_cpp_machine(sources, site, files, volatile)
-        found = runtime.class_named(cls)
+        found = start(runtime)
         if found is None:
             location = Evidence(file=str(sources[0]) if sources else "")
-            machine.recorder.add_unresolved(
-                f"component {cls}", "its class is not in the sources", location
-            )
+            machine.recorder.add_unresolved(*missing, location)
         else:
-            frame = StackFrame(file=found.definition.file)
-            given = Arguments(
-                values=(component_options(site),), line=found.definition.line, frame=frame
-            )
-            _run_part(machine, Path(frame.file), runtime.initialise_globals)
-            _run_all(machine, Path(frame.file), partial(runtime.instantiate, found, given))
+            _run_part(machine, Path(found[0]), runtime.initialise_globals)
+            _run_all(machine, Path(found[0]), found[1])
         return machine
 
     return _run_to_fixpoint(run, other_components)
+
+
+def _make_component(site: NodeSite, runtime: CppRuntime, cls: ClassValue) -> None:
+    frame, line = StackFrame(file=cls.definition.file), cls.definition.line
+    given = Arguments(values=(component_options(site),), line=line, frame=frame)
+    runtime.instantiate(cls, given)
 
 
 def _argument_count(words: ListValue) -> Value:
@@ -186,16 +197,12 @@ def _run_to_fixpoint(
     In ROS 2 these run when the node is spun: what they change is unknown then, not before.
     """
     machine = run(frozenset())
-    volatile = (
-        names_written_by_callbacks(machine) if machine.recorder.site.ros == 1 else frozenset()
-    )
-    machine_at_fixpoint = run(volatile) if volatile else machine
-    functions = machine_at_fixpoint.runtime.program_functions()
-    program_functions = [
-        (name, f) for name, f in functions if f.name.rpartition("::")[0] not in other_components
-    ]
-    note_unreached(machine_at_fixpoint, program_functions)
-    return machine_at_fixpoint.recorder.result()
+    if machine.recorder.site.ros == 1 and (volatile := names_written_by_callbacks(machine)):
+        machine = run(volatile)
+    functions = machine.runtime.program_functions()
+    own = ((n, f) for n, f in functions if f.name.rpartition("::")[0] not in other_components)
+    note_unreached(machine, own)
+    return machine.recorder.result()
 
 
 def _create_cpp_machine(

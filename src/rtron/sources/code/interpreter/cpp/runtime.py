@@ -27,8 +27,6 @@ from rtron.sources.code.interpreter.execution.assignment import slot_of
 from rtron.sources.code.interpreter.execution.stack_frame import StackFrame, StorageSlot
 from rtron.sources.code.ir import (
     Declare,
-    Define,
-    Import,
     Lambda,
     Name,
     TypeRef,
@@ -58,8 +56,7 @@ class CppRuntime(CppObjects):
     library_constants: Mapping[str, Value] = field(default_factory=lambda: CONSTANTS)
     _unqualified_functions: frozenset[str] = field(default=frozenset(), init=False)
     _globals: dict[str, Value] = field(default_factory=dict)
-    _candidate_cache: dict[tuple[str, str], tuple[str, ...]] = field(default_factory=dict)
-    _candidate_cache_version: int = -1
+    _candidate_cache: dict[tuple[str, str], tuple[str, ...]] = field(init=False)
 
     passes_by_reference = True
 
@@ -67,6 +64,7 @@ class CppRuntime(CppObjects):
         """Note the last parts of the library functions' names: most names are none of them."""
         CppObjects.__post_init__(self)
         self._unqualified_functions = unqualified_names(self.library_functions)
+        self._candidate_cache = self.symbols.new_cache()
 
     def lookup(self, name: Name, frame: StackFrame) -> Value:
         """Return what a name means: local, member, of a namespace around, or of a library."""
@@ -161,14 +159,6 @@ class CppRuntime(CppObjects):
             self.declare(variable, made)
         return made
 
-    def define(self, node: Define, frame: StackFrame) -> None:
-        """C++ defines nothing while it runs."""
-        raise TypeError(node, frame)
-
-    def import_(self, node: Import, frame: StackFrame) -> None:
-        """C++ imports nothing while it runs."""
-        raise TypeError(node, frame)
-
     def _instance_member(
         self, owner: Instance, name: str, types: tuple[TypeRef, ...]
     ) -> Value | None:
@@ -233,9 +223,6 @@ class CppRuntime(CppObjects):
         if name.id.partition("::")[0] in frame.types:
             return self._first_global(self._candidates(name.id, frame), name)
         key = name.id, frame.scope
-        if self._candidate_cache_version != self.symbols.version:
-            self._candidate_cache_version = self.symbols.version
-            self._candidate_cache.clear()
         if key not in self._candidate_cache:
             candidates = self._candidates(name.id, frame) if self._may_be_global(name.id) else ()
             self._candidate_cache[key] = tuple(c for c in candidates if self._is_global(c))

@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 from rtron.sources.code.interpreter.execution.source_provider import SourceProvider
 from rtron.sources.code.ir import Class, Declare, Function, SourceLanguage, TypeRef, Unit
@@ -49,7 +50,13 @@ class SymbolTable:
     _program_files: dict[str, bool] = field(default_factory=dict)
     _unqualified_names: set[str] = field(default_factory=set)
     version: int = 0
+    _dependent_caches: list[dict[Any, Any]] = field(default_factory=list)
     _searched: set[tuple[str, str]] = field(default_factory=set)
+
+    def new_cache(self) -> dict[Any, Any]:
+        """Return a dict that is emptied whenever a file brings other names."""
+        self._dependent_caches.append({})
+        return self._dependent_caches[-1]
 
     def load(self, path: Path) -> None:
         """Take in a file and the headers it includes, headers first."""
@@ -189,8 +196,9 @@ class SymbolTable:
     def _clear_caches(self) -> None:
         """Forget what names meant, since a file brings others."""
         self.version += 1
-        for known in (self._resolved_types, self._resolved_plain_types, self._class_cache):
-            known.clear()
+        caches: list[dict[Any, Any]] = [self._resolved_types, self._resolved_plain_types]
+        for cache in (*caches, self._class_cache, *self._dependent_caches):
+            cache.clear()
 
     def _add_usings(self, names: Iterable[str]) -> None:
         new = [name for name in dict.fromkeys(names) if name not in self.usings]

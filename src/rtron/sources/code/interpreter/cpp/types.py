@@ -62,19 +62,16 @@ class CppTypes:
     library_classes: Mapping[str, LibraryClass]
     _unqualified_classes: frozenset[str] = field(default=frozenset(), init=False)
     _classes: dict[str, ClassValue] = field(default_factory=dict)
-    _class_cache: dict[tuple[str, str], ClassValue | LibraryClass | None] = field(
-        default_factory=dict
-    )
-    _class_cache_version: int = -1
-    _overload_cache: dict[str, tuple[int, tuple[Function, ...]]] = field(default_factory=dict)
-    _method_cache: dict[tuple[str, str], _ScannedMethod | _LibraryMethod | None] = field(
-        default_factory=dict
-    )
-    _method_cache_version: int = -1
+    _class_cache: dict[tuple[str, str], ClassValue | LibraryClass | None] = field(init=False)
+    _overload_cache: dict[str, tuple[Function, ...]] = field(init=False)
+    _method_cache: dict[tuple[str, str], _ScannedMethod | _LibraryMethod | None] = field(init=False)
 
     def __post_init__(self) -> None:
         """Note the last parts of the library classes' names: most types are none of them."""
         self._unqualified_classes = unqualified_names(self.library_classes)
+        self._class_cache = self.symbols.new_cache()
+        self._overload_cache = self.symbols.new_cache()
+        self._method_cache = self.symbols.new_cache()
 
     def version(self) -> int:
         """Return a number that changes when the program's functions do."""
@@ -109,9 +106,6 @@ class CppTypes:
         """Return the class that a type means, scanned or of a library."""
         resolved = self.resolve_type(type, frame)
         key = resolved.name, frame.scope
-        if self._class_cache_version != self.symbols.version:
-            self._class_cache_version = self.symbols.version
-            self._class_cache.clear()
         if key not in self._class_cache:
             self._class_cache[key] = self._find_class(resolved, frame)
         return self._class_cache[key]
@@ -168,14 +162,9 @@ class CppTypes:
     ) -> _ScannedMethod | _LibraryMethod | None:
         """Return the most derived method of a name; what was found holds until a file comes."""
         key = cls.name, name
-        if self._method_cache_version == self.symbols.version and key in self._method_cache:
-            return self._method_cache[key]
-        found = self._find_method(cls, name)
-        if self._method_cache_version != self.symbols.version:
-            self._method_cache_version = self.symbols.version
-            self._method_cache.clear()
-        self._method_cache[key] = found
-        return found
+        if key not in self._method_cache:
+            self._method_cache[key] = self._find_method(cls, name)
+        return self._method_cache[key]
 
     def _find_method(self, cls: ClassValue, name: str) -> _ScannedMethod | _LibraryMethod | None:
         for ancestor in self.lineage(cls):
@@ -275,10 +264,9 @@ class CppTypes:
     def overloads(self, name: str) -> tuple[Function, ...]:
         """Return the functions of a qualified name, those with a body if there are any."""
         known = self._overload_cache.get(name)
-        if known is None or known[0] != self.symbols.version:
-            found = self._find_overloads(name)
-            known = self._overload_cache[name] = (self.symbols.version, found)
-        return known[1]
+        if known is None:
+            known = self._overload_cache[name] = self._find_overloads(name)
+        return known
 
     def _load_definitions(self, functions: list[Function]) -> bool:
         """Look for the definitions of functions that are only declared so far."""

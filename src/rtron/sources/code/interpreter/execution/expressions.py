@@ -26,6 +26,7 @@ from rtron.sources.code.interpreter.execution.arguments import Arguments, evalua
 from rtron.sources.code.interpreter.execution.assignment import assign, slot_of
 from rtron.sources.code.interpreter.execution.calls import call, dispatch
 from rtron.sources.code.interpreter.execution.exceptions import operands_fit
+from rtron.sources.code.interpreter.execution.language_runtime import cpp_runtime
 from rtron.sources.code.interpreter.execution.loops import target_name
 from rtron.sources.code.interpreter.execution.stack_frame import StackFrame
 from rtron.sources.code.ir import (
@@ -82,7 +83,7 @@ def _insert_default(machine: AbstractMachine, owner: MapValue, key: Scalar) -> N
 
 
 def _new(machine: AbstractMachine, node: New, frame: StackFrame) -> Value:
-    return machine.runtime.new(node, frame)
+    return cpp_runtime(machine).new(node, frame)
 
 
 def _binary(machine: AbstractMachine, node: Binary, frame: StackFrame) -> Value:
@@ -217,7 +218,8 @@ def _run_loops(
 def _lambda(machine: AbstractMachine, node: Lambda, frame: StackFrame) -> Value:
     """Python evaluates default arguments where the function is made, C++ where it is called."""
     if machine.runtime.passes_by_reference:
-        return FunctionValue(node.function, closure=machine.runtime.closure_frame(node, frame))
+        closure = cpp_runtime(machine).closure_frame(node, frame)
+        return FunctionValue(node.function, closure=closure)
     named = evaluate_defaults(node.function, lambda default: machine.evaluate(default, frame))
     return FunctionValue(node.function, closure=frame, bound_keywords=named)
 

@@ -12,19 +12,15 @@ from rtron.sources.code.interpreter.execution.source_provider import SourceProvi
 from rtron.sources.code.interpreter.execution.stack_frame import StackFrame, StorageSlot
 from rtron.sources.code.ir import (
     Class,
-    Declare,
-    Define,
     Function,
-    Import,
-    Lambda,
     Name,
-    New,
     TypeRef,
 )
 
 if TYPE_CHECKING:
     from rtron.sources.code.interpreter.cpp.runtime import CppRuntime
     from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
+    from rtron.sources.code.interpreter.python.runtime import PythonRuntime
 
 
 class LanguageRuntime(Protocol):
@@ -48,21 +44,6 @@ class LanguageRuntime(Protocol):
     def attribute(self, owner: Value, name: str, types: tuple[TypeRef, ...]) -> Value | None:
         """Return a member of a value, bound to it; None where it has none of that name."""
 
-    def new(self, node: New, frame: StackFrame) -> Value:
-        """Make an object (C++)."""
-
-    def declare(self, node: Declare, frame: StackFrame) -> None:
-        """Make a variable (C++)."""
-
-    def closure_frame(self, node: Lambda, frame: StackFrame) -> StackFrame:
-        """Return the frame that a lambda made in a frame stands in (C++)."""
-
-    def define(self, node: Define, frame: StackFrame) -> None:
-        """Bind a function or class (Python)."""
-
-    def import_(self, node: Import, frame: StackFrame) -> None:
-        """Bind what an import brings (Python)."""
-
     def call_frame(self, called: FunctionValue, arguments: Arguments) -> StackFrame:
         """Return the frame that a call of a scanned function runs in, its parameters bound."""
 
@@ -85,6 +66,11 @@ class LanguageRuntime(Protocol):
         """Yield the functions of the program's own files, each with what it is called by."""
 
 
+def python_runtime(machine: "AbstractMachine") -> "PythonRuntime":
+    """Return the machine's runtime, where only Python's is met."""
+    return cast("PythonRuntime", machine.runtime)
+
+
 def cpp_runtime(machine: "AbstractMachine") -> "CppRuntime":
-    """Return the machine's runtime, which is C++'s wherever a library model of C++ is called."""
+    """Return the machine's runtime, where only C++'s is met, as in library models of C++."""
     return cast("CppRuntime", machine.runtime)

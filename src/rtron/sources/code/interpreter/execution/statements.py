@@ -18,6 +18,7 @@ from rtron.sources.code.interpreter.execution.abstract_machine import (
     ThrownError,
 )
 from rtron.sources.code.interpreter.execution.assignment import assign, remove_element
+from rtron.sources.code.interpreter.execution.language_runtime import cpp_runtime, python_runtime
 from rtron.sources.code.interpreter.execution.stack_frame import StackFrame
 from rtron.sources.code.ir import (
     Assign,
@@ -76,7 +77,7 @@ def _assign(machine: AbstractMachine, node: Assign, frame: StackFrame) -> Outcom
 
 
 def _declare(machine: AbstractMachine, node: Declare, frame: StackFrame) -> Outcome:
-    machine.runtime.declare(node, frame)
+    cpp_runtime(machine).declare(node, frame)
     return None
 
 
@@ -188,12 +189,12 @@ def _catches(names: tuple[str, ...], thrown: ThrownError) -> bool:
 
 
 def _define(machine: AbstractMachine, node: Define, frame: StackFrame) -> Outcome:
-    machine.runtime.define(node, frame)
+    python_runtime(machine).define(node, frame)
     return None
 
 
 def _import(machine: AbstractMachine, node: Import, frame: StackFrame) -> Outcome:
-    machine.runtime.import_(node, frame)
+    python_runtime(machine).import_(node, frame)
     return None
 
 

@@ -25,7 +25,7 @@ from rtron.sources.code.interpreter.execution.arguments import (
 )
 from rtron.sources.code.interpreter.execution.stack_frame import StackFrame, StorageSlot
 from rtron.sources.code.interpreter.python.objects import PythonObjects
-from rtron.sources.code.ir import Class, Declare, Define, Lambda, Name, New, TypeRef
+from rtron.sources.code.ir import Class, Define, Name, TypeRef
 from rtron.sources.code.library_models.common.containers import (
     DICT_METHODS,
     LIST_METHODS,
@@ -90,18 +90,6 @@ class PythonRuntime(PythonObjects):
         if isinstance(owner, (ModuleValue, ExternalSymbol, LibraryFunction)):
             return self._module_member(owner, name)
         return _value_member(owner, name)
-
-    def new(self, node: New, frame: StackFrame) -> Value:
-        """Python has no `new`."""
-        raise TypeError(node, frame)
-
-    def declare(self, node: Declare, frame: StackFrame) -> None:
-        """Python has no declarations."""
-        raise TypeError(node, frame)
-
-    def closure_frame(self, node: Lambda, frame: StackFrame) -> StackFrame:
-        """Python's lambdas share all."""
-        raise TypeError(node, frame)
 
     def define(self, node: Define, frame: StackFrame) -> None:
         """Bind a function or class by its name, under its decorators."""

@@ -23,6 +23,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.calls import dispatch
+from rtron.sources.code.interpreter.execution.language_runtime import python_runtime
 from rtron.sources.code.interpreter.execution.stack_frame import StackFrame
 from rtron.sources.code.ir import Import
 
@@ -69,7 +70,7 @@ def _import_dynamically(
     frame = StackFrame(file=arguments.frame.file)
     given = arguments.get(3, "fromlist")
     alias = "module" if returns_submodule or (given and items_of(given)[0]) else ""
-    machine.runtime.import_(Import(name.value, None, alias, line=arguments.line), frame)
+    python_runtime(machine).import_(Import(name.value, None, alias, line=arguments.line), frame)
     return join(frame.variables.values())
 
 
