@@ -24,7 +24,7 @@ What `rtron scan` looks for, one page a rule; `rtron explain <rule>` prints the 
 
 ## Your own words
 
-`rtron scan --lists FILE` adds your words to ours. A file may have any of these lists;
+`rtron scan --name-lists FILE` adds your words to ours. A file may have any of these lists;
 `src/rtron/risks/data/` shows each with its words:
 
 {lists}

@@ -129,7 +129,7 @@ def run_guard_with_noise(
     command = python("rtron", "guard", "--plan", str(path), "--log-level", "warning")
     if token:
         command += ["--service", service.url, "--token-file", str(token), "--robot", ROBOT]
-        command += ["--state", str(testbed.folder / "state")]
+        command += ["--state-dir", str(testbed.folder / "state")]
     noise = python("bench.ros1.noise", flow_topic(NOISY, "vflow1"), str(NOISE))
     with ExitStack() as stack:
         stack.enter_context(running(testbed, command))

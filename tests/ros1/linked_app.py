@@ -23,7 +23,7 @@ class LinkedApp:
     def start_guard(self):
         words = ["--service", self.service.url, "--token-file", self.token, "--robot", ROBOT]
         state = self.ros1.folder / "state"
-        return start_guard(self.ros1, drive_plan(), CMD_VEL_GUARD, *words, "--state", state)
+        return start_guard(self.ros1, drive_plan(), CMD_VEL_GUARD, *words, "--state-dir", state)
 
     def navigate(self):
         nav = self.ros1.node("nav.py", "/nav", f"{CMD_VEL}:={FLOW1}")

@@ -118,7 +118,7 @@ def test_a_fault_is_told_with_its_place(read, path, value, told):
         read(at(path, value))
     assert told in str(caught.value)
     assert len(str(caught.value)) < 500
-    assert "--figures" in caught.value.help
+    assert "--measurements" in caught.value.help
 
 
 @pytest.mark.parametrize("value", [0, MAX_NUMBER])

@@ -1,6 +1,6 @@
-"""The commands of `rtron` by name: each is imported when it is asked for, not before.
+"""The commands of `rtron` by name: each is imported when it is called, not before.
 
-A guard on a robot starts in half the time when it does not read what reads launch files.
+A guard on a robot starts in half the time without the modules that read launch files.
 """
 
 from collections.abc import Iterator, Mapping
@@ -23,9 +23,9 @@ COMMANDS = {
         "verify",
     ),
     "On the robot": ("guard", "master", "override"),
-    "Security service": ("serve", "events", "upload"),
-    "Study": ("classify", "explain-class", "survey"),
-    "Reference": ("explain", "mission", "schema"),
+    "Security service": ("serve", "events", "upload-graph"),
+    "Study": ("classify", "explain-function", "survey"),
+    "Reference": ("explain", "mission-rules", "schema"),
 }
 GROUPS = {
     "Security service": ("settings", "token", "user"),
@@ -58,7 +58,7 @@ def _single_command(function: Any) -> Any:  # noqa: ANN401 - typer's types say l
 
 
 class _LazyCommands(Mapping[str, Any]):
-    """The commands: their names are known, and one is imported when it is taken."""
+    """The commands by name; a command is imported when it is looked up."""
 
     def __getitem__(self, name: str) -> TyperCommand | TyperGroup:
         if name not in _PANELS:
@@ -76,7 +76,7 @@ class _LazyCommands(Mapping[str, Any]):
 
 
 class CommandGroup(TyperGroup):
-    """`rtron` with its commands, of which only those that are asked for are imported."""
+    """`rtron` with its commands, which are imported when they are called."""
 
     def __init__(self, **options: Any) -> None:  # noqa: ANN401 - typer's own
         super().__init__(**options | {"commands": _LazyCommands()})

@@ -49,13 +49,13 @@ def root(
 
     From an app to a guarded app:
 
-    $ rtron scan src --launch pkg/app.launch     who can interfere with whom
+    $ rtron scan src --launch pkg/app.launch     which nodes can interfere
     $ rtron plan src --launch pkg/app.launch -o rtron.yaml
     $ rtron check rtron.yaml               after you edited the plan
     $ rtron instrument app.launch --plan rtron.yaml -o guarded.launch
-    $ rtron replay run.bag --plan rtron.yaml     what it would have done
+    $ rtron replay run.bag --plan rtron.yaml     try the plan on a recording
     $ roslaunch guarded.launch             the app, guarded
-    $ rtron verify --live                  is the guard really in the way?
+    $ rtron verify --live                  does all guarded traffic pass the guard?
 
     Completion of commands and names: rtron --install-completion
     """
@@ -65,7 +65,7 @@ _ROS_ARGS = "--ros-args"
 
 
 def run_guard_node() -> None:
-    """Run the guard; what ROS appends behind `--ros-args` is for nodes that use rcl's parser."""
+    """Run the guard without the arguments that ROS appends behind `--ros-args`."""
     arguments = sys.argv[1:]
     sys.argv[1:] = [
         "guard",

@@ -30,7 +30,7 @@ MAX_BYTES = 16 * 1024 * 1024
 MAX_NUMBER = 2**63 - 1
 _MAX_TEXT_LENGTH = 1000
 _MAX_SHOWN = 60
-_HELP = "`rtron guard --dry-run --figures RUN.json` writes such files"
+_HELP = "`rtron guard --dry-run --measurements RUN.json` writes such files"
 _QUANTILES = ("p50", "p99", "p999", "max")
 
 

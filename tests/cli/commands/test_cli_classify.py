@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from rtron.cli.commands.explain_class import _complete
+from rtron.cli.commands.explain_function import _complete
 from rtron.executors import ItemFailure, SerialExecutor
 
 REPOS = [
@@ -120,8 +120,8 @@ def test_an_item_that_fails_is_told(rtron, corpus, monkeypatch):
         (["classify", "absent"], "absent: No such file or directory"),
         (["classify", "/dev/null"], "no repository could be read"),
         (["classify", "x", "--jobs", "0"], "--jobs"),
-        (["explain-class", "absent"], "'absent' is no folder"),
-        (["explain-class", "x", "--from", "absent.jsonl"], "No such file or directory"),
+        (["explain-function", "absent"], "'absent' is no folder"),
+        (["explain-function", "x", "--from", "absent.jsonl"], "No such file or directory"),
     ],
 )
 def test_bad_input_is_2(rtron, words, said):
@@ -144,30 +144,30 @@ def test_without_dask_the_extra_is_named_in_the_help(rtron, corpus, monkeypatch)
 
 
 def test_the_evidence_of_a_folder(rtron, folder):
-    ran = rtron("explain-class", folder)
+    ran = rtron("explain-function", folder)
     assert (ran.code, ran.err) == (0, "")
     assert ran.out.startswith("grid_mapping  1 package\nMapping, decided by the name\n")
     assert "\npackage grid_mapping\n" in ran.out
 
 
 def test_the_evidence_of_a_repository_in_a_file(rtron, corpus):
-    assert rtron("explain-class", "joystick_teleop", "--from", corpus).out.startswith(
+    assert rtron("explain-function", "joystick_teleop", "--from", corpus).out.startswith(
         "joystick_teleop  0 packages\nTeleoperation, decided by the name\n"
     )
-    ran = rtron("explain-class", "joystick_telop", "--from", corpus)
+    ran = rtron("explain-function", "joystick_telop", "--from", corpus)
     assert ran.code == 2
     assert "did you mean joystick_teleop?" in ran.err
-    assert "`rtron classify` lists them all" in rtron("explain-class", "q", "--from", corpus).err
+    assert "`rtron classify` lists them all" in rtron("explain-function", "q", "--from", corpus).err
 
 
 def test_a_folder_of_several_names_them(rtron, folder):
     (folder.parent / "b").mkdir()
     (folder.parent / "b/package.xml").write_text("<package><name>b</name></package>")
-    ran = rtron("explain-class", folder.parent)
+    ran = rtron("explain-function", folder.parent)
     assert ran.code == 2
     rows = ran.err.splitlines()
     assert rows[0].endswith("holds 2 repositories: b, grid_mapping")
-    assert rows[1] == f"help: rtron explain-class --from {folder.parent} NAME"
+    assert rows[1] == f"help: rtron explain-function --from {folder.parent} NAME"
 
 
 @pytest.mark.parametrize(
@@ -177,7 +177,7 @@ def test_of_many_repositories_the_first_five_are_named(rtron, tmp_path, number, 
     for name in range(number):
         (tmp_path / f"r{name}").mkdir()
         (tmp_path / f"r{name}/package.xml").write_text("<package><name>a</name></package>")
-    ran = rtron("explain-class", tmp_path)
+    ran = rtron("explain-function", tmp_path)
     assert ran.err.splitlines()[0].endswith(f"holds {number} repositories{said}")
 
 
@@ -189,7 +189,7 @@ def test_a_package_is_found_in_its_repository(rtron, tmp_path):
     ]
     path.write_text("\n".join(map(json.dumps, lines)))
     for name, home in (("amcl", "first"), ("shared", "first"), ("first", "first")):
-        ran = rtron("explain-class", "--from", path, name)
+        ran = rtron("explain-function", "--from", path, name)
         assert (ran.code, ran.out.split()[0]) == (0, home)
         assert ran.err == (f"{name} is a package of {home}\n" if name != home else "")
 
@@ -200,7 +200,7 @@ HOSTILE = ["am$(touch x);id", "a b", "a'b", "`b`", "a\nb", "a\\b", "*", "~", "a|
 
 def test_a_shell_completes_names_after_the_file(rtron, corpus, monkeypatch):
     monkeypatch.setenv("_RTRON_COMPLETE", "complete_bash")
-    monkeypatch.setenv("COMP_WORDS", f"rtron explain-class --from {corpus} jo")
+    monkeypatch.setenv("COMP_WORDS", f"rtron explain-function --from {corpus} jo")
     monkeypatch.setenv("COMP_CWORD", "4")
     assert rtron().out == "joystick_teleop\n"
 

@@ -33,7 +33,7 @@ def test_the_master_and_the_log_level_are_handed_on(rtron, plan_file, started):
 
 
 def test_a_dry_run_and_another_door_are_handed_on(rtron, plan_file, started, tmp_path):
-    rtron("guard", "--plan", plan_file, "--dry-run", "--control", tmp_path / "door.sock")
+    rtron("guard", "--plan", plan_file, "--dry-run", "--control-socket", tmp_path / "door.sock")
     assert started[0][3:5] == (True, tmp_path / "door.sock")
 
 

@@ -214,18 +214,18 @@ def test_what_is_no_bag_is_refused(rtron, plan, tmp_path):
 
 
 def test_missions_are_listed_and_shown(rtron):
-    listed = rtron("mission")
+    listed = rtron("mission-rules")
     assert (listed.code, listed.err) == (0, "")
     assert "recharge" in listed.out
-    shown = rtron("mission", "recharge")
+    shown = rtron("mission-rules", "recharge")
     assert shown.out.startswith("# Warehouse: the AGV must recharge")
-    unknown = rtron("mission", "rechrage")
+    unknown = rtron("mission-rules", "rechrage")
     assert unknown.code == 2
     assert "did you mean recharge?" in unknown.err
 
 
 def test_an_override_without_a_guard_tells_what_to_do(rtron, plan, tmp_path):
-    words = ("override", "rsrcn", "--plan", plan(), "--control", tmp_path / "none.sock")
+    words = ("override", "rsrcn", "--plan", plan(), "--control-socket", tmp_path / "none.sock")
     ran = rtron(*words, "--for", "30s", "--reason", "docking")
     assert ran.code == 2
     assert "no guard answers" in ran.err

@@ -89,7 +89,7 @@ def test_lists_add_to_the_rules(rtron, tmp_path, graph_file):
     def events(*arguments):
         return json.loads(rtron("scan", graph_file, "--format", "json", *arguments).out)["summary"]
 
-    assert events()["MSR"] + 1 == events("--lists", lists)["MSR"]
+    assert events()["MSR"] + 1 == events("--name-lists", lists)["MSR"]
 
 
 def test_a_running_app(rtron, graph_file, monkeypatch):

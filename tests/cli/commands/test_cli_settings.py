@@ -76,7 +76,7 @@ def test_get_one_node_in_full(call):
     assert "flow1.priority  7           plan: 2" in out
     assert "release_after   0.2 s       plan: 0.5 s" in out
     assert "You may: select_policy, set_block, set_durations, set_priority, set_timeout" in out
-    assert "You may: look only" in call("settings", "get", "drive", role="end_user").out
+    assert "You may: read only" in call("settings", "get", "drive", role="end_user").out
 
 
 def test_get_as_json(call):
@@ -124,7 +124,7 @@ def test_set_takes_back(call):
             "did you mean flow",
         ),
         (["drive", "policy"], "developer", "what is 'policy'?", "KEY=VALUE"),
-        (["drive", "flow1.block=maybe"], "developer", "say true or false", "what the plan says"),
+        (["drive", "flow1.block=maybe"], "developer", "give true or false", "the plan's value"),
         (["drve", "policy=Block"], "developer", "no such coordination node", "there are: drive"),
         (
             ["drive", "policy=Block"],
@@ -156,7 +156,7 @@ def answering(service, revision, error=""):
 
 @pytest.mark.parametrize(
     ("error", "code", "told"),
-    [("", 0, "revision 1: in force\n"), ("no", 1, "revision 1: REFUSED by the guard: no\n")],
+    [("", 0, "revision 1: active\n"), ("no", 1, "revision 1: REJECTED by the guard: no\n")],
 )
 def test_set_waits_for_the_guard(call, service, error, code, told):
     guard = answering(service, 1, error)
@@ -366,8 +366,8 @@ GRAPH = {
 def test_upload_gives_the_console_a_graph(call, tmp_path):
     path = tmp_path / "graph.json"
     path.write_text(json.dumps(GRAPH))
-    assert call("upload", path).out == "r2 has the graph; 2 risks: 1 GR-ST, 1 MSR\n"
-    assert "may not do that" in call("upload", path, role="end_user").err
+    assert call("upload-graph", path).out == "r2 has the graph; 2 risks: 1 GR-ST, 1 MSR\n"
+    assert "may not do that" in call("upload-graph", path, role="end_user").err
     path.write_text('{"schema": "rtron.graph/1", "nodse": []}')
-    ran = call("upload", path)
+    ran = call("upload-graph", path)
     assert (ran.code, "did you mean `nodes`?" in ran.err) == (2, True)

@@ -150,7 +150,7 @@ def test_what_is_no_run_is_refused(rtron, plan, tmp_path):
 
 
 def test_figures_need_a_dry_run(rtron, plan, tmp_path):
-    ran = rtron("guard", "--plan", plan, "--figures", tmp_path / "run.json")
+    ran = rtron("guard", "--plan", plan, "--measurements", tmp_path / "run.json")
     assert ran.code == 2
     assert "--dry-run" in ran.err
     assert not (tmp_path / "run.json").exists()

@@ -225,7 +225,7 @@ def test_a_second_guard_leaves_the_door_to_the_first(door):
     with pytest.raises(SourceError, match=f"another guard listens at {door}") as refused:
         ControlSocket(loop, door, lambda who, request: {})
     loop.close()
-    assert "--control" in refused.value.help
+    assert "--control-socket" in refused.value.help
     assert talk(door, b'{"a": 1}\n')
 
 
@@ -289,7 +289,7 @@ def test_a_path_that_is_too_long_for_a_socket_is_refused(tmp_path):
     with pytest.raises(SourceError, match="too long") as refused:
         ControlSocket(loop, tmp_path / "door" / ("x" * 108), lambda who, request: {})
     loop.close()
-    assert refused.value.help == "choose --control PATH"
+    assert refused.value.help == "choose --control-socket PATH"
 
 
 def test_a_guard_tells_where_it_listens(open_control_socket, caplog):

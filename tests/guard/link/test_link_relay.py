@@ -310,7 +310,7 @@ def test_two_guards_do_not_share_a_state(made, service, guard, caplog):
     with running_relay(made):
         guard.until(lambda: service.of(Hello), "the greeting")
         other = Guard(made, "other")
-        other.until(lambda: "give each its own --state" in caplog.text, "the refusal")
+        other.until(lambda: "give each its own --state-dir" in caplog.text, "the refusal")
         guard.line.close()
         other.line.queue_event(event(1, "other"))
         other.until(lambda: numbers(service, "other") == [1], "the event of the other one")

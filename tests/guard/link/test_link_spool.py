@@ -117,7 +117,7 @@ def test_a_file_that_is_no_database_is_told(tmp_path):
     path.write_bytes(b"not a database at all, only text" * 100)
     with pytest.raises(InputError, match="not a database") as error:
         Spool(path)
-    assert "--state" in error.value.help
+    assert "--state-dir" in error.value.help
 
 
 WRITER = """

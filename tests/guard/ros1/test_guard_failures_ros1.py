@@ -247,10 +247,10 @@ def test_a_goal_in_the_unstable_area_is_blocked(ros1):
 def test_an_override_lets_the_robot_go_faster_until_it_expires(ros1, driven):
     plan = limited(PolicyName.CONSTRAIN, MOVING, max_vel_limit=SPEED / 2)
     door = ros1.folder / "door" / "guard.sock"
-    start_guard(ros1, plan, "/rtron/rsrcn", "--control", door)
+    start_guard(ros1, plan, "/rtron/rsrcn", "--control-socket", door)
     navigate(ros1)
     wait_for_speed(driven, SPEED / 2, "the limited navigation")
-    words = ("override", "rsrcn", "--plan", ros1.folder / "rtron.yaml", "--control", door)
+    words = ("override", "rsrcn", "--plan", ros1.folder / "rtron.yaml", "--control-socket", door)
     asked = ros1.rtron(*words, "--for", "3s", "--reason", "docking")
     wait_for_speed(driven, SPEED, "the navigation that is not limited")
     wait_for(lambda: asked.ended, what="rtron override")

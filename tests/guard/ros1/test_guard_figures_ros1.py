@@ -20,7 +20,7 @@ def figures(path):
 
 def test_a_dry_run_ends_in_a_plan_that_fits_it(ros1, tmp_path):
     run, tuned = tmp_path / "run.json", tmp_path / "tuned.yaml"
-    guard = start_guard(ros1, drive_plan(), CMD_VEL_GUARD, "--dry-run", "--figures", run)
+    guard = start_guard(ros1, drive_plan(), CMD_VEL_GUARD, "--dry-run", "--measurements", run)
     wait_for(run.exists, what="figures from the start")
     ros1.node("nav.py", "/nav", f"/cmd_vel:={FLOW1}")
     ros1.node("rogue.py", "/rogue", "50", f"/cmd_vel:={FLOW2}")

@@ -379,11 +379,11 @@ def test_a_door_that_cannot_be_opened_is_refused(ros1):
     path = ros1.folder / "rtron.yaml"
     path.write_text(write_plan(drive_plan()))
     door = ros1.folder / "none" / "deeper" / "door.sock"
-    ran = ros1.rtron("guard", "--plan", path, "--control", door)
+    ran = ros1.rtron("guard", "--plan", path, "--control-socket", door)
     wait_for(lambda: ran.ended, what="the end")
     assert ran.code == 2
     assert f"error: {door}: No such file or directory" in ran.log
-    assert "help: choose --control PATH" in ran.log
+    assert "help: choose --control-socket PATH" in ran.log
     assert members(ran.pid) == []
 
 

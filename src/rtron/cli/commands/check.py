@@ -18,13 +18,13 @@ def check(
     *,
     graph: Annotated[
         Path | None,
-        typer.Option(metavar="GRAPH.json", help="Compare the plan with this app, too."),
+        typer.Option(metavar="GRAPH.json", help="Also compare the plan with this app."),
     ] = None,
 ) -> Outcome:
-    """Check a plan that you edited, before a robot trusts it.
+    """Check a plan that you edited.
 
-    Every fault is told with its line and the nearest valid word. With the
-    app's graph, topics and flows that nobody publishes are found, too.
+    Each error comes with its line and the nearest valid word. With the app's
+    graph, it also finds topics and flows that nobody publishes.
 
     $ rtron check rtron.yaml
     $ rtron check rtron.yaml --graph graph.json

@@ -35,19 +35,19 @@ def classify(
     cluster: ClusterAddress = None,
     output: Output = STDOUT,
 ) -> Outcome:
-    """Find which robot functions repositories have.
+    """Find the robot functions of repositories.
 
-    Rules over names, then manifests' descriptions, then the README give each
-    repository its function types, 17 in five domains as in the paper. Each
-    line of the result is a repository, with the words that decided.
+    Rules on names, then on the descriptions in manifests, then on the README
+    give each repository its function types: 17 in five domains, as in the
+    paper. Each line of the result is a repository with the matched words.
 
     $ rtron classify src/navigation                  a repository
     $ rtron classify src --table                     a folder of them
     $ rtron classify kinetic.jsonl --readmes readmes.jsonl -o classes.jsonl
-    $ rtron classify humble/distribution.yaml        names tell less
+    $ rtron classify humble/distribution.yaml        by names only
     $ rtron classify all.jsonl --cluster tcp://10.0.0.7:8786
 
-    What cannot be read is left out and told on standard error.
+    Entries that cannot be read are skipped and listed on standard error.
 
     Exit code: 0 classified, 2 nothing can be read.
     """

@@ -46,48 +46,48 @@ def demo(  # noqa: PLR0913 - one for each option
         typer.Option(help="Which ROS to run it on; auto takes what is there, 2 before 1."),
     ] = RosGeneration.AUTO,
     guard: Annotated[
-        bool, typer.Option("--guard/--no-guard", help="Run the guarded app, too.")
+        bool, typer.Option("--guard/--no-guard", help="Also run the guarded app.")
     ] = True,
     console: Annotated[
-        bool, typer.Option("--console", help="Show the run in RTron's console afterwards.")
+        bool, typer.Option("--console", help="Show the run in the console afterwards.")
     ] = False,
     seed: Annotated[
-        int, typer.Option(min=0, max=LAST_SEED, metavar="N", help="The first world.")
+        int, typer.Option(min=0, max=LAST_SEED, metavar="N", help="The seed of the first world.")
     ] = 1,
-    runs: Annotated[int, typer.Option(min=1, metavar="N", help="How many world_seeds.")] = 1,
+    runs: Annotated[int, typer.Option(min=1, metavar="N", help="The number of worlds.")] = 1,
     speed: Annotated[
-        float, typer.Option(**_SPEEDS, metavar="X", help="Simulated seconds a second.")
+        float, typer.Option(**_SPEEDS, metavar="X", help="Simulated seconds in a second.")
     ] = 2.0,
     output: Annotated[
-        Path, typer.Option("--output", "-o", metavar="DIR", help="Where the results go.")
+        Path, typer.Option("--output", "-o", metavar="DIR", help="The folder for the results.")
     ] = Path("rtron-demo"),
     format: Annotated[TextOrJson, typer.Option(help="A table, or JSON.")] = TextOrJson.TEXT,
 ) -> Outcome:
-    """See an attack on a simulated robot, and what the guard makes of it.
+    """Attack a simulated robot, without the guard and with it.
 
-    A TurtleBot3 drives in a simulated world under real ROS nodes. Two of its
-    packages come from elsewhere and are malicious, as in the paper:
+    Real ROS nodes drive a TurtleBot3 in a simulated world. Two third-party
+    packages are malicious, as in the paper:
 
-    gr    one of two nodes on /cmd_vel turns the robot into a wall
-    rsr   the maximal velocity is raised until the eyes cannot follow
-    msr   a goal is sent that lies in an area without network
+    gr    one of two publishers of /cmd_vel turns the robot into a wall
+    rsr   the maximal velocity is too high for the camera's frame rate
+    msr   a malicious goal lies in an area without network
 
-    Each case is run without an attack, attacked, and attacked with the guard,
-    which scan, plan and instrument put in between; with `all`, one plan stands
-    against all three.
+    Each case runs without an attack, with it, and with attack and guard. The
+    commands scan, plan and instrument add the guard; with `all`, one plan
+    covers all three cases.
 
     $ rtron demo gr                        one case, half a minute
     $ rtron demo all --ros 1               all three, on ROS 1
-    $ rtron demo rsr --no-guard            only what the attack does
-    $ rtron demo msr --console             look at it in the console
+    $ rtron demo rsr --no-guard            only the attack
+    $ rtron demo msr --console             with the console
     $ rtron demo gr --runs 5 --seed 10     in worlds 10 to 14
     $ rtron demo all --format json         for a program
 
-    It writes pictures, results.json, the plan and report.html, in place of
-    those of an earlier demo. All runs on this machine and ends with the command.
+    It writes pictures, results.json, the plan and report.html over those of an
+    earlier demo. Everything runs on this machine and ends with the command.
 
-    Exit code: 0 the attacks do harm without the guard and none with it, and the
-    robot arrives; 1 not so; 2 bad options, or no ROS.
+    Exit code: 0 the attacks harm only without the guard, and the guarded robot
+    arrives; 1 otherwise; 2 bad options, or no ROS.
     """
     _check_options(guard=guard, console=console)
     from rtron.demos.cases import CASES  # noqa: PLC0415 - only with the extra

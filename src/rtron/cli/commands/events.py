@@ -35,31 +35,31 @@ def events(  # noqa: PLR0913 - one for each option
     *,
     service: ServiceOption = DEFAULT_SERVICE,
     token_file: TokenOption = None,
-    robot: Annotated[str | None, typer.Option(metavar="NAME", help="Of this robot only.")] = None,
+    robot: Annotated[str | None, typer.Option(metavar="NAME", help="Only this robot.")] = None,
     node: Annotated[
-        str | None, typer.Option(metavar="ID", help="Of this coordination node only.")
+        str | None, typer.Option(metavar="ID", help="Only this coordination node.")
     ] = None,
     kind: Annotated[
-        str | None, typer.Option(metavar="KIND", help="Of this kind only: verdict, alarm, …")
+        str | None, typer.Option(metavar="KIND", help="Only this kind: verdict, alarm, …")
     ] = None,
-    level: Annotated[EventLevel, typer.Option(help="Of at least this level.")] = EventLevel.INFO,
-    follow: Annotated[bool, typer.Option("--follow", "-f", help="Go on as they happen.")] = False,
+    level: Annotated[EventLevel, typer.Option(help="The least level.")] = EventLevel.INFO,
+    follow: Annotated[bool, typer.Option("--follow", "-f", help="Go on with new events.")] = False,
     number: Annotated[
-        int, typer.Option("--number", "-n", min=0, max=_PAGE, help="So many of the past.")
+        int, typer.Option("--number", "-n", min=0, max=_PAGE, help="The number of past events.")
     ] = 20,
     ca: CaOption = None,
     format: Annotated[
-        TextOrJson, typer.Option(help="A line each to read, or a line of JSON each.")
+        TextOrJson, typer.Option(help="A line of text or of JSON for each event.")
     ] = TextOrJson.TEXT,
 ) -> Outcome:
-    """Show what the guards tell: who took control, what was refused and why.
+    """Show the events of guards: which flow has control, what was blocked and why.
 
     $ rtron events --token-file me.token
     $ rtron events --follow --robot car1 --level warning
     $ rtron events -f --format json | jq 'select(.kind == "verdict")'
 
-    When the service is away while following, what happened meanwhile comes
-    once it is there again. Ctrl-C ends it.
+    --follow reconnects to a service that was away, and then shows the missed
+    events. Ctrl-C ends it.
 
     Exit code: 0 shown, 2 the service does not answer.
     """

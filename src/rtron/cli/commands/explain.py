@@ -87,14 +87,14 @@ def explain(
     name: Annotated[
         str | None,
         typer.Argument(
-            metavar="RULE|POLICY", help="What to explain.", autocompletion=_complete_name
+            metavar="RULE|POLICY", help="The rule or policy.", autocompletion=_complete_name
         ),
     ] = None,
 ) -> Outcome:
     """Explain a rule or a policy; without a name, list them.
 
-    A scan names its rules, a plan its policies. The page says what each does,
-    when to use it, and shows an example.
+    A scan names its rules, a plan its policies. A page says what a rule or a
+    policy does and when to use it, with an example.
 
     $ rtron explain
     $ rtron explain gr_st

@@ -21,7 +21,7 @@ from rtron.cli.support.skipped_report import report_skipped
 from rtron.functions.interactions.abstract_graph import AbstractGraph
 
 functions = typer.Typer(
-    name="functions", no_args_is_help=True, help="Study what the functions of robots are."
+    name="functions", no_args_is_help=True, help="Study the functions of robot apps."
 )
 
 
@@ -36,7 +36,7 @@ class GraphFormat(str, Enum):
 
 @functions.callback()
 def functions_group() -> None:
-    """Study an ecosystem: which functions exchange what, and what kind apps are of."""
+    """Study an ecosystem: which functions exchange messages, and the categories of apps."""
 
 
 @functions.command()
@@ -53,7 +53,7 @@ def graph(
     format: Annotated[
         GraphFormat | None,
         typer.Option(
-            help="Data, or a picture.  [default: as the output's name ends, else json]",
+            help="Data, or a picture.  [default: by the suffix of the output, else json]",
             show_default=False,
         ),
     ] = None,
@@ -63,13 +63,13 @@ def graph(
     cluster: ClusterAddress = None,
     no_cache: NoCache = False,
 ) -> Outcome:
-    """Draw the interaction graph of functions: who exchanges which messages.
+    """Draw the interaction graph of functions: which exchange which messages.
 
-    Packages are sorted by function. Two functions interact directly if one
-    publishes a message type that the other subscribes, and indirectly if
-    one acts on the environment that the other senses. In a folder, types are
-    read from the source of its programs; else from what is typical of a
-    function. Each edge says which.
+    Each package has a function. Two functions interact directly if one
+    publishes a message type that the other subscribes to, and indirectly if one
+    acts on the environment that the other senses. For a folder, the types come
+    from the source of its programs, otherwise from what is typical of a
+    function; each edge says which.
 
     $ rtron functions graph repositories/ -o functions.svg
     $ rtron functions graph corpus.jsonl --readmes readmes.jsonl -o functions.html
@@ -99,18 +99,18 @@ def apps(
     format: Annotated[TextOrJson, typer.Option(help="A table, or JSON.")] = TextOrJson.TEXT,
     output: Output = STDOUT,
 ) -> Outcome:
-    """Tell what kind of app each app is, by the functions of its nodes.
+    """Find the category of each app by the functions of its nodes.
 
-    The 14 categories are those of the paper's table, each a set of functions.
-    Of those whose set an app has, the most specific are named.
+    The 14 categories of the paper's table are sets of functions. An app is in
+    the most specific categories whose functions it has.
 
     $ rtron scan src --launch pkg/app.launch --format graph --fail-on never -o app.json
     $ rtron functions apps app.json
     $ rtron functions apps graphs/ --format json
 
-    What cannot be read is left out and told on standard error.
+    Files that cannot be read are skipped and listed on standard error.
 
-    Exit code: 0 told, 2 nothing can be read.
+    Exit code: 0 done, 2 nothing can be read.
     """
     from rtron.functions.app_categories import count_categories  # noqa: PLC0415 - nor this
     from rtron.reports.functions.app_categories import apps_text, apps_to_json  # noqa: PLC0415 - nor this

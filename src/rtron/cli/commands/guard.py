@@ -20,11 +20,11 @@ from rtron.workflows.launch_arguments import parse_assignments
 
 Robot = Annotated[
     str,
-    typer.Option(metavar="NAME", envvar="RTRON_ROBOT", help="What the service calls this robot."),
+    typer.Option(metavar="NAME", envvar="RTRON_ROBOT", help="This robot's name in the service."),
 ]
-State = Annotated[
+StateFolder = Annotated[
     Path | None,
-    typer.Option(metavar="FOLDER", help="Where settings and waiting events are kept."),
+    typer.Option(metavar="DIR", help="The folder for the last settings and events not yet sent."),
 ]
 
 
@@ -55,7 +55,7 @@ def build_link_options(
 
 
 class LogLevel(str, Enum):
-    """How much the guard says on standard error."""
+    """The least level that is logged to standard error."""
 
     DEBUG = "debug"
     INFO = "info"
@@ -66,67 +66,67 @@ class LogLevel(str, Enum):
 def guard(  # noqa: PLR0913 - one for each option
     launch_arguments: Annotated[
         list[str] | None,
-        typer.Argument(metavar="NAME:=VALUE", help="What roslaunch appends; accepted, not used."),
+        typer.Argument(metavar="NAME:=VALUE", help="Arguments that roslaunch appends; ignored."),
     ] = None,
     *,
     plan: PlanOption,
     master: Master = DEFAULT_MASTER,
     domain: Domain = None,
     dry_run: Annotated[
-        bool, typer.Option("--dry-run", help="Let everything pass; report what would be done.")
+        bool, typer.Option("--dry-run", help="Forward every message and only report.")
     ] = False,
-    figures: Annotated[
+    measurements: Annotated[
         Path | None,
-        typer.Option(metavar="RUN.json", help="Keep what a dry run measures, for `rtron plan`."),
+        typer.Option(metavar="RUN.json", help="Write the measurements of a dry run to a file."),
     ] = None,
-    control: Annotated[
+    control_socket: Annotated[
         Path | None,
-        typer.Option(metavar="SOCKET", help="Where to listen for `rtron override`."),
+        typer.Option(metavar="SOCKET", help="The socket for `rtron override`."),
     ] = None,
     service: ServiceOption = "",
     token_file: TokenOption = None,
     robot: Robot = "",
-    state: State = None,
+    state_dir: StateFolder = None,
     ca: CaOption = None,
     log_level: Annotated[LogLevel, typer.Option(help="How much to log.")] = LogLevel.INFO,
 ) -> None:
-    """Stand between the app's nodes, as the plan says, until stopped.
+    """Run the guard: enforce a plan between the nodes of an app, until stopped.
 
-    The guarded launch starts it. Start it by hand to try a plan out, or to
-    watch with a plan whose coordination nodes all observe.
+    The guarded launch file starts it. Start it by hand to try a plan, or to
+    monitor with a plan whose coordination nodes all observe.
 
     $ rtron guard --plan rtron.yaml
     $ rtron guard --plan rtron.yaml --dry-run
-    $ rtron guard --plan rtron.yaml --dry-run --figures run.json
+    $ rtron guard --plan rtron.yaml --dry-run --measurements run.json
     $ rtron guard --plan rtron.yaml --master http://robot:11311 --log-level debug
-    $ rtron guard --plan rtron.yaml --domain 7       a plan that says `ros: 2`
+    $ rtron guard --plan rtron.yaml --domain 7       a plan with `ros: 2`
     $ rtron guard --plan rtron.yaml --service https://host:8600 --token-file F
 
-    A master that does not answer is waited for. With ROS 2 the range of discovery
-    and the RMW are those of the environment. A dry run stands in the flows
-    but forbids nothing: diagnostics and log tell what would have been stopped.
-    `rtron plan --from-run run.json` makes settings of the figures that it keeps.
+    The guard waits for a ROS master that does not answer. In ROS 2 the
+    environment sets the discovery range and the RMW. A dry run forwards every
+    message; diagnostics and log report what it would have stopped, and
+    `rtron plan --from-run run.json` fits the plan to the measurements.
 
-    With --service the guard tells the security service what happens, and takes
-    settings from people in its console. A third process does that, so that a
-    service which is slow or away delays nothing; meanwhile the last settings
-    count and events wait on disk, in --state.
+    With --service the guard sends events to the security service and gets
+    settings from its console. A separate process does this, so a slow or
+    unreachable service delays nothing: the last settings stay active, and
+    events wait on disk, in --state-dir.
 
-    Two processes: a supervisor, and the guard that it starts. When the guard
-    dies or stands still, the supervisor stops the robot and starts it again.
+    A supervisor process starts the guard. If the guard crashes or hangs, the
+    supervisor stops the robot and restarts the guard.
 
     Exit code: 0 stopped, 2 bad plan.
     """
     from rtron.guard.supervision.programs import supervise  # noqa: PLC0415 - no other needs a guard
 
     parse_assignments(launch_arguments or ())
-    if figures and not dry_run:
-        help = "add --dry-run: only what nobody interferes with is worth measuring"
-        raise InputError("--figures without --dry-run", help=help)
-    run_writer = _run_file_writer(figures) if figures else None
+    if measurements and not dry_run:
+        help = "add --dry-run: measurements are useful only while the guard changes nothing"
+        raise InputError("--measurements without --dry-run", help=help)
+    run_writer = _run_file_writer(measurements) if measurements else None
     guard_plan = read_plan(plan)
     link = (
-        build_link_options(guard_plan.app, service, token_file, robot, state, ca)
+        build_link_options(guard_plan.app, service, token_file, robot, state_dir, ca)
         if service
         else None
     )
@@ -135,7 +135,7 @@ def guard(  # noqa: PLR0913 - one for each option
         master if guard_plan.ros == 1 else _domain_address(domain),
         log_level=log_level.value.upper(),
         dry_run=dry_run,
-        control=control,
+        control=control_socket,
         figures=run_writer,
         link=link,
     )

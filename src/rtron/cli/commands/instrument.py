@@ -29,19 +29,25 @@ def instrument(
     ],
     arguments: Annotated[
         list[str] | None,
-        typer.Argument(metavar="ARG:=VALUE", help="The arguments it is to be launched with."),
+        typer.Argument(metavar="ARG:=VALUE", help="The arguments for the launch file."),
     ] = None,
     *,
     plan: PlanOption,
     output: Annotated[
         Path,
         typer.Option(
-            "--output", "-o", metavar="OUT.launch", help="The guarded launch; its kind is APP's."
+            "--output",
+            "-o",
+            metavar="OUT.launch",
+            help="The guarded launch file, of APP's kind.",
         ),
     ],
     packages: Annotated[
         list[Path] | None,
-        typer.Option(metavar="DIR", help="Look for packages here first; can be repeated."),
+        typer.Option(
+            metavar="DIR",
+            help="Search packages here first; can be repeated.",
+        ),
     ] = None,
     format: Annotated[
         TextOrJson, typer.Option(help="A report, or the same as JSON.")
@@ -49,29 +55,27 @@ def instrument(
 ) -> Outcome:
     """Write a launch file that starts the app guarded.
 
-    No node is changed: the guarded launch is the app's own, with remaps that
-    lead each flow through the guard, and the guard. Launch files that nodes
-    start themselves are found in the nodes' source and guarded in copies of
-    their packages, which only those nodes see. Packages are looked for in
-    --packages, then as ROS does.
+    No node changes: the guarded launch file is the app's own, plus the guard,
+    plus remaps that route each flow through the guard. Launch files that nodes
+    start themselves are found in the source of the nodes; copies of their
+    packages, which only those nodes see, hold the guarded ones.
 
     $ rtron instrument app.launch --plan rtron.yaml -o guarded.launch
     $ rtron instrument app.launch model:=waffle --plan rtron.yaml -o out.launch
 
-    The plan says which ROS it is for. In ROS 2, XML and YAML launch files are
-    rewritten; a Python launch file is wrapped: it stays as it is, and what it
-    starts gets its remaps when it starts. RTron itself never runs it.
+    The plan names its ROS. For ROS 2, RTron rewrites XML and YAML launch files
+    and wraps a Python one: the file stays as it is, and its nodes get their
+    remaps when they start. RTron itself never runs it.
 
     $ rtron instrument app.launch.py --plan rtron.yaml -o guarded.launch.py
     $ rtron instrument app.launch.xml --plan rtron.yaml -o guarded.launch.xml
 
-    XML and YAML are read for the arguments given, and for your environment:
-    if others decide what starts, instrument again. A guarded launch that is
-    started with the wrong ones ends at once and says which. A Python launch
-    file takes any.
+    A guarded XML or YAML file is valid for the given arguments and your
+    environment. Started with others, it ends at once and names them; instrument
+    again for those. A guarded Python launch file takes any arguments.
 
-    Exit code: 0 all is closed; 1 written, but something cannot be enforced and
-    the plan does not accept it; 2 bad input.
+    Exit code: 0 every flow is guarded; 1 written, but some flow cannot be
+    guarded and the plan does not accept that; 2 bad input.
     """
     result = run_instrument(
         InstrumentRequest(

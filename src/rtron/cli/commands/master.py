@@ -25,7 +25,7 @@ def master(
             min=1,
             max=_LAST_PORT,
             metavar="PORT",
-            help="Where nodes find the master.  [default: that of ROS_MASTER_URI]",
+            help="The port of the master.  [default: that of ROS_MASTER_URI]",
             show_default=False,
         ),
     ] = None,
@@ -33,7 +33,7 @@ def master(
         str,
         typer.Option(
             metavar="NAME",
-            help="The name they find it under.  [default: ROS_HOSTNAME, ROS_IP or this machine]",
+            help="The host name of the master.  [default: ROS_HOSTNAME, ROS_IP or this machine]",
             show_default=False,
         ),
     ] = "",
@@ -43,17 +43,17 @@ def master(
             min=0,
             max=_LAST_PORT,
             metavar="PORT",
-            help="Where rosmaster listens, on loopback; 0 is a free port. A firewall rule needs "
-            "one that stays.",
+            help="The port of rosmaster behind the proxy, on loopback; 0 is a free port. A "
+            "firewall rule needs a fixed one.",
         ),
     ] = 0,
     log_level: Annotated[LogLevel, typer.Option(help="How much to log.")] = LogLevel.INFO,
 ) -> Outcome:
-    """Run the ROS master behind a fence that refuses what the plan forbids.
+    """Run the ROS master behind a proxy that rejects what the plan forbids.
 
-    Use it in place of roscore, before the guarded launch. Nobody can publish
-    what only the guard may, take the guard's names, or take the name of a
-    node in the plan while that node lives. All else works as ever.
+    Run it instead of roscore, before the guarded launch file. No node can
+    publish a topic of the guard, take a name of the guard, or take the name of
+    a node in the plan while that node runs. Everything else works as usual.
 
     $ rtron master --plan rtron.yaml
     $ roslaunch guarded.launch

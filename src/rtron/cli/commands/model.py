@@ -13,12 +13,12 @@ from rtron.cli.support.outcome import STDOUT, Outcome
 from rtron.reports.sanitize import sanitize
 from rtron.vocabulary import UnresolvedItem
 
-model = typer.Typer(name="model", no_args_is_help=True, help="Work on models of known nodes.")
+model = typer.Typer(name="model", no_args_is_help=True, help="Write models of known nodes.")
 
 
 @model.callback()
 def model_group() -> None:
-    """Work on models: what nodes declare whose source is mostly absent."""
+    """Models describe the interfaces of known nodes without source."""
 
 
 @model.command()
@@ -27,15 +27,15 @@ def draft(
     *,
     packages: Annotated[
         list[Path] | None,
-        typer.Option(metavar="DIR", help="Where its packages lie; can be repeated."),
+        typer.Option(metavar="DIR", help="A folder with its packages; can be repeated."),
     ] = None,
     output: Output = STDOUT,
 ) -> Outcome:
     """Draft a model of a node from its source.
 
-    The draft is YAML as docs/models.md describes it. Check every entry, and
-    fill in the repository and its tag. What the source does not tell stands on
-    standard error.
+    The draft is YAML, described in docs/models.md. Check every entry, and fill
+    in the repository and its tag. Unresolved names are listed on standard
+    error.
 
     $ rtron model draft src/my_package/scripts/my_node.py
     $ rtron model draft my_package/src/main.cpp --packages src -o my_node.yaml

@@ -22,21 +22,21 @@ def override(
     *,
     plan: PlanOption,
     duration: Annotated[
-        str, typer.Option("--for", metavar="TIME", help="How long: 30 s, 2 min; 0 ends it now.")
+        str,
+        typer.Option("--for", metavar="TIME", help="Duration: 30 s, 2 min; 0 cancels it."),
     ],
-    reason: Annotated[str, typer.Option(metavar="TEXT", help="Why; it goes into the log.")] = "",
-    control: Annotated[
+    reason: Annotated[str, typer.Option(metavar="TEXT", help="The reason, for the log.")] = "",
+    control_socket: Annotated[
         Path | None,
-        typer.Option(metavar="SOCKET", help="Where the guard listens; its log says so."),
+        typer.Option(metavar="SOCKET", help="The control socket of the guard, as in its log."),
     ] = None,
 ) -> Outcome:
-    """Let pass, for a while, what an RSRCN or MSRCN forbids.
+    """Suspend an RSRCN or MSRCN for a limited time.
 
-    For the person beside the robot: docking, or driving out of an area that
-    the robot must not enter. Who asked, why and for how long stands in the
-    guard's log and diagnostics. What cannot be judged (NaN) and publishers
-    that the plan does not know stay blocked. A restarted guard has forgotten
-    it.
+    For a person beside the robot, who docks it or drives it out of a forbidden
+    area. The guard logs the user, the reason and the duration, and shows them
+    in its diagnostics. Invalid values (NaN) and publishers that are not in the
+    plan stay blocked. A restart of the guard ends the override.
 
     $ rtron override rsrcn --for 30s --reason docking --plan rtron.yaml
     $ rtron override rsrcn --for 0 --plan rtron.yaml
@@ -50,10 +50,10 @@ def override(
     except ValueError as error:
         raise InputError(f"--for: {error}") from None
     request = {"override": id, "duration": nanoseconds, "reason": reason}
-    answer = _send_request(control or control_path(read_plan(plan).app), request)
+    answer = _send_request(control_socket or control_path(read_plan(plan).app), request)
     if "error" in answer:
         raise InputError(str(answer["error"]))
-    left = f"overridden for {write_duration(nanoseconds)}" if nanoseconds else "in force again"
+    left = f"overridden for {write_duration(nanoseconds)}" if nanoseconds else "active again"
     return Outcome(f"{id} is {left}\n")
 
 

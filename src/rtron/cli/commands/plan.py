@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from rtron.cli.support.app_options import with_app_options
-from rtron.cli.support.options import Lists, TextOrJson
+from rtron.cli.support.options import NameLists, TextOrJson
 from rtron.cli.support.outcome import STDOUT, Outcome, as_json, log_errors, replace_file
 from rtron.cli.support.progress import show_count, show_progress
 from rtron.errors import InputError
@@ -20,7 +20,7 @@ from rtron.workflows.plan import propose, tune_from_run
 from rtron.workflows.scan import scan_graph
 
 _SUFFIXES = {1: ("",), 2: (".py", ".xml", ".yaml", ".yml")}
-"""What a launch file's name has behind `.launch`, by ROS; the usual one first."""
+"""The end of a launch file's name behind `.launch`, by ROS; the usual one first."""
 PLAN_FILE, TUNED_FILE = "rtron.yaml", "tuned.yaml"
 
 Output = Annotated[
@@ -29,49 +29,49 @@ Output = Annotated[
 ]
 FromRun = Annotated[
     Path | None,
-    typer.Option("--from-run", metavar="RUN.json|BAG", help="Fit the plan to what a run measured."),
+    typer.Option("--from-run", metavar="RUN.json|BAG", help="Fit a plan to a measured run."),
 ]
 RunsPlan = Annotated[
     Path | None, typer.Option("--plan", metavar="rtron.yaml", help="The plan of that run.")
 ]
-Format = Annotated[TextOrJson, typer.Option(help="What a run proposes: a report, or JSON.")]
+Format = Annotated[TextOrJson, typer.Option(help="With --from-run: a report, or JSON.")]
 
 
 @with_app_options
 def plan(
     selection: AppSelection,
     *,
-    lists: Lists = None,
+    name_lists: NameLists = None,
     output: Output = None,
     from_run: FromRun = None,
     plan_file: RunsPlan = None,
     format: Format = TextOrJson.TEXT,
 ) -> Outcome:
-    """Propose what to put between the nodes of an app.
+    """Propose a plan: the coordination nodes for an app.
 
-    The scan tells who can interfere with whom. The plan says which
-    coordination nodes stand in between, which flow goes first and what is
-    blocked. It is yours to edit: set the priorities, then check it.
+    The scan finds which nodes can interfere. The plan says which coordination
+    nodes guard them, which flow has priority and what is blocked. Edit it: set
+    the priorities, then run `rtron check`.
 
-    $ rtron plan graph.json                look at the proposal
+    $ rtron plan graph.json                show the proposal
     $ rtron plan src --launch pkg/app.launch -o rtron.yaml
     $ rtron plan src --launch pkg/app.launch.py --execute-launch
     $ rtron plan graph.json -o rtron.yaml  write it; an older one becomes .bak
     $ rtron plan graph.json -o -           print the YAML
-    $ rtron plan --live -o rtron.yaml      of the app that is running
-    $ rtron plan run.bag                   of what a bag shows, publishers only
+    $ rtron plan --live -o rtron.yaml      for the running app
+    $ rtron plan run.bag                   for the publishers in a bag
 
-    Later, fit it to how the app behaves. A dry run measures it:
+    Later, fit the plan to measurements of a dry run:
 
-    $ rtron guard --plan rtron.yaml --dry-run --figures run.json
+    $ rtron guard --plan rtron.yaml --dry-run --measurements run.json
     $ rtron plan --from-run run.json --plan rtron.yaml
     $ rtron plan --from-run run.json --plan rtron.yaml -o tuned.yaml
     $ rtron plan --from-run run.bag --plan rtron.yaml --format json
 
     --execute-launch RUNS the Python of the app's launch files, as in rtron scan.
 
-    It proposes priorities, times and frame thresholds, each with the
-    figures behind it. See docs/tuning.md.
+    This proposes priorities, times and frame thresholds, with the
+    measurements behind each. See docs/tuning.md.
 
     Exit code: 0 proposed, 2 bad input.
     """
@@ -82,14 +82,14 @@ def plan(
         return _fit_to_run(from_run, plan_file, output, format)
     if plan_file:
         raise InputError("--plan without --from-run", help="`rtron check` checks a plan")
-    return _propose(selection, lists, output)
+    return _propose(selection, name_lists, output)
 
 
-def _propose(selection: AppSelection, lists: Path | None, output: Path | None) -> Outcome:
+def _propose(selection: AppSelection, name_lists: Path | None, output: Path | None) -> Outcome:
     with show_progress() as progress:
         app = select_app(selection, progress)
         graph = app.source.read()
-    proposed = propose(scan_graph(graph, lists))
+    proposed = propose(scan_graph(graph, name_lists))
     if output == STDOUT:
         return Outcome(write_plan(proposed.plan))
     if output:

@@ -18,18 +18,17 @@ def replay(
     format: Annotated[TextOrJson, typer.Option(help="A report, or JSON.")] = TextOrJson.TEXT,
     output: Output = STDOUT,
 ) -> Outcome:
-    """Play a recording through the plan: what would have passed, and what not.
+    """Play a recording through a plan: which messages pass, and which do not.
 
-    The same policies decide as in the running guard, with the recording's
-    clock. Nothing is published. Try a plan on what the robot did yesterday
-    before it guards the robot today.
+    The policies of the running guard decide, with the clock of the recording.
+    Nothing is published.
 
     $ rtron replay run.bag --plan rtron.yaml
     $ rtron replay run.mcap --plan rtron.yaml --format json -o replay.json
 
-    A recording of ROS 2 does not tell who published. Where the plan has one
-    publisher for a topic, it is taken for that; else for unapproved. Goals of
-    actions are there if service introspection was recorded; see docs/actions.md.
+    A ROS 2 recording does not name publishers. If the plan has one publisher
+    for a topic, a message counts as from it, else as unapproved. Goals of
+    actions need recorded service introspection; see docs/actions.md.
 
     Exit code: 0 played, 2 bad input.
     """

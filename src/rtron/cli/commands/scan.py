@@ -9,7 +9,7 @@ import typer
 
 from rtron.cli.support.app_options import with_app_options
 from rtron.cli.support.launch_list import launch_list_text, launch_list_to_json, launches_by_name
-from rtron.cli.support.options import Lists, Output
+from rtron.cli.support.options import NameLists, Output
 from rtron.cli.support.outcome import FINDINGS, OK, STDOUT, Outcome, as_json, write_files
 from rtron.cli.support.progress import show_progress
 from rtron.errors import InputError
@@ -29,7 +29,7 @@ from rtron.workflows.scan import scan_graph, with_relative_evidence
 
 
 class Format(str, Enum):
-    """What a scan gives: a report, the risks, the graph in three shapes, a picture or a page."""
+    """The output of a scan: a report, the risks, the graph in several formats, or a page."""
 
     TEXT = "text"
     JSON = "json"
@@ -42,7 +42,7 @@ class Format(str, Enum):
 
 
 class FailOn(str, Enum):
-    """The mildest severity that a scan does not let pass."""
+    """The least severity that makes a scan exit with 1."""
 
     LOW = "low"
     MEDIUM = "medium"
@@ -57,39 +57,39 @@ def scan(
     format: Annotated[
         Format,
         typer.Option(
-            help="A report, the risks, the graph, each node in NoDL, rosgraph_msgs/Graph, "
-            "a picture in DOT, SARIF, or a page."
+            help="Report, risks as JSON, graph as JSON, NoDL, rosgraph_msgs/Graph, DOT, SARIF, "
+            "or an HTML page."
         ),
     ] = Format.TEXT,
     fail_on: Annotated[
-        FailOn, typer.Option(help="Exit with 1 when a risk is at least this severe.")
+        FailOn, typer.Option(help="Exit with 1 if a risk has at least this severity.")
     ] = FailOn.LOW,
-    lists: Lists = None,
+    name_lists: NameLists = None,
     output: Output = STDOUT,
 ) -> Outcome:
     """Find what the nodes of an app can do to each other.
 
-    You have an app whose nodes come from several hands. The scan reads its
-    interaction graph and tells which nodes can override, outrun or mislead
-    which others, and how many coordination nodes would keep them apart.
+    The nodes of an app come from many authors. The scan reads the interaction
+    graph and reports which nodes can override, overload or mislead others, and
+    which coordination nodes prevent it.
 
-    An app in source needs no build: name its folders and launch files.
+    An app in source needs no build: give its folders and launch files.
 
-    $ rtron scan src                                     its launch files
+    $ rtron scan src                             list its launch files
     $ rtron scan src --launch pkg/app.launch model:=big
     $ rtron scan src --launch pkg/app.launch --format html -o app.html
-    $ rtron scan src --launch pkg/app.launch.py           ROS 2: .py, .xml, .yaml
+    $ rtron scan src --launch pkg/app.launch.py  ROS 2: .py, .xml, .yaml
     $ rtron scan src --launch pkg/app.launch.py --execute-launch
     $ rtron scan --live --format graph --fail-on never -o graph.json
-    $ rtron scan --live --ros 2 --domain 7       where ROS 2 runs, in domain 7
+    $ rtron scan --live --ros 2 --domain 7       the app in ROS 2 domain 7
     $ rtron scan graph.json --format json --fail-on high
-    $ rtron scan run.bag                   who published what in a recording
-    $ rtron scan graph.json --format nodl -o nodes    ROS 2: a file for each node
+    $ rtron scan run.bag                         the publishers in a recording
+    $ rtron scan graph.json --format nodl -o nodes   ROS 2: a file for each node
 
-    --execute-launch is the only option that runs anything of the app: the
-    Python of its launch files. Never use it on files you do not trust.
+    Only --execute-launch runs code of the app: the Python of its launch files.
+    Never use it on files that you do not trust.
 
-    Exit code: 0 no risk as severe as --fail-on, 1 risks found, 2 bad input.
+    Exit code: 0 no risk of the severity --fail-on, 1 risks found, 2 bad input.
     """
     if selection.folders and not selection.source.launches and not selection.live:
         return Outcome(_launch_list(selection.folders, format), OK, output)
@@ -98,7 +98,7 @@ def scan(
         graph = app.source.read()
     if format in _HUMAN_FORMATS:
         graph = with_relative_evidence(graph, app.root)
-    report = scan_graph(graph, lists).report
+    report = scan_graph(graph, name_lists).report
     exit_code = FINDINGS if _has_severe_risk(report, fail_on) else OK
     if format is Format.NODL and output.is_dir():
         write_files(output, nodl_files(graph))

@@ -25,7 +25,7 @@ _MIB = 1 << 20
 def serve(  # noqa: PLR0913 - one for each option
     *,
     host: Annotated[
-        str, typer.Option(metavar="ADDRESS", help="Where to listen; 0.0.0.0 is everywhere.")
+        str, typer.Option(metavar="ADDRESS", help="The address to listen on; 0.0.0.0 is all.")
     ] = "127.0.0.1",
     port: Annotated[int, typer.Option(metavar="N", help="The port to listen on.")] = 8600,
     database: DatabaseOption = DEFAULT_DATABASE,
@@ -37,26 +37,22 @@ def serve(  # noqa: PLR0913 - one for each option
     ] = None,
     allow_host: Annotated[
         list[str] | None,
-        typer.Option(metavar="NAME", help="A name that it is called by; can be repeated."),
+        typer.Option(metavar="NAME", help="Accept requests for this host name; can be repeated."),
     ] = None,
     proxy: Annotated[
         list[str] | None,
-        typer.Option(metavar="ADDRESS", help="A reverse proxy before it, which speaks TLS."),
+        typer.Option(metavar="ADDRESS", help="Trust this reverse proxy, which terminates TLS."),
     ] = None,
     insecure_http: Annotated[
-        bool, typer.Option("--insecure-http", help="Be reachable from elsewhere without TLS.")
+        bool, typer.Option("--insecure-http", help="Listen on other addresses without TLS.")
     ] = False,
-    keep_days: Annotated[
-        float, typer.Option(metavar="DAYS", help="How long events are kept.")
-    ] = 30.0,
-    keep_mb: Annotated[
-        int, typer.Option(metavar="MB", help="How much events may take on disk.")
-    ] = 4096,
+    keep_days: Annotated[float, typer.Option(metavar="DAYS", help="Delete older events.")] = 30.0,
+    keep_mb: Annotated[int, typer.Option(metavar="MB", help="The disk space for events.")] = 4096,
     log_level: Annotated[LogLevel, typer.Option(help="How much to log.")] = LogLevel.INFO,
 ) -> Outcome:
     r"""Run the security service: collector of the guards, API and console.
 
-    Without options it serves this machine alone, and keeps all in rtron.db.
+    Without options it serves this machine only, with the database rtron.db.
 
     $ rtron serve
     $ rtron serve --database /var/lib/rtron/rtron.db
@@ -64,17 +60,17 @@ def serve(  # noqa: PLR0913 - one for each option
     $ rtron serve --host 0.0.0.0 --allow-host robots.example.org \
           --tls-cert cert.pem --tls-key key.pem
 
-    The first start makes the user admin and shows the password, this once.
-    Guards need a token each:
+    The first start creates the user admin and shows the password once. Each
+    guard needs a token:
 
     $ rtron token create car1 --scope guard --robot car1 --token-file car1.token
     $ rtron guard --plan rtron.yaml --service http://127.0.0.1:8600 \
           --robot car1 --token-file car1.token
 
-    Ctrl-C ends it; guards go on with their last settings meanwhile.
+    Ctrl-C ends it; guards keep their last settings.
 
-    Exit code: 0 ended, 2 bad options, no place to listen, or another service on
-    the database.
+    Exit code: 0 ended, 2 bad options, port in use, or another service uses the
+    database.
     """
     require_service_packages()
     from rtron.service.config import ServiceConfig  # noqa: PLC0415 - only with the extra

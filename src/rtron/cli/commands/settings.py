@@ -23,7 +23,7 @@ from rtron.reports.text_layout import Report
 from rtron.workflows.service_client import SecurityServiceClient
 
 settings = typer.Typer(
-    name="settings", no_args_is_help=True, help="See and change what a guard enforces."
+    name="settings", no_args_is_help=True, help="Show and change what a guard enforces."
 )
 _POLL_S = 0.05
 _PENDING = "pending"
@@ -34,14 +34,14 @@ def _complete_setting(incomplete: str) -> list[str]:
 
 
 Node = Annotated[str, typer.Argument(metavar="NODE", help="The coordination node: its `id`.")]
-Reason = Annotated[str, typer.Option(metavar="TEXT", help="Why; it goes into the audit log.")]
-Wait = Annotated[bool, typer.Option("--wait", help="Until the guard has put it in force.")]
-Timeout = Annotated[float, typer.Option(min=0.1, metavar="S", help="Seconds to wait for that.")]
+Reason = Annotated[str, typer.Option(metavar="TEXT", help="The reason, for the audit log.")]
+Wait = Annotated[bool, typer.Option("--wait", help="Wait until the guard has applied it.")]
+Timeout = Annotated[float, typer.Option(min=0.1, metavar="S", help="The limit of --wait, seconds.")]
 
 
 @settings.callback()
 def settings_group() -> None:
-    """See and change what a guard enforces, through the security service."""
+    """Show and change what a guard enforces, through the security service."""
 
 
 @settings.command()
@@ -56,7 +56,7 @@ def get(
     ca: CaOption = None,
     format: Annotated[TextOrJson, typer.Option(help="A table, or JSON.")] = TextOrJson.TEXT,
 ) -> Outcome:
-    """Show what is in force, and what of it differs from the plan.
+    """Show the active settings, and where they differ from the plan.
 
     $ rtron settings get --token-file me.token
     $ rtron settings get speed --robot car1 --token-file me.token
@@ -80,7 +80,7 @@ def set(  # noqa: PLR0913 - one for each option
     assignments: Annotated[
         list[str],
         typer.Argument(
-            metavar="KEY=VALUE...", help="What to set.", autocompletion=_complete_setting
+            metavar="KEY=VALUE...", help="The settings to change.", autocompletion=_complete_setting
         ),
     ],
     *,
@@ -98,17 +98,16 @@ def set(  # noqa: PLR0913 - one for each option
     $ rtron settings set drive flow1.priority=3 flow2.block=true
     $ rtron settings set speed policy=Constrain max_vel_limit=0.3 --wait
     $ rtron settings set mission keep_out.selected=false
-    $ rtron settings set mission own.when='night && !alone' own.block=/goal
+    $ rtron settings set mission night.when='dark && !docked' night.block=/goal
     $ rtron settings set drive flow1.priority=plan
 
-    policy, release_after, max_age, max_hold, threshold, max_vel_limit;
+    Keys: policy, release_after, max_age, max_hold, threshold, max_vel_limit;
     of a flow: priority, block, timeout; of a rule: selected, when, block.
-    `plan` as a value takes it back to what the plan says. All of one command
-    is one change. Developers set GRCNs, end users select in RSRCN and MSRCN:
-    docs/settings.md.
+    The value `plan` restores the plan's value. A command is one change.
+    Developers set GRCNs, end users select in RSRCN and MSRCN: docs/settings.md.
 
-    Exit code: 0 stored and sent (with --wait: in force), 1 the guard refused
-    it or did not answer, 2 nothing was changed.
+    Exit code: 0 stored and sent (with --wait: active), 1 the guard rejected it
+    or did not answer, 2 nothing changed.
     """
     client = connect_to_service(service, token_file, ca)
     name = client.resolve_robot(robot)
@@ -131,13 +130,13 @@ def stop(
     wait: Wait = False,
     timeout: Timeout = 10.0,
 ) -> Outcome:
-    """Emergency stop: nothing that moves the robot passes until `release`.
+    """Emergency stop: block every command that moves the robot, until `release`.
 
     $ rtron settings stop --robot car1 --token-file me.token
 
-    Every role may. The same once more is sent again until it is in force.
+    Every role may do this. Repeat it to send the stop again.
 
-    Exit code: as of `rtron settings set`.
+    Exit code: as for `rtron settings set`.
     """
     client = connect_to_service(service, token_file, ca)
     name = client.resolve_robot(robot)
@@ -152,19 +151,17 @@ def release(
     token_file: TokenOption = None,
     robot: RobotOption = "",
     ca: CaOption = None,
-    reason: Annotated[
-        str, typer.Option(metavar="TEXT", help="Why it is safe; it goes into the audit log.")
-    ],
+    reason: Annotated[str, typer.Option(metavar="TEXT", help="Why it is safe, for the audit log.")],
     wait: Wait = False,
     timeout: Timeout = 10.0,
 ) -> Outcome:
-    """End the emergency stop: what is commanded moves the robot again.
+    """End the emergency stop: commands move the robot again.
 
     $ rtron settings release --robot car1 --reason "area is clear"
 
-    Says whose stop that was. One that comes at the same moment stays.
+    It prints who stopped the robot. A new stop of the same moment stays active.
 
-    Exit code: as of `rtron settings set`.
+    Exit code: as for `rtron settings set`.
     """
     client = connect_to_service(service, token_file, ca)
     name = client.resolve_robot(robot)

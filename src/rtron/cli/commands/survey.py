@@ -28,19 +28,18 @@ def survey(
 ) -> Outcome:
     """Scan every app below a folder, a whole distribution if you like.
 
-    Each launch file of ROS 1 that needs no arguments is scanned as an app of
-    its own. Each line of the result is an app: its risks by kind, the
-    coordination nodes that they ask for, its functions and what kind of app
-    it is.
+    Each launch file of ROS 1 that needs no arguments is an app of its own. Each
+    line of the result is an app: its risks by kind, the coordination nodes for
+    them, its functions and its category.
 
     $ rtron survey src --table
     $ rtron survey repositories/ -o apps.jsonl
     $ rtron survey repositories/ --cluster tcp://10.0.0.7:8786
 
-    The workers of a cluster must see the folder under the same path. What
-    cannot be scanned is left out and told on standard error.
+    The workers of a cluster must see the folder under the same path. Apps that
+    cannot be scanned are skipped and listed on standard error.
 
-    Exit code: 0 scanned, 2 there is no app.
+    Exit code: 0 scanned, 2 no app.
     """
     from rtron.survey.app_listing import find_apps  # noqa: PLC0415 - the guard starts without it
     from rtron.survey.app_scan import scan_app  # noqa: PLC0415 - the guard starts without it

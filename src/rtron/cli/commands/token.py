@@ -15,13 +15,11 @@ from rtron.cli.support.service_database import (
     secret_writer,
 )
 
-token = typer.Typer(
-    name="token", no_args_is_help=True, help="Make API tokens in the service's database."
-)
+token = typer.Typer(name="token", no_args_is_help=True, help="Create and revoke API tokens.")
 
 
 class TokenScope(str, Enum):
-    """What a token is for."""
+    """A right of a token."""
 
     GUARD = "guard"
     METRICS = "metrics"
@@ -31,38 +29,40 @@ class TokenScope(str, Enum):
     ADMIN = "admin"
 
 
-Name = Annotated[str, typer.Argument(metavar="NAME", help="What the token is called.")]
+Name = Annotated[str, typer.Argument(metavar="NAME", help="The name of the token.")]
 
 
 @token.callback()
 def token_group() -> None:
-    """Work on API tokens beside the running service; it need not run."""
+    """Create and revoke API tokens in the service's database; the service need not run."""
 
 
 @token.command()
 def create(
     name: Name,
     *,
-    scope: Annotated[list[TokenScope], typer.Option(help="What it may do; can be repeated.")],
+    scope: Annotated[list[TokenScope], typer.Option(help="A right of the token; can be repeated.")],
     robot: Annotated[
-        str | None, typer.Option(metavar="NAME", help="The robot whose guard it is for.")
+        str | None, typer.Option(metavar="NAME", help="The robot of the guard.")
     ] = None,
     days: Annotated[
-        int | None, typer.Option(min=1, max=3650, metavar="DAYS", help="How long it is good for.")
+        int | None,
+        typer.Option(min=1, max=3650, metavar="DAYS", help="Days until it expires."),
     ] = None,
     token_file: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Write it here instead, mode 0600.")
+        Path | None,
+        typer.Option(metavar="FILE", help="Write it to this new file, mode 0600."),
     ] = None,
     database: DatabaseOption = DEFAULT_DATABASE,
 ) -> Outcome:
-    """Make a token for a guard or a program, and show its secret this once.
+    """Create a token for a guard or a program, and show its secret once.
 
-    A guard's token speaks for one robot and is good for nothing else.
+    A guard's token is valid for the link of one robot only.
 
     $ rtron token create car1 --scope guard --robot car1 --token-file car1.token
     $ rtron token create prometheus --scope metrics --days 365
 
-    Exit code: 0 made, 2 bad options or a name that is taken.
+    Exit code: 0 created, 2 bad options or a name that is taken.
     """
     with existing_database(database) as db, secret_writer(token_file) as write_secret:
         from rtron.service.server.offline_accounts import create_token_record  # noqa: PLC0415 - only with the extra
@@ -74,11 +74,11 @@ def create(
 
 @token.command()
 def revoke(name: Name, *, database: DatabaseOption = DEFAULT_DATABASE) -> Outcome:
-    """Make a token worthless from now on.
+    """Revoke a token.
 
     $ rtron token revoke car1
 
-    Exit code: 0 revoked, 2 there is none.
+    Exit code: 0 revoked, 2 no such token.
     """
     with existing_database(database) as db:
         from rtron.service.server.offline_accounts import revoke_token_record  # noqa: PLC0415 - only with the extra

@@ -16,13 +16,11 @@ from rtron.cli.support.service_database import (
     secret_writer,
 )
 
-user = typer.Typer(
-    name="user", no_args_is_help=True, help="Add users in the service's database, reset passwords."
-)
+user = typer.Typer(name="user", no_args_is_help=True, help="Add users and reset passwords.")
 
 
 class RoleOption(str, Enum):
-    """What a user is."""
+    """A role of a user."""
 
     ADMIN = "admin"
     DEVELOPER = "developer"
@@ -31,27 +29,28 @@ class RoleOption(str, Enum):
 
 Name = Annotated[str, typer.Argument(metavar="NAME", help="The user.")]
 PasswordFile = Annotated[
-    Path | None, typer.Option(metavar="FILE", help="Write the password here instead, mode 0600.")
+    Path | None,
+    typer.Option(metavar="FILE", help="Write it to this new file, mode 0600."),
 ]
 
 
 @user.callback()
 def user_group() -> None:
-    """Work on users beside the running service; it need not run."""
+    """Add users and reset passwords in the service's database; the service need not run."""
 
 
 @user.command()
 def add(
     name: Name,
     *,
-    role: Annotated[list[RoleOption], typer.Option(help="What the user is; can be repeated.")],
+    role: Annotated[list[RoleOption], typer.Option(help="A role of the user; can be repeated.")],
     password_file: PasswordFile = None,
     database: DatabaseOption = DEFAULT_DATABASE,
 ) -> Outcome:
-    """Add a user with a new password, and show it this once.
+    """Add a user with a new password, and show the password once.
 
-    A database that is not there is made: so the first admin can be added
-    before the service is started for the first time.
+    It creates a missing database, so you can add the first admin before the
+    first start of the service.
 
     $ rtron user add mary --role developer --role end_user
 
@@ -72,14 +71,13 @@ def password(
     password_file: PasswordFile = None,
     database: DatabaseOption = DEFAULT_DATABASE,
 ) -> Outcome:
-    """Give a user a new password, and show it this once.
+    """Give a user a new password, and show the password once.
 
-    For an admin who has lost it. The user may log in again if that was
-    forbidden, and the user's sessions end.
+    This unlocks the user and ends the user's sessions.
 
     $ rtron user password admin
 
-    Exit code: 0 done, 2 there is no such user.
+    Exit code: 0 done, 2 no such user.
     """
     with existing_database(database) as db, secret_writer(password_file) as write_secret:
         from rtron.service.server.offline_accounts import reset_password  # noqa: PLC0415 - only with the extra

@@ -33,12 +33,12 @@ _STYLES = {
 
 
 def verification_text(title: str, verification: Verification) -> Report:
-    """Return the verdict, the paths, what is wrong with them, and what is not guarded."""
+    """Return a report: the verdict, the paths with their problems, and unguarded interfaces."""
     return Report(lambda page: _lines(title, verification, page))
 
 
 def verification_to_json(verification: Verification) -> Mapping[str, object]:
-    """Return the document: the verdict, and all that was found."""
+    """Return the JSON document: the verdict, paths, problems and unguarded interfaces."""
     return {
         "schema": VERIFY_SCHEMA,
         "verdict": verdict(verification),
@@ -59,10 +59,10 @@ def verification_to_json(verification: Verification) -> Mapping[str, object]:
 
 
 def verdict(verification: Verification) -> str:
-    """Return the verdict in a word or two."""
+    """Return the verdict: closed, open or unknown."""
     if verification.is_closed:
         return "closed"
-    return "open" if verification.is_conclusive else "cannot tell"
+    return "open" if verification.is_conclusive else "unknown"
 
 
 def _lines(title: str, verification: Verification, page: TextPage) -> Iterator[Text]:
@@ -91,7 +91,7 @@ def _why(path: GuardedPath, page: TextPage) -> Iterator[Text]:
         yield from paragraph(path.reason, page, indent=15)
 
 
-Live = Annotated[bool, typer.Option("--live", help="Verify the app that is running.")]
+Live = Annotated[bool, typer.Option("--live", help="Verify the running app.")]
 
 
 def verify(
@@ -105,29 +105,28 @@ def verify(
     timeout: Timeout = DEFAULT_TIMEOUT,
     format: Annotated[TextOrJson, typer.Option(help="A table, or JSON.")] = TextOrJson.TEXT,
 ) -> Outcome:
-    """Look whether the guard is really in the way of the app that is running.
+    """Check that all guarded traffic of the running app passes through the guard.
 
-    In ROS 1 every node behind the guard is asked who speaks to it, since a
-    publisher that never registered shows nowhere else. In ROS 2 the domain
-    tells it, and whose a name is by the participants; `--timeout`
-    is how long that may take to settle. For each path of the plan:
+    In ROS 1 it asks every guarded node for its connections, because a
+    publisher that never registered shows nowhere else. In ROS 2 it reads the
+    endpoints of the domain and their participants; `--timeout` is how long
+    discovery may take. States of the paths of the plan:
 
-    closed        only the guard is heard, on the private topic
-    open          somebody else is heard, too: it is named
+    closed        the node receives from the guard only, on the private topic
+    open          the node also receives from another publisher, which is named
     drift         the node uses the public name: its remap is missing
     unknown       the node runs and does not answer
-    not running   nobody to be guarded
+    not running   the node is not there
 
     $ rtron verify --live
     $ rtron verify --live --plan rtron.yaml --master http://robot:11311
     $ rtron verify --live --domain 7                a plan that says `ros: 2`
     $ rtron verify --live --format json | jq .verdict
 
-    It changes nothing, and joins no graph but a ROS 2 domain, as /rtron_verify.
-    The running guard does the same by itself, all the time; see `audit` in the
-    plan.
+    It changes nothing; in ROS 2 it joins the domain as /rtron_verify. The
+    running guard checks the same continuously; see `audit` in the plan.
 
-    Exit code: 0 closed, 1 open or drifted, 2 it cannot be told.
+    Exit code: 0 closed, 1 open or drifted, 2 unknown.
     """
     if not live:
         help = "add --live; before the app runs, `rtron check` compares the plan with its graph"

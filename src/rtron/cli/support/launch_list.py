@@ -45,7 +45,7 @@ def launch_list_to_json(found: Mapping[str, LaunchFileInfo]) -> dict[str, object
             "package": each.package,
             "required": list(each.required),
             "optional": list(each.optional),
-            "fault": each.error,
+            "error": each.error,
         }
         for name, each in found.items()
     ]

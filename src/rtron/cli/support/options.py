@@ -47,15 +47,16 @@ Env = Annotated[
     typer.Option(
         "--env",
         metavar="NAME=VALUE",
-        help="The app's environment; can be repeated. Yours is not used, but ROS_PACKAGE_PATH.",
+        help="A variable of the app's environment; can be repeated. Of yours only "
+        "ROS_PACKAGE_PATH and AMENT_PREFIX_PATH count.",
     ),
 ]
 Execute = Annotated[
     bool,
     typer.Option(
         "--execute-launch",
-        help="RUN the Python of ROS 2 launch files, with your rights, where reading them leaves "
-        "something open. Needs ROS 2's launch library. Nothing that they start is started.",
+        help="RUN the Python of ROS 2 launch files, with your rights, where RTron cannot resolve "
+        "something statically. Needs ROS 2's launch library. The nodes themselves do not start.",
     ),
 ]
 LaunchPython = Annotated[
@@ -63,7 +64,8 @@ LaunchPython = Annotated[
     typer.Option(
         "--launch-python",
         metavar="PYTHON",
-        help="The Python that has launch, for --execute-launch; if not given, that of `ros2`.",
+        help="The Python with ROS 2's launch library, for --execute-launch; by default that of "
+        "`ros2`.",
         show_default=False,
     ),
 ]
@@ -73,16 +75,16 @@ Jobs = Annotated[
         "--jobs", "-j", min=1, metavar="N", help="Work on N nodes at a time; no more than cores."
     ),
 ]
-NoCache = Annotated[bool, typer.Option("--no-cache", help="Read everything anew, keep nothing.")]
-Live = Annotated[bool, typer.Option("--live", help="Read the app that is running instead.")]
+NoCache = Annotated[bool, typer.Option("--no-cache", help="Neither read nor write the cache.")]
+Live = Annotated[bool, typer.Option("--live", help="Read the running app instead.")]
 Master = Annotated[
     str, typer.Option(envvar="ROS_MASTER_URI", metavar="URI", help="The ROS master of the app.")
 ]
 RosOption = Annotated[
     RosGeneration,
     typer.Option(
-        help="Which ROS the running app speaks. auto: ROS_VERSION, as a sourced ROS sets it, or "
-        "else a master that answers (1) or an installed rclpy (2)."
+        help="The ROS of the running app. auto: ROS_VERSION, as a sourced ROS sets it, else a "
+        "master that answers (1) or an installed rclpy (2)."
     ),
 ]
 Domain = Annotated[
@@ -108,12 +110,15 @@ LiveTimeout = Annotated[
         show_default=False,
     ),
 ]
-Lists = Annotated[
+NameLists = Annotated[
     Path | None,
-    typer.Option(metavar="FILE", help="Your own message types and topic names for the rules."),
+    typer.Option(
+        metavar="FILE",
+        help="Your own message types and topic names for the rules.",
+    ),
 ]
 Output = Annotated[
-    Path, typer.Option("--output", "-o", metavar="FILE", help="Write to a file; - prints.")
+    Path, typer.Option("--output", "-o", metavar="FILE", help="The file to write; - prints.")
 ]
 PlanOption = Annotated[Path, typer.Option("--plan", metavar="rtron.yaml", help="The plan.")]
 DEFAULT_MASTER = "http://localhost:11311"
@@ -139,7 +144,7 @@ ClusterAddress = Annotated[
 
 
 class TextOrJson(str, Enum):
-    """For a person or for a program."""
+    """Text for people, or JSON for programs."""
 
     TEXT = "text"
     JSON = "json"

@@ -14,7 +14,7 @@ ServiceOption = Annotated[
         "--service",
         metavar="URL",
         envvar="RTRON_SERVICE",
-        help="The security service, as `rtron serve` says it.",
+        help="The address of the security service.",
     ),
 ]
 TokenOption = Annotated[

@@ -10,7 +10,7 @@ from typing import Any
 from rtron.errors import InputError
 
 PLAN_VALUE = "plan"
-"""The value that takes a setting back to what the plan says."""
+"""The value that restores the plan's value."""
 
 _Parser = Callable[[str], Any]
 _BITS = {"true": True, "1": True, "false": False, "0": False}
@@ -22,7 +22,7 @@ def _text(value: str) -> str:
 
 def _boolean(value: str) -> bool:
     if value not in _BITS:
-        raise ValueError("say true or false")
+        raise ValueError("give true or false")
     return _BITS[value]
 
 
@@ -30,7 +30,7 @@ def _integer(value: str) -> int:
     try:
         return int(value)
     except ValueError:
-        raise ValueError("say a whole number") from None
+        raise ValueError("give a whole number") from None
 
 
 def _list(value: str) -> list[str]:
@@ -62,7 +62,7 @@ def parse_patch(
         name, separator, value = assignment.partition("=")
         if not separator:
             raise InputError(
-                f"what is {assignment!r}?", help="say KEY=VALUE, for example policy=Block"
+                f"what is {assignment!r}?", help="give KEY=VALUE, for example policy=Block"
             )
         owner, _, key = name.rpartition(".")
         part, table = _section(owner, flows, has_rules=has_rules)
@@ -96,7 +96,7 @@ def _parse_value(assignment: str, value: str, parse: _Parser) -> object:
         return parse(value)
     except ValueError as error:
         raise InputError(
-            f"{assignment!r}: {error}", help=f"{PLAN_VALUE} is what the plan says"
+            f"{assignment!r}: {error}", help=f"{PLAN_VALUE} restores the plan's value"
         ) from None
 
 

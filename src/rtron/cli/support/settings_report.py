@@ -1,4 +1,4 @@
-"""What `rtron settings` says."""
+"""The output of `rtron settings`."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
@@ -12,9 +12,9 @@ from rtron.reports.text_layout import Report, columns, heading, line
 _View = Mapping[str, Any]
 _OUTCOMES = {
     "pending": "sent; the guard has not answered yet",
-    "applied": "in force",
-    "refused": "REFUSED by the guard",
-    "replaced": "replaced by a newer revision",
+    "applied": "active",
+    "refused": "REJECTED by the guard",
+    "replaced": "superseded by a newer revision",
 }
 _SETTABLE = (
     "policy",
@@ -29,7 +29,7 @@ _UNITS = {"threshold": "m/frame", "max_vel_limit": "m/s"}
 
 
 def outcome_line(view: _View) -> str:
-    """Return what became of settings, on one line."""
+    """Return the outcome of a revision, on one line."""
     error = f": {view['error']}" if view["error"] else ""
     return f"revision {view['revision']}: {_OUTCOMES[view['outcome']]}{error}\n"
 
@@ -95,7 +95,7 @@ def _node_lines(view: _View, node: _View) -> Iterator[Text]:
     yield from heading("Settings")
     yield from columns(list(_setting_rows(node)), ("bold",), indent=2)
     yield Text()
-    rights = ", ".join(node["rights"]) or "look only"
+    rights = ", ".join(node["rights"]) or "read only"
     yield line(("You may: ", "dim"), rights)
 
 

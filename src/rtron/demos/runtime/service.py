@@ -54,7 +54,7 @@ class DemoService:
         To be called once its guard has told of itself; SourceError if the service refuses.
         """
         environ = {**self.base_environ, **self._environ(self.developer_token)}
-        self.processes.run_command(_rtron_command("upload", graph), environ, name="upload")
+        self.processes.run_command(_rtron_command("upload-graph", graph), environ, name="upload")
 
     def _environ(self, token: Path) -> dict[str, str]:
         return {

@@ -113,7 +113,7 @@ def _listen(path: Path) -> socket.socket:
             return _bind(path)
     except OSError as error:
         reason = error.strerror or str(error)
-        raise SourceError(f"{path}: {reason}", help="choose --control PATH") from None
+        raise SourceError(f"{path}: {reason}", help="choose --control-socket PATH") from None
 
 
 @contextmanager
@@ -123,7 +123,7 @@ def _lock_folder(folder: Path) -> Iterator[None]:
     try:
         state = os.fstat(descriptor)
         if state.st_uid != os.getuid() or state.st_mode & 0o077:
-            help = "choose --control PATH in a folder of your own (mode 700)"
+            help = "choose --control-socket PATH in a folder of your own (mode 700)"
             raise SourceError(f"others may enter {folder}", help=help)
         fcntl.flock(descriptor, fcntl.LOCK_EX)
         yield
@@ -136,7 +136,7 @@ def _remove_stale_socket(path: Path) -> None:
     if not path.is_socket():
         return
     if _is_listening(path):
-        help = "stop it first, or choose --control PATH"
+        help = "stop it first, or choose --control-socket PATH"
         raise SourceError(f"another guard listens at {path}", help=help)
     path.unlink(missing_ok=True)
 

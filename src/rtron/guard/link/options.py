@@ -79,7 +79,7 @@ class LinkOptions:
                 folder.mkdir(mode=0o700, parents=True, exist_ok=True)
                 folder.chmod(0o700)
         except OSError as error:
-            help = "choose a folder of your own with --state"
+            help = "choose a folder of your own with --state-dir"
             raise InputError(f"{error.filename}: {error.strerror}", help=help) from None
 
     def token(self) -> str:

@@ -126,7 +126,7 @@ class Relay:
             sock.close()
             message = f"another link process has {self._options.state}"
             raise SourceError(
-                message, help="give each guard a folder of its own with --state"
+                message, help="give each guard a folder of its own with --state-dir"
             ) from None
         sock.listen()
         return sock
@@ -154,7 +154,7 @@ class Relay:
         if self._serving:  # a guard that was killed has said things that are not read yet
             await asyncio.wait(self._serving, timeout=_RECONNECT_S)
         if self._serving:
-            log.warning("another guard is connected: give each its own --state")
+            log.warning("another guard is connected: give each its own --state-dir")
             writer.close()
             return
         task = asyncio.create_task(self._receive_lines(reader, writer))

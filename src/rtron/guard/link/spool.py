@@ -42,7 +42,7 @@ class Spool:
             self._db.execute("PRAGMA synchronous=NORMAL")
             self._db.executescript(_SCHEMA)
         except sqlite3.Error as error:
-            help = "choose another folder with --state, or remove the file"
+            help = "choose another folder with --state-dir, or remove the file"
             raise InputError(f"{path}: {error}", help=help) from None
         self.run = self._read_fact("run") or self._write_fact("run", f"link-{uuid4().hex}")
         self.waiting = self._query_number("SELECT count(*) FROM events")

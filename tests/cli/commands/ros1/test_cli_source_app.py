@@ -67,7 +67,7 @@ def test_the_list_as_json(rtron, folder):
         ["speed"],
         ["topic"],
     )
-    assert (bool(broken["fault"]), plain["fault"]) == (True, "")
+    assert (bool(broken["error"]), plain["error"]) == (True, "")
 
 
 def test_an_app_in_source_is_scanned(rtron, folder):
@@ -253,8 +253,8 @@ def test_files_with_names_that_no_file_can_have_are_unresolved(rtron, folder):
         ("replay", "PATH", "--plan", "x"),
         ("survey", "PATH"),
         ("classify", "PATH"),
-        ("explain-class", "PATH"),
-        ("explain-class", "x", "--from", "PATH"),
+        ("explain-function", "PATH"),
+        ("explain-function", "x", "--from", "PATH"),
         ("functions", "graph", "PATH"),
         ("functions", "apps", "PATH"),
     ],

@@ -1,4 +1,4 @@
-"""`rtron mission`."""
+"""`rtron mission-rules`."""
 
 from typing import Annotated
 
@@ -16,20 +16,20 @@ def _complete(incomplete: str) -> list[str]:
     return [name for name in MISSIONS if name.startswith(incomplete)]
 
 
-def mission(
+def mission_rules(
     name: Annotated[
         str | None,
-        typer.Argument(metavar="NAME", help="Which mission to show.", autocompletion=_complete),
+        typer.Argument(metavar="NAME", help="The mission.", autocompletion=_complete),
     ] = None,
 ) -> Outcome:
-    """Show rules for the mission of a robot, to copy from; without a name, list them.
+    """Show an example of rules for a robot's mission; without a name, list the examples.
 
-    Each is a plan that can be checked and replayed: events, what they
-    mean, and which actions they forbid.
+    Each is a complete plan: events, their meaning, and the actions that they
+    forbid. Copy its rules.
 
-    $ rtron mission
-    $ rtron mission recharge
-    $ rtron mission recharge > rtron.yaml && rtron check rtron.yaml
+    $ rtron mission-rules
+    $ rtron mission-rules recharge
+    $ rtron mission-rules recharge > rtron.yaml && rtron check rtron.yaml
     """
     if name is None:
         return Outcome(Report(lambda _: _list_missions()))

@@ -1,4 +1,4 @@
-"""`rtron upload`."""
+"""`rtron upload-graph`."""
 
 from collections import Counter
 from pathlib import Path
@@ -21,10 +21,10 @@ from rtron.sources.bounded_file import read_bounded
 _LONGEST = 16 << 20
 
 
-def upload(
+def upload_graph(
     graph: Annotated[
         Path,
-        typer.Argument(metavar="GRAPH.json", help="The app's interaction graph; - is stdin."),
+        typer.Argument(metavar="GRAPH.json", help="The interaction graph; - is standard input."),
     ],
     *,
     service: ServiceOption = DEFAULT_SERVICE,
@@ -32,15 +32,15 @@ def upload(
     robot: RobotOption = "",
     ca: CaOption = None,
 ) -> Outcome:
-    """Give the console the interaction graph of a robot's app, with its risks.
+    """Upload the interaction graph of a robot's app for the console.
 
-    Without it the console draws only what the plan names. It takes the role
-    developer.
+    Without it the console draws only the nodes of the plan. The service finds
+    the risks of the graph. Needs the role developer.
 
     $ rtron scan src --launch pkg/app.launch --format graph -o graph.json
-    $ rtron upload graph.json --robot car1 --token-file me.token
+    $ rtron upload-graph graph.json --robot car1 --token-file me.token
 
-    Exit code: 0 stored, 2 not.
+    Exit code: 0 stored, 2 rejected.
     """
     client = connect_to_service(service, token_file, ca)
     data = read_bounded(graph, _LONGEST)

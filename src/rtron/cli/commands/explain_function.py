@@ -1,4 +1,4 @@
-"""`rtron explain-class`."""
+"""`rtron explain-function`."""
 
 import re
 from difflib import get_close_matches
@@ -35,7 +35,7 @@ def _complete(ctx: typer.Context, incomplete: str) -> list[str]:
     return [name for name in names if name.startswith(incomplete)]
 
 
-def explain_class(
+def explain_function(
     repo: Annotated[
         str,
         typer.Argument(
@@ -48,22 +48,22 @@ def explain_class(
         typer.Option(
             "--from",
             metavar="FILE.jsonl|DIR|distribution.yaml",
-            help="Where a repository of this NAME is described.",
+            help="The file or folder that describes the repository NAME.",
         ),
     ] = None,
     readmes: Readmes = None,
 ) -> Outcome:
     """Explain why a repository has its functions.
 
-    Every rule that matches is shown: where, on which words, with its weight,
-    and whether a veto stopped it or an earlier piece had decided already.
+    It shows every rule that matches: where, on which words, with its weight,
+    and whether a veto or an earlier text decided otherwise.
 
-    $ rtron explain-class src/navigation
-    $ rtron explain-class --from kinetic.jsonl rrt_exploration
-    $ rtron explain-class --from kinetic.jsonl --readmes readmes.jsonl amcl
+    $ rtron explain-function src/navigation
+    $ rtron explain-function --from kinetic.jsonl rrt_exploration
+    $ rtron explain-function --from kinetic.jsonl --readmes readmes.jsonl amcl
 
-    A NAME can be completed where --from stands before it. That of a package
-    stands for its repository.
+    The shell completes a NAME after --from. The name of a package means its
+    repository.
 
     Exit code: 0 explained, 2 no such repository.
     """
@@ -91,7 +91,7 @@ def _single_repository(repo: str, found: "list[SourceRepository]") -> "SourceRep
         names = [each.name for each in found[:_SEVERAL_SHOWN]]
         more = ["…"] if len(found) > _SEVERAL_SHOWN else []
         names_text = ", ".join(names + more)
-        help = f"rtron explain-class --from {repo} NAME"
+        help = f"rtron explain-function --from {repo} NAME"
         raise InputError(f"{repo} holds {len(found)} repositories: {names_text}", help=help)
     return found[0]
 
