@@ -281,7 +281,7 @@ def test_a_rule_can_look_into_one_more_topic_of_its_type():
     assert len(out) == 2
     other = replace(TWIST, md5sum="0" * 32)
     assert base.transport.publisher("/rtron/slow_vel/slowflow2", peer("/teleop", other))
-    assert base.stream("/slow_vel")._rules_md5sum == TWIST.md5sum
+    assert base.stream("/slow_vel").endpoints.rules_md5sum == TWIST.md5sum
 
 
 def test_two_rules_look_into_a_topic_that_one_of_them_was_moved_to():
@@ -310,7 +310,7 @@ def test_two_rules_look_into_a_topic_that_one_of_them_was_moved_to():
 
 
 def test_messages_of_another_version_than_a_moved_rule_is_written_for_refuse_it(base):
-    base.stream()._type_info = replace(TWIST, md5sum="0" * 32)
+    base.stream().endpoints.type_info = replace(TWIST, md5sum="0" * 32)
     with pytest.raises(InputError, match="another version"):
         base.apply(rule("not_fast", block=("/cmd_vel",)))
     assert base.applying.revision == 1

@@ -151,7 +151,7 @@ def test_a_goal_that_is_over_is_not_in_progress_in_the_queue_that_comes(before):
 def test_what_should_have_left_before_the_change_leaves_with_it(app):
     waiting(app)
     app.transport._time += 60 * SECOND
-    app.action.server.last_status_time = app.transport.now()
+    app.action.server.state.last_status_time = app.transport.now()
     app.put(policy=PolicyName.PRIORITY_QUEUE)
     assert app.answers() == [(id, RECALLED) for id in (b"b", b"c", b"d")]
 
@@ -255,12 +255,12 @@ def test_a_cancel_that_no_server_could_hear_is_said_again(app):
     app.send_goal(ONE, b"a")
     app.serve(*active(b"a"))
     app.transport.unreachable.add(SERVER)
-    app.action.server.node, node = "", app.action.server.node
-    app.action._was_server_ready = False
+    app.action.server.state.node, node = "", app.action.server.state.node
+    app.action.server._was_ready = False
     app.put(STOP)
     assert app.cancelled() == [b"a"]
     app.transport.unreachable.clear()
-    app.action.server.node = node
+    app.action.server.state.node = node
     app.serve(*active(b"a"))
     assert app.cancelled() == [b"a", b"a"]
     app.serve(*active(b"a"))

@@ -109,7 +109,7 @@ class Ros1ActionApp:
 
     def serve(self, *statuses):
         """Let the server be there, with these goals."""
-        if self.action.server.empty_result is None:
+        if self.action.server.state.empty_result is None:
             self.publish("/rtron/act/result/server", SERVER, RESULT, framed(b""))
         self.publish("/rtron/act/status/server", SERVER, STATUSES, status_message(*statuses))
 

@@ -5,11 +5,11 @@ import time
 from collections.abc import Sequence
 from functools import partial
 
-from rtron.guard.action.common.turns import TurnSharingStream
-from rtron.guard.action.ros1.simple_goals import SimpleGoalStream, action_of_result
+from rtron.guard.action.common.simple_goals import SimpleGoalStream
+from rtron.guard.action.ros1.simple_goals import ActionTopicObserver, action_of_result
 from rtron.guard.action.ros1.stream import Ros1ActionStream
 from rtron.guard.action.ros2.endpoints import ActionTransport
-from rtron.guard.action.ros2.simple_goals import Ros2SimpleGoalStream
+from rtron.guard.action.ros2.simple_goals import ActionStatusObserver
 from rtron.guard.action.ros2.stream import ObservedActionStream, Ros2ActionStream
 from rtron.guard.core.alarms import Alarms
 from rtron.guard.core.diagnostics import active_text, alarm_statuses, emergency_statuses, statuses
@@ -27,6 +27,7 @@ from rtron.guard.core.report_messages import (
     string_message,
 )
 from rtron.guard.core.stream import GuardedStream
+from rtron.guard.core.stream_endpoints import StreamContext
 from rtron.guard.core.stream_settings import StreamUpdate
 from rtron.guard.transport.common.protocol import Output, Transport
 from rtron.messages.common.encoding import Encoding
@@ -122,39 +123,45 @@ class Coordinator:
         self._schedule_deadline()
 
     def _create_stream(self, stream: Stream) -> GuardedStream:
-        common = (stream, self._transport, self.observations, self._handover)
+        context = StreamContext(self._transport, self.observations, self._handover, self._dry_run)
         if stream.is_ros2_action:
-            return self._create_ros2_action(stream)
+            return self._create_ros2_action(stream, context)
         if stream.mode is Mode.ENFORCE and stream.action:
-            action = Ros1ActionStream(*common, dry_run=self._dry_run)
-            action.on_goal_stopped = partial(self._on_goal_stopped, action)
+            action = Ros1ActionStream(stream, context)
+            action.stops.on_goal_stopped = partial(self._on_goal_stopped, action)
             return action
         if stream.done and self._transport.encoding is Encoding.CDR:
-            return Ros2SimpleGoalStream(*common, dry_run=self._dry_run)
-        if stream.mode is Mode.ENFORCE and action_of_result(stream):
-            return SimpleGoalStream(*common, dry_run=self._dry_run)
-        return GuardedStream(*common, dry_run=self._dry_run)
+            status = ActionStatusObserver(stream.done, context)
+            return SimpleGoalStream(stream, context, stream.done, status)
+        if stream.mode is Mode.ENFORCE and (name := action_of_result(stream)):
+            return SimpleGoalStream(stream, context, name, ActionTopicObserver(name, context))
+        return GuardedStream(stream, context)
 
-    def _create_ros2_action(self, stream: Stream) -> GuardedStream:
+    def _create_ros2_action(self, stream: Stream, context: StreamContext) -> GuardedStream:
         """Return an action of ROS 2; its requests cannot be observed, only served."""
-        common = (stream, self._transport, self.observations, self._handover)
         transport = self._transport
         if stream.mode is not Mode.ENFORCE or not isinstance(transport, ActionTransport):
-            return ObservedActionStream(*common, dry_run=self._dry_run)
-        action = Ros2ActionStream(*common, transport, dry_run=self._dry_run)
-        action.on_goal_stopped = partial(self._on_goal_stopped, action)
+            return ObservedActionStream(stream, context)
+        action = Ros2ActionStream(stream, context, transport)
+        action.stops.on_goal_stopped = partial(self._on_goal_stopped, action)
         return action
 
     def _connect_simple_goals(self) -> None:
         """Attach streams of goals without an id to their action, where that is guarded too."""
-        actions = {each.name: each for each in self.streams if isinstance(each, TurnSharingStream)}
+        actions = {
+            each.name: each
+            for each in self.streams
+            if isinstance(each, Ros1ActionStream | Ros2ActionStream)
+        }
         for each in self.streams:
             if isinstance(each, SimpleGoalStream) and each.spec.mode is Mode.ENFORCE:
                 action = actions.get(each.action)
                 if action:
-                    each.attach(action)
+                    each.attach(action.goals.queue, action.stops)
 
-    def _on_goal_stopped(self, action: TurnSharingStream, node: str, why: str) -> None:
+    def _on_goal_stopped(
+        self, action: Ros1ActionStream | Ros2ActionStream, node: str, why: str
+    ) -> None:
         """Bar the server of a stopped goal from moving the robot, until the goal is over."""
         for stream in self.streams:
             if stream is action:

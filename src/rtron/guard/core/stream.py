@@ -5,13 +5,12 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from rtron.guard.core.deadline_timer import DeadlineTimer
-from rtron.guard.core.handover_state import HandoverState
 from rtron.guard.core.observations import Observations
 from rtron.guard.core.out_of_memory import exit_out_of_memory
 from rtron.guard.core.override_policy import OverridablePolicy
 from rtron.guard.core.pipeline import Pipeline
 from rtron.guard.core.stop_controller import StopController
-from rtron.guard.core.stream_endpoints import StreamEndpoints
+from rtron.guard.core.stream_endpoints import InputRules, StreamContext, StreamEndpoints
 from rtron.guard.core.stream_settings import (
     MessageFormat,
     StreamUpdate,
@@ -19,11 +18,12 @@ from rtron.guard.core.stream_settings import (
     prepare_update,
     revision_of,
     rules_met_by_flow,
+    with_defaults,
 )
-from rtron.guard.transport.common.protocol import Transport
+from rtron.guard.transport.common.protocol import MessageHandler, Peer, TypeInfo
 from rtron.policies import Policy, Release
 from rtron.policies.mission.rule_status import RuleStatus
-from rtron.vocabulary import UNAPPROVED, Decision, Stream, Verdict, matches_node
+from rtron.vocabulary import PRIVATE_ROOT, UNAPPROVED, Decision, Stream, Verdict, matches_node
 
 if TYPE_CHECKING:
     from rtron.guard.measurement.histogram import LatencyStatistics
@@ -33,19 +33,21 @@ if TYPE_CHECKING:
 log = logging.getLogger(__name__)
 
 
-class GuardedStream(StreamEndpoints):
+class GuardedStream:
     """Takes the messages of the flows, asks the pipeline, and sends those that pass."""
 
     def __init__(
-        self,
-        stream: Stream,
-        transport: Transport,
-        observations: Observations,
-        handover: HandoverState,
-        *,
-        dry_run: bool = False,
+        self, stream: Stream, context: StreamContext, rules: InputRules | None = None
     ) -> None:
-        super().__init__(stream, transport, observations, handover, dry_run=dry_run)
+        observations = context.observations
+        self.spec = with_defaults(stream)
+        self.nodes = tuple(f"{PRIVATE_ROOT}/{stage.id}" for stage in stream.stages)
+        self.dry_run = context.dry_run
+        self.endpoints = StreamEndpoints(
+            self.spec, self.nodes, self, rules or InputRules(), context
+        )
+        self.strangers = self.endpoints.strangers
+        self._transport = context.transport
         names = [*(flow.name for flow in stream.flows), UNAPPROVED]
         policies = create_policies(self.spec, observations)
         self.override_policies = {
@@ -64,21 +66,38 @@ class GuardedStream(StreamEndpoints):
         self._brake_reasons: dict[str, str] = {}
         self._last_state: tuple[str | None, str] = (None, "")
         self._deadline_timer = DeadlineTimer(
-            transport, self._next_deadline, self._tick, self._notify_state_change
+            context.transport, self._next_deadline, self._tick, self._notify_state_change
         )
 
     def open(self) -> None:
         """Join the graph."""
-        self._open_endpoints()
+        self._join_graph()
         self._is_open = True
         for why in self._brake_reasons.values():
             self._stop_robot(why)
+
+    def _join_graph(self) -> None:
+        self.endpoints.open()
+        self._subscribe_done()
+
+    def _subscribe_done(self) -> None:
+        if self.spec.done:
+            self.endpoints.subscribe_successors(self.spec.done, "", self._connect_done)
+
+    def _connect_done(self, _peer: Peer) -> MessageHandler:
+        return self.on_action_done
+
+    def set_listeners(
+        self, on_type: Callable[[TypeInfo], None], on_sent: Callable[[str, bytes], None]
+    ) -> None:
+        """Call `on_type` when the type is learned, and `on_sent` with each message and its flow."""
+        self.endpoints.outputs.set_listeners(on_type, on_sent)
 
     def shut_down(self, why: str) -> None:
         """Block all messages: a coordination node of the pipeline was shut down."""
         log.error("%s: all messages are blocked: %s", self.spec.topic, why)
         self.pipeline.shut_down(why)
-        self._outputs.clear_latched()
+        self.endpoints.outputs.clear_latched()
         self.recheck(self._transport.now())
 
     @property
@@ -123,17 +142,16 @@ class GuardedStream(StreamEndpoints):
         self, stream: Stream, observations: Observations, rule_statuses: Mapping[str, RuleStatus]
     ) -> StreamUpdate:
         """Return an update for `apply_update`; nothing changes yet. PlanError if it is invalid."""
-        format = MessageFormat(self._type_info, self._codec)
-        return prepare_update(
-            self.spec, self._with_defaults(stream), observations, rule_statuses, format
-        )
+        format = MessageFormat(self.endpoints.type_info, self._codec)
+        return prepare_update(self.spec, with_defaults(stream), observations, rule_statuses, format)
 
     def apply_update(self, update: StreamUpdate, now: int) -> Sequence[Release]:
         """Put other settings in force; return the held messages that can no longer be held.
 
         Pass them to `pipeline.drop_held` once all streams have their update.
         """
-        self.spec, self._rules_md5sum = update.stream, update.md5sum
+        self.spec = update.stream
+        self.endpoints.update(update.stream, update.md5sum)
         self._rules_met = rules_met_by_flow(self.spec)
         dropped: list[Release] = []
         for at, stage in enumerate(self.spec.stages):
@@ -164,21 +182,27 @@ class GuardedStream(StreamEndpoints):
         if limit is not None and self.stop_controller.moving_flow:
             self.stop_controller.slow_down(limit, now)
 
-    def _on_action_done(self, _message: bytes) -> None:
+    def on_action_done(self, _message: bytes = b"") -> None:
+        """Know that the message in progress is done: the next one may go."""
         now = self._transport.now()
         if self.measurement:
             self.measurement.finish_goal_without_id(now)
         self.pipeline.finish_action(now)
         self._deadline_timer.run_due(now)
 
+    def _measure_goal_end(self, id: bytes) -> None:
+        if self.measurement:
+            self.measurement.finish_goal(id, self._transport.now())
+
     def _stop_robot(self, why: str) -> None:
         """Stop the robot while all messages are blocked."""
         if not self.stop_controller.is_ready:
-            self._learn_standard()
+            self.endpoints.learn_standard()
         self.stop_controller.brake(why, self._transport.now())
         self.recheck(self._transport.now())
 
-    def _on_codec(self, codec: "VelocityCodec") -> None:
+    def learn_codec(self, codec: "VelocityCodec") -> None:
+        """Learn how the velocities in the messages are laid out."""
         self._codec = codec
         self.stop_controller.learn(codec)
         if self.measurement:
@@ -186,10 +210,11 @@ class GuardedStream(StreamEndpoints):
         for policy in self.override_policies.values():
             policy.learn(codec)
 
-    def _receive(self, flow: str, message: bytes) -> Verdict | None:
+    def receive(self, flow: str, message: bytes) -> Verdict | None:
+        """Let the pipeline decide about a message of a flow; None after an internal error."""
         now = self._transport.now()
         if self.dry_run:
-            self._outputs.send(flow, message)
+            self.endpoints.outputs.send(flow, message)
         verdict = self._decide_safely(flow, message, now)
         if self.measurement:
             self.measurement.add_message(flow, message, now, verdict)
@@ -235,7 +260,7 @@ class GuardedStream(StreamEndpoints):
 
     def _send_message(self, flow: str, message: bytes) -> None:
         if not self.dry_run:
-            self._outputs.send(flow, message)
+            self.endpoints.outputs.send(flow, message)
 
     def _next_deadline(self) -> int | None:
         pipeline_deadline, stop_deadline = self.pipeline.deadline(), self.stop_controller.deadline()

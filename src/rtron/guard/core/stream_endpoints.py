@@ -1,9 +1,10 @@
 """The endpoints of one stream: which publishers it accepts, and as which flow."""
 
 import logging
-from abc import ABC, abstractmethod
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import partial
+from typing import Protocol
 
 from rtron.guard.core.handover_state import HandoverState
 from rtron.guard.core.latched_messages import LatchedMessageFilter
@@ -11,7 +12,7 @@ from rtron.guard.core.message_types import codec_of, standard_info
 from rtron.guard.core.observations import Observations
 from rtron.guard.core.printable import printable
 from rtron.guard.core.stream_outputs import StreamOutputs
-from rtron.guard.core.stream_settings import rules_md5sum, with_unapproved
+from rtron.guard.core.stream_settings import rules_md5sum
 from rtron.guard.transport.common.protocol import (
     ConnectHandler,
     MessageHandler,
@@ -21,7 +22,6 @@ from rtron.guard.transport.common.protocol import (
 )
 from rtron.messages.common.velocity import VelocityCodec
 from rtron.vocabulary import (
-    PRIVATE_ROOT,
     UNAPPROVED,
     CoordinationKind,
     Flow,
@@ -38,7 +38,41 @@ _MAX_NAME_LENGTH = 128
 _MAX_STRANGERS = 32
 
 
-class StreamEndpoints(ABC):
+@dataclass(frozen=True, slots=True)
+class StreamContext:
+    """What the streams of a guard share; `handover` is what the guard before has left."""
+
+    transport: Transport
+    observations: Observations
+    handover: HandoverState
+    dry_run: bool = False
+
+
+class StreamListener(Protocol):
+    """The stream behind the endpoints."""
+
+    def receive(self, flow: str, message: bytes) -> object:
+        """Take a message of a flow."""
+        ...
+
+    def learn_codec(self, codec: VelocityCodec) -> None:
+        """Take the codec of the velocities in the stream's messages."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class InputRules:
+    """What a kind of stream does with its inputs that others do not.
+
+    `receiver` returns what takes the messages of a flow's publisher, in place of
+    `StreamListener.receive`. Without `latches` late subscribers get no message, whatever its type.
+    """
+
+    receiver: Callable[[str, Peer], MessageHandler] | None = None
+    latches: bool = True
+
+
+class StreamEndpoints:
     """Subscribes to the private topic of each flow, and publishes the private output.
 
     A message on the public topic belongs to the flow `unapproved`.
@@ -46,67 +80,77 @@ class StreamEndpoints(ABC):
 
     def __init__(
         self,
-        stream: Stream,
-        transport: Transport,
-        observations: Observations,
-        handover: HandoverState,
-        *,
-        dry_run: bool,
+        spec: Stream,
+        nodes: tuple[str, ...],
+        listener: StreamListener,
+        rules: InputRules,
+        context: StreamContext,
     ) -> None:
-        self.spec = self._with_defaults(stream)
-        self.nodes = tuple(f"{PRIVATE_ROOT}/{stage.id}" for stage in stream.stages)
+        self.spec = spec
+        self.outputs = StreamOutputs(spec, nodes, context.transport)
         self.strangers: dict[str, int] = {}
-        self.dry_run = dry_run
-        self._transport = transport
-        self._outputs = StreamOutputs(self.spec, self.nodes, transport)
-        self._latch_filter = LatchedMessageFilter(stream.topic, handover)
-        self._rules_md5sum = rules_md5sum(stream, observations)
-        self._type_info: TypeInfo | None = None
+        self.type_info: TypeInfo | None = None
+        self.rules_md5sum = rules_md5sum(spec, context.observations)
+        self._node = nodes[0]
+        self._listener = listener
+        self._rules = rules
+        self._transport = context.transport
+        self._dry_run = context.dry_run
+        self._latch_filter = LatchedMessageFilter(spec.topic, context.handover)
 
-    @abstractmethod
-    def _receive(self, flow: str, message: bytes) -> object:
-        """Take a message of a flow."""
-
-    @abstractmethod
-    def _on_action_done(self, message: bytes) -> None:
-        """Take a message which reports that an action is done."""
-
-    @abstractmethod
-    def _on_codec(self, codec: VelocityCodec) -> None:
-        """Take the codec of the velocities in the stream's messages."""
-
-    def set_listeners(
-        self, on_type: Callable[[TypeInfo], None], on_sent: Callable[[str, bytes], None]
-    ) -> None:
-        """Call `on_type` when the type is learned, and `on_sent` with each message and its flow."""
-        self._outputs.set_listeners(on_type, on_sent)
-
-    def _with_defaults(self, stream: Stream) -> Stream:
-        """Return the stream with all that the guard adds to the plan."""
-        return with_unapproved(stream)
-
-    def _open_endpoints(self) -> None:
+    def open(self) -> None:
+        """Join the graph."""
         if self.spec.mode is Mode.ENFORCE:
-            self._outputs.open()
+            self.outputs.open()
             for flow in self.spec.flows:
                 topic = flow_topic(self.spec.topic, flow.name)
                 self._subscribe(topic, partial(self._connect_flow, flow), (flow.publisher,))
         self._subscribe(self.spec.topic, self._connect_public)
-        self._subscribe_done()
 
-    def _subscribe_done(self) -> None:
-        if self.spec.done:
-            self._subscribe_successors(self.spec.done, "", self._connect_done)
+    def update(self, spec: Stream, md5sum: str) -> None:
+        """Go on with other settings, and rules for messages of this MD5 sum."""
+        self.spec, self.rules_md5sum = spec, md5sum
 
-    def _subscribe_successors(self, topic: str, type: str, connect: ConnectHandler) -> None:
-        awaited = self.spec.successors
-        self._transport.subscribe(self.nodes[0], topic, type, connect, publishers=awaited)
+    def subscribe_successors(self, topic: str, type: str, connect: ConnectHandler) -> None:
+        """Subscribe to what the successors publish; nobody else is connected."""
+
+        def connect_successor(peer: Peer) -> MessageHandler | None:
+            return connect(peer) if self.is_successor(peer) else None
+
+        self._transport.subscribe(
+            self._node, topic, type, connect_successor, publishers=self.spec.successors
+        )
+
+    def is_successor(self, peer: Peer) -> bool:
+        """Tell whether a publisher is one of the planned successors."""
+        return peer.verified and any(matches_node(s, peer.node) for s in self.spec.successors)
+
+    def fits_rules(self, info: TypeInfo) -> bool:
+        """Tell whether the mission's rules can look into messages of a type."""
+        return self._dry_run or self.rules_md5sum in ("", info.md5sum)
+
+    def count_stranger(self, name: str) -> None:
+        """Count a connection of a node that the plan does not approve."""
+        if name in self.strangers or len(self.strangers) < _MAX_STRANGERS:
+            self.strangers[name] = self.strangers.get(name, 0) + 1
+
+    def filter_latched(self, peer: Peer, take: MessageHandler) -> MessageHandler:
+        """Return what takes the messages of a publisher: a latched goal or command only once."""
+        if not self._needs_latch_filter(peer):
+            return take
+        return self._latch_filter.filter(peer.node, take)
+
+    def learn_standard(self) -> None:
+        """Learn the plan's type although no publisher has told what its messages are."""
+        info = standard_info(self.spec.type, self._transport.encoding)
+        if info:
+            self._learn_type(Peer("", info))
 
     def _subscribe(
         self, topic: str, connect: ConnectHandler, publishers: tuple[str, ...] = ()
     ) -> None:
         self._transport.subscribe(
-            self.nodes[0],
+            self._node,
             topic,
             self.spec.type,
             connect,
@@ -119,11 +163,11 @@ class StreamEndpoints(ABC):
             return self._connect_stranger(peer, f"on the private topic of {flow.name}")
         if not self._learn_type(peer):
             return None
-        self._outputs.set_latching(
+        self.outputs.set_latching(
             flow.name, latching=peer.latching and self._is_latched_state(peer)
         )
         if peer.qos:
-            self._outputs.offer(flow.name, peer.qos)
+            self.outputs.offer(flow.name, peer.qos)
         return self._receiver_for(flow.name, peer)
 
     def _connect_public(self, peer: Peer) -> MessageHandler | None:
@@ -134,18 +178,13 @@ class StreamEndpoints(ABC):
                 return self._receiver_for(flow.name, peer) if self._learn_type(peer) else None
         return self._connect_stranger(peer, "under the public name")
 
-    def _connect_done(self, peer: Peer) -> MessageHandler | None:
-        is_successor = any(matches_node(each, peer.node) for each in self.spec.successors)
-        return self._on_action_done if peer.verified and is_successor else None
-
     def _connect_stranger(self, peer: Peer, where: str) -> MessageHandler | None:
         if not self.spec.block_unapproved and not self._learn_type(peer):
             return None
         name = printable(peer.node)[:_MAX_NAME_LENGTH]
-        if name in self.strangers or len(self.strangers) < _MAX_STRANGERS:
-            self.strangers[name] = self.strangers.get(name, 0) + 1
+        self.count_stranger(name)
         log.warning("%s: unapproved publisher %s %s", self.spec.topic, name, where)
-        if self.dry_run and not self._outputs.has_type(peer.info):
+        if self._dry_run and not self.outputs.has_type(peer.info):
             return None
         return self._receiver_for(UNAPPROVED, peer)
 
@@ -154,10 +193,12 @@ class StreamEndpoints(ABC):
 
         The filter remembers nothing of blocked publishers: there may be any number of them.
         """
-        take = partial(self._receive, flow)
-        is_blocked = flow == UNAPPROVED and self.spec.block_unapproved
-        once = self._needs_latch_filter(peer) and not is_blocked
-        return self._latch_filter.filter(peer.node, take) if once else take
+        take = partial(self._listener.receive, flow)
+        if flow == UNAPPROVED and self.spec.block_unapproved:
+            return take
+        if self._rules.receiver:
+            return self._rules.receiver(flow, peer)
+        return self.filter_latched(peer, take)
 
     def _needs_latch_filter(self, peer: Peer) -> bool:
         """Return whether a publisher's latched messages are goals or commands, and no state.
@@ -165,7 +206,7 @@ class StreamEndpoints(ABC):
         Of a latched command in ROS 1 nobody knows whether it was sent again or is old.
         """
         commands = peer.qos is not None and not self._is_latched_state(peer)
-        return (self._is_goal() or commands) and peer.latching and not self.dry_run
+        return (self._is_goal() or commands) and peer.latching and not self._dry_run
 
     def _is_goal(self) -> bool:
         is_action = self.spec.stages[0].settings.kind is StreamKind.ACTION
@@ -177,6 +218,8 @@ class StreamEndpoints(ABC):
 
     def _is_latched_state(self, peer: Peer) -> bool:
         """Return whether a late subscriber gets the last message: only that of a state."""
+        if not self._rules.latches:
+            return False
         first = self.spec.stages[0]
         if first.coordination_kind is CoordinationKind.GRCN:
             return first.settings.kind is StreamKind.STATE
@@ -184,19 +227,12 @@ class StreamEndpoints(ABC):
         return codec is None or codec.is_limit
 
     def _learn_type(self, peer: Peer) -> bool:
-        fits = self.dry_run or self._rules_md5sum in ("", peer.info.md5sum)
-        if not (fits and self._outputs.learn(peer.info)):
+        if not (self.fits_rules(peer.info) and self.outputs.learn(peer.info)):
             text = "%s: %s has another type, %s"
             log.error(text, self.spec.topic, peer.node, peer.info.type)
             return False
-        self._type_info = peer.info
+        self.type_info = peer.info
         codec = codec_of(peer.info, self._transport.encoding)
         if codec:
-            self._on_codec(codec)
+            self._listener.learn_codec(codec)
         return True
-
-    def _learn_standard(self) -> None:
-        """Learn the plan's type although no publisher has connected."""
-        info = standard_info(self.spec.type, self._transport.encoding)
-        if info:
-            self._learn_type(Peer("", info))

@@ -13,7 +13,7 @@ from rtron.policies import Policy, build_policy
 from rtron.policies.mission.rule_block import RuleBlock, RuleResult
 from rtron.policies.mission.rule_status import RuleStatus
 from rtron.policies.velocity_limit.limiter import VelocityLimiter
-from rtron.vocabulary import UNAPPROVED, CoordinationKind, Flow, Stage, Stream
+from rtron.vocabulary import UNAPPROVED, CoordinationKind, Flow, Mode, Stage, Stream
 
 
 def create_policy(
@@ -69,6 +69,21 @@ def with_unapproved(stream: Stream) -> Stream:
     if stream.block_unapproved:
         return stream
     return replace(stream, stages=tuple(_with_unapproved_flow(stage) for stage in stream.stages))
+
+
+def with_queue_space(stream: Stream) -> Stream:
+    """Let the queue have room for every flow's share, which is bounded before it."""
+    first, *others = stream.stages
+    size = stream.queue_size * (len(stream.flows) + 1)
+    first = replace(first, settings=replace(first.settings, queue_size=size))
+    return replace(stream, stages=(first, *others))
+
+
+def with_defaults(stream: Stream) -> Stream:
+    """Return a stream with all that the guard adds to the plan."""
+    stream = with_unapproved(stream)
+    is_action = stream.action and stream.mode is Mode.ENFORCE
+    return with_queue_space(stream) if is_action else stream
 
 
 def _with_unapproved_flow(stage: Stage) -> Stage:

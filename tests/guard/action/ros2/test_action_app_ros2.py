@@ -230,7 +230,7 @@ def test_the_goals_of_the_guard_before_are_answered_though_the_server_comes_late
     app.end(app.guard)
     app.end(app.server)
     app.guard = app.keep(GuardThread(app.domain, app.plan, HandoverState(app.handovers[-1])))
-    over = app.guard.action._results.flow_of
+    over = app.guard.action.replies.results.flow_of
     wait_for(lambda: over(id_of(app.two, 2)), what="the end of the goal that waited")
     app.keep(Server(app.domain))
     wait_for(lambda: app.two.answers[2], what="the answer")
@@ -270,7 +270,7 @@ def test_beside_a_second_server_the_first_keeps_its_goal_and_neither_is_sent_ano
     app.two.send_goal(2)
     wait_for(lambda: 2 in app.two.handles, what="a goal that waits")
     other = app.keep(Server(app.domain, "/mallory"))
-    wait_for(lambda: app.guard.action.doubt, what="two servers to be noticed")
+    wait_for(lambda: app.guard.action.server.doubt, what="two servers to be noticed")
     app.two.send_goal(3)
     wait_for(lambda: app.two.answers[3], what="a no")
     settle(3)
@@ -291,7 +291,7 @@ def test_who_only_tells_a_status_does_not_keep_a_goal_from_being_cancelled(start
     stranger = app.keep(Client(app.domain, "/mallory", ACTION))
     name = ros2_entity_name(output_topic(ACTION), Ros2ActionEntity.STATUS)
     stranger.node.create_publisher(GoalStatusArray, name, qos_profile_action_status_default)
-    wait_for(lambda: app.guard.action.doubt, what="the stranger to be noticed")
+    wait_for(lambda: app.guard.action.server.doubt, what="the stranger to be noticed")
     app.guard.call(lambda: app.guard.action.brake("a test", "a person is there"))
     wait_for(lambda: app.one.answers[1], what="the end of the goal")
     assert app.one.answers[1][0][0] == "canceled"
@@ -331,7 +331,7 @@ def test_a_guard_that_comes_after_a_second_server_follows_the_goal_of_the_first(
     app.keep(Server(app.domain, "/mallory"))
     app.guard = app.keep(GuardThread(app.domain, app.plan, HandoverState(app.handovers[-1])))
     action = app.guard.action
-    wait_for(lambda: action.server and action.doubt, what="the first and the second")
+    wait_for(lambda: action.server.is_available and action.server.doubt, what="the first and the second")
     app.guard.call(lambda: action.brake("a test", "a person is there"))
     wait_for(lambda: app.server.cancels, what="the cancel")
 
@@ -345,8 +345,8 @@ def test_who_only_answers_for_results_ends_no_goal(start_action_app):
     app.keep(ForgedServer(app.domain, "/mallory"))
     app.guard = app.keep(GuardThread(app.domain, app.plan, HandoverState(app.handovers[-1])))
     action = app.guard.action
-    wait_for(lambda: action.server, what="the server")
-    wait_for(lambda: action.doubt == "/mallory answers in its place", what="the liar")
+    wait_for(lambda: action.server.is_available, what="the server")
+    wait_for(lambda: action.server.doubt == "/mallory answers in its place", what="the liar")
     app.guard.call(lambda: action.brake("a test", "a person is there"))
     wait_for(lambda: app.server.cancels, what="the cancel")
 

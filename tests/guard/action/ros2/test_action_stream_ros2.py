@@ -449,7 +449,7 @@ def test_doubt_while_nothing_goes_on_lets_goals_go_afterwards(caplog):
 def test_a_brake_cancels_and_halts_whatever_is_known_of_the_server(away, accepted):
     stopped = []
     app = Ros2ActionApp()
-    app.action.on_goal_stopped = lambda node, why: stopped.append((node, why))
+    app.action.stops.on_goal_stopped = lambda node, why: stopped.append((node, why))
     app.send_goal(ONE, 1)
     if accepted:
         app.accept(1)
@@ -465,7 +465,7 @@ def test_a_brake_cancels_and_halts_whatever_is_known_of_the_server(away, accepte
 def test_who_comes_in_the_place_of_the_server_is_halted_too():
     stopped = []
     app = Ros2ActionApp()
-    app.action.on_goal_stopped = lambda node, why: stopped.append((node, why))
+    app.action.stops.on_goal_stopped = lambda node, why: stopped.append((node, why))
     app.send_goal(ONE, 1)
     app.accept(1)
     app.action.brake("a test", "a person is there")
@@ -557,7 +557,7 @@ def test_feedback_goes_to_the_client_and_under_the_public_name():
 def test_a_bar_that_rises_cancels_the_goal_once_and_halts_the_server():
     stopped = []
     app = Ros2ActionApp()
-    app.action.on_goal_stopped = lambda node, why: stopped.append((node, why))
+    app.action.stops.on_goal_stopped = lambda node, why: stopped.append((node, why))
     app.send_goal(ONE, 1)
     app.action.pipeline.bar("a test", ["flow1"], "an area is closed")
     app.coordinator.recheck()

@@ -1,15 +1,17 @@
-"""What the clients of an action are told by the guard: the ends of goals, and what waits."""
+"""What the guard tells the clients of an action: how goals end, and which wait."""
 
 import logging
 import time
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
+from rtron.guard.action.common.action_goals import ActionGoals
+from rtron.guard.action.common.delayed_call import DelayedCall
 from rtron.guard.action.ros1.server_state import ServerState
 from rtron.guard.action.ros1.topics import ActionTopics
-from rtron.guard.transport.common.protocol import Transport
+from rtron.guard.core.stream_endpoints import StreamContext
 from rtron.messages.ros1.actions import GoalID, GoalStatus, result_message, with_statuses
-from rtron.policies.goals.registry import ID_REUSE_DELAY, Goal, GoalRegistry
+from rtron.policies.goals.registry import ID_REUSE_DELAY, Goal
 from rtron.vocabulary import SECOND, Ros1ActionTopic
 
 log = logging.getLogger(__name__)
@@ -22,34 +24,26 @@ class ClientReplies:
     """Answers in the server's place, and adds to its statuses the goals that it does not list.
 
     What the guard has answered stays listed for as long as actionlib's server lists what is over:
-    a client that misses its goal there takes it for lost. `is_server_visible` tells whether the server is
-    there, since nothing is told in its absence.
+    a client that misses its goal there takes it for lost. Without a server nothing is published.
     """
 
     def __init__(
-        self,
-        topics: ActionTopics,
-        server: ServerState,
-        goals: GoalRegistry,
-        transport: Transport,
-        is_server_visible: Callable[[], bool],
+        self, topics: ActionTopics, server: ServerState, goals: ActionGoals, context: StreamContext
     ) -> None:
         self._topics = topics
         self._server = server
         self._goals = goals
-        self._transport = transport
-        self._is_server_visible = is_server_visible
+        self._transport = context.transport
+        self._dry_run = context.dry_run
         self._ended_goals: deque[tuple[int, GoalStatus]] = deque(maxlen=_MAX_ENDED)
-        self._publish_scheduled = False
+        self._delayed_status = DelayedCall(self._transport, _PUBLISH_DELAY, self.publish_status)
 
-    def reply(self, goal: Goal, status: int, reason: str) -> None:
-        """Tell a client how its goal has ended."""
-        status_message = GoalStatus(GoalID(goal.id, goal.stamp), status, reason)
-        self.list_ended(status_message)
-        if self._server.empty_result is not None:
-            message = result_message(time.time_ns(), status_message, self._server.empty_result)
-            self._topics.publish(Ros1ActionTopic.RESULT, message)
-        self.publish_soon()
+    def finish(self, goal: Goal, status: int, reason: str) -> None:
+        """End a goal in the server's place, and answer its client."""
+        self._goals.end(goal, self._transport.now())
+        if goal.client and not self._dry_run:
+            log.info("%s: %s: %s", self._goals.name, self._goals.label(goal), reason)
+            self._publish_result(GoalStatus(GoalID(goal.id, goal.stamp), status, reason))
 
     def list_ended(self, status: GoalStatus) -> None:
         """List a goal that is over for a while: a client may get a status before its result."""
@@ -57,21 +51,25 @@ class ClientReplies:
 
     def publish_soon(self) -> None:
         """Tell the clients what has changed here; once for many changes."""
-        if not self._publish_scheduled:
-            self._publish_scheduled = True
-            self._transport.call_at(self._transport.now() + _PUBLISH_DELAY, self.publish_status)
+        self._delayed_status.schedule()
 
     def publish_status(self) -> None:
         """Tell the clients what the server has told, and what waits here."""
-        self._publish_scheduled = False
-        if self._server.last_status and self._is_server_visible():
+        if self._server.last_status and self._server.is_visible:
             message = with_statuses(self._server.last_status, list(self._unlisted_goals()))
             self._topics.publish(Ros1ActionTopic.STATUS, message)
+
+    def _publish_result(self, status: GoalStatus) -> None:
+        self.list_ended(status)
+        if self._server.empty_result is not None:
+            message = result_message(time.time_ns(), status, self._server.empty_result)
+            self._topics.publish(Ros1ActionTopic.RESULT, message)
+        self.publish_soon()
 
     def _unlisted_goals(self) -> Iterator[GoalStatus]:
         """Yield the state of goals that the server does not list."""
         now, listed_ids = self._transport.now(), self._server.listed_goals
-        for goal in self._goals:
+        for goal in self._goals.registry:
             if goal.id not in listed_ids and goal.client:
                 yield GoalStatus(GoalID(goal.id, goal.stamp), goal.status)
         for until, status in self._ended_goals:

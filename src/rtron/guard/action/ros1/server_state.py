@@ -1,6 +1,6 @@
 """What an action's server says: whether it is there, which goals it has, what results look like."""
 
-from dataclasses import dataclass, field
+from collections.abc import Callable
 
 from rtron.errors import InputError
 from rtron.guard.transport.common.protocol import TypeInfo
@@ -13,19 +13,29 @@ from rtron.messages.ros1.actions import after_header, read_statuses
 _HEAD = 16 + 17
 
 
-@dataclass(slots=True)
 class ServerState:
-    """The server as far as it is known.
+    """The server as far as it is known; `reaches` tells whether goals and cancels reach a node."""
 
-    `told` is its last status array, of time `last_status_time` (ns), `listed_goals` the state of each goal in it.
-    """
+    def __init__(self, reaches: Callable[[str], bool]) -> None:
+        self.node = ""
+        self.last_status = b""
+        self.last_status_time = 0
+        """When the last status array came, ns."""
+        self.listed_goals: dict[bytes, int] = {}
+        """The state of each goal in it."""
+        self.empty_result: bytes | None = None
+        self._reaches = reaches
+        self._last_body = b""
 
-    node: str = ""
-    last_status: bytes = b""
-    last_status_time: int = 0
-    listed_goals: dict[bytes, int] = field(default_factory=dict)
-    empty_result: bytes | None = None
-    _last_body: bytes = b""
+    @property
+    def is_ready(self) -> bool:
+        """Whether the server is there, and gets what we send."""
+        return bool(self.node) and self._reaches(self.node)
+
+    @property
+    def is_visible(self) -> bool:
+        """Whether clients may know that the server is there: they will get their answers."""
+        return self.is_ready and self.empty_result is not None
 
     def update(self, status_array: bytes, now: int) -> None:
         """Take a status array; most say what the one before has said."""

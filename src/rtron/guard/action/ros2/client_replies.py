@@ -1,118 +1,44 @@
-"""The status array that clients get: what the server lists, what waits here, what ended here."""
+"""What the clients of an action get from the guard: answers to their requests, and the status."""
 
-from collections import OrderedDict, deque
+import logging
+from collections import deque
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field
+from functools import partial
 
-from rtron.guard.action.ros2.endpoints import MAX_PENDING_RESULTS, GoalReply, ResultReply
+from rtron.guard.action.common.action_goals import ActionGoals
+from rtron.guard.action.common.delayed_call import DelayedCall
+from rtron.guard.action.ros2.cancel_requests import CancelRequests
+from rtron.guard.action.ros2.endpoints import ActionEndpoints, GoalReply, ResultReply
+from rtron.guard.action.ros2.goal_results import (
+    RESULT_TIMEOUT,
+    GoalResult,
+    GoalTask,
+    ResultCache,
+    ResultRequestHandover,
+)
+from rtron.guard.core.stream_endpoints import StreamContext
 from rtron.guard.transport.common.protocol import Transport
-from rtron.messages.ros2.actions import ACCEPTED, GoalStatus, status_array
-from rtron.policies.goals.registry import Goal
-from rtron.vocabulary import SECOND
+from rtron.messages.ros2.actions import ACCEPTED, UNKNOWN, GoalStatus, status_array
+from rtron.policies.goals.registry import Goal, GoalStage
+from rtron.vocabulary import SECOND, Ros2ActionEntity
 
-
-@dataclass(slots=True, eq=False)
-class GoalTask:
-    """A goal, and who waits for what.
-
-    `asked` is the client that does not know yet whether its goal is accepted. `is_accepted` tells
-    whether the server has it, `is_cancelled` that its client has given it up, `must_cancel` that the
-    server is to cancel it as soon as it has it, `is_over` that it says that the goal has ended.
-    """
-
-    goal: Goal
-    goal_reply: GoalReply | None = None
-    is_accepted: bool = False
-    is_cancelled: bool = False
-    must_cancel: bool = False
-    is_over: bool = False
-    result_replies: list[ResultReply] = field(default_factory=list)
-
-    @property
-    def is_acknowledged(self) -> bool:
-        """Whether the client knows that its goal is accepted."""
-        return self.goal_reply is None
-
-    def accept(self, stamp: int) -> None:
-        """Tell the client since when its goal is accepted, if it does not know."""
-        reply, self.goal_reply = self.goal_reply, None
-        if reply:
-            self.goal.stamp = stamp
-            reply(stamp)
-
-    def reject(self) -> None:
-        """Tell the client that its goal is not accepted, if it does not know better."""
-        reply, self.goal_reply = self.goal_reply, None
-        if reply:
-            reply(None)
-
-    def add_result_request(self, reply: ResultReply) -> bool:
-        """Let a request wait for the result; False if too many do."""
-        has_room = len(self.result_replies) < MAX_PENDING_RESULTS
-        if has_room:
-            self.result_replies.append(reply)
-        return has_room
-
-    def reply_with_result(self, status: int, result: object | None) -> None:
-        """Answer all who wait for the result."""
-        replies, self.result_replies = self.result_replies, []
-        for reply in replies:
-            reply(status, result)
-
-
-RESULT_TIMEOUT = 10 * SECOND
-"""As long as rcl_action's servers keep them."""
-MAX_RESULTS = 256
-
-
-@dataclass(frozen=True, slots=True)
-class GoalResult:
-    """How a goal of a client has ended; no result is an empty one."""
-
-    client: str
-    flow: str
-    stamp: int
-    status: int
-    result: object | None
-    expires_at: int
-
-
-class ResultCache:
-    """The newest results by the goal's id."""
-
-    def __init__(self) -> None:
-        self._results: OrderedDict[bytes, GoalResult] = OrderedDict()
-
-    def add(self, id: bytes, result: GoalResult) -> None:
-        """Keep a result until its time."""
-        self._results[id] = result
-        if len(self._results) > MAX_RESULTS:
-            self._results.popitem(last=False)
-
-    def flow_of(self, id: bytes) -> str:
-        """Return the flow of a goal that is over, or nothing."""
-        result = self._results.get(id)
-        return result.flow if result else ""
-
-    def find(self, id: bytes, client: str, now: int) -> GoalResult | None:
-        """Return the result of a client's goal; what has been kept long enough is forgotten."""
-        while self._results and next(iter(self._results.values())).expires_at <= now:
-            self._results.popitem(last=False)
-        result = self._results.get(id)
-        return result if result and result.client == client else None
-
+log = logging.getLogger(__name__)
 
 _MAX_ENDED = 1024
 _PUBLISH_DELAY = SECOND // 50
 
-PublishStatus = Callable[[bytes], None]
-
 
 class StatusPublisher:
-    """Tells the clients, soon after something has changed; once for many changes."""
+    """Publishes what the server lists, what waits here, and what ended here.
+
+    Soon after something has changed, and once for many changes.
+    """
 
     def __init__(
-        self, tasks: Callable[[], Iterable[GoalTask]], transport: Transport, publish: PublishStatus
+        self,
+        tasks: Callable[[], Iterable[GoalTask]],
+        transport: Transport,
+        publish: Callable[[bytes], None],
     ) -> None:
         self.server_statuses: dict[bytes, GoalStatus] = {}
         """What the server has told last."""
@@ -120,7 +46,7 @@ class StatusPublisher:
         self._transport = transport
         self._publish = publish
         self._ended_goals: deque[tuple[int, GoalStatus]] = deque(maxlen=_MAX_ENDED)
-        self._publish_scheduled = False
+        self._delayed_publish = DelayedCall(transport, _PUBLISH_DELAY, self.publish)
 
     def add_ended(self, task: GoalTask, status: int) -> None:
         """List a goal that ended here, whatever the server says of it."""
@@ -130,13 +56,10 @@ class StatusPublisher:
 
     def publish_soon(self) -> None:
         """Tell the clients what has changed here."""
-        if not self._publish_scheduled:
-            self._publish_scheduled = True
-            self._transport.call_at(self._transport.now() + _PUBLISH_DELAY, self.publish)
+        self._delayed_publish.schedule()
 
     def publish(self) -> None:
         """Tell the clients of every goal."""
-        self._publish_scheduled = False
         now = self._transport.now()
         while self._ended_goals and self._ended_goals[0][0] <= now:
             self._ended_goals.popleft()
@@ -147,3 +70,85 @@ class StatusPublisher:
                 statuses[goal.id] = GoalStatus(goal.id, goal.stamp, ACCEPTED)
         statuses |= {goal_status.id: goal_status for _, goal_status in self._ended_goals}
         self._publish(status_array(statuses.values()))
+
+
+class ClientReplies:
+    """Answers each request of a client once: for a goal, its result and its cancel."""
+
+    def __init__(
+        self, endpoints: ActionEndpoints, goals: ActionGoals, context: StreamContext
+    ) -> None:
+        self.tasks: dict[bytes, GoalTask] = {}
+        self.results = ResultCache()
+        self.cancels = CancelRequests()
+        self.status = StatusPublisher(
+            self.tasks.values,
+            context.transport,
+            partial(endpoints.publish, Ros2ActionEntity.STATUS),
+        )
+        self._endpoints = endpoints
+        self._goals = goals
+        self._transport = context.transport
+        self._handover = ResultRequestHandover(goals.name, self.tasks, context)
+
+    def restore(self) -> None:
+        """Go on with the goals of the guard before, and with who waits for their results."""
+        for goal in self._goals.restore():
+            if goal.client:
+                self.tasks[goal.id] = GoalTask(goal, is_accepted=goal.stage is GoalStage.SENT)
+        self._handover.restore(self._endpoints.restore_reply)
+
+    def add(self, goal: Goal, reply: GoalReply) -> GoalTask:
+        """Take a goal whose client waits to know whether it is accepted."""
+        self._goals.registry.add(goal)
+        task = self.tasks[goal.id] = GoalTask(goal, reply)
+        return task
+
+    def accept(self, task: GoalTask, stamp: int) -> None:
+        """Tell a client since when its goal is accepted."""
+        task.accept(stamp)
+        self.status.publish_soon()
+
+    def request_result(self, id: bytes, client: str, reply: ResultReply) -> None:
+        """Take a request for a goal's result; nobody but its client gets it."""
+        task = self.tasks.get(id)
+        if task and task.goal.client == client:
+            if task.add_result_request(reply):
+                self._handover.store_soon()
+            else:
+                reply(UNKNOWN, None)
+        elif cached := self.results.find(id, client, self._transport.now()):
+            reply(cached.status, cached.result)
+        else:
+            reply(UNKNOWN, None)
+
+    def finish(
+        self, task: GoalTask, status: int, result: object | None = None, *, reason: str = ""
+    ) -> None:
+        """End a goal and answer its client; `reason` says why the guard does, not the server."""
+        goal, now = task.goal, self._transport.now()
+        self.end(goal, now)
+        self._goals.store()
+        if reason:
+            log.info("%s: %s: %s", self._goals.name, self._goals.label(goal), reason)
+        if not task.is_acknowledged:
+            task.reject()
+            task.reply_with_result(UNKNOWN, None)
+            return
+        cached = GoalResult(goal.client, goal.flow, status, result, now + RESULT_TIMEOUT)
+        self.results.add(goal.id, cached)
+        task.reply_with_result(status, result)
+        if reason:
+            self.status.add_ended(task, status)
+
+    def end(self, goal: Goal, now: int) -> None:
+        """Know that a goal is over, and no cancel of it is answered any more."""
+        self.tasks.pop(goal.id, None)
+        self.cancels.resolve(goal.id, goal.stamp, is_canceling=False)
+        self._goals.end(goal, now)
+
+    def publish_feedback(self, id: bytes, message: bytes) -> None:
+        """Tell the goal's client; what overtakes the result comes after the goal is over."""
+        goal = self._goals.registry.find(id)
+        flow = goal.flow if goal else self.results.flow_of(id)
+        self._endpoints.publish(Ros2ActionEntity.FEEDBACK, message, [flow] if flow else [])

@@ -1,9 +1,11 @@
-"""Goals without an id in ROS 2, as on `goal_pose`: followed to the action's goal they become."""
+"""The goals of an action of ROS 2 without a guard, as its status tells them, for `goal_pose`."""
 
 from collections.abc import Callable
 from typing import Protocol, runtime_checkable
 
-from rtron.guard.action.ros1.simple_goals import SimpleGoalStream
+from rtron.guard.action.common.problem_log import ProblemLog
+from rtron.guard.action.common.simple_goals import SimpleGoalStream
+from rtron.guard.core.stream_endpoints import StreamContext
 from rtron.guard.transport.common.protocol import MessageHandler, Peer
 from rtron.messages.ros2.actions import FINAL_STATES, read_statuses
 from rtron.vocabulary import Mode, Ros2ActionEntity, ros2_entity_name
@@ -20,44 +22,50 @@ class CancelTransport(Protocol):
         ...
 
 
-class Ros2SimpleGoalStream(SimpleGoalStream):
-    """A guarded stream whose `done` is an action of ROS 2, or a topic: its name does not tell.
+class ActionStatusObserver:
+    """Subscribes to the status of what `done` names, which may be an action or a topic.
 
-    It is an action once one of the successors is seen to tell its status.
+    It is an action once one of the successors is seen to publish its status.
     """
 
-    _is_action = False
-    _request_cancel: Callable[[bytes], None] | None = None
+    sees_goals = False
 
-    @property
-    def action(self) -> str:
-        """The name of the action that the goals become, if it is one."""
-        return self.spec.done or ""
+    def __init__(self, action: str, context: StreamContext) -> None:
+        self._action = action
+        self._transport = context.transport
+        self._request_cancel: Callable[[bytes], None] | None = None
 
-    def _subscribe_action(self) -> None:
-        status = ros2_entity_name(self.action, Ros2ActionEntity.STATUS)
-        self._subscribe_successors(status, STATUS, self._connect_status)
+    def open(self, stream: SimpleGoalStream) -> None:
+        """Join the graph."""
+        self._stream = stream
+        self._problems = ProblemLog(stream.spec.topic, self._transport)
+        status = ros2_entity_name(self._action, Ros2ActionEntity.STATUS)
+        stream.endpoints.subscribe_successors(self._action, "", lambda _: stream.on_action_done)
+        stream.endpoints.subscribe_successors(status, STATUS, self._connect_status)
         transport = self._transport
-        if self.spec.mode is Mode.ENFORCE and isinstance(transport, CancelTransport):
-            self._request_cancel = transport.goal_canceller(self.nodes[0], self.action)
+        if stream.spec.mode is Mode.ENFORCE and isinstance(transport, CancelTransport):
+            self._request_cancel = transport.goal_canceller(stream.nodes[0], self._action)
 
-    def _connect_status(self, peer: Peer) -> MessageHandler | None:
-        take = super()._connect_status(peer)
-        self._is_action = self._is_action or take is not None
-        return take
+    def expect_goal(self) -> None:
+        """Nobody else waits."""
 
-    def _cancel_goal(self, goal: bytes, why: str) -> None:
-        super()._cancel_goal(goal, why)
+    def stop_expecting(self, stream: SimpleGoalStream) -> None:
+        """Let the next message go."""
+        stream.on_action_done()
+
+    def cancel(self, goal: bytes, why: str) -> None:
+        """Send a cancel to the server."""
+        del why
         if self._request_cancel:
             self._request_cancel(goal)
 
-    def _check_goal_appeared(self, sent_count: int) -> None:
-        if self._guarded_action or self._is_action:
-            super()._check_goal_appeared(sent_count)
+    def _connect_status(self, peer: Peer) -> MessageHandler:
+        self.sees_goals = True
+        return self._problems.decoding_receiver(peer, self._on_status)
 
     def _on_status(self, message: bytes) -> None:
-        statuses = self._decode(read_statuses, message) or []
-        self._goal_matcher.update_goals(each.id for each in statuses)
+        statuses = read_statuses(message)
+        self._stream.goal_tracker.update_goals(each.id for each in statuses)
         for each in statuses:
             if each.status in FINAL_STATES:
-                self._on_goal_end(each.id)
+                self._stream.on_goal_end(each.id)

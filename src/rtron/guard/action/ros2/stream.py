@@ -6,16 +6,15 @@ each goal is answered once. A cancel touches only the goals of the client that s
 
 import logging
 import time
-from collections.abc import Iterator
-from functools import partial
 
-from rtron.guard.action.common.stream import MAX_NAME_LENGTH, ORPHAN_TIMEOUT
-from rtron.guard.action.ros2.cancel_requests import CancelRequest
-from rtron.guard.action.ros2.client_replies import GoalTask
+from rtron.guard.action.common.action_goals import ORPHAN_TIMEOUT, ActionGoals
+from rtron.guard.action.common.goal_queue import GoalQueue
+from rtron.guard.action.common.goal_stops import GoalStops
+from rtron.guard.action.common.problem_log import MAX_NAME_LENGTH, ProblemLog
+from rtron.guard.action.ros2.client_cancels import ClientCancels
+from rtron.guard.action.ros2.client_replies import ClientReplies
 from rtron.guard.action.ros2.endpoints import (
     REJECTED,
-    TERMINATED,
-    UNKNOWN_GOAL,
     ActionTransport,
     CancelReply,
     CancelResponse,
@@ -24,67 +23,95 @@ from rtron.guard.action.ros2.endpoints import (
     GoalReply,
     ResultReply,
 )
-from rtron.guard.action.ros2.places import ResultRequestHandover
+from rtron.guard.action.ros2.goal_results import GoalTask
 from rtron.guard.action.ros2.server_tracker import ServerTracker
-from rtron.guard.core.handover_state import HandoverState
-from rtron.guard.core.observations import Observations
 from rtron.guard.core.stream import GuardedStream
-from rtron.guard.transport.common.protocol import Peer, Transport
-from rtron.messages.ros2.actions import ABORTED, CANCELED, NO_ID, UNKNOWN
+from rtron.guard.core.stream_endpoints import StreamContext
+from rtron.guard.transport.common.protocol import Peer
+from rtron.messages.ros2.actions import ABORTED, CANCELED
 from rtron.policies.goals.registry import Goal, GoalStage
-from rtron.vocabulary import SECOND, UNAPPROVED, Decision, Stream, Verdict, matches_node
+from rtron.vocabulary import (
+    SECOND,
+    UNAPPROVED,
+    Decision,
+    Ros2ActionEntity,
+    Stream,
+    Verdict,
+    matches_node,
+)
 
 log = logging.getLogger(__name__)
 
 _SERVER_TIMEOUT = 10 * SECOND
-_CANCEL_TIMEOUT = 5 * SECOND
-_MAX_STRANGERS = 32
 
 
-class Ros2ActionStream(ServerTracker):
+class Ros2ActionStream(GuardedStream):
     """A guarded stream of goals that come as requests, with all else of the action beside it."""
 
     def __init__(
-        self,
-        stream: Stream,
-        transport: Transport,
-        observations: Observations,
-        handover: HandoverState,
-        action_transport: ActionTransport,
-        *,
-        dry_run: bool = False,
+        self, stream: Stream, context: StreamContext, action_transport: ActionTransport
     ) -> None:
-        super().__init__(
-            stream, transport, observations, handover, action_transport, dry_run=dry_run
+        super().__init__(stream, context)
+        self._problems = ProblemLog(stream.action, context.transport)
+        queue = GoalQueue(
+            self.pipeline,
+            context.transport,
+            self.on_action_done,
+            lambda: self.server.may_be_sent_goals,
         )
-        self._result_handover = ResultRequestHandover(self.name, self._tasks, handover, transport)
+        self.goals = ActionGoals(self.spec, queue, context, _goal_label)
+        self._action_endpoints = action_transport.action_endpoints(self.spec, self.nodes[0], self)
+        self.replies = ClientReplies(self._action_endpoints, self.goals, context)
+        self.server = ServerTracker(
+            self._action_endpoints, self.goals, self.replies, self._problems, context
+        )
+        self._cancels = ClientCancels(self.replies, self.server, self.pipeline, context.transport)
+        self.stops = GoalStops(self.goals, self.pipeline, self.server)
+        self.goals.on_end, self.goals.on_result = self.stops.update, self._measure_goal_end
+        queue.on_server_goal.append(self._on_server_goal)
+        self.pipeline.on_dropped = self._on_dropped_goal
+
+    @property
+    def name(self) -> str:
+        """The action's name."""
+        return self.spec.action
+
+    @property
+    def details(self) -> dict[str, str]:
+        """What there is to tell beside the flows."""
+        server = self.server
+        doubt = {"server in doubt": server.doubt} if server.doubt else {}
+        return self.goals.details(server.node if server.is_available else "") | doubt
 
     def open(self) -> None:
-        """Join the graph."""
-        self._type_info = self._action_endpoints.type_info
-        self._action_endpoints.open()
-        self._is_open = True
-        for why in self._brake_reasons.values():
-            self._stop_robot(why)
-        self._restore_goals()
-        self.recheck(self._transport.now())
-
-    def _restore_goals(self) -> None:
-        """Go on with the goals of the guard before; those that waited went with it."""
+        """Join the graph; the goals that waited with the guard before went with it."""
+        super().open()
+        self.replies.restore()
         now = self._transport.now()
-        for goal in self._inherit_goals():
-            if goal.client:
-                self._tasks[goal.id] = GoalTask(goal, is_accepted=goal.stage is GoalStage.SENT)
-        self._result_handover.restore(self._action_endpoints.restore_reply)
-        self._transport.call_at(now + ORPHAN_TIMEOUT, self._reply_to_orphans)
-        self._transport.call_at(now + _SERVER_TIMEOUT, self._reply_without_server)
+        self._transport.call_at(now + ORPHAN_TIMEOUT, self._abort_orphans)
+        self._transport.call_at(now + _SERVER_TIMEOUT, self.server.finish_without_server)
+        self.recheck(now)
 
-    def _reply_to_orphans(self) -> None:
+    def recheck(self, now: int) -> None:
+        """Cancel what may not go on, and stop what it moves."""
+        super().recheck(now)
+        if not self.dry_run:
+            self.stops.recheck(now, self.brake_reason)
+
+    def _join_graph(self) -> None:
+        self.endpoints.type_info = self._action_endpoints.type_info
+        self._action_endpoints.open()
+
+    def _on_server_goal(self, _id: bytes) -> None:
+        if self.brake_reason:
+            self.recheck(self._transport.now())
+
+    def _abort_orphans(self) -> None:
         """Answer the goals that waited with a guard that has ended."""
-        for task in list(self._tasks.values()):
+        for task in list(self.replies.tasks.values()):
             goal = task.goal
             if goal.client and goal.stage is GoalStage.WAITING and not goal.message:
-                self._finish(task, ABORTED, reason="the guard was restarted")
+                self.replies.finish(task, ABORTED, reason="the guard was restarted")
 
     # Whose a request is
 
@@ -95,10 +122,9 @@ class Ros2ActionStream(ServerTracker):
             return flow, peer.node
         location = f"on the private name of {flow}" if planned_flow else "under the public name"
         name = peer.node[:MAX_NAME_LENGTH]
-        if self._may_log("stranger", name):
+        if self._problems.allows("stranger", name):
             log.warning("%s: unapproved client %s %s", self.name, name, location)
-        if name in self.strangers or len(self.strangers) < _MAX_STRANGERS:
-            self.strangers[name] = self.strangers.get(name, 0) + 1
+        self.endpoints.count_stranger(name)
         return UNAPPROVED, f"{UNAPPROVED} {peer.node}"
 
     def _is_shut_out(self, flow: str) -> bool:
@@ -110,7 +136,7 @@ class Ros2ActionStream(ServerTracker):
         """Take a goal that was sent under the name of a flow; a stranger's is not even read."""
         flow, client = self._identify_client(flow, peer)
         if self._is_shut_out(flow):
-            self._receive(flow, b"")
+            self.receive(flow, b"")
             reply(None)
         else:
             self._accept_goal(flow, client, peer, decode(), reply)
@@ -119,77 +145,68 @@ class Ros2ActionStream(ServerTracker):
         self, flow: str, client: str, peer: Peer, message: GoalMessage, reply: GoalReply
     ) -> None:
         id, now = message.id, self._transport.now()
-        if why := self._type_mismatch() or self.goals.rejection_reason(id, client, now):
-            self._log_problem(peer, why)
+        why = self._type_mismatch() or self.goals.registry.rejection_reason(id, client, now)
+        if why:
+            self._problems.log(peer.node, why)
             reply(None)
             return
         goal = Goal(id, time.time_ns(), flow, client, message, last_seen=now)
-        self.goals.add(goal)
-        task = self._tasks[id] = GoalTask(goal, reply)
-        self._decide_goal(task)
-        self._goal_handover.store_soon()
+        self._decide_goal(self.replies.add(goal, reply))
+        self.goals.store_soon()
 
     def _type_mismatch(self) -> str:
         """Return why no goal can be judged, or nothing."""
-        matches = self.dry_run or self._rules_md5sum in (
-            "",
-            self._action_endpoints.type_info.md5sum,
-        )
+        matches = self.endpoints.fits_rules(self._action_endpoints.type_info)
         text = "goals of this type are not what the plan's rules are written for"
         return "" if matches else text
 
     def _decide_goal(self, task: GoalTask) -> None:
         goal = task.goal
         if self.dry_run:
-            self._send_goal(goal)
+            self.server.send(goal)
         if why := self._refusal_reason(goal):
-            self._finish(task, ABORTED, reason=why)
+            self.replies.finish(task, ABORTED, reason=why)
             return
-        verdict = self._receive(goal.flow, goal.message)
+        verdict = self.receive(goal.flow, goal.message)
         if self.dry_run:
             return
         if verdict is None or verdict.decision is Decision.DROP:
-            self._finish(task, ABORTED, reason=verdict.reason if verdict else "internal error")
+            why = verdict.reason if verdict else "internal error"
+            self.replies.finish(task, ABORTED, reason=why)
         elif verdict.decision is Decision.HOLD and goal.stage is GoalStage.WAITING:
-            task.accept(goal.stamp)
-            self._status_publisher.publish_soon()
+            self.replies.accept(task, goal.stamp)
+
+    def _refusal_reason(self, goal: Goal) -> str:
+        server = self.server
+        if server.is_available and not server.may_be_sent_goals:
+            return server.doubt
+        return self.goals.refusal_reason(goal, is_server_ready=server.is_ready)
 
     def _on_passed(self, flow: str, message: bytes, now: int) -> None:
-        goal = self.goals.find(message.id) if isinstance(message, GoalMessage) else None
-        self._current_goal = goal or self._current_goal
         super()._on_passed(flow, message, now)
+        goal = self.goals.registry.find(message.id) if isinstance(message, GoalMessage) else None
         if goal is None:
-            self._transport.call_at(now, partial(self._on_action_done, b""))
-        elif not self.dry_run:
-            self._send_goal(goal)
-        for notify in self.on_goal_start if goal else ():
-            notify()
+            self._transport.call_at(now, self.on_action_done)
+            return
+        self.goals.queue.start(goal)
+        if not self.dry_run:
+            self.server.send(goal)
 
     def _send_message(self, flow: str, message: bytes) -> None:
-        """Say nothing on topics: goals are sent one by one."""
+        """Publish nothing on topics: goals are sent one by one."""
 
     def _on_dropped_goal(self, message: bytes, verdict: Verdict) -> None:
-        task = self._tasks.get(message.id) if isinstance(message, GoalMessage) else None
+        task = self.replies.tasks.get(message.id) if isinstance(message, GoalMessage) else None
         if task and task.goal.stage is GoalStage.WAITING:
             status = CANCELED if task.is_cancelled else ABORTED
-            self._finish(task, status, reason=verdict.reason)
+            self.replies.finish(task, status, reason=verdict.reason)
 
     # Results and cancels
 
     def on_result_request(self, flow: str, peer: Peer, id: bytes, reply: ResultReply) -> None:
-        """Take a request for a goal's result; nobody but its client gets it."""
-        now = self._transport.now()
+        """Take a request for a goal's result."""
         _, client = self._identify_client(flow, peer)
-        task = self._tasks.get(id)
-        if task and task.goal.client == client:
-            if task.add_result_request(reply):
-                self._result_handover.store_soon()
-            else:
-                reply(UNKNOWN, None)
-        elif cached := self._results.find(id, client, now):
-            reply(cached.status, cached.result)
-        else:
-            reply(UNKNOWN, None)
+        self.replies.request_result(id, client, reply)
 
     def on_cancel_request(
         self, flow: str, peer: Peer, id: bytes, stamp: int, reply: CancelReply
@@ -199,45 +216,29 @@ class Ros2ActionStream(ServerTracker):
         if self.dry_run:
             self._action_endpoints.cancel(id, stamp, reply)
         elif self._is_shut_out(flow):
-            self._log_problem(peer, "not approved, its cancels are rejected")
+            self._problems.log(peer.node, "not approved, its cancels are rejected")
             reply(CancelResponse(REJECTED))
         else:
-            self._cancel_goals(client, id, stamp, reply)
+            self._cancels.request(client, id, stamp, reply)
 
-    def _cancel_goals(self, client: str, id: bytes, stamp: int, reply: CancelReply) -> None:
-        now = self._transport.now()
-        tasks = list(self._tasks_to_cancel(client, id, stamp))
-        if not tasks and id != NO_ID:
-            ended = self._results.find(id, client, now)
-            reply(CancelResponse(TERMINATED if ended else UNKNOWN_GOAL))
-            return
-        request = CancelRequest(reply)
-        for task in tasks:
-            self._cancel_task(task, request, now)
-        request.close()
-        self._transport.call_at(now + _CANCEL_TIMEOUT, request.expire)
+    # The server
 
-    def _tasks_to_cancel(self, client: str, id: bytes, stamp: int) -> Iterator[GoalTask]:
-        """Yield the goals of a client that its cancel means (action_msgs/CancelGoal)."""
-        for task in self._tasks.values():
-            goal = task.goal
-            all_of_them = id == NO_ID and not stamp
-            is_selected = all_of_them or goal.id == id or (stamp and goal.stamp <= stamp)
-            if is_selected and goal.client == client:
-                yield task
+    def on_server_available(self, node: str, incarnation: bytes) -> None:
+        """Learn that the server is there."""
+        self.stops.repeat(node)
+        self.server.on_available(node, incarnation)
 
-    def _cancel_task(self, task: GoalTask, request: CancelRequest, now: int) -> None:
-        goal = task.goal
-        if goal.stage is GoalStage.WAITING:
-            task.is_cancelled = True
-            request.add_canceling(goal.id, goal.stamp)
-            if goal.message:
-                self.pipeline.withdraw(goal.message, "cancelled by its client", now)
-            else:
-                self._finish(task, CANCELED, reason="cancelled by its client")
-        else:
-            self._cancel_requests.add(goal.id, request)
-            self._cancel_at_server(goal.id)
+    def on_server_lost(self) -> None:
+        """Learn that the server is not there any more."""
+        self.server.on_lost()
+
+    def on_server_doubt(self, reason: str) -> None:
+        """Learn that not only the server may answer, and why; "" when it is alone again."""
+        self.server.on_doubt(reason)
+
+    def on_server_message(self, end: Ros2ActionEntity, message: bytes) -> None:
+        """Take what the server publishes on its topics."""
+        self.server.on_message(end, message)
 
 
 class ObservedActionStream(GuardedStream):
@@ -245,10 +246,13 @@ class ObservedActionStream(GuardedStream):
 
     def open(self) -> None:
         """Stay out of the graph."""
-        text = "%s: its goals are requests, which only a guard that enforces sees"
-        log.warning(text, self.spec.topic)
+        log.warning("%s: a plan with mode observe cannot see goals of ROS 2", self.spec.topic)
 
     @property
     def details(self) -> dict[str, str]:
         """What there is to tell beside the flows."""
         return {"goals": "requests, which nobody else can see"}
+
+
+def _goal_label(goal: Goal) -> str:
+    return f"goal {goal.id.hex()} of {goal.client or 'the server itself'}"
