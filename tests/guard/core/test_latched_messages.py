@@ -78,7 +78,7 @@ def test_what_is_remembered_is_bounded():
     transport = MemoryTransport()
     host = Coordinator(transport, [made])
     host.open()
-    latched = host.streams[0]._latch_filter
+    latched = host.streams[0].endpoints._latch_filter
     for number in range(65):
         latched.filter(f"/n{number}", lambda message: None)(b"x")
     taken = []
@@ -163,7 +163,7 @@ def test_only_commands_are_for_the_moment(kind, done, expected):
     made = replace(stream(stage(policy=PolicyName.BLOCK, kind=kind), topic="/goal"), done=done)
     host = Coordinator(MemoryTransport(), [made])
     host.open()
-    assert host.streams[0]._is_momentary(peer("/nav", latching=True)) is expected
+    assert host.streams[0].endpoints._is_momentary(peer("/nav", latching=True)) is expected
 
 
 def given(*ages):
