@@ -331,7 +331,9 @@ def test_a_guard_that_comes_after_a_second_server_follows_the_goal_of_the_first(
     app.keep(Server(app.domain, "/mallory"))
     app.guard = app.keep(GuardThread(app.domain, app.plan, HandoverState(app.handovers[-1])))
     action = app.guard.action
-    wait_for(lambda: action.server.is_available and action.server.doubt, what="the first and the second")
+    wait_for(
+        lambda: action.server.is_available and action.server.doubt, what="the first and the second"
+    )
     app.guard.call(lambda: action.brake("a test", "a person is there"))
     wait_for(lambda: app.server.cancels, what="the cancel")
 

@@ -88,11 +88,8 @@ class PoseApp(RclpyActionApp):
     def _found(self):
         heard = all(each.end.get_subscription_count() for each in (self.one, self.two))
         hears = self.server.poses.get_publisher_count()
-        served = (
-            self.guard.coordinator.streams[1].server
-            if self.guarded
-            else self.guard.action._is_action
-        )
+        streams = self.guard.coordinator.streams
+        served = streams[1].server.is_available if self.guarded else streams[0]._observer.sees_goals
         return heard and hears and served
 
 
