@@ -4,6 +4,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
 
 pytest_plugins = ["shared_fixtures"]
 
@@ -21,6 +22,10 @@ def _helper_folders():
 
 
 sys.path += sorted({*_helper_folders(), str(TESTS.parent), str(TESTS.parent / "scripts")})
+
+# A deadline would be an absolute time: on a busy machine any example may take longer.
+settings.register_profile("default", deadline=None)
+settings.load_profile("default")
 
 
 @pytest.hookimpl(trylast=True)
