@@ -7,35 +7,29 @@ import logging
 import resource
 import signal
 import sys
-from functools import partial
 from typing import TYPE_CHECKING
 
 from rtron.errors import SourceError
-from rtron.guard.audit.ros1.auditor import Ros1Auditor
-from rtron.guard.complaints import UnreadableInputAlarms
+from rtron.guard.core.alarms import UnreadableInputAlarms
 from rtron.guard.core.control_socket import ControlSocket, RequestHandler, control_path
 from rtron.guard.core.coordinator import Coordinator
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.handover_state import HandoverState, HeartbeatFile, heartbeat_path
 from rtron.guard.core.node_shutdown import ShutdownRefusal, ShutdownSequence
 from rtron.guard.core.observations import observations_of
-from rtron.guard.master_proxy.master_file import find_private_master
 from rtron.guard.measurement.run import RunMeasurement, WriteFigures
+from rtron.guard.middleware import open_middleware
 from rtron.guard.settings.overrides import OverrideCommands
-from rtron.guard.transport.factory import open_transport
-from rtron.guard.transport.ros1.middleware import Ros1Transport
 from rtron.vocabulary import Plan, build_streams
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from rtron.guard.audit.ros2.auditor import Ros2Auditor
     from rtron.guard.link.options import LinkOptions
     from rtron.guard.link.service_link import ServiceLink
+    from rtron.guard.middleware import Auditor
     from rtron.guard.supervision.supervisor_client import SupervisorClient
-    from rtron.guard.transport.ros2.middleware import Ros2Transport
-
-    AnyTransport = Ros1Transport | Ros2Transport
+    from rtron.guard.transport.common.protocol import LiveTransport
 
 log = logging.getLogger(__name__)
 
@@ -62,7 +56,8 @@ def run_guard(
     """
     _raise_file_limit()
     loop = EventLoop()
-    transport = open_transport(plan.ros, master, loop)
+    middleware = open_middleware(plan, master, loop, dry_run=dry_run)
+    transport = middleware.transport
     measuring = RunMeasurement(plan, transport) if figures else None
     observations = measuring.observations if measuring else observations_of(plan)
     heartbeat = HeartbeatFile(heartbeat_path(control or control_path(plan.app), master))
@@ -72,7 +67,8 @@ def run_guard(
     )
     service_link = _service_link(plan, coordinator, transport, loop, link) if link else None
     if supervisor_client:
-        _connect_supervisor(supervisor_client, coordinator, transport, loop)
+        supervisor_client.open(loop, coordinator)
+        transport.set_supervisor(lambda: supervisor_client.supervisor)
     if measuring and figures:
         measuring.measure(coordinator.streams)
         measuring.write_periodically(figures)
@@ -81,8 +77,8 @@ def run_guard(
     )
     if control_socket and not dry_run:
         heartbeat.beat(loop)
-    _report_unreadable_input(coordinator, transport)
-    auditor = _auditor(plan, master, coordinator, transport, loop, dry_run=dry_run)
+    transport.set_unreadable_handler(UnreadableInputAlarms(coordinator.alarms, transport).report)
+    auditor = middleware.create_auditor(coordinator)
     run_coordinator(coordinator, transport, loop, auditor, supervisor_client, service_link)
     if measuring and figures:
         figures(measuring.figures())
@@ -95,7 +91,7 @@ def run_guard(
 def _service_link(
     plan: Plan,
     coordinator: Coordinator,
-    transport: AnyTransport,
+    transport: LiveTransport,
     loop: EventLoop,
     link: LinkOptions,
 ) -> ServiceLink:
@@ -107,28 +103,16 @@ def _service_link(
 def _handover_state(
     supervisor_client: SupervisorClient | None, heartbeat: HeartbeatFile
 ) -> HandoverState:
-    """Return what the guard before has left, and when it was last there."""
+    """Return the state of the guard before, with the time of its last heartbeat."""
     handover = supervisor_client.handover_state if supervisor_client else HandoverState()
     handover.last_seen_at = heartbeat.previous_time
     return handover
 
 
-def _connect_supervisor(
-    supervisor_client: SupervisorClient,
-    coordinator: Coordinator,
-    transport: AnyTransport,
-    loop: EventLoop,
-) -> None:
-    """Connect the guard to its supervisor, and let the audit know who that is."""
-    supervisor_client.open(loop, coordinator)
-    if not isinstance(transport, Ros1Transport):
-        transport.processes.supervisor = lambda: supervisor_client.supervisor
-
-
 def _open_control_socket(
     loop: EventLoop, plan: Plan, control: Path | None, handler: RequestHandler
 ) -> ControlSocket | None:
-    """Open the door for overrides; where nobody chose it, the robot is guarded without one too."""
+    """Open the socket for overrides; the guard runs without one, unless `control` names it."""
     try:
         return ControlSocket(loop, control or control_path(plan.app), handler)
     except SourceError as error:
@@ -138,46 +122,21 @@ def _open_control_socket(
         return None
 
 
-def _report_unreadable_input(coordinator: Coordinator, transport: AnyTransport) -> None:
-    """Let what the transport cannot hear be an alarm, where it is the transport that judges it."""
-    if not isinstance(transport, Ros1Transport):
-        transport.report_unreadable_to(UnreadableInputAlarms(coordinator.alarms, transport).report)
-
-
-def _auditor(
-    plan: Plan,
-    master: str,
-    coordinator: Coordinator,
-    transport: AnyTransport,
-    loop: EventLoop,
-    *,
-    dry_run: bool,
-) -> Ros1Auditor | Ros2Auditor:
-    if isinstance(transport, Ros1Transport):
-        private_address = find_private_master(master)
-        return Ros1Auditor(plan, private_address, coordinator, transport, loop, dry_run=dry_run)
-    from rtron.guard.audit.ros2.auditor import Ros2Auditor  # noqa: PLC0415 - it needs rclpy
-
-    return Ros2Auditor(plan, coordinator, transport, loop, dry_run=dry_run)
-
-
 def run_coordinator(
     coordinator: Coordinator,
-    transport: AnyTransport,
+    transport: LiveTransport,
     loop: EventLoop,
-    auditor: Ros1Auditor | Ros2Auditor | None = None,
+    auditor: Auditor | None = None,
     supervisor_client: SupervisorClient | None = None,
     service_link: ServiceLink | None = None,
 ) -> None:
-    """Guard until SIGINT, SIGTERM or, unless it is supervised, a kill of the guard's own node."""
-    if isinstance(transport, Ros1Transport):
-        shutdown = (
-            ShutdownRefusal(loop)
-            if supervisor_client
-            else ShutdownSequence(coordinator, transport, loop)
-        )
-        ros1_auditor = auditor if isinstance(auditor, Ros1Auditor) else None
-        transport.on_shutdown_request = partial(_on_shutdown_request, shutdown, ros1_auditor)
+    """Guard until SIGINT, SIGTERM or, unless supervised, a shutdown of the guard's own node."""
+    shutdown = (
+        ShutdownRefusal(loop)
+        if supervisor_client
+        else ShutdownSequence(coordinator, transport, loop)
+    )
+    transport.set_shutdown_handler(shutdown.handle)
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: loop.post(loop.stop))
     coordinator.open()
@@ -197,20 +156,8 @@ def run_coordinator(
     transport.close()
 
 
-def _on_shutdown_request(
-    shutdown: ShutdownRefusal | ShutdownSequence,
-    auditor: Ros1Auditor | None,
-    node: str,
-    reason: str,
-) -> None:
-    if auditor:
-        auditor.handle_shutdown(node, reason, partial(shutdown.handle, node, reason))
-    else:
-        shutdown.handle(node, reason)
-
-
 def _reduce_latency() -> None:
-    """Keep garbage collection and the threads that talk to the master out of a message's way."""
+    """Keep garbage collection and the threads of the master's calls from delaying messages."""
     gc.collect()
     gc.freeze()
     sys.setswitchinterval(_SWITCH_S)

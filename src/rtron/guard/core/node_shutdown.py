@@ -7,7 +7,7 @@ from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.log_throttle import LogThrottle
 from rtron.guard.core.printable import printable
 from rtron.guard.core.stream import GuardedStream
-from rtron.guard.transport.ros1.middleware import Ros1Transport
+from rtron.guard.transport.common.protocol import LiveTransport
 from rtron.policies.velocity_watchdog import MAX_RAMP_DURATION
 from rtron.vocabulary import GUARD_NODE, SECOND
 
@@ -33,7 +33,7 @@ class ShutdownRefusal:
 class ShutdownSequence:
     """Shuts nodes down once the robot that they moved has stopped."""
 
-    def __init__(self, coordinator: Coordinator, transport: Ros1Transport, loop: EventLoop) -> None:
+    def __init__(self, coordinator: Coordinator, transport: LiveTransport, loop: EventLoop) -> None:
         self._coordinator = coordinator
         self._transport = transport
         self._loop = loop

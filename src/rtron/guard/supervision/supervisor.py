@@ -25,7 +25,6 @@ from rtron.guard.supervision.supervisor_fsm import (
 from rtron.guard.supervision.supervisor_handover import RELEASE, is_running
 from rtron.guard.supervision.watchdog import BEAT_PERIOD, Watchdog
 from rtron.guard.transport.factory import open_transport
-from rtron.guard.transport.ros1.middleware import Ros1Transport
 from rtron.vocabulary import SECOND
 
 log = logging.getLogger(__name__)
@@ -53,8 +52,7 @@ class Supervisor:
         self._config_file = config_file
         self._loop = loop
         self._transport = open_transport(config.plan.ros, config.master, loop)
-        if isinstance(self._transport, Ros1Transport):
-            self._transport.on_shutdown_request = self._refuse_shutdown
+        self._transport.set_shutdown_handler(self._refuse_shutdown)
         self._log_throttle = LogThrottle()
         memory = self._guard.memory if self._guard else GuardMemory.create(self._stream_count)
         self._memory = memory

@@ -13,6 +13,7 @@ from rtron.vocabulary import GUARD_NODE
 
 if TYPE_CHECKING:
     from rtron.guard.core.event_loop import EventLoop
+    from rtron.guard.transport.common.protocol import LiveTransport
     from rtron.guard.transport.ros2.middleware import Ros2Transport
 
 _DOMAIN = "domain "
@@ -31,15 +32,23 @@ def load_middleware(ros: int) -> None:
             import_module("rtron.guard.transport.ros2.middleware")
 
 
-def open_transport(ros: int, address: str, loop: EventLoop) -> Ros1Transport | Ros2Transport:
-    """Return a transport for ROS 1 at a master, or for ROS 2 in the domain of an address.
+def open_transport(ros: int, address: str, loop: EventLoop) -> LiveTransport:
+    """Return a transport for ROS 1 at a master, or for ROS 2 in a domain. SourceError if not."""
+    return open_ros1_transport(address, loop) if ros == 1 else open_ros2_transport(address, loop)
+
+
+def open_ros1_transport(address: str, loop: EventLoop) -> Ros1Transport:
+    """Return a transport at the private master of a master's address."""
+    return Ros1Transport(loop, find_private_master(address), public=address)
+
+
+def open_ros2_transport(address: str, loop: EventLoop) -> Ros2Transport:
+    """Return a transport in the domain of an address.
 
     SourceError if ROS 2 is not installed here, if its structures have another layout than the guard
     reads, or if its RMW is not Fast DDS: with another one, the publisher's id in a message differs
     from its id in the graph.
     """
-    if ros == 1:
-        return Ros1Transport(loop, find_private_master(address), public=address)
     try:
         from rtron.guard.transport.ros2.abi_check import check_abi  # noqa: PLC0415
         from rtron.guard.transport.ros2.middleware import Ros2Transport  # noqa: PLC0415

@@ -4,7 +4,7 @@ Each guarded node is asked who speaks to it, at the plan's period. The master's 
 nodes do not tell; where the two differ, the nodes count.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import partial
 
 from rtron.errors import WireError
@@ -88,18 +88,12 @@ class Ros1Auditor:
             return
         self._response.prepare(self._transport.encoding)
         self._transport.on_subscriber = self._on_new_listener
+        self._intercept_shutdowns()
         self._audited_nodes.watch(sorted(self._named_nodes))
         self._schedule.add(self._state_poll)
         self._schedule.start()
         self._resolve_master()
         self._tick()
-
-    def handle_shutdown(self, node: str, reason: str, shut_down: Callable[[], None]) -> None:
-        """Decide whether a call to shut one of our nodes down is obeyed: not if it was replaced."""
-        if self._expected.topics:
-            self._guard_names.handle_shutdown(node, reason, shut_down)
-        else:
-            shut_down()
 
     def close(self) -> None:
         """Audit no more."""
@@ -112,6 +106,15 @@ class Ros1Auditor:
             self._lookup_threads,
         ):
             part.close()
+
+    def _intercept_shutdowns(self) -> None:
+        """Handle requests to shut down our nodes first: a master sends one to a replaced node."""
+        shut_down = self._transport.on_shutdown_request
+        self._transport.set_shutdown_handler(
+            lambda node, reason: self._guard_names.handle_shutdown(
+                node, reason, partial(shut_down, node, reason)
+            )
+        )
 
     def _on_new_listener(self, topic: str, name: str) -> None:
         """Look for a node that has just begun to listen to us: it may have come, or come back."""

@@ -141,6 +141,30 @@ class Transport(Protocol):
         ...
 
 
+class LiveTransport(Transport, Protocol):
+    """A transport in a running graph, where other nodes make requests and send what they like."""
+
+    def set_shutdown_handler(self, handler: Callable[[str, str], None]) -> None:
+        """Call `handler` with a node of the guard that others shut down, and why (ROS 1 only)."""
+        ...
+
+    def set_unreadable_handler(self, handler: Callable[[str, str, str], None]) -> None:
+        """Call `handler` with a topic, a node, and why its message is unreadable (ROS 2 only)."""
+        ...
+
+    def set_supervisor(self, process_id: Callable[[], int]) -> None:
+        """Take the guard's supervisor, 0 if there is none, whose nodes are the guard's (ROS 2)."""
+        ...
+
+    def remove_node(self, name: str) -> None:
+        """Take a node out of the graph."""
+        ...
+
+    def close(self) -> None:
+        """Leave the graph."""
+        ...
+
+
 class NumberedMessage(bytes):
     """A message with its DDS sequence number.
 

@@ -42,7 +42,7 @@ class Ros1Transport:
         self, loop: EventLoop, master: str, host: str | None = None, *, public: str = ""
     ) -> None:
         self._loop = loop
-        self._master = master
+        self.master = master
         self._public = public or master
         self._host = host or advertised_host()
         self._nodes: dict[str, Ros1Node] = {}
@@ -87,19 +87,29 @@ class Ros1Transport:
     ) -> None:
         """Subscribe `topic` as `node`; see `Transport`. ROS 1 does not know the age of messages."""
         del is_command, publishers
-        request = TopicRequest(node, topic, type, self._master)
+        request = TopicRequest(node, topic, type, self.master)
         link = link_factory(self._loop, self._create_workers(topic), request, on_connect, on_lost)
         self._subscribe(node, Subscription(topic, type, link))
 
     def link_nodes(self, publisher: str, subscriber: str, topic: str, type: str) -> Output:
         """Show two nodes of ours as connected; see `Transport`."""
         output = self.advertise(publisher, topic, type)
-        request = TopicRequest(subscriber, topic, type, self._master)
+        request = TopicRequest(subscriber, topic, type, self.master)
         link = link_factory(
             self._loop, self._create_workers(topic), request, lambda peer: None, ignore_lost
         )
         self._subscribe(subscriber, Subscription(topic, type, link, is_internal=True))
         return output
+
+    def set_shutdown_handler(self, handler: Callable[[str, str], None]) -> None:
+        """Call `handler` with a node that others shut down, and why."""
+        self.on_shutdown_request = handler
+
+    def set_unreadable_handler(self, handler: Callable[[str, str, str], None]) -> None:
+        """Do nothing: each connection logs its own errors."""
+
+    def set_supervisor(self, process_id: Callable[[], int]) -> None:
+        """Do nothing: the supervisor's nodes are known by their names."""
 
     @property
     def port(self) -> int:

@@ -64,9 +64,19 @@ class Ros2Transport:
         self._actions: list[ActionRelay] = []
         self.graph.listeners.append(self._update_names)
 
-    def report_unreadable_to(self, report: Callable[[str, str, str], None]) -> None:
-        """Call `report` for messages that cannot be read (topic, node, why), instead of logging."""
-        self._context.report_unreadable = report
+    def set_shutdown_handler(self, handler: Callable[[str, str], None]) -> None:
+        """Do nothing: ROS 2 has no such request."""
+
+    def set_unreadable_handler(self, handler: Callable[[str, str, str], None]) -> None:
+        """Call `handler` with a topic, a node, and why its message is unreadable; do not log it."""
+        self._context.report_unreadable = handler
+
+    def set_supervisor(self, process_id: Callable[[], int]) -> None:
+        """Take the process whose participants count as the guard's."""
+        self.processes.supervisor = process_id
+
+    def remove_node(self, name: str) -> None:
+        """Do nothing: nodes leave together."""
 
     def advertise(
         self,
