@@ -1,4 +1,4 @@
-"""A fence in this process, before a small XML-RPC server in the place of rosmaster; and nodes."""
+"""A proxy in this process, before a small XML-RPC server in the place of rosmaster; and nodes."""
 
 import socket
 import threading
@@ -18,7 +18,7 @@ class Master:
         self.lookups = {}
 
     def _dispatch(self, method, params):
-        if params[:1] != ("/rtron_master",):  # that is the fence itself
+        if params[:1] != ("/rtron_master",):  # that is the proxy itself
             self.asked.append((method, params))
         if method == "system.multicall":
             return [[self._dispatch(c["methodName"], tuple(c["params"]))] for c in params[0]]
@@ -66,7 +66,7 @@ def running(loop):
 
 @contextmanager
 def running_proxy(topics, private):
-    """Put a fence before the master at `private`; yields the fence's address."""
+    """Put a proxy before the master at `private`; yields the proxy's address."""
     with ExitStack() as stack:
         loop = EventLoop()
         stack.callback(loop.close)

@@ -1,4 +1,4 @@
-"""What the fence forbids: every method, topic and name of a plan, and whatever callers make up."""
+"""What the proxy forbids: every method, topic and name of a plan, and whatever callers make up."""
 
 import pytest
 from hypothesis import example, given

@@ -1,4 +1,4 @@
-"""How the guard finds the master behind the fence: never by another's word, nor a dead fence's."""
+"""How the guard finds the master behind the proxy: never by another's word, nor a dead proxy's."""
 
 import json
 import os
@@ -29,7 +29,7 @@ def announced():
 
 
 @pytest.mark.parametrize("host", ["localhost", "127.0.0.1"])
-def test_the_guard_finds_the_master_behind_the_fence(announced, host):
+def test_the_guard_finds_the_master_behind_the_proxy(announced, host):
     assert find_private_master(f"http://{host}:{PORT}/") == PRIVATE
 
 
@@ -57,7 +57,7 @@ def test_only_its_user_can_read_it(announced):
     assert candidate_paths(PORT)[0].stat().st_mode & 0o777 == 0o600
 
 
-def test_it_goes_with_the_fence():
+def test_it_goes_with_the_proxy():
     for _ in range(2):
         announcement = MasterFile(PORT, PRIVATE)
         assert find_private_master(PUBLIC) == PRIVATE
@@ -66,7 +66,7 @@ def test_it_goes_with_the_fence():
         assert find_private_master(PUBLIC) == PUBLIC
 
 
-def test_what_a_dead_fence_left_is_not_believed_and_makes_room():
+def test_what_a_dead_proxy_left_is_not_believed_and_makes_room():
     candidate_paths(PORT)[0].write_text(json.dumps({"private": "http://127.0.0.1:40002/"}))
     candidate_paths(PORT)[0].chmod(0o600)
     assert find_private_master(PUBLIC) == PUBLIC
@@ -107,7 +107,7 @@ def test_a_pipe_does_not_hold_the_guard_up(runtime):
     assert find_private_master(PUBLIC) == PUBLIC
 
 
-def test_what_another_fence_put_there_stays():
+def test_what_another_proxy_put_there_stays():
     announcement = MasterFile(PORT, PRIVATE)
     candidate_paths(PORT)[0].unlink()
     candidate_paths(PORT)[0].write_text("another's")

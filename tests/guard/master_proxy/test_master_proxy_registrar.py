@@ -1,4 +1,4 @@
-"""What the guard says when a master refuses to register it, as a fence does that came too late."""
+"""What the guard says when a master refuses to register it, as a proxy does that came too late."""
 
 import logging
 
@@ -13,7 +13,7 @@ from rtron.guard.transport.ros1.middleware import Ros1Transport
 NODES = ("/a", "/b", "/c")
 
 
-class Fence(Master):
+class RefusingMaster(Master):
     """Refuses whatever registers."""
 
     def _dispatch(self, method, params):
@@ -33,14 +33,14 @@ def said(caplog):
 
 
 def test_a_refused_registration_is_an_error_in_the_log_once_for_each_text(said):
-    fence, loop = Fence(), EventLoop()
-    with serving(fence) as uri:
+    master, loop = RefusingMaster(), EventLoop()
+    with serving(master) as uri:
         transport = Ros1Transport(loop, uri, "127.0.0.1")
         for node in NODES:
             transport.advertise(node, "/topic", "std_msgs/String")
             transport.advertise(node, "/other", "std_msgs/String")
         with running(loop):
-            wait_for(lambda: len(fence.registrations()) >= 12, what="registrations, said again")
+            wait_for(lambda: len(master.registrations()) >= 12, what="registrations, said again")
         transport.close()
         loop.close()
     assert len(said()) == len(NODES)
@@ -56,7 +56,7 @@ def test_what_is_said_of_refusals_is_bounded(said):
 
 def test_a_master_that_is_not_there_is_no_refusal(said):
     loop = EventLoop()
-    with serving(Fence()) as uri:
+    with serving(RefusingMaster()) as uri:
         pass
     transport = Ros1Transport(loop, uri, "127.0.0.1")
     transport.advertise("/a", "/topic", "std_msgs/String")

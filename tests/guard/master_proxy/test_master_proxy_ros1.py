@@ -16,9 +16,9 @@ from driven_base import (
     start_guard,
     write_app,
 )
-from fenced_master import start
 from harness import named, wait_for
 from plans import grcn, plan_of
+from proxied_master import start
 from rostopic import TWIST, TopicEcho, say
 
 from rtron.errors import RTronError
@@ -94,7 +94,7 @@ def test_a_rogue_in_cpp_is_refused_too(base):
     say(base.ros1, "talker", "/chatter", TYPE, TWIST % 5)
     rogue = base.ros1.spawn("/usr/lib/topic_tools/relay", "/chatter", OUT, *named("/relay"))
     told = f"registerPublisher to '/relay': the plan does not let /relay publish {OUT}"
-    wait_for(lambda: told in base.ros1.master.log, what="the fence's word")
+    wait_for(lambda: told in base.ros1.master.log, what="the proxy's refusal")
     assert_only_navigation_arrives(base)
     assert not rogue.ended
     assert_only_the_guard_publishes(base)
@@ -104,7 +104,7 @@ def test_the_guard_works_as_ever_and_is_not_shut_down_by_its_name(base):
     guard_at = base.ros1.uri_of(CMD_VEL_GUARD)
     base.navigate()
     base.ros1.node("nav.py", CMD_VEL_GUARD)
-    wait_for(lambda: "guard's names" in base.ros1.master.log, what="the fence's word")
+    wait_for(lambda: "guard's names" in base.ros1.master.log, what="the proxy's refusal")
     assert_only_navigation_arrives(base)
     assert base.ros1.uri_of(CMD_VEL_GUARD) == guard_at
     for topic in (OUT, "/cmd_vel"):
@@ -112,7 +112,7 @@ def test_the_guard_works_as_ever_and_is_not_shut_down_by_its_name(base):
     assert_only_the_guard_publishes(base)
 
 
-def test_a_guard_that_is_killed_comes_back_behind_the_fence(base):
+def test_a_guard_that_is_killed_comes_back_behind_the_proxy(base):
     base.navigate()
     os.kill(base.ros1.ask(base.ros1.uri_of(CMD_VEL_GUARD), "getPid"), signal.SIGKILL)
     arrived = len(base.driven.navigation())
@@ -142,7 +142,7 @@ def test_an_impostor_waits_until_the_node_is_gone(base):
     at = base.ros1.uri_of("/nav")
     impostor = base.ros1.node("rogue.py", "/nav", "1000", f"{CMD_VEL}:={FLOW1}")
     wait_for(lambda: REFUSED in impostor.log, what="the impostor's error")
-    assert "already stands at another address" in base.ros1.master.log
+    assert "is registered at another address" in base.ros1.master.log
     assert_only_navigation_arrives(base)
     assert base.ros1.uri_of("/nav") == at
     assert not nav.ended
@@ -258,14 +258,14 @@ def private_pid(inside):
     return ros_call(inside.uri, "getPid", "/test", timeout=LIMIT_S)
 
 
-def test_the_fence_ends_with_an_error_when_the_master_does(base):
+def test_the_proxy_ends_with_an_error_when_the_master_does(base):
     base.navigate()
     os.kill(private_pid(base.ros1), signal.SIGKILL)
-    fence = base.ros1.master
-    wait_for(lambda: fence.ended, what="the end of the fence")
-    assert fence.code == 2
-    assert "rosmaster has ended" in fence.log
-    assert "Traceback" not in fence.log
+    proxy = base.ros1.master
+    wait_for(lambda: proxy.ended, what="the end of the proxy")
+    assert proxy.code == 2
+    assert "rosmaster has ended" in proxy.log
+    assert "Traceback" not in proxy.log
     with pytest.raises(RTronError):
         ros_call(public(base.ros1), "getPid", "/test", timeout=LIMIT_S)
     rogue = base.ros1.node("rogue.py", "/by_hand", "1000", f"{CMD_VEL}:={OUT}")
@@ -280,7 +280,7 @@ def test_a_master_that_hangs_is_answered_for_and_works_again(inside):
     os.kill(pid, signal.SIGSTOP)
     try:
         said = call(public(inside), "getPid", "/test", timeout=LIMIT_S)
-        assert said == [-1, "the master behind the fence does not answer", -1]
+        assert said == [-1, "the master behind the proxy does not answer", -1]
         assert refused(inside, "lookupNode", "/test", "/driver")
     finally:
         os.kill(pid, signal.SIGCONT)
@@ -288,20 +288,20 @@ def test_a_master_that_hangs_is_answered_for_and_works_again(inside):
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
-def test_the_master_ends_with_the_fence(inside, number):
-    fence = inside.master
-    os.kill(fence.pid, number)
-    wait_for(lambda: fence.ended, what="the end of the fence")
+def test_the_master_ends_with_the_proxy(inside, number):
+    proxy = inside.master
+    os.kill(proxy.pid, number)
+    wait_for(lambda: proxy.ended, what="the end of the proxy")
     if number != signal.SIGKILL:
-        assert fence.code == 0, fence.log
+        assert proxy.code == 0, proxy.log
     wait_for(lambda: inside.ask(inside.uri, "getPid") is None, what="the end of rosmaster")
-    assert "Traceback" not in fence.log
+    assert "Traceback" not in proxy.log
 
 
 def test_a_port_that_is_taken_is_an_error(inside):
     port = public(inside).rpartition(":")[2]
-    second = inside.rtron("master", "--plan", inside.folder / "fence.yaml", "--port", port)
-    wait_for(lambda: second.ended, what="the second fence's end")
+    second = inside.rtron("master", "--plan", inside.folder / "proxy.yaml", "--port", port)
+    wait_for(lambda: second.ended, what="the second proxy's end")
     assert second.code == 2
     assert f"port {port}: Address already in use" in second.log
 
@@ -313,7 +313,7 @@ def test_the_private_master_listens_on_loopback_only(inside):
     assert at == {f"0100007F:{port:04X}"}
 
 
-def test_a_scan_sees_behind_the_fence(base):
+def test_a_scan_sees_behind_the_proxy(base):
     base.navigate()
     words = ("scan", "--live", "--format", "graph", "--fail-on", "never")
     graph = json.loads(base.ros1.run(sys.executable, "-m", "rtron", *words))

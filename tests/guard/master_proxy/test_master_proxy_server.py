@@ -27,7 +27,7 @@ GET_PID = dumps(("/x",), "getPid").encode()
 
 @pytest.fixture(scope="module")
 def shared():
-    """Return the fence and the master behind it, the same for many tests."""
+    """Return the proxy and the master behind it, the same for many tests."""
     master = Master()
     with serving(master) as private, running_proxy(TOPICS, private) as public:
         yield public, master
@@ -261,7 +261,7 @@ def test_a_master_that_hangs_delays_only_who_asks_it():
                 assert call(public, "lookupNode", "/x", "/driver", timeout=30)[0] == -1
             assert asks.is_alive()
             asks.join()
-    assert answers == [[-1, "the master behind the fence does not answer", -1]]
+    assert answers == [[-1, "the master behind the proxy does not answer", -1]]
 
 
 @pytest.mark.parametrize(

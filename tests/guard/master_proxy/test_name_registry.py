@@ -32,7 +32,7 @@ def master():
 
 @pytest.fixture
 def register(stack, master):
-    """Return what registers a name at an address: whether the fence lets it."""
+    """Return what registers a name at an address: whether the proxy lets it."""
     public = stack.enter_context(running_proxy(TOPICS, stack.enter_context(serving(master))))
 
     def ask(name, uri):
@@ -69,7 +69,7 @@ def test_another_node_does_not(stack, register):
 
 
 def test_nodes_that_one_pattern_means_are_different_nodes(stack, register):
-    for number in range(3):
+    for number in range(1, 4):
         assert register(f"/teleop_{number}", stack.enter_context(serving(Slave(number))))
 
 
@@ -100,7 +100,8 @@ def test_a_node_of_this_machine_that_hangs_is_not_gone(stack, register):
 def test_a_node_of_the_plan_must_answer_at_its_address(stack, register):
     assert not register("/nav", closed())
     assert not register("/nav", stack.enter_context(hanging()))
-    assert not register("/nav", stack.enter_context(serving(Slave("no pid"))))
+    for pid in ("no pid", 0, -1):
+        assert not register("/nav", stack.enter_context(serving(Slave(pid))))
     assert register("/nav", stack.enter_context(serving(Slave(1))))
 
 
@@ -123,19 +124,19 @@ def test_the_same_port_of_another_machine_is_another_address(stack, register):
 
 def test_the_address_of_the_guard_is_no_others(stack, register, master):
     uri = master.lookups[GUARD] = stack.enter_context(serving(Slave(1)))
-    wait_for(lambda: not register("/thief", uri), what="the fence to know the guard's address")
+    wait_for(lambda: not register("/thief", uri), what="the proxy to know the guard's address")
 
 
 @pytest.mark.parametrize("node", ["/rtron_guard", "/rtron_supervisor"])
 def test_the_address_of_a_restarted_guard_is_no_others(stack, register, master, node):
     for pid in (1, 2):
         uri = master.lookups[node] = stack.enter_context(serving(Slave(pid)))
-        wait_for(lambda uri=uri: not register("/thief", uri), what="the fence to know the address")
+        wait_for(lambda uri=uri: not register("/thief", uri), what="the proxy to know the address")
 
 
 def test_names_of_a_pattern_are_bounded_and_those_of_the_plan_are_not(stack, register, monkeypatch):
     monkeypatch.setattr(name_registry, "_MAX_REGISTRATIONS", 2)
-    uris = [stack.enter_context(serving(Slave(pid))) for pid in range(5)]
+    uris = [stack.enter_context(serving(Slave(pid))) for pid in range(1, 6)]
     assert [register(f"/teleop_{n}", uris[n]) for n in range(3)] == [True, True, False]
     assert register("/teleop_0", uris[0])
     assert register("/nav", uris[3])
@@ -159,7 +160,7 @@ def test_of_two_that_take_a_name_at_once_one_gets_it(stack, register):
     answers = []
     asks = [
         threading.Thread(target=lambda at=at: answers.append(register("/nav", at)))
-        for at in [stack.enter_context(serving(Slave(pid))) for pid in range(10)]
+        for at in [stack.enter_context(serving(Slave(pid))) for pid in range(1, 11)]
     ]
     for ask in asks:
         ask.start()
@@ -175,7 +176,7 @@ def test_hanging_addresses_delay_no_other_node(stack, register):
     ]
     for ask in asks:
         ask.start()
-    for pid in range(5):
+    for pid in range(1, 6):
         assert register(f"/teleop_{pid}", stack.enter_context(serving(Slave(pid))))
     assert any(ask.is_alive() for ask in asks)
     for ask in asks:

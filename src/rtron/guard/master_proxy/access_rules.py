@@ -41,7 +41,7 @@ def denial_reason(topics: Topics, method: str, params: Sequence[Any]) -> str:
     """
     api = METHODS.get(method)
     if api is None:
-        return f"there is no method {method[:_LONGEST_NAME]!r} for callers of the fence"
+        return f"there is no method {method[:_LONGEST_NAME]!r} for callers of the master proxy"
     if len(params) != api.parameter_count:
         return f"{method} takes {api.parameter_count} parameters"
     if not isinstance(params[0], str):
@@ -117,7 +117,7 @@ def _check_lookup(topics: Topics, _caller: str, node: Any) -> str:  # noqa: ANN4
 
 
 def _check_shutdown(_topics: Topics, _caller: str, _reason: object) -> str:
-    return "the master ends with the fence, not before"
+    return "the master ends with its proxy, not before"
 
 
 def _check_registration(_topics: Topics, caller: str, uri: object) -> str:

@@ -1,6 +1,6 @@
-"""How the guard finds the master behind the fence: a file that only its user can read.
+"""How the guard finds the master behind its proxy: a file that only its user can read.
 
-The file is locked while its fence lives; what a dead one left behind is not believed.
+The file is locked while its proxy runs; what a dead one left behind is not believed.
 """
 
 import fcntl
@@ -20,7 +20,7 @@ _MAX_BYTES = 1 << 12
 
 
 def find_private_master(uri: str) -> str:
-    """Return the master behind the fence of this user at `uri`, or `uri` if there is none."""
+    """Return the master behind the proxy of this user at `uri`, or `uri` if there is none."""
     try:
         host, port = split_uri(uri)
     except WireError:
@@ -31,7 +31,7 @@ def find_private_master(uri: str) -> str:
 
 
 def candidate_paths(port: int) -> list[Path]:
-    """Return where the fence of a public port may say what is behind it, its first choice first.
+    """Return where the proxy at a public port may tell its master, its first choice first.
 
     It may have been started without the session's XDG_RUNTIME_DIR, by systemd for instance.
     """
@@ -41,7 +41,7 @@ def candidate_paths(port: int) -> list[Path]:
 
 
 class MasterFile:
-    """Says, until closed, what is behind the fence at a port; SourceError if it cannot be said."""
+    """Tells, until closed, the master behind the proxy at a port; SourceError if it cannot."""
 
     def __init__(self, port: int, private: str) -> None:
         self._path = candidate_paths(port)[0]
@@ -53,7 +53,7 @@ class MasterFile:
             raise SourceError(f"{self._path}: {reason}", help=help) from None
 
     def close(self) -> None:
-        """Take the file away, unless another fence has put its own there."""
+        """Take the file away, unless another proxy has put its own there."""
         with suppress(OSError):
             if os.path.samestat(os.fstat(self._descriptor), self._path.lstat()):
                 self._path.unlink()
@@ -78,7 +78,7 @@ def _write(path: Path, private: str) -> int:
 
 
 def _announced_master(path: Path) -> str:
-    """Return what a living fence of this user says at a path; nothing if there is none."""
+    """Return what a running proxy of this user tells at a path; nothing if there is none."""
     try:
         return _read(path)
     except (WireError, OSError, ValueError):

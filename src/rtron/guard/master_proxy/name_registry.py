@@ -1,7 +1,7 @@
-"""Who stands under which name: a name that the plan names is not taken from a node that lives.
+"""Which node has which name: no name of the plan is taken from a node that is alive.
 
-rosmaster shuts a node down when another registers under its name, and so it does when a name moves
-away from an address (rosmaster/registrations.py). All questions are asked in threads of their own.
+rosmaster shuts a node down when another registers under its name, and also when a name moves away
+from an address (rosmaster/registrations.py). Nodes are asked in threads.
 """
 
 import logging
@@ -19,7 +19,8 @@ from rtron.guard.master_proxy.access_rules import ROSOUT, is_guard_name
 from rtron.vocabulary import GUARD_NODE, SUPERVISOR_NODE, TopicAccess
 from rtron.vocabulary.names import matches_node
 from rtron.vocabulary.topic_access import ANY_NODE
-from rtron.wire.ros1.xmlrpc import ros_call, split_uri
+from rtron.wire.ros1.ros_api import query_node_uri, query_process_id
+from rtron.wire.ros1.xmlrpc import split_uri
 
 log = logging.getLogger(__name__)
 
@@ -62,7 +63,7 @@ class NameRegistry:
         self._registrations: dict[str, NodeRegistration] = {}
         self._query_counts: Counter[str] = Counter()
         self._waiting: dict[tuple[str, str], list[OnDecision]] = {}
-        self._workers = ThreadPoolExecutor(_WORKERS, thread_name_prefix="standing")
+        self._workers = ThreadPoolExecutor(_WORKERS, thread_name_prefix="name registry")
         if self._guard_names:
             loop.post(self._refresh)
 
@@ -105,22 +106,22 @@ class NameRegistry:
     def _register(
         self, pattern: str, former: NodeRegistration | None, found: NodeRegistration
     ) -> str:
-        """Let a node stand where it was found, unless another was faster."""
+        """Register a node where it was found, unless another was faster."""
         now = self._registrations.get(found.name)
         if now is not former and now is not None and now.uri != found.uri:
             return f"{found.name} has just registered at another address"
         if now is None and pattern != found.name and len(self._registrations) >= _MAX_REGISTRATIONS:
-            return f"too many nodes have stood under names like {pattern}"
+            return f"too many nodes have registered under names like {pattern}"
         if pattern:
             self._registrations[found.name] = found
         return ""
 
     def _refresh(self) -> None:
-        """Learn where the guard's nodes are: they do not register through the fence."""
+        """Learn where the guard's nodes are: they do not register through the proxy."""
 
-        def done(stands: Sequence[NodeRegistration]) -> None:
-            others = {n: stand for n, stand in self._registrations.items() if not is_guard_name(n)}
-            self._registrations = others | {stand.name: stand for stand in stands}
+        def done(found: Sequence[NodeRegistration]) -> None:
+            others = {n: each for n, each in self._registrations.items() if not is_guard_name(n)}
+            self._registrations = others | {each.name: each for each in found}
             self._loop.call_later(_REFRESH_S, self._refresh)
 
         self._submit(
@@ -153,7 +154,7 @@ def _examine(
     *,
     must_answer: bool,
 ) -> NodeRegistration | str:
-    """Return where a node stands, or why it may not; one that is not named need not answer."""
+    """Return where a node is, or why it may not register; one that is not named need not answer."""
     host, port = split_uri(uri)
     addresses = _resolve_addresses(host)
     if not addresses:
@@ -162,7 +163,7 @@ def _examine(
         if addresses & _resolve_addresses(other.host) and _is_alive(other):
             return f"{uri[:80]!r} is the address of {other.name}, not of {name}"
     if former and former.uri != uri and _is_alive(former):
-        return f"{name} already stands at another address and still answers there"
+        return f"{name} is registered at another address and still answers there"
     pid = _query_pid(uri, _REGISTRATION_TIMEOUT_S) if must_answer else 0
     if pid is None:
         return f"{name} does not answer at {uri[:80]!r}"
@@ -170,11 +171,9 @@ def _examine(
 
 
 def _is_alive(registration: NodeRegistration) -> bool:
-    """Tell whether a node still lives; one of this machine that hangs has not gone."""
+    """Tell whether a node is alive; one of this machine that hangs has not gone."""
     try:
-        return bool(
-            ros_call(registration.uri, "getPid", CALLER, timeout=_TIMEOUT_S) == registration.pid
-        )
+        return query_process_id(registration.uri, CALLER, _TIMEOUT_S) == registration.pid
     except SourceError as error:
         is_hanging = isinstance(error.__cause__, TimeoutError)
         return is_hanging and is_local(registration.host)
@@ -184,16 +183,15 @@ def _is_alive(registration: NodeRegistration) -> bool:
 
 def _query_pid(uri: str, timeout: float) -> int | None:
     try:
-        pid = ros_call(uri, "getPid", CALLER, timeout=timeout)
+        return query_process_id(uri, CALLER, timeout)
     except RTronError:
         return None
-    return pid if isinstance(pid, int) else None
 
 
 def _look_up_node(private: str, node: str) -> list[NodeRegistration]:
     """Ask the private master where a node is; nothing if there is none that answers."""
     try:
-        uri = ros_call(private, "lookupNode", CALLER, node, timeout=_TIMEOUT_S)
+        uri = query_node_uri(private, CALLER, node, _TIMEOUT_S)
         host, port = split_uri(uri)
     except (SourceError, WireError):
         return []

@@ -1,4 +1,4 @@
-"""Running the fence until it is told to end, or the master behind it does."""
+"""Running the master proxy until it is told to end, or until the master behind it ends."""
 
 import logging
 import resource
@@ -20,7 +20,7 @@ _POLL_S = 0.2
 
 
 def run_master(plan: Plan, host: str, port: int, *, private_port: int = 0) -> int:
-    """Keep a ROS 1 master behind the plan's fence at `host`:`port`; return the exit code.
+    """Run a ROS 1 master behind a proxy at `host`:`port`; return the exit code.
 
     `private_port` 0 is a free one. SourceError if a port is taken, if rosmaster does not start or
     ends by itself, or if the plan is for ROS 2, which has no master.
@@ -52,14 +52,14 @@ def _serve(
     announcement = MasterFile(server.port, master.uri)
     try:
         loop.post(lambda: _watch_master(loop, master))
-        log.info("the fence stands at %s; %d topics are planned", public, len(proxy.topics))
+        log.info("the master proxy listens at %s; %d topics are planned", public, len(proxy.topics))
         loop.run()
     finally:
         announcement.close()
         server.close()
         proxy.close()
     if master.has_ended:
-        raise SourceError("rosmaster has ended, and so does the fence before it")
+        raise SourceError("rosmaster has ended, and so does the master proxy")
 
 
 def _listen(loop: EventLoop, proxy: MasterProxy, address: str, port: int) -> TcpServer:

@@ -1,29 +1,23 @@
-"""Stands before the private master: what the plan forbids is answered here, the rest there.
-
-What goes on is written anew from what was understood, never the caller's own bytes. rospy bundles
-calls in `system.multicall` (when it leaves, and to set parameters): each is judged by itself.
-"""
+"""A proxy before the private master: it answers what the plan forbids, and forwards the rest."""
 
 import logging
 import socket
 from collections import OrderedDict
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import dataclass
 from functools import partial
 from typing import Any
-from xmlrpc.client import dumps
 
 from rtron.errors import WireError
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.log_throttle import PERIOD, LogThrottle
 from rtron.guard.master_proxy.access_rules import METHODS, MULTICALL, Topics, denial_reason
+from rtron.guard.master_proxy.api_calls import ApiCall, decode_calls
 from rtron.guard.master_proxy.name_registry import NameRegistry
 from rtron.guard.master_proxy.upstream import MAX_RESPONSE_BYTES, Upstream
 from rtron.guard.transport.ros1.http_connection import HttpConnection, HttpLimits, MemoryBudget
 from rtron.wire.ros1.xmlrpc import (
     MAX_BODY,
-    decode_call,
     decode_response,
     encode_response,
     split_uri,
@@ -36,7 +30,7 @@ _MAX_LENGTH = 200
 
 
 class RefusalLog:
-    """The log of what the fence refuses; a flood of callers with new names does not fill it."""
+    """The log of what the proxy refuses; a flood of callers with new names does not fill it."""
 
     def __init__(self, now: Callable[[], int]) -> None:
         self._now = now
@@ -70,30 +64,16 @@ MAX_CLIENTS = 1000
 MAX_REQUEST_BYTES = 1 << 26
 """How many bytes of long calls all callers together may have under way."""
 _SHORT_REQUEST = 1 << 16
-_MAX_BUNDLED = 1 << 14
 _MOST_LONG = 32
 _ERROR, _SUCCESS = -1, 1
-_NO_ANSWER = "the master behind the fence does not answer"
+_UNKNOWN = METHODS["getPid"]
+_NO_ANSWER = "the master behind the proxy does not answer"
 
 Reply = Callable[[bytes], None]
 
 
-@dataclass(frozen=True, slots=True)
-class ApiCall:
-    """A method, its parameters, and the XML that says so."""
-
-    method: str
-    params: tuple[Any, ...]
-    body: bytes
-
-    @property
-    def error_value(self) -> object:
-        """The value beside an error."""
-        return METHODS[self.method].error_value if self.method in METHODS else 0
-
-
 class MasterProxy:
-    """What the fence knows of the plan, the nodes and its callers."""
+    """What the proxy knows of the plan, the nodes and its callers."""
 
     def __init__(self, loop: EventLoop, topics: Topics, private: str, public: str) -> None:
         self.loop = loop
@@ -132,7 +112,7 @@ class MasterProxy:
 
 
 class ProxyClient:
-    """One connection to the fence, and its own one to the private master."""
+    """One connection to the proxy, and its own one to the private master."""
 
     def __init__(self, proxy: MasterProxy, sock: socket.socket) -> None:
         self._proxy = proxy
@@ -172,7 +152,7 @@ class ProxyClient:
         except WireError:
             self._http.close()
 
-    def _dispatch(self, calls: "Sequence[ApiCall]") -> None:
+    def _dispatch(self, calls: Sequence[ApiCall]) -> None:
         first = calls[0]
         if first.method != MULTICALL:
             self._call(first, self._http.reply)
@@ -245,41 +225,3 @@ def _response_value(answer: bytes) -> list[Any]:
     except WireError as error:
         return [_ERROR, str(error), 0]
     return value if isinstance(value, list) else [_ERROR, _NO_ANSWER, 0]
-
-
-_UNKNOWN = METHODS["getPid"]
-
-
-def decode_calls(body: bytes) -> "Sequence[ApiCall]":
-    """Return a request's call; after a multicall follow those that it bundles.
-
-    WireError if it is not XML-RPC, or if the master could not be told so.
-    """
-    method, params = decode_call(body)
-    if method != MULTICALL:
-        return (_encode_call(method, params),)
-    bundled = [_bundled_call(each) for each in _bundled_values(params)]
-    rewritten = [{"methodName": call.method, "params": list(call.params)} for call in bundled]
-    return (_encode_call(MULTICALL, (rewritten,)), *bundled)
-
-
-def _bundled_values(params: tuple[Any, ...]) -> list[Any]:
-    if len(params) != 1 or not isinstance(params[0], list):
-        raise WireError(f"{MULTICALL} takes a list of calls")
-    if len(params[0]) > _MAX_BUNDLED:
-        raise WireError(f"{MULTICALL} takes {_MAX_BUNDLED} calls at most")
-    return params[0]
-
-
-def _bundled_call(each: Any) -> ApiCall:  # noqa: ANN401 - a stranger's value
-    match each:
-        case {"methodName": str(method), "params": list(params), **others} if not others:
-            return _encode_call(method, tuple(params))
-    raise WireError(f"{MULTICALL} with something that is not a call")
-
-
-def _encode_call(method: str, params: tuple[Any, ...]) -> ApiCall:
-    try:
-        return ApiCall(method, params, dumps(params, method, allow_none=True).encode())
-    except (OverflowError, TypeError, ValueError, RecursionError) as error:
-        raise WireError(f"{method[:80]!r} with a value that XML-RPC has no way to write") from error

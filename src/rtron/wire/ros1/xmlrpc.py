@@ -92,12 +92,24 @@ def ros_call(uri: str, method: str, *params: Any, timeout: float) -> Any:  # noq
     answer in time or says no; WireError if its answer is not one.
     """
     answer = call(uri, method, *params, timeout=timeout)
-    if not isinstance(answer, list) or len(answer) != _RESPONSE_PARTS:
-        raise WireError(f"{method} at {uri}: the answer is not [code, message, value]")
-    code, message, value = answer
+    code, message, value = _reply_parts(answer, f"{method} at {uri}: ")
     if code != _ROS_SUCCESS:
         raise SourceError(f"{method} at {uri}: {_shortened(message)}")
     return value
+
+
+def decode_ros_reply(body: bytes) -> Any:  # noqa: ANN401
+    """Return the value of a ROS API's `[code, message, value]`; WireError if it is none, or no."""
+    code, _, value = _reply_parts(decode_response(body))
+    if code != _ROS_SUCCESS:
+        raise WireError("the answer is no")
+    return value
+
+
+def _reply_parts(answer: object, where: str = "") -> list[Any]:
+    if not isinstance(answer, list) or len(answer) != _RESPONSE_PARTS:
+        raise WireError(f"{where}the answer is not [code, message, value]")
+    return answer
 
 
 def call(uri: str, method: str, *params: Any, timeout: float) -> Any:  # noqa: ANN401

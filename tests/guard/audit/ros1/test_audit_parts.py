@@ -5,23 +5,24 @@ from plans import grcn, plan_of
 
 from rtron.errors import WireError
 from rtron.guard.audit.common.verification import PathState
-from rtron.guard.audit.ros1.bus_info import BusConnection, parse_bus_info
 from rtron.guard.audit.ros1.expected_graph import ExpectedGraph
 from rtron.guard.audit.ros1.foreign_connections import (
     NodeAddresses,
     PeerIdentity,
     foreign_connection_alarm,
     foreign_connections,
+    parse_connections,
 )
 from rtron.guard.audit.ros1.registrations import (
     MasterRegistrations,
     drift_alarms,
     foreign_publisher_alarms,
     guarded_subscribers,
-    parse_registrations,
+    select_registrations,
 )
 from rtron.guard.audit.ros1.verification import ApiAnswers, verify
 from rtron.vocabulary import AlarmKind, Mode, StreamKind
+from rtron.wire.ros1.ros_api import BusConnection, parse_system_state
 
 GUARD, PORT = "/rtron/grcn_cmd_vel", 4000
 OURS, THEIRS = "http://here:1", "http://there:2"
@@ -45,7 +46,7 @@ def known(**others):
 
 def strangers(*rows, node="/driver", addresses=None):
     heard = EXPECTED.audited_topics(node)
-    return foreign_connections(node, parse_bus_info(list(rows)), heard, addresses or known())
+    return foreign_connections(node, parse_connections(list(rows)), heard, addresses or known())
 
 
 @pytest.mark.parametrize(
@@ -64,15 +65,15 @@ def strangers(*rows, node="/driver", addresses=None):
     ],
 )
 def test_the_port_at_the_other_end_is_read_as_both_libraries_write_it(info, port):
-    (link,) = parse_bus_info([row(info=info)])
+    (link,) = parse_connections([row(info=info)])
     assert link == BusConnection(OUT, OURS, port)
 
 
 def test_what_goes_out_and_old_rows_without_an_info_are_no_surprise():
-    assert parse_bus_info([row(direction="o")]) == frozenset()
-    assert parse_bus_info([row(direction="b")]) == frozenset()
-    assert parse_bus_info([row()[:6], row()[:5]]) == {BusConnection(OUT, OURS)}
-    assert parse_bus_info([]) == frozenset()
+    assert parse_connections([row(direction="o")]) == frozenset()
+    assert parse_connections([row(direction="b")]) == frozenset()
+    assert parse_connections([row()[:6], row()[:5]]) == {BusConnection(OUT, OURS)}
+    assert parse_connections([]) == frozenset()
 
 
 @pytest.mark.parametrize(
@@ -91,7 +92,7 @@ def test_what_goes_out_and_old_rows_without_an_info_are_no_surprise():
 )
 def test_rows_of_another_shape_are_refused(rows):
     with pytest.raises(WireError):
-        parse_bus_info(rows)
+        parse_connections(rows)
 
 
 def test_the_guard_and_the_supervisor_are_no_strangers():
@@ -142,7 +143,9 @@ def test_a_publisher_that_also_listens_hears_itself_and_the_guard_only():
     plan = plan_of(grcn("/cmd_vel", ["/loop"], ["/loop"]))
     heard = ExpectedGraph(plan).audited_topics("/loop")
     addresses = known(loop=THEIRS)
-    rows = parse_bus_info([row(topic=FLOW), row(THEIRS, topic=FLOW), row("http://x:1", topic=FLOW)])
+    rows = parse_connections(
+        [row(topic=FLOW), row(THEIRS, topic=FLOW), row("http://x:1", topic=FLOW)]
+    )
     (found,) = foreign_connections("/loop", rows, heard, addresses)
     assert found.connection.source == "http://x:1"
 
@@ -150,7 +153,7 @@ def test_a_publisher_that_also_listens_hears_itself_and_the_guard_only():
 def test_where_the_plan_lets_strangers_through_the_public_name_is_open():
     plan = plan_of(grcn("/cmd_vel", ["/nav"], ["/driver"], block_unapproved=False))
     heard = ExpectedGraph(plan).audited_topics("/driver")
-    public, private = parse_bus_info([row(THEIRS, "/cmd_vel")]), parse_bus_info([row(THEIRS)])
+    public, private = parse_connections([row(THEIRS, "/cmd_vel")]), parse_connections([row(THEIRS)])
     assert not foreign_connections("/driver", public, heard, known())
     assert foreign_connections("/driver", private, heard, known())
 
@@ -187,7 +190,7 @@ def test_an_alarm_says_what_kind_of_stranger_it_is(identity, kind, peer):
 
 def listed(publishers=(), subscribers=()):
     sides = [[[topic, [node]] for topic, node in side] for side in (publishers, subscribers)]
-    return parse_registrations([*sides, []], EXPECTED.topics)
+    return select_registrations(parse_system_state([*sides, []]), EXPECTED.topics)
 
 
 def test_a_node_that_registers_on_a_private_topic_is_foreign():
@@ -241,12 +244,12 @@ def test_what_only_observes_expects_nothing():
 @pytest.mark.parametrize("state", [None, [], [[], []], "x", [[], [], [], []]])
 def test_a_state_of_another_shape_is_refused(state):
     with pytest.raises(WireError):
-        parse_registrations(state, EXPECTED.topics)
+        parse_system_state(state)
 
 
 def test_malformed_rows_of_a_state_are_left_out():
     rows = [None, [], [OUT], [OUT, "x"], [7, []], [OUT, ["/a", 7, ""]], ["/other", ["/b"]]]
-    state = parse_registrations([rows, None, 7], EXPECTED.topics)
+    state = select_registrations(parse_system_state([rows, None, 7]), EXPECTED.topics)
     assert state.publishers == {OUT: frozenset({"/a"})}
     assert state.subscribers == {}
 
@@ -261,7 +264,7 @@ def answers(rows, publishers=(), subscribers=((OUT, "/driver"),), **more):
     given = {
         "state": listed([(OUT, GUARD), *publishers], subscribers),
         "uris": uris,
-        "connections": {"/driver": parse_bus_info(rows)},
+        "connections": {"/driver": parse_connections(rows)},
         "pids": {"/rtron_guard": 9, GUARD: 9},
     }
     return ApiAnswers(**given | more)

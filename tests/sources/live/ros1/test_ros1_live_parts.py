@@ -13,12 +13,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rtron.errors import RTronError, SourceError, WireError
-from rtron.sources.live.ros1 import replies
 from rtron.sources.live.ros1.actions import find_actions
 from rtron.sources.live.ros1.process import NodeProgram, find_program
 from rtron.sources.live.ros1.queries import NodeReplies, query_service_type, run_with_deadline
 from rtron.sources.live.ros1.source import ghost_publishers, unlisted_connections
 from rtron.vocabulary import Action, ActionRole, Direction, Endpoint
+from rtron.wire.ros1 import ros_api
 from rtron.wire.ros1.tcpros import encode_header
 
 VALUES = st.recursive(
@@ -26,11 +26,11 @@ VALUES = st.recursive(
     lambda inner: st.lists(inner, max_size=7) | st.dictionaries(st.text(max_size=2), inner),
 )
 READERS = {
-    replies.parse_system_state: replies.SystemState,
-    replies.parse_topic_types: dict,
-    replies.parse_bus_info: tuple,
-    replies.parse_process_id: int,
-    replies.parse_text: str,
+    ros_api.parse_system_state: ros_api.SystemState,
+    ros_api.parse_topic_types: dict,
+    ros_api.parse_bus_info: tuple,
+    ros_api.parse_process_id: int,
+    ros_api.parse_text: str,
 }
 
 
@@ -48,12 +48,12 @@ def test_a_connection_that_has_ended_brings_nothing():
         [3, "http://c:3/", "i", "TCPROS", "/t"],
         [4, "/d", "o", "TCPROS", "/t", True],
     ]
-    sources = [link.publisher_uri for link in replies.parse_bus_info(rows)]
+    sources = [link.source for link in ros_api.parse_bus_info(rows, connected_only=True)]
     assert sources == ["http://b:2/", "http://c:3/"]
 
 
 def test_a_publisher_that_joined_meanwhile_is_no_ghost():
-    link = replies.IncomingConnection("/t", "http://new:1/")
+    link = ros_api.BusConnection("/t", "http://new:1/")
     found = unlisted_connections({"/n": NodeReplies("http://n:1/", (link, link))}, [("/t", "/old")])
     assert [suspect.connection for suspect in found] == [link]
     assert not list(ghost_publishers(found, [("/t", "/new")], {"/new": "http://NEW:1"}))
@@ -62,7 +62,7 @@ def test_a_publisher_that_joined_meanwhile_is_no_ghost():
 
 
 def test_who_publishes_another_topic_may_still_be_a_ghost_on_this_one():
-    link = replies.IncomingConnection("/t", "http://p:1/")
+    link = ros_api.BusConnection("/t", "http://p:1/")
     nodes = {"/n": NodeReplies("http://n:1/", (link,)), "/p": NodeReplies("http://p:1/")}
     assert unlisted_connections(nodes, [("/other", "/p")])
     assert not unlisted_connections(nodes, [("/t", "/p")])

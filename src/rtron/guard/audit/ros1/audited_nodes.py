@@ -6,15 +6,16 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 
 from rtron.errors import WireError
-from rtron.guard.audit.ros1.bus_info import BusConnection, parse_bus_info_response
 from rtron.guard.audit.ros1.expected_graph import ExpectedGraph
-from rtron.guard.audit.ros1.foreign_connections import ForeignConnection
+from rtron.guard.audit.ros1.foreign_connections import ForeignConnection, parse_connections
 from rtron.guard.audit.ros1.master_queries import WorkerThreads, resolve_node
 from rtron.guard.audit.ros1.poll_schedule import PollSchedule, PollTarget
 from rtron.guard.audit.ros1.xmlrpc_poller import ServerAddress, XmlRpcPoller, encode_call
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.printable import printable
 from rtron.vocabulary import GUARD_NODE, SECOND, TopicAccess
+from rtron.wire.ros1.ros_api import BusConnection
+from rtron.wire.ros1.xmlrpc import decode_ros_reply
 
 _REQUEST = encode_call("getBusInfo", GUARD_NODE)
 _FIRST_RETRY, _LAST_RETRY = SECOND // 10, 2 * SECOND
@@ -188,7 +189,7 @@ def _parse(body: bytes) -> _ParseResult:
     """Read an answer; return the connections or what is wrong, and how long it took (ns)."""
     began = time.thread_time_ns()
     try:
-        connections, failure = parse_bus_info_response(body), ""
+        connections, failure = parse_connections(decode_ros_reply(body)), ""
     except WireError as error:
         connections, failure = None, printable(str(error))
     return connections, failure, time.thread_time_ns() - began

@@ -11,9 +11,8 @@ from rtron.errors import WireError
 from rtron.guard.audit.common.alarm_response import AlarmResponse
 from rtron.guard.audit.common.debounced_alarms import DebouncedAlarms
 from rtron.guard.audit.ros1.audited_nodes import AuditedNode, AuditedNodes
-from rtron.guard.audit.ros1.bus_info import normalise_uri, parse_ros_response
 from rtron.guard.audit.ros1.expected_graph import ExpectedGraph
-from rtron.guard.audit.ros1.foreign_connections import planned_sources
+from rtron.guard.audit.ros1.foreign_connections import normalise_uri, planned_sources
 from rtron.guard.audit.ros1.guard_names import GuardNames
 from rtron.guard.audit.ros1.intrusions import Intrusions
 from rtron.guard.audit.ros1.master_queries import WorkerThreads, look_up_uri, resolve_uri
@@ -23,13 +22,15 @@ from rtron.guard.audit.ros1.registrations import (
     drift_alarms,
     foreign_publisher_alarms,
     guarded_subscribers,
-    parse_registrations,
+    select_registrations,
 )
 from rtron.guard.audit.ros1.xmlrpc_poller import ServerAddress, XmlRpcPoller, encode_call
 from rtron.guard.core.coordinator import Coordinator
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.transport.ros1.middleware import Ros1Transport
 from rtron.vocabulary import GUARD_NODE, SECOND, Alarm, AlarmKind, Plan
+from rtron.wire.ros1.ros_api import parse_system_state
+from rtron.wire.ros1.xmlrpc import decode_ros_reply
 
 _STATE = encode_call("getSystemState", GUARD_NODE)
 _MAX_STATE_BYTES = 1 << 22
@@ -245,6 +246,6 @@ class Ros1Auditor:
 
 def _parse_state(body: bytes, expected: ExpectedGraph) -> MasterRegistrations | None:
     try:
-        return parse_registrations(parse_ros_response(body), expected.topics)
+        return select_registrations(parse_system_state(decode_ros_reply(body)), expected.topics)
     except WireError:
         return None

@@ -4,11 +4,23 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
 from rtron.guard.audit.common.guard_inputs import allows_anybody
-from rtron.guard.audit.ros1.bus_info import BusConnection, normalise_uri
 from rtron.guard.core.printable import printable
 from rtron.vocabulary import Alarm, AlarmKind, TopicAccess
+from rtron.wire.ros1.ros_api import BusConnection, parse_bus_info
 
 _MAX_PUBLISHERS = 1024
+
+
+def normalise_uri(uri: str) -> str:
+    """Return a URI as it is compared: a slash at the end does not count."""
+    return uri.rstrip("/")
+
+
+def parse_connections(reply: object) -> frozenset[BusConnection]:
+    """Read the answer of getBusInfo, with URIs as they are compared; WireError if it is none."""
+    return frozenset(
+        replace(each, source=normalise_uri(each.source)) for each in parse_bus_info(reply)
+    )
 
 
 class NodeAddresses:

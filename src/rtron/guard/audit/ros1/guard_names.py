@@ -9,8 +9,8 @@ from collections.abc import Callable, Mapping
 from functools import partial
 
 from rtron.guard.audit.common.alarm_response import AlarmResponse
-from rtron.guard.audit.ros1.bus_info import normalise_uri
 from rtron.guard.audit.ros1.expected_graph import ExpectedGraph
+from rtron.guard.audit.ros1.foreign_connections import normalise_uri
 from rtron.guard.audit.ros1.master_queries import WorkerThreads, look_up_uri, refuses_connections
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.log_throttle import LogThrottle

@@ -11,12 +11,11 @@ from threading import BoundedSemaphore
 from typing import TypeVar
 
 from rtron.errors import RTronError
-from rtron.guard.audit.ros1.bus_info import normalise_uri
-from rtron.guard.audit.ros1.foreign_connections import PeerIdentity
-from rtron.guard.audit.ros1.registrations import parse_registrations
+from rtron.guard.audit.ros1.foreign_connections import PeerIdentity, normalise_uri
 from rtron.guard.audit.ros1.xmlrpc_poller import ServerAddress
 from rtron.guard.core.event_loop import EventLoop
 from rtron.vocabulary import GUARD_NODE
+from rtron.wire.ros1.ros_api import query_node_uri, query_system_state
 from rtron.wire.ros1.xmlrpc import ros_call, split_uri
 
 log = logging.getLogger(__name__)
@@ -83,10 +82,9 @@ def resolve_uri(uri: str) -> ServerAddress | None:
 def look_up_uri(master: str, node: str) -> str:
     """Return the address that the master has for a node, empty if none."""
     try:
-        uri = ros_call(master, "lookupNode", GUARD_NODE, node, timeout=_CALL_S)
+        return query_node_uri(master, GUARD_NODE, node, _CALL_S)
     except RTronError:
         return ""
-    return uri if isinstance(uri, str) else ""
 
 
 def identify_peer(master: str, topic: str, uri: str, names: Iterable[str]) -> PeerIdentity:
@@ -121,8 +119,7 @@ def send_call(uri: str, method: str, *params: object) -> None:
 def _listed_publishers(master: str, topic: str) -> list[str] | None:
     """Return whom the master lists as publishers of a topic; None if it does not answer."""
     try:
-        answer = ros_call(master, "getSystemState", GUARD_NODE, timeout=_CALL_S)
-        state = parse_registrations(answer, {topic: None})
+        state = query_system_state(master, GUARD_NODE, _CALL_S)
     except RTronError:
         return None
-    return sorted(state.publishers.get(topic, ()))[:_MAX_LISTED]
+    return sorted({node for name, node in state.publishers if name == topic})[:_MAX_LISTED]

@@ -1,15 +1,15 @@
 """What the master's own list shows: strangers on private topics, and nodes without their remaps."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections import defaultdict
+from collections.abc import Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
-from rtron.errors import WireError
 from rtron.guard.audit.common.guard_inputs import matches_any
 from rtron.guard.audit.ros1.expected_graph import ExpectedGraph
 from rtron.guard.core.printable import printable
 from rtron.vocabulary import Alarm, AlarmKind
+from rtron.wire.ros1.ros_api import NamedNode, SystemState
 
-_STATE_PARTS = 3
 NodesByTopic = Mapping[str, frozenset[str]]
 
 
@@ -21,12 +21,12 @@ class MasterRegistrations:
     subscribers: NodesByTopic
 
 
-def parse_registrations(answer: object, topics: Mapping[str, object]) -> MasterRegistrations:
-    """Read getSystemState's value; malformed rows are left out, WireError if it is no state."""
-    if not isinstance(answer, list) or len(answer) != _STATE_PARTS:
-        raise WireError("the system state is not three lists")
-    publishers, subscribers = (dict(_rows(side, topics)) for side in answer[:2])
-    return MasterRegistrations(publishers=publishers, subscribers=subscribers)
+def select_registrations(state: SystemState, topics: Container[str]) -> MasterRegistrations:
+    """Return what a master's state says of these topics."""
+    return MasterRegistrations(
+        publishers=_nodes_by_topic(state.publishers, topics),
+        subscribers=_nodes_by_topic(state.subscribers, topics),
+    )
 
 
 def foreign_publisher_alarms(
@@ -66,10 +66,9 @@ def _drift_alarm(node: str, topic: str, what: str) -> Alarm:
     return Alarm(kind=AlarmKind.DRIFT, reason=reason, topic=topic, node=node)
 
 
-def _rows(side: object, topics: Mapping[str, object]) -> Iterator[tuple[str, frozenset[str]]]:
-    rows: Sequence[object] = side if isinstance(side, list) else ()
-    for row in rows:
-        if isinstance(row, list) and len(row) == 2:  # noqa: PLR2004 - a name and its nodes
-            topic, nodes = row
-            if isinstance(topic, str) and topic in topics and isinstance(nodes, list):
-                yield topic, frozenset(node for node in nodes if isinstance(node, str) and node)
+def _nodes_by_topic(registrations: Iterable[NamedNode], topics: Container[str]) -> NodesByTopic:
+    nodes: dict[str, set[str]] = defaultdict(set)
+    for topic, node in registrations:
+        if topic in topics:
+            nodes[topic].add(node)
+    return {topic: frozenset(names) for topic, names in nodes.items()}

@@ -14,15 +14,16 @@ from rtron.guard.audit.common.verification import (
     Verification,
     accepted_paths,
 )
-from rtron.guard.audit.ros1.bus_info import BusConnection, normalise_uri
 from rtron.guard.audit.ros1.expected_graph import ExpectedGraph
 from rtron.guard.audit.ros1.foreign_connections import (
     NodeAddresses,
     foreign_connections,
+    normalise_uri,
     planned_sources,
 )
 from rtron.guard.audit.ros1.registrations import MasterRegistrations, foreign_publisher_alarms
 from rtron.vocabulary import GUARD_NODE, Plan, TopicAccess
+from rtron.wire.ros1.ros_api import BusConnection
 
 _LOGGERS = ("/get_loggers", "/set_logger_level")
 _PARAMETERS = "/set_parameters"

@@ -24,7 +24,7 @@ _REGISTER_EVERY = 5
 _LOG_PERIOD_S = 10.0
 _MAX_LOGGED = 16
 _FENCE = "refused by rtron master"
-_HELP = "; start `rtron master` first, then the guard: it finds the master behind the fence"
+_HELP = "; start `rtron master` first, then the guard: it finds the master behind its proxy"
 
 
 class Registrar:

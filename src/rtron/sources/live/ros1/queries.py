@@ -11,9 +11,13 @@ from urllib.parse import urlsplit
 
 from rtron.errors import SourceError, WireError
 from rtron.sources.live.ros1.process import NodeProgram, find_program
-from rtron.sources.live.ros1.replies import IncomingConnection, parse_bus_info, parse_process_id
+from rtron.wire.ros1.ros_api import (
+    BusConnection,
+    parse_bus_info,
+    query_bus_info,
+    query_process_id,
+)
 from rtron.wire.ros1.tcpros import LENGTH, MAX_HEADER, decode_header, encode_header, frame_length
-from rtron.wire.ros1.xmlrpc import ros_call
 
 _CHUNK_BYTES = 1 << 16
 
@@ -67,7 +71,7 @@ class NodeReplies:
     """A node's address, who sends it messages, what it runs, and why not all of it is known."""
 
     uri: str = ""
-    incoming: tuple[IncomingConnection, ...] = ()
+    incoming: tuple[BusConnection, ...] = ()
     program: NodeProgram = field(default_factory=NodeProgram)
     error: str = ""
 
@@ -76,10 +80,9 @@ def query_node(uri: str, caller: str, timeout: float) -> NodeReplies:
     """Ask a node; each of two calls may take `timeout` seconds. Does not raise."""
     replies = NodeReplies(uri)
     try:
-        connections = parse_bus_info(ros_call(uri, "getBusInfo", caller, timeout=timeout))
+        connections = parse_bus_info(query_bus_info(uri, caller, timeout), connected_only=True)
         replies = replace(replies, incoming=connections)
-        pid = parse_process_id(ros_call(uri, "getPid", caller, timeout=timeout))
-        return replace(replies, program=find_program(uri, pid))
+        return replace(replies, program=find_program(uri, query_process_id(uri, caller, timeout)))
     except Exception as error:  # noqa: BLE001 - a stranger's answer must not end the scan
         return replace(replies, error=str(error)[:_MAX_ERROR_LENGTH])
 

@@ -17,14 +17,6 @@ from rtron.sources.live.ros1.queries import (
     query_service_type,
     run_with_deadline,
 )
-from rtron.sources.live.ros1.replies import (
-    IncomingConnection,
-    NamedNode,
-    SystemState,
-    parse_system_state,
-    parse_text,
-    parse_topic_types,
-)
 from rtron.vocabulary import (
     Direction,
     Endpoint,
@@ -36,6 +28,15 @@ from rtron.vocabulary import (
     Topic,
     UnresolvedItem,
 )
+from rtron.wire.ros1.ros_api import (
+    BusConnection,
+    NamedNode,
+    SystemState,
+    parse_text,
+    parse_topic_types,
+    query_node_uri,
+    query_system_state,
+)
 from rtron.wire.ros1.xmlrpc import ros_call
 
 
@@ -44,7 +45,7 @@ class UnlistedConnection:
     """A connection of a node's whose other end the master did not list."""
 
     node: str
-    connection: IncomingConnection
+    connection: BusConnection
 
 
 def unlisted_connections(
@@ -58,7 +59,7 @@ def unlisted_connections(
         UnlistedConnection(name, connection)
         for name, replies in nodes.items()
         for connection in dict.fromkeys(replies.incoming)
-        if (connection.topic, _normalised_uri(connection.publisher_uri)) not in known_publishers
+        if (connection.topic, _normalised_uri(connection.source)) not in known_publishers
     )
 
 
@@ -72,7 +73,7 @@ def ghost_publishers(
     for unlisted in connections:
         if (
             unlisted.connection.topic,
-            _normalised_uri(unlisted.connection.publisher_uri),
+            _normalised_uri(unlisted.connection.source),
         ) not in known_publishers:
             yield _ghost_publisher(unlisted.node, unlisted.connection)
 
@@ -89,8 +90,8 @@ def _normalised_uri(uri: str) -> str:
     return uri.rstrip("/").lower()
 
 
-def _ghost_publisher(node: str, connection: IncomingConnection) -> UnresolvedItem:
-    source = connection.publisher_uri or "an unknown address"
+def _ghost_publisher(node: str, connection: BusConnection) -> UnresolvedItem:
+    source = connection.source or "an unknown address"
     why = f"takes messages on {connection.topic} from {source}, which the master does not know"
     return UnresolvedItem(what=node, why=why, evidence=(Evidence(file=source),))
 
@@ -144,7 +145,7 @@ class Ros1LiveSource:
         )
 
     def _state(self) -> SystemState:
-        return parse_system_state(self._call_master("getSystemState"))
+        return query_system_state(self.master_uri, _CALLER_ID, self.timeout)
 
     def _call_master(self, method: str, *params: str) -> Any:  # noqa: ANN401 - XML-RPC
         return ros_call(self.master_uri, method, _CALLER_ID, *params, timeout=self.timeout)
@@ -165,7 +166,7 @@ class Ros1LiveSource:
 
     def _node_uri(self, name: str) -> str:
         try:
-            return parse_text(self._call_master("lookupNode", name))
+            return query_node_uri(self.master_uri, _CALLER_ID, name, self.timeout)
         except RTronError:
             return ""
 

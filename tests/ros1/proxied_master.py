@@ -9,16 +9,16 @@ from rtron.planning.plan_file.writer import write_plan
 
 
 def start(ros1, plan, *more):
-    """Put the plan's fence where the test's master was; return a view from behind it.
+    """Put the master proxy of the plan where the test's master was; return a view from behind it.
 
-    Processes that the view starts find the fence; its questions go to the master behind it.
+    Processes that the view starts find the proxy; its questions go to the master behind it.
     """
     ros1.master.kill()
-    path = ros1.folder / "fence.yaml"
+    path = ros1.folder / "proxy.yaml"
     path.write_text(write_plan(plan))
     port = ros1.uri.rpartition(":")[2]
     ros1.master = ros1.rtron("master", "--plan", path, "--port", port, *more)
-    wait_for(lambda: ros1.ask(ros1.uri, "getPid") is not None, what="the fence")
+    wait_for(lambda: ros1.ask(ros1.uri, "getPid") is not None, what="the proxy")
     inside = copy(ros1)
     inside.uri = find_private_master(ros1.uri)
     assert inside.uri != ros1.uri

@@ -1,14 +1,22 @@
-"""What ROS 1's master and nodes answer, checked: a stranger's answer has any shape it likes."""
+"""Calls of ROS 1's Master and Slave API, and what they answer, checked (ROS wiki: Master_API).
 
+Nodes are strangers: an answer has any shape it likes. All calls raise SourceError if nobody
+answers within `timeout` seconds, or says no, and WireError if the answer has another shape.
+"""
+
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TypeAlias
 
 from rtron.errors import WireError
+from rtron.wire.ros1.xmlrpc import ros_call
 
 NamedNode: TypeAlias = tuple[str, str]
 _LIST_COUNT = 3
-_TOPIC_FIELDS = 5
+_TOPIC_END, _CONNECTED_COLUMN, _INFO_COLUMN = 5, 5, 6
+_INCOMING = "i"
+_PORT = re.compile(r" to \[.{0,255}:(\d{1,5})(?: on socket \d{1,10})?\]$")
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,11 +35,37 @@ class SystemState:
 
 
 @dataclass(frozen=True, slots=True)
-class IncomingConnection:
-    """A connection that brings a node the messages of a topic; `publisher_uri` is an address."""
+class BusConnection:
+    """A connection that brings a node the messages of a topic.
+
+    `source` is the URI that the node was told by `publisherUpdate` and has dialled, both in rospy
+    and in roscpp: a publisher that never registered cannot hide it. `port` is the other end's, the
+    one that the publisher's `requestTopic` gave, None if that is not told.
+    """
 
     topic: str
-    publisher_uri: str
+    source: str
+    port: int | None = None
+
+
+def query_system_state(master: str, caller: str, timeout: float) -> SystemState:
+    """Ask a master who publishes, subscribes and serves what."""
+    return parse_system_state(ros_call(master, "getSystemState", caller, timeout=timeout))
+
+
+def query_node_uri(master: str, caller: str, node: str, timeout: float) -> str:
+    """Ask a master for the address of a node."""
+    return parse_text(ros_call(master, "lookupNode", caller, node, timeout=timeout))
+
+
+def query_process_id(uri: str, caller: str, timeout: float) -> int:
+    """Ask a node for its process id."""
+    return parse_process_id(ros_call(uri, "getPid", caller, timeout=timeout))
+
+
+def query_bus_info(uri: str, caller: str, timeout: float) -> object:
+    """Ask a node for its connections; `parse_bus_info` reads the answer."""
+    return ros_call(uri, "getBusInfo", caller, timeout=timeout)
 
 
 def parse_system_state(reply: object) -> SystemState:
@@ -55,11 +89,15 @@ def parse_topic_types(reply: object) -> dict[str, str]:
     return {topic: type for topic, type in texts if type != "*"}
 
 
-def parse_bus_info(reply: object) -> tuple[IncomingConnection, ...]:
-    """Read the connections of getBusInfo that bring messages; WireError if it has another shape."""
+def parse_bus_info(reply: object, *, connected_only: bool = False) -> tuple[BusConnection, ...]:
+    """Read the connections of getBusInfo that bring messages; WireError if it has another shape.
+
+    A row is `[id, source, direction, transport, topic, connected, info]`. rospy shows one before
+    the connection stands. Where messages go out, `source` is only what the subscriber calls itself.
+    """
     if not isinstance(reply, list):
         raise WireError("the bus info is not a list")
-    return tuple(_incoming_connections(reply))
+    return tuple(_incoming_connections(reply, connected_only=connected_only))
 
 
 def parse_process_id(reply: object) -> int:
@@ -91,13 +129,20 @@ def _parse_row(row: object) -> list[NamedNode | None]:
     return [(name, node) if _is_name(node) else None for node in nodes]
 
 
-def _incoming_connections(rows: list[object]) -> Iterator[IncomingConnection]:
+def _incoming_connections(rows: list[object], *, connected_only: bool) -> Iterator[BusConnection]:
     for row in rows:
-        if not isinstance(row, list) or not _are_texts(row[1:_TOPIC_FIELDS], _TOPIC_FIELDS - 1):
+        if not isinstance(row, list) or not _are_texts(row[1:_TOPIC_END], _TOPIC_END - 1):
             raise WireError("the bus info has a malformed entry")
-        _, source, direction, _, topic, *more = row
-        if direction == "i" and (not more or more[0]):
-            yield IncomingConnection(topic, source)
+        _, source, direction, _, topic, *_ = row
+        is_connected = all(row[_CONNECTED_COLUMN:_INFO_COLUMN])
+        if direction == _INCOMING and (is_connected or not connected_only):
+            yield BusConnection(topic, source, _port(row))
+
+
+def _port(row: list[object]) -> int | None:
+    info = row[_INFO_COLUMN] if len(row) > _INFO_COLUMN else ""
+    found = _PORT.search(info) if isinstance(info, str) else None
+    return int(found[1]) if found else None
 
 
 def _is_name(value: object) -> bool:
