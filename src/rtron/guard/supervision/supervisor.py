@@ -35,7 +35,7 @@ _SPARE_RETRY = 5 * SECOND
 
 
 class Supervisor:
-    """Does what the keeper says, until it says to leave."""
+    """Does what the state machine (`SupervisorFsm`) decides, until that is to leave."""
 
     def __init__(
         self, config: GuardConfig, config_file: int, loop: EventLoop, *, is_backup: bool = False
