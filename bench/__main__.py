@@ -9,10 +9,9 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-from bench import chain, load
 from bench.common import discovery, policies, replay, rules, violations
 from bench.common.testbed import ROOT, Part, Testbed, open_testbed
-from bench.ros1 import actions, audit, audit_cost, churn, hop, memory, silence, supervisor
+from bench.ros1 import actions, audit, audit_cost, churn, hop, load, memory, silence, supervisor
 from bench.ros2 import audit as ros2_audit
 from bench.ros2 import discovery as ros2_discovery
 from bench.ros2 import hop as ros2_hop
@@ -27,7 +26,7 @@ PARTS: dict[str, Part] = {
     "replay": replay.figures,
     "discovery": discovery.figures,
     "hop": hop.figures,
-    "chain": chain.figures,
+    "chain": hop.chain_figures,
     "load": load.figures,
     "silence": silence.figures,
     "supervisor": supervisor.figures,

@@ -1,14 +1,36 @@
-"""One run of generator and receiver over a way, and many runs over several ways, interleaved."""
+"""Runs of a generator and a receiver over a route, and many runs over several routes in turn."""
 
 import json
 import subprocess
-from collections.abc import Sequence
-from contextlib import ExitStack
-from dataclasses import dataclass
+import time
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager, ExitStack, nullcontext
+from dataclasses import dataclass, field
 from typing import Any
 
 from bench.common.testbed import ReportProgress, Testbed, end, last_errors, python, start
-from bench.ros1.routes import Route
+
+PUBLISHER = "/bench_pub"
+StartRoute = Callable[[Testbed], AbstractContextManager[Any]]
+_SECOND = 1_000_000_000
+
+
+@dataclass(frozen=True, slots=True)
+class Route:
+    """A path from publishers to subscribers: publish at `inputs` (NODE=TOPIC), listen at `outputs`.
+
+    `start` starts what is in between; `ros` is the generation of the endpoints.
+    """
+
+    name: str
+    inputs: Sequence[str]
+    outputs: Sequence[str]
+    start: StartRoute = field(default=lambda _: nullcontext())
+    ros: int = 1
+
+    def endpoint_module(self, name: str) -> str:
+        """Return the module of a publishing or subscribing process."""
+        return f"bench.ros{self.ros}.{name}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,3 +148,37 @@ def _finish(process: subprocess.Popen[str]) -> None:
     """Let a process take back its registrations."""
     _exchange_line(process, "the end")
     process.wait()
+
+
+def wait_until(when: int) -> int:
+    """Sleep until `when` (ns); return how late it is already, ns."""
+    left = when - time.monotonic_ns()
+    if left > 0:
+        time.sleep(left / _SECOND)
+    return max(0, -left)
+
+
+class LatencyRecorder:
+    """The messages that a receiver got, one by one."""
+
+    def __init__(self, topics: set[str], count: int) -> None:
+        self.latencies: list[int] = []
+        self.sequences: list[int] = []
+        self.disordered = 0
+        self.count = count
+        self._silent_topics = topics
+
+    def warm(self, topic: str) -> None:
+        """Note a message of a topic; print `ready` once every topic had one."""
+        if topic in self._silent_topics:
+            self._silent_topics.remove(topic)
+            if not self._silent_topics:
+                print("ready", flush=True)
+
+    def result(self) -> dict[str, object]:
+        """Return all as JSON."""
+        return {
+            "latencies_ns": self.latencies,
+            "sequences": self.sequences,
+            "disordered": self.disordered,
+        }

@@ -12,10 +12,10 @@ from typing import Any
 from rosbags.typesys import Stores, get_typestore
 
 from bench.common.latency import quantile
+from bench.common.process_usage import processor_ns
 from bench.common.testbed import ReportProgress, Testbed
 from bench.common.workload import GOALS, RUNS
 from bench.ros1.action_endpoints import Load, compile_actions, master, run_both_routes
-from bench.ros1.audit_cost import processor_ns
 from figures.figure import Figure
 from rtron.messages.common.encoding import PREFIX
 from rtron.messages.ros1.actions import SUCCEEDED, GoalID, GoalStatus, read_statuses, with_statuses

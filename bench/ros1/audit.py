@@ -16,11 +16,11 @@ from typing import TypeVar
 
 from bench.common.log_watcher import LogWatcher
 from bench.common.plans import grcn
+from bench.common.pubsub import PUBLISHER
 from bench.common.testbed import ReportProgress, Testbed, open_testbed, python, running
 from bench.common.workload import AUDIT_RUNS
 from bench.ros1.audit_cost import OUT
 from bench.ros1.intruder import Intruder
-from bench.ros1.routes import PUBLISHER
 from figures.figure import Figure
 from rtron.errors import RTronError
 from rtron.planning.plan_file.writer import write_plan

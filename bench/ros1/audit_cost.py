@@ -10,14 +10,13 @@ import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
-from pathlib import Path
 
 from bench.common.latency import median, typical_p99
 from bench.common.plans import SUBSCRIBER, grcn
-from bench.common.pubsub import Load, LoadResult, run_load
+from bench.common.process_usage import processor_ns
+from bench.common.pubsub import PUBLISHER, Load, LoadResult, Route, run_load
 from bench.common.testbed import ReportProgress, Testbed, last_errors, python, running
 from bench.common.workload import AUDIT_SECONDS, HOP_MESSAGES, RUNS
-from bench.ros1.routes import PUBLISHER, Route
 from figures.figure import Figure
 from rtron.errors import RTronError
 from rtron.planning.plan_file.writer import write_plan
@@ -49,12 +48,6 @@ def run_audited_guard(
             stack.enter_context(running(testbed, relay, signal.SIGINT))
         _wait_for(testbed, number)
         yield guard
-
-
-def processor_ns(pid: int) -> int:
-    """Return the processor time that a process has used, all its threads together, ns."""
-    threads = Path(f"/proc/{pid}/task").iterdir()
-    return sum(int((each / "schedstat").read_text().split()[0]) for each in threads)
 
 
 def _wait_for(testbed: Testbed, number: int) -> None:

@@ -15,6 +15,7 @@ from collections.abc import Sequence
 from itertools import cycle
 
 from bench.common.arguments import to_send
+from bench.common.pubsub import wait_until
 from bench.ros1.messages import MESSAGES, WARM_UP, stamp
 from bench.ros1.publishers import Publishers
 from rtron.wire.ros1.host_address import master_uri
@@ -64,14 +65,6 @@ def _send(
     seconds = (time.monotonic_ns() - start) / _SECOND
     bursts_sent = -(-args.count // args.burst)
     return {"sent": bursts_sent * args.burst, "seconds": seconds, "late_ms": latest / 1e6}
-
-
-def wait_until(when: int) -> int:
-    """Sleep until `when` (ns); return how late it is already, ns."""
-    left = when - time.monotonic_ns()
-    if left > 0:
-        time.sleep(left / _SECOND)
-    return max(0, -left)
 
 
 if __name__ == "__main__":

@@ -20,8 +20,8 @@ from contextlib import suppress
 from pathlib import Path
 from threading import Thread
 
-from bench.guard import guard_pid
 from bench.ros1.messages import MESSAGES
+from bench.ros1.node import guard_pid
 from bench.ros1.publishers import Publishers
 from bench.ros1.subscribers import Subscribers
 from rtron.vocabulary import UNAPPROVED, flow_topic, output_topic

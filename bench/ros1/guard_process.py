@@ -1,10 +1,13 @@
-"""A guard with no supervisor: `python -m bench.ros1.guard_process PLAN [--audit]`."""
+"""A guard with no supervisor: `python -m bench.ros1.guard_process [PLAN] [--audit] [--stages N]`.
+
+It runs a plan, or one stream through N coordination nodes.
+"""
 
 import argparse
 from pathlib import Path
 
 from bench.common.plans import grcn
-from bench.ros1.routes import PUBLISHER
+from bench.common.pubsub import PUBLISHER
 from rtron.guard.audit.ros1.auditor import Ros1Auditor
 from rtron.guard.core.coordinator import Coordinator
 from rtron.guard.core.event_loop import EventLoop
@@ -19,29 +22,28 @@ from rtron.wire.ros1.host_address import master_uri
 def main() -> None:
     """Guard until stopped."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("plan", type=Path)
+    parser.add_argument("plan", type=Path, nargs="?")
     parser.add_argument("--audit", action="store_true", help="with the continuous audit")
+    parser.add_argument("--stages", type=int, metavar="N", help="coordination nodes of a stream")
     args = parser.parse_args()
-    plan, loop = read_plan(args.plan), EventLoop()
+    loop = EventLoop()
     transport = Ros1Transport(loop, master_uri())
-    host = Coordinator(transport, build_streams(plan), observations_of(plan))
-    auditor = Ros1Auditor(plan, master_uri(), host, transport, loop) if args.audit else None
-    run_coordinator(host, transport, loop, auditor)
+    if args.stages:
+        run_coordinator(Coordinator(transport, (_staged(args.stages),)), transport, loop)
+        return
+    plan = read_plan(args.plan)
+    coordinator = Coordinator(transport, build_streams(plan), observations_of(plan))
+    auditor = Ros1Auditor(plan, master_uri(), coordinator, transport, loop) if args.audit else None
+    run_coordinator(coordinator, transport, loop, auditor)
 
 
-if __name__ == "__main__":
-    main()
-
-STAGES = 10
-
-
-def ten_stages() -> Stream:
-    """Return a stream that ten GRCNs govern, each with a policy of its own."""
+def _staged(count: int) -> Stream:
+    """Return a stream through `count` GRCNs, each with a policy of its own."""
     node = grcn("/cmd_vel", [PUBLISHER])
     settings = PolicySettings(policy=node.policy, kind=node.kind, flows=node.flows)
     stages = tuple(
         Stage(id=f"grcn_{number}", coordination_kind=CoordinationKind.GRCN, settings=settings)
-        for number in range(1, STAGES + 1)
+        for number in range(1, count + 1)
     )
     return Stream(
         topic=node.topic,
@@ -54,6 +56,4 @@ def ten_stages() -> Stream:
 
 
 if __name__ == "__main__":
-    loop = EventLoop()
-    transport = Ros1Transport(loop, master_uri())
-    run_coordinator(Coordinator(transport, (ten_stages(),)), transport, loop)
+    main()

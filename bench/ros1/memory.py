@@ -2,12 +2,13 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
+from bench.common.process_usage import resident_mb
+from bench.common.pubsub import Route
 from bench.common.testbed import ReportProgress, Testbed, python, result_of
 from bench.common.workload import MEMORY_SECONDS, MESSAGES
-from bench.guard import guard_pid
-from bench.ros1.routes import Route, guard, relay
+from bench.ros1.node import guard_pid
+from bench.ros1.routes import guard, relay
 from figures.figure import Figure
 
 _COUNTS = {"start": 1, "short": 100_000, "long": MESSAGES}
@@ -53,7 +54,7 @@ def _marks(
             received += result["received"]
             lost += result["lost"]
             pid = guard_pid(testbed.environ["ROS_MASTER_URI"]) or process.pid
-            marks[name] = Mark(received, lost, resident(pid))
+            marks[name] = Mark(received, lost, resident_mb(pid))
     return marks
 
 
@@ -66,11 +67,3 @@ def _flood(testbed: Testbed, route: Route, count: int) -> dict[str, int]:
         testbed, python("bench.ros1.flood", *endpoint_options, *window, *count_option)
     )
     return result
-
-
-def resident(pid: int) -> float:
-    """Return a process's resident memory, MB."""
-    for line in Path(f"/proc/{pid}/status").read_text().splitlines():
-        if line.startswith("VmRSS:"):
-            return int(line.split()[1]) * 1024 / 1e6
-    raise ProcessLookupError(f"process {pid} has no memory")

@@ -10,11 +10,13 @@ from typing import Any
 from xmlrpc.server import SimpleXMLRPCServer
 
 from rtron.errors import RTronError
+from rtron.vocabulary import GUARD_NODE
 from rtron.wire.ros1.tcpros import LENGTH, MAX_HEADER, decode_header, frame_length
 from rtron.wire.ros1.xmlrpc import ros_call
 
 HOST = "127.0.0.1"
 _TIMEOUT_S = 10.0
+_GUARD_TIMEOUT_S = 2.0
 Answer = list[Any]
 Updated = Callable[[Sequence[str]], None]
 
@@ -101,3 +103,11 @@ def _receive_exactly(sock: socket.socket, size: int) -> bytes:
             raise ConnectionError("closed during the handshake")
         data += more
     return data
+
+
+def guard_pid(master: str) -> int:
+    """Return the guard's process, whose parent is the supervisor; 0 while it does not answer."""
+    with suppress(RTronError):
+        uri = ros_call(master, "lookupNode", "/bench", GUARD_NODE, timeout=_GUARD_TIMEOUT_S)
+        return int(ros_call(uri, "getPid", "/bench", timeout=_GUARD_TIMEOUT_S))
+    return 0

@@ -14,38 +14,13 @@ import time
 from contextlib import suppress
 
 from bench.common.arguments import to_listen
+from bench.common.pubsub import LatencyRecorder
 from bench.ros1.messages import MESSAGES, PREFIX, STAMP, WARM_UP
 from bench.ros1.subscribers import Subscribers
 from rtron.wire.ros1.host_address import master_uri
 
 _SILENCE_S = 1.0
 _ROOM = 1 << 16
-
-
-class LatencyRecorder:
-    """What came, message by message."""
-
-    def __init__(self, topics: set[str], count: int) -> None:
-        self.latencies: list[int] = []
-        self.sequences: list[int] = []
-        self.disordered = 0
-        self.count = count
-        self._unheard = topics
-
-    def warm(self, topic: str) -> None:
-        """Note that a topic was heard, and say so when it was the last."""
-        if topic in self._unheard:
-            self._unheard.remove(topic)
-            if not self._unheard:
-                print("ready", flush=True)
-
-    def result(self) -> dict[str, object]:
-        """Return all, for JSON."""
-        return {
-            "latencies_ns": self.latencies,
-            "sequences": self.sequences,
-            "disordered": self.disordered,
-        }
 
 
 class PublisherConnection:

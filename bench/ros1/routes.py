@@ -2,38 +2,18 @@
 
 import signal
 import subprocess
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from itertools import pairwise
 from typing import Any
 
 from bench.common.plans import grcn
+from bench.common.pubsub import PUBLISHER, Route
 from bench.common.testbed import Testbed, python, running
 from rtron.planning.plan_file.writer import write_plan
 from rtron.vocabulary import GRCN, Plan, flow_topic, output_topic
 
-PUBLISHER = "/bench_pub"
 _TOOLS = "/usr/lib/topic_tools"
-StartRoute = Callable[[Testbed], AbstractContextManager[Any]]
-
-
-@dataclass(frozen=True, slots=True)
-class Route:
-    """What stands between, how to start it, where to publish (NODE=TOPIC) and where to listen.
-
-    `ros` is the generation that the ends speak.
-    """
-
-    name: str
-    inputs: Sequence[str]
-    outputs: Sequence[str]
-    start: StartRoute = field(default=lambda _: nullcontext())
-    ros: int = 1
-
-    def endpoint_module(self, name: str) -> str:
-        """Return the module of the process at an end."""
-        return f"bench.ros{self.ros}.{name}"
 
 
 def direct() -> Route:
@@ -70,7 +50,7 @@ def mux() -> Route:
 def ten_nodes() -> Route:
     """Return the way through ten coordination nodes on one stream."""
     inputs = [_from(flow_topic("/cmd_vel", "flow1"))]
-    command = python("bench.ros1.guard_process")
+    command = python("bench.ros1.guard_process", "--stages", "10")
     return Route("ten", inputs, [output_topic("/cmd_vel")], lambda s: running(s, command))
 
 

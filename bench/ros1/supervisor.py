@@ -12,10 +12,10 @@ from pathlib import Path
 
 from bench.common.latency import quantile
 from bench.common.plans import grcn
+from bench.common.process_usage import resident_mb
 from bench.common.testbed import ReportProgress, Testbed, python, result_of
 from bench.common.workload import DEATHS
 from bench.ros1.guard_killer import BLOCKED, CAUSES, COMMANDER, TOPIC
-from bench.ros1.memory import resident
 from bench.ros1.routes import run_guard
 from figures.figure import Figure
 from rtron.vocabulary import Plan
@@ -37,7 +37,7 @@ def figures(testbed: Testbed, progress: ReportProgress) -> Iterator[Figure]:
             yield from _times(f"supervisor.{cause}.back", found["back"], _BACK_MS)
             came = len(found["unchecked"])
             yield Figure(f"supervisor.{cause}.unchecked", came, None, "messages", at_most=0)
-        size = resident(process.pid)
+        size = resident_mb(process.pid)
         yield Figure("supervisor.memory", size, None, "MB", at_most=_AT_MOST_MB)
         yield Figure("supervisor.cpu", _load_of(process.pid), None, "% of a core, all the time")
 

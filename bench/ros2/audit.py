@@ -14,9 +14,9 @@ from dataclasses import dataclass, replace
 
 from bench.common.log_watcher import LogWatcher
 from bench.common.plans import grcn
+from bench.common.pubsub import PUBLISHER
 from bench.common.testbed import ReportProgress, Testbed, end, python, running, start
 from bench.common.workload import AUDIT_RUNS
-from bench.ros1.routes import PUBLISHER
 from figures.figure import Figure
 from rtron.planning.plan_file.writer import write_plan
 from rtron.vocabulary import Plan, flow_topic, output_topic

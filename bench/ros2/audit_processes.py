@@ -7,7 +7,7 @@ from pathlib import Path
 
 from geometry_msgs.msg import Twist
 
-from bench.ros1.routes import PUBLISHER
+from bench.common.pubsub import PUBLISHER
 from bench.ros2.audit import DRIVER, FLOW, OPEN, OUT
 from rtron.guard.audit.ros2.auditor import Ros2Auditor
 from rtron.guard.core.coordinator import Coordinator

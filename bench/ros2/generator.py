@@ -12,7 +12,7 @@ from itertools import cycle
 from typing import Any
 
 from bench.common.arguments import to_send
-from bench.ros1.generator import wait_until
+from bench.common.pubsub import wait_until
 from bench.ros2.endpoints import class_of, node, qos
 from bench.ros2.messages import MESSAGES, WARM_UP, Message
 

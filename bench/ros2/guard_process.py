@@ -7,7 +7,7 @@ import sys
 from dataclasses import replace
 
 from bench.common.plans import grcn
-from bench.ros1.routes import PUBLISHER
+from bench.common.pubsub import PUBLISHER
 from rtron.guard.core.coordinator import Coordinator
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.runner import run_coordinator

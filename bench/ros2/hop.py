@@ -1,11 +1,10 @@
 """The guard's data path on ROS 2 beside relays of rclpy: one hop, ten, and loads."""
 
-import os
 import time
 from collections.abc import Iterator
-from pathlib import Path
 
 from bench.common.latency import median, p99
+from bench.common.process_usage import processor_ns
 from bench.common.pubsub import Load, interleave, run_load
 from bench.common.testbed import ReportProgress, Testbed
 from bench.common.workload import HOP_MESSAGES, LOAD_SECONDS, RUNS
@@ -16,7 +15,6 @@ from figures.figure import Figure
 FLOWS = 20
 _IMAGE = "sensor_msgs/msg/Image"
 _IDLE_S = 10
-_TICKS = os.sysconf("SC_CLK_TCK")
 
 
 def figures(testbed: Testbed, progress: ReportProgress) -> Iterator[Figure]:
@@ -65,13 +63,8 @@ def _idle(testbed: Testbed, progress: ReportProgress) -> Iterator[Figure]:
 
 def _idle_cpu(testbed: Testbed, route) -> float:  # noqa: ANN001
     """Return the processor time of a way that nobody uses, % of a core, once it has started."""
-    with route.open(testbed) as process:
+    with route.start(testbed) as process:
         time.sleep(_IDLE_S / 2)
-        before = _ticks(process.pid)
+        before = processor_ns(process.pid)
         time.sleep(_IDLE_S)
-        return 100 * (_ticks(process.pid) - before) / _TICKS / _IDLE_S
-
-
-def _ticks(pid: int) -> int:
-    fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
-    return int(fields[11]) + int(fields[12])
+        return 100 * (processor_ns(process.pid) - before) / 1e9 / _IDLE_S

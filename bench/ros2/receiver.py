@@ -12,7 +12,7 @@ import time
 from functools import partial
 
 from bench.common.arguments import to_listen
-from bench.ros1.receiver import LatencyRecorder
+from bench.common.pubsub import LatencyRecorder
 from bench.ros2.endpoints import DEPTH, class_of, node, qos
 from bench.ros2.messages import MESSAGES, WARM_UP, Message
 from rtron.guard.core.event_loop import EventLoop

@@ -7,8 +7,8 @@ from functools import partial
 from itertools import pairwise
 from typing import Any
 
+from bench.common.pubsub import PUBLISHER, Route
 from bench.common.testbed import Testbed, python, running
-from bench.ros1.routes import PUBLISHER, Route
 from rtron.vocabulary import flow_topic, output_topic
 
 

@@ -19,7 +19,7 @@ from urllib.error import URLError
 
 from bench.common.testbed import ReportProgress, Testbed
 from bench.common.workload import KILLS
-from bench.guard import guard_pid
+from bench.ros1.node import guard_pid
 from bench.service.link import NOISE, ROBOT, run_guard_with_noise
 from bench.service.service_process import ServiceProcess
 from figures.figure import Figure

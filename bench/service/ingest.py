@@ -15,11 +15,12 @@ from pathlib import Path
 from typing import Any
 
 from bench.common.latency import quantile
+from bench.common.process_usage import peak_resident_mb
 from bench.common.testbed import ReportProgress, Testbed, end, python, start
 from bench.common.workload import INGEST_SECONDS, INGESTED
-from bench.ingesting import FILE
 from bench.service.console import page_loads
 from bench.service.ingest_processes import batches
+from bench.service.ingest_service import FILE
 from figures.figure import Figure
 from rtron.service.store.database import Database
 from rtron.service.store.event_pages import EventFilter, event_page
@@ -47,7 +48,7 @@ def figures(testbed: Testbed, progress: ReportProgress) -> Iterator[Figure]:
     with _service(testbed, folder) as (process, server_info):
         progress(f"{INGESTED:,} events from {_ROBOTS} guards")
         result = _load(testbed, server_info)
-        peak = _peak(process.pid)
+        peak = peak_resident_mb(process.pid)
     progress(f"{INGESTED:,} rows by sqlite3 alone")
     rate, bound = result["stored"] / result["seconds"], _plain_rate(folder)
     yield Figure("ingest.rate", rate, bound, "events/s (more is better)", at_least=_AT_LEAST)
@@ -67,7 +68,7 @@ def _service(
     testbed: Testbed, folder: Path
 ) -> Iterator[tuple[subprocess.Popen[str], dict[str, Any]]]:
     """Run the service; give its process, and its port and tokens."""
-    command = python("bench.ingesting", str(folder), str(_ROBOTS))
+    command = python("bench.service.ingest_service", str(folder), str(_ROBOTS))
     process = start(testbed, command, piped=True)
     try:
         assert process.stdout
@@ -90,14 +91,6 @@ def _load(testbed: Testbed, server_info: dict[str, Any]) -> dict[str, Any]:
         end(process)
     result: dict[str, Any] = json.loads(printed)
     return result
-
-
-def _peak(pid: int) -> float:
-    """Return the most resident memory that a process has had, MB."""
-    for line in Path(f"/proc/{pid}/status").read_text().splitlines():
-        if line.startswith("VmHWM:"):
-            return int(line.split()[1]) * 1024 / 1e6
-    raise ProcessLookupError(f"process {pid} has no memory")
 
 
 def _plain_rate(folder: Path) -> float:

@@ -13,11 +13,11 @@ from pathlib import Path
 
 from bench.common.latency import median, quantile, typical_p99
 from bench.common.plans import SUBSCRIBER, TWIST, grcn
-from bench.common.pubsub import Load, interleave
+from bench.common.pubsub import PUBLISHER, Load, Route, interleave
 from bench.common.testbed import ReportProgress, Testbed, python, running
 from bench.common.workload import CHANGES, HOP_MESSAGES, RUNS
 from bench.ros1.noise import NODE
-from bench.ros1.routes import PUBLISHER, Route, direct
+from bench.ros1.routes import direct
 from bench.service.service_process import ServiceProcess
 from figures.figure import Figure
 from rtron.planning.plan_file.writer import write_plan

@@ -4,10 +4,10 @@ from collections.abc import Iterator
 
 from bench.common.latency import p99
 from bench.common.plans import grcn
-from bench.common.pubsub import Load, LoadResult, run_load
+from bench.common.pubsub import PUBLISHER, Load, LoadResult, Route, run_load
 from bench.common.testbed import ReportProgress, Testbed
 from bench.common.workload import LOAD_SECONDS
-from bench.ros1.routes import PUBLISHER, Route, guard, parallel_relays, relay
+from bench.ros1.routes import guard, parallel_relays, relay
 from figures.figure import Figure
 
 FLOWS = 20

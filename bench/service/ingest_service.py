@@ -1,6 +1,6 @@
-"""`python -m bench.ingesting FOLDER ROBOTS`: the security service on SQLite, and guards' tokens.
+"""The security service on SQLite: `python -m bench.service.ingest_service FOLDER ROBOTS`.
 
-Prints a line of JSON, `{"port", "tokens": {robot: token}}`, and serves until it is told to end.
+Prints a line of JSON, `{"port", "tokens": {robot: token}}`, and serves until it is stopped.
 """
 
 import json
