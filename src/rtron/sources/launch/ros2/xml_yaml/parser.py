@@ -1,7 +1,6 @@
-"""A YAML launch file of ROS 2, taken apart (docs.ros.org: launch file formats)."""
+"""Launch files of ROS 2 in XML and YAML, parsed (docs.ros.org: launch file formats)."""
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator
 from pathlib import Path
 
 import yaml
@@ -9,23 +8,38 @@ import yaml
 from rtron.errors import InputError
 from rtron.folders import path_exists
 from rtron.sources.bounded_file import read_bounded
+from rtron.sources.launch.common.xml_document import line_of, parse_xml
+from rtron.sources.launch.ros2.xml_yaml.element import Element
 
 MAX_BYTES = 256 * 1024
 MAX_DEPTH = 60
+_YAML = (".yaml", ".yml")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class YamlElement:
-    """What stands behind a key: its plain values, and the actions and parts in it."""
-
-    tag: str
-    attributes: Mapping[str, str]
-    children: tuple["YamlElement", ...]
-    position: int
-    line: int
+def parse_elements(path: str) -> Element:
+    """Return a launch file's `launch` element; raise InputError where it has none or is unsafe."""
+    root = _read_yaml(path) if path.endswith(_YAML) else _read_xml(path)
+    if root.tag != "launch":
+        raise InputError(f"begins with <{root.tag}>, not with <launch>", path=path)
+    return root
 
 
-def read_yaml_element(path: str) -> YamlElement:
+def _read_xml(path: str) -> Element:
+    root = parse_xml(Path(path))
+    elements: dict[object, Element] = {}
+    document_order = list(root.iter("*"))
+    for position, element in reversed(list(enumerate(document_order))):
+        elements[element] = Element(
+            tag=str(element.tag),
+            attributes={str(name): str(value) for name, value in element.attrib.items()},
+            children=tuple(elements[child] for child in element if child in elements),
+            position=position,
+            line=line_of(element),
+        )
+    return elements[root]
+
+
+def _read_yaml(path: str) -> Element:
     """Return a file's one root; raise InputError if it is not YAML, too large, or has aliases."""
     if path_exists(Path(path)) and not Path(path).is_file():
         raise InputError("is no file", path=path, help="devices and pipes are not read")
@@ -59,7 +73,7 @@ def _refuse_unsafe(text: str, path: str) -> None:
             raise InputError(f"has more than {MAX_DEPTH} levels", path=path, line=line)
 
 
-def _elements_of_list(items: list[yaml.Node], path: str) -> Iterator[YamlElement]:
+def _elements_of_list(items: list[yaml.Node], path: str) -> Iterator[Element]:
     """Yield the actions of a list, each a mapping of one key."""
     for item in items:
         if not isinstance(item, yaml.MappingNode) or len(item.value) != 1:
@@ -69,13 +83,13 @@ def _elements_of_list(items: list[yaml.Node], path: str) -> Iterator[YamlElement
         yield _element_of_entry(str(key.value), value, path)
 
 
-def _element_of_entry(tag: str, value: yaml.Node, path: str) -> YamlElement:
+def _element_of_entry(tag: str, value: yaml.Node, path: str) -> Element:
     entries = value.value if isinstance(value, yaml.MappingNode) else []
     keys = [str(key.value) for key, _ in entries]
     if len(set(keys)) < len(keys) or "<<" in keys:
         line = value.start_mark.line + 1
         raise InputError("says a key twice, or merges others in", path=path, line=line)
-    children: list[YamlElement] = []
+    children: list[Element] = []
     if isinstance(value, yaml.SequenceNode):
         children += _elements_of_list(value.value, path)
     for key, inner in entries:
@@ -87,7 +101,7 @@ def _element_of_entry(tag: str, value: yaml.Node, path: str) -> YamlElement:
                 for part in inner.value
                 if isinstance(part, yaml.MappingNode)
             )
-    return YamlElement(
+    return Element(
         tag=tag,
         attributes={
             str(key.value): text for key, inner in entries if (text := _text(inner)) is not None
