@@ -10,9 +10,12 @@ from rtron.folders import path_exists
 from rtron.sources.bounded_file import read_bounded
 from rtron.sources.launch.common.xml_document import line_of, parse_xml
 from rtron.sources.launch.ros2.xml_yaml.element import Element
+from rtron.yaml_safety import YamlRules, check_yaml, yaml_errors
 
 MAX_BYTES = 256 * 1024
-MAX_DEPTH = 60
+_YAML_RULES = YamlRules(
+    max_depth=60, help="write out what aliases stand for: no two nodes can share their text"
+)
 _YAML = (".yaml", ".yml")
 
 
@@ -45,32 +48,14 @@ def _read_yaml(path: str) -> Element:
         raise InputError("is no file", path=path, help="devices and pipes are not read")
     try:
         text = read_bounded(Path(path), MAX_BYTES).decode()
-        _refuse_unsafe(text, path)
-        root = yaml.compose(text, Loader=yaml.SafeLoader)
     except UnicodeDecodeError:
         raise InputError("not UTF-8 text", path=path) from None
-    except yaml.MarkedYAMLError as error:
-        mark = error.problem_mark or error.context_mark
-        line = mark.line + 1 if mark else 0
-        raise InputError(f"not YAML: {error.problem}", path=path, line=line) from None
-    except (yaml.YAMLError, ValueError) as error:
-        raise InputError(f"not YAML: {error}", path=path) from None
+    with yaml_errors(path):
+        check_yaml(text, path, _YAML_RULES, loader=yaml.SafeLoader)
+        root = yaml.compose(text, Loader=yaml.SafeLoader)
     if not isinstance(root, yaml.MappingNode) or len(root.value) != 1:
         raise InputError("has not one root, `launch:`", path=path, line=1)
     return next(_elements_of_list([root], path))
-
-
-def _refuse_unsafe(text: str, path: str) -> None:
-    depth = 0
-    for event in yaml.parse(text, Loader=yaml.SafeLoader):
-        depth += isinstance(event, yaml.CollectionStartEvent)
-        depth -= isinstance(event, yaml.CollectionEndEvent)
-        line = event.start_mark.line + 1 if event.start_mark else 0
-        if isinstance(event, yaml.AliasEvent) or getattr(event, "anchor", None):
-            help = "write out what they stand for: no two nodes can share their text"
-            raise InputError("has anchors and aliases", path=path, line=line, help=help)
-        if depth > MAX_DEPTH:
-            raise InputError(f"has more than {MAX_DEPTH} levels", path=path, line=line)
 
 
 def _elements_of_list(items: list[yaml.Node], path: str) -> Iterator[Element]:
