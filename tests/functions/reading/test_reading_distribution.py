@@ -1,9 +1,11 @@
+from dataclasses import replace
+
 import pytest
 import yaml
 
 from rtron.errors import InputError
 from rtron.functions.reading import distribution, fields, read_repositories
-from rtron.functions.reading.distribution import MAX_DEPTH
+from rtron.functions.reading.distribution import YAML_RULES
 from rtron.functions.repository import SourcePackage, SourceRepository
 
 DISTRIBUTION = """%YAML 1.1
@@ -91,9 +93,9 @@ def test_a_wrong_entry_costs_itself_only(read, skipped_entries, entry, why):
         ("repositories: {}", "no repository could be read"),
         ("repositories: {a: []}", "no repository could be read"),
         ("a: b: c", r"yaml:1: not YAML: mapping values are not allowed"),
-        ("repositories:\n  a: &x {}\n  b: *x", r"yaml:2: has anchors or aliases"),
+        ("repositories:\n  a: &x {}\n  b: *x", r"yaml:2: has anchors and aliases"),
         ("a: !!python/object/apply:os.system ['true']", r"yaml:1: has tags"),
-        ("[" * (MAX_DEPTH + 1), "more than 20 levels"),
+        ("[" * (YAML_RULES.max_depth + 1), "more than 20 levels"),
         ("[" * 1_000_000, "more than 20 levels"),
         ("a: 2020-99-99", "not YAML"),
         ("\0", "not YAML"),
@@ -105,7 +107,7 @@ def test_what_is_no_distribution(read, text, match):
 
 
 def test_levels_up_to_the_bound_are_read(read):
-    levels = MAX_DEPTH - 1
+    levels = YAML_RULES.max_depth - 1
     (found,) = read(f"repositories: {{good: {{}}}}\nmore: {'[' * levels}{']' * levels}")
     assert found.name == "good"
 
@@ -120,9 +122,10 @@ def test_the_packages_of_a_release_are_bounded(read, skipped_entries, monkeypatc
 def test_a_file_has_a_number_of_values(read, monkeypatch):
     text = "repositories: {good: {}}"
     events = sum(1 for _ in yaml.parse(text))
-    monkeypatch.setattr(distribution, "MAX_EVENTS", events)
+    monkeypatch.setattr(distribution, "YAML_RULES", replace(YAML_RULES, max_values=events))
     assert [each.name for each in read(text)] == ["good"]
-    monkeypatch.setattr(distribution, "MAX_EVENTS", events - 1)
+    fewer = replace(YAML_RULES, max_values=events - 1)
+    monkeypatch.setattr(distribution, "YAML_RULES", fewer)
     with pytest.raises(InputError, match=f"has more than {events - 1} values$"):
         read(text)
 

@@ -1,15 +1,14 @@
 """YAML from anywhere, taken apart: bounded in size and depth, without aliases, anchors and tags."""
 
 from pathlib import Path
-from typing import Any
 
 import yaml
 
 from rtron.errors import PlanError
+from rtron.yaml_safety import YamlRules, compose_yaml
 
 MAX_BYTES = 2**20
-MAX_DEPTH = 20
-_LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+_RULES = YamlRules(max_depth=20, allows_tags=False, refusal="a plan has no", error=PlanError)
 
 
 def read_text(path: Path) -> str:
@@ -30,34 +29,7 @@ def read_text(path: Path) -> str:
 
 def parse_yaml(text: str, path: str) -> yaml.Node:
     """Return the tree of a YAML text with its lines; raise PlanError if it is none or unsafe."""
-    try:
-        _refuse_unsafe(text, path)
-        root = yaml.compose(text, Loader=_LOADER)
-    except yaml.MarkedYAMLError as error:
-        mark = error.problem_mark or error.context_mark
-        line = mark.line + 1 if mark else 0
-        raise PlanError(f"not YAML: {error.problem}", path=path, line=line) from None
-    except (yaml.YAMLError, ValueError) as error:
-        raise PlanError(f"not YAML: {error}", path=path) from None
+    root = compose_yaml(text, path, _RULES)
     if root is None:
         raise PlanError("the plan is empty", path=path, help="`rtron plan` writes one")
     return root
-
-
-def _refuse_unsafe(text: str, path: str) -> None:
-    depth = 0
-    for event in yaml.parse(text, Loader=_LOADER):
-        depth += isinstance(event, yaml.CollectionStartEvent)
-        depth -= isinstance(event, yaml.CollectionEndEvent)
-        unsafe = _unsafe(event, depth)
-        if unsafe:
-            line = event.start_mark.line + 1 if event.start_mark else 0
-            raise PlanError(f"a plan has no {unsafe}", path=path, line=line)
-
-
-def _unsafe(event: yaml.Event, depth: int) -> str:
-    if isinstance(event, yaml.AliasEvent) or getattr(event, "anchor", None):
-        return "anchors and aliases"
-    if getattr(event, "tag", None):
-        return "tags (`!…`)"
-    return f"more than {MAX_DEPTH} levels" if depth > MAX_DEPTH else ""

@@ -14,16 +14,18 @@ import yaml
 from rtron.errors import InputError
 from rtron.sources.launch.common.yaml_scalars import scalar_value
 from rtron.vocabulary import ParameterValue, UnknownValue
+from rtron.yaml_safety import SAFE_LOADER, YamlRules, check_yaml, yaml_errors
 
 MAX_DEPTH = 100
 MAX_VALUES = 100_000
+_RULES = YamlRules(max_depth=MAX_DEPTH, max_values=2 * MAX_VALUES, allows_aliases=True)
 
 _MAP = "tag:yaml.org,2002:map"
 _SEQUENCE = "tag:yaml.org,2002:seq"
 _MERGE = "tag:yaml.org,2002:merge"
 _STRINGS = frozenset({"tag:yaml.org,2002:str", "tag:yaml.org,2002:value"})
 
-_Loader: Any = type("_Loader", (getattr(yaml, "CSafeLoader", yaml.SafeLoader),), {})
+_Loader: Any = type("_Loader", (SAFE_LOADER,), {})
 _Loader.add_implicit_resolver("!degrees", re.compile(r"^deg\([^\)]*\)$"), "d")
 _Loader.add_implicit_resolver("!radians", re.compile(r"^rad\([^\)]*\)$"), "r")
 
@@ -55,16 +57,9 @@ def parse_yaml(text: str, path: str, first_line: int = 1) -> YamlFile:
     Raise InputError, with the line, if it is no YAML or larger than the bounds.
     """
     builder = _TreeBuilder(path=path, first_line=first_line)
-    try:
-        _check_bounds(text)
+    with yaml_errors(path, first_line):
+        check_yaml(text, path, _RULES, first_line=first_line, loader=_Loader)
         roots = list(yaml.compose_all(text, Loader=_Loader))
-    except yaml.MarkedYAMLError as error:
-        mark = error.problem_mark or error.context_mark
-        line = first_line + mark.line if mark else first_line
-        raise InputError(f"not YAML: {error.problem}", path=path, line=line) from None
-    except (yaml.YAMLError, ValueError) as error:
-        why = str(error).partition("\n")[0]
-        raise InputError(f"not YAML: {why}", path=path, line=first_line) from None
     documents = tuple(None if _is_empty(root) else builder.tree(root) for root in roots)
     return YamlFile(path=path, documents=documents, errors=tuple(builder.errors))
 
@@ -74,17 +69,6 @@ def plain_value(tree: YamlTree) -> ParameterValue:
     if isinstance(tree, YamlLeaf):
         return tree.value
     return {key: plain_value(inner) for key, inner in tree.items()}
-
-
-def _check_bounds(text: str) -> None:
-    depth = 0
-    for count, event in enumerate(yaml.parse(text, Loader=_Loader)):
-        if count > 2 * MAX_VALUES:
-            raise ValueError(f"more than {MAX_VALUES} values")
-        depth += isinstance(event, yaml.CollectionStartEvent)
-        depth -= isinstance(event, yaml.CollectionEndEvent)
-        if depth > MAX_DEPTH:
-            raise ValueError(f"more than {MAX_DEPTH} levels")
 
 
 def _is_empty(root: yaml.Node) -> bool:

@@ -1,13 +1,11 @@
-"""What surrounds the actions of a launch: conditions, events, the files that include theirs."""
+"""The conditions, events and includes around the actions of a launch."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
-from typing import Any
 
+from rtron.sources.launch.ros2.element_site import ElementSite
 from rtron.sources.launch.ros2.evaluator import LaunchEvaluator
-from rtron.sources.launch.ros2.inclusion import FileInclusion, element_location
-from rtron.sources.launch.ros2.launch_context import LaunchContext
 from rtron.sources.launch.ros2.result import IncludedFile
 from rtron.sources.launch.ros2.substitutions.template import display_text, first_placeholder
 from rtron.sources.launch.ros2.xml_yaml.element import Element
@@ -25,87 +23,69 @@ class ActionContext:
 
 @dataclass(slots=True)
 class ActionContextTracker:
-    """Keeps what surrounds the action that is being read, and what is included."""
+    """Knows the context of the action that is being read, and collects what is included."""
 
     evaluator: LaunchEvaluator
-    includes: list[list[IncludedFile]] = field(default_factory=lambda: [[]])
-    _current: ActionContext = field(default_factory=ActionContext)
+    current: ActionContext = field(default_factory=ActionContext)
+    _includes: list[list[IncludedFile]] = field(default_factory=lambda: [[]])
+
+    @property
+    def includes(self) -> tuple[IncludedFile, ...]:
+        """The files that the root file includes."""
+        return tuple(self._includes[0])
 
     def event_context(self, element: Element) -> ActionContext:
-        """Return what surrounds the actions of a timer or an event."""
-        return replace(self._current, awaited_event=element.plain_text("event") or element.tag)
+        """Return the context of the actions of a timer or an event."""
+        return replace(self.current, awaited_event=element.plain_text("event") or element.tag)
 
     @contextmanager
     def in_context(self, action_context: ActionContext) -> Iterator[None]:
-        """Read what runs later."""
-        previous, self._current = self._current, action_context
+        """Read actions in another context."""
+        previous, self.current = self.current, action_context
         try:
             yield
         finally:
-            self._current = previous
+            self.current = previous
 
     @contextmanager
-    def under_condition(
-        self,
-        element: Element,
-        context: LaunchContext,
-        file: FileInclusion,
-        holds: bool | None,  # noqa: FBT001 - what its condition says
-    ) -> Iterator[None]:
+    def under_condition(self, site: ElementSite, holds: bool | None) -> Iterator[None]:  # noqa: FBT001
         """Read an action under its condition; one that is not known is noted."""
-        if not {"if", "unless"} & element.attributes.keys():
+        if not site.has("if") and not site.has("unless"):
             yield
             return
-        if holds is None:
-            texts = [self.text_or_empty(element, key, context, file) for key in ("if", "unless")]
-            why = (
-                f"whether it counts is not known ({first_placeholder(''.join(texts)) or 'refused'})"
-            )
-            self.evaluator.note(element, file, f"{why}, it is read as if it did")
-        conditions = (*self._current.conditions, element_location(element, file))
-        with self.in_context(replace(self._current, conditions=conditions)):
+        if holds is None and self.evaluator.symbolic:
+            self._note_unknown_condition(site)
+        conditions = (*self.current.conditions, site.location)
+        with self.in_context(replace(self.current, conditions=conditions)):
             yield
 
+    def _note_unknown_condition(self, site: ElementSite) -> None:
+        text = "".join(self.evaluator.value(site, key) or "" for key in ("if", "unless"))
+        why = f"whether it counts is not known ({first_placeholder(text) or 'refused'})"
+        self.evaluator.note(site, f"{why}, it is read as if it did")
+
     @contextmanager
-    def within_include(
-        self, element: Element, path: str, context: LaunchContext, file: FileInclusion
-    ) -> Iterator[None]:
+    def within_include(self, site: ElementSite, path: str) -> Iterator[None]:
         """Read an included file."""
-        location = element_location(element, file)
-        arguments = tuple(self._passed_arguments(element, context, file))
-        self.includes.append([])
+        arguments = tuple(self._passed_arguments(site))
+        chain = (*self.current.include_chain, site.location)
+        self._includes.append([])
         try:
-            with self.in_context(
-                replace(self._current, include_chain=(*self._current.include_chain, location))
-            ):
+            with self.in_context(replace(self.current, include_chain=chain)):
                 yield
         finally:
-            inner = tuple(self.includes.pop())
             included = IncludedFile(
-                file=display_text(path), arguments=arguments, evidence=location, includes=inner
+                file=display_text(path),
+                arguments=arguments,
+                evidence=site.location,
+                includes=tuple(self._includes.pop()),
             )
-            self.includes[-1].append(included)
+            self._includes[-1].append(included)
 
-    def _passed_arguments(
-        self, element: Element, context: LaunchContext, file: FileInclusion
-    ) -> Iterator[tuple[str, str]]:
+    def _passed_arguments(self, site: ElementSite) -> Iterator[tuple[str, str]]:
         """Yield the arguments that an inclusion gives, and their values."""
-        for argument in (*element.children_named("arg"), *element.children_named("let")):
-            name = self.text_or_empty(argument, "name", context, file)
-            yield display_text(name), display_text(context.configurations.get(name, ""))
-
-    def text_or_empty(
-        self, element: Element, key: str, context: LaunchContext, file: FileInclusion
-    ) -> str:
-        """Return an attribute's value, empty where there is none."""
-        return self.evaluator.value(element, key, context, file) or ""
-
-    def context_fields(self, element: Element, file: FileInclusion) -> dict[str, Any]:
-        """Return what a Start says of where it stands."""
-        current = self._current
-        return {
-            "conditions": current.conditions,
-            "awaited_event": current.awaited_event,
-            "include_chain": current.include_chain,
-            "evidence": element_location(element, file),
-        }
+        if not self.evaluator.symbolic:
+            return  # to evaluate them again would note each error twice
+        for argument in site.children("arg", "let"):
+            name = self.evaluator.value(argument, "name") or ""
+            yield display_text(name), display_text(site.context.configurations.get(name, ""))

@@ -5,9 +5,9 @@ from pathlib import Path
 
 from rtron.errors import InputError
 from rtron.sources.code.workspace_sources import WorkspaceSources
+from rtron.sources.launch.ros2.action_context import ActionContextTracker
 from rtron.sources.launch.ros2.choices import LaunchChoices
 from rtron.sources.launch.ros2.evaluator import LaunchEvaluator
-from rtron.sources.launch.ros2.launch_context import LaunchContext
 from rtron.sources.launch.ros2.python.front_end import PythonFrontEnd
 from rtron.sources.launch.ros2.reader import LaunchReader, absolute_path
 from rtron.sources.launch.ros2.result import AppLaunch
@@ -37,11 +37,10 @@ def read_app_launch(
         locate_source=SourceLocator(files.workspace),
     )
     front_end = PythonFrontEnd(files, evaluator)
-    collector = StartCollector(evaluator, read_python_file=front_end.read)
+    contexts = ActionContextTracker(evaluator)
+    collector = StartCollector(evaluator, contexts, front_end.read)
     try:
-        LaunchReader(evaluator, collector).root(
-            absolute_path(path), LaunchContext(dict(arguments), dict(environ))
-        )
+        LaunchReader(evaluator, collector, contexts).root(path)
     except InputError as error:
         evaluator.unresolved.append(_unresolved_file(path, str(error), error.path, error.line))
     except RecursionError:
@@ -50,7 +49,7 @@ def read_app_launch(
         file=absolute_path(path),
         starts=tuple(collector.starts),
         arguments=tuple(collector.arguments),
-        includes=tuple(collector.includes[0]),
+        includes=contexts.includes,
         unresolved=tuple(evaluator.unresolved),
         generated_files=evaluator.files.generated_files,
     )

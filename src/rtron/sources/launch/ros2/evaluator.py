@@ -5,11 +5,12 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
+from typing import TypeAlias
 
 from rtron.sources.launch.common.errors import UnresolvableError
 from rtron.sources.launch.ros2.choices import LaunchChoices
 from rtron.sources.launch.ros2.context_view import ContextView
-from rtron.sources.launch.ros2.inclusion import FileInclusion
+from rtron.sources.launch.ros2.element_site import ElementSite
 from rtron.sources.launch.ros2.launch_context import LaunchContext, LaunchVariable
 from rtron.sources.launch.ros2.limits import LaunchLimits
 from rtron.sources.launch.ros2.parameters.file_cache import YamlFileCache
@@ -32,9 +33,11 @@ from rtron.sources.launch.ros2.substitutions.substitution import (
 )
 from rtron.sources.launch.ros2.substitutions.template import placeholder
 from rtron.sources.launch.ros2.unresolved import UnresolvedNotes
-from rtron.sources.launch.ros2.xml_yaml.element import Element
 from rtron.vocabulary import UnknownValue
 from rtron.vocabulary.remap_rules import UNKNOWN_NAME, RemapRule
+
+Setting: TypeAlias = tuple[LaunchVariable, str | None, frozenset[LaunchVariable]]
+"""A variable, its value, None for one that is not known, and the variables that decide it."""
 
 
 @dataclass(slots=True, kw_only=True)
@@ -42,7 +45,7 @@ class LaunchEvaluator(UnresolvedNotes):
     """Evaluates what stands in elements, and notes what has no value before the launch runs.
 
     `dependencies` are the arguments and variables that decided what was evaluated last. Where it is
-    `symbolic`, a text keeps what is known of it: the rest are holes (`pieces`), each noted once.
+    `symbolic`, a text keeps what is known of it: the rest are placeholders, each noted once.
     """
 
     environ: Mapping[str, str]
@@ -64,131 +67,109 @@ class LaunchEvaluator(UnresolvedNotes):
             unresolved=self.unresolved,
         )
 
-    def text(
-        self, element: Element, key: str, context: LaunchContext, file: FileInclusion
-    ) -> str | None:
+    def text(self, site: ElementSite, key: str) -> str | None:
         """Return an attribute's value as `value` does; it decides what starts, or a name."""
-        value = self.value(element, key, context, file)
+        value = self.value(site, key)
         self.choices.decide(self.dependencies)
         return value
 
-    def value(
-        self, element: Element, key: str, context: LaunchContext, file: FileInclusion
-    ) -> str | None:
+    def value(self, site: ElementSite, key: str) -> str | None:
         """Return an attribute's value; None where it is not written, or, noted, has none here.
 
         Afterwards `dependencies` has the arguments and variables that decide it.
         """
         self.dependencies = set()
-        template = element.attributes.get(key)
+        template = site.element.attributes.get(key)
         if template is None:
             return None
-        with self.collect_errors(element, file):
-            return self.substitution_evaluator(element, context, file).evaluate(template)
+        with self.collect_errors(site):
+            return self.substitution_evaluator(site).evaluate(template)
         return None
 
-    def condition(
-        self, element: Element, context: LaunchContext, file: FileInclusion
-    ) -> tuple[bool | None, frozenset[LaunchVariable]]:
+    def condition(self, site: ElementSite) -> tuple[bool | None, frozenset[LaunchVariable]]:
         """Return what an element's condition says, None if it is not known, and what decides it."""
         results: list[bool | None] = []
         dependencies: set[LaunchVariable] = set()
         for key, expected in (("if", True), ("unless", False)):
-            if key in element.attributes:
+            if site.has(key):
                 results.append(None)
-                text = self.value(element, key, context, file)
+                text = self.value(site, key)
                 dependencies |= self.dependencies
-                with self.collect_errors(element, file):
+                with self.collect_errors(site):
                     results[-1] = None if text is None else parse_condition(text) is expected
         known = False if False in results else None if None in results else True
         return known, frozenset(dependencies)
 
-    def remap_rules(
-        self, elements: Iterable[Element], context: LaunchContext, file: FileInclusion
-    ) -> list[RemapRule]:
+    def remap_rules(self, sites: Iterable[ElementSite]) -> list[RemapRule]:
         """Return the remap rules that elements say, `*` for a name that is not known."""
         rules = []
-        for element in elements:
-            self.limits.count_action(file.path, context)
-            pair = [self.text(element, key, context, file) for key in ("from", "to")]
-            rules.append((pair[0] or UNKNOWN_NAME, pair[1] or UNKNOWN_NAME))
+        for site in sites:
+            self.limits.count_action(site.file.path, site.context)
+            source, target = (self.text(site, key) or UNKNOWN_NAME for key in ("from", "to"))
+            rules.append((source, target))
         return rules
 
-    def configurations(
-        self, elements: Iterable[Element], context: LaunchContext, file: FileInclusion
-    ) -> Iterator[tuple[LaunchVariable, str | None, frozenset[LaunchVariable]]]:
+    def configurations(self, sites: Iterable[ElementSite]) -> Iterator[Setting]:
         """Yield the configurations that elements set, and what decides their values."""
-        for element in elements:
-            name = self.text(element, "name", context, file)
-            value = self.value(element, "value", context, file)
+        for site in sites:
+            name = self.text(site, "name")
+            value = self.value(site, "value")
             if name is not None:
                 yield LaunchVariable(name), value, frozenset(self.dependencies)
 
-    def substitution_evaluator(
-        self, element: Element, context: LaunchContext, file: FileInclusion
-    ) -> SubstitutionEvaluator:
+    def substitution_evaluator(self, site: ElementSite) -> SubstitutionEvaluator:
         """Return what replaces substitutions in an element's texts."""
-        functions = self._functions(context, file)
+        functions = self._functions(site)
         if not self.symbolic:
             return SubstitutionEvaluator(functions)
 
         def failed(what: str, error: Exception) -> str:
-            self.note_error(element, file, error)
+            self.note_error(site, error)
             return placeholder(what)
 
         evaluator = SubstitutionEvaluator(functions, failed, max_length=MAX_GRAPH_TEXT)
-        evaluator.context_view = self._context_view(element, context, file, evaluator)
+        evaluator.context_view = self._context_view(site, evaluator)
         return evaluator
 
-    def context_view(
-        self, element: Element, context: LaunchContext, file: FileInclusion
-    ) -> ContextView:
+    def context_view(self, site: ElementSite) -> ContextView:
         """Return what a function of a Python launch file sees of the launch."""
-        return self._context_view(
-            element, context, file, self.substitution_evaluator(element, context, file)
-        )
+        return self._context_view(site, self.substitution_evaluator(site))
 
-    def _context_view(
-        self,
-        element: Element,
-        context: LaunchContext,
-        file: FileInclusion,
-        substitution: SubstitutionEvaluator,
-    ) -> ContextView:
-        note = partial(self.note, element, file)
-        return ContextView(
-            perform=substitution.evaluate, context=context, note=note, files=self.files
-        )
+    def _context_view(self, site: ElementSite, evaluator: SubstitutionEvaluator) -> ContextView:
+        note = partial(self.note, site)
+        perform = evaluator.evaluate
+        return ContextView(perform=perform, context=site.context, note=note, files=self.files)
 
-    def _functions(self, context: LaunchContext, file: FileInclusion) -> Mapping[str, Function]:
-        folder = os.path.dirname(file.path)  # noqa: PTH120 - a string in a string out
+    def _functions(self, site: ElementSite) -> Mapping[str, Function]:
+        context = site.context
+        path = site.file.path
+        folder = os.path.dirname(path)  # noqa: PTH120 - a string in a string out
 
         def looked_up(
             function: Function, arguments: list[str], *, environment: bool = False
         ) -> str:
-            looked_up_variable = LaunchVariable("".join(arguments[:1]), environment)
-            self.dependencies |= context.dependencies_of(looked_up_variable)
-            if looked_up_variable in context.unknown:
-                raise UnresolvableError(f"the value of '{looked_up_variable.name}' is not known")
+            variable = LaunchVariable("".join(arguments[:1]), environment)
+            self.dependencies |= context.dependencies_of(variable)
+            if variable in context.unknown:
+                raise UnresolvableError(f"the value of '{variable.name}' is not known")
             return function(arguments)
 
         value = configuration_function(context.configurations)
         variable_value = environment_function(context.environ)
+        lookup = PackageLookup(self.environ, self.packages, self.symbolic, self.command_output)
         return {
             "var": lambda words: looked_up(value, words),
             "env": lambda words: looked_up(variable_value, words, environment=True),
             "optenv": lambda words: looked_up(variable_value, [*words, ""][:2], environment=True),
             "dirname": lambda _: folder,
-            "filename": lambda _: file.path,
+            "filename": lambda _: path,
             "anon": lambda words: f"{words[0]}_{UNKNOWN_NAME}",
             "config-equals": partial(_configuration_equals, context),
             "for-var": loop_variable(context.loops),
             "index": loop_variable(context.loops),
             "param": partial(_global_parameter, context),
             "node-name": lambda words: context.full_name(*words),
-            **PackageLookup(
-                self.environ, self.packages, self.symbolic, self.command_output
-            ).functions(),
+            **lookup.functions(),
         }
 
 

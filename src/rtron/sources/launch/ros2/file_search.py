@@ -16,7 +16,7 @@ from rtron.sources.launch.common.packages import package_name
 from rtron.sources.launch.ros1.file_search import LaunchFileInfo
 from rtron.sources.launch.ros2.folder_search import find_ros2_launch_files
 from rtron.sources.launch.ros2.limits import MAX_NAMES
-from rtron.sources.launch.ros2.xml_yaml.element import parse_elements
+from rtron.sources.launch.ros2.xml_yaml.parser import parse_elements
 from rtron.sources.static.common.worker import deep_recursion
 
 _DECLARE_ACTION = "DeclareLaunchArgument"

@@ -6,11 +6,10 @@ from dataclasses import dataclass, field
 
 from rtron.errors import InputError
 from rtron.sources.launch.common.errors import MissingArgumentError, UnresolvableError
-from rtron.sources.launch.ros2.inclusion import FileInclusion, element_location
+from rtron.sources.launch.ros2.element_site import ElementSite
 from rtron.sources.launch.ros2.limits import LaunchTooLargeError
 from rtron.sources.launch.ros2.substitutions.functions import UnknownPartError
 from rtron.sources.launch.ros2.substitutions.template import display_text
-from rtron.sources.launch.ros2.xml_yaml.element import Element
 from rtron.vocabulary import UnresolvedItem
 
 
@@ -23,19 +22,18 @@ class UnresolvedNotes:
     _noted: set[UnresolvedItem] = field(default_factory=set)
     _missing_arguments: set[str] = field(default_factory=set)
 
-    def note(self, element: Element, file: FileInclusion, why: str) -> None:
+    def note(self, site: ElementSite, why: str) -> None:
         """Note what cannot be read of an element."""
         keys = ("file", "cmd", "name") if self.symbolic else ("file", "cmd")
-        text = next(filter(None, map(element.plain_text, keys)), "")
-        location = element_location(element, file)
-        what = f"{element.tag} {display_text(text)[:80]}".strip()
-        entry = UnresolvedItem(what=what, why=display_text(why), evidence=(location,))
+        text = next(filter(None, map(site.plain_text, keys)), "")
+        what = f"{site.tag} {display_text(text)[:80]}".strip()
+        entry = UnresolvedItem(what=what, why=display_text(why), evidence=(site.location,))
         if not self.symbolic or entry not in self._noted:
             self._noted.add(entry)
             self.unresolved.append(entry)
 
     @contextmanager
-    def collect_errors(self, element: Element, file: FileInclusion) -> Iterator[None]:
+    def collect_errors(self, site: ElementSite) -> Iterator[None]:
         """Note what has no value here, or a file that cannot be read; go on with the rest."""
         try:
             yield
@@ -43,27 +41,28 @@ class UnresolvedNotes:
             raise
         except UnknownPartError as error:
             if not self.symbolic:
-                self.note(element, file, str(error))
+                self.note(site, str(error))
         except (UnresolvableError, InputError) as error:
-            self.note(element, file, str(error))
+            self.note(site, str(error))
         except MissingArgumentError as error:
-            if file.depth == 0 and element.tag != "include" and not self.symbolic:
+            if site.file.depth == 0 and site.tag != "include" and not self.symbolic:
                 raise
-            self.note(element, file, str(error))
+            self.note(site, str(error))
         except (ValueError, LookupError) as error:
             if not self.symbolic:
-                raise InputError(str(error), path=file.path, line=element.line) from None
-            self.note(element, file, f"launch would refuse it: {error}")
+                line = site.element.line
+                raise InputError(str(error), path=site.file.path, line=line) from None
+            self.note(site, f"launch would refuse it: {error}")
 
-    def note_missing(self, element: Element, file: FileInclusion, name: str) -> None:
+    def note_missing(self, site: ElementSite, name: str) -> None:
         """Note that an argument is not given, once."""
         if name not in self._missing_arguments:
-            self.note(element, file, f"argument '{name}' is not given")
+            self.note(site, f"argument '{name}' is not given")
         self._missing_arguments.add(name)
 
-    def note_error(self, element: Element, file: FileInclusion, error: Exception) -> None:
+    def note_error(self, site: ElementSite, error: Exception) -> None:
         """Note why a call has no value, unless that follows from what is noted already."""
         if isinstance(error, MissingArgumentError):
-            self.note_missing(element, file, error.name)
+            self.note_missing(site, error.name)
         elif not isinstance(error, UnknownPartError):
-            self.note(element, file, str(error))
+            self.note(site, str(error))

@@ -9,12 +9,13 @@ from pydantic import BaseModel, ValidationError
 
 from rtron.errors import InputError
 from rtron.sources.bounded_file import read_bounded
+from rtron.yaml_safety import SAFE_LOADER, YamlRules, yaml_errors
+from rtron.yaml_safety import compose_yaml as safe_tree
 
 T = TypeVar("T", bound=BaseModel)
 
 MAX_BYTES = 2**20
-MAX_DEPTH = 20
-_YAML_LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+_YAML_RULES = YamlRules(max_depth=20)
 _MAX_SHOWN = 60
 
 
@@ -29,16 +30,7 @@ def read_model(path: Path, schema: type[T]) -> T:
 
 def compose_yaml(path: Path) -> yaml.Node:
     """Return the tree of a YAML file; raise InputError if it is none, too large or too deep."""
-    data = read_bounded(path, MAX_BYTES)
-    try:
-        _refuse_unsafe(data, path)
-        root = yaml.compose(data, Loader=_YAML_LOADER)
-    except yaml.MarkedYAMLError as error:
-        mark = error.problem_mark or error.context_mark
-        line = mark.line + 1 if mark else 0
-        raise InputError(f"not YAML: {error.problem}", path=str(path), line=line) from None
-    except (yaml.YAMLError, ValueError) as error:
-        raise InputError(f"not YAML: {error}", path=str(path)) from None
+    root = safe_tree(read_bounded(path, MAX_BYTES), str(path), _YAML_RULES)
     if root is None:
         raise InputError("the file is empty", path=str(path))
     return root
@@ -46,23 +38,12 @@ def compose_yaml(path: Path) -> yaml.Node:
 
 def construct_value(root: yaml.Node, path: Path) -> Any:  # noqa: ANN401 - any YAML value
     """Return the values of a YAML tree; raise InputError if one cannot be made."""
-    loader = _YAML_LOADER("")
+    loader = SAFE_LOADER("")
     try:
-        return loader.construct_document(root)
-    except (yaml.YAMLError, ValueError, TypeError) as error:
-        raise InputError(f"not YAML: {error}", path=str(path)) from None
+        with yaml_errors(str(path)):
+            return loader.construct_document(root)
     finally:
         loader.dispose()
-
-
-def _refuse_unsafe(data: bytes, path: Path) -> None:
-    depth = 0
-    for event in yaml.parse(data, Loader=_YAML_LOADER):
-        depth += isinstance(event, yaml.CollectionStartEvent)
-        depth -= isinstance(event, yaml.CollectionEndEvent)
-        if isinstance(event, yaml.AliasEvent) or depth > MAX_DEPTH:
-            line = event.start_mark.line + 1 if event.start_mark else 0
-            raise InputError("aliases and deep nesting are refused", path=str(path), line=line)
 
 
 def _model_error(

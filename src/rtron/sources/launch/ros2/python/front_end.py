@@ -43,8 +43,8 @@ from rtron.sources.code.library_models.ros1_common.names import abstract_value a
 from rtron.sources.code.workspace_sources import WorkspaceSources
 from rtron.sources.declaration import NodeSite
 from rtron.sources.launch.ros2.context_view import ContextView
+from rtron.sources.launch.ros2.element_site import ElementSite, FileInclusion
 from rtron.sources.launch.ros2.evaluator import LaunchEvaluator
-from rtron.sources.launch.ros2.inclusion import FileInclusion
 from rtron.sources.launch.ros2.launch_context import LaunchContext
 from rtron.sources.launch.ros2.parameters.merge import ParameterSource
 from rtron.sources.launch.ros2.python.actions import ActionTranslator
@@ -163,10 +163,9 @@ class _PythonLaunchFile:
 
         def make(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
             element = Element("launch_context", {}, line=arguments.line)
-            scope = LaunchContext(environ=dict(self.front_end.evaluator.environ))
-            return self._context(
-                self.front_end.evaluator.context_view(element, scope, FileInclusion(self.path, 0))
-            )
+            context = LaunchContext(environ=dict(self.front_end.evaluator.environ))
+            site = ElementSite(element, context, FileInclusion(self.path, 0))
+            return self._context(self.front_end.evaluator.context_view(site))
 
         native = LibraryFunction("LaunchContext", make)
         return dict.fromkeys(

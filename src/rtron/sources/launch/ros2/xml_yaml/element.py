@@ -2,15 +2,9 @@
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from pathlib import Path
 
-from rtron.errors import InputError
-from rtron.sources.launch.common.xml_document import line_of, parse_xml
 from rtron.sources.launch.ros2.context_view import ContextView
 from rtron.sources.launch.ros2.substitutions.template import TemplateText
-from rtron.sources.launch.ros2.xml_yaml.yaml_document import YamlElement, read_yaml_element
-
-_YAML = (".yaml", ".yml")
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,40 +40,3 @@ class Element:
         if isinstance(text, str):
             return text
         return "".join(part for part in text if isinstance(part, str))
-
-
-def parse_elements(path: str) -> Element:
-    """Return a launch file's `launch` element; raise InputError where it has none or is unsafe."""
-    root = _yaml(path) if path.endswith(_YAML) else _xml(path)
-    if root.tag != "launch":
-        raise InputError(f"begins with <{root.tag}>, not with <launch>", path=path)
-    return root
-
-
-def _xml(path: str) -> Element:
-    root = parse_xml(Path(path))
-    elements: dict[object, Element] = {}
-    document_order = list(root.iter("*"))
-    for position, element in reversed(list(enumerate(document_order))):
-        elements[element] = Element(
-            tag=str(element.tag),
-            attributes={str(name): str(value) for name, value in element.attrib.items()},
-            children=tuple(elements[child] for child in element if child in elements),
-            position=position,
-            line=line_of(element),
-        )
-    return elements[root]
-
-
-def _yaml(path: str) -> Element:
-    return _element_of_mapping(read_yaml_element(path))
-
-
-def _element_of_mapping(body: YamlElement) -> Element:
-    return Element(
-        tag=body.tag,
-        attributes=body.attributes,
-        children=tuple(map(_element_of_mapping, body.children)),
-        position=body.position,
-        line=body.line,
-    )

@@ -1,7 +1,6 @@
-"""A YAML launch file of ROS 2, taken apart (docs.ros.org: launch file formats)."""
+"""Launch files of ROS 2 in XML and YAML, parsed (docs.ros.org: launch file formats)."""
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator
 from pathlib import Path
 
 import yaml
@@ -9,57 +8,57 @@ import yaml
 from rtron.errors import InputError
 from rtron.folders import path_exists
 from rtron.sources.bounded_file import read_bounded
+from rtron.sources.launch.common.xml_document import line_of, parse_xml
+from rtron.sources.launch.ros2.xml_yaml.element import Element
+from rtron.yaml_safety import YamlRules, check_yaml, yaml_errors
 
 MAX_BYTES = 256 * 1024
-MAX_DEPTH = 60
+_YAML_RULES = YamlRules(
+    max_depth=60, help="write out what aliases stand for: no two nodes can share their text"
+)
+_YAML = (".yaml", ".yml")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class YamlElement:
-    """What stands behind a key: its plain values, and the actions and parts in it."""
-
-    tag: str
-    attributes: Mapping[str, str]
-    children: tuple["YamlElement", ...]
-    position: int
-    line: int
+def parse_elements(path: str) -> Element:
+    """Return a launch file's `launch` element; raise InputError where it has none or is unsafe."""
+    root = _read_yaml(path) if path.endswith(_YAML) else _read_xml(path)
+    if root.tag != "launch":
+        raise InputError(f"begins with <{root.tag}>, not with <launch>", path=path)
+    return root
 
 
-def read_yaml_element(path: str) -> YamlElement:
+def _read_xml(path: str) -> Element:
+    root = parse_xml(Path(path))
+    elements: dict[object, Element] = {}
+    document_order = list(root.iter("*"))
+    for position, element in reversed(list(enumerate(document_order))):
+        elements[element] = Element(
+            tag=str(element.tag),
+            attributes={str(name): str(value) for name, value in element.attrib.items()},
+            children=tuple(elements[child] for child in element if child in elements),
+            position=position,
+            line=line_of(element),
+        )
+    return elements[root]
+
+
+def _read_yaml(path: str) -> Element:
     """Return a file's one root; raise InputError if it is not YAML, too large, or has aliases."""
     if path_exists(Path(path)) and not Path(path).is_file():
         raise InputError("is no file", path=path, help="devices and pipes are not read")
     try:
         text = read_bounded(Path(path), MAX_BYTES).decode()
-        _refuse_unsafe(text, path)
-        root = yaml.compose(text, Loader=yaml.SafeLoader)
     except UnicodeDecodeError:
         raise InputError("not UTF-8 text", path=path) from None
-    except yaml.MarkedYAMLError as error:
-        mark = error.problem_mark or error.context_mark
-        line = mark.line + 1 if mark else 0
-        raise InputError(f"not YAML: {error.problem}", path=path, line=line) from None
-    except (yaml.YAMLError, ValueError) as error:
-        raise InputError(f"not YAML: {error}", path=path) from None
+    with yaml_errors(path):
+        check_yaml(text, path, _YAML_RULES, loader=yaml.SafeLoader)
+        root = yaml.compose(text, Loader=yaml.SafeLoader)
     if not isinstance(root, yaml.MappingNode) or len(root.value) != 1:
         raise InputError("has not one root, `launch:`", path=path, line=1)
     return next(_elements_of_list([root], path))
 
 
-def _refuse_unsafe(text: str, path: str) -> None:
-    depth = 0
-    for event in yaml.parse(text, Loader=yaml.SafeLoader):
-        depth += isinstance(event, yaml.CollectionStartEvent)
-        depth -= isinstance(event, yaml.CollectionEndEvent)
-        line = event.start_mark.line + 1 if event.start_mark else 0
-        if isinstance(event, yaml.AliasEvent) or getattr(event, "anchor", None):
-            help = "write out what they stand for: no two nodes can share their text"
-            raise InputError("has anchors and aliases", path=path, line=line, help=help)
-        if depth > MAX_DEPTH:
-            raise InputError(f"has more than {MAX_DEPTH} levels", path=path, line=line)
-
-
-def _elements_of_list(items: list[yaml.Node], path: str) -> Iterator[YamlElement]:
+def _elements_of_list(items: list[yaml.Node], path: str) -> Iterator[Element]:
     """Yield the actions of a list, each a mapping of one key."""
     for item in items:
         if not isinstance(item, yaml.MappingNode) or len(item.value) != 1:
@@ -69,13 +68,13 @@ def _elements_of_list(items: list[yaml.Node], path: str) -> Iterator[YamlElement
         yield _element_of_entry(str(key.value), value, path)
 
 
-def _element_of_entry(tag: str, value: yaml.Node, path: str) -> YamlElement:
+def _element_of_entry(tag: str, value: yaml.Node, path: str) -> Element:
     entries = value.value if isinstance(value, yaml.MappingNode) else []
     keys = [str(key.value) for key, _ in entries]
     if len(set(keys)) < len(keys) or "<<" in keys:
         line = value.start_mark.line + 1
         raise InputError("says a key twice, or merges others in", path=path, line=line)
-    children: list[YamlElement] = []
+    children: list[Element] = []
     if isinstance(value, yaml.SequenceNode):
         children += _elements_of_list(value.value, path)
     for key, inner in entries:
@@ -87,7 +86,7 @@ def _element_of_entry(tag: str, value: yaml.Node, path: str) -> YamlElement:
                 for part in inner.value
                 if isinstance(part, yaml.MappingNode)
             )
-    return YamlElement(
+    return Element(
         tag=tag,
         attributes={
             str(key.value): text for key, inner in entries if (text := _text(inner)) is not None
