@@ -264,7 +264,7 @@ def test_a_body_that_does_not_come_is_not_waited_for(own_app):
     gate = next(
         each for each in own_app.user_middleware if each.cls is request_body.RequestBodyLimit
     )
-    gate.kwargs["patience"] = 0.2
+    gate.kwargs["timeout_s"] = 0.2
     with (
         serve_in_thread(own_app) as port,
         socket.create_connection(("127.0.0.1", port), timeout=30) as sock,

@@ -86,7 +86,7 @@ def test_webhooks_and_the_audit_log(database):
         remove_webhook(session, hook.id)
 
 
-@pytest.mark.usefixtures("full_effort")
+@pytest.mark.usefixtures("real_password_hashing")
 def test_a_crowd_does_not_get_all_the_memory(monkeypatch):
     """Each hash takes 64 MiB; who comes when all places are taken comes again."""
     for _ in range(passwords._MAX_ADMITTED):

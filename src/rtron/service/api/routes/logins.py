@@ -24,7 +24,7 @@ router = APIRouter()
 
 
 def _login_throttle(request: Request) -> LoginThrottle:
-    throttle: LoginThrottle = request.app.state.attempts
+    throttle: LoginThrottle = request.app.state.login_throttle
     return throttle
 
 
