@@ -40,7 +40,9 @@ MATCHED = (
     matched("costmap", "costmap"),
     matched("map", "costmap", InformationSource.MANIFEST),
     matched("costmap", "costmap", InformationSource.MANIFEST),
-    matched("mobile base", "costmap", InformationSource.MANIFEST, rule="mobile-drive", is_vetoed=True),
+    matched(
+        "mobile base", "costmap", InformationSource.MANIFEST, rule="mobile-drive", is_vetoed=True
+    ),
     matched("map\x1b[2J", piece=InformationSource.README),
 )
 EVIDENCE = """\

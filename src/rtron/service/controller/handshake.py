@@ -194,6 +194,7 @@ class HelloRateLimit:
         """Count one at `now` (ns, wall clock); InputError if there were too many."""
         times = self._times.setdefault(robot, deque(maxlen=MAX_HELLOS_PER_MINUTE))
         if len(times) == MAX_HELLOS_PER_MINUTE and abs(now - times[0]) < _MINUTE:
-            message = f"more than {MAX_HELLOS_PER_MINUTE} hellos within a minute that change the app or the plan"
+            message = f"more than {MAX_HELLOS_PER_MINUTE} hellos within a minute "
+            message += "that change the app or the plan"
             raise InputError(message, help="do several guards have this robot's token?")
         times.append(now)

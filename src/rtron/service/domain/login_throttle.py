@@ -23,7 +23,7 @@ class _Failures:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Backoff:
-    """So many failures are `free_failures`; then the wait doubles from a second to `max_delay` (ns)."""
+    """After `free_failures` the wait doubles with each failure, from 1 s up to `max_delay` (ns)."""
 
     free_failures: int
     max_delay: int
