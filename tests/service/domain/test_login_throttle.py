@@ -2,12 +2,8 @@ import pytest
 from service_app import SECOND
 
 from rtron.service.domain import login_throttle as module
-from rtron.service.domain.login_throttle import (
-    ADDRESS_BACKOFF,
-    NAME_BACKOFF,
-    LoginThrottle,
-    network_prefix,
-)
+from rtron.service.domain.client_address import network_prefix
+from rtron.service.domain.login_throttle import ADDRESS_BACKOFF, NAME_BACKOFF, LoginThrottle
 
 MINUTE = 60 * SECOND
 

@@ -10,19 +10,14 @@ from rtron.planning.plan_file.fields import IDENTIFIER
 from rtron.reports.app.risks_json import risks_to_json
 from rtron.risks import discover_risks
 from rtron.service.controller.robot_snapshot import drop_expired_overrides
+from rtron.service.domain.audit_events import AuditEvent
+from rtron.service.domain.plan_json import plan_digest, plan_json
 from rtron.service.domain.planned_graph import planned_graph
 from rtron.service.domain.risk_model import build_risk_models, planned_nodes
 from rtron.service.domain.settings_checks import drop_misfits
-from rtron.service.store.audit import AuditEvent, record_event
+from rtron.service.store.audit import record_event
 from rtron.service.store.graphs import find_graph, stored_risks
-from rtron.service.store.robots import (
-    count_apps,
-    find_app,
-    plan_digest,
-    plan_json,
-    register_robot,
-    replace_risk_models,
-)
+from rtron.service.store.robots import count_apps, find_app, register_robot, replace_risk_models
 from rtron.service.store.settings import ChangeAuthor, add_settings, load_settings, newest_settings
 from rtron.service.store.tables import AppRow, RobotRow, SettingsRow
 from rtron.vocabulary import SECOND, EmergencyStop, Plan, Settings, apply_settings

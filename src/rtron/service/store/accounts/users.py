@@ -6,7 +6,7 @@ from sqlalchemy import func, select, update
 from sqlalchemy.orm import Session
 
 from rtron.service.domain.errors import ConflictError, NotFoundError
-from rtron.service.domain.schemas import UserRole
+from rtron.service.domain.roles import UserRole
 from rtron.service.store.accounts.logins import end_sessions
 from rtron.service.store.tables import UserRow
 
