@@ -78,7 +78,7 @@ def graph(*nodes, links=()):
         Endpoint(node=node, topic=f"/{type}", type=type, direction=directions[arrow])
         for node, arrow, type in links
     )
-    return InteractionGraph(app="app", nodes=node_functions, endpoints=ends)
+    return InteractionGraph(app="app", nodes=nodes, endpoints=ends)
 
 
 SLAM_NODES = (
@@ -111,7 +111,7 @@ def test_a_map_that_is_only_handed_out_is_no_mapping():
     nodes = (*SLAM_NODES[1:], Node(name="/amcl", package="amcl"))
     served = Node(name="/map", package="map_server")
     links = (*SLAM_LINKS[2:], ("/map", "->", "nav_msgs/OccupancyGrid"))
-    assert app_profile(graph(*node_functions, served, links=links)).categories == ("Navigation",)
+    assert app_profile(graph(*nodes, served, links=links)).categories == ("Navigation",)
 
 
 def test_of_functions_that_are_not_sure_those_count_that_the_node_speaks_as(monkeypatch):

@@ -2,7 +2,7 @@
 
 import pytest
 
-from rtron.functions import node_functions
+from rtron.functions import node_functions as module
 from rtron.functions.node_functions import (
     FunctionSource,
     NodeFunctions,
@@ -223,7 +223,7 @@ def test_a_nodes_own_name_counts_with_messages_of_the_kind():
 
 def test_each_name_is_asked_once_whatever_its_number(monkeypatch):
     asked = []
-    monkeypatch.setattr(node_functions, "classify_name", lambda *name: asked.append(name) or ())
+    monkeypatch.setattr(module, "classify_name", lambda *name: asked.append(name) or ())
     crowd = tuple(Node(name=f"/n_{number}", package="pack") for number in range(5))
     functions_of_nodes(InteractionGraph(app="a", nodes=crowd), {"pack": "words"})
     assert asked == [("pack", "words"), ("n", "")]
@@ -249,7 +249,7 @@ def test_of_a_packages_functions_those_that_the_messages_fit(
     monkeypatch, sends, hears, expected, sure
 ):
     both = {"both": (F.PATH_PLANNING, F.RECOGNITION)}
-    monkeypatch.setattr(node_functions, "classify_name", lambda name, _="": both.get(name, ()))
+    monkeypatch.setattr(module, "classify_name", lambda name, _="": both.get(name, ()))
     found = node_functions(Node(name="/n", package="both"), sends, hears)
     assert (found.functions, found.is_certain) == (expected, sure)
 

@@ -14,7 +14,7 @@ class LinkedApp:
     def __init__(self, ros1, service):
         self.ros1, self.service = ros1, service
         self.driven = Driven(ros1.folder / "driven.txt")
-        self.token = service.token(ROBOT, "guard", robot=ROBOT)
+        self.token = service.create_token(ROBOT, "guard", robot=ROBOT)
         self.guard = self.start_guard()
         driver = [ROS_PYTHON, NODES / "driver.py", self.driven.path, "__name:=driver"]
         ros1.spawn(*driver, f"{CMD_VEL}:={OUT}")
@@ -51,13 +51,13 @@ class LinkedApp:
 
     def events(self, **filters):
         query = "&".join(f"{key}={value}" for key, value in filters.items())
-        return self.service.ask(f"/api/v1/events?robot={ROBOT}&{query}")["events"]
+        return self.service.request(f"/api/v1/events?robot={ROBOT}&{query}")["events"]
 
     def verdicts(self, flow):
         return [each for each in self.events(kind="verdict") if each["flow"] == flow]
 
     def outcome(self):
-        return self.service.ask(f"/api/v1/robots/{ROBOT}/settings")
+        return self.service.request(f"/api/v1/robots/{ROBOT}/settings")
 
     def change(self, **flows):
         view = self.service.change(ROBOT, {"grcn_cmd_vel": {"flows": flows}})

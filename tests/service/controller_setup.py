@@ -3,9 +3,9 @@
 from dataclasses import dataclass, field
 
 from rtron.planning import parse_plan
-from rtron.service.api.auth.authentication import Principal
 from rtron.service.controller.risk_controller import RiskController
-from rtron.service.domain.schemas import UserRole
+from rtron.service.domain.principal import Principal
+from rtron.service.domain.roles import UserRole
 from rtron.service.store.database import Database
 from rtron.vocabulary import Plan, Settings
 from rtron.wire.common.link_protocol import Hello

@@ -9,7 +9,7 @@ import uvicorn
 from harness import wait_for
 
 from rtron.service.config import ServiceConfig
-from rtron.service.domain.schemas import AccessScope, UserRole
+from rtron.service.domain.roles import AccessScope, UserRole
 from rtron.service.server.http import uvicorn_options
 from rtron.service.store.accounts.logins import SessionLifetime, begin_session
 from rtron.service.store.accounts.passwords import hash_password

@@ -65,7 +65,8 @@ class Category:
 class AppProfile:
     """An app, the nodes of each function in it, and its most specific categories.
 
-    `nearest_category` is a category that it is not of, but has more functions of than of any of its own.
+    `nearest` is a category that the app does not belong to, but has more functions of than of any
+    of its own categories.
     """
 
     app: str

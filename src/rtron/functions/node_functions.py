@@ -46,9 +46,10 @@ class FunctionSource(StringEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NodeFunctions:
-    """The functions of a node, and what tells them; the first one is the node's own where sure.
+    """The functions of a node, and their source; the first one is the node's own where certain.
 
-    `is_certain` is false where a package has several functions and nothing tells which is the node's.
+    `is_certain` is false where a package has several functions and nothing says which of them the
+    node has.
     """
 
     functions: Functions = ()

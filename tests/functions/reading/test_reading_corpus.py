@@ -215,4 +215,4 @@ def test_standard_input(monkeypatch):
     stdin = SimpleNamespace(buffer=io.BytesIO(b'{"repo": "a"}\n{'))
     monkeypatch.setattr(sys, "stdin", stdin)
     assert [each.name for each in read_repositories(STDIN, None, notes.append)] == ["a"]
-    assert [each.place for each in notes] == ["standard input:2"]
+    assert [each.location for each in notes] == ["standard input:2"]

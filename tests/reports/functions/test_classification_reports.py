@@ -31,7 +31,7 @@ UNKNOWN = Classification(repo="zzz")
 
 
 def matched(text, package="", piece=InformationSource.NAME, **keys):
-    of = {"rule": "mapping-map", "type": MAPPING, "weight": 4.5, "vetoed": False}
+    of = {"rule": "mapping-map", "type": MAPPING, "weight": 4.5, "is_vetoed": False}
     return RuleMatch(text=text, package=package, source=piece, **{**of, **keys})
 
 
@@ -40,7 +40,9 @@ MATCHED = (
     matched("costmap", "costmap"),
     matched("map", "costmap", InformationSource.MANIFEST),
     matched("costmap", "costmap", InformationSource.MANIFEST),
-    matched("mobile base", "costmap", InformationSource.MANIFEST, rule="mobile-drive", vetoed=True),
+    matched(
+        "mobile base", "costmap", InformationSource.MANIFEST, rule="mobile-drive", is_vetoed=True
+    ),
     matched("map\x1b[2J", piece=InformationSource.README),
 )
 EVIDENCE = """\

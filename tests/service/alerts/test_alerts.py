@@ -90,9 +90,9 @@ def tell(app, client):
     """Tell the hub of an event."""
 
     def tell(**changed):
-        app.state.service.hub.tell({"type": "event", "event": EVENT | changed})
+        app.state.service.hub.broadcast({"type": "event", "event": EVENT | changed})
 
-    wait_for(lambda: app.state.service.hub.listened)
+    wait_for(lambda: app.state.service.hub.has_listeners)
     return tell
 
 
@@ -143,7 +143,7 @@ def test_the_same_alarm_is_not_repeated_within_a_minute(clock, hook, tell, recei
 
 
 def test_it_is_sent_again_until_it_is_taken(monkeypatch, hook, tell, receiver, client, admin):
-    monkeypatch.setattr(worker, "PAUSES", (0.0, 0.0, 0.0))
+    monkeypatch.setattr(worker, "RETRY_DELAYS_S", (0.0, 0.0, 0.0))
     hook()
     receiver.answers = [500, 429, 503]
     tell()
@@ -152,7 +152,7 @@ def test_it_is_sent_again_until_it_is_taken(monkeypatch, hook, tell, receiver, c
 
 
 def test_what_is_given_up_is_shown_and_counted(monkeypatch, hook, tell, receiver, client, admin):
-    monkeypatch.setattr(worker, "PAUSES", (0.0, 0.0, 0.0))
+    monkeypatch.setattr(worker, "RETRY_DELAYS_S", (0.0, 0.0, 0.0))
     hook()
     receiver.answers = [500, 404, 500, 418]
     tell()
@@ -167,7 +167,7 @@ def test_what_is_given_up_is_shown_and_counted(monkeypatch, hook, tell, receiver
 
 
 def test_no_redirect_is_followed(monkeypatch, hook, tell, receiver, client, admin):
-    monkeypatch.setattr(worker, "PAUSES", ())
+    monkeypatch.setattr(worker, "RETRY_DELAYS_S", ())
     hook()
     receiver.answers = [302]
     tell()
@@ -187,8 +187,8 @@ def test_who_does_not_answer_does_not_hold_up_the_others(
 
 
 def test_a_flood_fills_no_memory(monkeypatch, hook, tell, receiver, client, admin):
-    monkeypatch.setattr(worker, "PAUSES", ())
-    monkeypatch.setattr(worker, "_MOST_WAITING", 2)
+    monkeypatch.setattr(worker, "RETRY_DELAYS_S", ())
+    monkeypatch.setattr(worker, "_MAX_QUEUED", 2)
     hook()
     for each in range(50):
         tell(id=each, topic=f"/{each}")
@@ -214,7 +214,7 @@ def test_after_its_removal_a_webhook_is_silent(hook, tell, receiver, client, adm
 
 def test_tls_is_checked_under_the_hosts_name(monkeypatch, tell, client, admin, certificate):
     """The address was looked up before; the certificate is for the name, and is not trusted."""
-    monkeypatch.setattr(worker, "PAUSES", ())
+    monkeypatch.setattr(worker, "RETRY_DELAYS_S", ())
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
     context.load_cert_chain(*certificate)
     with run_receiver(context) as receiver:
@@ -287,7 +287,7 @@ def test_another_alarm_is_news(key):
 
 def test_alerts_outlive_a_failing_database(app, clock, monkeypatch, hook, tell, receiver):
     """Neither the look at the webhooks nor the note of a failure may end them."""
-    monkeypatch.setattr(worker, "PAUSES", (0.0, 0.0, 0.0))
+    monkeypatch.setattr(worker, "RETRY_DELAYS_S", (0.0, 0.0, 0.0))
     hook()
     tell(id=1, topic="/a")
     assert number(receiver) == 1

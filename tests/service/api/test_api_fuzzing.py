@@ -56,7 +56,7 @@ CHECKS = (
 def site(tmp_path_factory):
     app = create_app(ServiceConfig(database=tmp_path_factory.mktemp("fuzz") / "rtron.db"))
     met = Hello(app="small", plan=parse_plan(PLAN), run="run", began=1, version="1", robot="car1")
-    app.state.service.controller.greet("car1", met)
+    app.state.service.controller.handle_hello("car1", met)
     people = AccountFactory(app.state.service)
     headers = people.token_headers("fuzz", "admin", "developer", "end_user")
     with serve_in_thread(app) as port:

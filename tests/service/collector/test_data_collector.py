@@ -22,11 +22,11 @@ from sqlalchemy.exc import OperationalError
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from rtron.errors import InputError, SourceError
-from rtron.service.api.auth.authentication import Principal
 from rtron.service.collector.close_codes import CloseCode
 from rtron.service.collector.state_throttle import MAX_STATE_BYTES
 from rtron.service.controller.risk_controller import RiskController
-from rtron.service.domain.schemas import UserRole
+from rtron.service.domain.principal import Principal
+from rtron.service.domain.roles import UserRole
 from rtron.service.live.hub import Hub
 from rtron.service.store.database import Database
 from rtron.service.store.event_pages import EventFilter, event_page

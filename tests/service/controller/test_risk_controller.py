@@ -59,7 +59,7 @@ def release(world, who, revision=None, reason="all clear"):
     if revision is None:
         revision = newest(world).revision
     request = ReleaseRequest(revision=revision, reason=reason)
-    return world.controller.release(who, "r2", request)
+    return world.controller.release_emergency_stop(who, "r2", request)
 
 
 def audit(world):
@@ -791,10 +791,10 @@ def test_what_is_pushed_never_goes_back(tmp_path):
 def rejected_block(world):
     """Let the guard refuse revision 2, which blocks a flow; revision 1 is in force."""
     world.controller.change(DEVELOPER, "r2", change(0))
-    world.controller.answered("r2", Applied(revision=1))
+    world.controller.handle_applied("r2", Applied(revision=1))
     flows = {"drive": {"flows": {"flow1": {"block": True}}}}
     world.controller.change(DEVELOPER, "r2", change(1, flows))
-    world.controller.answered("r2", Applied(revision=2, error="no"))
+    world.controller.handle_applied("r2", Applied(revision=2, error="no"))
 
 
 def test_an_override_does_not_take_along_what_the_guard_refused(met):

@@ -2,101 +2,97 @@ import pytest
 from service_app import SECOND
 
 from rtron.service.domain import login_throttle as module
-from rtron.service.domain.login_throttle import (
-    ADDRESS_BACKOFF,
-    NAME_BACKOFF,
-    LoginThrottle,
-    network_prefix,
-)
+from rtron.service.domain.client_address import network_prefix
+from rtron.service.domain.login_throttle import ADDRESS_BACKOFF, NAME_BACKOFF, LoginThrottle
 
 MINUTE = 60 * SECOND
 
 
-def fail(attempts, name, address, now, times):
+def fail(throttle, name, address, now, times):
     """Try until it has failed so many times, waiting as told; return the time."""
     for _ in range(times):
-        while wait := attempts.begin(name, address, now):
+        while wait := throttle.begin_attempt(name, address, now):
             now += wait
     return now
 
 
 def test_the_wait_of_an_address_doubles_up_to_a_bound():
-    attempts = LoginThrottle()
-    assert fail(attempts, "mary", "10.0.0.1", 0, ADDRESS_BACKOFF.free_failures) == 0
+    throttle = LoginThrottle()
+    assert fail(throttle, "mary", "10.0.0.1", 0, ADDRESS_BACKOFF.free_failures) == 0
     waits = []
     now = 0
     for _ in range(14):
-        waits.append(attempts.begin_attempt("other", "10.0.0.1", now) // SECOND)
+        waits.append(throttle.begin_attempt("other", "10.0.0.1", now) // SECOND)
         now += waits[-1] * SECOND
-        assert attempts.begin_attempt("other", "10.0.0.1", now) == 0
+        assert throttle.begin_attempt("other", "10.0.0.1", now) == 0
     assert waits == [1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 900, 900, 900, 900]
 
 
 def test_it_is_free_once_the_wait_is_over_and_not_before():
-    attempts = LoginThrottle()
-    fail(attempts, "mary", "10.0.0.1", 0, ADDRESS_BACKOFF.free_failures)
-    assert attempts.begin_attempt("mary", "10.0.0.1", SECOND - 1) == 1
-    assert attempts.begin_attempt("mary", "10.0.0.1", SECOND) == 0
+    throttle = LoginThrottle()
+    fail(throttle, "mary", "10.0.0.1", 0, ADDRESS_BACKOFF.free_failures)
+    assert throttle.begin_attempt("mary", "10.0.0.1", SECOND - 1) == 1
+    assert throttle.begin_attempt("mary", "10.0.0.1", SECOND) == 0
 
 
 def test_another_address_waits_for_nothing():
-    attempts = LoginThrottle()
+    throttle = LoginThrottle()
     now = 0
     for host in range(200):
-        now = fail(attempts, "mary", f"10.0.0.{host}", now, ADDRESS_BACKOFF.free_failures)
-    assert attempts.begin_attempt("mary", "192.168.7.7", now) == 0
+        now = fail(throttle, "mary", f"10.0.0.{host}", now, ADDRESS_BACKOFF.free_failures)
+    assert throttle.begin_attempt("mary", "192.168.7.7", now) == 0
 
 
 def test_a_name_that_fails_everywhere_makes_those_wait_who_have_failed():
-    attempts = LoginThrottle()
+    throttle = LoginThrottle()
     for host in range(NAME_BACKOFF.free_failures):
-        assert attempts.begin_attempt("mary", f"10.0.0.{host}", 0) == 0
-    assert attempts.begin_attempt("mary", "10.0.0.3", 0) == SECOND
-    assert attempts.begin_attempt("john", "10.0.0.3", 0) == 0
+        assert throttle.begin_attempt("mary", f"10.0.0.{host}", 0) == 0
+    assert throttle.begin_attempt("mary", "10.0.0.3", 0) == SECOND
+    assert throttle.begin_attempt("john", "10.0.0.3", 0) == 0
 
 
 def test_who_mistyped_once_while_the_name_is_attacked_waits_a_minute_at_most():
-    attempts = LoginThrottle()
+    throttle = LoginThrottle()
     now = 0
     for host in range(100):
-        attempts.begin_attempt("mary", f"10.0.1.{host}", now)
-    attempts.begin_attempt("mary", "192.168.7.7", now)
+        throttle.begin_attempt("mary", f"10.0.1.{host}", now)
+    throttle.begin_attempt("mary", "192.168.7.7", now)
     for second in range(61):
         for host in range(20):
-            attempts.begin_attempt("mary", f"10.1.{second}.{host}", now + second * SECOND)
-    assert attempts.begin_attempt("mary", "192.168.7.7", now + 61 * SECOND) == 0
+            throttle.begin_attempt("mary", f"10.1.{second}.{host}", now + second * SECOND)
+    assert throttle.begin_attempt("mary", "192.168.7.7", now + 61 * SECOND) == 0
 
 
 def test_a_success_takes_back_its_own_attempt_only():
-    attempts = LoginThrottle()
-    fail(attempts, "mary", "10.0.0.1", 0, ADDRESS_BACKOFF.free_failures)
-    assert attempts.begin_attempt("own", "10.0.0.1", SECOND) == 0
-    attempts.record_success("own", "10.0.0.1")
-    assert attempts.begin_attempt("mary", "10.0.0.1", SECOND) == SECOND
-    assert attempts.failed_count == ADDRESS_BACKOFF.free_failures
+    throttle = LoginThrottle()
+    fail(throttle, "mary", "10.0.0.1", 0, ADDRESS_BACKOFF.free_failures)
+    assert throttle.begin_attempt("own", "10.0.0.1", SECOND) == 0
+    throttle.record_success("own", "10.0.0.1")
+    assert throttle.begin_attempt("mary", "10.0.0.1", SECOND) == SECOND
+    assert throttle.failed_count == ADDRESS_BACKOFF.free_failures
 
 
 def test_an_hour_later_all_is_forgotten():
-    attempts = LoginThrottle()
-    now = fail(attempts, "mary", "10.0.0.1", 0, 12)
-    assert attempts.begin_attempt("mary", "10.0.0.1", now + 59 * SECOND) > 0
+    throttle = LoginThrottle()
+    now = fail(throttle, "mary", "10.0.0.1", 0, 12)
+    assert throttle.begin_attempt("mary", "10.0.0.1", now + 59 * SECOND) > 0
     for _ in range(ADDRESS_BACKOFF.free_failures):
-        assert attempts.begin_attempt("mary", "10.0.0.1", now + 60 * MINUTE + 1) == 0
-    assert attempts.begin_attempt("mary", "10.0.0.1", now + 60 * MINUTE + 1) > 0
+        assert throttle.begin_attempt("mary", "10.0.0.1", now + 60 * MINUTE + 1) == 0
+    assert throttle.begin_attempt("mary", "10.0.0.1", now + 60 * MINUTE + 1) > 0
 
 
 def test_many_at_once_are_not_one():
-    attempts = LoginThrottle()
-    waits = [attempts.begin_attempt("mary", "10.0.0.1", 0) for _ in range(50)]
+    throttle = LoginThrottle()
+    waits = [throttle.begin_attempt("mary", "10.0.0.1", 0) for _ in range(50)]
     assert waits.count(0) == ADDRESS_BACKOFF.free_failures
 
 
 def test_it_is_bounded(monkeypatch):
-    monkeypatch.setattr(module, "_MOST", 10)
-    attempts = LoginThrottle()
+    monkeypatch.setattr(module, "_MAX_KEYS", 10)
+    throttle = LoginThrottle()
     for host in range(100):
-        attempts.begin_attempt(f"name{host}", f"10.0.0.{host}", 0)
-    assert len(attempts._addresses) == len(attempts._names) == 10
+        throttle.begin_attempt(f"name{host}", f"10.0.0.{host}", 0)
+    assert len(throttle._addresses) == len(throttle._names) == 10
 
 
 @pytest.mark.parametrize(
@@ -120,11 +116,11 @@ def test_two_networks_are_two(address, other):
 
 
 def test_what_nobody_judged_is_taken_back():
-    attempts = LoginThrottle()
-    fail(attempts, "mary", "10.0.0.1", 0, ADDRESS_BACKOFF.free_failures - 1)
+    throttle = LoginThrottle()
+    fail(throttle, "mary", "10.0.0.1", 0, ADDRESS_BACKOFF.free_failures - 1)
     for _ in range(100):
-        assert attempts.begin_attempt("mary", "10.0.0.1", 0) == 0
-        attempts.cancel_attempt("mary", "10.0.0.1")
-    assert attempts.failed_count == ADDRESS_BACKOFF.free_failures - 1
-    fail(attempts, "mary", "10.0.0.1", 0, 1)
-    assert attempts.begin_attempt("mary", "10.0.0.1", 0) == SECOND
+        assert throttle.begin_attempt("mary", "10.0.0.1", 0) == 0
+        throttle.cancel_attempt("mary", "10.0.0.1")
+    assert throttle.failed_count == ADDRESS_BACKOFF.free_failures - 1
+    fail(throttle, "mary", "10.0.0.1", 0, 1)
+    assert throttle.begin_attempt("mary", "10.0.0.1", 0) == SECOND

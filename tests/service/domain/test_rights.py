@@ -13,7 +13,7 @@ from rtron.service.domain.rights import (
     missing_rights,
     needed_rights,
 )
-from rtron.service.domain.schemas import Right, UserRole
+from rtron.service.domain.roles import Right, UserRole
 from rtron.vocabulary import (
     CoordinationKind,
     FlowSettings,

@@ -45,7 +45,7 @@ def test_a_blocked_flow_stops_the_base_and_says_why(app):
 
 def test_an_emergency_stop_holds_through_a_restart_of_the_guard(app):
     app.navigate()
-    app.service.ask(f"/api/v1/robots/{ROBOT}/stop", "POST", {"reason": "smoke"})
+    app.service.request(f"/api/v1/robots/{ROBOT}/stop", "POST", {"reason": "smoke"})
     wait_for(app.rests, what="the stop")
     app.guard.kill()
     app.start_guard()
@@ -53,7 +53,7 @@ def test_an_emergency_stop_holds_through_a_restart_of_the_guard(app):
     assert "smoke" in app.stream()["stopping"]
     heard = len(app.driven.navigation())
     body = {"reason": "it was steam", "revision": app.robot()["revision"]}
-    app.service.ask(f"/api/v1/robots/{ROBOT}/stop", "DELETE", body)
+    app.service.request(f"/api/v1/robots/{ROBOT}/stop", "DELETE", body)
     wait_for(lambda: len(app.driven.navigation()) > heard, what="navigation again")
 
 

@@ -19,7 +19,7 @@ def database(app):
 @pytest.fixture
 def car1(app):
     hello = Hello(app="app", plan=Plan(app="app"), run="r", began=1, version="1")
-    app.state.service.controller.greet("car1", hello)
+    app.state.service.controller.handle_hello("car1", hello)
 
 
 def test_reading_goes_on(client, database, people, clock, caplog):

@@ -93,7 +93,7 @@ def test_only_a_known_proxy_is_believed_about_addresses(tmp_path):
             httpx.post(
                 f"http://127.0.0.1:{port}/api/v1/login", json=login, headers=forwarded, timeout=30
             )
-        return set(app.state.attempts._addresses)
+        return set(app.state.login_throttle._addresses)
 
     assert address(ServiceConfig(database=tmp_path / "a.db")) == {"127.0.0.1"}
     proxied = ServiceConfig(database=tmp_path / "b.db", proxies=("127.0.0.1",))

@@ -50,8 +50,8 @@ def test_pages_together_have_each_event_once(filled, limit, wanted):
             before = page.next
             if before is None:
                 break
-    assert event_pages == everything
-    assert len(set(event_pages)) == len(event_pages)
+    assert pages == everything
+    assert len(set(pages)) == len(pages)
 
 
 @pytest.mark.parametrize(
@@ -98,7 +98,7 @@ def test_a_page_has_an_end(database):
 )
 def test_a_search_goes_on_behind_what_one_page_looks_through(filled, monkeypatch, span, wanted):
     everything = page_numbers(filled, **wanted)
-    monkeypatch.setattr(event_pages, "SPAN", span)
+    monkeypatch.setattr(event_pages, "MAX_SEARCHED_EVENTS", span)
     pieces, before, calls = [], None, 0
     with filled.session() as session:
         while True:

@@ -2,7 +2,8 @@ import pytest
 from sqlalchemy import func, select
 from store_data import make_event, new_robot, store_events
 
-from rtron.service.store.audit import AuditEvent, record_event
+from rtron.service.domain.audit_events import AuditEvent
+from rtron.service.store.audit import record_event
 from rtron.service.store.retention import BATCH_EVENTS, RetentionLimits, prune_events, used_bytes
 from rtron.service.store.tables import AuditRow, EventRow, SettingsRow
 from rtron.vocabulary import EventKind

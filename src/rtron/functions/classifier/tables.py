@@ -5,8 +5,6 @@ none; it is counted as an Extension that a person has to look at, as half of tho
 (106 of 206).
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
@@ -45,7 +43,7 @@ class ClassificationCounts:
         """The share that a rule decided, from 0 to 1; None of none at all."""
         return self.decided / self.total if self.total else None
 
-    def __add__(self, other: ClassificationCounts) -> ClassificationCounts:
+    def __add__(self, other: "ClassificationCounts") -> "ClassificationCounts":
         return ClassificationCounts(
             name=self.name + other.name,
             manifest=self.manifest + other.manifest,

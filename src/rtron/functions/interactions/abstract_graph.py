@@ -46,7 +46,7 @@ class Basis(StringEnum):
     """How it is known that two functions exchange a type.
 
     `source`: packages on both sides do, in their source. `manifest`: it is typical of both, and
-    packages on both sides depend on the type's package or have it in their source. `typical_traffic`: it
+    packages on both sides depend on the type's package or have it in their source. `typical`: it
     is typical of both, and nothing was read.
     """
 

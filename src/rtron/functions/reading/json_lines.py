@@ -23,8 +23,8 @@ Document: TypeAlias = Mapping[str, Any]
 def read_json_lines(path: Path, on_skipped: SkippedHandler) -> Iterator[tuple[str, Document]]:
     """Yield each line's object with its place, `file:line`; `-` is standard input.
 
-    A line that is no object, or longer than MAX_LINE bytes, goes to `on_skipped`. Raise InputError for a
-    file that cannot be opened, or has more than MAX_BYTES.
+    A line that is no object, or longer than MAX_LINE bytes, goes to `on_skipped`. Raise InputError
+    for a file that cannot be opened, or has more than MAX_BYTES.
     """
     file_name = "standard input" if path == STDIN else str(path)
     try:

@@ -23,8 +23,8 @@ def read_repositories(
 ) -> list[SourceRepository]:
     """Return the repositories of a corpus, a folder, or a distribution.yaml of rosdistro.
 
-    `readmes` is a file with READMEs for those that have none. What is left out goes to `on_skipped`.
-    Raise InputError if nothing can be read, or there are more than MAX_REPOSITORIES,
+    `readmes` is a file with READMEs for those that have none. What is left out goes to
+    `on_skipped`. Raise InputError if nothing can be read, or there are more than MAX_REPOSITORIES,
     or MAX_PACKAGES in them.
     """
     texts = read_readmes(readmes, SkippedCounter(on_skipped)) if readmes else {}

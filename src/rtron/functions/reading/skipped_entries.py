@@ -41,7 +41,7 @@ def read_or_skip(
     *arguments: P.args,
     **keys: P.kwargs,
 ) -> T | None:
-    """Return what `read` makes of an entry, None where it is unreadable: that goes to `on_skipped`."""
+    """Return what `read` makes of an entry; None, and a call of `on_skipped`, if unreadable."""
     try:
         return read(*arguments, **keys)
     except UnreadableEntryError as error:

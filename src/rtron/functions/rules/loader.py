@@ -14,7 +14,7 @@ from rtron.functions.classifier.result import InformationSource
 from rtron.functions.patterns.index import PatternIndex
 from rtron.functions.patterns.parser import parse_pattern
 from rtron.functions.rules.rule import FunctionRule
-from rtron.vocabulary import FunctionType  # noqa: TC001 - pydantic reads it
+from rtron.vocabulary import FunctionType
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -7,7 +7,8 @@ from sqlalchemy.orm import Session
 
 from rtron.errors import RTronError
 from rtron.service.api.context import ServiceContext
-from rtron.service.store.audit import AuditEvent, record_event, record_repeatable
+from rtron.service.domain.audit_events import AuditEvent
+from rtron.service.store.audit import record_event, record_repeatable
 
 
 @contextmanager

@@ -12,6 +12,7 @@ from starlette.exceptions import HTTPException
 from starlette.responses import JSONResponse, Response
 
 from rtron.errors import InputError, RTronError
+from rtron.service.api.schemas import ErrorResponse
 from rtron.service.domain.errors import (
     AuthenticationError,
     ConflictError,
@@ -19,7 +20,6 @@ from rtron.service.domain.errors import (
     NotFoundError,
     TooManyRequestsError,
 )
-from rtron.service.domain.schemas import ErrorResponse
 
 log = logging.getLogger(__name__)
 

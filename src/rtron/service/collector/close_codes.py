@@ -21,7 +21,7 @@ class CloseCode(IntEnum):
     TOO_MUCH = 4429
 
 
-class CloseConnectionError(Exception):  # noqa: N818 - no error of ours: the way a connection ends
+class CloseConnectionError(Exception):
     """Ends the connection with this code; `reason` is told to the guard."""
 
     def __init__(self, code: CloseCode, reason: str) -> None:

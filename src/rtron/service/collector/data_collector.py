@@ -12,6 +12,7 @@ from sqlalchemy.exc import SQLAlchemyError
 
 from rtron.service.collector.event_writer import EventWriter
 from rtron.service.domain.clock import Clock
+from rtron.service.domain.plan_json import plan_digest, plan_json
 from rtron.service.live.hub import Hub
 from rtron.service.store.database import Database
 from rtron.service.store.events import (
@@ -22,7 +23,7 @@ from rtron.service.store.events import (
     lost_events_by_robot,
 )
 from rtron.service.store.retention import RetentionLimits, prune_events
-from rtron.service.store.robots import find_robot, plan_digest, plan_json, register_robot
+from rtron.service.store.robots import find_robot, register_robot
 from rtron.service.store.settings import load_settings, newest_settings
 from rtron.vocabulary import EventKind, GuardEventLevel, Settings
 from rtron.wire.common.link_protocol import Applied, Hello

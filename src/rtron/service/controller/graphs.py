@@ -9,11 +9,11 @@ from rtron.errors import InputError, RTronError
 from rtron.reports.app.page_data import page_data
 from rtron.reports.app.risks_json import risks_to_json
 from rtron.risks import discover_risks
-from rtron.service.api.auth.authentication import Principal
 from rtron.service.controller.handshake import store_risk_models
 from rtron.service.controller.robot_snapshot import RobotSnapshot, load_snapshot
 from rtron.service.domain.clock import Clock
 from rtron.service.domain.planned_graph import planned_graph
+from rtron.service.domain.principal import Principal
 from rtron.service.store.audit import record_event, record_repeatable
 from rtron.service.store.database import Database
 from rtron.service.store.graphs import find_graph, store_graph

@@ -10,19 +10,14 @@ from rtron.planning.plan_file.fields import IDENTIFIER
 from rtron.reports.app.risks_json import risks_to_json
 from rtron.risks import discover_risks
 from rtron.service.controller.robot_snapshot import drop_expired_overrides
+from rtron.service.domain.audit_events import AuditEvent
+from rtron.service.domain.plan_json import plan_digest, plan_json
 from rtron.service.domain.planned_graph import planned_graph
 from rtron.service.domain.risk_model import build_risk_models, planned_nodes
 from rtron.service.domain.settings_checks import drop_misfits
-from rtron.service.store.audit import AuditEvent, record_event
+from rtron.service.store.audit import record_event
 from rtron.service.store.graphs import find_graph, stored_risks
-from rtron.service.store.robots import (
-    count_apps,
-    find_app,
-    plan_digest,
-    plan_json,
-    register_robot,
-    replace_risk_models,
-)
+from rtron.service.store.robots import count_apps, find_app, register_robot, replace_risk_models
 from rtron.service.store.settings import ChangeAuthor, add_settings, load_settings, newest_settings
 from rtron.service.store.tables import AppRow, RobotRow, SettingsRow
 from rtron.vocabulary import SECOND, EmergencyStop, Plan, Settings, apply_settings
@@ -194,6 +189,7 @@ class HelloRateLimit:
         """Count one at `now` (ns, wall clock); InputError if there were too many."""
         times = self._times.setdefault(robot, deque(maxlen=MAX_HELLOS_PER_MINUTE))
         if len(times) == MAX_HELLOS_PER_MINUTE and abs(now - times[0]) < _MINUTE:
-            message = f"more than {MAX_HELLOS_PER_MINUTE} hellos within a minute that change the app or the plan"
+            message = f"more than {MAX_HELLOS_PER_MINUTE} hellos within a minute "
+            message += "that change the app or the plan"
             raise InputError(message, help="do several guards have this robot's token?")
         times.append(now)

@@ -11,7 +11,8 @@ from rtron.service.controller.robot_snapshot import drop_expired_overrides, load
 from rtron.service.domain.errors import NotFoundError
 from rtron.service.domain.rights import granted_rights
 from rtron.service.domain.risk_model import CoordinationNode, node_json, planned_nodes, topics
-from rtron.service.domain.schemas import NodeParameters, UserRole
+from rtron.service.domain.roles import UserRole
+from rtron.service.domain.schemas import NodeParameters
 from rtron.service.domain.violations import Violation, describe_violation
 from rtron.service.store.robots import coordination_nodes
 from rtron.service.store.tables import CoordinationNodeRow

@@ -14,7 +14,6 @@ from sqlalchemy.exc import IntegrityError, SQLAlchemyError
 from sqlalchemy.orm import Session
 
 from rtron.errors import RTronError, SourceError
-from rtron.service.api.auth.authentication import Principal
 from rtron.service.controller.handshake import HelloRateLimit, check_hello, perform_handshake
 from rtron.service.controller.robot_snapshot import (
     RobotSnapshot,
@@ -23,10 +22,16 @@ from rtron.service.controller.robot_snapshot import (
     load_current_app,
     load_snapshot,
 )
-from rtron.service.controller.settings_sender import GuardChannel, SettingsSender
-from rtron.service.domain.audit_events import node_target, settings_answer_event, truncated_json
+from rtron.service.controller.settings_sender import SettingsSender
+from rtron.service.domain.audit_events import (
+    AuditEvent,
+    node_target,
+    settings_answer_event,
+    truncated_json,
+)
 from rtron.service.domain.clock import Clock
 from rtron.service.domain.errors import ConflictError, NotFoundError
+from rtron.service.domain.principal import Principal
 from rtron.service.domain.revisions import (
     StaleRevisionError,
     add_override,
@@ -46,7 +51,8 @@ from rtron.service.domain.schemas import (
     SettingsOutcome,
     SettingsView,
 )
-from rtron.service.store.audit import AuditEvent, record_event, record_repeatable
+from rtron.service.live.hub import Hub
+from rtron.service.store.audit import record_event, record_repeatable
 from rtron.service.store.database import Database
 from rtron.service.store.robots import store_policy_settings
 from rtron.service.store.settings import (
@@ -75,7 +81,7 @@ class RiskController:
     of it, stands in the audit log.
     """
 
-    def __init__(self, database: Database, hub: GuardChannel, clock: Clock) -> None:
+    def __init__(self, database: Database, hub: Hub, clock: Clock) -> None:
         self._database = database
         self._sender = SettingsSender(hub)
         self._clock = clock

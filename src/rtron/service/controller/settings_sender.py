@@ -1,23 +1,13 @@
 """What goes out to the guards: for each robot one after the other, and never backwards."""
 
 from threading import RLock
-from typing import Any, Protocol
 
 from rtron.service.domain.revisions import add_stop
 from rtron.service.domain.schemas import SettingsView
+from rtron.service.live.hub import Hub
 from rtron.vocabulary import Settings
 
 _LOCK_COUNT = 64
-
-
-class GuardChannel(Protocol):
-    """What the controller needs of the hub: the way to the guards, and to those who watch."""
-
-    def push(self, robot: str, settings: Settings) -> None:
-        """Send settings to the robot's guard, if it is connected."""
-
-    def broadcast(self, message: dict[str, Any]) -> None:
-        """Tell everybody who watches."""
 
 
 class SettingsSender:
@@ -26,7 +16,7 @@ class SettingsSender:
     Whoever stores settings holds `robot_lock` from before that until they are sent.
     """
 
-    def __init__(self, hub: GuardChannel) -> None:
+    def __init__(self, hub: Hub) -> None:
         self._hub = hub
         self._locks = tuple(RLock() for _ in range(_LOCK_COUNT))
         self._last_sent: dict[str, Settings] = {}

@@ -6,10 +6,11 @@ have failed before, never one that has not: so nobody can lock somebody else out
 
 from collections import OrderedDict
 from dataclasses import dataclass
-from ipaddress import IPv6Address, ip_address
 from threading import Lock
 
-SECOND = 1_000_000_000
+from rtron.service.domain.client_address import network_prefix
+from rtron.vocabulary import SECOND
+
 _MAX_KEYS = 10_000
 _FORGET_AFTER = 3600 * SECOND
 _FORGET_FEW_AFTER = 60 * SECOND
@@ -23,7 +24,7 @@ class _Failures:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Backoff:
-    """So many failures are `free_failures`; then the wait doubles from a second to `max_delay` (ns)."""
+    """After `free_failures` the wait doubles with each failure, from 1 s up to `max_delay` (ns)."""
 
     free_failures: int
     max_delay: int
@@ -81,18 +82,6 @@ class LoginThrottle:
             if by_address := self._addresses.get(network_prefix(address)):
                 by_address.count = max(0, by_address.count - 1)
             self.failed_count -= 1
-
-
-def network_prefix(address: str) -> str:
-    """Return the address, of IPv6 the /64: who has one address there has all of them."""
-    try:
-        parsed = ip_address(address.partition("%")[0])
-    except ValueError:
-        return address
-    if isinstance(parsed, IPv6Address):
-        mapped = parsed.ipv4_mapped
-        return str(mapped) if mapped else str(IPv6Address(int(parsed) >> 64 << 64))
-    return str(parsed)
 
 
 def _recent_failures(

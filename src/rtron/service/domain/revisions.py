@@ -13,13 +13,8 @@ from rtron.service.domain.rights import (
     missing_rights,
     needed_rights,
 )
-from rtron.service.domain.schemas import (
-    OverrideRequest,
-    Right,
-    SettingsChange,
-    SettingsView,
-    UserRole,
-)
+from rtron.service.domain.roles import Right, UserRole
+from rtron.service.domain.schemas import OverrideRequest, SettingsChange, SettingsView
 from rtron.service.domain.settings_checks import check_settings, effective_plan
 from rtron.service.domain.settings_patch import merge_patch
 from rtron.vocabulary import SECOND, EmergencyStop, Plan, Settings, TimedOverride

@@ -12,7 +12,7 @@ from rtron.planning.coherence.rsrcn import (
     VELOCITY_LIMIT_POLICIES,
     included_policies,
 )
-from rtron.service.domain.schemas import Right, UserRole
+from rtron.service.domain.roles import Right, UserRole
 from rtron.vocabulary import (
     MSRCN,
     RSRCN,

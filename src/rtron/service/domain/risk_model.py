@@ -1,10 +1,11 @@
 """The risk model of each coordination node (paper section 6.3, figure): metadata and settings."""
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 from rtron.reports.text_layout import counted
-from rtron.service.store.robots import RiskModel, plan_json
+from rtron.service.domain.plan_json import plan_json
 from rtron.vocabulary import (
     GRCN,
     MSRCN,
@@ -29,6 +30,17 @@ _RISK_KINDS: Mapping[CoordinationKind, tuple[RiskKind, ...]] = {
 _RISK_KEYS = ("id", "kind", "severity", "reason", "role_nodes", "topics", "successors")
 CoordinationNode: TypeAlias = GRCN | RSRCN | MSRCN | FpsMonitor
 """A coordination node of a plan."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RiskModel:
+    """What is kept of one coordination node: metadata, and its policy settings as JSON."""
+
+    node: str
+    type: str
+    description: str
+    risk_information: dict[str, Any]
+    policy_settings: dict[str, Any]
 
 
 def build_risk_models(

@@ -56,12 +56,12 @@ def create_app(config: ServiceConfig, clock: Clock = wall_clock) -> FastAPI:
         lifespan=_lifespan,
     )
     app.state.service = service
-    app.state.attempts = LoginThrottle()
+    app.state.login_throttle = LoginThrottle()
     app.state.sockets = set()
     app.state.collector = _data_collector(service)
     app.state.registry = CollectorRegistry(auto_describe=False)
-    service_metrics = ServiceMetrics(service, app.state.collector.counters, app.state.attempts)
-    app.state.registry.register(service_metrics)
+    counters = app.state.collector.counters
+    app.state.registry.register(ServiceMetrics(service, counters, app.state.login_throttle))
     install_error_handlers(app)
     _include(app)
     return app
@@ -101,8 +101,7 @@ def _include(app: FastAPI) -> None:
     for part in _API_ROUTES:
         api.include_router(part.router)
     app.include_router(api)
-    for unversioned in (monitoring, monitoring):
-        app.include_router(unversioned.router, responses=ERROR_RESPONSES)
+    app.include_router(monitoring.router, responses=ERROR_RESPONSES)
     app.include_router(websocket_endpoint.router)
     app.include_router(console.router)
 

@@ -4,11 +4,12 @@ import os
 from pathlib import Path
 
 from rtron.errors import InputError
-from rtron.service.domain.schemas import UserRole
+from rtron.service.domain.audit_events import AuditEvent
+from rtron.service.domain.roles import UserRole
 from rtron.service.store.accounts.passwords import hash_password
 from rtron.service.store.accounts.secrets import new_password
 from rtron.service.store.accounts.users import add_user, all_users
-from rtron.service.store.audit import AuditEvent, record_event
+from rtron.service.store.audit import record_event
 from rtron.service.store.database import Database
 
 FIRST_ADMIN = "admin"

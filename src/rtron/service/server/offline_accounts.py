@@ -6,13 +6,14 @@ from typing import TypeVar
 from pydantic import BaseModel, ValidationError
 
 from rtron.errors import InputError
+from rtron.service.api.schemas import NewToken, NewUser
+from rtron.service.domain.audit_events import AuditEvent
 from rtron.service.domain.clock import wall_clock
-from rtron.service.domain.schemas import NewToken, NewUser
 from rtron.service.store.accounts.passwords import hash_password
 from rtron.service.store.accounts.secrets import new_password
 from rtron.service.store.accounts.tokens import TokenSpec, create_token, revoke_token
 from rtron.service.store.accounts.users import add_user, get_user, set_disabled, set_password
-from rtron.service.store.audit import AuditEvent, record_event
+from rtron.service.store.audit import record_event
 from rtron.service.store.database import Database
 
 _Model = TypeVar("_Model", bound=BaseModel)

@@ -1,12 +1,12 @@
-"""The audit log: every change that somebody asked for, and what came of it."""
+"""The audit log: every change that was requested, and its outcome."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 from typing import Any
 
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
+from rtron.service.domain.audit_events import AuditEvent
 from rtron.service.store.tables import AuditRow
 from rtron.vocabulary import SECOND
 
@@ -14,17 +14,6 @@ _DONE = "done"
 _MAX_LENGTH = 300
 _MAX_SIMILAR = 20
 _MINUTE = 60 * SECOND
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class AuditEvent:
-    """Who wants what done to what, and from where; `detail` never holds a secret."""
-
-    who: str
-    action: str
-    target: str
-    address: str = ""
-    detail: Mapping[str, Any] = field(default_factory=dict)
 
 
 def record_event(session: Session, at: int, event: AuditEvent, outcome: str = _DONE) -> None:

@@ -47,8 +47,8 @@ class EventFilter:
 def event_page(session: Session, event_filter: EventFilter, limit: int = 100) -> EventPage:
     """Return at most `limit` events, newest first; of robots nobody knows there are none.
 
-    A page that no index serves looks through `MAX_SEARCHED_EVENTS` events at most: it may hold few events, or
-    none, and yet have a `next`.
+    A page that no index serves looks through `MAX_SEARCHED_EVENTS` events at most: it may hold few
+    events, or none, and yet have a `next`.
     """
     limit = max(1, min(limit, MAX_PAGE_EVENTS))
     end = _search_end(session, event_filter)

@@ -75,7 +75,7 @@ def lost_events_by_robot(session: Session) -> Mapping[str, int]:
 
 
 def lost_event_count(values: Mapping[str, Any]) -> int:
-    """Return how many events an event of the kind `lost_event_count` speaks of; a guard may say anything."""
+    """Return the number of events that an event of the kind `lost` reports; 0 if malformed."""
     events = values.get("events")
     return events if type(events) is int and 0 <= events < 1 << 53 else 0
 

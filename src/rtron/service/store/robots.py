@@ -1,46 +1,20 @@
 """Robots, their apps, and the risk model of the coordination nodes (paper section 6.3)."""
 
-import json
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
-from hashlib import sha256
 from typing import Any
 
-from pydantic import TypeAdapter
 from sqlalchemy import delete, func, select
 from sqlalchemy.orm import Session
 
+from rtron.service.domain.plan_json import parse_plan
+from rtron.service.domain.risk_model import RiskModel
 from rtron.service.store.tables import AppRow, CoordinationNodeRow, RobotRow
 from rtron.vocabulary import Plan
-
-_PLAN: TypeAdapter[Plan] = TypeAdapter(Plan)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class RiskModel:
-    """What is kept of one coordination node: metadata, and its policy settings as JSON."""
-
-    node: str
-    type: str
-    description: str
-    risk_information: dict[str, Any]
-    policy_settings: dict[str, Any]
-
-
-def plan_json(plan: Plan) -> dict[str, Any]:
-    """Return a plan as JSON: the nouns of the vocabulary, durations in ns."""
-    document: dict[str, Any] = _PLAN.dump_python(plan, mode="json")
-    return document
 
 
 def load_plan(app: AppRow) -> Plan:
     """Return the plan of an app."""
-    return _PLAN.validate_python(app.plan)
-
-
-def plan_digest(document: dict[str, Any]) -> str:
-    """Return what tells one plan's JSON from another."""
-    return sha256(json.dumps(document, sort_keys=True).encode()).hexdigest()
+    return parse_plan(app.plan)
 
 
 def list_robots(session: Session) -> Sequence[tuple[RobotRow, AppRow | None]]:

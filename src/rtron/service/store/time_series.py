@@ -11,11 +11,11 @@ from sqlalchemy import Select, select, text
 from sqlalchemy.orm import Session
 
 from rtron.service.store.tables import EventRow, RobotRow
+from rtron.vocabulary import SECOND
 
 MAX_POINTS = 600
 MAX_NAMES = 200
 """So many topics, flows and fps_monitors are told at a point; what is more is left out."""
-_SECOND = 1_000_000_000
 _SECONDS_PER_POINT = 20
 """So many seconds of each point are read."""
 FlowCounts = tuple[int, int, int, int]
@@ -69,16 +69,16 @@ _COUNTS = TypeAdapter(_Counts)
 
 def robot_time_series(session: Session, robot: str, since: int, until: int) -> TimeSeries:
     """Return the figures of a robot from `since` to `until` (ns, excluded)."""
-    seconds = max(1, -(-(until - since) // _SECOND))
+    seconds = max(1, -(-(until - since) // SECOND))
     width = -(-seconds // MAX_POINTS)
     every = -(-width // _SECONDS_PER_POINT)
     samples = _read_counts(session, _query(robot, since, until, every))
-    grouped = groupby(samples, lambda each: (each[0] - since) // (width * _SECOND))
+    grouped = groupby(samples, lambda each: (each[0] - since) // (width * SECOND))
     points = [
-        _point(since + index * width * _SECOND, [counts for _, counts in group], every)
+        _point(since + index * width * SECOND, [counts for _, counts in group], every)
         for index, group in grouped
     ]
-    return TimeSeries(width * _SECOND, every, points)
+    return TimeSeries(width * SECOND, every, points)
 
 
 def _query(robot: str, since: int, until: int, every: int) -> Select[Any]:
@@ -90,7 +90,7 @@ def _query(robot: str, since: int, until: int, every: int) -> Select[Any]:
         EventRow.at < until,
     )
     if every > 1:
-        query = query.where(EventRow.at // _SECOND % every == 0)
+        query = query.where(EventRow.at // SECOND % every == 0)
     return query.order_by(EventRow.at)
 
 

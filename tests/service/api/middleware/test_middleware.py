@@ -20,8 +20,8 @@ from rtron.service.api.middleware.request_body import (
 from rtron.service.api.middleware.request_checks import parse_host_name
 from rtron.service.config import ServiceConfig
 from rtron.service.server.app import create_app
-from rtron.service.server.http import MAX_PER_ADDRESS as MOST_OF_ONE
-from rtron.service.server.http import MAX_PER_TRUSTED_ADDRESS, ConnectionLimit
+from rtron.service.server.http_protocol import MAX_PER_ADDRESS as MOST_OF_ONE
+from rtron.service.server.http_protocol import MAX_PER_TRUSTED_ADDRESS, ConnectionLimit
 
 HEADERS = {
     "content-security-policy",
@@ -264,7 +264,7 @@ def test_a_body_that_does_not_come_is_not_waited_for(own_app):
     gate = next(
         each for each in own_app.user_middleware if each.cls is request_body.RequestBodyLimit
     )
-    gate.kwargs["patience"] = 0.2
+    gate.kwargs["timeout_s"] = 0.2
     with (
         serve_in_thread(own_app) as port,
         socket.create_connection(("127.0.0.1", port), timeout=30) as sock,
@@ -498,7 +498,7 @@ def test_a_long_head_is_refused(raw):
 
 
 def test_a_head_that_does_not_come_ends_the_connection(own_app, monkeypatch):
-    monkeypatch.setattr("rtron.service.server.http._HEAD_TIMEOUT_S", 0.2)
+    monkeypatch.setattr("rtron.service.server.http_protocol._HEAD_TIMEOUT_S", 0.2)
     with serve_in_thread(own_app) as port:
         for said in (b"", b"GET / HTTP/1.1\r\nHost: loc"):
             with socket.create_connection(("127.0.0.1", port), timeout=30) as sock:
@@ -515,7 +515,7 @@ def test_a_head_that_does_not_come_ends_the_connection(own_app, monkeypatch):
 @pytest.mark.parametrize("method", ["GET", "POST"])
 def test_a_body_that_does_not_come_ends_the_connection(own_app, monkeypatch, method):
     """Also where it drips, and where the answer is there already."""
-    monkeypatch.setattr("rtron.service.server.http._BODY_TIMEOUT_S", 0.5)
+    monkeypatch.setattr("rtron.service.server.http_protocol._BODY_TIMEOUT_S", 0.5)
     monkeypatch.setattr("rtron.service.server.http._KEEP_ALIVE_S", 60)
     head = f"{method} /healthz HTTP/1.1\r\nHost: localhost\r\nContent-Length: 100000\r\n\r\n"
     with (
@@ -551,7 +551,7 @@ def test_an_idle_connection_ends(own_app, monkeypatch):
 
 
 def test_no_address_has_all_connections(own_app, monkeypatch, people):
-    monkeypatch.setattr("rtron.service.server.http.MAX_PER_TRUSTED_ADDRESS", 3)
+    monkeypatch.setattr("rtron.service.server.http_protocol.MAX_PER_TRUSTED_ADDRESS", 3)
     with serve_in_thread(own_app) as port:
         place = ("127.0.0.1", port)
         socks = [socket.create_connection(place, timeout=30) for _ in range(3)]
@@ -581,7 +581,7 @@ def _is_served(place):
 
 def test_websockets_are_not_of_the_crowd(own_app, monkeypatch):
     """Many guards may be behind one address; their tokens bound them."""
-    monkeypatch.setattr("rtron.service.server.http.MAX_PER_TRUSTED_ADDRESS", 1)
+    monkeypatch.setattr("rtron.service.server.http_protocol.MAX_PER_TRUSTED_ADDRESS", 1)
     headers = AccountFactory(own_app.state.service).token_headers("t", "read")
     with serve_in_thread(own_app) as port:
         options = {"additional_headers": headers, "proxy": None}

@@ -44,7 +44,7 @@ def drain(socket):
 def test_what_is_live_is_told(app, people, listening):
     with listening(people.session_headers("mary", "end_user")) as socket:
         wait_for_listener(app)
-        app.state.service.hub.tell(MOVE)
+        app.state.service.hub.broadcast(MOVE)
         assert json.loads(socket.recv(timeout=20)) == MOVE
     wait_for(lambda: not app.state.sockets)
     wait_for(lambda: len(app.state.service.hub._listeners) == 1)
@@ -83,12 +83,12 @@ def test_a_console_that_talks_is_not_listened_to(app, people, listening):
         wait_for_listener(app)
         socket.send("x" * 1000)
         socket.send(b"\xff")
-        app.state.service.hub.tell(MOVE)
+        app.state.service.hub.broadcast(MOVE)
         assert json.loads(socket.recv(timeout=20)) == MOVE
 
 
 def test_there_are_not_too_many(app, monkeypatch, people, listening):
-    monkeypatch.setattr(live, "_MOST", 1)
+    monkeypatch.setattr(live, "_MAX_SOCKETS", 1)
     headers = people.session_headers("mary", "end_user")
     with listening(headers), pytest.raises(InvalidStatus, match="403"), listening(headers):
         pass
@@ -98,12 +98,12 @@ def test_there_are_not_too_many(app, monkeypatch, people, listening):
 
 
 def test_an_open_console_is_no_use_of_the_session(app, clock, monkeypatch, people, listening):
-    monkeypatch.setattr(live, "_LOOK_S", 0.01)
+    monkeypatch.setattr(live, "_SESSION_CHECK_INTERVAL_S", 0.01)
     headers = people.session_headers("mary", "end_user")
     with listening(headers) as socket:
         wait_for_listener(app)
         for _ in range(6):
             clock.sleep(0.4 * 3600)
-            app.state.service.hub.tell(MOVE)
+            app.state.service.hub.broadcast(MOVE)
             time.sleep(0.1)
         assert close_code(socket) == 1008

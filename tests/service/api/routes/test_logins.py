@@ -38,7 +38,7 @@ def me(client, headers):
     return client.get("/api/v1/me", headers=headers).status_code
 
 
-@pytest.mark.usefixtures("full_effort")
+@pytest.mark.usefixtures("real_password_hashing")
 def test_a_login_gives_a_cookie_that_scripts_and_other_sites_cannot_have(client, mary, login):
     answer = login()
     assert answer.status_code == 200
@@ -234,10 +234,10 @@ def test_too_many_at_this_moment_are_no_failures(app, client, monkeypatch, peopl
     people.add_user("mary", "end_user")
     login = {"name": "mary", "password": PASSWORD}
     with monkeypatch.context() as patched:
-        patched.setattr(passwords, "_admitted", BoundedSemaphore(1))
+        patched.setattr(passwords, "_admission_slots", BoundedSemaphore(1))
         passwords._admission_slots.acquire()
         for _ in range(3 * ADDRESS_BACKOFF.free_failures):
             answer = client.post("/api/v1/login", json=login)
             assert answer.json()["error"] == "too many logins at this moment"
-    assert app.state.attempts.failed == 0
+    assert app.state.login_throttle.failed_count == 0
     assert client.post("/api/v1/login", json=login).status_code == 200

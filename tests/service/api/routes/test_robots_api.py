@@ -7,7 +7,7 @@ from service_app import serve_in_thread
 
 from rtron.service.config import ServiceConfig
 from rtron.service.controller import graphs
-from rtron.service.domain.schemas import AccessScope
+from rtron.service.domain.roles import AccessScope
 from rtron.service.server.app import create_app
 from rtron.service.store.accounts.tokens import TokenSpec, create_token
 from rtron.service.store.events import EventBatch, add_events
@@ -22,7 +22,7 @@ ROBOT = "/api/v1/robots/r2"
 def service(tmp_path):
     app = create_app(ServiceConfig(database=tmp_path / "rtron.db"))
     found = app.state.service
-    found.controller.greet("r2", hello(plan()))
+    found.controller.handle_hello("r2", hello(plan()))
     yield found, app
     found.database.close()
 
@@ -70,10 +70,10 @@ class FakeLink:
 
 def test_robots_in_short(call, parts):
     link = FakeLink()
-    parts.hub.join("r2", link, dry_run=True)
-    parts.hub.lose("r2", 3)
-    parts.hub.update("r2", link, GuardState(at=5, revision=0))
-    parts.controller.greet("a1", hello(plan(), app="other"))
+    parts.hub.register("r2", link, dry_run=True)
+    parts.hub.add_lost_events("r2", 3)
+    parts.hub.set_state("r2", link, GuardState(at=5, revision=0))
+    parts.controller.handle_hello("a1", hello(plan(), app="other"))
     status, (a1, r2) = call("GET", base="/api/v1/robots", who="read")
     assert (status, a1["name"], a1["app"], a1["connected"], a1["state"]) == (
         200,
@@ -89,12 +89,12 @@ def test_robots_in_short(call, parts):
 
 def test_a_change_goes_to_the_guard_that_is_connected(call, parts):
     link = FakeLink()
-    parts.hub.join("r2", link, dry_run=False)
+    parts.hub.register("r2", link, dry_run=False)
     change = {"revision": 0, "nodes": {"drive": {"policy": "Block"}}, "reason": "why"}
     status, view = call("PATCH", "/settings", json=change)
     assert (status, view["revision"], view["by"]) == (200, 1, "token:developer")
     assert link.settings.nodes["drive"].policy is PolicyName.BLOCK
-    parts.controller.answered("r2", Applied(revision=1))
+    parts.controller.handle_applied("r2", Applied(revision=1))
     assert call("GET", "/settings", who="read")[1]["outcome"] == "applied"
     assert call("GET")[1]["outcome"] == "applied"
 
@@ -179,7 +179,7 @@ def test_policies_that_would_deselect_a_mandatory_one_are_not_offered(call, part
     from controller_setup import plan_with  # noqa: PLC0415 - only here
 
     given = plan_with("policy: Safe", "policy: Safe\n  mandatory: Safe")
-    parts.controller.greet("r2", hello(given))
+    parts.controller.handle_hello("r2", hello(given))
     node = call("GET", "/nodes/speed")[1]
     assert (node["policies"], node["mandatory"]) == (["Safe", "Safe+Constrain"], ["Safe"])
 
@@ -327,7 +327,7 @@ def test_risks_stay_under_a_new_plan(call, parts):
     from controller_setup import plan_with  # noqa: PLC0415 - only here
 
     call("PUT", "/graph", json=GRAPH)
-    parts.controller.greet("r2", hello(plan_with("id: drive", "id: wheels")))
+    parts.controller.handle_hello("r2", hello(plan_with("id: drive", "id: wheels")))
     risks = call("GET", "/nodes/wheels")[1]["risk_information"]["risks"]
     assert "GR-ST:/cmd_vel" in [risk["id"] for risk in risks]
 
@@ -351,11 +351,11 @@ def test_a_graph_that_is_none(call, body, told):
 
 
 def test_graphs_are_bounded(call, monkeypatch):
-    monkeypatch.setattr(graphs, "MOST_ENDPOINTS", 5)
+    monkeypatch.setattr(graphs, "MAX_ENDPOINTS", 5)
     assert call("PUT", "/graph", json=GRAPH)[0] == 422
-    monkeypatch.setattr(graphs, "MOST_ENDPOINTS", 6)
+    monkeypatch.setattr(graphs, "MAX_ENDPOINTS", 6)
     assert call("PUT", "/graph", json=GRAPH)[0] == 200
-    monkeypatch.setattr(graphs, "MOST_RISKS", 0)
+    monkeypatch.setattr(graphs, "MAX_RISKS", 0)
     assert call("PUT", "/graph", json=GRAPH)[0] == 422
 
 

@@ -2,15 +2,16 @@
 
 import pytest
 
+from rtron.service.domain.audit_events import AuditEvent
 from rtron.service.domain.errors import ConflictError, NotFoundError, TooManyRequestsError
-from rtron.service.domain.schemas import AccessScope, UserRole
+from rtron.service.domain.roles import AccessScope, UserRole
 from rtron.service.server.database_setup import add_first_admin
 from rtron.service.store.accounts import passwords
 from rtron.service.store.accounts.logins import SessionLifetime, begin_session, find_session
 from rtron.service.store.accounts.secrets import secret_digest
 from rtron.service.store.accounts.tokens import TokenSpec, create_token, find_token, revoke_token
 from rtron.service.store.accounts.users import add_user, all_users, get_user, remove_user, set_roles
-from rtron.service.store.audit import AuditEvent, record_event
+from rtron.service.store.audit import record_event
 from rtron.service.store.webhooks import (
     add_webhook,
     all_webhooks,
@@ -86,7 +87,7 @@ def test_webhooks_and_the_audit_log(database):
         remove_webhook(session, hook.id)
 
 
-@pytest.mark.usefixtures("full_effort")
+@pytest.mark.usefixtures("real_password_hashing")
 def test_a_crowd_does_not_get_all_the_memory(monkeypatch):
     """Each hash takes 64 MiB; who comes when all places are taken comes again."""
     for _ in range(passwords._MAX_ADMITTED):

@@ -1,7 +1,6 @@
 """Who a request is from: a browser by its cookie, a program by its token."""
 
 import hmac
-from dataclasses import dataclass
 
 from fastapi import Request
 from starlette.requests import HTTPConnection
@@ -9,13 +8,13 @@ from starlette.requests import HTTPConnection
 from rtron.service.api.context import ServiceContext
 from rtron.service.config import ServiceConfig
 from rtron.service.domain.errors import AuthenticationError, ForbiddenError
-from rtron.service.domain.schemas import AccessScope, UserRole
+from rtron.service.domain.principal import Principal
+from rtron.service.domain.roles import AccessScope, UserRole
 from rtron.service.store.accounts.last_use import record_use
 from rtron.service.store.accounts.logins import SessionLifetime, find_session
 from rtron.service.store.accounts.secrets import secret_digest
 from rtron.service.store.accounts.tokens import find_token
 from rtron.service.store.accounts.users import roles_of
-from rtron.service.store.audit import AuditEvent
 from rtron.service.store.tables import SessionRow, TokenRow
 
 CSRF_HEADER = "X-CSRF-Token"
@@ -27,32 +26,6 @@ _ROLES = {
     AccessScope.DEVELOPER: UserRole.DEVELOPER,
     AccessScope.ADMIN: UserRole.ADMIN,
 }
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Principal:
-    """Who asks. A token is called `token:NAME`; its scopes are those of roles, too.
-
-    `session` is the digest of a browser's session, `csrf` its token; both "" for a token.
-    """
-
-    name: str
-    roles: frozenset[UserRole]
-    scopes: frozenset[AccessScope] = frozenset()
-    address: str = ""
-    session: str = ""
-    csrf: str = ""
-
-    @property
-    def may_read(self) -> bool:
-        """Whether robots, events and settings may be seen."""
-        return bool(self.roles) or AccessScope.READ in self.scopes
-
-    def audit_event(self, action: str, target: str, **detail: object) -> AuditEvent:
-        """Return what the audit log says of what the caller does."""
-        return AuditEvent(
-            who=self.name, action=action, target=target, address=self.address, detail=detail
-        )
 
 
 def authenticate(service: ServiceContext, connection: HTTPConnection) -> Principal:

@@ -6,20 +6,14 @@ from typing import Annotated
 from fastapi import Depends, Request
 
 from rtron.service.api.audit_transaction import record_refusal
-from rtron.service.api.auth.authentication import (
-    SAFE_METHODS,
-    Principal,
-    authenticate,
-    check_csrf,
-    identify,
-)
+from rtron.service.api.auth.authentication import SAFE_METHODS, authenticate, check_csrf, identify
 from rtron.service.api.context import ServiceContext, ServiceDependency
 from rtron.service.domain.errors import ForbiddenError
-from rtron.service.domain.schemas import AccessScope, UserRole
+from rtron.service.domain.principal import Principal
+from rtron.service.domain.roles import AccessScope, UserRole
 
 __all__ = [
     "AdminOnly",
-    "AnyCaller",
     "Auditor",
     "DeveloperOnly",
     "IdentifiedCaller",
@@ -78,8 +72,6 @@ def _identified_caller(service: ServiceDependency, request: Request) -> Principa
 
 IdentifiedCaller = Annotated[Principal, Depends(_identified_caller)]
 """Whoever has a session or a valid token; that they look is no use of it."""
-AnyCaller = Annotated[Principal, Depends(require(lambda caller: True, ""))]
-"""Whoever has a session or a valid token."""
 LoggedInUser = Annotated[
     Principal, Depends(require(lambda caller: bool(caller.session), "a login"))
 ]

@@ -16,7 +16,7 @@ from rtron.service.api.context import service_context
 from rtron.service.api.error_responses import status_of
 from rtron.service.api.middleware.responses import reject
 from rtron.service.domain.errors import ForbiddenError
-from rtron.service.domain.schemas import UserRole
+from rtron.service.domain.roles import UserRole
 
 MAX_DEPTH = 40
 """The most lists and objects within each other."""

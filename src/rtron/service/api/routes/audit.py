@@ -7,7 +7,7 @@ from sqlalchemy import select
 
 from rtron.service.api.auth.authorization import Auditor
 from rtron.service.api.context import ServiceDependency
-from rtron.service.domain.schemas import AuditEntry, AuditPage
+from rtron.service.api.schemas import AuditEntry, AuditPage
 from rtron.service.store.tables import AuditRow
 
 router = APIRouter()

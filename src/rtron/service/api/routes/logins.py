@@ -10,21 +10,23 @@ from rtron.service.api.audit_transaction import audit_transaction, record_refusa
 from rtron.service.api.auth.authentication import client_address, cookie_name, session_lifetime
 from rtron.service.api.auth.authorization import IdentifiedCaller, LoggedInUser, Principal
 from rtron.service.api.context import ServiceContext, ServiceDependency
+from rtron.service.api.schemas import CurrentUser, Login, PasswordChange
+from rtron.service.domain.audit_events import AuditEvent
 from rtron.service.domain.errors import AuthenticationError, ForbiddenError, TooManyRequestsError
-from rtron.service.domain.login_throttle import SECOND, LoginThrottle
-from rtron.service.domain.schemas import CurrentUser, Login, PasswordChange, UserRole
+from rtron.service.domain.login_throttle import LoginThrottle
+from rtron.service.domain.roles import UserRole
 from rtron.service.store.accounts.logins import NewSession, begin_session, end_session
 from rtron.service.store.accounts.passwords import hash_password, verify_password
 from rtron.service.store.accounts.secrets import secret_digest
 from rtron.service.store.accounts.users import find_user, get_user, set_password
-from rtron.service.store.audit import AuditEvent
 from rtron.service.store.tables import UserRow
+from rtron.vocabulary import SECOND
 
 router = APIRouter()
 
 
 def _login_throttle(request: Request) -> LoginThrottle:
-    throttle: LoginThrottle = request.app.state.attempts
+    throttle: LoginThrottle = request.app.state.login_throttle
     return throttle
 
 

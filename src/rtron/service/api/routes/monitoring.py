@@ -12,9 +12,10 @@ from starlette.responses import Response
 
 from rtron.service.api.auth.authorization import MetricsReader
 from rtron.service.api.context import ServiceContext, ServiceDependency
+from rtron.service.api.schemas import ErrorResponse, Health
 from rtron.service.collector.data_collector import CollectorCounters
 from rtron.service.domain.login_throttle import LoginThrottle
-from rtron.service.domain.schemas import ErrorResponse, Health, SettingsOutcome
+from rtron.service.domain.schemas import SettingsOutcome
 from rtron.service.store.accounts.last_use import short_transaction
 from rtron.service.store.retention import used_bytes
 from rtron.service.store.robots import list_robots

@@ -8,6 +8,7 @@ from fastapi.responses import JSONResponse
 
 from rtron.service.api.auth.authorization import Reader, RoleHolder
 from rtron.service.api.context import ServiceDependency
+from rtron.service.api.schemas import RevisionConflict, StopRequest
 from rtron.service.controller.node_parameters import get_node_parameters, list_node_parameters
 from rtron.service.controller.robot_snapshot import load_current_app, load_snapshot
 from rtron.service.controller.robot_summaries import get_robot_summary, list_robot_summaries
@@ -17,11 +18,9 @@ from rtron.service.domain.schemas import (
     NodeParameters,
     OverrideRequest,
     ReleaseRequest,
-    RevisionConflict,
     RobotSummary,
     SettingsChange,
     SettingsView,
-    StopRequest,
 )
 from rtron.service.store.settings import list_settings, settings_view
 

@@ -7,7 +7,9 @@ from fastapi import APIRouter
 from rtron.service.api.audit_transaction import audit_transaction
 from rtron.service.api.auth.authorization import AdminOnly
 from rtron.service.api.context import ServiceDependency
-from rtron.service.domain.schemas import AccessScope, CreatedToken, Name, NewToken, TokenView
+from rtron.service.api.schemas import CreatedToken, NewToken, TokenView
+from rtron.service.domain.roles import AccessScope
+from rtron.service.domain.schemas import Name
 from rtron.service.store.accounts.tokens import TokenSpec, all_tokens, create_token, revoke_token
 from rtron.service.store.tables import TokenRow
 

@@ -5,7 +5,9 @@ from fastapi import APIRouter
 from rtron.service.api.audit_transaction import audit_transaction
 from rtron.service.api.auth.authorization import AdminOnly
 from rtron.service.api.context import ServiceDependency
-from rtron.service.domain.schemas import Name, NewUser, UserChange, UserRole, UserView
+from rtron.service.api.schemas import NewUser, UserChange, UserView
+from rtron.service.domain.roles import UserRole
+from rtron.service.domain.schemas import Name
 from rtron.service.store.accounts.passwords import hash_password
 from rtron.service.store.accounts.users import (
     add_user,

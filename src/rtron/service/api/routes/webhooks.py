@@ -9,7 +9,7 @@ from rtron.service.alerts.webhook_url import parse_webhook_url
 from rtron.service.api.audit_transaction import audit_transaction
 from rtron.service.api.auth.authorization import AdminOnly
 from rtron.service.api.context import ServiceDependency
-from rtron.service.domain.schemas import CreatedWebhook, NewWebhook, WebhookView
+from rtron.service.api.schemas import CreatedWebhook, NewWebhook, WebhookView
 from rtron.service.store.tables import WebhookRow
 from rtron.service.store.webhooks import add_webhook, all_webhooks, remove_webhook
 from rtron.vocabulary import GuardEventLevel

@@ -8,7 +8,7 @@ from sqlalchemy.orm import Session
 
 from rtron.errors import InputError
 from rtron.service.domain.errors import ConflictError, NotFoundError
-from rtron.service.domain.schemas import AccessScope
+from rtron.service.domain.roles import AccessScope
 from rtron.service.store.accounts.secrets import new_secret, secret_digest
 from rtron.service.store.tables import TokenRow
 

@@ -6,7 +6,7 @@ from sqlalchemy import func, select, update
 from sqlalchemy.orm import Session
 
 from rtron.service.domain.errors import ConflictError, NotFoundError
-from rtron.service.domain.schemas import UserRole
+from rtron.service.domain.roles import UserRole
 from rtron.service.store.accounts.logins import end_sessions
 from rtron.service.store.tables import UserRow
 
@@ -53,7 +53,7 @@ def add_user(
 def set_password(
     session: Session, user: UserRow, password_hash: str, except_session: str = ""
 ) -> None:
-    """Set a password and end the user's sessions, all but the one whose digest is `except_session`."""
+    """Set a password; end the user's sessions but the one with the digest `except_session`."""
     user.password_hash = password_hash
     end_sessions(session, user.id, except_session)
 

@@ -1,0 +1,37 @@
+"""The roles of users, the scopes of API tokens, and the rights to change a coordination node."""
+
+from rtron.vocabulary import StringEnum
+
+
+class UserRole(StringEnum):
+    """What a user is; one may be several."""
+
+    ADMIN = "admin"
+    DEVELOPER = "developer"
+    END_USER = "end_user"
+
+
+class AccessScope(StringEnum):
+    """What an API token is for; the last three are what the roles may do."""
+
+    GUARD = "guard"
+    METRICS = "metrics"
+    READ = "read"
+    END_USER = "end_user"
+    DEVELOPER = "developer"
+    ADMIN = "admin"
+
+
+class Right(StringEnum):
+    """What may be done to a coordination node (paper, table of policies, Executor column)."""
+
+    SELECT_POLICY = "select_policy"
+    SET_PRIORITY = "set_priority"
+    SET_BLOCK = "set_block"
+    SET_TIMEOUT = "set_timeout"
+    SET_DURATIONS = "set_durations"
+    SET_THRESHOLD = "set_threshold"
+    SET_MAX_VEL_LIMIT = "set_max_vel_limit"
+    SELECT_RULES = "select_rules"
+    SET_RULES = "set_rules"
+    OVERRIDE = "override"
