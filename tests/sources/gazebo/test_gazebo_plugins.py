@@ -1,14 +1,12 @@
-"""Plugins, joints and transmissions of a description, whatever it was read from."""
+"""Plugins of a description, whatever it was read from."""
 
 import pytest
 
 from rtron.sources.gazebo import (
     PluginScope,
     Sensor,
-    joints_of,
     plugin_library,
     read_plugins,
-    transmissions_of,
 )
 from rtron.sources.xacro import parse_element
 from rtron.vocabulary import Evidence
@@ -64,30 +62,3 @@ def test_the_plugins_of_a_urdf():
 )
 def test_a_library_is_named_without_lib_and_so(filename, library):
     assert plugin_library(filename) == library
-
-
-def test_joints_and_what_drives_them():
-    root = parse_element(
-        """<robot><joint name="a" type="continuous"/><joint name="b" type="fixed"/>
-        <joint name="c" type="revolute"><mimic joint="a"/></joint>
-        <transmission name="t"><type>transmission_interface/SimpleTransmission</type>
-          <joint name="a"><hardwareInterface>hardware_interface/EffortJointInterface
-          </hardwareInterface><hardwareInterface>PositionJointInterface</hardwareInterface></joint>
-          <actuator name="m"><hardwareInterface>Other</hardwareInterface></actuator></transmission>
-        <transmission name="u" type="old"><joint name="c"/>
-          <actuator name="m">
-          <hardwareInterface>VelocityJointInterface</hardwareInterface></actuator>
-        </transmission></robot>""",
-        "r.urdf",
-    )
-    assert [(j.name, j.has_position, j.mimicked_joint) for j in joints_of(root)] == [
-        ("a", True, ""),
-        ("b", False, ""),
-        ("c", True, "a"),
-    ]
-    new, old = transmissions_of(root)
-    assert (new.name, new.type) == ("t", "transmission_interface/SimpleTransmission")
-    assert new.joints[0].interfaces == ("EffortJointInterface", "PositionJointInterface")
-    assert (old.type, old.joints[0].name) == ("old", "c")
-    assert old.joints[0].interfaces == ("VelocityJointInterface",)
-    assert new.evidence.line == 3

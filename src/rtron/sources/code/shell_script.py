@@ -60,14 +60,14 @@ def _commands(text: str) -> Iterator[tuple[int, list[str]]]:
     """Yield each simple command that names one of the tools first, with its line."""
     for number, line in _lines(text):
         if _MENTIONED.search(line):
-            for tool in filter(None, map(_tool_command, _simple_commands(_words(line)))):
+            for tool in filter(None, map(_tool_command, _simple_commands(split_words(line)))):
                 yield number, tool
 
 
 def _dynamic_commands(text: str, file: str) -> Iterator[UnresolvedItem]:
     """Yield a note for each command whose code stands elsewhere or is made when it runs."""
     for number, line in _lines(text):
-        for command in _simple_commands(_words(line)):
+        for command in _simple_commands(split_words(line)):
             why = _unknown_reason(command)
             if why:
                 location = Evidence(file=file, line=number)
@@ -117,13 +117,14 @@ def _lines(text: str) -> Iterator[tuple[int, str]]:
         yield first, joined
 
 
-def _words(line: str) -> list[str]:
-    lexer = shlex.shlex(line, posix=True, punctuation_chars="();<>|&")
+def split_words(text: str, punctuation: str = "();<>|&") -> list[str]:
+    """Return a command line's words; what stands between commands is a word of its own."""
+    lexer = shlex.shlex(text, posix=True, punctuation_chars=punctuation)
     lexer.whitespace_split = True
     try:
         return list(lexer)
     except ValueError:
-        return line.split()
+        return text.split()
 
 
 def _tool_command(words: list[str]) -> list[str]:
@@ -149,13 +150,16 @@ def _read_command(
         arguments = ("rosrun", *rest[2:])
         yield RuntimeStart(path="/".join(named), args=arguments, evidence=(location,))
     elif tool == "roslaunch":
-        yield _started_launch(rest, location)
+        path, args = launch_file_arguments(rest)
+        yield RuntimeStart(path=path, args=args, evidence=(location,))
 
 
-def _started_launch(rest: list[str], location: Evidence) -> RuntimeStart:
-    by_path = len(rest) == 1 or ":=" in rest[1] or "/" in rest[0]
-    path, args = (rest[0], rest[1:]) if by_path else ("/".join(rest[:2]), rest[2:])
-    return RuntimeStart(path=path, args=tuple(args), evidence=(location,))
+def launch_file_arguments(words: list[str]) -> tuple[str, tuple[str, ...]]:
+    """Return the file, or `package/file`, that `roslaunch` starts, and its arguments."""
+    is_path = "/" in words[0] or words[0].endswith((".launch", ".xml"))
+    if is_path or len(words) == 1 or ":=" in words[1]:
+        return words[0], tuple(words[1:])
+    return "/".join(words[:2]), tuple(words[2:])
 
 
 def positional_words(words: list[str]) -> list[str]:

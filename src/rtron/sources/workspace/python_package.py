@@ -38,12 +38,17 @@ def module_file(folder: Path, dotted: str) -> Path | None:
     return next(filter(is_regular, candidates), None)
 
 
-def _package_dir(setup: Path) -> str | None:
+def _nodes(setup: Path) -> Iterator[ast.AST]:
+    """Yield the parts of a setup.py; none if it is not there, or no Python."""
     try:
         tree = ast.parse(read_regular_file(setup, MAX_BYTES) if setup.is_file() else b"")
     except (InputError, SyntaxError, ValueError, RecursionError, MemoryError):
-        return None
-    calls = (node for node in ast.walk(tree) if isinstance(node, ast.Call))
+        return
+    yield from ast.walk(tree)
+
+
+def _package_dir(setup: Path) -> str | None:
+    calls = (node for node in _nodes(setup) if isinstance(node, ast.Call))
     named = (call for call in calls if getattr(call.func, "id", "") in _SETUP_CALLS)
     words = (word for call in named for word in call.keywords if word.arg == "package_dir")
     return next(filter(None, (_root_folder(word.value) for word in words)), None)
@@ -75,11 +80,7 @@ def entry_points(package: Path) -> Mapping[str, tuple[str, str]]:
 
 
 def _setup_py_entries(path: Path) -> Iterator[str]:
-    try:
-        tree = ast.parse(read_regular_file(path, MAX_BYTES) if path.is_file() else b"")
-    except (InputError, SyntaxError, ValueError, RecursionError, MemoryError):
-        return
-    for node in ast.walk(tree):
+    for node in _nodes(path):
         if isinstance(node, ast.Dict):
             for key, value in zip(node.keys, node.values, strict=True):
                 if isinstance(key, ast.Constant) and key.value == _SCRIPTS:

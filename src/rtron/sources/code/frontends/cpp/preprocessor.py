@@ -7,6 +7,7 @@ import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cache
+from typing import ClassVar
 
 from rtron.sources.code.frontends.cpp.macros import (
     CHARACTER,
@@ -147,10 +148,10 @@ class _DirectiveReader:
         plain = _COMMENT.sub(_without_comment, text.replace("\\\n", " "))
         found = _DIRECTIVE.match(plain)
         name, rest = (found[1], found[2].strip()) if found else ("", "")
-        if name in _CONDITIONS:
-            _CONDITIONS[name](self, rest)
-        elif self._is_active and name in _ACTIONS:
-            _ACTIONS[name](self, rest)
+        if name in self._CONDITIONS:
+            self._CONDITIONS[name](self, rest)
+        elif self._is_active and name in self._ACTIONS:
+            self._ACTIONS[name](self, rest)
 
     def _problem(self, why: str, line: int = 0) -> None:
         self.problems.append(SourceProblem(line or self._line, why))
@@ -208,20 +209,19 @@ class _DirectiveReader:
             self._problem(f"#if {rest[:60]}: {error}")
             return False
 
-
-_CONDITIONS: dict[str, Callable[[_DirectiveReader, str], None]] = {
-    "if": _DirectiveReader._if,  # noqa: SLF001
-    "ifdef": _DirectiveReader._ifdef,  # noqa: SLF001
-    "ifndef": _DirectiveReader._ifndef,  # noqa: SLF001
-    "elif": _DirectiveReader._elif,  # noqa: SLF001
-    "else": _DirectiveReader._else,  # noqa: SLF001
-    "endif": _DirectiveReader._endif,  # noqa: SLF001
-}
-_ACTIONS: dict[str, Callable[[_DirectiveReader, str], None]] = {
-    "define": _DirectiveReader._define,  # noqa: SLF001
-    "undef": _DirectiveReader._undef,  # noqa: SLF001
-    "include": _DirectiveReader._include,  # noqa: SLF001
-}
+    _CONDITIONS: ClassVar[dict[str, Callable[["_DirectiveReader", str], None]]] = {
+        "if": _if,
+        "ifdef": _ifdef,
+        "ifndef": _ifndef,
+        "elif": _elif,
+        "else": _else,
+        "endif": _endif,
+    }
+    _ACTIONS: ClassVar[dict[str, Callable[["_DirectiveReader", str], None]]] = {
+        "define": _define,
+        "undef": _undef,
+        "include": _include,
+    }
 
 
 def _join_continued(found: re.Match[str]) -> str:

@@ -1,11 +1,10 @@
 """What a node starts by a command line: `roslaunch PKG FILE`, `rosrun PKG TYPE`."""
 
-import shlex
 from collections.abc import Iterator
 
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
-from rtron.sources.code.shell_script import positional_words
+from rtron.sources.code.shell_script import launch_file_arguments, positional_words, split_words
 
 _MIN_WORDS = 2
 _ROS_TOOLS = frozenset({"roslaunch", "rosrun", "rostopic"})
@@ -22,12 +21,7 @@ _WRAPPERS = frozenset(
 
 def shell_words(command: str) -> list[str]:
     """Return a command line's words, separators of commands among them."""
-    lexer = shlex.shlex(command, posix=True, punctuation_chars=";&|")
-    lexer.whitespace_split = True
-    try:
-        return list(lexer)
-    except ValueError:
-        return command.split()
+    return split_words(command, ";&|")
 
 
 def record_started(machine: AbstractMachine, words: list[str], at: Arguments) -> None:
@@ -42,7 +36,7 @@ def record_started(machine: AbstractMachine, words: list[str], at: Arguments) ->
         elif tool == "rosrun" and len(rest) >= _MIN_WORDS:
             machine.recorder.add_start("/".join(rest[:2]), ("rosrun", *rest[2:]), at.evidence)
         elif tool == "roslaunch":
-            machine.recorder.add_start(*_launch_arguments(rest), at.evidence)
+            machine.recorder.add_start(*launch_file_arguments(rest), at.evidence)
 
 
 def _record_topic_tool(machine: AbstractMachine, words: list[str], at: Arguments) -> None:

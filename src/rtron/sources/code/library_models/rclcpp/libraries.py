@@ -11,7 +11,6 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     Scalar,
     Unknown,
     Value,
-    concat,
     is_text,
     options,
 )
@@ -47,30 +46,22 @@ def _name_arguments(arguments: Arguments) -> list[Value]:
     ]
 
 
-def _make_transform_endpoint(
-    kind: DeclarationKind, machine: AbstractMachine, arguments: Arguments, *, static: bool = False
+def _construct(
+    name: str,
+    declare: Callable[[AbstractMachine, Arguments], None],
+    machine: AbstractMachine,
+    arguments: Arguments,
 ) -> Value:
-    libraries.declare_transforms(kind, machine, arguments, static=static)
-    return Instance(_LIBRARY, {"truth": TRUE})
+    declare(machine, arguments)
+    return Instance(LIBRARY_CLASSES[name], {"truth": TRUE})
 
 
-def _make_buffer(machine: AbstractMachine, arguments: Arguments) -> Value:
-    libraries.declare_buffer(machine, arguments)
-    return Instance(_LIBRARY, {"truth": TRUE})
-
-
-def _make_diagnostics(machine: AbstractMachine, arguments: Arguments) -> Value:
-    libraries.declare_diagnostics(machine, arguments)
-    return Instance(_UPDATER, {"truth": TRUE})
-
-
-def _make_bond(machine: AbstractMachine, arguments: Arguments) -> Value:
+def _declare_bond(machine: AbstractMachine, arguments: Arguments) -> None:
     """`bond::Bond(topic, id, node)` publishes and subscribes."""
-    node = first_node(arguments.values)
-    for kind in (_PUBLISH, _SUBSCRIBE) if node is not None else ():
-        name, type = arguments.get(0), "bond/msg/Status"
-        endpoints.declare_endpoint(machine, kind, node, name, type, arguments, implicit=True)  # type: ignore[arg-type]
-    return Instance(_LIBRARY, {"truth": TRUE})
+    node, name, type = first_node(arguments.values), arguments.get(0), "bond/msg/Status"
+    if node is not None:
+        for kind in (_PUBLISH, _SUBSCRIBE):
+            endpoints.declare_endpoint(machine, kind, node, name, type, arguments, implicit=True)
 
 
 def _filter_subscriber(machine: AbstractMachine, arguments: Arguments) -> Value:
@@ -95,53 +86,17 @@ def _filter_subscribe(machine: AbstractMachine, filter_: Instance, arguments: Ar
     return filter_
 
 
-def _marker_server(machine: AbstractMachine, arguments: Arguments) -> Value:
+def _declare_marker_server(machine: AbstractMachine, arguments: Arguments) -> None:
     """`InteractiveMarkerServer(topic_namespace, node)`."""
-    node = first_node(arguments.values)
     space = next(iter(_name_arguments(arguments)), Unknown("topic_namespace"))
-    if node is not None:
-        for kind, name, type in (
-            (_PUBLISH, "update", "visualization_msgs/msg/InteractiveMarkerUpdate"),
-            (_SUBSCRIBE, "feedback", "visualization_msgs/msg/InteractiveMarkerFeedback"),
-            (
-                DeclarationKind.SERVICE,
-                "get_interactive_markers",
-                "visualization_msgs/srv/GetInteractiveMarkers",
-            ),
-        ):
-            full = concat((space, Scalar(f"/{name}")))
-            endpoints.declare_endpoint(machine, kind, node, full, type, arguments, implicit=True)
-    return Instance(_LIBRARY, {"truth": TRUE})
+    libraries.declare_below(libraries.MARKER_ENDPOINTS, machine, space, arguments)
 
 
-def _camera_info_manager(machine: AbstractMachine, arguments: Arguments) -> Value:
-    """`CameraInfoManager(node, …)` offers set_camera_info."""
-    node = first_node(arguments.values)
-    if node is not None:
-        kind, name = DeclarationKind.SERVICE, Scalar("~/set_camera_info")
-        type = "sensor_msgs/srv/SetCameraInfo"
-        endpoints.declare_endpoint(machine, kind, node, name, type, arguments, implicit=True)
-    return Instance(_LIBRARY, {"truth": TRUE})
-
-
-def _parameters_client(machine: AbstractMachine, arguments: Arguments) -> Value:
+def _declare_parameters_client(machine: AbstractMachine, arguments: Arguments) -> None:
     """`AsyncParametersClient(node, remote)` calls the parameter services of a node, or its own."""
-    node, rest = split_node_argument(_NO_OWNER, arguments)
-    remote = rest.get(0)
-    remote = Scalar("~") if remote in (None, Scalar("")) else remote
-    for name, type in endpoints.PARAMETER_SERVICES.items() if node else ():
-        kind, full = DeclarationKind.SERVICE_CLIENT, concat((remote, Scalar(f"/{name}")))
-        endpoints.declare_endpoint(machine, kind, node, full, type, arguments, implicit=True)  # type: ignore[arg-type]
-    return Instance(_LIBRARY, {"truth": TRUE})
-
-
-def _event_handler(machine: AbstractMachine, arguments: Arguments) -> Value:
-    """`rclcpp::ParameterEventHandler(node)`."""
-    node = first_node(arguments.values)
-    if node is not None:
-        name, type = Scalar("/parameter_events"), "rcl_interfaces/msg/ParameterEvent"
-        endpoints.declare_endpoint(machine, _SUBSCRIBE, node, name, type, arguments, implicit=True)
-    return Instance(_EVENT_HANDLER, {"truth": TRUE})
+    remote = split_node_argument(_NO_OWNER, arguments)[1].get(0)
+    remote = Scalar("~") if remote is None or remote == Scalar("") else remote
+    libraries.declare_below(libraries.PARAMETER_CLIENTS, machine, remote, arguments)
 
 
 def _register_parameter_callback(
@@ -152,53 +107,48 @@ def _register_parameter_callback(
     return register_callbacks(machine, owner, arguments)
 
 
-def _make_filter(machine: AbstractMachine, arguments: Arguments) -> Value:
-    escape_functions(machine, arguments)
-    return Instance(_UPDATER, {"truth": TRUE})
-
-
-_LIBRARY = LibraryClass("library")
-_UPDATER = LibraryClass(
-    "updater",
-    methods=dict.fromkeys(("add", "registerCallback"), register_callbacks),
-)
-_EVENT_HANDLER = LibraryClass(
-    "rclcpp::ParameterEventHandler",
-    methods=dict.fromkeys(
+_METHODS: Mapping[str, Callable[..., Value]] = {
+    **dict.fromkeys(("add", "registerCallback"), register_callbacks),
+    **dict.fromkeys(
         ("add_parameter_callback", "add_parameter_event_callback"), _register_parameter_callback
     ),
-)
+}
 _FILTER = LibraryClass(
     "message_filters::Subscriber",
     _filter_subscriber,
     {"subscribe": _filter_subscribe, "registerCallback": register_callbacks},
 )
-_CONSTRUCTORS: Mapping[str, Callable[..., Value]] = {
-    "tf2_ros::TransformListener": partial(_make_transform_endpoint, _SUBSCRIBE),
-    "tf2_ros::TransformBroadcaster": partial(_make_transform_endpoint, _PUBLISH),
-    "tf2_ros::StaticTransformBroadcaster": partial(_make_transform_endpoint, _PUBLISH, static=True),
-    "tf2_ros::Buffer": _make_buffer,
-    "diagnostic_updater::Updater": _make_diagnostics,
-    "bond::Bond": _make_bond,
-    "interactive_markers::InteractiveMarkerServer": _marker_server,
-    "camera_info_manager::CameraInfoManager": _camera_info_manager,
+_NAMESPACES = {
+    **dict.fromkeys(("TransformListener", "TransformBroadcaster"), "tf2_ros"),
+    **dict.fromkeys(("StaticTransformBroadcaster", "Buffer"), "tf2_ros"),
+    "Updater": "diagnostic_updater",
+    "CameraInfoManager": "camera_info_manager",
+    "ParameterEventHandler": "rclcpp",
+}
+_DECLARATIONS: Mapping[str, Callable[[AbstractMachine, Arguments], None]] = {
+    **{
+        f"{_NAMESPACES[name]}::{name}": declare
+        for name, declare in libraries.LIBRARY_DECLARATIONS.items()
+    },
+    "bond::Bond": _declare_bond,
+    "interactive_markers::InteractiveMarkerServer": _declare_marker_server,
     **dict.fromkeys(
-        ("rclcpp::AsyncParametersClient", "rclcpp::SyncParametersClient"), _parameters_client
+        ("rclcpp::AsyncParametersClient", "rclcpp::SyncParametersClient"),
+        _declare_parameters_client,
     ),
-    "rclcpp::ParameterEventHandler": _event_handler,
     **dict.fromkeys(
         (
             *("message_filters::Synchronizer", "message_filters::TimeSynchronizer"),
             *("message_filters::Cache", "message_filters::Chain", "tf2_ros::MessageFilter"),
         ),
-        _make_filter,
+        escape_functions,
     ),
 }
 LIBRARY_CLASSES: Mapping[str, LibraryClass] = {
     _FILTER.name: _FILTER,
     **{
-        name: LibraryClass(name, make, dict(_UPDATER.methods))
-        for name, make in _CONSTRUCTORS.items()
+        name: LibraryClass(name, partial(_construct, name, declare), dict(_METHODS))
+        for name, declare in _DECLARATIONS.items()
     },
 }
 

@@ -11,11 +11,8 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     Instance,
     LibraryClass,
     ListValue,
-    Scalar,
     Unknown,
     Value,
-    concat,
-    join,
     options,
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
@@ -28,13 +25,15 @@ from rtron.sources.code.library_models.ros2_common.parameter_types import (
     parameter_type,
 )
 from rtron.sources.code.library_models.ros2_common.parameters import (
-    AUTOMATIC_FIELD,
+    PARAMETER_CALLBACKS,
     declare_node_parameter,
-    is_declared,
+    has_node_parameter,
     node_parameter_value,
     note_parameter_callbacks,
+    prefixed_name,
     read_node_parameter,
     set_node_parameter,
+    value_or_default,
 )
 
 
@@ -62,15 +61,9 @@ def declare_parameters(machine: AbstractMachine, owner: Value, arguments: Argume
     found: list[Value] = []
     for item in items_of(arguments.get(1) or NONE)[0]:
         name, default = (*items_of(item)[0], UNKNOWN, None)[:2]
-        full = _prefixed_name(arguments.get(0), name or UNKNOWN)
+        full = prefixed_name(arguments.get(0), name or UNKNOWN)
         found.append(declare_node_parameter(machine, owner, full, _unwrapped(default)))
     return list_of(found)
-
-
-def _prefixed_name(namespace: Value | None, name: Value) -> Value:
-    if namespace is None or namespace == Scalar(""):
-        return name
-    return concat((namespace, Scalar("."), name))
 
 
 def get_parameter(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
@@ -95,10 +88,7 @@ def get_parameter_or(machine: AbstractMachine, owner: Value, arguments: Argument
     """`get_parameter_or(name, variable, default)`, `get_parameter_or(name, default)`."""
     default = arguments.value(len(arguments.values) - 1)
     found = node_parameter_value(machine, owner, arguments.value(0))
-    if found is None or is_unset(found):
-        value = default
-    else:
-        value = join((default, found)) if isinstance(found, Unknown) else found
+    value = value_or_default(found, default)
     slot = arguments.slot(1)
     if len(arguments.values) < 3:  # noqa: PLR2004 - a name, a variable and a default
         return value
@@ -120,21 +110,7 @@ def get_parameters(machine: AbstractMachine, owner: Value, arguments: Arguments)
 
 def has_parameter(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
     """`has_parameter(name)`: whether it is declared."""
-    answer = is_declared(machine, owner, arguments.value(0))
-    if answer is False and _is_automatic(owner):
-        found = node_parameter_value(machine, owner, arguments.value(0))
-        return (
-            FALSE
-            if found is None
-            else Unknown("has_parameter")
-            if isinstance(found, Unknown)
-            else TRUE
-        )
-    return Unknown("has_parameter") if answer is None else Scalar(answer)
-
-
-def _is_automatic(owner: Value) -> bool:
-    return isinstance(owner, Instance) and owner.fields.get(AUTOMATIC_FIELD) == TRUE
+    return has_node_parameter(machine, owner, arguments.value(0))
 
 
 def set_parameter(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
@@ -210,12 +186,5 @@ PARAMETER_METHODS: Mapping[str, Callable[..., Value]] = {
     **dict.fromkeys(
         ("set_parameter", "set_parameters", "set_parameters_atomically"), set_parameter
     ),
-    **dict.fromkeys(
-        (
-            "add_on_set_parameters_callback",
-            "add_post_set_parameters_callback",
-            "add_pre_set_parameters_callback",
-        ),
-        _register_parameter_callbacks,
-    ),
+    **dict.fromkeys(PARAMETER_CALLBACKS, _register_parameter_callbacks),
 }

@@ -4,10 +4,8 @@ from collections.abc import Callable, Mapping
 
 from rtron.sources.code.interpreter.abstract_values.items import items_of, list_of
 from rtron.sources.code.interpreter.abstract_values.value_types import (
-    FALSE,
     NONE,
     OPEN,
-    TRUE,
     UNKNOWN,
     ExternalSymbol,
     Instance,
@@ -16,23 +14,22 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     Scalar,
     Unknown,
     Value,
-    concat,
-    join,
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.library_models.ros2_common.parameter_types import (
-    is_unset,
     python_parameter_type,
 )
 from rtron.sources.code.library_models.ros2_common.parameters import (
-    AUTOMATIC_FIELD,
+    PARAMETER_CALLBACKS,
     declare_node_parameter,
-    is_declared,
+    has_node_parameter,
     node_parameter_value,
     note_parameter_callbacks,
+    prefixed_name,
     read_node_parameter,
     set_node_parameter,
+    value_or_default,
 )
 
 _VALUES = (
@@ -75,9 +72,9 @@ def _declare_parameters(machine: AbstractMachine, owner: Value, arguments: Argum
     found: list[Value] = []
     for item in items:
         name, value = (*items_of(item)[0], UNKNOWN, None)[:2]
-        full = concat((space, Scalar("."), name)) if space and space != Scalar("") else name  # type: ignore[arg-type]
-        declared = declare_node_parameter(machine, owner, full, _declared_default(value))  # type: ignore[arg-type]
-        found.append(parameter_object(full, declared))  # type: ignore[arg-type]
+        full = prefixed_name(space, name or UNKNOWN)
+        declared = declare_node_parameter(machine, owner, full, _declared_default(value))
+        found.append(parameter_object(full, declared))
     return list_of(found, certain=certain)
 
 
@@ -92,21 +89,13 @@ def _get_parameter_or(machine: AbstractMachine, owner: Value, arguments: Argumen
     name = arguments.value(0, "name")
     default = _unwrapped(arguments.get(1, "alternative_value")) or NONE
     found = node_parameter_value(machine, owner, name)
-    if found is None or is_unset(found):
-        return parameter_object(name, default)
-    return parameter_object(name, join((default, found)) if isinstance(found, Unknown) else found)
+    return parameter_object(name, value_or_default(found, default))
 
 
 def _get_parameters(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
     """`get_parameters([name, …])`."""
     names, _ = items_of(arguments.get(0, "names") or NONE)
-    frame, line = arguments.frame, arguments.line
-    return list_of(
-        [
-            _get_parameter(machine, owner, Arguments(values=(n,), line=line, frame=frame))
-            for n in names
-        ]
-    )
+    return list_of([_get_parameter(machine, owner, arguments.with_values(n)) for n in names])
 
 
 def _get_parameters_by_prefix(
@@ -130,13 +119,7 @@ def _get_parameters_by_prefix(
 
 def _has_parameter(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
     """`has_parameter(name)`."""
-    name = arguments.value(0, "name")
-    answer = is_declared(machine, owner, name)
-    automatic = isinstance(owner, Instance) and owner.fields.get(AUTOMATIC_FIELD) == TRUE
-    if answer is False and automatic:
-        found = node_parameter_value(machine, owner, name)
-        return FALSE if found is None else Unknown("has_parameter")
-    return Unknown("has_parameter") if answer is None else Scalar(answer)
+    return has_node_parameter(machine, owner, arguments.value(0, "name"))
 
 
 def _set_parameters(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
@@ -177,12 +160,5 @@ PARAMETER_METHODS: Mapping[str, Callable[..., Value]] = {
     "get_parameters_by_prefix": _get_parameters_by_prefix,
     "has_parameter": _has_parameter,
     **dict.fromkeys(("set_parameters", "set_parameters_atomically"), _set_parameters),
-    **dict.fromkeys(
-        (
-            "add_on_set_parameters_callback",
-            "add_post_set_parameters_callback",
-            "add_pre_set_parameters_callback",
-        ),
-        _add_parameter_callback,
-    ),
+    **dict.fromkeys(PARAMETER_CALLBACKS, _add_parameter_callback),
 }

@@ -16,6 +16,10 @@ TRANSPORTS = {
 
 _PUBLISH = DeclarationKind.PUBLISH
 _SUBSCRIBE = DeclarationKind.SUBSCRIBE
+_RECONFIGURE_TOPICS = {
+    "parameter_descriptions": "dynamic_reconfigure/ConfigDescription",
+    "parameter_updates": "dynamic_reconfigure/Config",
+}
 
 
 def declare_endpoint(
@@ -38,18 +42,17 @@ def name_below(namespace: Value, *names: str) -> Value:
     return concat((namespace, Scalar("/" + "/".join(names))))
 
 
-def declare_dynamic_reconfigure(machine: AbstractMachine, namespace: Value, at: Arguments) -> None:
-    """Record what a dynamic_reconfigure server declares (ROS wiki: dynamic_reconfigure)."""
-    for name, type in (
-        ("parameter_descriptions", "dynamic_reconfigure/ConfigDescription"),
-        ("parameter_updates", "dynamic_reconfigure/Config"),
-    ):
-        declare_endpoint(
-            machine, _PUBLISH, name_below(namespace, name), type, at, implicit=True, latched=True
-        )
-    service = name_below(namespace, "set_parameters")
-    type = "dynamic_reconfigure/Reconfigure"
-    declare_endpoint(machine, DeclarationKind.SERVICE, service, type, at, implicit=True)
+def declare_dynamic_reconfigure(
+    machine: AbstractMachine, namespace: Value, at: Arguments, *, client: bool = False
+) -> None:
+    """Record what a dynamic_reconfigure server or client declares (ROS wiki)."""
+    kind = _SUBSCRIBE if client else _PUBLISH
+    for name, type in _RECONFIGURE_TOPICS.items():
+        topic = name_below(namespace, name)
+        declare_endpoint(machine, kind, topic, type, at, implicit=True, latched=not client)
+    kind = DeclarationKind.SERVICE_CLIENT if client else DeclarationKind.SERVICE
+    service, type = name_below(namespace, "set_parameters"), "dynamic_reconfigure/Reconfigure"
+    declare_endpoint(machine, kind, service, type, at, implicit=True)
 
 
 def declare_transforms(

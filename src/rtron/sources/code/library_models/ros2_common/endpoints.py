@@ -27,7 +27,7 @@ from rtron.sources.code.library_models.ros2_common.parameters import (
 )
 from rtron.sources.code.library_models.ros2_common.qos import DEFAULT_QOS, QOS_PROFILES
 from rtron.sources.declaration import DeclarationKind
-from rtron.vocabulary import Evidence, QoS
+from rtron.vocabulary import Durability, Evidence, QoS
 
 MAX_CALLERS = 8
 _NAME = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+")
@@ -61,8 +61,6 @@ LOGGER_SERVICES: Mapping[str, str] = {
     "get_logger_levels": "rcl_interfaces/srv/GetLoggerLevels",
     "set_logger_levels": "rcl_interfaces/srv/SetLoggerLevels",
 }
-_STATIC_TF = QoS(depth=1, durability=QOS_PROFILES["rosout"].durability)
-_TF = QoS(depth=100)
 
 
 def declare_endpoint(  # noqa: PLR0913 - what the graph has of an endpoint
@@ -80,6 +78,7 @@ def declare_endpoint(  # noqa: PLR0913 - what the graph has of an endpoint
     full = resolve_at_node(node, _without_empty_names(name))
     machine.possible_throws += not (type and _is_valid_name(full))
     locations = tuple(caller_chain(at, name)) if name is not None else (at.evidence,)
+    keeps_last = qos is not None and qos.durability is Durability.TRANSIENT_LOCAL
     for owner in options(node_name(node)):
         machine.recorder.declare(
             kind,
@@ -87,9 +86,7 @@ def declare_endpoint(  # noqa: PLR0913 - what the graph has of an endpoint
             full_type_name(kind, type),
             *locations,
             implicit=implicit,
-            latched=kind is _PUBLISH
-            and qos is not None
-            and qos.durability is _STATIC_TF.durability,
+            latched=kind is _PUBLISH and keeps_last,
             node=text_with_holes(owner),
             qos=qos,
         )
@@ -182,29 +179,6 @@ def declare_services(
     """Record services below a node that a library offers."""
     for name, type in names.items():
         declare_endpoint(machine, _SERVICE, node, Scalar(f"~/{name}"), type, at, implicit=True)
-
-
-def declare_transforms(
-    machine: AbstractMachine,
-    kind: DeclarationKind,
-    node: Value,
-    at: Arguments,
-    *,
-    static: bool = False,
-) -> None:
-    """Record that a node publishes or subscribes to transforms (docs.ros.org: tf2)."""
-    both = {"/tf": _TF, "/tf_static": _STATIC_TF}
-    sent = "/tf_static" if static else "/tf"
-    for name, qos in both.items() if kind is _SUBSCRIBE else [(sent, both[sent])]:
-        type = "tf2_msgs/msg/TFMessage"
-        declare_endpoint(machine, kind, node, Scalar(name), type, at, qos=qos, implicit=True)
-
-
-def declare_diagnostics(machine: AbstractMachine, node: Value, at: Arguments) -> None:
-    """Record a diagnostic_updater."""
-    type = "diagnostic_msgs/msg/DiagnosticArray"
-    name = Scalar("/diagnostics")
-    declare_endpoint(machine, _PUBLISH, node, name, type, at, qos=QoS(depth=1), implicit=True)
 
 
 def note_unknown_node(

@@ -1,5 +1,9 @@
 """Libraries of ROS 2 that join a node, in C++ and Python alike: tf2_ros, diagnostic_updater."""
 
+from collections.abc import Callable, Iterable, Mapping
+from functools import partial
+from typing import NamedTuple
+
 from rtron.sources.code.interpreter.abstract_values.items import list_of
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     Instance,
@@ -7,10 +11,16 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     PartialText,
     Scalar,
     Unknown,
+    Value,
+    concat,
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
-from rtron.sources.code.library_models.ros2_common import endpoints
+from rtron.sources.code.library_models.ros2_common.endpoints import (
+    PARAMETER_SERVICES,
+    declare_endpoint,
+    note_unknown_node,
+)
 from rtron.sources.code.library_models.ros2_common.nodes import (
     NAME_FIELD,
     NodeArguments,
@@ -20,6 +30,16 @@ from rtron.sources.code.library_models.ros2_common.nodes import (
     record_node,
 )
 from rtron.sources.declaration import DeclarationKind
+from rtron.vocabulary import Durability, QoS
+
+
+class ImplicitEndpoint(NamedTuple):
+    """An endpoint that a library makes for a node."""
+
+    kind: DeclarationKind
+    name: str
+    type: str
+    qos: QoS | None = None
 
 
 def node_argument(arguments: Arguments) -> Instance | None:
@@ -39,30 +59,73 @@ def make_internal_node(machine: AbstractMachine, prefix: str, at: Arguments) -> 
     return node
 
 
-def declare_transforms(
-    kind: DeclarationKind, machine: AbstractMachine, arguments: Arguments, *, static: bool
+def declare_below(
+    found: Iterable[ImplicitEndpoint], machine: AbstractMachine, base: Value, at: Arguments
 ) -> None:
-    """Record `TransformListener(buffer[, node])`, `TransformBroadcaster(node)`."""
-    node = node_argument(arguments)
-    if node is None and kind is DeclarationKind.SUBSCRIBE:
-        node = make_internal_node(machine, "transform_listener_impl_", arguments)
+    """Record what a library declares below a name, for the node among its arguments."""
+    node = node_argument(at)
     if node is None:
-        endpoints.note_unknown_node(machine, "TransformBroadcaster", None, arguments)
-    else:
-        endpoints.declare_transforms(machine, kind, node, arguments, static=static)
+        return
+    for kind, name, type, qos in found:
+        full = concat((base, Scalar(f"/{name}")))
+        declare_endpoint(machine, kind, node, full, type, at, qos=qos, implicit=True)
 
 
-def declare_buffer(machine: AbstractMachine, arguments: Arguments) -> None:
-    """Record that `tf2_ros::Buffer(clock[, cache_time][, node])` answers tf2_frames for a node."""
-    node = node_argument(arguments)
-    if node is not None:
-        kind, type = DeclarationKind.SERVICE, "tf2_msgs/srv/FrameGraph"
-        name = Scalar("tf2_frames")
-        endpoints.declare_endpoint(machine, kind, node, name, type, arguments, implicit=True)
+def _declare(
+    found: Iterable[ImplicitEndpoint],
+    machine: AbstractMachine,
+    at: Arguments,
+    node: Instance | None = None,
+    missing: str = "",
+) -> None:
+    """Record what a library declares for a node; that there is none is noted under `missing`."""
+    node = node or node_argument(at)
+    if node is None:
+        if missing:
+            note_unknown_node(machine, missing, None, at)
+        return
+    for kind, name, type, qos in found:
+        declare_endpoint(machine, kind, node, Scalar(name), type, at, qos=qos, implicit=True)
 
 
-def declare_diagnostics(machine: AbstractMachine, arguments: Arguments) -> None:
-    """Record `diagnostic_updater::Updater(node)`."""
-    node = node_argument(arguments)
-    if node is not None:
-        endpoints.declare_diagnostics(machine, node, arguments)
+def _declare_listener(machine: AbstractMachine, at: Arguments) -> None:
+    """Record `TransformListener(buffer[, node])`."""
+    node = node_argument(at) or make_internal_node(machine, "transform_listener_impl_", at)
+    _declare(_LISTENER, machine, at, node)
+
+
+_PUBLISH, _SUBSCRIBE = DeclarationKind.PUBLISH, DeclarationKind.SUBSCRIBE
+_SERVICE, _TF = DeclarationKind.SERVICE, "tf2_msgs/msg/TFMessage"
+_STATIC_QOS = QoS(depth=1, durability=Durability.TRANSIENT_LOCAL)
+_BROADCASTER = ImplicitEndpoint(_PUBLISH, "/tf", _TF, QoS(depth=100))
+_STATIC_BROADCASTER = ImplicitEndpoint(_PUBLISH, "/tf_static", _TF, _STATIC_QOS)
+_LISTENER = tuple(one._replace(kind=_SUBSCRIBE) for one in (_BROADCASTER, _STATIC_BROADCASTER))
+_DIAGNOSTICS = ImplicitEndpoint(
+    _PUBLISH, "/diagnostics", "diagnostic_msgs/msg/DiagnosticArray", QoS(depth=1)
+)
+_BUFFER = ImplicitEndpoint(_SERVICE, "tf2_frames", "tf2_msgs/srv/FrameGraph")
+_CALIBRATION = ImplicitEndpoint(_SERVICE, "~/set_camera_info", "sensor_msgs/srv/SetCameraInfo")
+_EVENTS = ImplicitEndpoint(_SUBSCRIBE, "/parameter_events", "rcl_interfaces/msg/ParameterEvent")
+LIBRARY_DECLARATIONS: Mapping[str, Callable[[AbstractMachine, Arguments], None]] = {
+    "TransformListener": _declare_listener,
+    "TransformBroadcaster": partial(_declare, [_BROADCASTER], missing="TransformBroadcaster"),
+    "StaticTransformBroadcaster": partial(
+        _declare, [_STATIC_BROADCASTER], missing="TransformBroadcaster"
+    ),
+    "Buffer": partial(_declare, [_BUFFER]),
+    "Updater": partial(_declare, [_DIAGNOSTICS]),
+    "CameraInfoManager": partial(_declare, [_CALIBRATION]),
+    "ParameterEventHandler": partial(_declare, [_EVENTS]),
+}
+"""What making an object of a class declares (docs.ros.org: tf2_ros, diagnostic_updater, rclcpp)."""
+MARKER_ENDPOINTS = (
+    ImplicitEndpoint(_PUBLISH, "update", "visualization_msgs/msg/InteractiveMarkerUpdate"),
+    ImplicitEndpoint(_SUBSCRIBE, "feedback", "visualization_msgs/msg/InteractiveMarkerFeedback"),
+    ImplicitEndpoint(
+        _SERVICE, "get_interactive_markers", "visualization_msgs/srv/GetInteractiveMarkers"
+    ),
+)
+PARAMETER_CLIENTS = tuple(
+    ImplicitEndpoint(DeclarationKind.SERVICE_CLIENT, name, type)
+    for name, type in PARAMETER_SERVICES.items()
+)

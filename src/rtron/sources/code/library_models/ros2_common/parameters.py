@@ -17,6 +17,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     Scalar,
     Unknown,
     Value,
+    concat,
     join,
     options,
     text_with_holes,
@@ -79,6 +80,34 @@ def read_node_parameter(machine: AbstractMachine, node: Value, name: Value) -> V
     if is_unset(found) and machine.active_handlers:
         raise ThrownError("ParameterUninitializedException", has_unknown_bases=True)
     return Unknown("parameter", tainted=True) if found is None else found
+
+
+def value_or_default(found: Value | None, default: Value) -> Value:
+    """Return a parameter's value, the default where it is not set, both where that is unknown."""
+    if found is None or is_unset(found):
+        return default
+    return join((default, found)) if isinstance(found, Unknown) else found
+
+
+def has_node_parameter(machine: AbstractMachine, node: Value, name: Value) -> Value:
+    """`has_parameter(name)`: whether it is declared; what is set may be declared by that alone."""
+    answer = is_declared(machine, node, name)
+    is_automatic = isinstance(node, Instance) and node.fields.get(AUTOMATIC_FIELD) == TRUE
+    if answer is False and is_automatic:
+        found = node_parameter_value(machine, node, name)
+        answer = None if isinstance(found, Unknown) else found is not None
+    return Unknown("has_parameter") if answer is None else Scalar(answer)
+
+
+def prefixed_name(prefix: Value | None, name: Value) -> Value:
+    """Return a parameter's name behind the prefix of `declare_parameters`, if there is one."""
+    if prefix is None or prefix == Scalar(""):
+        return name
+    return concat((prefix, Scalar("."), name))
+
+
+PARAMETER_CALLBACKS = tuple(f"add_{when}_set_parameters_callback" for when in ("on", "pre", "post"))
+"""The methods of a node that register what a change of parameters calls."""
 
 
 def is_declared(machine: AbstractMachine, node: Value, name: Value) -> bool | None:

@@ -1,5 +1,7 @@
 """image_transport, and the calibration that camera drivers offer (ROS wiki)."""
 
+from functools import partial
+
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     Instance,
     LibraryClass,
@@ -29,10 +31,8 @@ _PUBLISH, _SUBSCRIBE = DeclarationKind.PUBLISH, DeclarationKind.SUBSCRIBE
 
 
 def _image_transport(machine: AbstractMachine, arguments: Arguments) -> Value:
-    return Instance(
-        _TRANSPORT,
-        {"namespace": handle_argument_or_default(machine, arguments).fields["namespace"]},
-    )
+    owner = handle_argument_or_default(machine, arguments)
+    return Instance(_TRANSPORT, {"namespace": owner.fields["namespace"]})
 
 
 def _advertise_image(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
@@ -42,27 +42,22 @@ def _advertise_image(machine: AbstractMachine, owner: Value, arguments: Argument
     return Instance(ENDPOINT, {"name": remap_name(machine, name)})
 
 
-def _advertise_camera(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
-    made = _advertise_image(machine, owner, arguments)
+def _declare_camera(
+    kind: DeclarationKind, machine: AbstractMachine, owner: Value, arguments: Arguments
+) -> Value:
+    """`advertiseCamera(…)`, `subscribeCamera(…)`: an image, and the camera's info beside it."""
+    made = (_advertise_image if kind is _PUBLISH else _subscribe_image)(machine, owner, arguments)
     info = endpoints.camera_info_topic(machine, resolve_in_handle(machine, owner, arguments.get(0)))
-    endpoints.declare_endpoint(machine, _PUBLISH, info, "sensor_msgs/CameraInfo", arguments)
+    endpoints.declare_endpoint(machine, kind, info, "sensor_msgs/CameraInfo", arguments)
     return made
 
 
 def _subscribe_image(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
     name = resolve_in_handle(machine, owner, arguments.get(0))
-    endpoints.declare_image_subscriber(
-        machine, name, _hinted_transport(machine, arguments), arguments
-    )
+    transport = _hinted_transport(machine, arguments)
+    endpoints.declare_image_subscriber(machine, name, transport, arguments)
     escape_functions(machine, arguments)
     return Instance(ENDPOINT, {"name": remap_name(machine, name)})
-
-
-def _subscribe_camera(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
-    made = _subscribe_image(machine, owner, arguments)
-    info = endpoints.camera_info_topic(machine, resolve_in_handle(machine, owner, arguments.get(0)))
-    endpoints.declare_endpoint(machine, _SUBSCRIBE, info, "sensor_msgs/CameraInfo", arguments)
-    return made
 
 
 def _make_transport_hints(machine: AbstractMachine, arguments: Arguments) -> Value:
@@ -113,9 +108,9 @@ _TRANSPORT = LibraryClass(
     _image_transport,
     {
         "advertise": _advertise_image,
-        "advertiseCamera": _advertise_camera,
+        "advertiseCamera": partial(_declare_camera, _PUBLISH),
         "subscribe": _subscribe_image,
-        "subscribeCamera": _subscribe_camera,
+        "subscribeCamera": partial(_declare_camera, _SUBSCRIBE),
     },
 )
 _HINTS = LibraryClass("image_transport::TransportHints", _make_transport_hints)

@@ -14,6 +14,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     Unknown,
     Value,
     options,
+    text_with_holes,
     truth,
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
@@ -87,19 +88,32 @@ def handle_argument_or_default(machine: AbstractMachine, arguments: Arguments) -
     return handle(Scalar(node_namespace(machine)))
 
 
+def _declare_endpoint(
+    kind: DeclarationKind,
+    machine: AbstractMachine,
+    owner: Value,
+    arguments: Arguments,
+    type: str,
+    *,
+    latched: bool = False,
+) -> Value:
+    """Record what an endpoint's name, or its options in the place of the name, say."""
+    name = arguments.value(0)
+    if isinstance(name, Instance) and "options" in name.fields:
+        type = type or text_with_holes(name.fields.get("type", Scalar("")))
+        name = name.fields["options"]
+    full = resolve_in_handle(machine, owner, name)
+    escape_functions(machine, arguments)
+    endpoints.declare_endpoint(machine, kind, full, type, arguments, latched=latched)
+    return Instance(ENDPOINT, {"name": remap_name(machine, full)})
+
+
 def advertise(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
     """`advertise<T>(topic, queue_size, …, latch)`, `advertise(AdvertiseOptions)`."""
-    first = arguments.get(0)
-    if isinstance(first, Instance) and "options" in first.fields:
-        name, type = first.fields["options"], str(getattr(first.fields["type"], "value", ""))
-    else:
-        name, type = first or UNKNOWN, template_message_type(machine, arguments)
-    topic = resolve_in_handle(machine, owner, name)
-    latched = any(value == TRUE for value in arguments.values[2:]) or _has_latch(first)
-    escape_functions(machine, arguments)
+    latched = TRUE in arguments.values[2:] or _has_latch(arguments.get(0))
+    type = template_message_type(machine, arguments)
     kind = DeclarationKind.PUBLISH
-    endpoints.declare_endpoint(machine, kind, topic, type, arguments, latched=latched)
-    return Instance(ENDPOINT, {"name": remap_name(machine, topic)})
+    return _declare_endpoint(kind, machine, owner, arguments, type, latched=latched)
 
 
 def _has_latch(options: Value | None) -> bool:
@@ -108,38 +122,17 @@ def _has_latch(options: Value | None) -> bool:
 
 def subscribe(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
     """`subscribe<T>(topic, queue_size, callback, …)`, `subscribe(SubscribeOptions)`."""
-    first = arguments.get(0)
-    if isinstance(first, Instance) and "options" in first.fields:
-        name, type = first.fields["options"], str(getattr(first.fields["type"], "value", ""))
-    else:
-        name = first or UNKNOWN
-        type = template_message_type(machine, arguments) or callback_message_type(
-            machine, arguments, 1
-        )
-    topic = resolve_in_handle(machine, owner, name)
-    escape_functions(machine, arguments)
-    endpoints.declare_endpoint(machine, DeclarationKind.SUBSCRIBE, topic, type, arguments)
-    return Instance(ENDPOINT, {"name": remap_name(machine, topic)})
+    type = template_message_type(machine, arguments)
+    type = type or callback_message_type(machine, arguments, 1)
+    return _declare_endpoint(DeclarationKind.SUBSCRIBE, machine, owner, arguments, type)
 
 
 def _declare_service(
     kind: DeclarationKind, machine: AbstractMachine, owner: Value, arguments: Arguments
 ) -> Value:
-    first = arguments.get(0)
-    given = (
-        first.fields["options"]
-        if isinstance(first, Instance) and "options" in first.fields
-        else first
-    )
-    name = resolve_in_handle(machine, owner, given)
-    type = template_message_type(machine, arguments) or _service_type(
-        callback_message_type(machine, arguments, 1)
-    )
-    if not type and arguments.types:
-        type = _service_type(template_message_type(machine, arguments))
-    escape_functions(machine, arguments)
-    endpoints.declare_endpoint(machine, kind, name, _service_type(type), arguments)
-    return Instance(ENDPOINT, {"name": remap_name(machine, name)})
+    type = template_message_type(machine, arguments)
+    type = _service_type(type or callback_message_type(machine, arguments, 1))
+    return _declare_endpoint(kind, machine, owner, arguments, type)
 
 
 def _service_type(request: str) -> str:

@@ -159,19 +159,7 @@ def _declare_reconfigure_server(machine: AbstractMachine, _: object, arguments: 
 
 def _declare_reconfigure_client(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
     namespace = resolve_name(machine, arguments.value(0, "name"))
-    for name, type in (
-        ("parameter_descriptions", "dynamic_reconfigure/ConfigDescription"),
-        ("parameter_updates", "dynamic_reconfigure/Config"),
-    ):
-        topic = endpoints.name_below(namespace, name)
-        kind = DeclarationKind.SUBSCRIBE
-        endpoints.declare_endpoint(machine, kind, topic, type, arguments, implicit=True)
-    service, type = (
-        endpoints.name_below(namespace, "set_parameters"),
-        "dynamic_reconfigure/Reconfigure",
-    )
-    kind = DeclarationKind.SERVICE_CLIENT
-    endpoints.declare_endpoint(machine, kind, service, type, arguments, implicit=True)
+    endpoints.declare_dynamic_reconfigure(machine, namespace, arguments, client=True)
     return Instance(_ENDPOINT)
 
 
