@@ -53,7 +53,7 @@ def walk(
         subfolders = [os.path.join(folder, name) for name in reversed(listing[1])]  # noqa: PTH118 - os.walk's spelling
         pending += [
             (path, depth + 1) for path in subfolders if follow_links or not os.path.islink(path)
-        ]  # noqa: PTH114
+        ]
 
 
 def _list_folder(folder: str, depth: int) -> FolderListing:
