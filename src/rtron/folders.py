@@ -38,8 +38,8 @@ def walk(
 ) -> Iterator[FolderListing]:
     """Yield a folder and all below it, each before those in it, as os.walk does without recursion.
 
-    What is taken out of a list of folders is not entered; links are, if `follow_links`. A folder that
-    cannot be listed, or lies more than MAX_DEPTH folders deep, goes to `on_skipped`.
+    What is taken out of a list of folders is not entered; links are, if `follow_links`. A folder
+    that cannot be listed, or lies more than MAX_DEPTH folders deep, goes to `on_skipped`.
     """
     pending = [(str(top), 0)]
     while pending:
@@ -50,10 +50,8 @@ def walk(
             on_skipped(folder, error.strerror or "cannot be read")
             continue
         yield listing
-        subfolders = [os.path.join(folder, name) for name in reversed(listing[1])]  # noqa: PTH118 - os.walk's spelling
-        pending += [
-            (path, depth + 1) for path in subfolders if follow_links or not os.path.islink(path)
-        ]
+        subfolders = [f"{folder}/{name}" for name in reversed(listing[1])]
+        pending += [(path, depth + 1) for path in subfolders if follow_links or not _is_link(path)]
 
 
 def _list_folder(folder: str, depth: int) -> FolderListing:
@@ -65,6 +63,10 @@ def _list_folder(folder: str, depth: int) -> FolderListing:
         for entry in entries:
             (folders if _is_folder_entry(entry) else files).append(entry.name)
     return folder, folders, files
+
+
+def _is_link(path: str) -> bool:
+    return os.path.islink(path)  # noqa: PTH114 - Path.is_symlink raises OSError for a long name
 
 
 def _is_folder_entry(entry: os.DirEntry[str]) -> bool:

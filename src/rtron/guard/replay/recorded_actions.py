@@ -131,7 +131,8 @@ class RecordedAction:
         if self._goals and self._last_status is None:
             yield f"{name}: no status is recorded: a goal ends only when it is overdue"
         if self._requests_without_content:
-            yield f"{name}: {self._requests_without_content} requests are recorded without what they ask: not judged"
+            number = self._requests_without_content
+            yield f"{name}: {number} requests are recorded without what they ask: not judged"
         if self._unreadable_messages:
             yield f"{name}: {self._unreadable_messages} messages cannot be read: not judged"
 

@@ -116,7 +116,7 @@ class EventRow(Table):
         Index("events_by_robot", "robot_id", "id", "at"),
         Index("events_by_kind", "robot_id", "kind", "id"),
         _partial_index("events_of_note", "robot_id", "id", where="level <> 'info'"),
-        _partial_index("events_told", "robot_id", "id", where="kind <> 'counts'"),
+        _partial_index("events_without_counts", "robot_id", "id", where="kind <> 'counts'"),
         _partial_index("events_counts", "robot_id", "at", where="kind = 'counts'"),
         {"sqlite_autoincrement": True},
     )

@@ -18,6 +18,7 @@ def upgrade() -> None:
     _coordination_nodes()
     _settings()
     _events()
+    _event_indexes()
     _users()
     _sessions()
     _tokens()
@@ -144,28 +145,24 @@ def _events() -> None:
         sa.UniqueConstraint("robot_id", "run", "number"),
         sqlite_autoincrement=True,
     )
+
+
+def _event_indexes() -> None:
     op.create_index("events_by_kind", "events", ["robot_id", "kind", "id"])
     op.create_index("events_by_robot", "events", ["robot_id", "id", "at"])
+    _partial_index("events_without_counts", "id", where="kind <> 'counts'")
+    _partial_index("events_counts", "at", where="kind = 'counts'")
+    _partial_index("events_of_note", "id", where="level <> 'info'")
+
+
+def _partial_index(name: str, column: str, *, where: str) -> None:
+    condition = sa.text(where)
     op.create_index(
-        "events_told",
+        name,
         "events",
-        ["robot_id", "id"],
-        sqlite_where=sa.text("kind <> 'counts'"),
-        postgresql_where=sa.text("kind <> 'counts'"),
-    )
-    op.create_index(
-        "events_counts",
-        "events",
-        ["robot_id", "at"],
-        sqlite_where=sa.text("kind = 'counts'"),
-        postgresql_where=sa.text("kind = 'counts'"),
-    )
-    op.create_index(
-        "events_of_note",
-        "events",
-        ["robot_id", "id"],
-        sqlite_where=sa.text("level <> 'info'"),
-        postgresql_where=sa.text("level <> 'info'"),
+        ["robot_id", column],
+        sqlite_where=condition,
+        postgresql_where=condition,
     )
 
 
