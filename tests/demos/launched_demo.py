@@ -35,13 +35,13 @@ def malicious_entries(begun, node, what="sent"):
 
 def guarded_run(begun, pipeline, service):
     """Guard the app and attack it twice over; return the last Truth and what the guard counted."""
-    guarded = pipeline.guard(DECISIONS)
-    with begun.launch_app(guarded, service.environ(), pipeline.plan) as app, begun.by_hand():
-        service.recorded.wait_until_linked(time.time_ns())
+    guarded_launch = pipeline.instrument(DECISIONS)
+    with begun.launch_app(guarded_launch, service.environ(), pipeline.plan) as app, begun.run_manual_attacker():
+        service.history.wait_until_linked(time.time_ns())
         since = time.time_ns()
         truth = drive(begun, "gr", attack=True)
         app.check()
-        return truth, service.recorded.counts(since)["/cmd_vel"]
+        return truth, service.history.counts(since)["/cmd_vel"]
 
 
 def check_guarded(begun, truth, counts):
