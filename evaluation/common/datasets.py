@@ -20,7 +20,7 @@ class Datasets:
     data: Path | None
 
     def repositories(self, names: Iterable[str]) -> list[Path]:
-        """Return the folders of repositories (`owner/name@commit`); raise AbsentError."""
+        """Return the folders of repositories (`owner/name@commit`); raise MissingDatasetError."""
         folders = [self._apps() / name for name in names]
         missing = [folder.name for folder in folders if not folder.is_dir()]
         if missing:
@@ -32,15 +32,15 @@ class Datasets:
         return [folder for name in names if (folder := self._apps() / name).is_dir()]
 
     def all_repositories(self) -> list[Path]:
-        """Return every repository, by name; raise AbsentError if there is no folder of them."""
+        """Return every repository, by name; raise MissingDatasetError without a folder of them."""
         return sorted(path for path in self._apps().glob("*/*") if path.is_dir())
 
     def truth(self, name: str) -> Path:
-        """Return a file of the ground truth; raise AbsentError if it is not here."""
+        """Return a file of the ground truth; raise MissingDatasetError if it is not here."""
         return self._file("groundtruth", name)
 
     def corpus(self, name: str) -> Path:
-        """Return a file of the corpus of repositories; raise AbsentError if it is not here."""
+        """Return a file of the corpus; raise MissingDatasetError if it is not here."""
         return self._file("corpus", name)
 
     def _file(self, folder: str, name: str) -> Path:
@@ -75,4 +75,4 @@ class Reporter:
 
 
 Part = Callable[[Datasets, Reporter], Iterator[Figure]]
-"""Measures, and gives each figure as soon as it is known; raises AbsentError if it cannot."""
+"""Measures; gives each figure as soon as it is known; raises MissingDatasetError without data."""

@@ -26,7 +26,10 @@ class ChunkWorkers(Protocol):
         ...
 
     def submit(self, function: Callable[..., Any], *arguments: object) -> Callable[[], Any]:
-        """Begin `function(*arguments)`; the answer waits for its result, or raises LostError."""
+        """Begin `function(*arguments)`; the answer waits for its result.
+
+        It raises LostWorkerError where the worker is gone.
+        """
         ...
 
 

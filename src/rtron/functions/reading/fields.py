@@ -17,7 +17,7 @@ T = TypeVar("T")
 
 
 def required_name(document: Document, key: str) -> str:
-    """Return a name, which must be there; raise UnreadableError for others."""
+    """Return a name, which must be there; raise UnreadableEntryError for others."""
     value = document.get(key)
     if not isinstance(value, str) or not value.strip():
         raise UnreadableEntryError(f"{key} is no name")
@@ -37,7 +37,7 @@ def optional_text(document: Document, key: str) -> str:
 
 
 def optional_list(document: Document, key: str) -> list[Any]:
-    """Return a list, empty without one; raise UnreadableError for others."""
+    """Return a list, empty without one; raise UnreadableEntryError for others."""
     value = document.get(key)
     if value is None:
         return []
@@ -47,7 +47,7 @@ def optional_list(document: Document, key: str) -> list[Any]:
 
 
 def required_object(value: object, what: str) -> Document:
-    """Return what should be an object; raise UnreadableError if it is none."""
+    """Return what should be an object; raise UnreadableEntryError if it is none."""
     if not isinstance(value, dict):
         raise UnreadableEntryError(f"{what} is no object")
     return value

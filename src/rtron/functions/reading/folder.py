@@ -63,7 +63,7 @@ MANIFEST = "package.xml"
 def read_package(folder: Path, root: Path) -> SourcePackage:
     """Return a folder's package; `root` is the real folder of the repository that it lies in.
 
-    Raise UnreadableError where its package.xml cannot be read, or lies elsewhere.
+    Raise UnreadableEntryError where its package.xml cannot be read, or lies elsewhere.
     """
     document = _parse_manifest(folder / MANIFEST, root)
     manifest = parse_manifest(document, folder)

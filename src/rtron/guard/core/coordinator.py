@@ -179,7 +179,7 @@ class Coordinator:
             self._transport.call_at(due, partial(self._on_deadline, due))
 
     def _on_deadline(self, due: int) -> None:
-        """Look at the senses again, unless an earlier call has taken the place of this one."""
+        """Check the observations again, unless an earlier deadline replaced this one."""
         if due != self._armed_deadline:
             return
         self._armed_deadline = None

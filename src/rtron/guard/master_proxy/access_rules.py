@@ -35,7 +35,7 @@ class MasterMethod:
 
 
 def denial_reason(topics: Topics, method: str, params: Sequence[Any]) -> str:
-    """Return why a plan with these `planned_topics` forbids a call, or nothing if it does not.
+    """Return why a plan with these `topics` forbids a call, or nothing if it does not.
 
     Nothing that the caller says is believed to be well-formed; what cannot be judged is forbidden.
     """

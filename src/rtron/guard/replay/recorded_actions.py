@@ -51,7 +51,7 @@ class RecordedActionTransport(MemoryTransport):
     def action_endpoints(
         self, stream: Stream, node: str, listener: ActionListener
     ) -> "RecordedAction":
-        """Return the ends of an action; see `CarriesRequests`."""
+        """Return the endpoints of an action; see `ActionTransport`."""
         del node
         goal = self._goal(stream.type)
         self.actions.append(RecordedAction(stream, goal, listener, self))
@@ -65,7 +65,7 @@ class RecordedActionTransport(MemoryTransport):
 
 
 class RecordedAction:
-    """Hands to `listener` what is recorded of an action; see `Ends`."""
+    """Hands to `listener` what is recorded of an action; see `ActionEndpoints`."""
 
     def __init__(
         self,

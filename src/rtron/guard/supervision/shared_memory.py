@@ -165,7 +165,7 @@ class LastMessage:
 
 
 def decode_last_message(data: bytes) -> LastMessage:
-    """Return what `Said.bytes` gave, or nothing said if that is nothing."""
+    """Return the message that `LastMessage.encode` wrote; an empty one if none was written."""
     sent_at, valid_until = _TIMES.unpack_from(data) if data else (0, 0)
     return LastMessage(sent_at, valid_until, data[_TIMES.size :])
 

@@ -35,7 +35,7 @@ def new_client() -> httpx.AsyncClient:
 
 
 async def send_call(client: httpx.AsyncClient, call: WebhookCall, timestamp: int) -> None:
-    """Send a letter, `timestamp` since 1970; CallError says why it was not taken."""
+    """Send a webhook call, `timestamp` since 1970; WebhookCallError says why it failed."""
     try:
         with fail_after(_TIMEOUT_S):
             target = parse_webhook_url(call.url)

@@ -114,7 +114,7 @@ class Ros2Transport:
         return endpoints
 
     def goal_canceller(self, node: str, action: str) -> GoalCanceller:
-        """Return a canceller of goals of an unguarded action; see `GoalCancelTransport`."""
+        """Return a canceller of goals of an unguarded action; see `CancelTransport`."""
         return GoalCanceller(self.session.node(node), action)
 
     def link_nodes(self, publisher: str, subscriber: str, topic: str, type: str) -> Output:

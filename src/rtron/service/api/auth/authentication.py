@@ -29,7 +29,7 @@ _ROLES = {
 
 
 def authenticate(service: ServiceContext, connection: HTTPConnection) -> Principal:
-    """Return who a request, or a WebSocket, is from; LoginError if that is nobody.
+    """Return who a request, or a WebSocket, is from; AuthenticationError if that is nobody.
 
     Where there is a token, the cookie does not count. That it is used is noted.
     """

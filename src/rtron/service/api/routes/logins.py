@@ -120,7 +120,7 @@ def _attempt(throttle: LoginThrottle, name: str, address: str) -> Iterator[None]
 
 
 def _check_credentials(service: ServiceContext, credentials: Login, address: str) -> UserRow:
-    """Return the user; LoginError takes as long for a name that nobody has."""
+    """Return the user; AuthenticationError takes as long for a name that nobody has."""
     with service.database.session() as session:
         user = find_user(session, credentials.name)
     is_right = verify_password(credentials.password, user.password_hash if user else None)

@@ -19,7 +19,7 @@ _admission_slots = BoundedSemaphore(_MAX_ADMITTED)
 
 
 def hash_password(password: str) -> str:
-    """Return the hash to keep; TooManyError if too many are being made."""
+    """Return the hash to keep; TooManyRequestsError if too many are being made."""
     with _hashing_slot():
         return _hasher.hash(password)
 

@@ -24,7 +24,10 @@ class LaunchTooLargeError(InputError):
 
 @dataclass(slots=True)
 class LaunchLimits:
-    """Counts what was read; each method raises TooMuchError, with the file, if it is too much."""
+    """Counts what was read.
+
+    Each method raises LaunchTooLargeError, with the file, if it is too much.
+    """
 
     files: int = 0
     bytes: int = 0

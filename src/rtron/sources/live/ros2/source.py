@@ -1,7 +1,7 @@
 """The InteractionGraph of the app that runs in a ROS 2 domain, from rclpy's graph API.
 
-We join the domain as a participant of our own, with one hidden node, and leave it again. What is
-there are strangers: see `domain`. There is no master who knows all: see `settling`.
+We join the domain as a participant of our own, with one hidden node, and leave it again. The
+participants there are untrusted: see `domain`. No master knows the whole graph: see `discovery`.
 """
 
 from __future__ import annotations

@@ -28,7 +28,7 @@ MAX_ROUNDS = 8
 class StaticApp:
     """The graph, and the launch trees in the order of their start: the given ones first.
 
-    `launch_trees` has those that nodes start themselves, after the given ones in `trees`.
+    `started` has those that nodes start themselves, after the given ones in `trees`.
     """
 
     graph: InteractionGraph
@@ -46,7 +46,7 @@ def scan_app(
     """Return the interaction graph of the app that launch files start.
 
     `environ` is the app's environment, ROS_PACKAGE_PATH included. Raise InputError if a given
-    launch file is wrong; what is wrong elsewhere stands in the graph's `entries`.
+    launch file is wrong; what is wrong elsewhere stands in the graph's `unresolved`.
     """
     scan_options, workspace = options or ScanOptions(), read_workspace(folders, environ)
     packages = {**known_packages(), **workspace.packages}
