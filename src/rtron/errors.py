@@ -7,6 +7,12 @@ RTronError
   + WireError       the other side of a connection: it broke the protocol; never ours to fix
 """
 
+from collections.abc import Collection
+from difflib import get_close_matches
+
+_MAX_WORD_LENGTH = 80
+_MAX_CHOICES = 24
+
 
 class RTronError(Exception):
     """Base of all; `help` says what to do about it."""
@@ -40,3 +46,15 @@ class SourceError(RTronError):
 
 class WireError(RTronError):
     """A peer sent what the protocol does not allow; its connection is closed."""
+
+
+def suggestion(word: str, known: Collection[str]) -> str:
+    """Return "did you mean …?" with the nearest known word, or a short choice if none is near."""
+    near = get_close_matches(word[:_MAX_WORD_LENGTH], known, n=1)
+    if near:
+        return f"did you mean {near[0]}?"
+    return (
+        f"choose from {', '.join(known)}"
+        if len(known) <= _MAX_CHOICES
+        else f"none of the {len(known)} is like it"
+    )

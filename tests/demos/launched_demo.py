@@ -36,7 +36,10 @@ def malicious_entries(begun, node, what="sent"):
 def guarded_run(begun, pipeline, service):
     """Guard the app and attack it twice over; return the last Truth and what the guard counted."""
     guarded_launch = pipeline.instrument(DECISIONS)
-    with begun.launch_app(guarded_launch, service.environ(), pipeline.plan) as app, begun.run_manual_attacker():
+    with (
+        begun.launch_app(guarded_launch, service.environ(), pipeline.plan) as app,
+        begun.run_manual_attacker(),
+    ):
         service.history.wait_until_linked(time.time_ns())
         since = time.time_ns()
         truth = drive(begun, "gr", attack=True)

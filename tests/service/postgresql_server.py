@@ -54,14 +54,6 @@ class PostgreSQL:
             connection.cursor().execute(f"CREATE DATABASE {name}")
         return f"postgresql://postgres@127.0.0.1:{self._port}/{name}"
 
-    def kill_connections(self):
-        """End every other connection, as a restart of the server would."""
-        query = (
-            "SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE pid <> pg_backend_pid()"
-        )
-        with closing(self._connection()) as connection:
-            connection.cursor().execute(f"{query} AND backend_type = 'client backend'")
-
     def _connection(self):
         return pg8000.dbapi.connect("postgres", "127.0.0.1", "postgres", self._port)
 

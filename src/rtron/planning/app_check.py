@@ -4,9 +4,9 @@ from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
+from rtron.errors import suggestion
 from rtron.planning.app_topics import action_topics, all_topics, is_sent_per_frame
 from rtron.planning.plan_file.fields import TYPE_NAME
-from rtron.planning.plan_file.problems import suggestion
 from rtron.planning.problem import PlanProblem, ProblemLevel
 from rtron.vocabulary import (
     GRCN,

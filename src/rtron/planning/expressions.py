@@ -3,20 +3,20 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
-from rtron.errors import InputError
-from rtron.messages.common.definition_parser import parse_definition
-from rtron.messages.common.definition_registry import DefinitionRegistry
-from rtron.messages.expressions.condition import Condition
-from rtron.messages.expressions.evaluator import check_expression
-from rtron.planning.coherence.msrcn import (
+from rtron.coherence.msrcn import (
     MAX_EFLOWS,
     MAX_EXPRESSIONS,
     MAX_RULES,
     blocked_types,
 )
-from rtron.planning.coherence.required_flows import self_fulfilling_problems
-from rtron.planning.coherence.rule_contradictions import contradictions
+from rtron.coherence.required_flows import self_fulfilling_problems
+from rtron.errors import InputError
+from rtron.messages.common.definition_parser import parse_definition
+from rtron.messages.common.definition_registry import DefinitionRegistry
+from rtron.messages.expressions.condition import Condition
+from rtron.messages.expressions.evaluator import check_expression
 from rtron.planning.problem import ProblemLevel
+from rtron.planning.rule_contradictions import contradictions
 from rtron.vocabulary import (
     MSRCN,
     EventFlow,

@@ -14,12 +14,6 @@ from rtron.vocabulary.action import (
     ros2_entity_name,
     with_goal_topics,
 )
-from rtron.vocabulary.effective_plan import (
-    SettingsMismatchError,
-    apply_settings,
-    compatible_settings,
-    coordination_node_ids,
-)
 from rtron.vocabulary.enums import (
     ActionRole,
     CoordinationKind,
@@ -263,7 +257,6 @@ __all__ = [
     "ServiceAccess",
     "ServiceClient",
     "Settings",
-    "SettingsMismatchError",
     "Severity",
     "Sharing",
     "Stage",
@@ -291,10 +284,7 @@ __all__ = [
     "WatchedFlow",
     "WhenUnknown",
     "action_name",
-    "apply_settings",
     "build_streams",
-    "compatible_settings",
-    "coordination_node_ids",
     "flow_topic",
     "is_action_type",
     "list_service_access",

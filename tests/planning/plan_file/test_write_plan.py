@@ -7,8 +7,8 @@ from home import HOME
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from rtron.coherence import coherence_problems
 from rtron.planning import parse_plan, propose_plan, write_plan
-from rtron.planning.coherence import coherence_problems
 from rtron.planning.expressions import expression_problems
 from rtron.planning.plan_file.fields import plan_fields
 from rtron.risks import discover_risks

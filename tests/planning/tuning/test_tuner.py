@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from rtron.planning.coherence import coherence_problems
+from rtron.coherence import coherence_problems
 from rtron.planning.tuning import tune_plan, tuned_yaml
 from rtron.planning.tuning.duration_fit import MAX_SILENCE, MIN_DURATION
 from rtron.planning.tuning.formatting import count_text, round_up, round_up_value, short_duration

@@ -16,7 +16,7 @@ from test_tuner import (
     stream,
 )
 
-from rtron.planning.coherence import coherence_problems
+from rtron.coherence import coherence_problems
 from rtron.planning.plan_file.loader import parse_plan
 from rtron.planning.tuning import tune_plan, tuned_yaml
 from rtron.planning.tuning.duration_fit import MAX_SILENCE, MIN_SAMPLES

@@ -8,7 +8,8 @@ from console_robot import GuardModel
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
-from rtron.vocabulary import EventKind, apply_settings
+from rtron.coherence import EffectivePlan
+from rtron.vocabulary import EventKind
 from rtron.wire.common.link_protocol import (
     Applied,
     Events,
@@ -97,7 +98,7 @@ class SimulatedGuard:
         if not self.error:
             self.guard.revision = settings.revision
             self.guard.stopped = settings.stop is not None
-            in_force = apply_settings(self.guard.plan, settings).rsrcn
+            in_force = EffectivePlan(self.guard.plan, settings).plan.rsrcn
             self.guard.limit = in_force.max_vel_limit if in_force else 0.22
             self.guard.overridden = tuple(settings.overrides)
         self.send(Applied(revision=settings.revision, error=self.error))

@@ -6,6 +6,7 @@ from itertools import chain, combinations
 import pytest
 from controller_setup import PLAN, plan, plan_with
 
+from rtron.coherence import EffectivePlan
 from rtron.service.domain.rights import (
     coordination_kinds,
     granted_rights,
@@ -144,7 +145,7 @@ def test_a_mandatory_policy_cannot_be_deselected(mandatory, wanted):
     given = plan_with("policy: Safe", f"policy: {mandatory}\n  mandatory: {mandatory}")
     after = Settings(nodes={"speed": NodeSettings(policy=wanted)})
     includes = wanted is mandatory or (wanted is PolicyName.SAFE_CONSTRAIN and mandatory in BOTH)
-    told = list(mandatory_violations(given, after))
+    told = list(mandatory_violations(EffectivePlan(given, after)))
     assert bool(told) is not includes
     assert not told or told == [f"{mandatory} of speed is mandatory: {wanted} would deselect it"]
 
@@ -153,7 +154,7 @@ def test_a_mandatory_policy_cannot_be_deselected(mandatory, wanted):
 def test_a_mandatory_limit_can_be_lowered(limit):
     given = plan_with("policy: Safe", "policy: Constrain\n  mandatory: Constrain")
     after = Settings(nodes={"speed": NodeSettings(max_vel_limit=limit)})
-    assert list(mandatory_violations(given, after)) == []
+    assert list(mandatory_violations(EffectivePlan(given, after))) == []
 
 
 @pytest.mark.parametrize("policy", ["Constrain", "Safe+Constrain"])
@@ -161,7 +162,7 @@ def test_a_mandatory_limit_can_be_lowered(limit):
 def test_a_mandatory_limit_cannot_be_raised(limit, policy):
     given = plan_with("policy: Safe", f"policy: {policy}\n  mandatory: {policy}")
     after = Settings(nodes={"speed": NodeSettings(max_vel_limit=limit)})
-    (told,) = mandatory_violations(given, after)
+    (told,) = mandatory_violations(EffectivePlan(given, after))
     assert told.endswith("max_vel_limit is at most 0.5 m/s")
 
 
@@ -173,7 +174,7 @@ def test_a_mandatory_threshold_can_be_lowered_not_raised(policy, threshold, is_r
     given = plan_with("policy: Safe", f"policy: {policy}\n  mandatory: {policy}")
     after = Settings(nodes={"speed": NodeSettings(threshold=threshold)})
     told = f"{policy} of speed is mandatory: threshold is at most 0.02 m/frame"
-    assert list(mandatory_violations(given, after)) == [told] * is_raised
+    assert list(mandatory_violations(EffectivePlan(given, after))) == [told] * is_raised
 
 
 @pytest.mark.parametrize("mandatory", ["", "\n  mandatory: Constrain", "\n  mandatory: Block"])
@@ -181,14 +182,14 @@ def test_another_threshold_can_be_raised(mandatory):
     policy = "Block" if "Block" in mandatory else "Safe+Constrain"
     given = plan_with("policy: Safe", f"policy: {policy}{mandatory}")
     after = Settings(nodes={"speed": NodeSettings(threshold=0.9)})
-    assert list(mandatory_violations(given, after)) == []
+    assert list(mandatory_violations(EffectivePlan(given, after))) == []
 
 
 @pytest.mark.parametrize("mandatory", ["", "\n  mandatory: Safe"])
 def test_another_limit_can_be_raised(mandatory):
     given = plan_with("policy: Safe", f"policy: Safe+Constrain{mandatory}")
     after = Settings(nodes={"speed": NodeSettings(max_vel_limit=0.9)})
-    assert list(mandatory_violations(given, after)) == []
+    assert list(mandatory_violations(EffectivePlan(given, after))) == []
 
 
 @pytest.mark.parametrize(
@@ -207,15 +208,15 @@ def test_another_limit_can_be_raised(mandatory):
 def test_a_mandatory_rule_is_not_weakened(own, told):
     after = Settings(nodes={"mission": NodeSettings(rules={"quiet": own})})
     expected = [f"the rule quiet of mission is mandatory: {told}"] if told else []
-    assert list(mandatory_violations(plan(), after)) == expected
+    assert list(mandatory_violations(EffectivePlan(plan(), after))) == expected
 
 
 @pytest.mark.parametrize("own", [RuleSettings(selected=False), RuleSettings(when="night")])
 def test_another_rule_is_the_end_users(own):
     after = Settings(nodes={"mission": NodeSettings(rules={"watched": own})})
-    assert list(mandatory_violations(plan(), after)) == []
+    assert list(mandatory_violations(EffectivePlan(plan(), after))) == []
 
 
 def test_a_plan_without_them_makes_nothing_mandatory():
     given = plan(PLAN[: PLAN.index("rsrcn:")])
-    assert list(mandatory_violations(given, Settings())) == []
+    assert list(mandatory_violations(EffectivePlan(given, Settings()))) == []

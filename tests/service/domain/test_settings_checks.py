@@ -5,6 +5,7 @@ import re
 import pytest
 from controller_setup import PLAN, plan, plan_with
 
+from rtron.coherence import EffectivePlan
 from rtron.errors import InputError
 from rtron.service.domain.settings_checks import check_settings, drop_misfits
 from rtron.vocabulary import (
@@ -25,8 +26,15 @@ def user_rule(**keys):
     return node("mission", rules={"own": RuleSettings(**keys)})
 
 
+def checked(plan, settings):
+    """Return the plan in force under settings, once it has passed the checks."""
+    effective = EffectivePlan(plan, settings)
+    check_settings(effective)
+    return effective.plan
+
+
 def test_what_fits_is_the_plan_in_force():
-    after = check_settings(plan(), node("drive", policy=PolicyName.BLOCK))
+    after = checked(plan(), node("drive", policy=PolicyName.BLOCK))
     assert (after.grcn[0].policy, after.revision) == (PolicyName.BLOCK, 3)
 
 
@@ -53,28 +61,28 @@ def test_what_fits_is_the_plan_in_force():
 )
 def test_what_makes_no_plan_is_refused(settings, told):
     with pytest.raises(InputError, match=re.escape(told)):
-        check_settings(plan(), settings)
+        checked(plan(), settings)
 
 
 @pytest.mark.parametrize("when", ["night", "!night && (alone || night)", "true"])
 def test_an_own_rule_combines_eflows(when):
-    after = check_settings(plan(), user_rule(when=when, block=("aflow1",)))
+    after = checked(plan(), user_rule(when=when, block=("aflow1",)))
     assert after.msrcn.rules[-1].when == when
 
 
 def test_constrain_needs_a_limit():
     given = plan_with("  max_vel_limit: 0.5 m/s\n", "")
     with pytest.raises(InputError, match="Constrain needs a max_vel_limit"):
-        check_settings(given, node("speed", policy=PolicyName.CONSTRAIN))
-    check_settings(given, node("speed", policy=PolicyName.CONSTRAIN, max_vel_limit=0.1))
+        checked(given, node("speed", policy=PolicyName.CONSTRAIN))
+    checked(given, node("speed", policy=PolicyName.CONSTRAIN, max_vel_limit=0.1))
 
 
 def test_a_plans_own_faults_are_not_held_against_settings():
     odd = plan().grcn[0]
     flawed = plan().__class__(app="odd", grcn=(odd, odd.__class__(**_fields(odd) | {"id": "two"})))
-    assert check_settings(flawed, node("two", policy=PolicyName.BLOCK)).grcn[1].policy == "Block"
+    assert checked(flawed, node("two", policy=PolicyName.BLOCK)).grcn[1].policy == "Block"
     with pytest.raises(InputError, match="Safe is not for a GRCN: choose"):
-        check_settings(flawed, node("two", policy=PolicyName.SAFE))
+        checked(flawed, node("two", policy=PolicyName.SAFE))
 
 
 def _fields(noun):

@@ -6,9 +6,8 @@ import typer
 from rich.text import Text
 
 from rtron.cli.support.outcome import Outcome
-from rtron.errors import InputError
+from rtron.errors import InputError, suggestion
 from rtron.planning.missions import MISSIONS, mission_summary, mission_text
-from rtron.planning.plan_file.problems import suggestion
 from rtron.reports.text_layout import Report, columns, line
 
 

@@ -24,7 +24,6 @@ from rtron.vocabulary import (
     Plan,
     RuleState,
     Settings,
-    SettingsMismatchError,
 )
 from rtron.wire.common.link_protocol import Applied, Hello, NewSettings, StateReport
 
@@ -116,7 +115,7 @@ class ServiceLink:
         """Put settings in force; return why that is not possible, or nothing."""
         try:
             self._applying.apply(settings, time.time_ns())
-        except (RTronError, SettingsMismatchError) as error:
+        except RTronError as error:
             self._refusal = f"revision {settings.revision} is refused: {error}"
             log.error("settings: %s", self._refusal)  # noqa: TRY400 - it tells enough
             self._apply_stop_only(settings)

@@ -1,21 +1,12 @@
 """New settings for the running guard: all of them at once, or none."""
 
-from rtron.errors import InputError
+from rtron.coherence import EffectivePlan
 from rtron.guard.core.coordinator import Coordinator
 from rtron.guard.settings.emergency_stop import EmergencyBrake
 from rtron.guard.settings.granted import SettingsOverrides
 from rtron.guard.settings.mission_rules import MissionRules
 from rtron.guard.transport.common.protocol import Transport
-from rtron.messages.common.velocity import VELOCITY_TYPES
-from rtron.vocabulary import (
-    Plan,
-    PolicyName,
-    Settings,
-    SettingsMismatchError,
-    build_streams,
-    normalise_type,
-)
-from rtron.vocabulary.settings_validation import apply_valid_settings
+from rtron.vocabulary import Plan, Settings, build_streams
 
 
 class SettingsApplier:
@@ -48,7 +39,7 @@ class SettingsApplier:
 
         RTronError if they cannot be used; then nothing has changed.
         """
-        plan = self._plan_in_force(settings)
+        plan = EffectivePlan(self._plan, settings).check()
         rules = self._rules.prepare(plan)
         pairs = zip(self._coordinator.streams, build_streams(plan), strict=True)
         adaptations = [
@@ -65,21 +56,3 @@ class SettingsApplier:
         if not settings.stop:
             self._emergency_stop.release()
         self._coordinator.recheck()
-
-    def _plan_in_force(self, settings: Settings) -> Plan:
-        try:
-            plan = apply_valid_settings(self._plan, settings)
-        except SettingsMismatchError as error:
-            raise InputError(str(error)) from None
-        _check_types(plan)
-        return plan
-
-
-def _check_types(plan: Plan) -> None:
-    """Refuse to limit a topic without velocities: none of its messages would pass. InputError."""
-    if plan.rsrcn is None or plan.rsrcn.policy is PolicyName.BLOCK:
-        return
-    for topic in plan.rsrcn.vflows:
-        if topic.type and normalise_type(topic.type) not in VELOCITY_TYPES:
-            text = f"{plan.rsrcn.policy} cannot limit {topic.topic}, which carries {topic.type}"
-            raise InputError(text)

@@ -6,10 +6,11 @@ from typing import Any, TypeVar
 
 import yaml
 
+from rtron.errors import suggestion
 from rtron.planning.plan_file.defaults import with_defaults
 from rtron.planning.plan_file.durations import parse_duration, write_duration
 from rtron.planning.plan_file.fields import PLAN_TYPES, PlanField, plan_fields
-from rtron.planning.plan_file.problems import FileProblems, quoted, suggestion
+from rtron.planning.plan_file.problems import FileProblems, quoted
 
 T = TypeVar("T")
 _INTEGER = re.compile(r"-?(0|[1-9][0-9]{0,18})")

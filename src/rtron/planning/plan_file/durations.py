@@ -3,7 +3,8 @@
 import re
 from decimal import Decimal
 
-from rtron.planning.plan_file.problems import quoted, suggestion
+from rtron.errors import suggestion
+from rtron.planning.plan_file.problems import quoted
 from rtron.vocabulary import SECOND
 
 UNITS = {

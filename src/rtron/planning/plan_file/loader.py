@@ -3,8 +3,8 @@
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
+from rtron.coherence import coherence_problems
 from rtron.errors import InputError
-from rtron.planning.coherence import coherence_problems
 from rtron.planning.plan_file.decoder import PlanDecoder
 from rtron.planning.plan_file.problems import FileProblems
 from rtron.planning.plan_file.yaml_parser import parse_yaml, read_text

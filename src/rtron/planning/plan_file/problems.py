@@ -1,14 +1,12 @@
 """What is wrong with a plan file: all of it at once, each fault with its line."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from difflib import get_close_matches
 
 from rtron.errors import PlanError
 
 _MAX_SHOWN = 50
 _MAX_WORD_LENGTH = 80
-_MAX_CHOICES = 24
 _HELP = "`rtron schema plan` describes every key"
 
 
@@ -44,18 +42,6 @@ class FileProblems:
         if len(problems) > _MAX_SHOWN:
             lines.append(f"… and {len(problems) - _MAX_SHOWN} more")
         return "\n".join(lines)
-
-
-def suggestion(word: str, known: Collection[str]) -> str:
-    """Return «did you mean …?» with the nearest word, or a short choice where none is near."""
-    near = get_close_matches(word[:_MAX_WORD_LENGTH], known, n=1)
-    if near:
-        return f"did you mean {near[0]}?"
-    return (
-        f"choose from {', '.join(known)}"
-        if len(known) <= _MAX_CHOICES
-        else f"none of the {len(known)} is like it"
-    )
 
 
 def quoted(text: str) -> str:

@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 
-from rtron.planning.plan_file.problems import quoted, suggestion
+from rtron.errors import suggestion
+from rtron.planning.plan_file.problems import quoted
 
 _NUMBER = r"-?[0-9]{1,19}(?:\.[0-9]{1,25})?(?:[eE][+-]?[0-9]{1,3})?"
 _QUANTITY = re.compile(rf"({_NUMBER}) ?([A-Za-zµ°].{{0,20}})?")

@@ -17,7 +17,7 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from rtron.planning.coherence.grcn import PRIORITY_POLICIES
+from rtron.coherence.grcn import PRIORITY_POLICIES
 from rtron.planning.tuning.duration_fit import MIN_SAMPLES
 from rtron.planning.tuning.formatting import count_text, short_duration
 from rtron.planning.tuning.run_statistics import AddProposal, flow_statistics

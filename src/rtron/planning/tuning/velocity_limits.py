@@ -9,7 +9,7 @@ frames, or is shorter than the longest gap or than `silent_after`.
 
 from dataclasses import replace
 
-from rtron.planning.coherence.rsrcn import FRAME_RATE_POLICIES, VELOCITY_LIMIT_POLICIES
+from rtron.coherence.rsrcn import FRAME_RATE_POLICIES, VELOCITY_LIMIT_POLICIES
 from rtron.planning.plan_file.quantities import PER_FRAME, VELOCITY
 from rtron.planning.tuning.duration_fit import (
     MIN_SAMPLES,

@@ -5,10 +5,10 @@ from typing import Any
 
 from sqlalchemy.orm import Session
 
+from rtron.coherence import EffectivePlan
 from rtron.errors import InputError, RTronError
 from rtron.reports.app.page_data import page_data
 from rtron.reports.app.risks_json import risks_to_json
-from rtron.risks import discover_risks
 from rtron.service.controller.handshake import store_risk_models
 from rtron.service.controller.robot_snapshot import RobotSnapshot, load_snapshot
 from rtron.service.domain.clock import Clock
@@ -19,7 +19,8 @@ from rtron.service.store.database import Database
 from rtron.service.store.graphs import find_graph, store_graph
 from rtron.service.store.tables import GraphRow
 from rtron.sources.graph_json import graph_to_json, parse_graph
-from rtron.vocabulary import InteractionGraph, RiskReport, apply_settings
+from rtron.vocabulary import InteractionGraph, RiskReport
+from rtron.workflows.scan import scan_graph
 
 MAX_ENDPOINTS = 20_000
 MAX_RISKS = 5_000
@@ -38,7 +39,7 @@ def upload_graph(
     now = clock()
     try:
         graph = _check_graph_size(parse_graph(data, "the graph"))
-        risks: dict[str, Any] = risks_to_json(_check_risks_size(discover_risks(graph)))
+        risks: dict[str, Any] = risks_to_json(_check_risks_size(scan_graph(graph).report))
         with database.session() as session:
             snapshot = load_snapshot(session, robot)
             store_graph(session, _graph_row(snapshot, graph, caller.name, now), risks["risks"])
@@ -58,7 +59,8 @@ def get_graph_page(session: Session, robot: str) -> dict[str, Any]:
     """
     snapshot = load_snapshot(session, robot)
     graph, row = _load_graph(session, snapshot)
-    page = page_data(graph, discover_risks(graph), apply_settings(snapshot.plan, snapshot.settings))
+    effective = EffectivePlan(snapshot.plan, snapshot.settings)
+    page = page_data(graph, scan_graph(graph).report, effective.plan)
     return {
         "source": "uploaded" if row else "plan",
         "uploaded": row.uploaded if row else None,
@@ -70,7 +72,7 @@ def get_graph_page(session: Session, robot: str) -> dict[str, Any]:
 def get_risks_page(session: Session, robot: str) -> dict[str, Any]:
     """Return the risks of a robot's app, `rtron.risks/1`, with the `source` of its graph."""
     graph, row = _load_graph(session, load_snapshot(session, robot))
-    return {"source": "uploaded" if row else "plan", **risks_to_json(discover_risks(graph))}
+    return {"source": "uploaded" if row else "plan", **risks_to_json(scan_graph(graph).report)}
 
 
 def _load_graph(

@@ -5,10 +5,10 @@ from dataclasses import dataclass, replace
 
 from sqlalchemy.orm import Session
 
+from rtron.coherence import EffectivePlan
 from rtron.errors import InputError, WireError
 from rtron.planning.plan_file.fields import IDENTIFIER
 from rtron.reports.app.risks_json import risks_to_json
-from rtron.risks import discover_risks
 from rtron.service.controller.robot_snapshot import drop_expired_overrides
 from rtron.service.domain.audit_events import AuditEvent
 from rtron.service.domain.plan_json import plan_digest, plan_json
@@ -20,8 +20,9 @@ from rtron.service.store.graphs import find_graph, stored_risks
 from rtron.service.store.robots import count_apps, find_app, register_robot, replace_risk_models
 from rtron.service.store.settings import ChangeAuthor, add_settings, load_settings, newest_settings
 from rtron.service.store.tables import AppRow, RobotRow, SettingsRow
-from rtron.vocabulary import SECOND, EmergencyStop, Plan, Settings, apply_settings
+from rtron.vocabulary import SECOND, EmergencyStop, Plan, Settings
 from rtron.wire.common.link_protocol import Hello
+from rtron.workflows.scan import scan_graph
 
 MAX_APPS = 100
 """The most apps of one robot."""
@@ -53,7 +54,8 @@ def perform_handshake(session: Session, robot: str, hello: Hello, now: int) -> H
 
 def store_risk_models(session: Session, app: AppRow, plan: Plan, settings: Settings) -> None:
     """Store the risk models of an app's coordination nodes, with these settings in force."""
-    models = build_risk_models(plan, apply_settings(plan, settings), app_risks(session, app, plan))
+    effective = EffectivePlan(plan, settings)
+    models = build_risk_models(plan, effective.plan, app_risks(session, app, plan))
     replace_risk_models(session, app.id, models)
 
 
@@ -61,7 +63,7 @@ def app_risks(session: Session, app: AppRow, plan: Plan) -> list[dict[str, objec
     """Return the risks of the uploaded graph, or else those that the plan itself shows."""
     if find_graph(session, app.id):
         return list(stored_risks(session, app.id))
-    risks: list[dict[str, object]] = risks_to_json(discover_risks(planned_graph(plan)))["risks"]
+    risks: list[dict[str, object]] = risks_to_json(scan_graph(planned_graph(plan)).report)["risks"]
     return risks
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 from sqlalchemy.orm import Session
 
-from rtron.planning.coherence import grcn, msrcn, rsrcn
+from rtron.coherence import EffectivePlan, grcn, msrcn, rsrcn
 from rtron.service.controller.robot_snapshot import drop_expired_overrides, load_snapshot
 from rtron.service.domain.errors import NotFoundError
 from rtron.service.domain.rights import granted_rights
@@ -27,7 +27,6 @@ from rtron.vocabulary import (
     PolicyName,
     Settings,
     Sharing,
-    apply_settings,
 )
 
 _Json = Mapping[str, dict[str, Any]]
@@ -67,7 +66,7 @@ def get_node_parameters(
 def _nodes_view(session: Session, robot: str, roles: Collection[UserRole], now: int) -> _NodesView:
     snapshot = load_snapshot(session, robot)
     settings = drop_expired_overrides(snapshot.settings, now)
-    effective_plan = apply_settings(snapshot.plan, settings)
+    effective_plan = EffectivePlan(snapshot.plan, settings).plan
     pairs = zip(planned_nodes(snapshot.plan), planned_nodes(effective_plan), strict=True)
     return _NodesView(
         nodes={node.id: (kind, node, changed) for (kind, node), (_, changed) in pairs},

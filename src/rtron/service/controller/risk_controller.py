@@ -13,6 +13,7 @@ from typing import TypeVar
 from sqlalchemy.exc import IntegrityError, SQLAlchemyError
 from sqlalchemy.orm import Session
 
+from rtron.coherence import EffectivePlan
 from rtron.errors import RTronError, SourceError
 from rtron.service.controller.handshake import HelloRateLimit, check_hello, perform_handshake
 from rtron.service.controller.robot_snapshot import (
@@ -63,14 +64,14 @@ from rtron.service.store.settings import (
     record_answer,
     settings_view,
 )
-from rtron.vocabulary import Settings, apply_settings
+from rtron.vocabulary import Settings
 from rtron.wire.common.link_protocol import Applied, Hello
 
 log = logging.getLogger(__name__)
 _MAX_ATTEMPTS = 100
 _SERVICE_ACTOR = "rtron"
 _T = TypeVar("_T")
-_ApplyChange = Callable[[Session, RobotSnapshot], Settings | None]
+_ApplyChange = Callable[[Session, RobotSnapshot], EffectivePlan | None]
 
 
 class RiskController:
@@ -147,11 +148,11 @@ class RiskController:
             reason=change.reason,
         )
 
-        def apply(_session: Session, snapshot: RobotSnapshot) -> Settings | None:
+        def apply(_session: Session, snapshot: RobotSnapshot) -> EffectivePlan | None:
             if change.revision != snapshot.row.revision:
                 raise StaleRevisionError(settings_view(snapshot.row))
             after = apply_change(snapshot.plan, snapshot.settings, caller.roles, change)
-            again = snapshot.row.error or after.nodes != snapshot.settings.nodes
+            again = snapshot.row.error or after.settings.nodes != snapshot.settings.nodes
             return after if again else None
 
         return self._revise(robot, event, apply, change.reason)
@@ -164,19 +165,20 @@ class RiskController:
             "override", node_target(robot, node), duration=request.duration, reason=request.reason
         )
 
-        def apply(_session: Session, snapshot: RobotSnapshot) -> Settings:
+        def apply(_session: Session, snapshot: RobotSnapshot) -> EffectivePlan:
             check_override_right(snapshot.plan, caller.roles, node)
             now = self._clock()
-            return add_override(snapshot.settings, caller.name, node, request, now)
+            after = add_override(snapshot.settings, caller.name, node, request, now)
+            return EffectivePlan(snapshot.plan, after)
 
         return self._revise(robot, event, apply, request.reason)
 
     def end_override(self, caller: Principal, robot: str, node: str) -> SettingsView:
         """Put a coordination node in force again before its override is over."""
 
-        def apply(_session: Session, snapshot: RobotSnapshot) -> Settings:
+        def apply(_session: Session, snapshot: RobotSnapshot) -> EffectivePlan:
             check_override_right(snapshot.plan, caller.roles, node)
-            return remove_override(snapshot.settings, node)
+            return EffectivePlan(snapshot.plan, remove_override(snapshot.settings, node))
 
         return self._revise(
             robot, caller.audit_event("override.end", node_target(robot, node)), apply, ""
@@ -189,13 +191,14 @@ class RiskController:
         the database does not take it, it goes out all the same, and SourceError tells.
         """
 
-        def apply(_session: Session, snapshot: RobotSnapshot) -> Settings | None:
+        def apply(_session: Session, snapshot: RobotSnapshot) -> EffectivePlan | None:
             check_stop_right(caller.roles)
             stop = snapshot.settings.stop
             is_confirmed = snapshot.row.outcome == SettingsOutcome.APPLIED
             if is_confirmed and stop and is_same_stop(stop, caller.name, reason):
                 return None
-            return add_stop(snapshot.settings, caller.name, reason, self._clock())
+            after = add_stop(snapshot.settings, caller.name, reason, self._clock())
+            return EffectivePlan(snapshot.plan, after)
 
         with self._sender.robot_lock(robot):
             try:
@@ -214,11 +217,11 @@ class RiskController:
     ) -> SettingsView:
         """End the emergency stop of a revision; RevisionError if that is not the newest."""
 
-        def apply(_session: Session, snapshot: RobotSnapshot) -> Settings:
+        def apply(_session: Session, snapshot: RobotSnapshot) -> EffectivePlan:
             check_stop_right(caller.roles)
             if request.revision != snapshot.row.revision:
                 raise StaleRevisionError(settings_view(snapshot.row))
-            return remove_stop(snapshot.settings, request.reason)
+            return EffectivePlan(snapshot.plan, remove_stop(snapshot.settings, request.reason))
 
         detail = {"revision": request.revision, "reason": request.reason}
         return self._revise(
@@ -252,24 +255,20 @@ class RiskController:
                 snapshot,
                 settings=drop_expired_overrides(last_accepted_settings(session, snapshot), now),
             )
-            settings = apply(session, snapshot)
+            effective = apply(session, snapshot)
             row = snapshot.row
-            if settings:
-                row = add_settings(
-                    session,
-                    snapshot.app.id,
-                    settings,
-                    ChangeAuthor(by=event.who, reason=reason, at=now),
-                )
-                if settings.nodes != load_settings(snapshot.row).nodes:
-                    in_force = node_json(apply_settings(snapshot.plan, settings))
+            if effective:
+                author = ChangeAuthor(by=event.who, reason=reason, at=now)
+                row = add_settings(session, snapshot.app.id, effective.settings, author)
+                if effective.settings.nodes != load_settings(snapshot.row).nodes:
+                    in_force = node_json(effective.plan)
                     store_policy_settings(session, snapshot.app.id, in_force)
                 record_event(session, now, event)
             else:
                 record_repeatable(session, now, event, "done")
         view = settings_view(row)
-        if settings:
-            self._sender.push(robot, settings)
+        if effective:
+            self._sender.push(robot, effective.settings)
             self._sender.broadcast(robot, view)
         return view
 
@@ -280,9 +279,10 @@ class RiskController:
             return
         stop = sent.stop
 
-        def apply(_session: Session, snapshot: RobotSnapshot) -> Settings:
+        def apply(_session: Session, snapshot: RobotSnapshot) -> EffectivePlan:
             next_revision = max(snapshot.settings.revision, sent.revision) + 1
-            return replace(snapshot.settings, stop=stop, revision=next_revision)
+            after = replace(snapshot.settings, stop=stop, revision=next_revision)
+            return EffectivePlan(snapshot.plan, after)
 
         event = AuditEvent(who=stop.by, action="stop", target=robot, detail={"reason": stop.reason})
         try:
@@ -294,10 +294,11 @@ class RiskController:
         """Send a stop that was refused again, with what the guard last took, or with nothing."""
         event = AuditEvent(who=_SERVICE_ACTOR, action="stop", target=robot)
 
-        def apply(_session: Session, snapshot: RobotSnapshot) -> Settings:
+        def apply(_session: Session, snapshot: RobotSnapshot) -> EffectivePlan:
             last = snapshot.settings
             nodes = {} if last.nodes == load_settings(snapshot.row).nodes else last.nodes
-            return replace(last, nodes=nodes, revision=last.revision + 1)
+            after = replace(last, nodes=nodes, revision=last.revision + 1)
+            return EffectivePlan(snapshot.plan, after)
 
         with self._sender.robot_lock(robot):
             with self._database.session() as session:

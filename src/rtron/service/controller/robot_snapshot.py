@@ -4,11 +4,12 @@ from dataclasses import dataclass, replace
 
 from sqlalchemy.orm import Session
 
+from rtron.coherence import compatible_settings
 from rtron.service.domain.errors import NotFoundError
 from rtron.service.store.robots import find_robot, load_plan
 from rtron.service.store.settings import last_applied_settings, load_settings, newest_settings
 from rtron.service.store.tables import AppRow, SettingsRow
-from rtron.vocabulary import Plan, Settings, compatible_settings
+from rtron.vocabulary import Plan, Settings
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -3,6 +3,7 @@
 from collections.abc import Collection
 from dataclasses import replace
 
+from rtron.coherence import EffectivePlan
 from rtron.errors import InputError
 from rtron.service.domain.errors import ConflictError, ForbiddenError, NotFoundError
 from rtron.service.domain.rights import (
@@ -15,7 +16,7 @@ from rtron.service.domain.rights import (
 )
 from rtron.service.domain.roles import Right, UserRole
 from rtron.service.domain.schemas import OverrideRequest, SettingsChange, SettingsView
-from rtron.service.domain.settings_checks import check_settings, effective_plan
+from rtron.service.domain.settings_checks import check_settings
 from rtron.service.domain.settings_patch import merge_patch
 from rtron.vocabulary import SECOND, EmergencyStop, Plan, Settings, TimedOverride
 
@@ -33,16 +34,17 @@ class StaleRevisionError(ConflictError):
 
 def apply_change(
     plan: Plan, before: Settings, roles: Collection[UserRole], change: SettingsChange
-) -> Settings:
-    """Return the settings with a change merged in, its revision one higher.
+) -> EffectivePlan:
+    """Return the plan under the settings with a change merged in, their revision one higher.
 
-    InputError if the change is none or makes no plan, ForbiddenError if the roles do not suffice.
+    InputError if the change is empty or the resulting plan is invalid, ForbiddenError if the roles
+    do not suffice.
     """
-    after = merge_patch(plan, before, change.nodes)
-    effective_plan(plan, after)
-    _check_rights(plan, roles, before, after)
-    check_settings(plan, after)
-    return replace(after, revision=before.revision + 1)
+    merged = merge_patch(plan, before, change.nodes)
+    after = EffectivePlan(plan, replace(merged, revision=before.revision + 1))
+    _check_rights(roles, before, after)
+    check_settings(after)
+    return after
 
 
 def add_override(
@@ -58,7 +60,7 @@ def add_override(
 def remove_override(before: Settings, node: str) -> Settings:
     """Return the settings without the override of a coordination node."""
     if node not in before.overrides:
-        raise NotFoundError(f"{node} is not overridden", help="it is in force")
+        raise NotFoundError(f"{node} is not overridden", help="its policy is in force")
     overrides = {id: each for id, each in before.overrides.items() if id != node}
     return replace(before, overrides=overrides, revision=before.revision + 1)
 
@@ -79,7 +81,7 @@ def is_same_stop(stop: EmergencyStop, actor: str, reason: str) -> bool:
 def remove_stop(before: Settings, reason: str) -> Settings:
     """Return the settings without the emergency stop."""
     if before.stop is None:
-        raise NotFoundError("the robot is not stopped", help="nothing is to be released")
+        raise NotFoundError("the robot is not stopped", help="there is no stop to release")
     if len(reason) < _MIN_REASON_LENGTH:
         raise InputError("the end of an emergency stop needs a reason", help="say why it is safe")
     return replace(before, stop=None, revision=before.revision + 1)
@@ -103,16 +105,15 @@ def check_stop_right(roles: Collection[UserRole]) -> None:
         raise ForbiddenError("an emergency stop takes a role", help="any role will do")
 
 
-def _check_rights(
-    plan: Plan, roles: Collection[UserRole], before: Settings, after: Settings
-) -> None:
-    missing = missing_rights(plan, roles, needed_rights(plan, before, after))
+def _check_rights(roles: Collection[UserRole], before: Settings, after: EffectivePlan) -> None:
+    plan = after.base
+    breaches = list(mandatory_violations(after))
+    missing = missing_rights(plan, roles, needed_rights(plan, before, after.settings))
     if missing:
         denied = ", ".join(f"{right} at {node}" for node, right in missing)
         raise ForbiddenError(
             f"{_role_names(roles)} may not {denied}", help=_who_may(plan, *missing[0])
         )
-    breaches = list(mandatory_violations(plan, after))
     if breaches:
         raise ForbiddenError("; ".join(breaches), help="it is the plan that would have to change")
 
@@ -121,7 +122,7 @@ def _who_may(plan: Plan, node: str, right: Right) -> str:
     kind = coordination_kinds(plan)[node]
     roles = [role for role in UserRole if right in RIGHTS_BY_ROLE.get(role, {}).get(kind, ())]
     if not roles:
-        return f"nobody may {right} at a {kind}: only the plan says it"
+        return f"no role may {right} at a {kind}: change it in the plan"
     return f"ask somebody with the role {' or '.join(roles)}"
 
 

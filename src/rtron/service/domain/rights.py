@@ -6,8 +6,9 @@ nobody can take away here: only the plan can.
 
 from collections.abc import Collection, Iterator, Mapping
 
-from rtron.planning.coherence.msrcn import flows_by_name
-from rtron.planning.coherence.rsrcn import (
+from rtron.coherence import EffectivePlan, coordination_node_ids
+from rtron.coherence.msrcn import flows_by_name
+from rtron.coherence.rsrcn import (
     FRAME_RATE_POLICIES,
     VELOCITY_LIMIT_POLICIES,
     included_policies,
@@ -23,8 +24,6 @@ from rtron.vocabulary import (
     Plan,
     RuleSettings,
     Settings,
-    apply_settings,
-    coordination_node_ids,
 )
 
 NodeRight = tuple[str, Right]
@@ -118,12 +117,12 @@ def missing_rights(
     )
 
 
-def mandatory_violations(plan: Plan, settings: Settings) -> Iterator[str]:
-    """Yield what settings take away from that which the plan makes mandatory.
+def mandatory_violations(effective: EffectivePlan) -> Iterator[str]:
+    """Yield what settings change although the plan makes it mandatory.
 
-    The settings fit the plan: MisfitError otherwise.
+    SettingsMismatchError if the settings do not fit the plan.
     """
-    after = apply_settings(plan, settings)
+    plan, after = effective.base, effective.plan
     if plan.rsrcn and after.rsrcn:
         yield from _limit_violations(plan.rsrcn, after.rsrcn)
     if plan.msrcn and after.msrcn:

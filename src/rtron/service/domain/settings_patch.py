@@ -10,10 +10,11 @@ from dataclasses import replace
 from enum import Enum
 from typing import Any, NoReturn, TypeVar
 
-from rtron.errors import InputError
+from rtron.coherence import coordination_node_ids
+from rtron.errors import InputError, suggestion
 from rtron.planning.plan_file.durations import parse_duration, write_duration
 from rtron.planning.plan_file.fields import PlanField, plan_fields
-from rtron.planning.plan_file.problems import quoted, suggestion
+from rtron.planning.plan_file.problems import quoted
 from rtron.vocabulary import (
     GRCN,
     RSRCN,
@@ -24,7 +25,6 @@ from rtron.vocabulary import (
     Plan,
     RuleSettings,
     Settings,
-    coordination_node_ids,
 )
 
 T = TypeVar("T")

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from rtron.planning.coherence.rsrcn import FRAME_RATE_POLICIES, VELOCITY_LIMIT_POLICIES
+from rtron.coherence.rsrcn import FRAME_RATE_POLICIES, VELOCITY_LIMIT_POLICIES
 from rtron.service.domain.risk_model import CoordinationNode
 from rtron.vocabulary import GRCN, MSRCN, RSRCN, UNAPPROVED, PolicyName
 

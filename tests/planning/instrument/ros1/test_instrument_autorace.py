@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from plans import grcn, plan_of
 
-from rtron.planning.instrument import RuntimeLaunchTree, instrument, write_guarded_launch
+from rtron.planning.instrument import RuntimeLaunchTree, instrument_ros1, write_guarded_launch
 from rtron.sources.launch.common.packages import find_packages
 from rtron.sources.static.ros1.app import scan_app
 
@@ -71,7 +71,7 @@ def guarded(app, folders, tmp_path_factory):
         RuntimeLaunchTree(tree=tree, starter=file.started_by, evidence=(file.evidence,))
         for tree, file in zip(app.trees[1:], app.started, strict=True)
     ]
-    result = instrument(
+    result = instrument_ros1(
         app.trees[0],
         PLAN,
         tmp_path_factory.mktemp("out") / "guarded.launch",

@@ -6,7 +6,7 @@ from launch_cases import CASES, INCLUDES, Case
 from plans import grcn, plan_of
 from roslaunch_oracle import both, write_files
 
-from rtron.planning.instrument import instrument, write_guarded_launch
+from rtron.planning.instrument import instrument_ros1, write_guarded_launch
 from rtron.sources.launch.ros1.reader import read_launch
 
 pytestmark = pytest.mark.ros1
@@ -85,7 +85,9 @@ def guard_and_load(ros, folder, case, plan):
     """Return ROS's reading of a case and of its guarded launch, and what guarding it gave."""
     original, ours = both(ros, folder, case)
     out = folder / "guarded" / "app.launch"
-    guarded = instrument(read_launch(*ours), plan, out, plan_text="plan", command=("sleep", "1000"))
+    guarded = instrument_ros1(
+        read_launch(*ours), plan, out, plan_text="plan", command=("sleep", "1000")
+    )
     write_guarded_launch(guarded)
     _, args, _, environ = ours
     return original, ros.load(out, args, environ), guarded
@@ -157,6 +159,6 @@ def test_a_launch_file_in_another_encoding_is_guarded_too(ros, tmp_path):
     path, out = tmp_path / "app.launch", tmp_path / "guarded.launch"
     path.write_bytes(text.encode("latin-1"))
     plan = plan_of(grcn("/a", ["/n"], []))
-    write_guarded_launch(instrument(read_launch(path, {}, {}, {}), plan, out, plan_text=""))
+    write_guarded_launch(instrument_ros1(read_launch(path, {}, {}, {}), plan, out, plan_text=""))
     assert_guarded(ros.load(path), ros.load(out), plan, ["/a"])
     assert "<!-- señal -->" in out.read_text()

@@ -9,7 +9,7 @@ from plans import grcn, plan_of
 from roslaunch_oracle import package, write_files
 
 from rtron.errors import InputError
-from rtron.planning.instrument import RuntimeLaunchTree, instrument, write_guarded_launch
+from rtron.planning.instrument import RuntimeLaunchTree, instrument_ros1, write_guarded_launch
 from rtron.planning.instrument.ros1 import overlay
 from rtron.planning.instrument.ros1.launch_prefix_script import starter_script
 from rtron.sources.launch.common.packages import find_packages
@@ -65,7 +65,7 @@ class App:
 
     def guard(self, plan=PLAN):
         tree = read_launch(self.folder / "ws/core/app.launch", {}, self.packages, {})
-        return instrument(
+        return instrument_ros1(
             tree, plan, self.out, plan_text="", started=self.started, packages=self.packages
         )
 

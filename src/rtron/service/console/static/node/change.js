@@ -65,4 +65,3 @@ const NANOSECONDS = new Set(["release_after", "max_age", "max_hold", "timeout"])
 const isObject = (value) => value !== null && typeof value === "object" && !Array.isArray(value);
 
 export const newestNode = (robot, id) => get(at("robots", robot, "nodes", id));
-export const settingsOf = (robot) => store.settings.get(robot);

@@ -2,7 +2,6 @@
 import { html, useEffect } from "../html.js";
 import { At, Ago, Badge, Card, Empty, Left, Notice, Outcome } from "../parts.js";
 import { figure, plural, rate } from "../format.js";
-import { Icon } from "../icons.js";
 import { to } from "../router.js";
 import { newestRates, rateKey } from "../series.js";
 import { askRelease } from "../stop.js";

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from rtron.planning.coherence.flows import (
+from rtron.coherence.flows import (
     CoherenceProblem,
     guarded_topic_problems,
     policy_problems,
@@ -46,14 +46,17 @@ def rsrcn_problems(plan: Plan) -> Iterator[CoherenceProblem]:
     """Yield everything in which the RSRCN and the fps_monitors contradict themselves."""
     for monitor in plan.fps_monitor:
         yield from _monitor(monitor)
-    rsrcn = plan.rsrcn
-    if rsrcn is None:
-        return
+    if plan.rsrcn:
+        yield from rsrcn_policy_problems(plan.rsrcn, plan)
+        yield from guarded_topic_problems(plan.rsrcn.vflows, plan.rsrcn.iflows)
+        yield from _monitored(plan.rsrcn, plan)
+
+
+def rsrcn_policy_problems(rsrcn: RSRCN, plan: Plan) -> Iterator[CoherenceProblem]:
+    """Yield what is wrong with the policy of an RSRCN and its parameters."""
     yield from policy_problems(rsrcn, "the RSRCN", rsrcn.policy, POLICIES)
     yield from _mandatory(rsrcn)
-    yield from guarded_topic_problems(rsrcn.vflows, rsrcn.iflows)
     yield from _parameters(rsrcn, plan)
-    yield from _monitored(rsrcn, plan)
     if rsrcn.policy in FRAME_RATE_POLICIES + VELOCITY_LIMIT_POLICIES:
         yield from (problem for topic in rsrcn.vflows for problem in _limited(topic, rsrcn.policy))
 

@@ -2,9 +2,9 @@
 
 import pytest
 
+from rtron.coherence.rsrcn import included_policies
 from rtron.errors import PlanError
 from rtron.planning import parse_plan, plan_json_schema, write_plan
-from rtron.planning.coherence.rsrcn import included_policies
 from rtron.vocabulary import PolicyName
 
 TEXT = """\

@@ -7,7 +7,7 @@ later one says beside its block bits and priorities has to be there, or it would
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from rtron.planning.coherence.flows import MAX_FLOWS, CoherenceProblem
+from rtron.coherence.flows import MAX_FLOWS, CoherenceProblem
 from rtron.vocabulary import (
     GRCN,
     ROS2_ACTION_TOPICS,

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from itertools import product
 
-from rtron.planning.coherence.flows import (
+from rtron.coherence.flows import (
     MAX_FLOWS,
     CoherenceProblem,
     flow_name_problems,
@@ -25,21 +25,26 @@ PRIORITY_POLICIES = (PolicyName.PRIORITY_QUEUE, PolicyName.PREEMPTION)
 
 def grcn_problems(grcn: GRCN) -> Iterator[CoherenceProblem]:
     """Yield everything in which a GRCN contradicts itself."""
-    yield from policy_problems(grcn, "a GRCN", grcn.policy, POLICIES)
+    yield from grcn_policy_problems(grcn)
     yield from flow_name_problems(grcn.flows)
     yield from publisher_problems(grcn.flows)
     yield from successor_problems(grcn)
     yield from _shared_names(grcn)
-    if grcn.policy in PRIORITY_POLICIES:
-        yield from priority_problems(grcn.flows, grcn.policy)
-    if grcn.sharing is Sharing.MERGE and grcn.policy is not PolicyName.BLOCK:
-        why = f"the publishers of {grcn.topic} each own a part (merge), they take no turns"
-        yield grcn, "policy", f"{grcn.policy} is not for {grcn.topic}: {why}; choose Block"
     if grcn.done == grcn.topic:
         yield grcn, "done", f"{grcn.topic} cannot tell itself that an action is done"
     action, of_action, _ = (grcn.done or "").partition("/_action/")
     if of_action:
         yield grcn, "done", f"{grcn.done} is part of an action: name the action, {action}"
+
+
+def grcn_policy_problems(grcn: GRCN) -> Iterator[CoherenceProblem]:
+    """Yield what is wrong with the policy of a GRCN and its priorities."""
+    yield from policy_problems(grcn, "a GRCN", grcn.policy, POLICIES)
+    if grcn.policy in PRIORITY_POLICIES:
+        yield from priority_problems(grcn.flows, grcn.policy)
+    if grcn.sharing is Sharing.MERGE and grcn.policy is not PolicyName.BLOCK:
+        why = f"the publishers of {grcn.topic} each own a part (merge), they take no turns"
+        yield grcn, "policy", f"{grcn.policy} is not for {grcn.topic}: {why}; choose Block"
 
 
 def _shared_names(grcn: GRCN) -> Iterator[CoherenceProblem]:

@@ -12,7 +12,7 @@ from itertools import product
 from operator import and_, or_
 from typing import Protocol
 
-from rtron.planning.coherence.msrcn import flows_by_name
+from rtron.coherence.msrcn import flows_by_name
 from rtron.planning.problem import ProblemLevel
 from rtron.vocabulary import MSRCN, MissionRule
 

@@ -2,8 +2,8 @@
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 
-from rtron.planning.coherence.flows import CoherenceProblem
-from rtron.planning.plan_file.problems import suggestion
+from rtron.coherence.flows import CoherenceProblem
+from rtron.errors import suggestion
 from rtron.vocabulary import EventFlow, MissionRule
 
 

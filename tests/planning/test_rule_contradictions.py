@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from rtron.errors import PlanError
 from rtron.messages.expressions.condition import Condition
 from rtron.planning import ProblemLevel, check_plan, parse_plan
-from rtron.planning.coherence.rule_contradictions import contradictions
+from rtron.planning.rule_contradictions import contradictions
 from rtron.vocabulary import MSRCN, Flow, GuardedTopic, MissionRule, Mode, Plan, PolicyName
 
 HEAD = """\

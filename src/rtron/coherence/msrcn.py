@@ -3,15 +3,15 @@
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from itertools import chain, islice
 
-from rtron.planning.coherence.flows import (
+from rtron.coherence.flows import (
     CoherenceProblem,
     duplicates,
     guarded_topic_problems,
     policy_problems,
 )
-from rtron.planning.coherence.polygons import polygon_problem
-from rtron.planning.coherence.required_flows import required_flow_problems
-from rtron.planning.plan_file.problems import suggestion
+from rtron.coherence.polygons import polygon_problem
+from rtron.coherence.required_flows import required_flow_problems
+from rtron.errors import suggestion
 from rtron.vocabulary import (
     MSRCN,
     Area,
@@ -34,7 +34,7 @@ RESERVED_WORDS = ("event", "action", "inside", "distance", "place")
 
 def msrcn_problems(msrcn: MSRCN) -> Iterator[CoherenceProblem]:
     """Yield everything in which the MSRCN contradicts itself."""
-    yield from policy_problems(msrcn, "the MSRCN", msrcn.policy, POLICIES)
+    yield from msrcn_policy_problems(msrcn)
     yield from guarded_topic_problems(msrcn.aflows, msrcn.eflows)
     guarded = {topic.topic for topic in msrcn.aflows}
     for flow in msrcn.eflows:
@@ -45,6 +45,11 @@ def msrcn_problems(msrcn: MSRCN) -> Iterator[CoherenceProblem]:
         yield flow, "when", f"more than {MAX_EXPRESSIONS} eflows with an expression"
     yield from _areas(msrcn)
     yield from _transforms(msrcn.transforms)
+
+
+def msrcn_policy_problems(msrcn: MSRCN) -> Iterator[CoherenceProblem]:
+    """Yield what is wrong with the policy of the MSRCN and its rules."""
+    yield from policy_problems(msrcn, "the MSRCN", msrcn.policy, POLICIES)
     yield from _rules(msrcn)
 
 

@@ -1,13 +1,13 @@
-"""Whether a plan agrees with itself: what no single value shows. Each check yields its misfits."""
+"""The checks of a whole plan: contradictions that no single value shows."""
 
 from collections.abc import Iterator, Sequence
 from itertools import chain
 
-from rtron.planning.coherence.flows import CoherenceProblem, duplicate_topic_problems, duplicates
-from rtron.planning.coherence.grcn import grcn_problems
-from rtron.planning.coherence.msrcn import msrcn_problems
-from rtron.planning.coherence.rsrcn import rsrcn_problems
-from rtron.planning.coherence.shared_topics import action_topic_problems, shared_topic_problems
+from rtron.coherence.flows import CoherenceProblem, duplicate_topic_problems, duplicates
+from rtron.coherence.grcn import grcn_policy_problems, grcn_problems
+from rtron.coherence.msrcn import msrcn_policy_problems, msrcn_problems
+from rtron.coherence.rsrcn import rsrcn_policy_problems, rsrcn_problems
+from rtron.coherence.shared_topics import action_topic_problems, shared_topic_problems
 from rtron.vocabulary import (
     GRCN,
     MSRCN,
@@ -18,8 +18,6 @@ from rtron.vocabulary import (
     Plan,
     normalise_type,
 )
-
-__all__ = ["CoherenceProblem", "coherence_problems"]
 
 
 def coherence_problems(plan: Plan) -> Iterator[CoherenceProblem]:
@@ -34,6 +32,13 @@ def coherence_problems(plan: Plan) -> Iterator[CoherenceProblem]:
     yield from _type_problems(plan)
     for message in duplicates(plan.messages, lambda message: normalise_type(message.type)):
         yield message, "type", f"{message.type} has two definitions"
+
+
+def settable_problems(plan: Plan) -> Iterator[CoherenceProblem]:
+    """Yield those problems that settings can cause; messages wait while a guard looks for them."""
+    yield from chain.from_iterable(map(grcn_policy_problems, plan.grcn))
+    yield from rsrcn_policy_problems(plan.rsrcn, plan) if plan.rsrcn else ()
+    yield from msrcn_policy_problems(plan.msrcn) if plan.msrcn else ()
 
 
 def _type_problems(plan: Plan) -> Iterator[CoherenceProblem]:

@@ -1,32 +1,77 @@
-"""From a plan and settings to the plan in force; what does not fit is told, never guessed."""
+"""A plan with settings in force, and what is wrong with the two together."""
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
-from dataclasses import fields, replace
-from difflib import get_close_matches
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
 from typing import Any, TypeVar
 
-from rtron.vocabulary.plan import GRCN, MSRCN, RSRCN, Flow, GuardedTopic, MissionRule, Plan
-from rtron.vocabulary.settings import FlowSettings, NodeSettings, RuleSettings, Settings
+from rtron.coherence.plan_checks import settable_problems
+from rtron.coherence.settings_bounds import bound_problems
+from rtron.errors import InputError, suggestion
+from rtron.vocabulary import (
+    GRCN,
+    MSRCN,
+    RSRCN,
+    Flow,
+    FlowSettings,
+    GuardedTopic,
+    MissionRule,
+    NodeSettings,
+    Plan,
+    RuleSettings,
+    Settings,
+)
 
 N = TypeVar("N", GRCN, RSRCN, MSRCN)
 _MAX_SHOWN = 80
 
 
-class SettingsMismatchError(Exception):
-    """Settings name what the plan does not have; the text says what."""
+class SettingsMismatchError(InputError):
+    """Settings name what the plan does not have, or a guard cannot run the plan under them."""
 
 
-def apply_settings(plan: Plan, settings: Settings) -> Plan:
-    """Return the plan in force, with the revision of the settings; MisfitError if they do not fit.
+@dataclass(frozen=True)
+class EffectivePlan:
+    """A plan under settings. Each part is computed once, when it is first needed.
 
-    Overrides and the emergency stop are not part of it: they change no policy.
+    Overrides and the emergency stop change no policy, so they change no part of the plan.
     """
-    remaining = dict(settings.nodes)
-    grcn = tuple(_apply_to_node(node, remaining, _apply_to_grcn) for node in plan.grcn)
-    rsrcn = _apply_to_node(plan.rsrcn, remaining, _apply_to_rsrcn) if plan.rsrcn else None
-    msrcn = _apply_to_node(plan.msrcn, remaining, _apply_to_msrcn) if plan.msrcn else None
-    _refuse_unknown(remaining, "coordination node", coordination_node_ids(plan))
-    return replace(plan, grcn=grcn, rsrcn=rsrcn, msrcn=msrcn, revision=settings.revision)
+
+    base: Plan
+    settings: Settings
+
+    @cached_property
+    def plan(self) -> Plan:
+        """The plan in force, with the revision of the settings.
+
+        SettingsMismatchError if the settings name what the plan does not have.
+        """
+        plan, remaining = self.base, dict(self.settings.nodes)
+        grcn = tuple(_apply_to_node(node, remaining, _apply_to_grcn) for node in plan.grcn)
+        rsrcn = plan.rsrcn and _apply_to_node(plan.rsrcn, remaining, _apply_to_rsrcn)
+        msrcn = plan.msrcn and _apply_to_node(plan.msrcn, remaining, _apply_to_msrcn)
+        _refuse_unknown(remaining, "coordination node", coordination_node_ids(plan))
+        revision = self.settings.revision
+        return replace(plan, grcn=grcn, rsrcn=rsrcn, msrcn=msrcn, revision=revision)
+
+    def problems(self) -> Iterator[str]:
+        """Yield what keeps a guard from running the plan under the settings.
+
+        What is wrong with the plan itself, without settings, is not held against them.
+        """
+        yield from bound_problems(self.settings)
+        for id in self.settings.overrides:
+            if id not in _overridable_ids(self.base):
+                yield f"{id[:_MAX_SHOWN]!r} cannot be overridden"
+        found = dict.fromkeys(_messages(self.plan))
+        known = set(_messages(self.base)) if found else set()
+        yield from (message for message in found if message not in known)
+
+    def check(self) -> Plan:
+        """Return the plan in force; SettingsMismatchError if a guard cannot run it."""
+        for problem in self.problems():
+            raise SettingsMismatchError(problem)
+        return self.plan
 
 
 def compatible_settings(plan: Plan, settings: Settings) -> tuple[Settings, tuple[str, ...]]:
@@ -35,7 +80,7 @@ def compatible_settings(plan: Plan, settings: Settings) -> tuple[Settings, tuple
         id: _mismatch(plan, Settings(nodes={id: settings.nodes[id]})) for id in settings.nodes
     }
     nodes = {id: node for id, node in settings.nodes.items() if not mismatches[id]}
-    overridable = {node.id for node in (plan.rsrcn, plan.msrcn) if node}
+    overridable = _overridable_ids(plan)
     overrides = {id: each for id, each in settings.overrides.items() if id in overridable}
     dropped = [*filter(None, mismatches.values())]
     dropped += [f"{id} has an override" for id in settings.overrides if id not in overridable]
@@ -47,9 +92,20 @@ def coordination_node_ids(plan: Plan) -> tuple[str, ...]:
     return tuple(node.id for node in (*plan.grcn, plan.rsrcn, plan.msrcn) if node)
 
 
+def _overridable_ids(plan: Plan) -> set[str]:
+    return {node.id for node in (plan.rsrcn, plan.msrcn) if node}
+
+
+def _messages(plan: Plan) -> Iterator[str]:
+    for part, _, message in settable_problems(plan):
+        is_node = isinstance(part, (GRCN, RSRCN, MSRCN))
+        name = part.id if is_node else getattr(part, "name", "")
+        yield f"{name}: {message}" if name else message
+
+
 def _mismatch(plan: Plan, settings: Settings) -> str:
     try:
-        apply_settings(plan, settings)
+        EffectivePlan(plan, settings).plan  # noqa: B018 - computed to see whether it can be
     except SettingsMismatchError as error:
         return str(error)
     return ""
@@ -146,10 +202,5 @@ def _user_rule(node: MSRCN, name: str, settings: RuleSettings) -> Iterator[Missi
 def _refuse_unknown(names: Iterable[str], what: str, known: Iterable[str]) -> None:
     for name in (each[:_MAX_SHOWN] for each in names):
         raise SettingsMismatchError(
-            f"no {what} is called {name}: {_suggestion(name, sorted(known))}"
+            f"no {what} is called {name}: {suggestion(name, sorted(known))}"
         )
-
-
-def _suggestion(name: str, known: list[str]) -> str:
-    near = get_close_matches(name, known, n=1)
-    return f"did you mean {near[0]}?" if near else f"choose from {', '.join(known)}"

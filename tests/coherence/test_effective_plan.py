@@ -5,6 +5,12 @@ from dataclasses import fields, replace
 import pytest
 from plans import grcn, plan_of
 
+from rtron.coherence import (
+    EffectivePlan,
+    SettingsMismatchError,
+    compatible_settings,
+    coordination_node_ids,
+)
 from rtron.vocabulary import (
     MSRCN,
     RSRCN,
@@ -19,11 +25,7 @@ from rtron.vocabulary import (
     PolicyName,
     RuleSettings,
     Settings,
-    SettingsMismatchError,
     TimedOverride,
-    apply_settings,
-    compatible_settings,
-    coordination_node_ids,
 )
 
 
@@ -56,25 +58,30 @@ PLAN = replace(
 GRCN_ID = PLAN.grcn[0].id
 
 
+def in_force(settings):
+    """Return the plan in force, or raise."""
+    return EffectivePlan(PLAN, settings).plan
+
+
 def one(id, **keys):
     return Settings(revision=7, nodes={id: NodeSettings(**keys)})
 
 
 def test_no_settings_are_the_plan():
-    assert apply_settings(PLAN, Settings()) == PLAN
-    assert apply_settings(PLAN, Settings(revision=7)) == replace(PLAN, revision=7)
+    assert in_force(Settings()) == PLAN
+    assert in_force(Settings(revision=7)) == replace(PLAN, revision=7)
 
 
 def test_overrides_and_the_stop_change_no_policy():
     override = TimedOverride(by="me", reason="why", until=1)
     stop = EmergencyStop(by="me", reason="why", at=1)
-    assert apply_settings(PLAN, Settings(overrides={"speed": override}, stop=stop)) == PLAN
+    assert in_force(Settings(overrides={"speed": override}, stop=stop)) == PLAN
 
 
 def test_a_grcn_with_all_that_can_be_set():
     flows = {"flow2": FlowSettings(priority=0, block=False, timeout=0)}
     keys = {"policy": PolicyName.BLOCK, "release_after": 0, "max_age": 1, "max_hold": 2}
-    (after,) = apply_settings(PLAN, one(GRCN_ID, flows=flows, **keys)).grcn
+    (after,) = in_force(one(GRCN_ID, flows=flows, **keys)).grcn
     before = PLAN.grcn[0]
     second = replace(before.flows[1], priority=0, block=False, timeout=0)
     assert after == replace(before, flows=(before.flows[0], second), **keys)
@@ -82,7 +89,9 @@ def test_a_grcn_with_all_that_can_be_set():
 
 def test_an_rsrcn_with_all_that_can_be_set():
     keys = {"policy": PolicyName.CONSTRAIN, "threshold": 0.2, "max_vel_limit": 0.3}
-    after = apply_settings(PLAN, one("speed", flows={"v2": FlowSettings(block=True)}, **keys)).rsrcn
+    after = EffectivePlan(
+        PLAN, one("speed", flows={"v2": FlowSettings(block=True)}, **keys)
+    ).plan.rsrcn
     assert [flow.block for each in after.vflows for flow in each.flows] == [False, True]
     assert replace(after, vflows=PLAN.rsrcn.vflows) == replace(PLAN.rsrcn, **keys)
 
@@ -109,7 +118,7 @@ def test_an_rsrcn_with_all_that_can_be_set():
     ],
 )
 def test_the_rules_of_the_mission(rules, left):
-    assert apply_settings(PLAN, one("mission", rules=rules)).msrcn.rules == left
+    assert in_force(one("mission", rules=rules)).msrcn.rules == left
 
 
 NODE_KEYS = {
@@ -136,10 +145,10 @@ def test_all_settings_are_tried():
 def test_a_setting_is_for_its_kind_of_node(id, key):
     settings = one(id, **{key: NODE_KEYS[key]})
     if key in ALLOWED[id]:
-        apply_settings(PLAN, settings)
+        in_force(settings)
     else:
         with pytest.raises(SettingsMismatchError, match=f"^no setting of {id} is called {key}: "):
-            apply_settings(PLAN, settings)
+            in_force(settings)
 
 
 @pytest.mark.parametrize(
@@ -162,7 +171,7 @@ def test_a_setting_is_for_its_kind_of_node(id, key):
 )
 def test_what_the_plan_does_not_have(settings, told):
     with pytest.raises(SettingsMismatchError) as caught:
-        apply_settings(PLAN, settings)
+        in_force(settings)
     assert told in str(caught.value)
     left, lost = compatible_settings(PLAN, settings)
     assert (left, lost) == (Settings(revision=7), (str(caught.value),))
@@ -170,7 +179,7 @@ def test_what_the_plan_does_not_have(settings, told):
 
 def test_a_long_name_is_told_in_short():
     with pytest.raises(SettingsMismatchError) as caught:
-        apply_settings(PLAN, one("speed", flows={"f" * 1_000_000: FlowSettings()}))
+        in_force(one("speed", flows={"f" * 1_000_000: FlowSettings()}))
     assert len(str(caught.value)) < 200
 
 

@@ -1,0 +1,19 @@
+"""The checks of a plan, and of a plan with settings in force: for planning, guard and service."""
+
+from rtron.coherence.effective_plan import (
+    EffectivePlan,
+    SettingsMismatchError,
+    compatible_settings,
+    coordination_node_ids,
+)
+from rtron.coherence.flows import CoherenceProblem
+from rtron.coherence.plan_checks import coherence_problems
+
+__all__ = [
+    "CoherenceProblem",
+    "EffectivePlan",
+    "SettingsMismatchError",
+    "coherence_problems",
+    "compatible_settings",
+    "coordination_node_ids",
+]
