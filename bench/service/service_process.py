@@ -1,7 +1,6 @@
 """The security service as its user runs it: a process, its database, tokens and requests."""
 
 import json
-import os
 import re
 import signal
 import socket
@@ -156,9 +155,3 @@ def _free_port() -> int:
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         return int(free.getsockname()[1])
-
-
-def environ_of(service: ServiceProcess, token: Path, robot: str, state: Path) -> dict[str, str]:
-    """Return what a guard's environment says of the service."""
-    named = {"RTRON_SERVICE": service.url, "RTRON_TOKEN_FILE": str(token), "RTRON_ROBOT": robot}
-    return {**os.environ, **named, "XDG_STATE_HOME": str(state)}

@@ -4,10 +4,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from evaluation.common.adaptation import SlowdownResult, measure_adaptations
 from evaluation.common.datasets import Datasets, MissingDatasetError, Reporter
 from figures.figure import Figure
 from rtron.demos.cases import CASES
-from rtron.demos.experiment.adaptation import SlowdownResult, measure_adaptations
 from rtron.demos.experiment.demonstration import DemoRequest, run_demo
 from rtron.demos.experiment.study import ProgressListener as TellStudy
 from rtron.demos.experiment.study import Study

@@ -5,8 +5,8 @@ from dataclasses import replace
 import pytest
 from demo_runs import make_run, runs_by_variant
 
+from evaluation.common.adaptation import SlowdownResult
 from evaluation.common.demos import figures_of_adaptations, figures_of_case, runs_page
-from rtron.demos.experiment.adaptation import SlowdownResult
 from rtron.demos.metrics.case_run import Variant
 
 

@@ -4,11 +4,11 @@ import re
 from pathlib import Path
 
 import pytest
+from function_examples import failing_examples
 
 from rtron.functions.classifier.pipeline import classify
 from rtron.functions.domains import DOMAIN_BY_TYPE
 from rtron.functions.repository import SourcePackage, SourceRepository
-from rtron.functions.rules.examples import failing_examples
 from rtron.functions.rules.loader import parse_rules
 from rtron.vocabulary import Domain, FunctionType
 

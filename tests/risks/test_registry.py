@@ -10,10 +10,10 @@ from rule_pairs import PAIRS
 import rtron.risks
 from rtron.errors import InputError
 from rtron.risks import RULES, RiskRule, discover_risks, rule_page
-from rtron.risks.rule import HEADINGS
 from rtron.vocabulary import InteractionGraph
 
 NAMES = [rule.name for rule in RULES]
+HEADINGS = ("What it finds", "Why it is a risk", "Remedy", "Example")
 
 
 def test_the_registry_has_every_rule_in_the_folder_once():

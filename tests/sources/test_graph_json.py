@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 from rtron.errors import InputError
 from rtron.sources import graph_json
 from rtron.sources.graph_json import GraphFile, graph_json_schema, graph_to_json, read_graph
-from rtron.sources.source import InMemorySource
 from rtron.vocabulary import (
     GRAPH_SCHEMA,
     Action,
@@ -307,12 +306,8 @@ def test_a_file_that_cannot_be_opened_is_an_input_error(tmp_path):
     assert "directory" in fault(tmp_path)
 
 
-def test_both_sources_read(written):
-    sources = [
-        GraphFile(written(document(app="x"))),
-        InMemorySource(InteractionGraph(app="x")),
-    ]
-    assert [source.read() for source in sources] == [InteractionGraph(app="x")] * 2
+def test_a_graph_file_is_a_source(written):
+    assert GraphFile(written(document(app="x"))).read() == InteractionGraph(app="x")
 
 
 def test_the_json_schema_forbids_unknown_keys():

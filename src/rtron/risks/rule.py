@@ -51,8 +51,6 @@ _IS_PRESENT: dict[RuleInput, Callable[[GraphFacts], bool]] = {
     RuleInput.TYPES: _has_types,
 }
 
-HEADINGS = ("What it finds", "Why it is a risk", "Remedy", "Example")
-
 
 def format_rule_page(rule: RiskRule) -> str:
     """Return a rule's page in Markdown: its title, its facts and its module's docstring."""

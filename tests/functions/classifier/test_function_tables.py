@@ -17,6 +17,14 @@ from rtron.functions.classifier.tables import (
 from rtron.functions.domains import DOMAIN_BY_TYPE
 from rtron.vocabulary import Domain, FunctionType
 
+DOMAIN_SHARES = {
+    Domain.PERCEPTION: 17.6,
+    Domain.PLANNING: 10.0,
+    Domain.CONTROL: 10.0,
+    Domain.DRIVERS: 18.4,
+    Domain.OTHERS: 44.0,
+}
+"""In per cent, as the paper prints them (section 3.1)."""
 SLAM, MAP, PLAN = FunctionType.LOCALIZATION, FunctionType.MAPPING, FunctionType.PATH_PLANNING
 
 
@@ -47,7 +55,7 @@ def test_the_papers_tables_tell_of_the_same_repositories():
 @pytest.mark.parametrize("domain", Domain)
 def test_the_papers_shares_are_those_of_its_numbers(domain):
     share = 100 * sum_domains(paper_counts.CLASSIFICATION_COUNTS, (domain,)).total / 1135
-    assert round(share, 1) == paper_counts.DOMAIN_SHARES[domain]
+    assert round(share, 1) == DOMAIN_SHARES[domain]
 
 
 @pytest.mark.parametrize("type", FunctionType)

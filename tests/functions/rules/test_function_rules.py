@@ -6,10 +6,10 @@ from importlib.resources import files
 
 import pytest
 import yaml
+from function_examples import failing_examples
 
 from rtron.errors import InputError
 from rtron.functions.patterns.parser import parse_pattern
-from rtron.functions.rules.examples import failing_examples
 from rtron.functions.rules.loader import load_rules, parse_rules, parse_word_lists
 from rtron.functions.text.names import name_tokens
 from rtron.vocabulary import FunctionType

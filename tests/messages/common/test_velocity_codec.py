@@ -21,7 +21,6 @@ from rtron.vocabulary import Velocity
 DEFINITIONS = {Encoding.ROS1: DefinitionRegistry(), Encoding.CDR: DefinitionRegistry(ros=2)}
 TWIST, STAMPED = "geometry_msgs/Twist", "geometry_msgs/TwistStamped"
 DRIVE, DRIVE_STAMPED = "ackermann_msgs/AckermannDrive", "ackermann_msgs/AckermannDriveStamped"
-SINGLES = ("angle", "turn", "speed", "acceleration", "jerk")
 
 doubles = st.one_of(
     st.floats(),

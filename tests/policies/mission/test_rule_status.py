@@ -20,7 +20,6 @@ EVENTS = (
     event("b", present=7, on_error=WhenUnknown.KEEP),
     event("c", silent=13),
 )
-MEET = "meet"
 
 
 class Asked:

@@ -45,3 +45,19 @@ def ros2_node_site(name="/robot/driver", settings=None, args="", environ=(), *, 
             for key, value in values.items()
         ),
     )
+
+
+def model_texts(model):
+    """Yield each text of a model that holds an expression, as (kind, text)."""
+    yield from (("expression", text) for text in model.let.values())
+    yield "template", model.name
+    for entry in model.walk():
+        yield from (("expression", text) for text in entry.let.values())
+        yield from (("expression", text) for text in entry.passed.values())
+        names = (entry.name, entry.uses, entry.type, entry.namespace, entry.private, entry.node)
+        messages = (entry.qos, entry.unresolved, entry.why)
+        yield from (("template", text) for text in (*names, *messages) if text)
+        if entry.condition:
+            yield "expression", entry.condition
+        if entry.loop:
+            yield "expression", entry.loop.partition(" in ")[2]

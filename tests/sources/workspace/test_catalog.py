@@ -28,7 +28,6 @@ def test_a_program_has_the_libraries_of_its_package_and_reaches_others(tmp_path)
     package(tmp_path / "q", {})
     program = workspace(tmp_path).executable("p", "n")
     assert [path.name for path in program.sources] == ["n.cpp", "m.cpp", "l.cpp"]
-    assert program.reachable_packages == ("q",)
     assert program.language is ProgramLanguage.CPP
 
 

@@ -129,18 +129,13 @@ class Study:
                     for variant in _UNGUARDED:
                         self._add_run(self._run(session, case, seed, variant))
 
-    def run_guarded(self, service: DemoService | None = None) -> None:
-        """Attack the guarded app: each case in each world. Call `run_unguarded` before.
-
-        With a service the guard's decisions are recorded, and become part of the runs; it gets the
-        app's graph, too.
-        """
-        with self.guarded_session(service):
-            pass
-
     @contextmanager
     def guarded_session(self, service: DemoService | None = None) -> Iterator[None]:
-        """Do what `run_guarded` does; the last guarded app runs on until the end of the block."""
+        """Attack the guarded app: each case in each world. Call `run_unguarded` before.
+
+        The last guarded app runs on until the end of the block. With a service the guard's
+        decisions are recorded, and become part of the runs; it gets the app's graph, too.
+        """
         request = self._request
         if service:
             service.wait()

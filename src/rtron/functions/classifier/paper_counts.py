@@ -9,9 +9,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from rtron.functions.classifier.tables import ClassificationCounts
-from rtron.vocabulary import Domain, FunctionType
-
-REPOSITORY_COUNT = 941
+from rtron.vocabulary import FunctionType
 
 REPOSITORIES_BY_TYPE: Mapping[FunctionType, int] = MappingProxyType(
     {
@@ -32,15 +30,6 @@ REPOSITORIES_BY_TYPE: Mapping[FunctionType, int] = MappingProxyType(
         FunctionType.VISUALIZATION: 169,
         FunctionType.SUPPORT: 111,
         FunctionType.EXTENSION: 219,
-    }
-)
-DOMAIN_SHARES: Mapping[Domain, float] = MappingProxyType(
-    {
-        Domain.PERCEPTION: 17.6,
-        Domain.PLANNING: 10.0,
-        Domain.CONTROL: 10.0,
-        Domain.DRIVERS: 18.4,
-        Domain.OTHERS: 44.0,
     }
 )
 

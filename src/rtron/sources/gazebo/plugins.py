@@ -28,14 +28,10 @@ class PluginScope(StringEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Sensor:
-    """A sensor that carries a plugin; `update_rate` is in Hz, None where none is given.
-
-    `cameras` are the names of its cameras: a multicamera has several.
-    """
+    """A sensor that carries a plugin; `cameras` are the names of its one or more cameras."""
 
     type: str
     name: str
-    update_rate: float | None = None
     cameras: tuple[str, ...] = ()
 
 
@@ -142,16 +138,8 @@ def _read_sensor(element: XmlElement) -> Sensor:
     return Sensor(
         type=element.attributes.get("type", ""),
         name=element.attributes.get("name", ""),
-        update_rate=_number(element.find("update_rate")),
         cameras=tuple(cameras),
     )
-
-
-def _number(element: XmlElement | None) -> float | None:
-    try:
-        return float(element.text) if element else None
-    except ValueError:
-        return None
 
 
 def _read_values(element: XmlElement) -> dict[str, PluginValue]:

@@ -87,7 +87,7 @@ class Workspace:
             return None
         target = contents.target(type, TargetKind.EXECUTABLE)
         if target is not None:
-            return self._target_program(target, contents)
+            return target_program(target, contents)
         made = next((c for c in contents.components if c.executable == type), None)
         if made is not None:
             return self.component(package, made.class_name)
@@ -97,7 +97,7 @@ class Workspace:
         script = find_script(type, contents, self.files(package))
         if script is None:
             return None
-        return script_program(script, contents, self.manifest(package), self.packages.keys())
+        return script_program(script, contents)
 
     def component(self, package: str, cls: str) -> Program | None:
         """Return the library that holds a component's class, with that class as `entry` (ROS 2)."""
@@ -106,7 +106,7 @@ class Workspace:
         if contents is None or not found:
             return None
         target = contents.target(found[0].library, TargetKind.LIBRARY)
-        return replace(self._target_program(target, contents), entry=cls) if target else None
+        return replace(target_program(target, contents), entry=cls) if target else None
 
     def entry_points(self, package: str) -> Mapping[str, tuple[str, str]]:
         """Return the module and function of each program that a Python package installs."""
@@ -119,7 +119,7 @@ class Workspace:
         contents = self.contents(package)
         if path is None or contents is None or not is_inside(path, self._allowed_folders):
             return None
-        made = script_program(path, contents, self.manifest(package), self.packages.keys())
+        made = script_program(path, contents)
         return replace(made, language=ProgramLanguage.PYTHON, entry=function)
 
     def library(self, filename: str, package: str = "") -> Program | None:
@@ -128,9 +128,9 @@ class Workspace:
         contents = self.contents(package)
         target = contents and contents.target(name, TargetKind.LIBRARY)
         if contents and target:
-            return self._target_program(target, contents)
+            return target_program(target, contents)
         owner, found = self._libraries.get(name, (None, None))
-        return self._target_program(found, owner) if owner and found else None
+        return target_program(found, owner) if owner and found else None
 
     def nodelet(self, class_name: str) -> Plugin | None:
         """Return the nodelet of a name or type, as `nodelet load` takes it."""
@@ -183,12 +183,9 @@ class Workspace:
     def unresolved(self) -> tuple[UnresolvedItem, ...]:
         """Return what could not be resolved in the packages and descriptions read so far."""
         noted = (contents.unresolved for contents in self._contents.values())
-        manifests = (manifest.unresolved for manifest in self._manifests.values())
+        packages = dict.fromkeys((*self._contents, *self._manifests))
+        manifests = (self.manifest(package).unresolved for package in packages)
         return (*chain.from_iterable(noted), *chain.from_iterable(manifests), *self._problems)
-
-    def _target_program(self, target: BuildTarget, contents: PackageContents) -> Program:
-        manifest = self.manifest(contents.name)
-        return target_program(target, contents, manifest, self.packages.keys())
 
     def _header_folders(self, text: str, from_file: Path) -> list[Path]:
         contents = self.contents(self.package_of(from_file) or "")

@@ -48,7 +48,6 @@ class ComponentClass:
 class PackageContents:
     """What a package's CMake files build and install.
 
-    `required_packages` names what find_package() finds, catkin's components among it;
     `installed_scripts` are scripts with the name under which they are installed;
     `plugin_descriptions` are descriptions of plugins with the package of their base class (ROS 2).
     """
@@ -57,7 +56,6 @@ class PackageContents:
     path: Path
     targets: tuple[BuildTarget, ...] = ()
     include_dirs: tuple[Path, ...] = ()
-    required_packages: tuple[str, ...] = ()
     installed_scripts: tuple[tuple[str, Path], ...] = ()
     components: tuple[ComponentClass, ...] = ()
     plugin_descriptions: tuple[tuple[str, Path], ...] = ()

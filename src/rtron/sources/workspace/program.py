@@ -22,9 +22,9 @@ class Program:
     """An executable, a library or a script of a package.
 
     `sources` are its own files and those of the libraries of its package that it links, its own
-    first; `reachable_packages` are the packages known here that it may use code of; `links` are
-    the names that it links, directly or by a library of its package. `entry` is the function of a
-    Python module that is called, or the class of a component; empty where the file itself is run.
+    first; `links` are the names that it links, directly or by a library of its package. `entry` is
+    the function of a Python module that is called, or the class of a component; empty where the
+    file itself is run.
     """
 
     name: str
@@ -34,7 +34,6 @@ class Program:
     definitions: tuple[str, ...] = ()
     links: tuple[str, ...] = ()
     entry: str = ""
-    reachable_packages: tuple[str, ...] = ()
 
 
 def program_digest(program: Program) -> str:

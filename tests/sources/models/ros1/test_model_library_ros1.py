@@ -4,11 +4,10 @@ import ast
 import re
 
 import pytest
-from model_cases import names, parameters, site, told
+from model_cases import model_texts, names, parameters, site, told
 
 from rtron.sources.models import PluginElement, controller_interface, load_models, node_interface
 from rtron.sources.models import plugin_interface as plugin_at
-from rtron.sources.models.common.schema import model_texts
 from rtron.vocabulary import UnknownValue
 
 MODELS = load_models()
@@ -113,7 +112,7 @@ def test_the_library_has_the_gazebo_plugin(filename):
 
 @pytest.mark.parametrize("layer", ["Static", "Inflation", "Obstacle", "Voxel", "FetchDepth"])
 def test_the_library_has_the_costmap_layer(layer):
-    assert MODELS.costmap_layer(f"costmap_2d::{layer}Layer") is not None
+    assert ("costmap_layer", f"costmap_2d::{layer}Layer") in MODELS.by_name
 
 
 @pytest.mark.parametrize("key", sorted(MODELS.by_name), ids="/".join)

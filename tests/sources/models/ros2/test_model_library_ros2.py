@@ -4,10 +4,9 @@ import ast
 import re
 
 import pytest
-from model_cases import names, ros2_node_site, told
+from model_cases import model_texts, names, ros2_node_site, told
 
 from rtron.sources.models import ROS2_LIBRARY, load_models, node_interface
-from rtron.sources.models.common.schema import model_texts
 from rtron.vocabulary import QoS, Reliability, UnknownValue
 
 MODELS = load_models(ROS2_LIBRARY)

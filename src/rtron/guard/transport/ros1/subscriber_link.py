@@ -39,7 +39,6 @@ class SubscriberLink:
         self.on_close: Callable[[SubscriberLink], None] = lambda link: None
         self.node = ""
         self.md5sum = ""
-        self.is_streaming = False
         self.is_closed = False
         self.sent = self.sent_bytes = 0
         loop.watch(sock, self._on_readable, self._on_error)
@@ -65,7 +64,6 @@ class SubscriberLink:
 
     def accept(self, fields: dict[str, str]) -> None:
         """Accept the header; messages may follow."""
-        self.is_streaming = True
         self._enqueue(encode_header(fields))
 
     def refuse(self, why: str) -> None:

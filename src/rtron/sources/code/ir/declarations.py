@@ -46,7 +46,6 @@ class Function:
     template: tuple[str, ...] = ()
     defaults: tuple[tuple[str, TypeRef], ...] = ()
     static: bool = False
-    virtual: bool = False
 
     @property
     def key(self) -> tuple[str, int, str]:

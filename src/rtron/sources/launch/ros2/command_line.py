@@ -100,7 +100,6 @@ def node_of_ros2_run(process: LaunchStart) -> LaunchStart:
         name=special_remap(arguments, "__node"),
         namespace=special_remap(arguments, "__ns") or "/",
         remaps=tuple(argument_remaps(arguments)),
-        global_remap_count=len(tuple(argument_remaps(arguments))),
     )
 
 

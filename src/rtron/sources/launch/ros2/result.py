@@ -31,13 +31,12 @@ class LaunchStart:
     `name` is empty where the program names its node itself; `full_name` then ends in `*`. What is
     not known of a text stands in braces. `has_namespace` says that a namespace is given. `program`
     is an executable, or a component's class, which the node `container` loads. `remaps` are in
-    order: the first that fits a name counts, `global_remap_count` of them are not the node's own.
-    `arguments` are the words of a command line, for a process the whole of it.
-    `parameters_complete` says that every parameter file is known, `extra_arguments` are a
-    component's extra arguments. `conditions` are those that it stands under, `is_uncertain` says
-    that one of them is not known. `awaited_event` is what it waits for. `include_chain` has the
-    includes around, outermost first. `executed` says that the launch file was run to find it;
-    conditions and chain are not known then.
+    order: the first that fits a name counts. `arguments` are the words of a command line, for a
+    process the whole of it. `parameters_complete` says that every parameter file is known,
+    `extra_arguments` are a component's extra arguments. `conditions` are those that it stands
+    under, `is_uncertain` says that one of them is not known. `awaited_event` is what it waits for.
+    `include_chain` has the includes around, outermost first. `executed` says that the launch file
+    was run to find it; conditions and chain are not known then.
     """
 
     kind: StartKind
@@ -47,7 +46,6 @@ class LaunchStart:
     namespace: str = "/"
     has_namespace: bool = False
     remaps: tuple[RemapRule, ...] = ()
-    global_remap_count: int = 0
     parameter_sources: tuple[ParameterSource, ...] = ()
     parameters_complete: bool = True
     arguments: tuple[str, ...] = ()

@@ -119,8 +119,11 @@ class StartCollector(LaunchCollector):
         configuration = NodeConfiguration(self.evaluator, site)
         words = self._arguments(site)
         name, namespace = self._node_name(site, words)
-        shared_remaps = [*argument_remaps(words), *(site.context.remaps or ())]
-        remaps = [*shared_remaps, *self.evaluator.remap_rules(site.children("remap"))]
+        remaps = [
+            *argument_remaps(words),
+            *(site.context.remaps or ()),
+            *self.evaluator.remap_rules(site.children("remap")),
+        ]
         start = LaunchStart(
             kind=kind,
             package=self._display_text(site, "pkg"),
@@ -129,7 +132,6 @@ class StartCollector(LaunchCollector):
             namespace=namespace or "/",
             has_namespace=bool(namespace),
             remaps=tuple((display_text(source), display_text(to)) for source, to in remaps),
-            global_remap_count=len(shared_remaps),
             arguments=tuple(map(display_text, words)),
             environ=configuration.environ(),
             **self._context_fields(site),

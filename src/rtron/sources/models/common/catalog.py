@@ -40,10 +40,6 @@ class ModelCatalog:
         """Return the model of a ros_control controller type."""
         return self.by_name.get(("controller", type))
 
-    def costmap_layer(self, type: str) -> Model | None:
-        """Return the model of a costmap layer type."""
-        return self.by_name.get(("costmap_layer", type))
-
     def find(self, name: str) -> Model | None:
         """Return a model by `kind:name`, or a part by its name."""
         kind, colon, rest = name.partition(":")

@@ -57,7 +57,6 @@ def _verb_node(process: LaunchStart, kind: str, verb: str, words: Sequence[str])
         name=special_remap(words, "__node"),
         namespace=special_remap(words, "__ns") or "/",
         remaps=remaps,
-        global_remap_count=len(remaps),
     )
 
 

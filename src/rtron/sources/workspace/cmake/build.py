@@ -36,7 +36,6 @@ class PackageBuild:
     targets: dict[str, TargetBuilder] = field(default_factory=dict)
     definitions: dict[Path, dict[str, None]] = field(default_factory=dict)
     include_dirs: dict[Path, None] = field(default_factory=dict)
-    required_packages: dict[str, None] = field(default_factory=dict)
     installed: dict[str, Path] = field(default_factory=dict)
     components: dict[tuple[str, str], ComponentClass] = field(default_factory=dict)
     exports: dict[tuple[str, Path], None] = field(default_factory=dict)

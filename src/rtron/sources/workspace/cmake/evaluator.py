@@ -64,7 +64,6 @@ def evaluate_package(name: str, files: PackageFiles) -> PackageContents:
         path=files.folder,
         targets=build.build_targets(),
         include_dirs=tuple(build.include_dirs),
-        required_packages=tuple(build.required_packages),
         installed_scripts=tuple(build.installed.items()),
         components=tuple(build.components.values()),
         plugin_descriptions=tuple(build.exports),

@@ -143,7 +143,6 @@ def find_package(call: CommandCall) -> None:
     found = split_by_keyword(words[1:], _PACKAGE_WORDS)
     components = [part for word in _PACKAGE_WORDS for part in found.get(word, [])]
     names = components if words[0] in {"catkin", "catkin_simple"} else [words[0]]
-    call.build.required_packages.update(dict.fromkeys(names))
     variable = f"{words[0]}_LIBRARIES"
     old = call.scope.variables.get(variable)
     linked = dict.fromkeys((*(split_list(old.text) if old else ()), *names))

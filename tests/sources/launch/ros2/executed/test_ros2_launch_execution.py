@@ -63,7 +63,7 @@ def told(start):
     """Return what a start is, without what only reading, or only executing, knows of it."""
     return (
         *(start.kind, start.package, start.program, start.full_name, start.has_namespace),
-        *(start.remaps, start.global_remap_count, start.arguments, start.environ),
+        *(start.remaps, start.arguments, start.environ),
         *(start.container, start.awaited_event, values(start), start.extra_arguments),
         start.evidence,
     )
@@ -340,7 +340,7 @@ EMPTY = {
     "missing": "",
 }
 PLACE = {"file": "f", "line": 1}
-START = {"kind": "node", "words": [], "environ": {}, "shared": 0, "event": "", "place": PLACE}
+START = {"kind": "node", "words": [], "environ": {}, "event": "", "place": PLACE}
 
 
 @pytest.mark.parametrize(
@@ -350,7 +350,7 @@ START = {"kind": "node", "words": [], "environ": {}, "shared": 0, "event": "", "
         ({"more": 1}, "more: Extra inputs are not permitted"),
         ({"starts": {}}, "starts: Input should be a valid"),
         ({"starts": [{**START, "kind": "x"}]}, "starts.0: Input tag 'x'"),
-        ({"starts": [{**START, "shared": -1}]}, "shared: Input should be greater than"),
+        ({"starts": [{**START, "place": {"file": "f", "line": -1}}]}, "line: Input should be"),
         ({"starts": [{**START, "words": [1]}]}, "words.0: Input should be a valid string"),
         ({"starts": [{**START, "program": "x" * 65_537}]}, "at most 65536 characters"),
         ({"starts": [START] * 2_001}, "starts: Tuple should have at most 2000"),

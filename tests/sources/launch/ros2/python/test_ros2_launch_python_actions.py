@@ -43,7 +43,6 @@ def test_names_among_the_arguments_count_first(python):
     ).starts
     assert node.full_name == "/deep/other"
     assert node.remaps == (("a", "b"), ("c", "d"))
-    assert node.global_remap_count == 1
     assert values(node) == {"k": 3}
 
 
@@ -79,7 +78,7 @@ def test_remaps_for_all_nodes_stand_before_their_own(python):
         "ComposableNode(package='p', plugin='P', name='c')])"
     )
     node, container, component = app.starts
-    assert (node.remaps, node.global_remap_count) == ((("a", "b"), ("c", "d")), 1)
+    assert node.remaps == (("a", "b"), ("c", "d"))
     assert container.remaps == component.remaps == (("a", "b"),)
 
 

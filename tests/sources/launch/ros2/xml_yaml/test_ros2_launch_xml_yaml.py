@@ -26,7 +26,7 @@ def test_a_node_with_all_it_can_be_given(xml, package):
     [node] = app.starts
     assert (node.kind, node.full_name) == (StartKind.NODE, "/ns/n")
     assert node.arguments == ("-d", "7_y z", "--", "z", "--ros-args", "-p", "q:=2")
-    assert (node.remaps, node.global_remap_count) == ((("a", "b"), ("in", "out")), 1)
+    assert node.remaps == (("a", "b"), ("in", "out"))
     assert node.environ == (("K", "v"),)
     assert values(node) == {
         "q": 2,

@@ -88,11 +88,6 @@ def fields_of(node: Node) -> Iterator[tuple[str | None, Node]]:
         more = cursor.goto_next_sibling()
 
 
-def specifiers(node: Node) -> set[str]:
-    """Return the kinds and texts of words such as `static`, `virtual`, `const` before a name."""
-    return {child.type for child in node.children}
-
-
 def has_specifier(context: LoweringContext, node: Node, kind: str, word: bytes) -> bool:
     """Return whether a word of a kind (`type_qualifier`: `const`) stands in a declaration."""
     if context.source.find(word, node.start_byte, node.end_byte) < 0:

@@ -9,7 +9,6 @@ from rtron.sources.code.frontends.cpp.declarators import (
     has_specifier,
     is_constant,
     read_declarator,
-    specifiers,
 )
 from rtron.sources.code.frontends.cpp.expressions import lower_arguments
 from rtron.sources.code.frontends.cpp.lowering_context import LoweringContext, line_of
@@ -109,7 +108,6 @@ def add_function(context: LoweringContext, node: Node, found: Declarator) -> Non
             template=template.names,
             defaults=template.defaults,
             static=has_specifier(context, node, "storage_class_specifier", b"static"),
-            virtual="virtual" in specifiers(node) or _overrides(signature),
         )
     context.functions.append(made)
 
@@ -120,10 +118,6 @@ def _is_function(context: LoweringContext, node: Node, name: str) -> bool:
     if node.type == "function_definition" or node.child_by_field_name("type") is not None:
         return True
     return last.startswith(("~", "operator")) or last == context.scope.rpartition("::")[2]
-
-
-def _overrides(signature: Node) -> bool:
-    return any(child.type == "virtual_specifier" for child in signature.named_children)
 
 
 def _return_type(context: LoweringContext, node: Node, signature: Node) -> TypeRef | None:

@@ -22,11 +22,6 @@ class UndoLog:
     _log: list[tuple[dict[Any, Any], Any, Any]] = field(default_factory=list)
     _depth: int = 0
 
-    @property
-    def is_undecided(self) -> bool:
-        """Whether we are inside a branch that may not be taken."""
-        return self._depth > 0
-
     def set(self, storage: dict[Any, Any], key: Any, value: Any) -> None:  # noqa: ANN401 - any key
         """Write a value where it can be taken back."""
         if self._depth:

@@ -72,9 +72,3 @@ def _inner_words(word: str) -> list[str]:
 
 def _is_prefix(word: str) -> bool:
     return word.startswith("-") or "=" in word or word.rpartition("/")[2] in _WRAPPERS
-
-
-def _launch_arguments(words: list[str]) -> tuple[str, tuple[str, ...]]:
-    if words[0].endswith((".launch", ".xml")) or len(words) == 1:
-        return words[0], tuple(words[1:])
-    return "/".join(words[:2]), tuple(words[2:])

@@ -15,12 +15,10 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     TRUE,
     UNKNOWN,
     Instance,
-    PartialText,
     Scalar,
     Unknown,
     Value,
     concat,
-    map_options,
     options,
     parts_of,
     text_with_holes,
@@ -200,17 +198,3 @@ def _assignments(word: Value) -> Iterator[tuple[str, Value]]:
 
 def _join_parts(parts: Sequence[str | Unknown]) -> Value:
     return concat(tuple(p if isinstance(p, Unknown) else Scalar(p) for p in parts))
-
-
-def without_leading_slash(name: Value) -> Value:
-    """Return names without a slash at their beginning."""
-
-    def cut(option: Value) -> Value:
-        if isinstance(option, Scalar):
-            return Scalar(str(option.value).lstrip("/"), option.tainted)
-        if isinstance(option, PartialText) and isinstance(option.parts[0], str):
-            first = option.parts[0].lstrip("/")
-            return PartialText((first, *option.parts[1:]), option.tainted)
-        return option
-
-    return map_options(name, cut)

@@ -36,11 +36,10 @@ class ReportedLocation(_StrictModel):
 
 
 class _ReportedStart(_StrictModel):
-    """What processes and components have; `shared` of the remaps are for all nodes."""
+    """What processes and components have."""
 
     package: Text = ""
     program: Text = ""
-    shared: int = Field(ge=0, le=MAX_WORDS)
     event: Text
     place: ReportedLocation
 

@@ -80,7 +80,6 @@ class ReportTranslator:
             namespace=namespace or "/",
             has_namespace=bool(namespace),
             remaps=(*argument_rules, *rcl_arguments.remap_rules(entry.added)),
-            global_remap_count=len(argument_rules) + entry.shared,
             parameter_sources=(
                 *argument_parameters(words, rcl_arguments.location),
                 *rcl_arguments.parameter_sources(entry.added),
@@ -121,7 +120,6 @@ class ReportTranslator:
             namespace=self._text(entry.namespace) or "/",
             has_namespace=bool(entry.namespace),
             remaps=tuple(rcl_arguments.parse_rules(entry.remaps)),
-            global_remap_count=entry.shared,
             parameter_sources=rcl_arguments.component_parameters(entry.parameters),
             container=canonical_namespace(self._text(entry.container)),
             extra_arguments=rcl_arguments.named_parameters(entry.extra),

@@ -51,7 +51,6 @@ class LaunchRecorder:
 
     def execute_process(self, original: Method, action: Thing, context: Thing) -> object:
         """Let launch make the command line of a process, and keep it."""
-        shared = len(context.launch_configurations.get("ros_remaps") or ())
         result = original(action, context)
         command, environ = action.process_details["cmd"], action.process_details.get("env")
         changed = {k: v for k, v in (environ or {}).items() if self._environ.get(k) != v}
@@ -62,8 +61,8 @@ class LaunchRecorder:
             else {}
         )
         started = {"kind": "process", "words": list(command[prefix_length:]), "environ": changed}
-        common_fields = {"shell": action.shell is True, "shared": shared}
-        self._add_start({**started, **node_fields, **common_fields}, action, context)
+        start = {**started, **node_fields, "shell": action.shell is True}
+        self._add_start(start, action, context)
         return result
 
     def _node_fields(self, action: Thing, context: Thing, command: list[str]) -> Values:
@@ -81,11 +80,10 @@ class LaunchRecorder:
         """Keep the components that a container would be asked to load."""
         target = action._LoadComposableNodes__target_container  # noqa: SLF001 - no other way
         name = target.node_name if isinstance(target, Node) else perform_text(context, target)
-        shared = len(context.launch_configurations.get("ros_remaps") or ())
         for description in action._LoadComposableNodes__composable_node_descriptions:  # noqa: SLF001
             request = get_composable_node_load_request(description, context)
             if request is not None:
-                loaded = {"container": name, **_load_request_fields(request), "shared": shared}
+                loaded = {"container": name, **_load_request_fields(request)}
                 self._add_start(loaded, description, context)
 
     def evaluate_parameter_file(self, original: Method, file: Thing, context: Thing) -> object:
