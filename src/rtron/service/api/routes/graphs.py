@@ -14,7 +14,7 @@ router = APIRouter(prefix="/robots/{robot}")
 _GRAPH_REQUEST = {
     "requestBody": {
         "required": True,
-        "description": "`rtron.graph/1`, as `rtron scan --format json` writes it.",
+        "description": "`rtron.graph/1`, as `rtron scan --format graph` writes it.",
         "content": {"application/json": {"schema": {"type": "object"}}},
     }
 }

@@ -92,7 +92,7 @@ function Tools({ robot, model, filter, setFilter, show }) {
     <${Select} aria-label="Domain" value=${filter.domain} options=${domains} onChange=${(domain) => setFilter({ ...filter, domain })} />
     <button aria-pressed=${filter.leaves ? "true" : "false"} title="Topics with only publishers or only subscribers" onClick=${() => setFilter({ ...filter, leaves: !filter.leaves })}>Leaf topics</button>
     ${filter.risk && html`<button onClick=${() => setFilter({ ...filter, risk: "" })} title=${filter.risk}>One risk only ✕</button>`}
-    <span class="space"></span>${model.source === "plan" && html`<${Badge} icon="info" title="Nobody has uploaded the interaction graph of the app: rtron scan --format json, then PUT it here">from the plan only<//>`}<${Rates} robot=${robot} /></div>`;
+    <span class="space"></span>${model.source === "plan" && html`<${Badge} icon="info" title="Nobody has uploaded the interaction graph of the app: rtron scan --format graph -o graph.json, then rtron upload-graph graph.json">from the plan only<//>`}<${Rates} robot=${robot} /></div>`;
 }
 
 function Rates({ robot }) {
