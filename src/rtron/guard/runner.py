@@ -19,7 +19,7 @@ from rtron.guard.core.node_shutdown import ShutdownRefusal, ShutdownSequence
 from rtron.guard.core.observations import observations_of
 from rtron.guard.measurement.run import RunMeasurement, WriteFigures
 from rtron.guard.middleware import open_middleware
-from rtron.guard.settings.overrides import OverrideCommands
+from rtron.guard.settings.local_overrides import OverrideCommands
 from rtron.vocabulary import Plan, build_streams
 
 if TYPE_CHECKING:

@@ -16,7 +16,7 @@ from rtron.errors import SourceError, WireError
 from rtron.guard import runner
 from rtron.guard.core.control_socket import ControlSocket, control_path
 from rtron.guard.core.event_loop import EventLoop
-from rtron.guard.settings.overrides import MAX_DURATION, OverrideCommands
+from rtron.guard.settings.local_overrides import MAX_DURATION, OverrideCommands
 from rtron.vocabulary import SECOND, PolicyName
 
 

@@ -6,7 +6,7 @@ import pytest
 from settings_app import GENERAL, PLAN, WALL, Base, flow, limit, of
 from streams import peer
 
-from rtron.guard.settings.overrides import MAX_DURATION, OverrideCommands
+from rtron.guard.settings.local_overrides import MAX_DURATION, OverrideCommands
 from rtron.vocabulary import (
     SECOND,
     EmergencyStop,
@@ -142,7 +142,7 @@ def test_a_dry_run_only_tells_so(caplog):
     told = [s.message for s in base.host.statuses() if s.name == "rtron: emergency stop"]
     assert told == [f"{WHY} (dry run, nothing is stopped)"]
     base.apply(GO)
-    assert f"no more: {WHY}" in caplog.messages
+    assert f"released: {WHY}" in caplog.messages
     assert not [s for s in base.host.statuses() if s.name == "rtron: emergency stop"]
 
 

@@ -14,7 +14,7 @@ from rtron.guard.supervision.guard_process import spawn_guard
 from rtron.guard.supervision.shared_memory import GuardMemory, StatusWord
 from rtron.guard.supervision.supervisor_client import UNSUPERVISED_LIMIT, SupervisorClient
 from rtron.guard.supervision.supervisor_handover import (
-    RELEASE,
+    HAND_OVER_MESSAGE,
     HandoverAnswer,
     HandoverSocket,
     bind_guard_socket,
@@ -102,7 +102,7 @@ def test_a_supervisor_takes_the_place_of_one_that_has_just_died(tied):
 def test_a_supervisor_is_told_that_another_takes_its_place(tied):
     with tied.supervisor.dup() as former:
         tied.give_another()
-        assert former.recv(len(RELEASE)) == RELEASE
+        assert former.recv(len(HAND_OVER_MESSAGE)) == HAND_OVER_MESSAGE
 
 
 def test_a_guard_beats_and_tries_again_when_no_supervisor_can_be_started(tied, caplog):

@@ -7,7 +7,7 @@ import pytest
 from rtron.guard.supervision.supervisor_fsm import (
     END_TIMEOUT,
     GUARD_EXISTS,
-    HANG_TIMEOUT,
+    GUARD_HANG_TIMEOUT,
     LOST_TIMEOUT,
     OUT_OF_MEMORY,
     STALL_TIMEOUT,
@@ -59,9 +59,9 @@ def test_silence_stops_the_robot_and_only_long_silence_kills():
     fsm = serving()
     assert fsm.tick(1, silent(STALL_TIMEOUT - 1)) == ()
     assert fsm.tick(2, silent(STALL_TIMEOUT)) == (SupervisorAction.BRAKE,)
-    assert fsm.tick(3, silent(HANG_TIMEOUT - 1)) == ()
-    assert fsm.tick(4, silent(HANG_TIMEOUT)) == (SupervisorAction.KILL,)
-    assert fsm.tick(5, silent(2 * HANG_TIMEOUT)) == ()
+    assert fsm.tick(3, silent(GUARD_HANG_TIMEOUT - 1)) == ()
+    assert fsm.tick(4, silent(GUARD_HANG_TIMEOUT)) == (SupervisorAction.KILL,)
+    assert fsm.tick(5, silent(2 * GUARD_HANG_TIMEOUT)) == ()
 
 
 def test_a_stall_ends_with_the_next_beat():
@@ -165,7 +165,7 @@ def test_to_end_is_to_end_the_guard_first():
     assert fsm.connection_lost(3) == (SupervisorAction.BRAKE,)
     assert fsm.guard_ended(3, 0) == (SupervisorAction.LEAVE,)
     assert fsm.code == 0
-    assert fsm.phase is GuardPhase.OVER
+    assert fsm.phase is GuardPhase.ENDED
 
 
 def test_a_guard_that_does_not_end_is_killed():
@@ -193,7 +193,7 @@ def test_a_guard_that_ends_in_order_stops_the_robot_and_has_its_time():
 def test_a_guard_that_hangs_instead_of_ending_is_killed_at_once():
     fsm = serving()
     fsm.shut_down(0)
-    assert fsm.tick(HANG_TIMEOUT, silent(HANG_TIMEOUT)) == (SupervisorAction.KILL,)
+    assert fsm.tick(GUARD_HANG_TIMEOUT, silent(GUARD_HANG_TIMEOUT)) == (SupervisorAction.KILL,)
 
 
 def test_nobody_waits_for_a_guard_that_is_not_there():
@@ -225,7 +225,7 @@ def test_another_supervisor_is_left_the_guard():
     fsm = serving()
     assert fsm.hand_over() == (SupervisorAction.LEAVE,)
     assert fsm.connection_lost(1) == ()
-    assert fsm.tick(2, silent(HANG_TIMEOUT)) == ()
+    assert fsm.tick(2, silent(GUARD_HANG_TIMEOUT)) == ()
 
 
 def test_a_beat_that_stays_the_same_is_silence():

@@ -3,8 +3,8 @@
 from rtron.coherence import EffectivePlan
 from rtron.guard.core.coordinator import Coordinator
 from rtron.guard.settings.emergency_stop import EmergencyBrake
-from rtron.guard.settings.granted import SettingsOverrides
 from rtron.guard.settings.mission_rules import MissionRules
+from rtron.guard.settings.service_overrides import SettingsOverrides
 from rtron.guard.transport.common.protocol import Transport
 from rtron.vocabulary import Plan, Settings, build_streams
 

@@ -5,7 +5,7 @@ import logging
 from rtron.guard.core.coordinator import Coordinator
 from rtron.guard.core.message_types import standard_info
 from rtron.guard.core.stream import GuardedStream
-from rtron.guard.settings.overrides import single_line
+from rtron.guard.settings.local_overrides import single_line
 from rtron.guard.transport.common.protocol import Transport
 from rtron.vocabulary import EmergencyStop, Mode, StreamKind
 
@@ -43,7 +43,7 @@ class EmergencyBrake:
         """Release the brakes of the emergency stop."""
         if not self._coordinator.emergency:
             return
-        log.warning("no more: %s", self._coordinator.emergency)
+        log.warning("released: %s", self._coordinator.emergency)
         self._coordinator.emergency = ""
         for stream in self._streams:
             stream.release(_OWNER)

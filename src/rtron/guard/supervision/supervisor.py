@@ -22,14 +22,14 @@ from rtron.guard.supervision.supervisor_fsm import (
     SupervisorAction,
     SupervisorFsm,
 )
-from rtron.guard.supervision.supervisor_handover import RELEASE, is_running
+from rtron.guard.supervision.supervisor_handover import HAND_OVER_MESSAGE, is_running
 from rtron.guard.supervision.watchdog import BEAT_PERIOD, Watchdog
 from rtron.guard.transport.factory import open_transport
 from rtron.vocabulary import SECOND
 
 log = logging.getLogger(__name__)
 
-_STABLE_AFTER = SECOND
+_SPARE_AFTER = SECOND
 _OWNER_S = 0.5
 _SPARE_RETRY = 5 * SECOND
 
@@ -184,7 +184,7 @@ class Supervisor:
         is_stable = (
             self._fsm.phase is GuardPhase.SERVING
             and serving_since
-            and now - serving_since > _STABLE_AFTER
+            and now - serving_since > _SPARE_AFTER
         )
         if is_stable and self._spare is None and now >= self._spare_due:
             self._spare_due = now + _SPARE_RETRY
@@ -198,10 +198,10 @@ class Supervisor:
         )
 
     def _on_readable(self, guard: GuardProcess) -> None:
-        received = guard.connection.recv(len(RELEASE))
+        received = guard.connection.recv(len(HAND_OVER_MESSAGE))
         if not received:
             self._on_connection_lost(guard, "its connection has ended")
-        elif received == RELEASE:
+        elif received == HAND_OVER_MESSAGE:
             log.warning("another supervisor takes over")
             self._loop.forget(guard.connection)
             self._guard = None

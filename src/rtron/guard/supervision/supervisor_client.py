@@ -26,7 +26,7 @@ from rtron.guard.supervision.shared_memory import (
     encode_type_info,
 )
 from rtron.guard.supervision.supervisor_handover import (
-    RELEASE,
+    HAND_OVER_MESSAGE,
     HandoverAnswer,
     HandoverSocket,
     bind_guard_socket,
@@ -45,7 +45,7 @@ from rtron.vocabulary import (
 
 log = logging.getLogger(__name__)
 
-HANG_TIMEOUT = 2 * SECOND
+SUPERVISOR_HANG_TIMEOUT = 2 * SECOND
 """Silence after which a supervisor is killed, ns."""
 UNSUPERVISED_LIMIT = 2 * SECOND
 """How long the guard waits for a supervisor to come before it starts one, ns."""
@@ -133,10 +133,14 @@ class SupervisorClient:
             self._end_at_rest()
         elif self._connection is None:
             self._run_unsupervised(now)
-        elif self._watchdog.update(now, self._memory[StatusWord.SUPERVISOR_BEAT]) >= HANG_TIMEOUT:
-            self._kill_supervisor(self._connection)
+        else:
+            self._watch_supervisor(self._connection, now)
 
-    def _kill_supervisor(self, connection: socket.socket) -> None:
+    def _watch_supervisor(self, connection: socket.socket, now: int) -> None:
+        """Kill the supervisor if it does not beat for SUPERVISOR_HANG_TIMEOUT."""
+        silence = self._watchdog.update(now, self._memory[StatusWord.SUPERVISOR_BEAT])
+        if silence < SUPERVISOR_HANG_TIMEOUT:
+            return
         log.error("the supervisor stands still: it is killed")
         self._watchdog = Watchdog(self._loop.now())
         os.kill(peer_credentials(connection)[0], signal.SIGKILL)
@@ -186,7 +190,7 @@ class SupervisorClient:
         former = self._connection
         if former:
             with suppress(OSError):  # it may have just died
-                former.send(RELEASE)
+                former.send(HAND_OVER_MESSAGE)
             self._loop.forget(former)
         self._use_connection(connection)
         log.warning("the guard has a supervisor, process %d", peer_credentials(connection)[0])

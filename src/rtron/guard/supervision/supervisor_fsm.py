@@ -1,7 +1,7 @@
 """What the supervisor does about the guard, whatever happens to it; sans-I/O.
 
-A guard that stands still stops the robot at once and loses its life only much later: a stall ends
-with the next beat, a restart takes a while.
+When the guard stalls, the supervisor stops the robot at once; it kills the guard after
+GUARD_HANG_TIMEOUT. A stall ends with the next beat, a restart takes a while.
 """
 
 import os
@@ -12,7 +12,7 @@ from rtron.vocabulary import SECOND
 
 STALL_TIMEOUT = 55 * SECOND // 1000
 """Silence after which the robot is stopped, ns: a few beats more than a busy machine delays."""
-HANG_TIMEOUT = SECOND
+GUARD_HANG_TIMEOUT = SECOND
 """Silence after which the guard is killed, ns."""
 START_TIMEOUT = 20 * SECOND
 """How long a guard may take until its topics are open, ns."""
@@ -22,7 +22,7 @@ END_TIMEOUT = 8 * SECOND
 """How long a guard may take to end in order, ns."""
 LOST_TIMEOUT = SECOND // 2
 """How long a guard may still be there when its connection has ended, ns."""
-_STABLE_AFTER = 2 * SECOND
+_BACKOFF_RESET_AFTER = 2 * SECOND
 _FIRST_DELAY = SECOND // 4
 _MAX_DELAY = 10 * SECOND
 
@@ -40,9 +40,9 @@ class GuardPhase(Enum):
     STARTING = "it is starting"
     SERVING = "it guards"
     STALLED = "it stands still"
-    KILLED = "it was told to die"
+    KILLED = "it was sent SIGKILL and has not ended yet"
     LOST = "it is dead, or as good as"
-    OVER = "it ended, and so does the supervisor"
+    ENDED = "it ended, and so does the supervisor"
 
 
 class SupervisorAction(Enum):
@@ -96,7 +96,7 @@ class SupervisorFsm:
 
     def connection_lost(self, now: int) -> tuple[SupervisorAction, ...]:
         """Take note that the connection to the guard has ended: it is dead, or will be."""
-        if self.phase in (GuardPhase.LOST, GuardPhase.OVER, GuardPhase.WAITING):
+        if self.phase in (GuardPhase.LOST, GuardPhase.ENDED, GuardPhase.WAITING):
             return ()
         self.phase, self._phase_since = GuardPhase.LOST, now
         return (SupervisorAction.BRAKE,) if self._has_served else ()
@@ -119,7 +119,7 @@ class SupervisorFsm:
 
     def shut_down(self, now: int) -> tuple[SupervisorAction, ...]:
         """End: the guard first."""
-        if self._is_ending or self.phase is GuardPhase.OVER:
+        if self._is_ending or self.phase is GuardPhase.ENDED:
             return ()
         self._is_ending, self._phase_since = True, now
         if self.phase is GuardPhase.WAITING:
@@ -153,7 +153,7 @@ class SupervisorFsm:
         if observation.is_leaving and not self._is_ending:
             self._is_ending, self._phase_since = True, now
         if self._is_overdue(now) or (
-            observation.silence >= HANG_TIMEOUT and not observation.is_leaving
+            observation.silence >= GUARD_HANG_TIMEOUT and not observation.is_leaving
         ):
             return self._kill()
         is_stalled = observation.is_leaving or observation.silence >= STALL_TIMEOUT
@@ -170,7 +170,7 @@ class SupervisorFsm:
         return (SupervisorAction.KILL,)
 
     def _leave(self, code: int) -> tuple[SupervisorAction, ...]:
-        self.phase, self.code = GuardPhase.OVER, code
+        self.phase, self.code = GuardPhase.ENDED, code
         return (SupervisorAction.LEAVE,)
 
     def _await_next(self, now: int) -> None:
@@ -180,7 +180,7 @@ class SupervisorFsm:
 
     def _delay(self, now: int) -> int:
         """Return how long to wait: not at all after a guard that served, ever longer otherwise."""
-        if self._serving_since is not None and now - self._serving_since >= _STABLE_AFTER:
+        if self._serving_since is not None and now - self._serving_since >= _BACKOFF_RESET_AFTER:
             self._failures = 0
             return 0
         self._failures += 1

@@ -36,7 +36,7 @@ def is_running(pid: int) -> bool:
     return True
 
 
-RELEASE = b"L"
+HAND_OVER_MESSAGE = b"L"
 """What a guard sends to a supervisor that another one replaces."""
 BEGIN = b"B"
 """What a supervisor sends to a guard that it has started, when it is to guard."""

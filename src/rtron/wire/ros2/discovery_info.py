@@ -29,7 +29,7 @@ from rtron.wire.ros2.c_structures import (
     typed_function,
 )
 from rtron.wire.ros2.interfaces import find_interface
-from rtron.wire.ros2.release import HUMBLE, rmw_version
+from rtron.wire.ros2.rmw_version import HUMBLE, rmw_version
 
 if TYPE_CHECKING:
     from collections.abc import Callable

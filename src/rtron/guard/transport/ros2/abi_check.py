@@ -26,7 +26,7 @@ from rtron.guard.transport.ros2.service_calls import ServiceCalls, request_id_pa
 from rtron.vocabulary import PRIVATE_ROOT, Direction
 from rtron.wire.ros2.endpoints import PARTICIPANT_SIZE, Ros2Endpoint, publishers_of
 from rtron.wire.ros2.interfaces import find_interface
-from rtron.wire.ros2.release import IRON, KILTED, release_name, rmw_version
+from rtron.wire.ros2.rmw_version import IRON, KILTED, release_name, rmw_version
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

@@ -1,4 +1,4 @@
-"""Users and tokens, changed in the database itself: to begin with, and for a lost password."""
+"""Create users and tokens in the database itself: the first ones, or for a lost password."""
 
 from collections.abc import Mapping, Sequence
 from typing import TypeVar
