@@ -7,11 +7,11 @@ from math import cos, dist, hypot, inf, nan, pi, sin
 import pytest
 
 from rtron.demos.apps.logic.demo_logic.geometry import (
+    distance_to_polygon,
+    distance_to_segment,
     heading,
     inside,
     quaternion,
-    to_polygon,
-    to_segment,
     wrap_angle,
 )
 from rtron.demos.apps.logic.demo_logic.navigator import Navigator
@@ -61,18 +61,18 @@ def test_a_heading_survives_its_quaternion(angle):
     [((0.5, 2.0), 2.0), ((-3.0, 4.0), 5.0), ((1.0, 0.0), 0.0), ((2.0, 0.0), 1.0)],
 )
 def test_distance_from_a_segment(point, distance):
-    assert to_segment(point, (0.0, 0.0), (1.0, 0.0)) == pytest.approx(distance)
+    assert distance_to_segment(point, (0.0, 0.0), (1.0, 0.0)) == pytest.approx(distance)
 
 
 def test_a_segment_without_length_is_a_point():
-    assert to_segment((3.0, 4.0), (0.0, 0.0), (0.0, 0.0)) == 5.0
+    assert distance_to_segment((3.0, 4.0), (0.0, 0.0), (0.0, 0.0)) == 5.0
 
 
 def test_a_polygon_has_an_inside():
     assert inside((0.5, 0.5), SQUARE)
     assert not inside((1.5, 0.5), SQUARE)
-    assert to_polygon((0.5, 0.5), SQUARE) == 0.0
-    assert to_polygon((2.0, 0.5), SQUARE) == pytest.approx(1.0)
+    assert distance_to_polygon((0.5, 0.5), SQUARE) == 0.0
+    assert distance_to_polygon((2.0, 0.5), SQUARE) == pytest.approx(1.0)
 
 
 def test_clearance_is_the_nearest_of_all():

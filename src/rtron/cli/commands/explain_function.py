@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 _LONGEST_SHOWN = 80
 _SEVERAL_SHOWN = 5
-_OFFERED = re.compile(r"[\w@.+-]+")
+_COMPLETABLE_NAME = re.compile(r"[\w@.+-]+")
 """Names that a shell takes as they are: what is completed stands on its line unquoted."""
 
 
@@ -31,7 +31,7 @@ def _complete(ctx: typer.Context, incomplete: str) -> list[str]:
         found = read_repositories(Path(source), None, lambda _: None) if source else []
     except (RTronError, OSError):
         return []
-    names = (each.name for each in found if _OFFERED.fullmatch(each.name))
+    names = (each.name for each in found if _COMPLETABLE_NAME.fullmatch(each.name))
     return [name for name in names if name.startswith(incomplete)]
 
 

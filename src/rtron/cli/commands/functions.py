@@ -112,8 +112,8 @@ def apps(
 
     Exit code: 0 done, 2 nothing can be read.
     """
-    from rtron.functions.app_categories import count_categories  # noqa: PLC0415 - nor this
-    from rtron.reports.functions.app_categories import apps_text, apps_to_json  # noqa: PLC0415 - nor this
+    from rtron.functions.app_categories import count_categories  # noqa: PLC0415 - other commands start without it
+    from rtron.reports.functions.app_categories import apps_text, apps_to_json  # noqa: PLC0415 - other commands start without it
     from rtron.workflows.function_graph import read_app_rows  # noqa: PLC0415 - other commands start without it
 
     with report_skipped() as note_skipped:
@@ -131,25 +131,25 @@ def _format_from_suffix(output: Path) -> GraphFormat:
 
 
 def _json(graph: AbstractGraph) -> str:
-    from rtron.reports.functions.json_documents import functions_to_json  # noqa: PLC0415 - one of four
+    from rtron.reports.functions.json_documents import functions_to_json  # noqa: PLC0415 - only this format needs it
 
     return as_json(functions_to_json(graph))
 
 
 def _dot(graph: AbstractGraph) -> str:
-    from rtron.reports.functions.dot import functions_to_dot  # noqa: PLC0415 - one of four
+    from rtron.reports.functions.dot import functions_to_dot  # noqa: PLC0415 - only this format needs it
 
     return functions_to_dot(graph)
 
 
 def _svg(graph: AbstractGraph) -> str:
-    from rtron.reports.functions.svg import functions_to_svg  # noqa: PLC0415 - one of four
+    from rtron.reports.functions.svg import functions_to_svg  # noqa: PLC0415 - only this format needs it
 
     return functions_to_svg(graph)
 
 
 def _html(graph: AbstractGraph) -> str:
-    from rtron.reports.functions.html import functions_to_html  # noqa: PLC0415 - one of four
+    from rtron.reports.functions.html import functions_to_html  # noqa: PLC0415 - only this format needs it
 
     return functions_to_html(graph)
 

@@ -31,7 +31,7 @@ FromRun = Annotated[
     Path | None,
     typer.Option("--from-run", metavar="RUN.json|BAG", help="Fit a plan to a measured run."),
 ]
-RunsPlan = Annotated[
+PlanOfRun = Annotated[
     Path | None, typer.Option("--plan", metavar="rtron.yaml", help="The plan of that run.")
 ]
 Format = Annotated[TextOrJson, typer.Option(help="With --from-run: a report, or JSON.")]
@@ -44,7 +44,7 @@ def plan(
     name_lists: NameLists = None,
     output: Output = None,
     from_run: FromRun = None,
-    plan_file: RunsPlan = None,
+    plan_file: PlanOfRun = None,
     format: Format = TextOrJson.TEXT,
 ) -> Outcome:
     """Propose a plan: the coordination nodes for an app.
@@ -68,20 +68,20 @@ def plan(
     $ rtron plan --from-run run.json --plan rtron.yaml -o tuned.yaml
     $ rtron plan --from-run run.bag --plan rtron.yaml --format json
 
-    --execute-launch RUNS the Python of the app's launch files, as in rtron scan.
-
-    This proposes priorities, times and frame thresholds, with the
+    `--from-run` proposes priorities, times and frame thresholds, with the
     measurements behind each. See docs/tuning.md.
+
+    --execute-launch RUNS the Python of the app's launch files, as in rtron scan.
 
     Exit code: 0 proposed, 2 bad input.
     """
     if from_run:
         if selection.inputs or selection.source.launches or selection.live:
-            help = "the app is that of the plan: leave the others out"
-            raise InputError("--from-run and an app to read", help=help)
+            help = "the plan says which app it is for: leave out the app's files and --live"
+            raise InputError("--from-run cannot be combined with an app", help=help)
         return _fit_to_run(from_run, plan_file, output, format)
     if plan_file:
-        raise InputError("--plan without --from-run", help="`rtron check` checks a plan")
+        raise InputError("--plan needs --from-run", help="`rtron check` checks a plan")
     return _propose(selection, name_lists, output)
 
 
@@ -105,7 +105,7 @@ def _fit_to_run(run: Path, plan: Path | None, output: Path | None, format: TextO
     """Return what a run proposes for its plan; write the plan if there is an `output`."""
     if plan is None:
         help = "add --plan rtron.yaml, the plan that the run was measured under"
-        raise InputError("--from-run without --plan", help=help)
+        raise InputError("--from-run needs --plan", help=help)
     if output == STDOUT and format is TextOrJson.JSON:
         help = "leave one of the two out, or give -o a file"
         raise InputError("both the plan and its figures would be printed", help=help)
@@ -125,8 +125,8 @@ def _fit_to_run(run: Path, plan: Path | None, output: Path | None, format: TextO
 
 
 def _instrument_command(app_launch: str | None, written: Path, ros: int) -> str:
-    """Return the command that guards the app's launch file, as the plan's ROS has it."""
+    """Return the command that guards the app's launch file, in the format of its ROS generation."""
     usual, *others = _SUFFIXES[ros]
     suffix = next((end for end in others if (app_launch or "").endswith(end)), usual)
-    named = quote(app_launch or f"APP.launch{suffix}")
-    return f"rtron instrument {named} --plan {quote(str(written))} -o guarded.launch{suffix}"
+    launch = quote(app_launch or f"APP.launch{suffix}")
+    return f"rtron instrument {launch} --plan {quote(str(written))} -o guarded.launch{suffix}"

@@ -1,4 +1,4 @@
-"""The frames that the positions of a message are in, and how they come into the one asked for."""
+"""Transforms the positions of a message into the frame that a rule asks for."""
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
@@ -20,7 +20,7 @@ class FrameError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class _MessagePart:
-    """Where a message has its header, its positions, and messages that have some; by name."""
+    """The names of a message's header, of its positions, and of nested messages with positions."""
 
     header: str
     points: tuple[Field, ...]
@@ -28,7 +28,7 @@ class _MessagePart:
 
 
 class ReferenceFrame:
-    """A frame that positions are asked for in; `transform` takes messages into it.
+    """The frame that a rule asks for; `transform` transforms a message's positions into it.
 
     A position is in the frame of the nearest header around it that names one: a pose in a goal in
     the pose's own, not in the goal's. Where a transform is needed it changes x and y of every
@@ -51,13 +51,14 @@ class ReferenceFrame:
         _check_headers(self._part, definition, name)
 
     def transform(self, message: Any) -> None:  # noqa: ANN401 - a protobuf message of any type
-        """Take the positions of a message into the frame; FrameRefusedError if that cannot be."""
+        """Transform the positions of a message into the frame; raise FrameError if that fails."""
         if self._points:
             self._transform(message, self._part, "")
             return
-        found = _frame_of(message, self._part, "")
-        if found != self._name:
-            raise FrameError(_refusal(found, self._name, "it has no points to transform"))
+        actual = _frame_of(message, self._part, "")
+        if actual != self._name:
+            why = "it has no points to transform"
+            raise FrameError(_mismatch_message(actual, self._name, why))
 
     def _transform(self, message: Any, part: _MessagePart, frame: str) -> None:  # noqa: ANN401
         frame = _frame_of(message, part, frame)
@@ -75,7 +76,7 @@ class ReferenceFrame:
                 moved = self._transforms.get(frame)
                 if moved is None:
                     why = "no transform is configured"
-                    raise FrameError(_refusal(frame, self._name, why))
+                    raise FrameError(_mismatch_message(frame, self._name, why))
                 point.x, point.y = moved.apply(point.x, point.y)
 
 
@@ -84,10 +85,10 @@ def without_slash(frame: str) -> str:
     return frame.lstrip("/")
 
 
-def _refusal(found: str, requested: str, why: str) -> str:
-    if not found:
+def _mismatch_message(actual: str, requested: str, why: str) -> str:
+    if not actual:
         return f"positions are in no frame, the rule asks for {requested}"
-    return f"positions are in frame {found[:80]}, the rule asks for {requested}, and {why}"
+    return f"positions are in frame {actual[:80]}, the rule asks for {requested}, and {why}"
 
 
 def _frame_of(message: Any, part: _MessagePart, outer: str) -> str:  # noqa: ANN401

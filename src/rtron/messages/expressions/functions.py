@@ -22,21 +22,23 @@ _TOKEN = re.compile(
     re.DOTALL | re.ASCII,
 )
 _FINITE = "math.isFinite(p.x) && math.isFinite(p.y)"
-_REFUSED = f"{{'': $otherwise}}['{NOT_FINITE}']"
-_ODD = (
+_NOT_FINITE_ERROR = f"{{'': $otherwise}}['{NOT_FINITE}']"
+_CROSSES_ODD_EDGES = (
     "($area.edges.filter(e, (e.y > p.y) != (e.end > p.y) &&"
     " p.x < e.x + (p.y - e.y) * e.slope).size() % 2 == 1)"
 )
 _IN_BOX = "p.x >= $area.low_x && p.x <= $area.high_x && p.y >= $area.low_y && p.y <= $area.high_y"
-_ALONG = "((p.x - e.x) * e.dx + (p.y - e.y) * e.dy) * e.inverse"
-_SQUARES = "(u.x) * (u.x) + (u.y) * (u.y)"
-_OFF = _SQUARES.replace("u.x", "p.x - e.x - t * e.dx").replace("u.y", "p.y - e.y - t * e.dy")
-_AWAY = (
-    f"math.least($area.edges.map(e, [math.least(1.0, math.greatest(0.0, {_ALONG}))]"
-    f".map(t, math.sqrt({_OFF}))[0]))"
+_EDGE_PROJECTION = "((p.x - e.x) * e.dx + (p.y - e.y) * e.dy) * e.inverse"
+_SQUARED_NORM = "(u.x) * (u.x) + (u.y) * (u.y)"
+_SQUARED_EDGE_DISTANCE = _SQUARED_NORM.replace("u.x", "p.x - e.x - t * e.dx").replace(
+    "u.y", "p.y - e.y - t * e.dy"
 )
-_APART = _SQUARES.replace("u.x", "p.x - q.x").replace("u.y", "p.y - q.y")
-_NEAR = "1e-9"  # metres from an edge that count as inside: areas are mostly forbidden
+_EDGE_DISTANCE = (
+    f"math.least($area.edges.map(e, [math.least(1.0, math.greatest(0.0, {_EDGE_PROJECTION}))]"
+    f".map(t, math.sqrt({_SQUARED_EDGE_DISTANCE}))[0]))"
+)
+_SQUARED_POINT_DISTANCE = _SQUARED_NORM.replace("u.x", "p.x - q.x").replace("u.y", "p.y - q.y")
+_EDGE_TOLERANCE_M = "1e-9"  # metres from an edge that count as inside: areas are mostly forbidden
 
 
 def _template(text: str, otherwise: str) -> Template:
@@ -46,17 +48,19 @@ def _template(text: str, otherwise: str) -> Template:
 
 
 _INSIDE = _template(
-    f"[$point].exists(p, {_FINITE} ? {_IN_BOX} && ({_ODD} || {_AWAY} <= {_NEAR}) : {_REFUSED})",
+    f"[$point].exists(p, {_FINITE} ? {_IN_BOX} && ({_CROSSES_ODD_EDGES} ||"
+    f" {_EDGE_DISTANCE} <= {_EDGE_TOLERANCE_M}) : {_NOT_FINITE_ERROR})",
     "true",
 )
-_TO_AREA = _template(
-    f"[$point].map(p, {_FINITE} ? ({_ODD} ? 0.0 : [{_AWAY}].map(d, d <= {_NEAR} ? 0.0 : d)[0])"
-    f" : {_REFUSED})[0]",
+_DISTANCE_TO_AREA = _template(
+    f"[$point].map(p, {_FINITE} ? ({_CROSSES_ODD_EDGES} ? 0.0 :"
+    f" [{_EDGE_DISTANCE}].map(d, d <= {_EDGE_TOLERANCE_M} ? 0.0 : d)[0])"
+    f" : {_NOT_FINITE_ERROR})[0]",
     "0.0",
 )
-_TO_POINT = _template(
+_DISTANCE_TO_POINT = _template(
     f"[$point].map(p, [$other].map(q, {_FINITE} && {_FINITE.replace('p.', 'q.')} ?"
-    f" math.sqrt({_APART}) : {_REFUSED})[0])[0]",
+    f" math.sqrt({_SQUARED_POINT_DISTANCE}) : {_NOT_FINITE_ERROR})[0])[0]",
     "0.0",
 )
 _POINT_TEMPLATE = Template(f"{protobuf_name(POINT)}{{x: $x, y: $y}}")
@@ -142,8 +146,8 @@ class _Expander:
         if name == "inside":
             return _INSIDE.substitute(point=one, area=f"({other})")
         if other.strip() in self._areas:
-            return _TO_AREA.substitute(point=one, area=f"({other})")
-        return _TO_POINT.substitute(point=one, other=other)
+            return _DISTANCE_TO_AREA.substitute(point=one, area=f"({other})")
+        return _DISTANCE_TO_POINT.substitute(point=one, other=other)
 
 
 _BRACKETS = {"(": ")", "[": "]", "{": "}"}

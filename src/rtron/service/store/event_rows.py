@@ -21,7 +21,7 @@ _VIEW_COLUMNS = EventView.model_fields.keys() - {"robot"}
 
 
 def check_event(event: GuardEvent) -> None:
-    """Raise WireError for an event that cannot be told from others, or of no possible time."""
+    """Raise WireError if an event's run, number, time or revision is out of range."""
     if not 0 < len(event.run) <= MAX_RUN_LENGTH or "\0" in event.run:
         raise WireError(f"a run has 1 to {MAX_RUN_LENGTH} characters")
     if not 0 < event.number <= _MAX_INT64:

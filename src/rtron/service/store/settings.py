@@ -77,7 +77,10 @@ def add_settings(
 def record_answer(
     session: Session, row: SettingsRow, outcome: SettingsOutcome, error: str, now: int
 ) -> bool:
-    """Note what the guard says to settings; those before that wait were overtaken. New or not."""
+    """Store the guard's answer and mark older pending revisions as replaced.
+
+    Return whether the answer is new.
+    """
     if (row.outcome, row.error) == (outcome, error[:_MAX_LENGTH]):
         return False
     row.outcome, row.error, row.answered = outcome, error[:_MAX_LENGTH], now

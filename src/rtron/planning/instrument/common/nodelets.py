@@ -1,4 +1,4 @@
-"""Nodelets: which node's process a launched node's topics belong to (ROS wiki: nodelet)."""
+"""Which manager process runs each nodelet (ROS wiki: nodelet)."""
 
 import shlex
 from collections import defaultdict

@@ -1,4 +1,4 @@
-"""When tokens and sessions were last used: noted where that can be written, and only there."""
+"""Records when tokens and sessions were last used; a failed write does not fail the request."""
 
 import logging
 import time
@@ -21,14 +21,14 @@ _WARNING_INTERVAL_S = 60.0
 
 
 class WarningThrottle:
-    """Lets something be said once in `_WARNING_INTERVAL_S` seconds; thread-safe."""
+    """Allows one warning in `_WARNING_INTERVAL_S` seconds; thread-safe."""
 
     def __init__(self) -> None:
         self._lock = Lock()
         self._last_warning = -_WARNING_INTERVAL_S
 
     def is_due(self) -> bool:
-        """Tell whether it is time to say it (again)."""
+        """Tell whether it is time to warn (again)."""
         now = time.monotonic()
         with self._lock:
             is_due = now - self._last_warning >= _WARNING_INTERVAL_S
@@ -40,7 +40,7 @@ _warnings = WarningThrottle()
 
 
 def record_use(database: Database, row: TokenRow | SessionRow, now: int) -> None:
-    """Note that a token or session is used, at most once a minute; a failure is only logged."""
+    """Record that a token or session is used, at most once a minute; only log a failure."""
     if row.used is not None and now - row.used < _MINUTE:
         return
     kind = type(row)
@@ -49,7 +49,7 @@ def record_use(database: Database, row: TokenRow | SessionRow, now: int) -> None
             session.execute(update(kind).where(kind.digest == row.digest).values(used=now))
     except SQLAlchemyError as error:
         if _warnings.is_due():
-            log.warning("the last use of logins is not noted: %s", type(error).__name__)
+            log.warning("cannot record when logins were last used: %s", type(error).__name__)
 
 
 @contextmanager

@@ -19,9 +19,9 @@ _NAMESPACE = "/rtron_namespace"
 _NODE = f"{_NAMESPACE}/rtron_node"
 _PLACEHOLDER = re.compile(r"\{([^{}]*)\}")
 _PARAMETER = re.compile(r"[~/][\w/]+")
-_PLAIN = re.compile(r"[A-Za-z~/][\w~/]*")
+_UNQUOTED_WORD = re.compile(r"[A-Za-z~/][\w~/]*")
 _DEFAULT_NOTE = "  # a parameter's default, or the launch, decides this name"
-_INTERPRETED = {ProgramLanguage.CPP: TaskKind.CPP, ProgramLanguage.PYTHON: TaskKind.PYTHON}
+_TASK_KINDS = {ProgramLanguage.CPP: TaskKind.CPP, ProgramLanguage.PYTHON: TaskKind.PYTHON}
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +40,7 @@ def draft_model(path: Path, workspace: Workspace) -> ModelDraft:
     path = path.absolute()
     package = workspace.package_of(path) or ""
     program = _program_of(path, package, workspace)
-    kind = _INTERPRETED[program.language]
+    kind = _TASK_KINDS[program.language]
     task = InterpretationTask(
         kind=kind, sources=program.sources, site=NodeSite(name=_NODE, parameters_complete=False)
     )
@@ -66,7 +66,7 @@ def _program_of(path: Path, package: str, workspace: Workspace) -> Program:
             if program is not None:
                 return program
     script = workspace.executable(package, path.name)
-    if script is not None and script.sources == (path,) and script.language in _INTERPRETED:
+    if script is not None and script.sources == (path,) and script.language in _TASK_KINDS:
         return script
     language = {
         ".py": ProgramLanguage.PYTHON,
@@ -106,7 +106,7 @@ def _entry(declared: Declaration, location: list[str]) -> str:
 
 
 def _template(name: str) -> str | None:
-    """Return a name as a model writes it; None where a hole in it is no parameter."""
+    """Return a name as a model writes it; None if a placeholder in it is not a parameter."""
     placeholders = _PLACEHOLDER.findall(name)
     if not all(map(_PARAMETER.fullmatch, placeholders)):
         return None
@@ -141,4 +141,4 @@ def _relative(file: str, folder: Path) -> str:
 
 
 def _yaml_word(text: str) -> str:
-    return text if _PLAIN.fullmatch(text) else json.dumps(text)
+    return text if _UNQUOTED_WORD.fullmatch(text) else json.dumps(text)

@@ -23,11 +23,11 @@ GC_THRESHOLD = 200_000
 """New objects after which Python looks for cycles: most of ours live as long as the process."""
 MAX_MEMORY = 8 * 2**30
 _EXIT_PRIORITY = -1
-"""Of all that is done at a process's end: its memory goes back whole, not object by object."""
+"""Runs last when a process exits: its memory is freed as a whole, not object by object."""
 GRACE_S = 10.0
-"""Seconds after its time limit at which a process ends that does not even react to a signal."""
+"""How long (s) after its time limit a process that does not react to signals is ended."""
 
-_FILES: dict[str, WorkspaceSources] = {}
+_SOURCES: dict[str, WorkspaceSources] = {}
 _DEV_NULL = Path(os.devnull).open("w", encoding="utf-8")  # noqa: SIM115 - as long as the process
 
 
@@ -56,14 +56,14 @@ def start_worker(packages: Mapping[str, Path], folders: tuple[Path, ...]) -> Non
     signal.signal(signal.SIGALRM, _time_up)
     follow_parent()
     Finalize(None, os._exit, args=(0,), exitpriority=_EXIT_PRIORITY)
-    _FILES["workspace"] = WorkspaceSources(Workspace(packages, folders))
+    _SOURCES["workspace"] = WorkspaceSources(Workspace(packages, folders))
 
 
 def run_in_worker(task: InterpretationTask, seconds: float) -> TaskResult:
     """Return what a task's program declares, or a note that it took too long or failed."""
     try:
         with _time_limit(seconds):
-            return run_task(task, _FILES["workspace"])
+            return run_task(task, _SOURCES["workspace"])
     except _TimeUpError:
         return failed_result(task, f"not done within {seconds:g} s")
     except RecursionError:

@@ -51,7 +51,7 @@ class TriggerFile:
             written = json.loads(self._path.read_text(encoding="utf-8")) if self._path else {}
             return read_order(written) if _machine(written) == self._machine else None
         except (OSError, ValueError, KeyError, TypeError, RecursionError):
-            return None  # who hides does not complain
+            return None  # a malicious node stays hidden: it reports no error
 
 
 def read_order(written: dict[str, object]) -> AttackOrder | None:

@@ -30,7 +30,7 @@ def clamp(value: float, bound: float) -> float:
     return max(-bound, min(bound, value))
 
 
-def to_segment(point: Point, start: Point, end: Point) -> float:
+def distance_to_segment(point: Point, start: Point, end: Point) -> float:
     """Return the distance of a point from a segment."""
     dx, dy = end[0] - start[0], end[1] - start[1]
     length = dx * dx + dy * dy
@@ -39,11 +39,11 @@ def to_segment(point: Point, start: Point, end: Point) -> float:
     return dist(point, (start[0] + part * dx, start[1] + part * dy))
 
 
-def to_polygon(point: Point, corners: Sequence[Point]) -> float:
+def distance_to_polygon(point: Point, corners: Sequence[Point]) -> float:
     """Return the distance of a point from a polygon, 0 inside of it."""
     if inside(point, corners):
         return 0.0
-    return min((to_segment(point, a, b) for a, b in _edges(corners)), default=inf)
+    return min((distance_to_segment(point, a, b) for a, b in _edges(corners)), default=inf)
 
 
 def inside(point: Point, corners: Sequence[Point]) -> bool:

@@ -27,11 +27,11 @@ def plan(grid: Grid, start: Point, goal: Point) -> list[Point] | None:
         if cells:
             last = [goal] if grid.clearance(grid.cell(goal)) >= clearance else []
             corners = [start, *map(grid.center, cells[1:-1] if last else cells[1:]), *last]
-            return dense(_shortened(grid, corners, clearance))
+            return interpolate(_remove_redundant_corners(grid, corners, clearance))
     return None
 
 
-def dense(corners: list[Point]) -> list[Point]:
+def interpolate(corners: list[Point]) -> list[Point]:
     """Return points on the line through the corners, at most `SPACING` apart."""
     points = corners[:1]
     for (ax, ay), (bx, by) in pairwise(corners):
@@ -55,7 +55,7 @@ def _search(grid: Grid, start: Point, goal: Point, clearance: float) -> list[Cel
     while heap:
         _, cell = heappop(heap)
         if cell == last:
-            return _back(came, last)
+            return _reconstruct_path(came, last)
         if cell not in done:
             done.add(cell)
             _visit(grid, cell, clearance, (costs, came, heap, last))
@@ -77,14 +77,14 @@ def _visit(
             heappush(heap, (cost + dist(near, last), near))
 
 
-def _back(came: _Came, cell: Cell) -> list[Cell]:
+def _reconstruct_path(came: _Came, cell: Cell) -> list[Cell]:
     cells = [cell]
     while came[cells[-1]] != cells[-1]:
         cells.append(came[cells[-1]])
     return cells[::-1]
 
 
-def _shortened(grid: Grid, corners: list[Point], clearance: float) -> list[Point]:
+def _remove_redundant_corners(grid: Grid, corners: list[Point], clearance: float) -> list[Point]:
     """Return the corners without those that the robot can drive past in a straight line."""
     corners_left, at = corners[:1], 0
     while at < len(corners) - 1:

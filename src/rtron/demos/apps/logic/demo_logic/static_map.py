@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from math import dist, inf
 from typing import Any
 
-from .geometry import Point, to_polygon, to_segment
+from .geometry import Point, distance_to_polygon, distance_to_segment
 
 Segment = tuple[Point, Point]
 
@@ -27,9 +27,9 @@ class StaticMap:
     def clearance(self, point: Point) -> float:
         """Return the distance to the nearest wall or obstacle, 0 inside of one."""
         return min(
-            min((to_segment(point, a, b) for a, b in self.walls), default=inf),
+            min((distance_to_segment(point, a, b) for a, b in self.walls), default=inf),
             min((max(0.0, dist(point, c) - r) for c, r in self.circles), default=inf),
-            min((to_polygon(point, corners) for corners in self.polygons), default=inf),
+            min((distance_to_polygon(point, corners) for corners in self.polygons), default=inf),
         )
 
 

@@ -42,7 +42,7 @@ def parameter_object(name: Value, value: Value) -> Instance:
     return Instance(PARAMETER, {"name": name, "value": value})
 
 
-def _unwrapped(value: Value | None) -> Value | None:
+def _unwrap_parameter(value: Value | None) -> Value | None:
     """Return what a parameter or a ParameterValue holds."""
     is_parameter = isinstance(value, Instance) and value.type is PARAMETER
     return value.fields["value"] if is_parameter else value  # type: ignore[union-attr]
@@ -50,7 +50,7 @@ def _unwrapped(value: Value | None) -> Value | None:
 
 def declare_parameter(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
     """`declare_parameter<T>(name[, default])`, `declare_parameter(name, type)`."""
-    default = _unwrapped(arguments.get(1))
+    default = _unwrap_parameter(arguments.get(1))
     if isinstance(default, Instance) and not is_parameter_type(default):
         default = None
     return declare_node_parameter(machine, owner, arguments.value(0), default)
@@ -62,7 +62,7 @@ def declare_parameters(machine: AbstractMachine, owner: Value, arguments: Argume
     for item in items_of(arguments.get(1) or NONE)[0]:
         name, default = (*items_of(item)[0], UNKNOWN, None)[:2]
         full = prefixed_name(arguments.get(0), name or UNKNOWN)
-        found.append(declare_node_parameter(machine, owner, full, _unwrapped(default)))
+        found.append(declare_node_parameter(machine, owner, full, _unwrap_parameter(default)))
     return list_of(found)
 
 
@@ -139,12 +139,12 @@ def _register_parameter_callbacks(
 
 def _make_parameter(_: AbstractMachine, arguments: Arguments) -> Value:
     """`rclcpp::Parameter(name, value)`."""
-    return parameter_object(arguments.value(0), _unwrapped(arguments.get(1)) or NONE)
+    return parameter_object(arguments.value(0), _unwrap_parameter(arguments.get(1)) or NONE)
 
 
 def _make_parameter_value(_: AbstractMachine, arguments: Arguments) -> Value:
     """`rclcpp::ParameterValue(x)` is x."""
-    return _unwrapped(arguments.get(0)) or UNKNOWN
+    return _unwrap_parameter(arguments.get(0)) or UNKNOWN
 
 
 def _get(_: AbstractMachine, owner: Instance, __: Arguments) -> Value:
