@@ -1,6 +1,6 @@
 """What a node declares through its client library, found in source, a model or a plugin."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import isfinite
 
 from rtron.vocabulary import (
@@ -174,3 +174,8 @@ class NodeInterface:
     runtime_starts: tuple[RuntimeStart, ...] = ()
     unresolved: tuple[UnresolvedItem, ...] = ()
     parameters: tuple[NodeParameter, ...] = ()
+
+    def with_location(self, location: Evidence) -> "NodeInterface":
+        """Return the interface with a plugin's place in its file before its model's evidence."""
+        declarations = (replace(d, evidence=(location, *d.evidence)) for d in self.declarations)
+        return replace(self, declarations=tuple(declarations))

@@ -9,7 +9,8 @@ from typing import TypeAlias
 from rtron.errors import InputError
 from rtron.functions.reading.folder import repository_folders
 from rtron.functions.reading.skipped_entries import SkippedEntry, SkippedHandler
-from rtron.sources.launch.ros1.file_search import LaunchFileInfo, find_launch_files
+from rtron.sources.launch.common.launch_file import LaunchFileInfo
+from rtron.sources.launch.ros1.file_search import find_launch_files
 
 IncludedLaunch: TypeAlias = tuple[str, str]
 """A package, and the end of the path of a launch file in it."""

@@ -1,5 +1,6 @@
-"""The parameter server as a launch fills it (ROS wiki: Parameter Server)."""
+"""The parameter server that a launch fills (ROS wiki), and node patterns of parameter files."""
 
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
@@ -81,3 +82,20 @@ def _nested(name: str, below: Mapping[str, Parameter]) -> dict[str, ParameterVal
             subtree = subtree.setdefault(folder, {})
         subtree[last] = parameter.value
     return tree
+
+
+def pattern_matches(pattern: str, node: str) -> bool:
+    """Tell whether a pattern of a parameter file names a node (rclcpp: parameter_map)."""
+    parts = absolute_pattern(pattern).split("/")[1:]
+    return re.fullmatch("".join(map(_part_pattern, parts)), node) is not None
+
+
+def _part_pattern(part: str) -> str:
+    if part == "**":
+        return r"(/[^/]+)*"
+    return "/" + re.escape(part).replace(r"\*", "[^/]+")
+
+
+def absolute_pattern(pattern: str) -> str:
+    """Return a pattern of a parameter file with the slash that it may lack."""
+    return pattern if pattern.startswith("/") else f"/{pattern}"

@@ -1,7 +1,8 @@
-"""An app in source: folders, and the launch files that start it."""
+"""An app in source: folders, the launch files in them, and those that start it."""
 
 import os
 import shlex
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -13,6 +14,7 @@ from rtron.vocabulary import InteractionGraph
 from rtron.workflows.launch_arguments import ASSIGNMENT, parse_assignments
 
 if TYPE_CHECKING:
+    from rtron.sources.launch.common.launch_file import LaunchFileInfo
     from rtron.sources.launch.ros2.executed.execution import Execution
     from rtron.sources.workspace import Workspace
 
@@ -53,13 +55,16 @@ class WorkspaceSource:
     options: ScanOptions
     workspace: "Workspace"
     ros: int = 1
+    execution: "Execution | None" = None
 
     def read(self) -> InteractionGraph:
         """Return the graph; raise InputError if a launch file cannot be read."""
         if self.ros > 1:
             from rtron.sources.static.ros2.app import scan_ros2_app  # noqa: PLC0415 - only one is needed
 
-            return scan_ros2_app(self.folders, self.launches, self.environ, self.options)
+            return scan_ros2_app(
+                self.folders, self.launches, self.environ, self.options, self.execution
+            )
         from rtron.sources.static.ros1.app import scan_app  # noqa: PLC0415 - likewise
 
         return scan_app(self.folders, self.launches, self.environ, self.options).graph
@@ -74,7 +79,7 @@ def open_workspace_source(
     folders: Sequence[Path], arguments: Sequence[str], options: SourceOptions, progress: Progress
 ) -> WorkspaceSource:
     """Return the app in source; raise InputError for a launch file that is not there."""
-    from rtron.sources.launch.common.generation import launch_generation  # noqa: PLC0415 - the guard starts without it
+    from rtron.sources.launch.common.launch_file import launch_generation  # noqa: PLC0415 - the guard starts without it
     from rtron.sources.static.common.launch_paths import find_launch_file  # noqa: PLC0415 - likewise
     from rtron.sources.workspace import read_workspace  # noqa: PLC0415 - likewise
 
@@ -93,11 +98,15 @@ def open_workspace_source(
         for spelled, *launch_arguments in launch_lines
     ]
     ros = _single_generation({path: launch_generation(path) for path, _ in launches})
-    scan_options = replace(
+    return WorkspaceSource(
+        tuple(folders),
+        tuple(launches),
+        environ,
         static_scan_options(options.jobs, use_cache=options.use_cache, progress=progress),
-        execution=_launch_execution(options, ros),
+        workspace,
+        ros,
+        _launch_execution(options, ros),
     )
-    return WorkspaceSource(tuple(folders), tuple(launches), environ, scan_options, workspace, ros)
 
 
 def static_scan_options(jobs: int | None, *, use_cache: bool, progress: Progress) -> ScanOptions:
@@ -143,3 +152,23 @@ def _split_launch(launch: str) -> list[str]:
     except ValueError as error:
         help = "quote the whole: --launch 'pkg/file.launch name:=value'"
         raise InputError(f"{launch}: {error}", help=help) from None
+
+
+def launches_by_name(folders: Sequence[Path]) -> "dict[str, LaunchFileInfo]":
+    """Return the launch files by name; those of a package that share a name, by path."""
+    from rtron.sources.launch.ros1.file_search import find_launch_files  # noqa: PLC0415 - likewise
+    from rtron.sources.launch.ros2.file_search import list_ros2_launch_files  # noqa: PLC0415 - likewise
+
+    found = {
+        each.path: each for each in (*find_launch_files(folders), *list_ros2_launch_files(folders))
+    }
+    counted = Counter(map(_launch_name, found.values()))
+    return {
+        _launch_name(each) if counted[_launch_name(each)] == 1 else str(each.path): each
+        for each in found.values()
+    }
+
+
+def _launch_name(launch: "LaunchFileInfo") -> str:
+    """Return `package/file`, or the path of a file that lies in no package."""
+    return f"{launch.package}/{launch.path.name}" if launch.package else str(launch.path)

@@ -8,12 +8,11 @@ from typing import Annotated
 import typer
 
 from rtron.cli.support.app_options import with_app_options
-from rtron.cli.support.launch_list import launch_list_text, launch_list_to_json, launches_by_name
+from rtron.cli.support.launch_list import launch_list_text, launch_list_to_json
 from rtron.cli.support.options import NameLists, Output
 from rtron.cli.support.outcome import FINDINGS, OK, STDOUT, Outcome, as_json, write_files
 from rtron.cli.support.progress import show_progress
 from rtron.errors import InputError
-from rtron.planning.proposal.policy_defaults import propose_plan
 from rtron.reports.app.dot import graph_to_dot
 from rtron.reports.app.html import graph_to_html
 from rtron.reports.app.nodl import graph_to_nodl, nodl_files
@@ -25,7 +24,9 @@ from rtron.reports.text_layout import Report
 from rtron.sources.graph_json import graph_to_json
 from rtron.vocabulary import InteractionGraph, RiskReport, Severity
 from rtron.workflows.app_selection import AppSelection, SelectedApp, select_app
-from rtron.workflows.scan import scan_graph, with_relative_evidence
+from rtron.workflows.plan import propose
+from rtron.workflows.scan import ScanResult, scan_graph, with_relative_evidence
+from rtron.workflows.source_app import launches_by_name
 
 
 class Format(str, Enum):
@@ -143,6 +144,6 @@ _RENDERERS: Mapping[Format, Callable[[SelectedApp, InteractionGraph, RiskReport]
     Format.DOT: lambda app, graph, report: graph_to_dot(graph, report),
     Format.SARIF: lambda app, graph, report: risks_to_sarif(graph, report, app.root),
     Format.HTML: lambda app, graph, report: graph_to_html(
-        graph, report, propose_plan(graph, report)
+        graph, report, propose(ScanResult(graph, report)).plan
     ),
 }

@@ -1,6 +1,5 @@
 """The launch files that `rtron scan PATH` can analyse."""
 
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from shlex import quote
@@ -8,27 +7,9 @@ from shlex import quote
 from rich.text import Text
 
 from rtron.reports.text_layout import Report, columns, counted, line
-from rtron.sources.launch.ros1.file_search import LaunchFileInfo, find_launch_files
-from rtron.sources.launch.ros2.file_search import list_ros2_launch_files
+from rtron.sources.launch.common.launch_file import LaunchFileInfo
 
 LAUNCHES_SCHEMA = "rtron.launches/1"
-
-
-def launches_by_name(folders: Sequence[Path]) -> dict[str, LaunchFileInfo]:
-    """Return the launch files by name; those of a package that share a name, by path."""
-    found = {
-        each.path: each for each in (*find_launch_files(folders), *list_ros2_launch_files(folders))
-    }
-    counted = Counter(map(_launch_name, found.values()))
-    return {
-        _launch_name(each) if counted[_launch_name(each)] == 1 else str(each.path): each
-        for each in found.values()
-    }
-
-
-def _launch_name(launch: LaunchFileInfo) -> str:
-    """Return `package/file`, or the path of a file that lies in no package."""
-    return f"{launch.package}/{launch.path.name}" if launch.package else str(launch.path)
 
 
 def launch_list_text(launches: Mapping[str, LaunchFileInfo], folders: Sequence[Path]) -> Report:

@@ -6,9 +6,10 @@ from pathlib import Path
 import pytest
 
 from rtron.errors import InputError
+from rtron.sources.launch.common.launch_file import LaunchFileInfo
 from rtron.sources.launch.common.packages import find_packages
 from rtron.sources.launch.ros1 import file_search
-from rtron.sources.launch.ros1.file_search import LaunchFileInfo, find_launch_files
+from rtron.sources.launch.ros1.file_search import find_launch_files
 from rtron.sources.launch.ros1.reader import read_launch
 
 

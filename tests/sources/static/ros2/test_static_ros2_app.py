@@ -4,7 +4,7 @@ import pytest
 from ros2_robot import write_robot
 
 from rtron.errors import InputError
-from rtron.sources.launch.common.generation import launch_generation
+from rtron.sources.launch.common.launch_file import launch_generation
 from rtron.sources.static.common.scan_options import ScanOptions
 from rtron.sources.static.ros2.app import scan_ros2_app
 from rtron.vocabulary import ActionRole, Direction, Reliability, Trust

@@ -4,10 +4,8 @@ import pytest
 
 from rtron.sources.declaration import NodeSite
 from rtron.sources.static.common.scan_options import ScanOptions
-from rtron.sources.static.common.task import TaskKind
+from rtron.sources.static.common.task import TaskKind, component_task, executable_task
 from rtron.sources.static.ros2.programs import (
-    component_task,
-    executable_task,
     read_ros2_workspace,
     ros2_programs,
     scan_programs,

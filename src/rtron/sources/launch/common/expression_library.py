@@ -31,6 +31,9 @@ def format_percent(template: str, values: Any) -> str:  # noqa: ANN401 - as abov
 Value: TypeAlias = Any
 Function: TypeAlias = Callable[..., Value]
 
+ANONYMOUS_SUFFIX = "_rtron_anonymous"
+"""Stands for what launch makes up in `$(anon id)`: legal in a name, and a `*` in the end."""
+
 MAX_LENGTH = 4096
 MAX_BITS = 1024
 _MAX_DIGITS = 100
@@ -117,3 +120,8 @@ METHODS: Mapping[str, Function] = {
     **_attributes(str, "rstrip split startswith strip title upper"),
     "format": format_braces,
 }
+
+
+def anonymous_to_wildcard(text: str) -> str:
+    """Return a text with a `*` where launch makes up a part of a name."""
+    return text.replace(ANONYMOUS_SUFFIX, "_*")

@@ -2,36 +2,18 @@
 
 import os
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 from pathlib import Path
 
 from rtron.errors import InputError
 from rtron.folders import SkipHandler, walk
+from rtron.sources.launch.common.launch_file import LaunchFileInfo, is_ros2
 from rtron.sources.launch.common.packages import package_name
-from rtron.sources.launch.common.xml_document import Element, parse_launch
+from rtron.sources.launch.common.xml_document import parse_launch
 
 MAX_FOLDERS = 200_000
 
 _SUFFIXES = (".launch", ".launch.xml")
 _SKIPPED_FOLDERS = frozenset({".git", ".hg", ".svn"})
-_ROS2_ELEMENTS = frozenset({"executable", "let", "node_container", "push-ros-namespace"})
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class LaunchFileInfo:
-    """A launch file: the package it lies in, empty where it lies in none, and its arguments.
-
-    `required` are those without a value or default, `optional` those with a default. `includes` are
-    the files that it includes, as they are spelled. `error` says why a file, or a folder in which
-    there may be some, cannot be read.
-    """
-
-    path: Path
-    package: str = ""
-    required: tuple[str, ...] = ()
-    optional: tuple[str, ...] = ()
-    includes: tuple[str, ...] = ()
-    error: str = ""
 
 
 def find_launch_files(folders: Iterable[Path]) -> tuple[LaunchFileInfo, ...]:
@@ -83,14 +65,3 @@ def _launch_file_info(path: Path, package: str) -> LaunchFileInfo | None:
         optional=tuple(name for name in names if name in optional),
         includes=tuple(str(tag.get("file")) for tag in launch.iter("include")),
     )
-
-
-def is_ros2(launch: Element) -> bool:
-    """Tell whether a launch file has elements or attributes that ROS 2 alone has."""
-    return any(_is_ros2(element) for element in launch.iter("*"))
-
-
-def _is_ros2(element: Element) -> bool:
-    if element.tag in _ROS2_ELEMENTS or (element.tag == "node" and element.get("exec") is not None):
-        return True
-    return any("$(var " in str(value) or "$(find-pkg-" in str(value) for value in element.values())

@@ -10,8 +10,8 @@ from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
 from rtron.sources.launch.common.errors import UnresolvableError
+from rtron.sources.launch.common.expression_library import anonymous_to_wildcard
 from rtron.sources.launch.ros1.loader_context import Uncertainty
-from rtron.sources.launch.ros1.substitution_args import anonymous_to_wildcard
 from rtron.vocabulary import Evidence, Parameter, ParameterTree, ParameterValue, UnknownValue
 from rtron.vocabulary.launch import canonical_name, resolve_name
 

@@ -9,6 +9,7 @@ from collections.abc import Iterator
 
 from rtron.errors import InputError
 from rtron.sources.launch.common.errors import UnresolvableError
+from rtron.sources.launch.common.expression_library import anonymous_to_wildcard
 from rtron.sources.launch.common.yaml_tree import (
     YamlDocument,
     YamlFile,
@@ -19,7 +20,6 @@ from rtron.sources.launch.common.yaml_tree import (
 from rtron.sources.launch.ros1.load_state import LoadState
 from rtron.sources.launch.ros1.loader_context import LoaderContext
 from rtron.sources.launch.ros1.parameter_server import join_names
-from rtron.sources.launch.ros1.substitution_args import anonymous_to_wildcard
 from rtron.sources.launch.ros1.tag import Tag
 from rtron.vocabulary import Evidence, LaunchNode, Parameter
 from rtron.vocabulary.launch import resolve_name

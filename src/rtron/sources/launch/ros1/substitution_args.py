@@ -8,14 +8,11 @@ from typing import TypeAlias
 
 from rtron.sources.launch.common.errors import MissingArgumentError, UnresolvableError
 from rtron.sources.launch.common.expression import evaluate, typed_argument
-from rtron.sources.launch.common.expression_library import Function, Value
+from rtron.sources.launch.common.expression_library import ANONYMOUS_SUFFIX, Function, Value
 from rtron.sources.launch.common.packages import PackageIndex
 
 Argument: TypeAlias = str | UnresolvableError
 """An argument's value; one that cannot be resolved here is raised wherever it is used."""
-
-ANONYMOUS_SUFFIX = "_rtron_anonymous"
-"""Stands for what roslaunch makes up in `$(anon id)`: legal in a name, and a `*` in the end."""
 
 _COMMAND = re.compile(r"\$\(([^()$]+)\)")
 _NESTED = re.compile(r"\$\([^()$]*[($]")
@@ -121,11 +118,6 @@ class SubstitutionArgs:
         if package not in self.packages:
             raise UnresolvableError(f"package '{package}' is not found")
         return str(self.packages[package])
-
-
-def anonymous_to_wildcard(text: str) -> str:
-    """Return a text with a `*` where roslaunch makes up a part of a name."""
-    return text.replace(ANONYMOUS_SUFFIX, "_*")
 
 
 def _anonymous_name(name: str) -> str:

@@ -15,6 +15,7 @@ from rtron.sources.launch.common.errors import UnresolvableError
 from rtron.sources.models.common.catalog import ModelCatalog, load_models
 from rtron.sources.models.common.expressions import ModelExpressions
 from rtron.sources.models.common.model_scope import ModelScope, node_scope
+from rtron.sources.models.common.node_site import resolve_ros2_site
 from rtron.sources.models.common.plugin_element import PluginElement
 from rtron.sources.models.common.schema import ANY_TYPE, Model, ModelEntry, parse_qos
 from rtron.sources.models.common.values import (
@@ -24,7 +25,6 @@ from rtron.sources.models.common.values import (
     has_placeholder,
     placeholder,
 )
-from rtron.sources.models.ros2.site import resolve_ros2_site
 from rtron.vocabulary import Durability, Evidence, Resolution, UnresolvedItem
 
 MAX_DEPTH = 8

@@ -7,10 +7,16 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from itertools import takewhile
 
-from rtron.sources.launch.ros2.parameters.merge import pattern_matches
 from rtron.sources.models.common import arguments
 from rtron.sources.models.common.model_scope import ModelScope
 from rtron.sources.models.common.node_files import read_yaml_file
+from rtron.sources.models.common.rviz import rviz_publications, rviz_subscriptions
+from rtron.sources.models.common.rviz2 import (
+    rviz2_markers,
+    rviz2_panels,
+    rviz2_publications,
+    rviz2_subscriptions,
+)
 from rtron.sources.models.common.values import (
     Placeholder,
     Value,
@@ -19,14 +25,8 @@ from rtron.sources.models.common.values import (
     placeholder,
     with_placeholders,
 )
-from rtron.sources.models.ros1.rviz import rviz_publications, rviz_subscriptions
-from rtron.sources.models.ros2.rviz import (
-    rviz2_markers,
-    rviz2_panels,
-    rviz2_publications,
-    rviz2_subscriptions,
-)
 from rtron.vocabulary import ParameterValue
+from rtron.vocabulary.parameters import pattern_matches
 
 MAX_CHILDREN = 1000
 _KINDS = {float: (float, int)}

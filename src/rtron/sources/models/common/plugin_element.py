@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from rtron.sources.gazebo import GazeboPlugin
 from rtron.sources.models.common.values import Value
 
 
@@ -38,3 +39,19 @@ class PluginElement:
             "cameras": list(self.cameras),
             "link_name": self.link_name,
         }
+
+
+def plugin_element(plugin: GazeboPlugin, namespace: str) -> PluginElement:
+    """Return a plugin as its model sees it, with the namespace that its spawner gives."""
+    sensor = plugin.sensor
+    return PluginElement(
+        filename=plugin.filename,
+        name=plugin.name,
+        values=plugin.values,
+        sensor_name=sensor.name if sensor else "",
+        sensor_type=sensor.type if sensor else "",
+        cameras=sensor.cameras if sensor else (),
+        link_name=plugin.link,
+        model_name=plugin.model,
+        robot_namespace=namespace,
+    )

@@ -5,7 +5,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from rtron.sources.declaration import NodeSite
-from rtron.sources.launch.ros1.param_tag import convert_value
+from rtron.sources.launch.common.expression import typed_argument
+from rtron.sources.launch.common.yaml_scalars import check_int_range
 from rtron.vocabulary import Evidence, LaunchNode, Parameter, ParameterTree
 from rtron.vocabulary.launch import canonical_name, resolve_name
 from rtron.vocabulary.remap_rules import RemapRule
@@ -106,6 +107,7 @@ def add_argument_parameters(
         return parameters
     changed = ParameterTree(leaves=dict(parameters.leaves))
     for name, value in private:
-        parameter = Parameter(value=convert_value(value, "auto"), evidence=Evidence(file=file))
+        typed = check_int_range(typed_argument(value))
+        parameter = Parameter(value=typed, evidence=Evidence(file=file))
         changed.set(f"{node}/{name[1:]}", parameter)
     return changed

@@ -8,12 +8,15 @@ from collections.abc import Iterable, Mapping
 from difflib import get_close_matches
 from pathlib import Path
 from types import MappingProxyType
+from typing import TypeAlias
 
 from rtron.errors import InputError
 from rtron.folders import path_exists
 from rtron.sources.workspace import Workspace
 from rtron.sources.workspace.package_files import PackageFiles, is_regular, list_files
 
+LaunchRequest: TypeAlias = tuple[Path, Mapping[str, str]]
+"""A launch file, and the arguments that it gets."""
 _MAX_SUGGESTIONS = 3
 _PACKAGE = re.compile(r"\w[\w.-]*")
 _SUFFIXES = (".launch", "launch.xml", "launch.py", "launch.yaml", "launch.yml")

@@ -11,8 +11,12 @@ from rtron.sources.models import Model, ModelCatalog
 from rtron.sources.models.common.arguments import positional
 from rtron.sources.models.common.schema import NodeRole
 from rtron.sources.static.common.app_node import AppNode
-from rtron.sources.static.common.task import InterpretationTask, TaskKind
-from rtron.sources.static.ros2.programs import component_task, executable_task
+from rtron.sources.static.common.task import (
+    InterpretationTask,
+    TaskKind,
+    component_task,
+    executable_task,
+)
 from rtron.sources.workspace import Program, ProgramLanguage, Workspace
 from rtron.vocabulary import UnresolvedItem
 from rtron.vocabulary.launch import resolve_name

@@ -4,10 +4,7 @@ import os
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeAlias
-
-if TYPE_CHECKING:
-    from rtron.sources.launch.ros2.executed.execution import Execution
+from typing import TypeAlias
 
 Progress: TypeAlias = Callable[[int, int, str], None]
 """Told how many nodes are done, of how many known so far, and what is done now."""
@@ -24,13 +21,9 @@ def default_workers() -> int:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ScanOptions:
-    """`seconds` bounds the interpretation of one node; `cache` is a folder, None for no cache.
-
-    `execution` is there where launch files of ROS 2 may be run, to know what reading them does not.
-    """
+    """`seconds` bounds the interpretation of one node; `cache` is a folder, None for no cache."""
 
     workers: int = field(default_factory=default_workers)
     seconds: float = 60.0
     cache: Path | None = None
     progress: Progress = ignore_progress
-    execution: "Execution | None" = None

@@ -10,6 +10,7 @@ from rtron.sources.code.program_runner import run_component, run_cpp, run_nodele
 from rtron.sources.code.shell_script import read_shell_script
 from rtron.sources.code.workspace_sources import WorkspaceSources
 from rtron.sources.declaration import NodeInterface, NodeSite
+from rtron.sources.workspace import Program, ProgramLanguage, Workspace
 from rtron.vocabulary import StringEnum
 
 
@@ -45,6 +46,48 @@ class TaskResult:
 
     interface: NodeInterface
     files: tuple[tuple[str, str], ...] = ()
+
+
+def executable_task(
+    workspace: Workspace, package: str, executable: str, site: NodeSite
+) -> InterpretationTask | None:
+    """Return the task of `<node pkg=… exec=…>` at a site; None where its source is not here."""
+    program = workspace.executable(package, executable)
+    return _task(workspace, package, program, site) if program is not None else None
+
+
+def component_task(
+    workspace: Workspace, package: str, cls: str, site: NodeSite
+) -> InterpretationTask | None:
+    """Return the task of `<composable_node pkg=… plugin=…>` at a site, None without its source."""
+    program = workspace.component(package, cls)
+    return _task(workspace, package, program, site) if program is not None else None
+
+
+def _task(
+    workspace: Workspace, package: str, program: Program, site: NodeSite
+) -> InterpretationTask | None:
+    kinds = {ProgramLanguage.PYTHON: TaskKind.PYTHON, ProgramLanguage.CPP: TaskKind.CPP}
+    kind = kinds.get(program.language)
+    if kind is None or not program.sources:
+        return None
+    if program.entry and kind is TaskKind.CPP:
+        kind = TaskKind.COMPONENT
+    return InterpretationTask(
+        kind=kind,
+        sources=program.sources,
+        class_name=program.entry,
+        definitions=program.definitions,
+        other_components=_other_components(workspace, package, program),
+        site=site,
+    )
+
+
+def _other_components(workspace: Workspace, package: str, program: Program) -> tuple[str, ...]:
+    """Return the other components of a package: what they join is for whoever loads them."""
+    contents = workspace.contents(package) if program.entry else None
+    classes = [component.class_name for component in contents.components] if contents else []
+    return tuple(cls for cls in classes if cls != program.entry)
 
 
 def run_task(task: InterpretationTask, files: WorkspaceSources) -> TaskResult:

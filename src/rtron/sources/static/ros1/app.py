@@ -9,12 +9,13 @@ from rtron.sources.models.packages import known_packages
 from rtron.sources.static.common.app_node import AppNode
 from rtron.sources.static.common.cache import open_cache
 from rtron.sources.static.common.interface_resolver import InterfaceResolver
+from rtron.sources.static.common.launch_paths import LaunchRequest
 from rtron.sources.static.common.node_part import NodePart
 from rtron.sources.static.common.scan_options import ScanOptions
 from rtron.sources.static.common.worker_pool import WorkerPool
 from rtron.sources.static.common.workspace_hash import hash_workspace
 from rtron.sources.static.ros1.assembly import Assembly
-from rtron.sources.static.ros1.launch_trees import LaunchRequest, LaunchTrees
+from rtron.sources.static.ros1.launch_trees import LaunchTrees
 from rtron.sources.static.ros1.runtime_launches import RuntimeLaunch, RuntimeLaunches
 from rtron.sources.static.ros1.simulation import Simulation
 from rtron.sources.workspace import Workspace, read_workspace
@@ -88,7 +89,7 @@ def _read_nodes(
         if not pending:
             break
     for node in pending:
-        why = f"what starts it was started itself, and so on, {MAX_ROUNDS} deep"
+        why = f"launch files start each other more than {MAX_ROUNDS} levels deep"
         launch_trees.unresolved.add(f"node {node.name}", why, node.evidence)
     return parts, nodes
 

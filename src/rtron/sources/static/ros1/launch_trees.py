@@ -1,21 +1,19 @@
 """The launch files of an app, read into one parameter server: the given and the started ones."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TypeAlias
 
 from rtron.errors import InputError
 from rtron.sources.launch.common.packages import PackageIndex
 from rtron.sources.launch.ros1.reader import read_launches
 from rtron.sources.static.common.app_node import AppNode, node_of_launch
+from rtron.sources.static.common.launch_paths import LaunchRequest
 from rtron.sources.static.common.unresolved import UnresolvedList
 from rtron.sources.static.ros1.runtime_launches import RuntimeLaunch
 from rtron.sources.xacro import RobotDescriptions
 from rtron.vocabulary import LaunchTree, ParameterTree
-
-LaunchRequest: TypeAlias = tuple[Path, Mapping[str, str]]
 
 
 @dataclass(slots=True, kw_only=True)

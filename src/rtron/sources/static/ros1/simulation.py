@@ -8,10 +8,11 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from rtron.errors import InputError
-from rtron.sources.declaration import DeclarationKind, NodeInterface
+from rtron.sources.declaration import DeclarationKind
 from rtron.sources.gazebo import GazeboPlugin, read_plugins, read_world
-from rtron.sources.models import ModelCatalog, PluginElement, controller_interface, plugin_interface
+from rtron.sources.models import ModelCatalog, controller_interface, plugin_interface
 from rtron.sources.models.common.arguments import option, user_arguments
+from rtron.sources.models.common.plugin_element import plugin_element
 from rtron.sources.models.common.schema import NodeRole
 from rtron.sources.models.ros1.controllers import add_controller_files
 from rtron.sources.static.common.app_node import AppNode
@@ -78,7 +79,7 @@ class Simulation:
             return part.with_missing_note(f"Gazebo plugin {plugin.filename}", "no model of it")
         element = plugin_element(plugin, namespace)
         interface = plugin_interface(model, server.node.site, element, self.models)
-        return replace(part, interface=add_location(interface, plugin.evidence))
+        return replace(part, interface=interface.with_location(plugin.evidence))
 
     def _world_plugins(self, server: AppNode) -> tuple[GazeboPlugin, ...]:
         for word in user_arguments(server.site.args):
@@ -158,28 +159,6 @@ class Simulation:
 
 def _role(part: NodePart) -> NodeRole | None:
     return part.model.role if part.model else None
-
-
-def plugin_element(plugin: GazeboPlugin, namespace: str) -> PluginElement:
-    """Return a plugin as its model sees it, with the namespace that its spawner gives."""
-    sensor = plugin.sensor
-    return PluginElement(
-        filename=plugin.filename,
-        name=plugin.name,
-        values=plugin.values,
-        sensor_name=sensor.name if sensor else "",
-        sensor_type=sensor.type if sensor else "",
-        cameras=sensor.cameras if sensor else (),
-        link_name=plugin.link,
-        model_name=plugin.model,
-        robot_namespace=namespace,
-    )
-
-
-def add_location(interface: NodeInterface, location: Evidence) -> NodeInterface:
-    """Return what a plugin declares, with the place of its element before the model's."""
-    declarations = (replace(d, evidence=(location, *d.evidence)) for d in interface.declarations)
-    return replace(interface, declarations=tuple(declarations))
 
 
 def _controller_manager_part(spawner: AppNode, parts: Iterable[NodePart]) -> NodePart | None:

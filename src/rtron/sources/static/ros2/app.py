@@ -14,11 +14,11 @@ from rtron.sources.launch.ros2.result import AppLaunch
 from rtron.sources.models import ROS2_LIBRARY, ModelCatalog, load_models
 from rtron.sources.static.common.cache import open_cache
 from rtron.sources.static.common.interface_resolver import InterfaceResolver
+from rtron.sources.static.common.launch_paths import LaunchRequest
 from rtron.sources.static.common.scan_options import ScanOptions
 from rtron.sources.static.common.worker import deep_recursion
 from rtron.sources.static.common.worker_pool import WorkerPool
 from rtron.sources.static.common.workspace_hash import hash_workspace
-from rtron.sources.static.ros1.launch_trees import LaunchRequest
 from rtron.sources.static.ros2.app_nodes import AppNodeBuilder
 from rtron.sources.static.ros2.assembly import Ros2Assembly, duplicate_nodes
 from rtron.sources.static.ros2.controllers import ControllerParts
@@ -35,16 +35,17 @@ def scan_ros2_app(
     launches: Sequence[LaunchRequest],
     environ: Mapping[str, str],
     options: ScanOptions | None = None,
+    execution: Execution | None = None,
 ) -> InteractionGraph:
     """Return the interaction graph of the app that launch files start; nothing of it is run.
 
     Raise InputError if a given launch file cannot be read, or an argument is missing that it needs;
-    what is wrong elsewhere stands in the graph's `entries`. Where the options allow it, a launch
-    file that reading does not explain whole is run with the launch library (`executed`).
+    what is wrong elsewhere stands in the graph's `entries`. With `execution`, a launch file that
+    reading does not explain whole is run with the launch library.
     """
     scan_options, workspace = options or ScanOptions(), read_ros2_workspace(folders)
     files = WorkspaceSources(workspace)
-    app_launches = _read_launches(launches, environ, files, scan_options.execution)
+    app_launches = _read_launches(launches, environ, files, execution)
     node_builder = AppNodeBuilder(environ=environ)
     nodes = list(node_builder.build([start for launch in app_launches for start in launch.starts]))
     models = load_models(ROS2_LIBRARY)

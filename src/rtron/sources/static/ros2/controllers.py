@@ -17,7 +17,6 @@ from rtron.sources.models.common.schema import NodeRole
 from rtron.sources.static.common.app_node import AppNode
 from rtron.sources.static.common.node_part import NodePart
 from rtron.sources.static.common.task import InterpretationTask, TaskKind
-from rtron.sources.static.ros1.simulation import add_location
 from rtron.sources.static.ros2.parameter_values import parameter_file_settings, parameter_value
 from rtron.sources.workspace.plugin_description import PluginClass
 from rtron.vocabulary import UnresolvedItem
@@ -82,7 +81,7 @@ class ControllerParts:
                 spawner, site.name, _missing_reason(controller_type, manager, manager_node)
             )
         model_interface = node_interface(model, replace(site, remaps=rules), models=self.models)
-        model_interface = add_location(model_interface, node.evidence)
+        model_interface = model_interface.with_location(node.evidence)
         return NodePart(node=node, owner=site.name, model=model, interface=model_interface)
 
     def _task(self, type: str, site: NodeSite) -> InterpretationTask | None:

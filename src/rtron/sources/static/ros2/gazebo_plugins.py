@@ -14,10 +14,10 @@ from rtron.sources.declaration import NodeInterface, NodeSite, ParameterSetting
 from rtron.sources.gazebo import GazeboPlugin, read_plugins
 from rtron.sources.models import ModelCatalog, plugin_interface
 from rtron.sources.models.common.arguments import option
+from rtron.sources.models.common.node_site import resolve_ros2_site
+from rtron.sources.models.common.plugin_element import plugin_element
 from rtron.sources.models.common.schema import Model, NodeRole
-from rtron.sources.models.ros2.site import resolve_ros2_site
 from rtron.sources.static.common.node_part import NodePart
-from rtron.sources.static.ros1.simulation import add_location, plugin_element
 from rtron.sources.static.ros2.parameter_values import parameter_file_settings
 from rtron.sources.static.ros2.spawned_model import SpawnedModel, find_spawned_model
 from rtron.sources.xacro import parse_element
@@ -104,7 +104,7 @@ class GazeboPluginNodes:
             node=node,
             owner=site.name,
             model=model,
-            interface=add_location(interface, node.evidence),
+            interface=interface.with_location(node.evidence),
         )
 
     def _settings(self, plugin: GazeboPlugin) -> Iterator[ParameterSetting]:

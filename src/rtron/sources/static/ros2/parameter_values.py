@@ -7,8 +7,8 @@ from rtron.errors import InputError
 from rtron.sources.code.workspace_sources import WorkspaceSources
 from rtron.sources.declaration import NodeSite, ParameterSetting
 from rtron.sources.launch.ros2.parameters.file import parameter_entries, parse_yaml_tree
-from rtron.sources.launch.ros2.parameters.merge import pattern_matches
 from rtron.vocabulary import ParameterValue
+from rtron.vocabulary.parameters import pattern_matches
 
 
 def parameter_value(site: NodeSite, node: str, parameter: str) -> ParameterValue | None:

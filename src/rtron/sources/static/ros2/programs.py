@@ -14,31 +14,21 @@ from rtron.sources.declaration import NodeSite
 from rtron.sources.launch.common.packages import find_packages
 from rtron.sources.static.common.cache import open_cache
 from rtron.sources.static.common.scan_options import ScanOptions
-from rtron.sources.static.common.task import InterpretationTask, TaskKind, TaskResult
+from rtron.sources.static.common.task import (
+    InterpretationTask,
+    TaskKind,
+    TaskResult,
+    component_task,
+    executable_task,
+)
 from rtron.sources.static.common.worker_pool import WorkerPool
 from rtron.sources.static.common.workspace_hash import hash_workspace
-from rtron.sources.workspace import Program, ProgramLanguage, Workspace
+from rtron.sources.workspace import Workspace
 from rtron.sources.workspace.package_contents import TargetKind
 
 _MAX_SOURCE = 16 * 2**20
 
 _TESTS = frozenset({"test", "tests", "benchmark", "example", "examples"})
-
-
-def executable_task(
-    workspace: Workspace, package: str, executable: str, site: NodeSite
-) -> InterpretationTask | None:
-    """Return the task of `<node pkg=… exec=…>` at a site; None where its source is not here."""
-    program = workspace.executable(package, executable)
-    return _task(workspace, package, program, site) if program is not None else None
-
-
-def component_task(
-    workspace: Workspace, package: str, cls: str, site: NodeSite
-) -> InterpretationTask | None:
-    """Return the task of `<composable_node pkg=… plugin=…>` at a site, None without its source."""
-    program = workspace.component(package, cls)
-    return _task(workspace, package, program, site) if program is not None else None
 
 
 def ros2_programs(workspace: Workspace, folder: Path) -> Iterator[tuple[str, InterpretationTask]]:
@@ -129,32 +119,6 @@ def _executable_tasks(
     task = executable_task(workspace, package, name, default_site(name))
     if task is not None and task.sources:
         yield task
-
-
-def _task(
-    workspace: Workspace, package: str, program: Program, site: NodeSite
-) -> InterpretationTask | None:
-    kinds = {ProgramLanguage.PYTHON: TaskKind.PYTHON, ProgramLanguage.CPP: TaskKind.CPP}
-    kind = kinds.get(program.language)
-    if kind is None or not program.sources:
-        return None
-    if program.entry and kind is TaskKind.CPP:
-        kind = TaskKind.COMPONENT
-    return InterpretationTask(
-        kind=kind,
-        sources=program.sources,
-        class_name=program.entry,
-        definitions=program.definitions,
-        other_components=_other_components(workspace, package, program),
-        site=site,
-    )
-
-
-def _other_components(workspace: Workspace, package: str, program: Program) -> tuple[str, ...]:
-    """Return the other components of a package: what they join is for whoever loads them."""
-    contents = workspace.contents(package) if program.entry else None
-    classes = [component.class_name for component in contents.components] if contents else []
-    return tuple(cls for cls in classes if cls != program.entry)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -16,14 +16,14 @@ from rtron.sources.declaration import (
     plain_value,
 )
 from rtron.sources.launch.common.yaml_tree import YamlTree
-from rtron.sources.launch.ros2.parameters.merge import pattern_matches as covers
 from rtron.sources.models import Model
-from rtron.sources.models.ros2.site import resolve_ros2_site
+from rtron.sources.models.common.node_site import resolve_ros2_site
 from rtron.sources.static.common.node_part import NodePart
 from rtron.sources.static.ros2.app_nodes import CONTAINER_PACKAGE
 from rtron.sources.static.ros2.gazebo_bridge import bridge_interface
 from rtron.sources.static.ros2.parameter_values import parameter_value
 from rtron.vocabulary import NodeParameter
+from rtron.vocabulary.parameters import pattern_matches
 
 _BRIDGE = "ros_gz_bridge"
 _BRIDGES = ("parameter_bridge", "bridge_node", "ros_gz_bridge::RosGzBridge")
@@ -94,7 +94,7 @@ def _launch_parameters(site: NodeSite, names: list[str]) -> Iterator[NodeParamet
     use_sim_time, which every node has, is off unless it is given.
     """
     for node in names:
-        values = {s.name: s.value for s in site.settings if covers(s.node, node)}
+        values = {s.name: s.value for s in site.settings if pattern_matches(s.node, node)}
         values |= dict(site.overrides) if node == names[0] else {}
         default = False if site.parameters_complete else None
         for name, value in {"use_sim_time": default, **values}.items():

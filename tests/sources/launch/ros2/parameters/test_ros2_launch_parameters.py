@@ -3,8 +3,8 @@
 import pytest
 from app_launch_values import values, whys
 
-from rtron.sources.launch.ros2.parameters.merge import pattern_matches
 from rtron.vocabulary import UnknownValue
+from rtron.vocabulary.parameters import pattern_matches
 
 FILE = """
 /**:

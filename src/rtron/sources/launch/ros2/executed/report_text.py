@@ -7,7 +7,7 @@ from pathlib import Path
 
 from rtron.errors import InputError
 from rtron.sources.launch.common.errors import UnresolvableError
-from rtron.sources.launch.ros1.substitution_args import anonymous_to_wildcard
+from rtron.sources.launch.common.expression_library import anonymous_to_wildcard
 from rtron.sources.launch.ros2.evaluator import LaunchEvaluator
 from rtron.sources.launch.ros2.substitutions.substitution import MAX_GRAPH_TEXT
 from rtron.sources.launch.ros2.substitutions.template import placeholder

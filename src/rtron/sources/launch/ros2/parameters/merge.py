@@ -3,12 +3,11 @@
 Sources: docs.ros.org, "Passing ROS arguments to nodes"; rcl's parameter files; launch_ros' Node.
 """
 
-import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from rtron.vocabulary.parameters import Parameter
+from rtron.vocabulary.parameters import Parameter, absolute_pattern, pattern_matches
 
 ALL_NODES = "/**"
 """The pattern of all nodes."""
@@ -40,7 +39,7 @@ def merge_node_parameters(sources: Iterable[ParameterSource], node: str) -> dict
     by_pattern: dict[str, dict[str, Parameter]] = {}
     for source in sources:
         for pattern, values in source.entries:
-            by_pattern.setdefault(_absolute(pattern), {}).update(values)
+            by_pattern.setdefault(absolute_pattern(pattern), {}).update(values)
     matching = (values for pattern, values in by_pattern.items() if pattern_matches(pattern, node))
     return {name: value for values in matching for name, value in values.items()}
 
@@ -56,23 +55,7 @@ def merge_component_parameters(
     """
     merged: dict[str, Parameter] = {}
     for source in sources:
-        by_pattern = {_absolute(pattern): values for pattern, values in source.entries}
+        by_pattern = {absolute_pattern(pattern): values for pattern, values in source.entries}
         for pattern_of_node in (ALL_NODES, node):
             merged.update(by_pattern.get(pattern_of_node, {}))
     return merged
-
-
-def pattern_matches(pattern: str, node: str) -> bool:
-    """Tell whether a pattern of a parameter file names a node (rclcpp: parameter_map)."""
-    parts = _absolute(pattern).split("/")[1:]
-    return re.fullmatch("".join(map(_part_pattern, parts)), node) is not None
-
-
-def _part_pattern(part: str) -> str:
-    if part == "**":
-        return r"(/[^/]+)*"
-    return "/" + re.escape(part).replace(r"\*", "[^/]+")
-
-
-def _absolute(pattern: str) -> str:
-    return pattern if pattern.startswith("/") else f"/{pattern}"

@@ -4,14 +4,14 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from rtron.sources.models.common.node_files import read_yaml_file
-from rtron.sources.models.common.values import Value, has_placeholder
-from rtron.sources.models.ros1.rviz import (
+from rtron.sources.models.common.rviz import (
     TOPIC_KEYS,
     TYPES,
     enabled_displays,
     mappings_of,
     visualization_manager,
 )
+from rtron.sources.models.common.values import Value, has_placeholder
 
 _TOOLS = {
     "SetInitialPose": ("initialpose", "geometry_msgs/msg/PoseWithCovarianceStamped"),
