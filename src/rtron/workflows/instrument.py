@@ -7,27 +7,22 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rtron.errors import InputError
-from rtron.planning.instrument import GuardedLaunch, RuntimeLaunchTree, write_guarded_launch
-from rtron.planning.instrument import instrument as instrument_ros1
-from rtron.planning.instrument.ros2 import instrument_ros2
+from rtron.planning.instrument import (
+    GuardedLaunch,
+    RuntimeLaunchTree,
+    instrument_ros1,
+    instrument_ros2,
+    write_guarded_launch,
+)
 from rtron.planning.plan_file.loader import parse_plan
 from rtron.planning.plan_file.yaml_parser import read_text
-from rtron.sources.bounded_file import read_bounded
+from rtron.sources.launch.common.launch_file import launch_generation
 from rtron.sources.launch.common.packages import find_packages
 from rtron.sources.launch.ros2.reader import read_ros2_launch
 from rtron.vocabulary import Plan
 
 if TYPE_CHECKING:
     from rtron.sources.static.ros1.app import StaticApp
-
-_ROS1 = (".launch", ".test", ".xml")
-_ROS2 = (".py", ".yaml", ".yml", ".xml")
-_MAX_BYTES = 2**20
-_MARKERS = {
-    1: (b" type=", b"$(arg ", b"<rosparam"),
-    2: (b" exec=", b"$(var ", b"$(find-pkg-share "),
-}
-"""What XML of one generation has and the other has not."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -93,20 +88,6 @@ def _instrument_ros2(request: InstrumentRequest, plan: Plan, plan_text: str) -> 
 
 def _check_launch_generation(launch: Path, plan: Plan, path: str) -> None:
     """Raise InputError if a launch file is for another ROS than the plan, read from `path`."""
-    other = 3 - plan.ros
-    known = {1: _ROS1, 2: _ROS2}
-    if launch.suffix in known[other] and launch.suffix not in known[plan.ros]:
-        raise _wrong_generation(launch, plan, path)
-    if launch.suffix in {".xml", ".launch"} and launch.is_file():
-        text = read_bounded(launch, _MAX_BYTES)
-        if _has_marker(text, other) and not _has_marker(text, plan.ros):
-            raise _wrong_generation(launch, plan, path)
-
-
-def _has_marker(text: bytes, ros: int) -> bool:
-    return any(marker in text for marker in _MARKERS[ros])
-
-
-def _wrong_generation(launch: Path, plan: Plan, path: str) -> InputError:
-    help = f"{path} says `ros: {plan.ros}`; make a plan for ROS {3 - plan.ros}"
-    return InputError(f"is no launch file of ROS {plan.ros}", path=str(launch), help=help)
+    if launch.is_file() and launch_generation(launch) != plan.ros:
+        help = f"{path} says `ros: {plan.ros}`; make a plan for ROS {3 - plan.ros}"
+        raise InputError(f"is no launch file of ROS {plan.ros}", path=str(launch), help=help)

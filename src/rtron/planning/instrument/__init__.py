@@ -6,15 +6,16 @@ from rtron.planning.instrument.common.guarded_launch import (
     GuardedLaunch,
     PlacedRemap,
 )
-from rtron.planning.instrument.ros1.instrumentation import GUARD_COMMAND, instrument
+from rtron.planning.instrument.ros1.instrumentation import instrument_ros1
 from rtron.planning.instrument.ros1.runtime_launch import RuntimeLaunchTree
+from rtron.planning.instrument.ros2.instrumentation import instrument_ros2
 
 __all__ = [
-    "GUARD_COMMAND",
     "EnforcementGap",
     "GuardedLaunch",
     "PlacedRemap",
     "RuntimeLaunchTree",
-    "instrument",
+    "instrument_ros1",
+    "instrument_ros2",
     "write_guarded_launch",
 ]

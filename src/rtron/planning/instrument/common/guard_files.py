@@ -6,10 +6,12 @@ the prefix does not run what it prefixes.
 """
 
 import shlex
+import sys
 from collections.abc import Sequence
 
 from rtron.vocabulary import GUARD_NODE
 
+GUARD_COMMAND = (sys.executable, "-m", "rtron", "guard")
 GUARD_SCRIPT = "guard"
 PLAN_FILE = "rtron.yaml"
 

@@ -3,11 +3,14 @@
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from xml.parsers import expat
 from xml.sax.saxutils import quoteattr
 
 from rtron.errors import InputError
 
+_ENCODING = re.compile(r"""\A(\ufeff?<\?xml[^>]*?encoding\s*=\s*)["'][^"']*["']""")
+PLAIN_TEXT = re.compile(r"""[^"'&<>$\\\x00-\x1f]*""")
 _START_TAG = re.compile(rb"""<(?:[^"'>]|"[^"]*"|'[^']*')*>""")
 
 
@@ -25,6 +28,24 @@ class ElementSpan:
     is_empty: bool
 
 
+def read_utf8(path: str) -> bytes:
+    """Return a file's text in UTF-8, and its XML declaration saying so."""
+    try:
+        data = Path(path).read_bytes()
+        text = data.decode(_encoding(data, path))
+    except (OSError, LookupError, UnicodeError) as error:
+        raise InputError(f"cannot be read: {error}", path=path) from None
+    return _ENCODING.sub(r'\1"UTF-8"', text, count=1).encode()
+
+
+def _encoding(data: bytes, path: str) -> str:
+    declared: list[str | None] = []
+    parser = _safe_parser(path)
+    parser.XmlDeclHandler = lambda _, encoding, __: declared.append(encoding)
+    _parse(parser, data, path)
+    return next(iter(declared), None) or "utf-8"
+
+
 def find_elements(text: bytes, path: str) -> tuple[ElementSpan, ...]:
     """Return the elements of an XML text in UTF-8, in document order.
 
@@ -33,7 +54,7 @@ def find_elements(text: bytes, path: str) -> tuple[ElementSpan, ...]:
     starts: list[tuple[str, int]] = []
     closes: dict[int, int] = {}
     open_elements: list[int] = []
-    parser = safe_parser(path, "utf-8")
+    parser = _safe_parser(path, "utf-8")
 
     def started(tag: str, _: object) -> None:
         open_elements.append(len(starts))
@@ -43,11 +64,11 @@ def find_elements(text: bytes, path: str) -> tuple[ElementSpan, ...]:
         closes[open_elements.pop()] = parser.CurrentByteIndex
 
     parser.StartElementHandler, parser.EndElementHandler = started, ended
-    parse(parser, text, path)
+    _parse(parser, text, path)
     return tuple(_span(text, *start, closes[index]) for index, start in enumerate(starts))
 
 
-def safe_parser(path: str, encoding: str | None = None) -> expat.XMLParserType:
+def _safe_parser(path: str, encoding: str | None = None) -> expat.XMLParserType:
     """Return a parser that refuses a document type before it reads any entity."""
     parser = expat.ParserCreate(encoding)
 
@@ -59,7 +80,7 @@ def safe_parser(path: str, encoding: str | None = None) -> expat.XMLParserType:
     return parser
 
 
-def parse(parser: expat.XMLParserType, text: bytes, path: str) -> None:
+def _parse(parser: expat.XMLParserType, text: bytes, path: str) -> None:
     """Run a parser over a whole text; raise InputError where it is not XML."""
     try:
         parser.Parse(text, True)  # noqa: FBT003 - that this is all of it

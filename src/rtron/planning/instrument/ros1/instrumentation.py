@@ -1,13 +1,13 @@
 """Plan + launch -> guarded launch (paper section 5.1, Coordination Node Deployment)."""
 
 import re
-import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 from rtron.errors import InputError
 from rtron.planning.instrument.common.guard_files import (
+    GUARD_COMMAND,
     GUARD_SCRIPT,
     PLAN_FILE,
     guard_element,
@@ -22,13 +22,11 @@ from rtron.planning.instrument.ros1.runtime_launch import RuntimeLaunchTree, mer
 from rtron.planning.instrument.ros1.runtime_launch_reach import find_reachable_launches
 from rtron.vocabulary import GUARD_NODE, LaunchTree, Plan
 
-GUARD_COMMAND = (sys.executable, "-m", "rtron", "guard")
-
 _NO_PACKAGES: Mapping[str, Path] = {}
 _UNQUOTABLE = re.compile(r"""["'&<>$\\\x00-\x1f]""")
 
 
-def instrument(
+def instrument_ros1(
     tree: LaunchTree,
     plan: Plan,
     out: Path,

@@ -2,15 +2,14 @@
 
 import re
 from collections.abc import Iterator
-from pathlib import Path
 
 from rtron.errors import InputError
 from rtron.planning.instrument.common.xml_text import (
+    PLAIN_TEXT,
     ElementSpan,
     LaunchText,
     find_elements,
-    parse,
-    safe_parser,
+    read_utf8,
     splice,
 )
 
@@ -23,11 +22,9 @@ def eval_literal(text: str) -> str:
     return "('" + _DOUBLED.sub("_' '", escaped) + "')"
 
 
-_ENCODING = re.compile(r"""\A(\ufeff?<\?xml[^>]*?encoding\s*=\s*)["'][^"']*["']""")
 _QUOTED = re.compile(rb"\"[^\"]*\"|'[^']*'")
 _DIRNAME = re.compile(rb"\$\( *dirname(?: [^()$]*)?\)")
 _DIRNAME_CALL = re.compile(rb"\bdirname\s*\(\s*\)")
-PLAIN_TEXT = re.compile(r"""[^"'&<>$\\\x00-\x1f]*""")
 
 
 def source_text(path: str, folder: str) -> LaunchText:
@@ -38,24 +35,6 @@ def source_text(path: str, folder: str) -> LaunchText:
     text = read_utf8(path)
     text = _with_folder(text, find_elements(text, path), folder, path)
     return LaunchText(text=text, elements=find_elements(text, path))
-
-
-def read_utf8(path: str) -> bytes:
-    """Return a file's text in UTF-8, and its XML declaration saying so."""
-    try:
-        data = Path(path).read_bytes()
-        text = data.decode(_encoding(data, path))
-    except (OSError, LookupError, UnicodeError) as error:
-        raise InputError(f"cannot be read: {error}", path=path) from None
-    return _ENCODING.sub(r'\1"UTF-8"', text, count=1).encode()
-
-
-def _encoding(data: bytes, path: str) -> str:
-    declared: list[str | None] = []
-    parser = safe_parser(path)
-    parser.XmlDeclHandler = lambda _, encoding, __: declared.append(encoding)
-    parse(parser, data, path)
-    return next(iter(declared), None) or "utf-8"
 
 
 def _with_folder(text: bytes, elements: tuple[ElementSpan, ...], folder: str, path: str) -> bytes:

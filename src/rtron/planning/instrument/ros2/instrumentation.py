@@ -7,7 +7,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from rtron.errors import InputError
-from rtron.planning.instrument.common.guard_files import GUARD_SCRIPT, PLAN_FILE
+from rtron.planning.instrument.common.guard_files import (
+    GUARD_COMMAND,
+    GUARD_SCRIPT,
+    PLAN_FILE,
+)
 from rtron.planning.instrument.common.guarded_launch import (
     EnforcementGap,
     GuardedLaunch,
@@ -15,7 +19,6 @@ from rtron.planning.instrument.common.guarded_launch import (
 )
 from rtron.planning.instrument.common.remap_coverage import RemapCoverage
 from rtron.planning.instrument.common.remaps import enforced_streams, plan_remaps
-from rtron.planning.instrument.ros1.instrumentation import GUARD_COMMAND
 from rtron.planning.instrument.ros2.launch_copies import LaunchCopies
 from rtron.planning.instrument.ros2.unnamed_nodes import (
     is_unnamed,
@@ -26,7 +29,6 @@ from rtron.planning.instrument.ros2.wrapper import PrivateNames, is_wrapper, rem
 from rtron.vocabulary import GUARD_NODE, LaunchTree, Plan
 
 _UNQUOTABLE = re.compile(r"""[\s"'()&<>$\\\x00-\x1f]""")
-_SUFFIXES = (".py", ".xml", ".yaml", ".yml")
 
 
 def instrument_ros2(

@@ -6,8 +6,13 @@ from dataclasses import dataclass
 from xml.sax.saxutils import quoteattr, unescape
 
 from rtron.errors import InputError
-from rtron.planning.instrument.common.xml_text import ElementSpan, LaunchText, find_elements
-from rtron.planning.instrument.ros1.source_text import PLAIN_TEXT, read_utf8
+from rtron.planning.instrument.common.xml_text import (
+    PLAIN_TEXT,
+    ElementSpan,
+    LaunchText,
+    find_elements,
+    read_utf8,
+)
 from rtron.planning.instrument.ros2.launch_file import GuardedFolder, RemapPair, prepend_remaps
 
 _DIRNAME = re.compile(rb"\$\( *dirname *\)")
