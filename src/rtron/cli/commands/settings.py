@@ -1,6 +1,5 @@
 """`rtron settings`."""
 
-import time
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Annotated, Any
@@ -20,13 +19,12 @@ from rtron.cli.support.service_options import (
 from rtron.cli.support.settings_arguments import KEYS, parse_patch
 from rtron.cli.support.settings_report import node_report, nodes_report, outcome_line, stop_line
 from rtron.reports.text_layout import Report
+from rtron.workflows.apply_settings import AppliedSettings, RobotSettings
 from rtron.workflows.service_client import SecurityServiceClient
 
 settings = typer.Typer(
     name="settings", no_args_is_help=True, help="Show and change what a guard enforces."
 )
-_POLL_S = 0.05
-_PENDING = "pending"
 
 
 def _complete_setting(incomplete: str) -> list[str]:
@@ -64,14 +62,14 @@ def get(
 
     RTRON_SERVICE, RTRON_TOKEN_FILE and RTRON_ROBOT save typing.
     """
-    client = connect_to_service(service, token_file, ca)
-    name = client.resolve_robot(robot)
-    view = client.get("robots", name, "settings")
+    active = _robot_settings(connect_to_service(service, token_file, ca), robot)
+    view = active.view()
     if node is not None:
-        one = client.get("robots", name, "nodes", node)
+        one = active.node(node)
         return _render(format, {"settings": view, "node": one}, node_report(view, one))
-    nodes = client.get("robots", name, "nodes")
-    return _render(format, {"settings": view, "nodes": nodes}, nodes_report(name, view, nodes))
+    nodes = active.nodes()
+    report = nodes_report(active.robot, view, nodes)
+    return _render(format, {"settings": view, "nodes": nodes}, report)
 
 
 @settings.command()
@@ -110,13 +108,10 @@ def set(  # noqa: PLR0913 - one for each option
     or did not answer, 2 nothing changed.
     """
     client = connect_to_service(service, token_file, ca)
-    name = client.resolve_robot(robot)
-    view = client.get("robots", name, "settings")
-    planned = client.get("robots", name, "nodes", node)["plan"]
-    patch = parse_patch(assignments, _flow_names(planned), has_rules="rules" in planned)
-    body = {"revision": view["revision"], "nodes": {node: patch}, "reason": reason}
-    changed = client.patch("robots", name, "settings", body=body)
-    return _outcome(client, name, changed, timeout if wait else None)
+    active = _robot_settings(client, robot, timeout if wait else None)
+    planned = active.planned_node(node)
+    patch = parse_patch(assignments, planned.flow_names, has_rules=planned.has_rules)
+    return _outcome(active.change(planned, patch, reason))
 
 
 @settings.command()
@@ -139,9 +134,7 @@ def stop(
     Exit code: as for `rtron settings set`.
     """
     client = connect_to_service(service, token_file, ca)
-    name = client.resolve_robot(robot)
-    view = client.post("robots", name, "stop", body={"reason": reason})
-    return _outcome(client, name, view, timeout if wait else None)
+    return _outcome(_robot_settings(client, robot, timeout if wait else None).stop(reason))
 
 
 @settings.command()
@@ -164,45 +157,20 @@ def release(
     Exit code: as for `rtron settings set`.
     """
     client = connect_to_service(service, token_file, ca)
-    name = client.resolve_robot(robot)
-    before = client.get("robots", name, "settings")
-    body = {"reason": reason, "revision": before["revision"]}
-    view = client.delete("robots", name, "stop", body=body)
-    outcome = _outcome(client, name, view, timeout if wait else None)
+    active = _robot_settings(client, robot, timeout if wait else None)
+    before = active.view()
+    outcome = _outcome(active.release(before["revision"], reason))
     return replace(outcome, shown=f"{stop_line(before)}{outcome.shown}")
 
 
-def _outcome(
-    client: SecurityServiceClient,
-    robot: str,
-    view: Mapping[str, Any],
-    timeout: float | None,
-) -> Outcome:
-    """Say what became of settings; with `timeout` (s) once the guard has answered."""
-    if timeout is not None:
-        view = _wait_for_answer(client, robot, view, timeout)
-    has_timed_out = timeout is not None and view["outcome"] == _PENDING
-    failed = view["outcome"] == "refused" or has_timed_out
-    return Outcome(outcome_line(view), FINDINGS if failed else OK)
+def _robot_settings(
+    client: SecurityServiceClient, robot: str, timeout: float | None = None
+) -> RobotSettings:
+    return RobotSettings(client, client.resolve_robot(robot), timeout)
 
 
-def _wait_for_answer(
-    client: SecurityServiceClient, robot: str, view: Mapping[str, Any], timeout: float
-) -> Mapping[str, Any]:
-    """Return the settings once the guard has answered them, or as they are after `timeout` s."""
-    deadline = time.monotonic() + timeout
-    before = view["revision"] + 1
-    while view["outcome"] == _PENDING and time.monotonic() < deadline:
-        time.sleep(_POLL_S)
-        (view,) = client.get("robots", robot, "settings", "history", before=before, limit=1)
-    return view
-
-
-def _flow_names(node: Mapping[str, Any]) -> list[str]:
-    """Return the names of the flows that may be set at a coordination node, as the plan has it."""
-    guarded = [*node.get("vflows", ()), *node.get("aflows", ())]
-    flows = [*node.get("flows", ()), *(flow for topic in guarded for flow in topic["flows"])]
-    return [flow["name"] for flow in flows]
+def _outcome(applied: AppliedSettings) -> Outcome:
+    return Outcome(outcome_line(applied.view), FINDINGS if applied.has_failed else OK)
 
 
 def _render(format: TextOrJson, document: Mapping[str, Any], report: Report) -> Outcome:
