@@ -8,6 +8,7 @@ from importlib.util import find_spec
 from rtron.errors import InputError, RTronError, SourceError
 from rtron.sources.source import GraphSource
 from rtron.wire.ros1.host_address import master_uri
+from rtron.wire.ros2.domain_id import domain_address
 
 ANSWER_TIMEOUT_S = 5.0
 DISCOVERY_TIMEOUT_S = 15.0
@@ -78,6 +79,11 @@ class LiveApp:
         words += ["--ros", self.ros.value] if self.ros is not RosGeneration.AUTO else []
         words += ["--domain", str(self.domain)] if self.domain is not None else []
         return " ".join(words)
+
+
+def app_address(ros: int, master: str, domain: int | None) -> str:
+    """Return where an app of this ROS runs: its master's address, or that of its domain."""
+    return master if ros == 1 else domain_address(domain)
 
 
 def _detect_only_ros(master: str) -> RosGeneration:

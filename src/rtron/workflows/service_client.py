@@ -18,7 +18,6 @@ _API = "/api/v1"
 _TIMEOUT_S = 10.0
 _MAX_RESPONSE_BYTES = 1 << 26
 _MAX_TOKEN_BYTES = 1000
-_LOOPBACK = ("localhost", "127.0.0.1", "::1")
 _WS = {"http": "ws", "https": "wss"}
 _UNAUTHORIZED, _CONFLICT, _SERVER = 401, 409, 500
 
@@ -69,12 +68,6 @@ class SecurityServiceClient:
             return str(names[0])
         help = f"give --robot: {', '.join(names[:20])}" if names else "start a guard with --service"
         raise InputError("which robot?" if names else "the service knows no robot", help=help)
-
-    @property
-    def sends_token_in_clear(self) -> bool:
-        """Whether the token crosses a network without TLS."""
-        parts = urlsplit(self.service)
-        return parts.scheme == "http" and parts.hostname not in _LOOPBACK
 
     @property
     def live_url(self) -> str:

@@ -74,7 +74,9 @@ class _EventFollower:
         """Yield the stored events after the last one, oldest first."""
         newest = self.client.get("events", limit=1)["events"]
         end = max(self.last, newest[0]["id"]) if newest else self.last
-        for event in _events_between(self.client, self.event_filter, self.last, end):
+        after = self.last or None
+        missed = stored_events(self.client, **self.event_filter, after=after, before=end + 1)
+        for event in reversed(list(missed)):
             self.last = event["id"]
             yield event
         self.last = end
@@ -91,18 +93,14 @@ def _connect(client: SecurityServiceClient) -> ClientConnection:
     )
 
 
-def _events_between(
-    client: SecurityServiceClient, event_filter: EventFilter, last: int, end: int
-) -> list[Event]:
-    """Return the events after `last` up to `end`, oldest first."""
-    found: list[Event] = []
-    before: int | None = end + 1
+def stored_events(client: SecurityServiceClient, **query: object) -> Iterator[Event]:
+    """Yield the stored events that fit a query of the API, the newest first."""
     while True:
-        page = client.get("events", **event_filter, after=last or None, before=before, limit=_PAGE)
-        found += page["events"]
-        before = page["next"]
-        if before is None:
-            return found[::-1]
+        page = client.get("events", **query, limit=_PAGE)
+        yield from page["events"]
+        if page["next"] is None:
+            return
+        query["before"] = page["next"]
 
 
 def _live_events(socket: ClientConnection) -> Iterator[Event]:

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 from rtron.vocabulary import Plan
 
 if TYPE_CHECKING:
-    from rtron.guard.audit.common.verification import Verification
+    from rtron.vocabulary.verification import Verification
 
 
 def verify_running_app(

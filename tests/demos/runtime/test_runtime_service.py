@@ -8,6 +8,7 @@ from rtron.demos.runtime.event_history import DecisionCounts, EventHistory, sum_
 from rtron.demos.runtime.processes import ProcessGroup
 from rtron.demos.runtime.service import run_service
 from rtron.errors import SourceError
+from rtron.workflows.service_client import SecurityServiceClient
 
 
 def counts(**flows):
@@ -46,7 +47,9 @@ def test_events_are_asked_for_page_by_page(monkeypatch):
         None: {"events": [{"at": 3}, {"at": 2}], "next": 7},
         7: {"events": [{"at": 1}], "next": None},
     }
-    recorded = EventHistory("http://nowhere", "token", "tb3")
+    recorded = EventHistory(SecurityServiceClient("http://nowhere", "token"), "tb3")
     monkeypatch.setattr(EventHistory, "wait_until_linked", lambda *_: None)
-    monkeypatch.setattr(EventHistory, "_get", lambda _, path, **query: pages[query.get("before")])
+    monkeypatch.setattr(
+        SecurityServiceClient, "get", lambda _, path, **query: pages[query.get("before")]
+    )
     assert [event["at"] for event in recorded.events(0, 10)] == [1, 2, 3]

@@ -1,7 +1,6 @@
 """`rtron guard`."""
 
 import socket
-import sys
 from collections.abc import Callable
 from enum import Enum
 from pathlib import Path
@@ -10,13 +9,18 @@ from typing import Annotated
 import typer
 
 from rtron.cli.support.options import DEFAULT_MASTER, Domain, Master, PlanOption
-from rtron.cli.support.service_options import CaOption, ServiceOption, TokenOption
+from rtron.cli.support.service_options import (
+    CaOption,
+    ServiceOption,
+    TokenOption,
+    warn_if_unencrypted,
+)
 from rtron.errors import InputError
 from rtron.guard.link.options import LinkOptions, state_folder
 from rtron.planning.plan_file.loader import read_plan
 from rtron.vocabulary import MeasuredRun
-from rtron.wire.ros2.domain_id import domain_id
 from rtron.workflows.launch_arguments import parse_assignments
+from rtron.workflows.live_app import app_address
 
 Robot = Annotated[
     str,
@@ -49,8 +53,8 @@ def build_link_options(
     )
     options.token()
     options.prepare()
-    if options.url and options.is_unencrypted:
-        sys.stderr.write(f"warning: {service} is not encrypted: others can read the token\n")
+    _ = options.url
+    warn_if_unencrypted(service)
     return options
 
 
@@ -132,7 +136,7 @@ def guard(  # noqa: PLR0913 - one for each option
     )
     supervise(
         guard_plan,
-        master if guard_plan.ros == 1 else _domain_address(domain),
+        app_address(guard_plan.ros, master, domain),
         log_level=log_level.value.upper(),
         dry_run=dry_run,
         control=control_socket,
@@ -145,9 +149,3 @@ def _run_file_writer(path: Path) -> Callable[[MeasuredRun], None]:
     from rtron.sources.run_json import RunFileWriter  # noqa: PLC0415 - few guards keep figures
 
     return RunFileWriter(path.absolute())
-
-
-def _domain_address(domain: int | None) -> str:
-    from rtron.guard.transport.factory import domain_address  # noqa: PLC0415 - for ROS 2 alone
-
-    return domain_address(domain_id(domain))

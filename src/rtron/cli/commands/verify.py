@@ -1,11 +1,9 @@
 """`rtron verify`."""
 
-from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.text import Text
 
 from rtron.cli.support.options import (
     DEFAULT_MASTER,
@@ -17,79 +15,9 @@ from rtron.cli.support.options import (
 )
 from rtron.cli.support.outcome import BAD_INPUT, FINDINGS, OK, Outcome, as_json
 from rtron.errors import InputError
-from rtron.guard.audit.common.verification import GuardedPath, PathState, Verification
 from rtron.planning.plan_file.loader import read_plan
-from rtron.reports.text_layout import Report, TextPage, columns, counted, heading, line, paragraph
+from rtron.reports.plan.verification import verification_text, verification_to_json
 from rtron.workflows.verify import verify_running_app
-
-VERIFY_SCHEMA = "rtron.verify/1"
-_STYLES = {
-    PathState.CLOSED: "green",
-    PathState.OPEN: "bold red",
-    PathState.DRIFT: "bold red",
-    PathState.UNKNOWN: "yellow",
-    PathState.NOT_RUNNING: "dim",
-}
-
-
-def verification_text(title: str, verification: Verification) -> Report:
-    """Return a report: the verdict, the paths with their problems, and unguarded interfaces."""
-    return Report(lambda page: _lines(title, verification, page))
-
-
-def verification_to_json(verification: Verification) -> Mapping[str, object]:
-    """Return the JSON document: the verdict, paths, problems and unguarded interfaces."""
-    return {
-        "schema": VERIFY_SCHEMA,
-        "verdict": verdict(verification),
-        "paths": [
-            {
-                "topic": path.topic,
-                "private": path.private,
-                "node": path.node,
-                "state": str(path.state),
-                "reason": path.reason,
-                "foreign": list(path.foreign),
-            }
-            for path in verification.paths
-        ],
-        "problems": list(verification.problems),
-        "unguarded": [{"what": each.what, "why": each.why} for each in verification.unguarded],
-    }
-
-
-def verdict(verification: Verification) -> str:
-    """Return the verdict: closed, open or unknown."""
-    if verification.is_closed:
-        return "closed"
-    return "open" if verification.is_conclusive else "unknown"
-
-
-def _lines(title: str, verification: Verification, page: TextPage) -> Iterator[Text]:
-    verdict_text = verdict(verification)
-    yield line(
-        (title, "bold"),
-        "  ",
-        (verdict_text, "bold green" if verification.is_closed else "bold red"),
-    )
-    for problem in verification.problems:
-        yield from paragraph(problem, page, indent=2, style="red")
-    yield from heading(counted(len(verification.paths), "planned path"))
-    rows = [(str(path.state), path.node, path.private) for path in verification.paths]
-    for path, row in zip(verification.paths, columns(rows, indent=2) if rows else [], strict=True):
-        row.stylize(_STYLES[path.state], 2, 2 + len(str(path.state)))
-        yield row
-        yield from _why(path, page)
-    if verification.unguarded:
-        yield from heading("Not guarded")
-        for each in verification.unguarded:
-            yield line((each.what, "cyan"), f"  {each.why}", indent=2)
-
-
-def _why(path: GuardedPath, page: TextPage) -> Iterator[Text]:
-    if path.reason:
-        yield from paragraph(path.reason, page, indent=15)
-
 
 Live = Annotated[bool, typer.Option("--live", help="Verify the running app.")]
 
@@ -130,7 +58,7 @@ def verify(
     """
     if not live:
         help = "add --live; before the app runs, `rtron check` compares the plan with its graph"
-        raise InputError("what is there to verify?", help=help)
+        raise InputError("`rtron verify` needs --live", help=help)
     guard_plan = read_plan(plan)
     verification = verify_running_app(guard_plan, master, domain, timeout)
     code = OK if verification.is_closed else FINDINGS if verification.is_conclusive else BAD_INPUT

@@ -3,6 +3,7 @@
 import sys
 from pathlib import Path
 from typing import Annotated
+from urllib.parse import urlsplit
 
 import typer
 
@@ -40,6 +41,7 @@ CaOption = Annotated[
     typer.Option(metavar="FILE", help="The service's own certificate authority, as PEM."),
 ]
 DEFAULT_SERVICE = "http://127.0.0.1:8600"
+_LOOPBACK = ("localhost", "127.0.0.1", "::1")
 
 
 def connect_to_service(
@@ -47,6 +49,12 @@ def connect_to_service(
 ) -> SecurityServiceClient:
     """Return a client; warn on standard error if its token crosses a network in clear."""
     client = open_service_client(service, token_file, ca)
-    if client.sends_token_in_clear:
-        sys.stderr.write(f"warning: {service} is not encrypted: others can read the token\n")
+    warn_if_unencrypted(service)
     return client
+
+
+def warn_if_unencrypted(service: str) -> None:
+    """Warn on standard error if a token for this address crosses a network in clear."""
+    parts = urlsplit(service)
+    if parts.scheme == "http" and parts.hostname not in _LOOPBACK:
+        sys.stderr.write(f"warning: {service} is not encrypted: others can read the token\n")

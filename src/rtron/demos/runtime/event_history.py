@@ -1,22 +1,16 @@
 """What the security service has recorded of a guard, asked of its API."""
 
-import json
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
-from http.client import HTTPException
 from typing import Any
-from urllib.error import URLError
-from urllib.parse import urlencode
-from urllib.request import ProxyHandler, Request, build_opener
 
 from rtron.demos.runtime.polling import wait_for
-from rtron.errors import SourceError
+from rtron.workflows.service_client import SecurityServiceClient
+from rtron.workflows.service_events import stored_events
 
 Event = Mapping[str, Any]
 """An event as the service has it: `at` (wall ns), `kind`, `topic`, `flow`, `decision`, `reason`…"""
-_LIMIT = 10.0
-_PAGE = 1000
 _SECOND = 1_000_000_000
 _STORE_DELAY = 1.5
 """Seconds after which what the guard had to tell of a moment is stored: it tells once a second."""
@@ -42,18 +36,17 @@ class DecisionCounts:
 
 @dataclass(frozen=True, slots=True)
 class EventHistory:
-    """The events of one robot's guard. SourceError where the service does not answer.
+    """The events of one robot's guard. The errors are those of the client.
 
     Times are ns of the wall clock; `until` is excluded, None is now.
     """
 
-    url: str
-    token: str
+    client: SecurityServiceClient
     robot: str
 
     def robots(self) -> list[Mapping[str, Any]]:
         """Return the robots that the service knows, with the state of each one's guard."""
-        found: list[Mapping[str, Any]] = self._get("robots")
+        found: list[Mapping[str, Any]] = self.client.get("robots")
         return found
 
     def state(self) -> Mapping[str, Any] | None:
@@ -72,8 +65,10 @@ class EventHistory:
         """Return events in the order of time, once all of them are stored."""
         end = time.time_ns() if until is None else until
         self.wait_until_linked(end + int(_STORE_DELAY * _SECOND))
-        query = {"since": since, "until": end} | ({"kind": kind} if kind else {})
-        return sorted(self._pages(query), key=lambda event: event["at"])
+        found = stored_events(
+            self.client, robot=self.robot, since=since, until=end, kind=kind or None
+        )
+        return sorted(found, key=lambda event: event["at"])
 
     def counts(self, since: int, until: int | None = None) -> dict[str, dict[str, DecisionCounts]]:
         """Return by topic and flow how many messages met which decision."""
@@ -82,23 +77,6 @@ class EventHistory:
     def _last_state_time(self) -> int:
         state = self.state()
         return int(state["at"]) if state else 0
-
-    def _pages(self, query: Mapping[str, object]) -> Iterator[Event]:
-        page = self._get("events", **query, robot=self.robot, limit=_PAGE)
-        yield from page["events"]
-        while page["next"]:
-            before = page["next"]
-            page = self._get("events", **query, robot=self.robot, limit=_PAGE, before=before)
-            yield from page["events"]
-
-    def _get(self, path: str, **query: object) -> Any:  # noqa: ANN401 - JSON
-        address = f"{self.url}/api/v1/{path}?{urlencode(query)}"
-        request = Request(address, headers={"Authorization": f"Bearer {self.token}"})  # noqa: S310
-        try:
-            with build_opener(ProxyHandler({})).open(request, timeout=_LIMIT) as answer:
-                return json.load(answer)
-        except (URLError, HTTPException, OSError, ValueError) as error:
-            raise SourceError(f"the security service does not answer: {error}") from error
 
 
 def sum_decision_counts(events: list[Event]) -> dict[str, dict[str, DecisionCounts]]:

@@ -11,8 +11,9 @@ from rtron.demos.runtime.isolation import free_port
 from rtron.demos.runtime.polling import wait_for
 from rtron.demos.runtime.processes import ProcessGroup, StartedProcess
 from rtron.errors import SourceError
+from rtron.service.server.database_accounts import create_token_record, create_user_record
 from rtron.service.server.database_setup import open_database
-from rtron.service.server.offline_accounts import create_token_record, create_user_record
+from rtron.workflows.service_client import SecurityServiceClient
 
 ROBOT = "tb3"
 """What the service calls the demo's robot."""
@@ -96,7 +97,7 @@ def run_service(
             password=password,
             guard_token=paths[_GUARD],
             developer_token=paths[_DEVELOPER],
-            history=EventHistory(url, tokens[_READ], ROBOT),
+            history=EventHistory(SecurityServiceClient(url, tokens[_READ]), ROBOT),
             processes=processes,
             started=started,
             base_environ=base_environ,

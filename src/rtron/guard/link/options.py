@@ -11,7 +11,6 @@ from rtron.guard.core.unix_socket import abstract_address, user_name
 _PATH = "/link/v1"
 _SCHEMES = {"http": "ws", "https": "wss"}
 _SHARED = Path("/dev/shm")  # noqa: S108 - the folders in it are checked
-_LOOPBACK = ("localhost", "127.0.0.1", "::1")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -37,12 +36,6 @@ class LinkOptions:
         return urlunsplit(
             (_SCHEMES[parts.scheme], parts.netloc, parts.path.rstrip("/") + _PATH, "", "")
         )
-
-    @property
-    def is_unencrypted(self) -> bool:
-        """Whether the token would cross a network that others can read."""
-        parts = urlsplit(self.service)
-        return parts.scheme == "http" and parts.hostname not in _LOOPBACK
 
     @property
     def address(self) -> bytes:

@@ -10,19 +10,14 @@ from rtron.errors import SourceError
 from rtron.guard.master_proxy.master_file import find_private_master
 from rtron.guard.transport.ros1.middleware import Ros1Transport
 from rtron.vocabulary import GUARD_NODE
+from rtron.wire.ros2.domain_id import domain_at
 
 if TYPE_CHECKING:
     from rtron.guard.core.event_loop import EventLoop
     from rtron.guard.transport.common.protocol import LiveTransport
     from rtron.guard.transport.ros2.middleware import Ros2Transport
 
-_DOMAIN = "domain "
 _RMW_PREFIX = "rmw_fastrtps"
-
-
-def domain_address(domain: int) -> str:
-    """Return the address of a ROS 2 domain, which stands where ROS 1 has the master's."""
-    return f"{_DOMAIN}{domain}"
 
 
 def load_middleware(ros: int) -> None:
@@ -61,7 +56,7 @@ def open_ros2_transport(address: str, loop: EventLoop) -> Ros2Transport:
         help = "export RMW_IMPLEMENTATION=rmw_fastrtps_cpp for the whole app"
         raise SourceError(f"the guard cannot tell publishers apart with {rmw}", help=help)
     enable_fast_announcements()
-    session = Ros2Session(int(address.removeprefix(_DOMAIN)))
+    session = Ros2Session(domain_at(address))
     try:
         check_abi(session.node(GUARD_NODE))
     except SourceError:

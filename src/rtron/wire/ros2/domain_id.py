@@ -8,6 +8,7 @@ from rtron.errors import InputError
 LAST_DOMAIN = 232
 """The largest domain id that has ports of its own (ROS 2: The ROS_DOMAIN_ID)."""
 
+_ADDRESS = "domain "
 _DIGITS = re.compile("[0-9]{1,3}")
 
 
@@ -21,3 +22,13 @@ def domain_id(requested: int | None = None) -> int:
         help = f"ROS_DOMAIN_ID is a number from 0 to {LAST_DOMAIN}, the same for the whole app"
         raise InputError(f"there is no ROS 2 domain {text[:20]!r}", help=help)
     return int(text)
+
+
+def domain_address(requested: int | None = None) -> str:
+    """Return the address of the domain that `domain_id` returns, as ROS 1 has a master's."""
+    return f"{_ADDRESS}{domain_id(requested)}"
+
+
+def domain_at(address: str) -> int:
+    """Return the domain of such an address."""
+    return int(address.removeprefix(_ADDRESS))

@@ -4,7 +4,6 @@ import pytest
 from plans import grcn, plan_of
 
 from rtron.errors import WireError
-from rtron.guard.audit.common.verification import PathState
 from rtron.guard.audit.ros1.expected_graph import ExpectedGraph
 from rtron.guard.audit.ros1.foreign_connections import (
     NodeAddresses,
@@ -22,6 +21,7 @@ from rtron.guard.audit.ros1.registrations import (
 )
 from rtron.guard.audit.ros1.verification import ApiAnswers, verify
 from rtron.vocabulary import AlarmKind, Mode, StreamKind
+from rtron.vocabulary.verification import PathState
 from rtron.wire.ros1.ros_api import BusConnection, parse_system_state
 
 GUARD, PORT = "/rtron/grcn_cmd_vel", 4000

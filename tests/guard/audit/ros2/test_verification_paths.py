@@ -33,7 +33,6 @@ from domain_scene import (
     verified,
 )
 
-from rtron.guard.audit.common.verification import PathState
 from rtron.vocabulary import (
     GUARD_NODE,
     SUPERVISOR_NODE,
@@ -44,6 +43,7 @@ from rtron.vocabulary import (
     Reliability,
     StreamKind,
 )
+from rtron.vocabulary.verification import PathState
 
 OPEN, DRIFT = PathState.OPEN, PathState.DRIFT
 SPEAKS_OUT = publisher(OUT, "/rogue", ROGUE)

@@ -9,10 +9,11 @@ pytest.importorskip("rclpy")
 
 from rtron.errors import SourceError
 from rtron.guard.core.event_loop import EventLoop
-from rtron.guard.transport.factory import domain_address, open_transport
+from rtron.guard.transport.factory import open_transport
 from rtron.guard.transport.ros2.abi_check import check_abi, check_endpoint_info
 from rtron.vocabulary import GUARD_NODE
 from rtron.wire.ros2 import c_structures
+from rtron.wire.ros2.domain_id import domain_address
 from rtron.wire.ros2.session import Ros2Session
 
 pytestmark = [

@@ -7,12 +7,12 @@ from contextlib import suppress
 from typing import TypeVar
 
 from rtron.errors import RTronError, SourceError
-from rtron.guard.audit.common.verification import Verification
 from rtron.guard.audit.ros1.expected_graph import ExpectedGraph
 from rtron.guard.audit.ros1.foreign_connections import parse_connections
 from rtron.guard.audit.ros1.registrations import guarded_subscribers, select_registrations
 from rtron.guard.audit.ros1.verification import ApiAnswers, queried_nodes, verify
 from rtron.vocabulary import Plan
+from rtron.vocabulary.verification import Verification
 from rtron.wire.ros1.ros_api import (
     query_bus_info,
     query_node_uri,

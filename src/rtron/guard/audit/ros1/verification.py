@@ -7,13 +7,6 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
 from rtron.guard.audit.common.guard_inputs import GuardInput, matches_any
-from rtron.guard.audit.common.verification import (
-    GuardedPath,
-    PathState,
-    UnguardedPath,
-    Verification,
-    accepted_paths,
-)
 from rtron.guard.audit.ros1.expected_graph import ExpectedGraph
 from rtron.guard.audit.ros1.foreign_connections import (
     NodeAddresses,
@@ -23,6 +16,13 @@ from rtron.guard.audit.ros1.foreign_connections import (
 )
 from rtron.guard.audit.ros1.registrations import MasterRegistrations, foreign_publisher_alarms
 from rtron.vocabulary import GUARD_NODE, Plan, TopicAccess
+from rtron.vocabulary.verification import (
+    GuardedPath,
+    PathState,
+    UnguardedPath,
+    Verification,
+    accepted_paths,
+)
 from rtron.wire.ros1.ros_api import BusConnection
 
 _LOGGERS = ("/get_loggers", "/set_logger_level")

@@ -12,9 +12,9 @@ from rtron.guard.audit.ros2.verification import verify_ros2
 from rtron.wire.ros2.discovery_tuning import enable_fast_announcements
 
 if TYPE_CHECKING:
-    from rtron.guard.audit.common.verification import Verification
     from rtron.guard.audit.ros2.observed_graph import ObservedGraph
     from rtron.vocabulary import Plan
+    from rtron.vocabulary.verification import Verification
 
 _NODE = "/rtron_verify"
 _POLL_S = 0.1

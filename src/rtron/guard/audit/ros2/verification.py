@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from rtron.guard.audit.common.guard_inputs import GuardInput, matches_any
-from rtron.guard.audit.common.verification import GuardedPath, PathState, Verification
 from rtron.guard.audit.ros2.endpoint_checks import (
     Participants,
     display_name,
@@ -27,6 +26,7 @@ from rtron.guard.audit.ros2.expected_graph import ExpectedGraph
 from rtron.guard.audit.ros2.unguarded_interfaces import unguarded_interfaces
 from rtron.guard.supervision.guard_config import stopped_streams
 from rtron.vocabulary import GUARD_NODE, SUPERVISOR_NODE
+from rtron.vocabulary.verification import GuardedPath, PathState, Verification
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -3,7 +3,9 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from rtron.vocabulary import Mode, Plan, StringEnum, build_streams
+from rtron.vocabulary.enums import Mode, StringEnum
+from rtron.vocabulary.plan import Plan
+from rtron.vocabulary.streams import build_streams
 
 
 class PathState(StringEnum):
