@@ -1,11 +1,11 @@
-"""The parameter server: leaves, namespaces, and the search upwards."""
+"""The parameter server: leaves, namespaces, the search upwards, and patterns of node names."""
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from rtron.vocabulary import Evidence, LaunchFile, LaunchInclude, LaunchNode, LaunchTree
-from rtron.vocabulary.parameters import Parameter, ParameterTree
+from rtron.vocabulary.parameters import Parameter, ParameterTree, pattern_matches
 
 FIRST, SECOND = (Evidence(file="a.launch", line=line) for line in (1, 2))
 keys = st.sampled_from("abc")
@@ -129,3 +129,22 @@ def test_a_launch_is_walked_in_document_order():
     assert list(outer.walk()) == [outer, inner]
     nodes = LaunchTree(root=outer).nodes()
     assert [(each.name, each.namespace) for each in nodes] == [("/a", "/"), ("/robot/b", "/robot")]
+
+
+@pytest.mark.parametrize(
+    ("pattern", "node", "fits"),
+    [
+        ("/**", "/a/b", True),
+        ("/ns/n", "/ns/n", True),
+        ("ns/n", "/ns/n", True),
+        ("n", "/ns/n", False),
+        ("/**/n", "/ns/a/n", True),
+        ("/**/n", "/n", True),
+        ("/*/n", "/ns/n", True),
+        ("/*/n", "/ns/a/n", False),
+        ("/ns/*", "/ns/n", True),
+        ("/a.b", "/axb", False),
+    ],
+)
+def test_patterns_of_node_names(pattern, node, fits):
+    assert pattern_matches(pattern, node) is fits

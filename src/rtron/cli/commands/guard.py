@@ -53,8 +53,8 @@ def build_link_options(
     )
     options.token()
     options.prepare()
-    _ = options.url
-    warn_if_unencrypted(service)
+    if options.url:
+        warn_if_unencrypted(service)
     return options
 
 

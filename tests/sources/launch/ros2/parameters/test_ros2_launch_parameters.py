@@ -4,7 +4,6 @@ import pytest
 from app_launch_values import values, whys
 
 from rtron.vocabulary import UnknownValue
-from rtron.vocabulary.parameters import pattern_matches
 
 FILE = """
 /**:
@@ -240,25 +239,6 @@ def test_a_file_that_the_build_installs_elsewhere(python, package):
     (package / "config" / "p.yaml").write_text("/**: {ros__parameters: {a: 1}}")
     app = python(node("[FindPackageShare('pkg'), '/p.yaml']"))
     assert values(app.starts[0]) == {"a": 1}
-
-
-@pytest.mark.parametrize(
-    ("pattern", "node", "fits"),
-    [
-        ("/**", "/a/b", True),
-        ("/ns/n", "/ns/n", True),
-        ("ns/n", "/ns/n", True),
-        ("n", "/ns/n", False),
-        ("/**/n", "/ns/a/n", True),
-        ("/**/n", "/n", True),
-        ("/*/n", "/ns/n", True),
-        ("/*/n", "/ns/a/n", False),
-        ("/ns/*", "/ns/n", True),
-        ("/a.b", "/axb", False),
-    ],
-)
-def test_patterns_of_node_names(pattern, node, fits):
-    assert pattern_matches(pattern, node) is fits
 
 
 NODES = {
