@@ -1,14 +1,13 @@
 """A YAML file of lists, read and checked: every fault names the file and the nearest word."""
 
 from collections.abc import Collection, Iterator, Mapping
-from difflib import get_close_matches
 from enum import Enum
 from pathlib import Path
 from typing import Any
 
 import yaml
 
-from rtron.errors import InputError
+from rtron.errors import InputError, suggestion
 from rtron.risks.topic_table import TopicTableEntry
 from rtron.vocabulary import Domain, Sharing, StreamKind
 
@@ -114,6 +113,5 @@ def _list(value: object, name: str, path: str) -> list[Any]:
 
 
 def _unknown(what: str, word: object, known: Collection[str], path: str) -> InputError:
-    near = get_close_matches(str(word)[:80], known, n=1)
-    help = f"did you mean {near[0]}?" if near else f"choose from {', '.join(known)}"
-    return InputError(f"unknown {what} {str(word)[:80]!r}", path=path, help=help)
+    text = str(word)[:80]
+    return InputError(f"unknown {what} {text!r}", path=path, help=suggestion(text, known))

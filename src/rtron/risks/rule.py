@@ -2,10 +2,9 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from difflib import get_close_matches
 from importlib import import_module
 
-from rtron.errors import InputError
+from rtron.errors import InputError, suggestion
 from rtron.risks.graph_facts import GraphFacts
 from rtron.vocabulary import Risk, RiskKind, StringEnum
 
@@ -71,6 +70,4 @@ def find_rule(rules: Sequence[RiskRule], name: str) -> RiskRule:
     rule_name = name.lower().replace("-", "_")
     if rule_name in known:
         return known[rule_name]
-    near = get_close_matches(rule_name[:80], known, n=1, cutoff=0.3)
-    help = f"did you mean {near[0]}?" if near else f"the rules are {', '.join(known)}"
-    raise InputError(f"no rule is named {name[:80]!r}", help=help)
+    raise InputError(f"no rule is named {name[:80]!r}", help=suggestion(rule_name, known))

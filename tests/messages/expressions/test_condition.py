@@ -106,7 +106,7 @@ def test_and_binds_before_or():
         ("(a", "column 3 of the condition: it ends too early", "combine"),
         ("a)", "column 2 of the condition: ')' is not expected", "combine"),
         ("persn", "column 1 of the condition: there is no eflow persn", "did you mean person?"),
-        ("zzz", "there is no eflow zzz", "there are: person"),
+        ("zzz", "there is no eflow zzz", "choose from person"),
         ("person == true", "column 8 of the condition: '=' is not expected", "combine"),
         ("1", "column 1 of the condition: '1' is not expected", "combine"),
         ("ä", "column 1 of the condition", None),

@@ -421,7 +421,7 @@ def test_the_same_fault_on_one_line_twice_is_one_with_its_help():
     with pytest.raises(PlanError) as caught:
         parse_plan(text, "my.yaml")
     assert len(str(caught.value).splitlines()) == 1
-    assert caught.value.help.startswith("there are: header, pose")
+    assert caught.value.help.startswith("choose from header, pose")
 
 
 EYES = "    - {name: eyes, topic: /people, publisher: /user, present: 2 s}\n"

@@ -4,10 +4,9 @@ Durations, velocities and policies stay texts: the service reads them as the pla
 """
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from difflib import get_close_matches
 from typing import Any
 
-from rtron.errors import InputError
+from rtron.errors import InputError, suggestion
 
 PLAN_VALUE = "plan"
 """The value that restores the plan's value."""
@@ -80,12 +79,12 @@ def _section(
         return "flows", _FLOW
     if has_rules:
         return "rules", _RULE
-    raise InputError(f"no flow is called {owner!r}", help=_suggestion(owner, flows))
+    raise InputError(f"no flow is called {owner!r}", help=suggestion(owner, flows))
 
 
 def _parser_for(key: str, table: Mapping[str, _Parser]) -> _Parser:
     if key not in table:
-        raise InputError(f"no setting is called {key!r}", help=_suggestion(key, table))
+        raise InputError(f"no setting is called {key!r}", help=suggestion(key, table))
     return table[key]
 
 
@@ -98,8 +97,3 @@ def _parse_value(assignment: str, value: str, parse: _Parser) -> object:
         raise InputError(
             f"{assignment!r}: {error}", help=f"{PLAN_VALUE} restores the plan's value"
         ) from None
-
-
-def _suggestion(name: str, known: Collection[str]) -> str:
-    near = get_close_matches(name, known, n=1)
-    return f"did you mean {near[0]}?" if near else f"there are: {', '.join(known)}"

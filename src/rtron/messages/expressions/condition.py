@@ -9,9 +9,8 @@ work on any robot.
 import re
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
-from difflib import get_close_matches
 
-from rtron.errors import InputError
+from rtron.errors import InputError, suggestion
 
 MAX_CONDITION = 1 << 12
 """The longest condition accepted, in characters."""
@@ -129,9 +128,8 @@ class _BitConditionParser:
                 else f"{location}: it ends too early",
                 help="combine eflows with && || ! and parentheses",
             )
-        near = get_close_matches(token, self._names, n=1)
-        known = f"did you mean {near[0]}?" if near else f"there are: {', '.join(self._names)}"
-        return InputError(f"{location}: there is no eflow {token[:80]}", help=known)
+        help = suggestion(token, self._names)
+        return InputError(f"{location}: there is no eflow {token[:80]}", help=help)
 
 
 def _constant(value: bool) -> _Term:  # noqa: FBT001

@@ -2,9 +2,8 @@
 
 import re
 from collections.abc import Collection, Mapping
-from difflib import get_close_matches
 
-from rtron.errors import InputError
+from rtron.errors import InputError, suggestion
 from rtron.messages.common.definition import Definition
 
 _ERROR = re.compile(r"ERROR: <input>:(-?\d+):(-?\d+): ([^\n]*)")
@@ -42,7 +41,7 @@ def _explain(
     if field := _FIELD.fullmatch(compiler_message):
         return _unknown_field(field[1], types.get(field[2].replace(".", "/")), field[2])
     if name := _NAME.fullmatch(compiler_message):
-        return f"nothing is called {name[1]!r}", _nearest(name[1], names)
+        return f"nothing is called {name[1]!r}", suggestion(name[1], sorted(names))
     if overload := _OVERLOAD.fullmatch(compiler_message):
         return _mismatch(overload[1], overload[2])
     return compiler_message, "see cel.dev for the language"
@@ -50,12 +49,7 @@ def _explain(
 
 def _unknown_field(name: str, owner: Definition | None, type: str) -> tuple[str, str]:
     fields = [field.name for field in owner.fields] if owner else []
-    return f"{type.replace('.', '/')} has no field {name!r}", _nearest(name, fields)
-
-
-def _nearest(word: str, known: Collection[str]) -> str:
-    near = get_close_matches(word[:80], known, n=1)
-    return f"did you mean {near[0]}?" if near else f"there are: {', '.join(sorted(known)[:20])}"
+    return f"{type.replace('.', '/')} has no field {name!r}", suggestion(name, sorted(fields))
 
 
 def _mismatch(function: str, types: str) -> tuple[str, str]:
