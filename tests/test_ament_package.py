@@ -24,7 +24,7 @@ def test_the_manifest_says_what_the_package_is():
 
 
 def test_what_setup_installs_is_there(monkeypatch):
-    pytest.importorskip("setuptools")
+    pytest.importorskip("setuptools", reason="needs setuptools")
     given = {}
     monkeypatch.chdir(AMENT)
     monkeypatch.setattr("setuptools.setup", given.update)

@@ -152,6 +152,6 @@ def _wait(condition: Callable[[], _T]) -> _T:
             if found := condition():
                 return found
         except RTronError:
-            pass
+            pass  # not ready yet: try again
         time.sleep(0.01)
     raise TimeoutError("what was waited for did not come")

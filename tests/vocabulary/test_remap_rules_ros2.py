@@ -2,7 +2,7 @@
 
 import pytest
 
-rclpy = pytest.importorskip("rclpy")
+rclpy = pytest.importorskip("rclpy", reason="needs ROS 2")
 pytestmark = pytest.mark.ros2
 
 from remap_cases import CASES  # noqa: E402

@@ -25,12 +25,12 @@ def _end_with_parent() -> None:
     if parent is not None:
         parent.join()
         for child in _child_processes():
-            with suppress(OSError):
+            with suppress(OSError):  # it has ended already
                 os.kill(child, signal.SIGKILL)
         os._exit(1)
 
 
 def _child_processes() -> Iterator[int]:
     for path in _PROC_TASKS.glob("*/children"):
-        with suppress(OSError):
+        with suppress(OSError):  # that thread has ended
             yield from map(int, path.read_text().split())

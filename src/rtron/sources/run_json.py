@@ -89,7 +89,7 @@ class RunFileWriter:
             reason = error.strerror or "cannot be written"
             raise InputError(reason, path=str(self.path), help="choose another file") from None
         finally:
-            with suppress(OSError):
+            with suppress(OSError):  # a leftover does no harm; keep the first error
                 temporary.unlink(missing_ok=True)
 
 

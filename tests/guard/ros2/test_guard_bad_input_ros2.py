@@ -10,7 +10,7 @@ from contextlib import suppress
 import pytest
 from harness import wait_for
 
-pytest.importorskip("rclpy")
+pytest.importorskip("rclpy", reason="needs ROS 2")
 from rclpy._rclpy_pybind11 import RCLError
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy_nodes import IMAGE, STRING

@@ -12,7 +12,7 @@ import time
 import pytest
 from harness import wait_for
 
-pytest.importorskip("rclpy")
+pytest.importorskip("rclpy", reason="needs ROS 2")
 from rclpy_nodes import STRING, kept, twist
 
 from rtron.vocabulary import flow_topic, output_topic

@@ -5,7 +5,7 @@ import re
 import pytest
 from harness import wait_for
 
-pytest.importorskip("rclpy")
+pytest.importorskip("rclpy", reason="needs ROS 2")
 from ros2_plans import driving, written
 
 from rtron.vocabulary import (

@@ -9,7 +9,7 @@ from collections import Counter
 import pytest
 from harness import wait_for
 
-pytest.importorskip("rclpy")
+pytest.importorskip("rclpy", reason="needs ROS 2")
 from rclpy_nodes import kept, twist
 from ros2_plans import driving, written
 

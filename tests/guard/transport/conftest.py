@@ -27,7 +27,7 @@ def _world(request):
         return InMemory()
     if request.param == "ros1":
         return OnRos1(request.getfixturevalue("ros1"))
-    pytest.importorskip("rclpy")
+    pytest.importorskip("rclpy", reason="needs ROS 2")
     from ros2_world import OnRos2  # noqa: PLC0415 - it needs rclpy
 
     request.getfixturevalue("monkeypatch").setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")

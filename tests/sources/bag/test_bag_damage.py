@@ -141,7 +141,7 @@ def packed_by(compression, data):
 
 
 def zstd():
-    return pytest.importorskip("backports.zstd")
+    return pytest.importorskip("backports.zstd", reason="needs backports.zstd")
 
 
 @pytest.mark.parametrize("compression", ["bz2", "lz4", "zstd"])

@@ -5,7 +5,7 @@ import subprocess
 
 import pytest
 
-pytest.importorskip("rclpy")
+pytest.importorskip("rclpy", reason="needs ROS 2")
 
 from rtron.guard.transport.ros2 import rcl, service_calls
 from rtron.messages.ros2.installed_types import install_prefixes

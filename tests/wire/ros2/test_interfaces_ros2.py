@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-pytest.importorskip("rclpy")
+pytest.importorskip("rclpy", reason="needs ROS 2")
 
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st

@@ -164,5 +164,5 @@ def _alive(started_processes: Iterable[StartedProcess]) -> list[StartedProcess]:
 def _wait(started_processes: Iterable[StartedProcess], limit: float) -> None:
     deadline = time.monotonic() + limit
     for started in started_processes:
-        with suppress(subprocess.TimeoutExpired):
+        with suppress(subprocess.TimeoutExpired):  # what still runs is killed next
             started.popen.wait(max(0.0, deadline - time.monotonic()))

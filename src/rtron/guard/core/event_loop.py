@@ -87,7 +87,7 @@ class EventLoop:
 
     def forget(self, sock: Pollable) -> None:
         """Stop watching a socket and close it; a second call does nothing."""
-        with suppress(KeyError, ValueError):
+        with suppress(KeyError, ValueError):  # it is not watched, or closed already
             self._selector.unregister(sock)
         sock.close()
 
@@ -106,7 +106,7 @@ class EventLoop:
     def post(self, callback: Callback) -> None:
         """Call back soon; the only call that other threads and signal handlers may make."""
         self._posted_callbacks.append(callback)
-        with suppress(OSError):
+        with suppress(OSError):  # full: the loop wakes anyway; closed: it has ended
             self._wake_sender.send(b"\0")
 
     def run(self) -> None:
@@ -160,7 +160,7 @@ class EventLoop:
             self._call_safely(callback)
 
     def _on_wake(self) -> None:
-        with suppress(BlockingIOError):
+        with suppress(BlockingIOError):  # an earlier wake-up has read all bytes
             self._wake_receiver.recv(1 << 12)
         while self._posted_callbacks:
             self._call_safely(self._posted_callbacks.popleft())

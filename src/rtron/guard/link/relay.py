@@ -114,7 +114,7 @@ class Relay:
         """Leave nothing in memory that only a guard which lives could need."""
         if not self._has_guard:
             self._report_killed_runs("")
-            with suppress(OSError):
+            with suppress(OSError):  # it holds counters of unreported runs
                 self._options.counter_folder.rmdir()
         self._spool.close()
 
@@ -134,7 +134,7 @@ class Relay:
     async def _run_until_unneeded(self, ended: asyncio.Event) -> None:
         """End when told to, or when the supervisor is gone and no guard has come for a while."""
         while not self._is_unneeded():
-            with suppress(asyncio.TimeoutError):
+            with suppress(asyncio.TimeoutError):  # not told to end: check again
                 await asyncio.wait_for(ended.wait(), _CHECK_S)
                 return
 
@@ -144,7 +144,7 @@ class Relay:
 
     async def _drain(self) -> None:
         """Give what waits a moment to go."""
-        with suppress(asyncio.TimeoutError):
+        with suppress(asyncio.TimeoutError):  # the rest is lost with the link
             await asyncio.wait_for(self._spool.is_empty.wait(), _DRAIN_S)
 
     async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
@@ -160,7 +160,7 @@ class Relay:
         task = asyncio.create_task(self._receive_lines(reader, writer))
         self._serving.add(task)
         task.add_done_callback(self._serving.discard)
-        with suppress(asyncio.CancelledError):
+        with suppress(asyncio.CancelledError):  # the link is ending
             await task
 
     async def _receive_lines(

@@ -46,7 +46,7 @@ class GuardProcess:
         """Let the guard begin, with what the one before has left, and what became of it."""
         self.memory.handover_state.write(handover_state)
         self.memory.failure_report.write(failure_report)
-        with suppress(OSError):
+        with suppress(OSError):  # it has ended: the supervisor sees that as well
             self.connection.send(BEGIN)
 
     def discard(self) -> None:

@@ -26,12 +26,12 @@ def guard_address(master: str) -> bytes:
 
 def is_running(pid: int) -> bool:
     """Tell whether a process is there and alive; one that we may not signal or look at is."""
-    with suppress(PermissionError):
+    with suppress(PermissionError):  # it is another user's, and so it is there
         try:
             os.kill(pid, 0)
         except ProcessLookupError:
             return False
-    with suppress(OSError):
+    with suppress(OSError):  # without /proc a zombie counts as running
         return Path(f"/proc/{pid}/stat").read_bytes().rpartition(b") ")[2][:1] not in b"ZX"
     return True
 

@@ -69,6 +69,7 @@ async def _close(
     collector: DataCollector, socket: WebSocket, closing: CloseConnectionError
 ) -> None:
     if socket.client_state is WebSocketState.CONNECTED:
+        # The guard may have closed the connection first, or may not read.
         with suppress(RuntimeError, WebSocketDisconnect, asyncio.TimeoutError):
             sending = socket.close(closing.code, closing.reason)
             await asyncio.wait_for(sending, collector.timeouts.sending)

@@ -61,9 +61,9 @@ def large_receive_buffers() -> Iterator[None]:
 def _sockets() -> dict[str, int]:
     """Return the descriptors of all our sockets, by what they are."""
     found: dict[str, int] = {}
-    with suppress(OSError):
+    with suppress(OSError):  # /proc is not readable here
         for each in _DESCRIPTORS.iterdir():
-            with suppress(OSError):
+            with suppress(OSError):  # it was closed meanwhile
                 found[str(each.readlink())] = int(each.name)
     return {what: descriptor for what, descriptor in found.items() if what.startswith("socket:")}
 

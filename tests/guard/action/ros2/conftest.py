@@ -18,7 +18,7 @@ def domains():
 @pytest.fixture
 def start_action_app(monkeypatch, domains):
     """Have a guarded action in a domain of the test's own."""
-    pytest.importorskip("rclpy")
+    pytest.importorskip("rclpy", reason="needs ROS 2")
     from ros2_action_app import RclpyActionApp  # noqa: PLC0415 - needs rclpy
     from ros2_harness import reserve_domain  # noqa: PLC0415
 

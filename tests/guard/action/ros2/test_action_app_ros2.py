@@ -6,7 +6,7 @@ from random import Random
 
 import pytest
 
-pytest.importorskip("rclpy")
+pytest.importorskip("rclpy", reason="needs ROS 2")
 from action_msgs.msg import GoalInfo, GoalStatusArray
 from harness import wait_for
 from rclpy.qos import qos_profile_action_status_default

@@ -6,7 +6,7 @@ import signal
 
 import pytest
 
-pytest.importorskip("rclpy")
+pytest.importorskip("rclpy", reason="needs ROS 2")
 from harness import wait_for
 
 from rtron.vocabulary import Ros2ActionEntity, ros2_entity_name

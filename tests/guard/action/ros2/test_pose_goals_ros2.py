@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-pytest.importorskip("rclpy")
+pytest.importorskip("rclpy", reason="needs ROS 2")
 from geometry_msgs.msg import PoseStamped
 from harness import wait_for
 from plans import grcn, plan_of

@@ -6,7 +6,7 @@ import signal
 import pytest
 from harness import wait_for
 
-pytest.importorskip("rclpy")
+pytest.importorskip("rclpy", reason="needs ROS 2")
 from guarded_base2 import CMD_VEL, FLOW1, GRCN, OUT, GuardedBase2
 
 from rtron.guard.transport.ros2.participants import ParticipantLiveness, ParticipantState

@@ -5,7 +5,7 @@ from ctypes import POINTER, Structure, c_size_t, c_uint64
 
 import pytest
 
-pytest.importorskip("rclpy")
+pytest.importorskip("rclpy", reason="needs ROS 2")
 
 from rtron.errors import SourceError
 from rtron.guard.core.event_loop import EventLoop

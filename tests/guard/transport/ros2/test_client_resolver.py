@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
-pytest.importorskip("rclpy")
+pytest.importorskip("rclpy", reason="needs ROS 2")
 from rtron.guard.transport.common.protocol import TypeInfo
 from rtron.guard.transport.ros2.client_resolver import ClientResolver
 from rtron.guard.transport.ros2.participants import NameOwners

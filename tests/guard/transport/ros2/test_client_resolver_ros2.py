@@ -2,7 +2,7 @@
 
 import pytest
 
-pytest.importorskip("rclpy")
+pytest.importorskip("rclpy", reason="needs ROS 2")
 from rclpy.action import ActionClient
 from ros2_world import OnRos2
 from test_msgs.action import Fibonacci

@@ -4,7 +4,7 @@ from contextlib import closing
 
 import pytest
 
-pytest.importorskip("rclpy")
+pytest.importorskip("rclpy", reason="needs ROS 2")
 from ros2_world import OnRos2
 
 from rtron.guard.transport.ros2.participants import MAX_ENDPOINTS

@@ -4,7 +4,7 @@ import os
 
 import pytest
 
-pytest.importorskip("rclpy")
+pytest.importorskip("rclpy", reason="needs ROS 2")
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.transport.ros2.event_fd import EventFd
 

@@ -6,7 +6,7 @@ from contextlib import closing
 import pytest
 from harness import wait_for
 
-pytest.importorskip("rclpy")
+pytest.importorskip("rclpy", reason="needs ROS 2")
 from rclpy.duration import Duration
 from rclpy.qos import DurabilityPolicy, LivelinessPolicy, QoSProfile, ReliabilityPolicy
 from ros2_harness import NODES2
@@ -65,7 +65,8 @@ def test_it_tells_what_rclpy_tells(session):
 
 
 def test_the_ends_of_services_are_told_by_their_middlewares_names(session):
-    node, trigger = session.node("/server"), pytest.importorskip("std_srvs.srv").Trigger
+    services = pytest.importorskip("std_srvs.srv", reason="needs std_srvs of ROS 2")
+    node, trigger = session.node("/server"), services.Trigger
     node.create_service(trigger, "/go", lambda _request, response: response)
     (end,) = GraphQuery(node, raw=True).endpoints("rq/goRequest", Direction.SUBSCRIBE, ())
     assert (end.node, end.type) == ("/server", "std_srvs::srv::dds_::Trigger_Request_")

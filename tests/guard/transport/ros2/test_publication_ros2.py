@@ -4,7 +4,7 @@ import pytest
 
 from rtron.vocabulary import SECOND, QoS
 
-pytest.importorskip("rclpy")
+pytest.importorskip("rclpy", reason="needs ROS 2")
 from rtron.guard.transport.ros2 import publication
 
 pytestmark = [

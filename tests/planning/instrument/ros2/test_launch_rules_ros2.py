@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-pytest.importorskip("rclpy")
+pytest.importorskip("rclpy", reason="needs ROS 2")
 pytestmark = pytest.mark.ros2
 
 from wrapped_launch import HEAD, launch  # noqa: E402

@@ -6,7 +6,7 @@ from contextlib import closing
 
 import pytest
 
-pytest.importorskip("rclpy")
+pytest.importorskip("rclpy", reason="needs ROS 2")
 
 from harness import wait_for
 from ros2_harness import Ros2

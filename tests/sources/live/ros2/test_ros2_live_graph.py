@@ -2,7 +2,7 @@
 
 import pytest
 
-pytest.importorskip("rclpy")
+pytest.importorskip("rclpy", reason="needs ROS 2")
 
 from hypothesis import given
 from hypothesis import strategies as st

@@ -69,7 +69,7 @@ def _query_all(
     futures = {node: pool.submit(query, argument) for node, argument in arguments.items()}
     answers = {}
     for node, future in futures.items():
-        with suppress(RTronError, LateError, ValueError):
+        with suppress(RTronError, LateError, ValueError):  # no answer: its paths are unknown
             answers[node] = future.result(2 * timeout)
     pool.shutdown(wait=False, cancel_futures=True)
     return answers

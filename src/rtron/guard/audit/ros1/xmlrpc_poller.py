@@ -164,7 +164,7 @@ def _connect(address: SocketAddress) -> socket.socket:
         sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         sock.connect(host_port)
     except BlockingIOError:
-        pass
+        pass  # the connection is being established
     except OSError:
         sock.close()
         raise

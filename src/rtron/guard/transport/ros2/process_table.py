@@ -72,7 +72,7 @@ class ProcessTable:
     def find(self, low: int) -> ProcessMatch | None:
         """Return the only process whose own id ends in these 16 bits, if it has Fast DDS loaded."""
         pids = self._pids_by_low_bits.get(low, ())
-        with suppress(OSError):
+        with suppress(OSError):  # the process has ended
             process = self.process(pids[0]) if len(pids) == 1 else None
             if process and self._has_fast_dds(process[0]):
                 return ProcessMatch(
@@ -105,7 +105,7 @@ class ProcessTable:
 
     def is_related(self, pid: int) -> bool:
         """Return whether a process supervises this one, has started it, or was started by it."""
-        with suppress(OSError):
+        with suppress(OSError):  # the process has ended
             near = (self.supervisor(), os.getppid())
             return pid in near or int(self._stat(pid)[_PARENT]) == os.getpid()
         return False
@@ -117,7 +117,7 @@ class ProcessTable:
             if pid in known:
                 yield pid, known[pid]
             else:
-                with suppress(*_ENDED_ERRORS):
+                with suppress(*_ENDED_ERRORS):  # it ended after the folder was listed
                     yield pid, self._namespace_pid(pid)
 
     def _namespace_pid(self, pid: int) -> int | None:

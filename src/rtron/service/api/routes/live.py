@@ -62,14 +62,14 @@ async def _send_messages(socket: WebSocket, service: ServiceContext) -> None:
 
 
 async def _wait_for_disconnect(socket: WebSocket) -> None:
-    """Wait until the console has gone; what it says is not asked for."""
+    """Wait until the console has gone; ignore what it sends."""
     while (await socket.receive())["type"] != "websocket.disconnect":
-        pass
+        pass  # a console has nothing to say here
 
 
 async def _watch_session(socket: WebSocket, service: ServiceContext) -> None:
     """Wait until the session is over: logged out, disabled, removed, revoked or too old."""
-    with suppress(RTronError):
+    with suppress(RTronError):  # raised when the session is over
         while True:
             await asyncio.sleep(_SESSION_CHECK_INTERVAL_S)
             with suppress(SQLAlchemyError):  # it is away: no reason to end what is live
@@ -82,7 +82,7 @@ async def _run_until_first(*coroutines: Coroutine[None, None, None]) -> None:
     try:
         done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
         for task in done:
-            with suppress(WebSocketDisconnect, RuntimeError):
+            with suppress(WebSocketDisconnect, RuntimeError):  # the console closed it first
                 task.result()
     finally:
         for task in tasks:
@@ -92,5 +92,5 @@ async def _run_until_first(*coroutines: Coroutine[None, None, None]) -> None:
 
 async def _close_socket(socket: WebSocket) -> None:
     if socket.application_state is WebSocketState.CONNECTED:
-        with suppress(RuntimeError, WebSocketDisconnect):
+        with suppress(RuntimeError, WebSocketDisconnect):  # the console closed it first
             await socket.close(_POLICY_VIOLATION, "the session is over, or the console too slow")

@@ -54,7 +54,7 @@ def typed_argument(text: str) -> Value:
         if "_" not in text:
             return int(text)
     except ValueError:
-        pass
+        pass  # not a number: a truth value or a text
     return {"true": True, "false": False}.get(text.lower(), text)
 
 

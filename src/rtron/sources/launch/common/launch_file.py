@@ -42,7 +42,7 @@ def launch_generation(launch: Path) -> int:
         if is_ros2(parse_launch(str(launch)).launch):
             return 2
     except InputError:
-        pass
+        pass  # unreadable: the package around it tells its generation
     return 2 if _is_in_ament_package(launch.absolute()) else 1
 
 

@@ -35,7 +35,7 @@ def find_program(uri: str, pid: int) -> NodeProgram:
     """
     host, port = split_uri(uri)
     process = _PROC / str(pid)
-    with suppress(OSError, ValueError):
+    with suppress(OSError, ValueError):  # it has ended, or we may not look at it
         if _is_this_machine(host) and _is_listening(process, port):
             return _program_at(_program_file(process))
     return NodeProgram()
@@ -61,7 +61,7 @@ def _listening_sockets(process: Path, port: int) -> set[str]:
     """Return the sockets that listen on a port, in the process's network."""
     sockets = set()
     for table in ("tcp", "tcp6"):
-        with suppress(FileNotFoundError):
+        with suppress(FileNotFoundError):  # a kernel without IPv6 has no tcp6
             for line in (process / "net" / table).read_text().splitlines()[1:]:
                 fields = line.split()
                 is_listening = fields[_STATE] == _TCP_LISTEN

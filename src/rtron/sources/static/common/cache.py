@@ -50,12 +50,12 @@ class InterfaceCache:
         if self.folder is None:
             return None
         path = self.folder / self._name(task)
-        with suppress(InputError, ValidationError):
+        with suppress(InputError, ValidationError):  # missing or damaged: interpret anew
             result = _RESULT.validate_json(read_bounded(path, MAX_ENTRY))
             if result.files and all(
                 self._hash(f) == expected_hash for f, expected_hash in result.files
             ):
-                with suppress(OSError):
+                with suppress(OSError):  # the time only decides what is removed first
                     os.utime(path)
                 return result
         return None
@@ -66,14 +66,14 @@ class InterfaceCache:
             return
         data = _RESULT.dump_json(result)
         if len(data) <= MAX_ENTRY:
-            with suppress(OSError):
+            with suppress(OSError):  # without a cache the next scan takes longer
                 _write_atomically(self.folder / self._name(task), data)
 
     def trim(self) -> None:
         """Remove the entries that were not used for longest while there are too many bytes."""
         if self.folder is None:
             return
-        with suppress(OSError):
+        with suppress(OSError):  # another scan may remove entries; the next one trims
             entries = [(e.stat().st_mtime, e.stat().st_size, e) for e in self.folder.iterdir()]
             total = sum(size for _, size, _ in entries)
             for _, size, entry in sorted(entries):
@@ -145,7 +145,7 @@ def _write_atomically(path: Path, data: bytes) -> None:
     """Write a file whole under a new name, then give it its own: links there are not followed."""
     temporary = path.with_name(f"{path.name}.{os.getpid()}")
     flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW
-    with suppress(FileNotFoundError):
+    with suppress(FileNotFoundError):  # the usual case: nothing is left over
         temporary.unlink()
     with os.fdopen(os.open(temporary, flags, 0o600), "wb") as stream:
         stream.write(data)

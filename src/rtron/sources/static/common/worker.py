@@ -50,7 +50,7 @@ def start_worker(packages: Mapping[str, Path], folders: tuple[Path, ...]) -> Non
     """Make this process ready to work on a workspace."""
     sys.setrecursionlimit(RECURSION_LIMIT)
     gc.set_threshold(GC_THRESHOLD)
-    with suppress(ValueError, OSError):
+    with suppress(ValueError, OSError):  # the hard limit is lower already
         hard = resource.getrlimit(resource.RLIMIT_AS)[1]
         resource.setrlimit(resource.RLIMIT_AS, (MAX_MEMORY, hard))
     signal.signal(signal.SIGALRM, _time_up)

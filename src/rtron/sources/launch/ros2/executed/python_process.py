@@ -62,7 +62,7 @@ def _wait_for_exit(process: "subprocess.Popen[bytes]", seconds: float) -> None:
 
 
 def _kill_group(process: "subprocess.Popen[bytes]") -> None:
-    with suppress(ProcessLookupError, PermissionError):
+    with suppress(ProcessLookupError, PermissionError):  # the group has ended
         os.killpg(process.pid, signal.SIGKILL)
 
 
@@ -77,7 +77,7 @@ def _kill_tagged(token: bytes) -> None:
 
 def _kill_if_tagged(pid: int, token: bytes) -> bool:
     """End a process that has the token; the descriptor is of it alone, whatever its number."""
-    with suppress(OSError):
+    with suppress(OSError):  # it has ended, or belongs to another user
         descriptor = os.pidfd_open(pid)
         try:
             if token in Path(f"/proc/{pid}/environ").read_bytes().split(b"\0"):
@@ -89,7 +89,7 @@ def _kill_if_tagged(pid: int, token: bytes) -> bool:
 
 
 def _pids() -> Iterator[int]:
-    with suppress(OSError):
+    with suppress(OSError):  # /proc is not readable here
         yield from (int(entry.name) for entry in Path("/proc").iterdir() if entry.name.isdigit())
 
 

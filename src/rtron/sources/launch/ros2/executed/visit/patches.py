@@ -104,6 +104,6 @@ def _wrap_method(cls: Thing, name: str, replacement: Method) -> None:
 
 def _record_location(original: Method, thing: Thing, *args: object, **kwargs: object) -> object:
     """Remember where something is made."""
-    with suppress(AttributeError):
+    with suppress(AttributeError):  # a class with slots keeps no location
         setattr(thing, LOCATION_ATTRIBUTE, caller_location())
     return original(thing, *args, **kwargs)
