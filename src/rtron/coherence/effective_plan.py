@@ -98,8 +98,7 @@ def _overridable_ids(plan: Plan) -> set[str]:
 
 def _messages(plan: Plan) -> Iterator[str]:
     for part, _, message in settable_problems(plan):
-        is_node = isinstance(part, (GRCN, RSRCN, MSRCN))
-        name = part.id if is_node else getattr(part, "name", "")
+        name = part.id if isinstance(part, (GRCN, RSRCN, MSRCN)) else getattr(part, "name", "")
         yield f"{name}: {message}" if name else message
 
 

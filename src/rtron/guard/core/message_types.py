@@ -10,7 +10,7 @@ from rtron.messages.common.definition_registry import DefinitionRegistry, standa
 from rtron.messages.common.encoding import Encoding
 from rtron.messages.common.stamp import stamp_reader
 from rtron.messages.common.velocity import VELOCITY_TYPES, VelocityCodec, velocity_codec
-from rtron.policies.velocity_limit.frame_rate import NO_STAMP
+from rtron.policies.velocity_limit.frame_counter import NO_STAMP
 from rtron.vocabulary import normalise_type
 
 _STANDARD_DEFINITIONS = {

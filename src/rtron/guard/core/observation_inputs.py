@@ -10,7 +10,7 @@ from rtron.guard.core.log_throttle import LogThrottle
 from rtron.guard.core.message_types import stamp_of
 from rtron.guard.core.observations import EventSource, Observations
 from rtron.guard.transport.common.protocol import MessageHandler, Peer, Transport
-from rtron.policies.velocity_limit.frame_rate import NO_STAMP
+from rtron.policies.velocity_limit.frame_counter import NO_STAMP
 from rtron.vocabulary import PRIVATE_ROOT, FpsMonitor, WatchedFlow, matches_node
 
 

@@ -45,8 +45,8 @@ drop
 """
 
 from rtron.policies.velocity_limit.frame_monitors import FrameMonitors
-from rtron.policies.velocity_limit.limit_sources import UserLimit
 from rtron.policies.velocity_limit.limiter import TABLE, VelocityLimiter
+from rtron.policies.velocity_limit.speed_limits import FixedLimit
 from rtron.vocabulary import PolicySettings
 
 __all__ = ["TABLE", "Constrain"]
@@ -56,4 +56,4 @@ class Constrain(VelocityLimiter):
     """At most `max_vel_limit`."""
 
     def __init__(self, settings: PolicySettings, monitors: FrameMonitors) -> None:  # noqa: ARG002
-        super().__init__(settings, UserLimit(settings))
+        super().__init__(settings, FixedLimit(settings))

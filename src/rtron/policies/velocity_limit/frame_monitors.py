@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from rtron.policies.velocity_limit.frame_rate import FrameRate
+from rtron.policies.velocity_limit.frame_counter import FrameCounter
 from rtron.vocabulary import FpsMonitor
 
 
@@ -32,8 +32,8 @@ class FrameMonitor:
     def __init__(self, plan: FpsMonitor) -> None:
         self.id = plan.id
         self._silent_after = plan.silent_after
-        self._frames = FrameRate(plan.window)
-        self._camera = FrameRate(plan.window) if plan.camera else None
+        self._frames = FrameCounter(plan.window)
+        self._camera = FrameCounter(plan.window) if plan.camera else None
         self._last: int | None = None
 
     def add_frame(self, stamp: int, now: int) -> None:

@@ -58,8 +58,8 @@ Velocity(linear=(0.2,), angular=(0.1,)) because limited to 0.2 m/s (fps_detector
 """
 
 from rtron.policies.velocity_limit.frame_monitors import FrameMonitors
-from rtron.policies.velocity_limit.limit_sources import FrameRateLimit
 from rtron.policies.velocity_limit.limiter import TABLE, VelocityLimiter
+from rtron.policies.velocity_limit.speed_limits import FrameRateLimit
 from rtron.vocabulary import PolicySettings
 
 __all__ = ["TABLE", "Safe"]

@@ -45,8 +45,8 @@ nothing moves: 0 m/s (fps_detector is silent)
 """
 
 from rtron.policies.velocity_limit.frame_monitors import FrameMonitors
-from rtron.policies.velocity_limit.limit_sources import FrameRateLimit, LowerLimit, UserLimit
 from rtron.policies.velocity_limit.limiter import TABLE, VelocityLimiter
+from rtron.policies.velocity_limit.speed_limits import FixedLimit, FrameRateLimit, LowestLimit
 from rtron.vocabulary import PolicySettings
 
 __all__ = ["TABLE", "SafeConstrain"]
@@ -57,5 +57,5 @@ class SafeConstrain(VelocityLimiter):
 
     def __init__(self, settings: PolicySettings, monitors: FrameMonitors) -> None:
         super().__init__(
-            settings, LowerLimit(UserLimit(settings), FrameRateLimit(settings, monitors))
+            settings, LowestLimit(FixedLimit(settings), FrameRateLimit(settings, monitors))
         )

@@ -1,1 +1,4 @@
-"""ROS 2's launch files in XML and YAML: what they start, without running anything."""
+"""ROS 2's launch files in XML, YAML and Python: what they start.
+
+`executed/` alone runs a launch file; everything else only reads it.
+"""

@@ -48,7 +48,7 @@ class ActionContextTracker:
             self.current = previous
 
     @contextmanager
-    def under_condition(self, site: ElementSite, holds: bool | None) -> Iterator[None]:  # noqa: FBT001
+    def record_condition(self, site: ElementSite, holds: bool | None) -> Iterator[None]:  # noqa: FBT001
         """Read an action under its condition; one that is not known is noted."""
         if not site.has("if") and not site.has("unless"):
             yield

@@ -19,9 +19,7 @@ from rtron.sources.launch.ros2.substitutions.command_output import CommandOutput
 from rtron.sources.launch.ros2.substitutions.functions import (
     Function,
     format_bool,
-    parse_condition,
     require_arguments,
-    require_known,
 )
 from rtron.sources.launch.ros2.substitutions.loops import loop_variable
 from rtron.sources.launch.ros2.substitutions.package_lookup import PackageLookup
@@ -31,7 +29,7 @@ from rtron.sources.launch.ros2.substitutions.substitution import (
     configuration_function,
     environment_function,
 )
-from rtron.sources.launch.ros2.substitutions.template import placeholder
+from rtron.sources.launch.ros2.substitutions.template import placeholder, require_known
 from rtron.sources.launch.ros2.unresolved import UnresolvedNotes
 from rtron.vocabulary import UnknownValue
 from rtron.vocabulary.remap_rules import UNKNOWN_NAME, RemapRule
@@ -85,20 +83,6 @@ class LaunchEvaluator(UnresolvedNotes):
         with self.collect_errors(site):
             return self.substitution_evaluator(site).evaluate(template)
         return None
-
-    def condition(self, site: ElementSite) -> tuple[bool | None, frozenset[LaunchVariable]]:
-        """Return what an element's condition says, None if it is not known, and what decides it."""
-        results: list[bool | None] = []
-        dependencies: set[LaunchVariable] = set()
-        for key, expected in (("if", True), ("unless", False)):
-            if site.has(key):
-                results.append(None)
-                text = self.value(site, key)
-                dependencies |= self.dependencies
-                with self.collect_errors(site):
-                    results[-1] = None if text is None else parse_condition(text) is expected
-        known = False if False in results else None if None in results else True
-        return known, frozenset(dependencies)
 
     def remap_rules(self, sites: Iterable[ElementSite]) -> list[RemapRule]:
         """Return the remap rules that elements say, `*` for a name that is not known."""

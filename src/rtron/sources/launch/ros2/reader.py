@@ -18,6 +18,7 @@ from rtron.sources.launch.ros2.action_context import ActionContext, ActionContex
 from rtron.sources.launch.ros2.bundled_files import GAZEBO_ACTIONS, as_include, bundled_launch_file
 from rtron.sources.launch.ros2.choices import LaunchChoices
 from rtron.sources.launch.ros2.collector import LaunchCollector
+from rtron.sources.launch.ros2.conditions import evaluate_condition
 from rtron.sources.launch.ros2.context_actions import CONTEXT_TAGS, IGNORED_TAGS, ContextActions
 from rtron.sources.launch.ros2.element_site import ElementSite, FileInclusion
 from rtron.sources.launch.ros2.evaluator import LaunchEvaluator
@@ -135,15 +136,13 @@ class LaunchReader:
         self._evaluator.limits.enter_level(file.path)
         for element in elements:
             self._evaluator.limits.count_action(file.path, context)
-            self._under_condition(ElementSite(element, context, file), self._action)
+            self._run_if(ElementSite(element, context, file), self._action)
         self._evaluator.limits.level -= 1
 
-    def _under_condition(
-        self, site: ElementSite, run: Callable[[ElementSite, bool | None], None]
-    ) -> None:
+    def _run_if(self, site: ElementSite, run: Callable[[ElementSite, bool | None], None]) -> None:
         """Run an action if its condition lets it; another value of it may be refused later."""
         context = site.context
-        holds, dependencies = self._evaluator.condition(site)
+        holds, dependencies = evaluate_condition(self._evaluator, site)
         changes_context, starts = site.tag in CONTEXT_TAGS, site.tag in _STARTING_TAGS
         if changes_context or (starts and holds is False):
             self._evaluator.choices.decide(dependencies)
@@ -151,7 +150,7 @@ class LaunchReader:
             return
         before, outer_uncertain = context.change_mark(), context.is_uncertain
         context.is_uncertain = outer_uncertain or (holds is None and not changes_context)
-        with self._contexts.under_condition(site, holds):
+        with self._contexts.record_condition(site, holds):
             run(site, holds)
         context.is_uncertain = outer_uncertain
         if starts and context.add_dependencies(dependencies, before):
@@ -198,9 +197,7 @@ class LaunchReader:
 
     def _components(self, site: ElementSite, container: str) -> None:
         for component in site.children("composable_node"):
-            self._under_condition(
-                component, lambda site, _: self._collector.add_component(site, container)
-            )
+            self._run_if(component, lambda site, _: self._collector.add_component(site, container))
 
     def _timer(self, site: ElementSite) -> None:
         try:

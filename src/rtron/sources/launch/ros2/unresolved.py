@@ -8,8 +8,7 @@ from rtron.errors import InputError
 from rtron.sources.launch.common.errors import MissingArgumentError, UnresolvableError
 from rtron.sources.launch.ros2.element_site import ElementSite
 from rtron.sources.launch.ros2.limits import LaunchTooLargeError
-from rtron.sources.launch.ros2.substitutions.functions import UnknownPartError
-from rtron.sources.launch.ros2.substitutions.template import display_text
+from rtron.sources.launch.ros2.substitutions.template import UnknownPartError, display_text
 from rtron.vocabulary import UnresolvedItem
 
 

@@ -27,7 +27,6 @@ from rtron.sources.code.library_models.launch.constructor_calls import (
 from rtron.sources.launch.ros2.python.callbacks import LaunchCallbacks
 from rtron.sources.launch.ros2.python.substitutions import Fields, SubstitutionTranslator
 from rtron.sources.launch.ros2.substitutions.template import (
-    SubstitutionCall,
     TemplateText,
     placeholder,
 )
@@ -105,17 +104,7 @@ class ActionTranslator:
 
     def condition_attributes(self, value: Value) -> Attributes:
         """Return what an action's condition says, in the words of XML."""
-        name = launch_class_name(value)
-        fields = constructor_arguments(value) if isinstance(value, Instance) else {}
-        if value == NONE:
-            return {}
-        if name == "UnlessCondition":
-            return {"unless": self.translator.template(fields.get("predicate_expression"))}
-        if name == "LaunchConfigurationNotEquals":
-            keys = ("launch_configuration_name", "expected_value")
-            arguments = tuple(self.translator.template(fields.get(key)) for key in keys)
-            return {"unless": (SubstitutionCall("config-equals", arguments),)}
-        return {"if": self.translator.template(value)}
+        return {} if value == NONE else {"if": self.translator.template(value)}
 
     def event_element(self, event: str, value: Value) -> Element:
         """Return the element of actions that wait for an event."""

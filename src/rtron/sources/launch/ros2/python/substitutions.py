@@ -43,6 +43,9 @@ from rtron.sources.launch.ros2.substitutions.template import (
 
 Fields: TypeAlias = Mapping[str, Value]
 PerformSubstitution: TypeAlias = Callable[[ContextView], str]
+_CallBuilder: TypeAlias = (
+    "Callable[[SubstitutionTranslator, Fields, Instance, int], SubstitutionCall]"
+)
 MAX_DEPTH = 24
 
 
@@ -131,9 +134,7 @@ def _placeholder_name(value: Value) -> str:
     return value.label if isinstance(value, Unknown) else "?"
 
 
-def _call_builder(
-    name: str, *keys: str
-) -> Callable[[SubstitutionTranslator, Fields, Instance, int], SubstitutionCall]:
+def _call_builder(name: str, *keys: str) -> _CallBuilder:
     """Return what makes a call whose arguments are parameters; those at the end may be missing."""
 
     def made(
@@ -147,9 +148,7 @@ def _call_builder(
     return made
 
 
-def _list_call_builder(
-    name: str, key: str
-) -> Callable[[SubstitutionTranslator, Fields, Instance, int], SubstitutionCall]:
+def _list_call_builder(name: str, key: str) -> _CallBuilder:
     """Return what makes a call whose arguments are a list's items."""
 
     def made(
@@ -173,6 +172,18 @@ def _as_bool(
     return SubstitutionCall("as-bool", ((named,),))
 
 
+def _not_equal(
+    translator: SubstitutionTranslator, fields: Fields, value: Instance, depth: int
+) -> SubstitutionCall:
+    return SubstitutionCall("not", ((_CONFIG_EQUALS(translator, fields, value, depth),),))
+
+
+_CONFIG_EQUALS = _call_builder("config-equals", "launch_configuration_name", "expected_value")
+_CONDITIONS: Mapping[str, _CallBuilder] = {
+    "UnlessCondition": _call_builder("not", "predicate_expression"),
+    "LaunchConfigurationEquals": _CONFIG_EQUALS,
+    "LaunchConfigurationNotEquals": _not_equal,
+}
 _TEXT_FIELDS = {
     "TextSubstitution": "text",
     "PathSubstitution": "path",
@@ -181,9 +192,7 @@ _TEXT_FIELDS = {
     "IfCondition": "predicate_expression",
     **dict.fromkeys(CLASSES_BY_MODULE["launch.launch_description_sources"], "location"),
 }
-_CALL_BUILDERS: Mapping[
-    str, Callable[[SubstitutionTranslator, Fields, Instance, int], SubstitutionCall]
-] = {
+_CALL_BUILDERS: Mapping[str, _CallBuilder] = {
     "LaunchConfiguration": _call_builder("var", "variable_name", "default"),
     "EnvironmentVariable": _call_builder("env", "name", "default_value"),
     "PathJoinSubstitution": _list_call_builder("path-join", "substitutions"),
@@ -212,9 +221,6 @@ _CALL_BUILDERS: Mapping[
     "FindPackagePrefix": _call_builder("find-pkg-prefix", "package"),
     "FindPackage": _call_builder("find-pkg-prefix", "package"),
     "ExecutableInPackage": _call_builder("exec-in-pkg", "executable", "package"),
-    "UnlessCondition": _call_builder("not", "predicate_expression"),
-    "LaunchConfigurationEquals": _call_builder(
-        "config-equals", "launch_configuration_name", "expected_value"
-    ),
     "LaunchConfigAsBool": _as_bool,
+    **_CONDITIONS,
 }

@@ -12,9 +12,8 @@ from rtron.folders import path_exists
 from rtron.sources.launch.common.commands import CatCommand, XacroCommand, recognise_command
 from rtron.sources.launch.common.errors import UnresolvableError
 from rtron.sources.launch.ros2.parameters.file import read_text_file
-from rtron.sources.launch.ros2.substitutions.functions import require_known
 from rtron.sources.launch.ros2.substitutions.substitution import MAX_COMMAND_OUTPUT
-from rtron.sources.launch.ros2.substitutions.template import display_text
+from rtron.sources.launch.ros2.substitutions.template import display_text, require_known
 from rtron.sources.xacro import evaluate_xacro
 from rtron.vocabulary import UnresolvedItem
 

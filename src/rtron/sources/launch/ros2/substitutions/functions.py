@@ -5,33 +5,13 @@ import os.path
 from collections.abc import Callable, Mapping
 from typing import TypeAlias
 
-from rtron.sources.launch.common.errors import UnresolvableError
+from rtron.sources.launch.ros2.conditions import FALSE, TRUE, parse_condition
 from rtron.sources.launch.ros2.substitutions.python_expression import evaluate_python_expression
-from rtron.sources.launch.ros2.substitutions.template import display_text, has_placeholder
+from rtron.sources.launch.ros2.substitutions.template import has_placeholder, require_known
 
 Function: TypeAlias = Callable[[list[str]], str]
 
-_TRUE, _FALSE = frozenset({"true", "1"}), frozenset({"false", "0"})
-_TRUE_OR_YES = _TRUE | {"yes", "on"}
-
-
-class UnknownPartError(UnresolvableError):
-    """A text is needed whole of which a part is not known: why is noted where that part stands."""
-
-
-def parse_condition(text: str) -> bool:
-    """Return what a condition says; raise ValueError where launch would refuse it."""
-    normalised = require_known(text).strip().lower()
-    if normalised not in _TRUE | _FALSE:
-        raise ValueError(f"'{text[:80]}' is neither true nor false")
-    return normalised in _TRUE
-
-
-def require_known(text: str) -> str:
-    """Return a text that is known whole; raise OpenError for another."""
-    if has_placeholder(text):
-        raise UnknownPartError(f"'{display_text(text)[:80]}' is not known whole")
-    return text
+_TRUE_OR_YES = TRUE | {"yes", "on"}
 
 
 def require_arguments(arguments: list[str], min_count: int, max_count: int) -> list[str]:
@@ -53,7 +33,7 @@ def _eval(arguments: list[str]) -> str:
 def _equal(arguments: list[str]) -> bool:
     """Compare as EqualsSubstitution does: bools and numbers by what they are."""
     left, right = map(require_known, require_arguments(arguments, 2, 2))
-    if {left.lower(), right.lower()} <= _TRUE | _FALSE:
+    if {left.lower(), right.lower()} <= TRUE | FALSE:
         return parse_condition(left) is parse_condition(right)
     try:
         return math.isclose(float(left), float(right))

@@ -12,9 +12,12 @@ from rtron.sources.launch.ros2.substitutions.command_output import CommandOutput
 from rtron.sources.launch.ros2.substitutions.functions import (
     Function,
     require_arguments,
+)
+from rtron.sources.launch.ros2.substitutions.template import (
+    display_text,
+    placeholder,
     require_known,
 )
-from rtron.sources.launch.ros2.substitutions.template import display_text, placeholder
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,8 +9,14 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TypeAlias
 
+from rtron.sources.launch.common.errors import UnresolvableError
+
 _OPEN, _CLOSE = "\ue000", "\ue001"
 _PLACEHOLDER = re.compile(f"{_OPEN}([^{_OPEN}{_CLOSE}]*){_CLOSE}")
+
+
+class UnknownPartError(UnresolvableError):
+    """A text is needed whole of which a part is not known: why is noted where that part stands."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,6 +47,13 @@ def placeholder(name: str) -> str:
 def has_placeholder(text: str) -> bool:
     """Tell whether a part of a text is not known."""
     return _OPEN in text
+
+
+def require_known(text: str) -> str:
+    """Return a text that is known whole; raise UnknownPartError for another."""
+    if has_placeholder(text):
+        raise UnknownPartError(f"'{display_text(text)[:80]}' is not known whole")
+    return text
 
 
 def first_placeholder(text: str) -> str:

@@ -1,4 +1,6 @@
-"""How many frames a second an image node works off: a sliding window on a steady clock.
+"""How many frames a second an image node processes: a sliding window on a steady clock.
+
+`speed_limits.py` makes a limit of it.
 
 A stamp says which frame a message is about: one that was counted within the window is not counted
 again, and the newest never, so that a frozen picture is no frame. A stamp of 0 says nothing; such a
@@ -15,7 +17,7 @@ MAX_FPS = 1000
 NO_STAMP = 0
 
 
-class FrameRate:
+class FrameCounter:
     """The frames of the last `window` ns."""
 
     __slots__ = ("_frames", "_latest", "_max_frames", "_stamps", "_window")
@@ -43,8 +45,8 @@ class FrameRate:
     def rate(self, now: int) -> float:
         """Return the rate at `now`, frames a second.
 
-        It is what the window holds, and never more than one frame in the time since the last:
-        what the robot drives while no frame comes is what the rate is asked for.
+        It is what the window holds, and never more than one frame in the time since the last, so
+        the rate falls as soon as frames stop coming.
         """
         self._remove_expired(now)
         age = self.last_frame_age(now)

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from policy_runs import often
 
-from rtron.policies.velocity_limit.frame_rate import MAX_FPS, FrameRate
+from rtron.policies.velocity_limit.frame_counter import MAX_FPS, FrameCounter
 from rtron.vocabulary import SECOND
 
 WINDOW = 5_000_000
@@ -20,7 +20,7 @@ frames = st.lists(st.tuples(gaps, stamps), max_size=40)
 
 def play(frames, window=WINDOW):
     """Return a rate after frames of (arrival, stamp)."""
-    rate = FrameRate(window)
+    rate = FrameCounter(window)
     for at, stamp in frames:
         rate.add_frame(stamp, at)
     return rate
@@ -29,17 +29,17 @@ def play(frames, window=WINDOW):
 @often
 @given(frames, st.sampled_from([WINDOW, 1, 999_999, 1_000_000, 1_500_000, 2_000_000]))
 def test_it_is_what_a_naive_model_says(frames, window):
-    rate, model, now = FrameRate(window), NaiveFrameRate(window), 0
+    rate, model, now = FrameCounter(window), NaiveFrameRate(window), 0
     for gap, stamp in frames:
         now += gap
         assert rate.add_frame(stamp, now) is model.frame(stamp, now)
         for later in (0, 1, window - 1, window, window + 1):
-            assert FrameRate.rate(play_copy(rate), now + later) == model.rate(now + later)
+            assert FrameCounter.rate(play_copy(rate), now + later) == model.rate(now + later)
 
 
 def play_copy(rate):
     """Return a copy, since to ask about later forgets what is old then."""
-    copy = FrameRate(rate._window)
+    copy = FrameCounter(rate._window)
     copy._frames.extend(rate._frames)
     return copy
 
@@ -47,7 +47,7 @@ def play_copy(rate):
 @often
 @given(frames, gaps, gaps)
 def test_while_no_frame_comes_the_rate_only_falls(frames, one, other):
-    rate, now = FrameRate(WINDOW), 0
+    rate, now = FrameCounter(WINDOW), 0
     for gap, stamp in frames:
         now += gap
         rate.add_frame(stamp, now)
@@ -58,7 +58,7 @@ def test_while_no_frame_comes_the_rate_only_falls(frames, one, other):
 @often
 @given(frames, gaps)
 def test_the_rate_is_never_above_one_frame_in_the_time_since_the_last(frames, gap):
-    rate, now, last = FrameRate(WINDOW), 0, None
+    rate, now, last = FrameCounter(WINDOW), 0, None
     for wait, stamp in frames:
         now += wait
         if rate.add_frame(stamp, now):
@@ -73,7 +73,7 @@ def test_the_rate_is_never_above_one_frame_in_the_time_since_the_last(frames, ga
 def test_a_jump_of_the_cameras_clock_does_no_harm(frames, jump):
     """Only whether stamps are the same counts; 0 alone has a meaning."""
     told = [(gap, stamp) for gap, stamp in frames if 0 not in (stamp, stamp + jump)]
-    one, other, now = FrameRate(WINDOW), FrameRate(WINDOW), 0
+    one, other, now = FrameCounter(WINDOW), FrameCounter(WINDOW), 0
     for gap, stamp in told:
         now += gap
         assert one.add_frame(stamp, now) is other.add_frame(stamp + jump, now)
@@ -139,8 +139,8 @@ def test_the_age_is_that_of_the_last_frame_that_counted():
     rate = play([(0, 1), (10, 2), (20, 2)])
     assert rate.last_frame_age(25) == 15
     assert rate.last_frame_age(10 + WINDOW) is None
-    assert FrameRate(WINDOW).last_frame_age(0) is None
+    assert FrameCounter(WINDOW).last_frame_age(0) is None
 
 
 def test_the_rate_before_the_first_frame_is_none():
-    assert FrameRate(WINDOW).rate(10) == 0
+    assert FrameCounter(WINDOW).rate(10) == 0

@@ -1,4 +1,4 @@
-"""Where limits come from: the end user's word, the frame rates, or both."""
+"""The speed limits of the RSRCN: a fixed one, one by the frame rate, or the lower of both."""
 
 from rtron.errors import PlanError
 from rtron.policies.velocity_limit.frame_monitors import FrameMonitors, FrameRateReport
@@ -6,8 +6,8 @@ from rtron.policies.velocity_limit.limiter import SpeedLimit
 from rtron.vocabulary import PolicySettings
 
 
-class UserLimit:
-    """The end user's limit (`max_vel_limit`)."""
+class FixedLimit:
+    """The limit that the end user sets (`max_vel_limit`)."""
 
     is_variable = False
 
@@ -51,12 +51,12 @@ class FrameRateLimit:
         return SpeedLimit(self._lowest, f"{self._lowest:g} m/s ({who})")
 
 
-class LowerLimit:
+class LowestLimit:
     """The lower of two limits."""
 
     is_variable = True
 
-    def __init__(self, one: UserLimit, other: FrameRateLimit) -> None:
+    def __init__(self, one: FixedLimit, other: FrameRateLimit) -> None:
         self._one = one
         self._other = other
 
