@@ -13,9 +13,10 @@ from pathlib import Path
 from evaluation.common.datasets import Datasets, Reporter
 from evaluation.ros2.call_sites import call_sites
 from evaluation.ros2.navigation2 import call_site_figures
+from evaluation.ros2.program_scan import scan_programs
 from figures.figure import Figure
 from rtron.sources.static.common.scan_options import ScanOptions, default_workers
-from rtron.sources.static.ros2.programs import read_ros2_workspace, scan_programs
+from rtron.sources.static.ros2.app import read_ros2_workspace
 
 _REPOSITORY = "autowarefoundation/autoware.universe@b8ce82e3"
 _KIB_PER_MIB = 1024

@@ -19,10 +19,11 @@ from evaluation.common.datasets import Datasets, Reporter
 from evaluation.ros2.call_sites import Site, call_sites
 from evaluation.ros2.navigation2_launch import launch_figures
 from evaluation.ros2.navigation2_models import model_figures
+from evaluation.ros2.program_scan import ProgramScan, scan_programs
 from figures.figure import Figure
 from rtron.sources.declaration import Declaration
 from rtron.sources.static.common.scan_options import ScanOptions
-from rtron.sources.static.ros2.programs import ProgramScan, read_ros2_workspace, scan_programs
+from rtron.sources.static.ros2.app import read_ros2_workspace
 
 NEAR = 2
 """Lines between where a call begins and where it is said to be."""

@@ -25,9 +25,9 @@ _TYPES = {
     _DESCRIPTION: "std_msgs/msg/String",
 }
 _CAMERA_INFO_DISPLAYS = {("Camera", "Topic"), ("DepthCloud", "Depth Map Topic")}
-"""The displays that hear `camera_info` beside the topic of this key too."""
+"""Displays that also subscribe to `camera_info` next to the topic of this key."""
 
-_ROS1, _PACKAGE = "rviz/", "rviz_default_plugins/"
+_ROS1_PREFIX, _ROS2_PREFIX = "rviz/", "rviz_default_plugins/"
 _OTHER_TYPES = {"nav2_rviz_plugins/ParticleCloud": "nav2_msgs/msg/ParticleCloud"}
 
 
@@ -48,7 +48,7 @@ def rviz2_publications(config: Value) -> list[dict[str, str]]:
     tree = visualization_manager(config)
     tools = [] if has_placeholder(tree) else mappings_of(tree.get("Tools"))
     if has_placeholder(tree) or not config:
-        tools = [{"Class": _PACKAGE + name} for name in _TOOLS]
+        tools = [{"Class": _ROS2_PREFIX + name} for name in _TOOLS]
     return [sent for tool in tools for sent in _tool_topics(tool)]
 
 
@@ -77,7 +77,7 @@ def _display_topics(display: Mapping[str, Any]) -> Iterator[dict[str, str]]:
         if not isinstance(name, str) or not name or (key == _DESCRIPTION and is_file):
             continue
         yield {"topic": name, "type": _TYPES.get(key, _type(kind)), "qos": _qos(topic)}
-        if (kind.removeprefix(_PACKAGE), key) in _CAMERA_INFO_DISPLAYS:
+        if (kind.removeprefix(_ROS2_PREFIX), key) in _CAMERA_INFO_DISPLAYS:
             info = f"{name.rpartition('/')[0]}/camera_info"
             yield {"topic": info, "type": "sensor_msgs/msg/CameraInfo", "qos": "5 best_effort"}
 
@@ -85,15 +85,15 @@ def _display_topics(display: Mapping[str, Any]) -> Iterator[dict[str, str]]:
 def _type(kind: str) -> str:
     if kind in _OTHER_TYPES:
         return _OTHER_TYPES[kind]
-    package, _, name = TYPES.get(kind.replace(_PACKAGE, _ROS1, 1), "").partition("/")
+    package, _, name = TYPES.get(kind.replace(_ROS2_PREFIX, _ROS1_PREFIX, 1), "").partition("/")
     return f"{package}/msg/{name}" if name else ""
 
 
 def _tool_topics(tool: Mapping[str, Any]) -> Iterator[dict[str, str]]:
     kind = str(tool.get("Class", ""))
-    if kind.removeprefix(_PACKAGE) not in _TOOLS or not kind.startswith(_PACKAGE):
+    if kind.removeprefix(_ROS2_PREFIX) not in _TOOLS or not kind.startswith(_ROS2_PREFIX):
         return
-    default, type = _TOOLS[kind.removeprefix(_PACKAGE)]
+    default, type = _TOOLS[kind.removeprefix(_ROS2_PREFIX)]
     topic = tool.get("Topic")
     topic = topic if isinstance(topic, Mapping) else {}
     name = topic.get("Value")

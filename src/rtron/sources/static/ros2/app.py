@@ -7,6 +7,7 @@ from pathlib import Path
 
 from rtron.errors import InputError
 from rtron.sources.code.workspace_sources import WorkspaceSources
+from rtron.sources.launch.common.packages import find_packages
 from rtron.sources.launch.common.yaml_tree import YamlTree
 from rtron.sources.launch.ros2.app import read_app_launch
 from rtron.sources.launch.ros2.executed.execution import Execution, add_lines, is_incomplete
@@ -24,10 +25,19 @@ from rtron.sources.static.ros2.assembly import Ros2Assembly, duplicate_nodes
 from rtron.sources.static.ros2.controllers import ControllerParts
 from rtron.sources.static.ros2.gazebo_plugins import GazeboPluginNodes
 from rtron.sources.static.ros2.gazebo_server import GazeboServers
-from rtron.sources.static.ros2.programs import read_ros2_workspace
 from rtron.sources.static.ros2.standard_nodes import add_standard_interface
 from rtron.sources.workspace import Workspace
 from rtron.vocabulary import InteractionGraph
+
+
+def read_ros2_workspace(folders: Iterable[Path]) -> Workspace:
+    """Return the packages below folders alone: Debian's are of ROS 1."""
+    folders_read = tuple(folder.absolute() for folder in folders)
+    packages = find_packages(folders_read, {})
+    own_packages = {
+        n: path for n, path in packages.items() if any(map(path.is_relative_to, folders_read))
+    }
+    return Workspace(own_packages, folders_read)
 
 
 def scan_ros2_app(
@@ -40,7 +50,7 @@ def scan_ros2_app(
     """Return the interaction graph of the app that launch files start; nothing of it is run.
 
     Raise InputError if a given launch file cannot be read, or an argument is missing that it needs;
-    what is wrong elsewhere stands in the graph's `entries`. With `execution`, a launch file that
+    what is wrong elsewhere stands in the graph's `unresolved`. With `execution`, a launch file that
     reading does not explain whole is run with the launch library.
     """
     scan_options, workspace = options or ScanOptions(), read_ros2_workspace(folders)

@@ -8,7 +8,7 @@ from ros2_runs import UNLAUNCHED, names, site
 from rtron.sources.code.library_models.rclcpp.behavior_tree_xml import MAX_NODES
 from rtron.sources.code.program_runner import run_cpp
 from rtron.sources.code.workspace_sources import WorkspaceSources
-from rtron.sources.static.ros2.programs import read_ros2_workspace
+from rtron.sources.static.ros2.app import read_ros2_workspace
 
 TREE = """
 namespace tree {

@@ -5,7 +5,7 @@ from ros2_runs import UNLAUNCHED, implicit_declarations, names, run_text, settin
 
 from rtron.sources.code.program_runner import run_cpp
 from rtron.sources.code.workspace_sources import WorkspaceSources
-from rtron.sources.static.ros2.programs import read_ros2_workspace
+from rtron.sources.static.ros2.app import read_ros2_workspace
 
 LIFECYCLE = """
 using CallbackReturn = rclcpp_lifecycle::node_interfaces::LifecycleNodeInterface::CallbackReturn;

@@ -1,9 +1,9 @@
-"""The programs of ROS 2 packages: what an executable, or a component, is made of.
+"""All programs of a ROS 2 workspace, scanned without a launch.
 
-A scan without a launch takes all of them, each as a node with the name that its source gives it.
+Each is a node with the name that its source gives it.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,7 +11,6 @@ from pathlib import Path
 from rtron.errors import InputError
 from rtron.sources.bounded_file import read_regular_file
 from rtron.sources.declaration import NodeSite
-from rtron.sources.launch.common.packages import find_packages
 from rtron.sources.static.common.cache import open_cache
 from rtron.sources.static.common.scan_options import ScanOptions
 from rtron.sources.static.common.task import (
@@ -49,7 +48,7 @@ def ros2_programs(workspace: Workspace, folder: Path) -> Iterator[tuple[str, Int
             yield package, task
 
 
-def default_site(name: str) -> NodeSite:
+def _default_site(name: str) -> NodeSite:
     """Return where a program runs of which no launch is known."""
     return NodeSite(
         name=f"/{name}",
@@ -74,7 +73,7 @@ def _package_tasks(workspace: Workspace, package: str) -> Iterator[Interpretatio
     running = {task.class_name for task in tasks}
     for component in contents.components if contents else ():
         plain = component.class_name.rpartition("::")[2]
-        task = component_task(workspace, package, component.class_name, default_site(plain))
+        task = component_task(workspace, package, component.class_name, _default_site(plain))
         if (
             task
             and component.class_name not in running
@@ -116,7 +115,7 @@ def _is_test(sources: tuple[Path, ...], package: Path) -> bool:
 def _executable_tasks(
     workspace: Workspace, package: str, name: str
 ) -> Iterator[InterpretationTask]:
-    task = executable_task(workspace, package, name, default_site(name))
+    task = executable_task(workspace, package, name, _default_site(name))
     if task is not None and task.sources:
         yield task
 
@@ -128,16 +127,6 @@ class ProgramScan:
     package: str
     task: InterpretationTask
     result: TaskResult
-
-
-def read_ros2_workspace(folders: Iterable[Path]) -> Workspace:
-    """Return the packages below folders alone: Debian's are of ROS 1."""
-    folders_read = tuple(folder.absolute() for folder in folders)
-    packages = find_packages(folders_read, {})
-    own_packages = {
-        n: path for n, path in packages.items() if any(map(path.is_relative_to, folders_read))
-    }
-    return Workspace(own_packages, folders_read)
 
 
 def scan_programs(

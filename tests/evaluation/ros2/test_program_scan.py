@@ -2,14 +2,11 @@
 
 import pytest
 
+from evaluation.ros2.program_scan import ros2_programs, scan_programs
 from rtron.sources.declaration import NodeSite
 from rtron.sources.static.common.scan_options import ScanOptions
 from rtron.sources.static.common.task import TaskKind, component_task, executable_task
-from rtron.sources.static.ros2.programs import (
-    read_ros2_workspace,
-    ros2_programs,
-    scan_programs,
-)
+from rtron.sources.static.ros2.app import read_ros2_workspace
 
 NODE = """#include <rclcpp/rclcpp.hpp>
 namespace app {{ class {cls} : public rclcpp::Node {{ public:
