@@ -176,4 +176,4 @@ def test_what_starts_ever_new_launches_ends(folder, monkeypatch):
     graph = scan(folder, "chain.launch", args={"n": "0"}).graph
     assert {node.name for node in graph.nodes} == {"/boss0", "/boss1", "/boss2"}
     notes = {note.what: note.why for note in graph.unresolved}
-    assert notes["node /boss3"] == "what starts it was started itself, and so on, 3 deep"
+    assert notes["node /boss3"] == "launch files start each other more than 3 levels deep"
