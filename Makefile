@@ -51,18 +51,18 @@ mutation: setup ## Change the policies in over a thousand small ways; the tests 
 fuzz: setup ## Give the wire parsers over 100000 hostile inputs (3 minutes)
 	$(BIN)/pytest tests/wire --hypothesis-profile=fuzz -k fuzz --timeout=0 -q
 
-bench: setup ## Measure beside the peers, and write build/bench.json and build/bench-ros2.json
+bench: setup ## Measure beside the peers, and write build/bench.json and build/bench-ros2.json (15 minutes)
 	$(PYTHON) -m bench
 	if [ -x $(ROS2_PYTHON) ]; then $(ROS2_PYTHON) -m bench -o build/bench-ros2.json; fi
 
-eval: setup ## Evaluate on the apps in RTRON_APPS and RTRON_DATA, and write build/eval.json
+eval: setup ## Evaluate on the apps in RTRON_APPS and RTRON_DATA, and write build/eval.json (as long as they are many)
 	$(PYTHON) -m evaluation
 
-docs: setup ## Write the pages that are made from the code
+docs: setup ## Write the pages that are made from the code (10 seconds)
 	$(PYTHON) scripts/docs_rules.py
 	$(PYTHON) scripts/docs_policies.py
 
-lock: setup ## Pin and hash every dependency in requirements.lock
+lock: setup ## Pin and hash every dependency in requirements.lock (1 minute)
 	$(BIN)/uv pip compile pyproject.toml --extra dev --universal --python-version 3.10 \
 	  --generate-hashes --custom-compile-command "make lock" --quiet -o requirements.lock
 	$(BIN)/uv pip compile pyproject.toml --extra ros2-dev --universal --python-version 3.10 \

@@ -71,13 +71,13 @@ def compose_yaml(text: str | bytes, path: str, rules: YamlRules) -> yaml.Node | 
 def yaml_errors(
     path: str, first_line: int = 1, error_type: type[InputError] = InputError
 ) -> Iterator[None]:
-    """Raise an InputError with the line for what PyYAML raises."""
+    """Raise an InputError for what PyYAML raises: with its line, or that where the text begins."""
     try:
         yield
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
-        line = first_line + mark.line if mark else 0
+        line = first_line + (mark.line if mark else 0)
         raise error_type(f"not YAML: {error.problem}", path=path, line=line) from None
     except (yaml.YAMLError, ValueError, TypeError) as error:
         why = str(error).partition("\n")[0]
-        raise error_type(f"not YAML: {why}", path=path) from None
+        raise error_type(f"not YAML: {why}", path=path, line=first_line) from None

@@ -9,9 +9,9 @@ from test_recording_player import START, counts
 from test_run_measurement import TWIST, grcn
 from velocity_messages import twist
 
+from rtron.coherence import coherence_problems
 from rtron.guard.replay.player import RecordingPlayer
 from rtron.guard.replay.recorded_streams import RecordedStream
-from rtron.planning.coherence import coherence_problems
 from rtron.planning.tuning import tune_plan
 from rtron.policies import build_policy
 from rtron.vocabulary import SECOND, Decision, Flow, Plan, build_streams

@@ -23,7 +23,7 @@ def store(app):
             robot = register_robot(session, "car1", service.clock())
             batch = EventBatch(robot.id, "car1", tuple(map(event, range(first, last + 1))))
             added = add_events(session, service.clock(), [batch])
-        collector._stored(added, last + 1 - first)
+        collector._note_stored(added, last + 1 - first)
 
     return store
 

@@ -136,7 +136,7 @@ class RiskController:
             self._resend_stop(robot, settings)
 
     def change(self, caller: Principal, robot: str, change: SettingsChange) -> SettingsView:
-        """Merge a change into the settings; RevisionError if its revision is not the newest.
+        """Merge a change into the settings; StaleRevisionError if its revision is not the newest.
 
         A change that changes nothing makes no revision.
         """
@@ -215,7 +215,7 @@ class RiskController:
     def release_emergency_stop(
         self, caller: Principal, robot: str, request: ReleaseRequest
     ) -> SettingsView:
-        """End the emergency stop of a revision; RevisionError if that is not the newest."""
+        """End the emergency stop of a revision; StaleRevisionError if that is not the newest."""
 
         def apply(_session: Session, snapshot: RobotSnapshot) -> EffectivePlan:
             check_stop_right(caller.roles)

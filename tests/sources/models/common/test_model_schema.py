@@ -264,8 +264,8 @@ def test_long_lists_are_bounded(evaluated):
         (HEAD + "declares:\n- publish: a\n  typ: p/T\n", 5, "Extra inputs"),
         (HEAD + "declares:\n- {publish: a, type: p/T, for: x}\n", 4, "pattern"),
         (HEAD + "declares: [\n", 4, "not YAML"),
-        ("a: &x 1\nb: *x\n", 2, "aliases"),
-        ("!!python/object:os.system {}\n", 0, "not YAML"),
+        ("a: &x 1\nb: *x\n", 1, "aliases"),
+        ("!!python/object:os.system {}\n", 1, "not YAML"),
         ("", 0, "empty"),
     ],
 )
