@@ -1,7 +1,6 @@
 """A guarded action on real ROS 2: server, clients and guard, each a participant of its own."""
 
 import threading
-import time
 from contextlib import suppress
 
 import rclpy
@@ -217,6 +216,16 @@ class GuardThread:
         assert done.wait(10)
         return results[0]
 
+    def wait(self, duration):
+        """Wait until the loop has called what was due within a duration from now, ns."""
+        done = threading.Event()
+        self.call(lambda: self.loop.call_at(self.loop.now() + duration, done.set))
+        wait_for(done.is_set, what="a timer of the guard")
+
+    def held(self, flow):
+        """Return how many messages of a flow the guard has made wait."""
+        return self.call(lambda: self.action.pipeline.tallies[flow].held)
+
     def close(self):
         self.loop.post(self.loop.stop)
         self._thread.join()
@@ -257,6 +266,13 @@ class RclpyActionApp:
         self.one, self.two = self.client(ONE, "flow1"), self.client(TWO, "flow2")
         for client in (self.one, self.two):
             wait_for(client.ready, FOUND_S, f"the action of {client.node.get_name()}")
+        parts = (self.server, self.one, self.two)
+        wait_for(lambda: all(map(self._knows_all, parts)), FOUND_S, "each participant's knowledge")
+
+    def _knows_all(self, part):
+        """Tell whether a participant knows all nodes: Fast DDS may hang where one leaves before."""
+        nodes = (SERVER, ONE, TWO, *self.guard.session._nodes)
+        return {name.rpartition("/")[2] for name in nodes} <= set(part.node.get_node_names())
 
     def keep(self, part):
         self._parts.append(part)
@@ -272,8 +288,3 @@ class RclpyActionApp:
     def close(self):
         for part in reversed(self._parts):
             part.close()
-
-
-def settle(seconds=0.3):
-    """Let what must not happen have time to happen; nothing waits for this."""
-    time.sleep(seconds)

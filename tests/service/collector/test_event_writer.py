@@ -28,8 +28,11 @@ async def served(taken, work):
 def test_nobody_gets_in_while_it_is_full():
     async def work():
         gate, sizes = Event(), []
+        storing = asyncio.Event()
+        loop = asyncio.get_running_loop()
 
         def store(batches):
+            loop.call_soon_threadsafe(storing.set)
             gate.wait(20)
             sizes.append(len(batches))
             return ()
@@ -40,11 +43,11 @@ def test_nobody_gets_in_while_it_is_full():
         await taken.put(half)
         third = asyncio.create_task(taken.put(QueuedBatch(BATCH, 1, lambda stored: None)))
         running = asyncio.create_task(taken.run())
-        await asyncio.sleep(0)
-        await asyncio.sleep(0)
+        await storing.wait()
         assert not third.done()
         gate.set()
         await third
+        assert sizes[0] == 2
         running.cancel()
         await asyncio.gather(running, return_exceptions=True)
 
@@ -53,10 +56,18 @@ def test_nobody_gets_in_while_it_is_full():
 
 def test_what_is_larger_than_everything_comes_alone():
     async def work():
-        taken = EventWriter(lambda batches: (), lambda added, events: None)
-        await taken.put(QueuedBatch(BATCH, 2 * MAX_QUEUED_BYTES, lambda stored: None))
+        done, stored = asyncio.Event(), []
 
-    run(work())
+        def on_stored(is_stored):
+            stored.append(is_stored)
+            done.set()
+
+        taken = EventWriter(lambda batches: (), lambda added, events: None)
+        await taken.put(QueuedBatch(BATCH, 2 * MAX_QUEUED_BYTES, on_stored))
+        await served(taken, done.wait())
+        return stored
+
+    assert run(work()) == [True]
 
 
 def test_a_transaction_ends():

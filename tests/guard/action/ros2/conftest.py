@@ -1,11 +1,8 @@
 """What the tests of actions on ROS 2 share."""
 
-from contextlib import ExitStack, suppress
+from contextlib import ExitStack
 
 import pytest
-from harness import WaitTimeoutError
-
-TRIES = 3
 
 
 @pytest.fixture(scope="session")
@@ -26,15 +23,8 @@ def start_action_app(monkeypatch, domains):
     monkeypatch.delenv("ROS_LOCALHOST_ONLY", raising=False)
     with ExitStack() as apps:
 
-        def found(*policy, kind=RclpyActionApp, **settings):
-            """Start an app whose parts find each other: Fast DDS does not always succeed."""
-            for _ in range(TRIES - 1):
-                with suppress(WaitTimeoutError):
-                    return kind(domains.enter_context(reserve_domain()), *policy, **settings)
-            return kind(domains.enter_context(reserve_domain()), *policy, **settings)
-
-        def start(*policy, **settings):
-            app = found(*policy, **settings)
+        def start(*policy, kind=RclpyActionApp, **settings):
+            app = kind(domains.enter_context(reserve_domain()), *policy, **settings)
             apps.callback(app.close)
             return app
 

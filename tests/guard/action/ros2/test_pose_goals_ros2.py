@@ -19,7 +19,6 @@ from ros2_action_app import (
     Participant,
     RclpyActionApp,
     Server,
-    settle,
 )
 from test_msgs.action import Fibonacci
 
@@ -98,7 +97,7 @@ def test_poses_go_one_by_one_and_a_block_cancels_the_goal_they_became(start_acti
     app.one.publish_pose(1)
     wait_for(lambda: app.server.started == [1], what="the first pose's goal")
     app.two.publish_pose(2)
-    settle()
+    wait_for(lambda: app.guard.held("flow2") == 1, what="the second pose to wait")
     assert app.server.started == [1]
     app.server.finish(1)
     wait_for(lambda: app.server.started == [1, 2], what="the second pose's goal")
@@ -121,7 +120,7 @@ def test_poses_and_goals_of_a_guarded_action_take_turns(start_action_app):
     client.send_goal(3)
     wait_for(lambda: 3 in client.handles, what="a goal that waits to be accepted")
     app.two.publish_pose(2)
-    settle()
+    wait_for(lambda: app.guard.held("flow2") == 1, what="the second pose to wait")
     assert app.server.started == [1]
     for order in (1, 2, 3):
         app.server.finish(order)

@@ -1,5 +1,4 @@
 import json
-import time
 
 import pytest
 from harness import wait_for
@@ -99,11 +98,19 @@ def test_there_are_not_too_many(app, monkeypatch, people, listening):
 
 def test_an_open_console_is_no_use_of_the_session(app, clock, monkeypatch, people, listening):
     monkeypatch.setattr(live, "_SESSION_CHECK_INTERVAL_S", 0.01)
+    check, checks = live._check_read_permission, []
+
+    def counted(*arguments):
+        checks.append(clock())
+        return check(*arguments)
+
+    monkeypatch.setattr(live, "_check_read_permission", counted)
     headers = people.session_headers("mary", "end_user")
     with listening(headers) as socket:
         wait_for_listener(app)
         for _ in range(6):
             clock.sleep(0.4 * 3600)
             app.state.service.hub.broadcast(MOVE)
-            time.sleep(0.1)
+            now = clock()
+            wait_for(lambda now=now: checks.count(now) > 1 or not app.state.sockets)
         assert close_code(socket) == 1008
