@@ -279,8 +279,12 @@ def test_a_package_alone():
     assert classify_name("foo") == ()
 
 
-@pytest.mark.parametrize(
-    "text", ["", "\x00", "é" * 5000, "( " * 5000, "camera " * 20_000, "日本語。"]
-)
-def test_any_text_is_taken(text):
-    classify(repository(text, (text, text), readme=text))
+@pytest.mark.parametrize("text", ["", "\x00", "é" * 5000, "( " * 5000, "日本語。"])
+def test_text_without_meaning_has_no_function(text):
+    assert classify(repository(text, (text, text), readme=text)).functions == ()
+
+
+def test_text_of_any_length_is_taken():
+    text = "camera " * 20_000
+    found = classify(repository(text, (text, text), readme=text))
+    assert found.functions == classify(repository("camera", ("camera", "camera"))).functions != ()

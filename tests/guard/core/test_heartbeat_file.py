@@ -39,8 +39,14 @@ def test_a_time_to_come_counts_as_now(path):
 
 
 def test_where_nothing_can_be_written_the_guard_goes_on(tmp_path):
-    loop = EventLoop()
-    HeartbeatFile(tmp_path / "none" / "robot.heartbeat").beat(loop)
+    loop, called = EventLoop(), []
+    path = tmp_path / "none" / "robot.heartbeat"
+    HeartbeatFile(path).beat(loop)
+    path.parent.mkdir()
+    loop.call_later(1, lambda: called.append(path.exists()))
+    while not called:
+        loop.step()
+    assert called == [True]
     loop.close()
 
 

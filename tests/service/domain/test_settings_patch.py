@@ -150,9 +150,9 @@ def test_what_is_unknown_is_refused_with_the_nearest_word(nodes, told, help):
 
 
 GOOD = {
-    "priority": [-(2**31), 0, 2**31 - 1],
-    "timeout": [0, 1, 2**63 - 1, "0", "1 ns", "0.2 s"],
-    "block": [True, False],
+    "priority": {value: value for value in (-(2**31), 0, 2**31 - 1)},
+    "timeout": {0: 0, 1: 1, 2**63 - 1: 2**63 - 1, "0": 0, "1 ns": 1, "0.2 s": SECOND // 5},
+    "block": {True: True, False: False},
 }
 BAD = {
     "priority": [-(2**31) - 1, 2**31, 1.0, "1", True, [], 10**400],
@@ -161,9 +161,12 @@ BAD = {
 }
 
 
-@pytest.mark.parametrize(("key", "value"), [(k, v) for k in GOOD for v in GOOD[k]])
-def test_a_flows_values_within_bounds(key, value):
-    merged_nodes({"drive": {"flows": {"flow1": {key: value}}}})
+@pytest.mark.parametrize(
+    ("key", "value", "taken"), [(key, *pair) for key in GOOD for pair in GOOD[key].items()]
+)
+def test_a_flows_values_within_bounds(key, value, taken):
+    after = merged_nodes({"drive": {"flows": {"flow1": {key: value}}}})
+    assert after.nodes["drive"].flows["flow1"] == FlowSettings(**{key: taken})
 
 
 @pytest.mark.parametrize(("key", "value"), [(k, v) for k in BAD for v in BAD[k]])
@@ -204,7 +207,9 @@ def test_own_rules_are_counted():
 
 def test_the_plans_rules_are_not_counted():
     most = merged_nodes(rules(MAX_USER_RULES))
-    merged_nodes({"mission": {"rules": {"quiet": {"selected": True}}}}, most)
+    more = merged_nodes({"mission": {"rules": {"quiet": {"selected": True}}}}, most)
+    assert more.nodes["mission"].rules["quiet"].selected
+    assert len(more.nodes["mission"].rules) == MAX_USER_RULES + 1
 
 
 @pytest.mark.parametrize(
@@ -217,7 +222,9 @@ def test_names_and_expressions_are_bounded(longest, length):
         block = [f"f{i}" for i in range(size)] if longest == "block" else ["/goal"]
         return {"mission": {"rules": {name: {"when": when, "block": block}}}}
 
-    merged_nodes(own(length))
+    ((name, rule),) = merged_nodes(own(length)).nodes["mission"].rules.items()
+    sizes = {"name": len(name), "when": len(rule.when or ""), "block": len(rule.block or ())}
+    assert sizes[longest] == length
     told, _ = refused(own(length + 1))
     assert len(told) < 400
 

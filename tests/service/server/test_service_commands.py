@@ -108,10 +108,11 @@ def test_two_services_on_one_database_are_refused(tmp_path):
 
 
 def test_a_service_that_was_killed_leaves_no_lock(tmp_path):
-    with ServeProcess(tmp_path):
+    with ServeProcess(tmp_path) as killed:
         pass
-    with ServeProcess(tmp_path):
-        pass
+    assert killed.process.returncode == -signal.SIGKILL
+    with ServeProcess(tmp_path) as serving:
+        assert serving.login("not the password") == 401
 
 
 def test_a_port_that_is_taken_is_told(tmp_path):

@@ -46,6 +46,9 @@ def test_others_keep_what_they_have(opened):
     assert (room(earlier), room(stream), room(later)) == (before, its, before)
 
 
-def test_a_socket_that_is_closed_meanwhile_is_no_fault():
-    with large_receive_buffers(), socket.socket(socket.AF_INET, socket.SOCK_DGRAM):
-        pass
+def test_a_socket_that_is_closed_meanwhile_is_no_fault(opened):
+    with large_receive_buffers():
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM):
+            stays = opened(socket.SOCK_DGRAM)
+        before = room(stays)
+    assert room(stays) > before
