@@ -30,7 +30,7 @@ lint: setup ## Check style, types, names, sizes, imports and whether the generat
 	$(PYTHON) scripts/docs_policies.py --check
 
 coverage: setup ## Check that the tests run every branch of the policies, risks, plan checks and vocabulary (1 minute)
-	$(BIN)/pytest tests/policies tests/risks tests/coherence tests/planning/plan_file tests/vocabulary -q --hypothesis-profile=coverage \
+	$(BIN)/pytest tests/policies tests/risks tests/coherence tests/planning/plan_file/test_read_* tests/vocabulary -q --hypothesis-profile=coverage \
 	  -k "not test_speed and not never_above and not coarse" \
 	  --cov=rtron.policies --cov=rtron.risks --cov=rtron.coherence --cov=rtron.vocabulary --cov-branch \
 	  --cov-report=term-missing:skip-covered --cov-fail-under=100
