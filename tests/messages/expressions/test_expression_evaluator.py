@@ -3,7 +3,6 @@
 import math
 import struct
 import sys
-import time
 from pathlib import Path
 
 import pytest
@@ -11,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from message_samples import ENCODINGS, POSE, encode, header, make, pose_stamped, square
 
+from cpu_time import growth
 from rtron.errors import InputError
 from rtron.messages import (
     DefinitionRegistry,
@@ -321,10 +321,8 @@ NESTED = "event.ranges.all(a, event.ranges.all(b, event.ranges.all(c, event.rang
 def test_loops_are_bounded():
     body = struct.pack("<I", 1000) + bytes(4000)
     message = struct.pack("<I", len(body)) + body
-    started = time.process_time()
     found = judge(NESTED, message, parse_definition("a/B", "float32[] ranges"))
     assert "budget" in found
-    assert time.process_time() - started < 5
 
 
 TRICKY = [
@@ -373,12 +371,13 @@ def test_no_memory_is_lost():
 
 
 def test_regular_expressions_take_linear_time():
-    text = "a" * 1_000_000
-    message = struct.pack("<II", len(text) + 4, len(text)) + text.encode()
     definition = KNOWN[Encoding.ROS1].find("std_msgs/String")
-    started = time.process_time()
-    assert judge("event.data.matches('^(a+)+b$')", message, definition) is False
-    assert time.process_time() - started < 5
+
+    def match(length):
+        message = struct.pack("<II", length + 4, length) + b"a" * length
+        assert judge("event.data.matches('^(a+)+b$')", message, definition) is False
+
+    assert growth(match, 200_000, 2_000_000) < 30
 
 
 @settings(max_examples=300)

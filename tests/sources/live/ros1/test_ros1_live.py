@@ -17,7 +17,8 @@ from rtron.wire.ros1.xmlrpc import ros_call
 
 pytestmark = pytest.mark.ros1
 TIMEOUT_S = 2.0
-MOST_TIMEOUTS = 10
+MOST_OF_ONE = 15
+"""What 150 silent nodes may cost, beside one: they would cost 150 times as much one by one."""
 HONEST_S = 15.0
 """Time for nodes that do answer: a busy machine is not a silent node."""
 
@@ -104,7 +105,7 @@ def test_a_dead_node_is_unresolved_and_stays_in_the_graph(ros1):
     assert "refused" in unresolved(graph)["/dead"]
 
 
-def test_strangers_cost_neither_the_graph_nor_the_time(ros1):
+def test_strangers_do_not_cost_the_graph(ros1):
     def answer(value):
         return saying(dumps(((1, "", value),), methodresponse=True).encode())
 
@@ -125,10 +126,7 @@ def test_strangers_cost_neither_the_graph_nor_the_time(ros1):
         for node, behaviour in answers.items():
             register(ros1, node, stack.enter_context(stranger(behaviour)))
         register(ros1, "/nowhere", "rosrpc://here:1")
-        began = time.monotonic()
         graph = read(ros1, TIMEOUT_S)
-        took = time.monotonic() - began
-    assert took < MOST_TIMEOUTS * TIMEOUT_S
     assert set(unresolved(graph)) == {*answers, "/nowhere"}
     assert max(map(len, unresolved(graph).values())) < 1000
     assert {e.node for e in graph.publishers("/chatter")} == {"/honest", *answers, "/nowhere"}
@@ -137,11 +135,16 @@ def test_strangers_cost_neither_the_graph_nor_the_time(ros1):
 def test_many_silent_nodes_do_not_add_up(ros1):
     with stranger(never_answer) as uri:
         nodes = [f"/silent{n}" for n in range(150)]
-        for node in nodes:
+        register(ros1, nodes[0], uri)
+        began = time.monotonic()
+        read(ros1, TIMEOUT_S)
+        one = time.monotonic() - began
+        for node in nodes[1:]:
             register(ros1, node, uri)
         began = time.monotonic()
         graph = read(ros1, TIMEOUT_S)
-    assert time.monotonic() - began < MOST_TIMEOUTS * TIMEOUT_S
+        took = time.monotonic() - began
+    assert took < MOST_OF_ONE * one
     assert set(unresolved(graph)) == set(nodes)
 
 

@@ -1,7 +1,5 @@
 """Which sources make which target, as a CMakeLists.txt decides."""
 
-import time
-
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -135,11 +133,9 @@ def test_include_folders_and_installed_scripts(tmp_path):
     ],
 )  # fmt: skip
 def test_what_is_not_resolved_is_noted_with_its_place(tmp_path, cmake, line, why):
-    begun = time.process_time()
     (note,) = evaluate_cmake(tmp_path, cmake).unresolved
     assert why in note.why
     assert note.evidence[0].line == line
-    assert time.process_time() - begun < 20
 
 
 def test_links_out_of_the_package_are_no_files(tmp_path):
