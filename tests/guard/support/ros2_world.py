@@ -32,6 +32,11 @@ class OnRos2(RosWorld):
         self.session.close()
         self.end()
 
+    def text(self, text):
+        """Return a text as a network brings it: padded to words of 4 octets (RTPS)."""
+        message = super().text(text)
+        return message + bytes(-len(message) % 4)
+
     def serve(self):
         self._executor.spin_once(timeout_sec=0)
 
