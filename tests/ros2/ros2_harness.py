@@ -5,17 +5,13 @@ import os
 import signal
 import sys
 from contextlib import ExitStack, contextmanager
-from functools import cache
-from importlib.util import find_spec
 from itertools import cycle
 from pathlib import Path
 from tempfile import gettempdir
 
-import pytest
 from harness import Process, wait_for
 
 NODES2 = Path(__file__).parent / "nodes"
-_PROFILES = Path(__file__).with_name("fastdds_profiles.xml")
 _DOMAINS = range(1, 101)
 
 
@@ -84,30 +80,5 @@ def reserve_domain():
                 fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except BlockingIOError:
                 continue
-            _disable_intraprocess_delivery(domain)
             yield domain
             return
-
-
-@cache
-def _disable_intraprocess_delivery(domain):
-    """Let participants of this process talk to each other as those of several processes do.
-
-    Within a process Fast DDS 3.2 delivers by calls. Then a participant that starts while another
-    one does may never learn of its endpoints, however often they are announced. Fast DDS reads
-    its profiles once, when a process makes its first participant: this one.
-    """
-    if find_spec("rclpy") is None:
-        return
-    import rclpy  # noqa: PLC0415 - only a ROS 2 has it
-    from rclpy.context import Context  # noqa: PLC0415
-
-    version_2 = os.environ.get("ROS_DISTRO") in ("humble", "iron", "jazzy")
-    library = "FASTRTPS" if version_2 else "FASTDDS"
-    context = Context()
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv(f"{library}_DEFAULT_PROFILES_FILE", str(_PROFILES))
-        context.init(args=[], domain_id=domain)
-        rclpy.create_node("first", context=context).destroy_node()
-    context.try_shutdown()
-    context.destroy()

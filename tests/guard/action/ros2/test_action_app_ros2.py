@@ -7,7 +7,7 @@ from random import Random
 import pytest
 
 pytest.importorskip("rclpy", reason="needs ROS 2")
-from action_msgs.msg import GoalInfo, GoalStatusArray
+from action_msgs.msg import GoalInfo, GoalStatus, GoalStatusArray
 from harness import wait_for
 from rclpy.qos import qos_profile_action_status_default
 from ros2_action_app import (
@@ -312,6 +312,9 @@ def test_a_second_server_is_an_alarm_that_stops_the_goal_in_progress(start_actio
     app.one.send_goal(1)
     wait_for(lambda: app.server.started, what="the goal")
     assert guard.call(lambda: guard.coordinator.alarms.active) == ()
+    app.server.before_canceled_result = lambda: wait_for(
+        lambda: guard.knows_status(GoalStatus.STATUS_CANCELED), what="the status before the result"
+    )  # beside a second server the guard believes no other
     other = app.keep(Server(app.domain, "/mallory"))
     wait_for(lambda: app.one.answers[1], what="the end of the goal")
     assert app.one.answers[1] == [("canceled", [-1])]
