@@ -7,6 +7,8 @@ import argparse
 import sys
 from pathlib import Path
 
+from rtron.findings import FINDING_RULES, FindingRule, finding_page
+from rtron.findings import severity as finding_severity
 from rtron.risks import RULES, RiskRule, rule_page, severity
 from rtron.risks.list_parser import TABLES, WORD_LISTS
 
@@ -17,6 +19,22 @@ INDEX = """\
 # Rules
 
 What `rtron scan` looks for, one page a rule; `rtron explain <rule>` prints the page.
+
+## Findings
+
+What people act on. `rtron scan` shows them, `--level` chooses how many.
+
+| rule | what it finds | consequence |
+|---|---|---|
+{findings}
+
+## Severity of findings
+
+{finding_severity}
+
+## The paper's risks
+
+The kinds of risk of the paper, complete. `rtron scan --level auditor` shows them.
 
 | rule | kind | what it finds | severity |
 |---|---|---|---|
@@ -29,7 +47,7 @@ What `rtron scan` looks for, one page a rule; `rtron explain <rule>` prints the 
 
 {lists}
 
-## Severity
+## Severity of risks
 
 {severity}
 """
@@ -38,6 +56,8 @@ What `rtron scan` looks for, one page a rule; `rtron explain <rule>` prints the 
 def index() -> str:
     """Return the index of the rules in Markdown."""
     return INDEX.format(
+        findings="\n".join(map(_finding_row, FINDING_RULES)),
+        finding_severity=(finding_severity.__doc__ or "").strip(),
         rules="\n".join(map(_row, RULES)),
         lists="\n".join(f"- `{name}`" for name in (*WORD_LISTS, *TABLES)),
         severity=(severity.__doc__ or "").strip(),
@@ -48,9 +68,14 @@ def _row(rule: RiskRule) -> str:
     return f"| [{rule.name}]({rule.name}.md) | {rule.kind} | {rule.title} | {rule.severity} |"
 
 
+def _finding_row(rule: FindingRule) -> str:
+    return f"| [{rule.name}]({rule.name}.md) | {rule.title} | {rule.consequence} |"
+
+
 def stale(pages: Path) -> dict[Path, str]:
     """Return what should stand in each page that does not."""
     wanted = {pages / f"{rule.name}.md": rule_page(rule.name) for rule in RULES}
+    wanted |= {pages / f"{rule.name}.md": finding_page(rule) for rule in FINDING_RULES}
     wanted[pages / "README.md"] = index()
     return {
         path: page

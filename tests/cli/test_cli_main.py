@@ -24,7 +24,7 @@ def run(*arguments, **keys):
 def test_the_module_is_the_command(graph_file):
     ran = run("scan", graph_file, "--format", "json")
     assert (ran.returncode, ran.stderr) == (1, b"")
-    assert json.loads(ran.stdout)["schema"] == "rtron.risks/1"
+    assert json.loads(ran.stdout)["schema"] == "rtron.risks/2"
 
 
 def test_a_pipe_gets_80_columns_and_no_colour(graph_file):

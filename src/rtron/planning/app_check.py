@@ -44,6 +44,10 @@ class _AppGraph:
         listed = (node.name for node in self.graph.nodes)
         return frozenset(listed).union(endpoint.node for endpoint in self.graph.endpoints)
 
+    @cached_property
+    def unread_nodes(self) -> frozenset[str]:
+        return frozenset(node.name for node in self.graph.nodes if node.unread)
+
     def publishers(self, topic: str) -> tuple[str, ...]:
         return tuple(sorted({e.node for e in self.graph.publishers(topic)}))
 
@@ -251,7 +255,7 @@ def _check_publisher(
 
 
 def _check_successors(guard: _GuardedFlows, app: _AppGraph) -> Iterator[PlanProblem]:
-    subscribers = app.subscribers(guard.topic)
+    subscribers = (*app.subscribers(guard.topic), *app.unread_nodes)
     for name in guard.successors:
         if any(matches_node(name, node) for node in subscribers):
             continue

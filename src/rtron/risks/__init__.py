@@ -62,7 +62,8 @@ def _without_collection() -> Iterator[None]:
 
 
 def _report(facts: GraphFacts, risks: tuple[Risk, ...], not_run: dict[str, str]) -> RiskReport:
-    topics = sorted({topic for risk in risks for topic in risk.topics})
+    unread_commands = tuple(filter(facts.is_unread_command, facts.published_topics))
+    topics = sorted({*unread_commands, *(topic for risk in risks for topic in risk.topics)})
     classes = {topic: facts.classify(topic) for topic in topics}
     return RiskReport(
         app=facts.graph.app,
@@ -71,4 +72,5 @@ def _report(facts: GraphFacts, risks: tuple[Risk, ...], not_run: dict[str, str])
         not_run=not_run,
         topic_classes=classes,
         viewers=tuple(sorted(facts.viewers)),
+        unread_commands=unread_commands,
     )

@@ -8,9 +8,12 @@ from typing import NamedTuple
 from rtron.risks.lists import RiskLists
 from rtron.vocabulary import (
     Direction,
+    Domain,
     Endpoint,
     Evidence,
     InteractionGraph,
+    Sharing,
+    StreamKind,
     TopicClass,
     Trust,
     normalise_type,
@@ -90,6 +93,22 @@ class GraphFacts:
             lookup = (f"{type}ActionGoal", f"{name}/goal") if is_ros2_action else (type, name)
             self._classes[name] = self.lists.classify(*lookup)
         return self._classes[name]
+
+    def is_motion_command(self, name: str) -> bool:
+        """Tell whether a topic commands motion: a velocity, a setpoint, a trajectory."""
+        topic_class = self.classify(name)
+        return (
+            topic_class.domain is Domain.CONTROL
+            and topic_class.kind is StreamKind.COMMAND
+            and topic_class.sharing is Sharing.CONTEND
+            and not self.lists.ignores_topic(name)
+        )
+
+    def is_unread_command(self, name: str) -> bool:
+        """Tell whether a topic commands motion, has several publishers and no known reader."""
+        topic = self.topic(name)
+        is_contended = len(topic.publishers) > 1 and not topic.successors
+        return is_contended and self.is_motion_command(name)
 
     def type_of(self, endpoint: Endpoint) -> str:
         """Return an endpoint's type; where it keeps it open, that of its topic if there is one."""

@@ -17,7 +17,9 @@ def join_names(names: Sequence[str], nobody: str = "nobody") -> str:
 
 def conjugate(names: Sequence[str], plural: str) -> str:
     """Bend a regular verb to the number of its subjects."""
-    return plural if len(names) > 1 else f"{plural}s"
+    if len(names) > 1:
+        return plural
+    return f"{plural}es" if plural.endswith(("sh", "ch")) else f"{plural}s"
 
 
 def both_or_all(names: Sequence[str]) -> str:

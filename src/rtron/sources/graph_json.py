@@ -43,7 +43,12 @@ class GraphDocument:
 
 
 _DOCUMENT = TypeAdapter(GraphDocument)
-_OPTIONAL_KEYS = {"endpoints": "gid", "services": "implicit", "clients": "implicit"}
+_OPTIONAL_KEYS = {
+    "nodes": "unread",
+    "endpoints": "gid",
+    "services": "implicit",
+    "clients": "implicit",
+}
 _OPTIONAL_LISTS = ("clients", "parameters")
 """What only graphs of ROS 2 have, and is written only where it is something."""
 

@@ -52,6 +52,7 @@ from rtron.vocabulary.event import (
     StreamState,
     VerdictCounts,
 )
+from rtron.vocabulary.finding import Certainty, Consequence, Finding, FindingLevel
 from rtron.vocabulary.graph import (
     GRAPH_SCHEMA,
     Action,
@@ -185,6 +186,8 @@ __all__ = [
     "AlarmKind",
     "Area",
     "Audit",
+    "Certainty",
+    "Consequence",
     "CoordinationCount",
     "CoordinationKind",
     "Decision",
@@ -199,6 +202,8 @@ __all__ = [
     "EventKind",
     "EventStatistics",
     "Evidence",
+    "Finding",
+    "FindingLevel",
     "Flow",
     "FlowSettings",
     "FlowStatistics",

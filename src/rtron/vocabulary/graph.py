@@ -47,7 +47,11 @@ class QoS:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Node:
-    """A ROS node: its full name, and where it comes from as far as that is known."""
+    """A ROS node: its full name, and where it comes from as far as that is known.
+
+    `unread` marks one whose endpoints are not known, or not all: it has neither source nor model,
+    or firmware behind it names them.
+    """
 
     name: str
     package: str = ""
@@ -56,6 +60,7 @@ class Node:
     trust: Trust = Trust.UNKNOWN
     function: FunctionType | None = None
     domain: Domain | None = None
+    unread: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from rtron.vocabulary.enums import Domain, RiskKind, RiskRole, Severity, Sharing, StreamKind
 from rtron.vocabulary.graph import Evidence
 
-RISKS_SCHEMA = "rtron.risks/1"
+RISKS_SCHEMA = "rtron.risks/2"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -55,7 +55,8 @@ class RiskReport:
     """The risks of an app, their number by kind, and the rules that could not run and why.
 
     `topic_classes` has every topic of a risk. `viewers` are the nodes that only record or show
-    what they subscribe: they are nobody's successors.
+    what they subscribe: they are nobody's successors. `unread_commands` are the topics that command
+    motion, have several publishers and no known reader: a plan guards them, too.
     """
 
     app: str
@@ -64,3 +65,4 @@ class RiskReport:
     not_run: Mapping[str, str] = field(default_factory=dict)
     topic_classes: Mapping[str, TopicClass] = field(default_factory=dict)
     viewers: tuple[str, ...] = ()
+    unread_commands: tuple[str, ...] = ()

@@ -3,24 +3,34 @@
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from rtron.findings import find_findings
 from rtron.risks import discover_risks, load_lists
-from rtron.vocabulary import Endpoint, Evidence, InteractionGraph, RiskReport, UnresolvedItem
+from rtron.vocabulary import (
+    Endpoint,
+    Evidence,
+    Finding,
+    InteractionGraph,
+    RiskReport,
+    UnresolvedItem,
+)
 
 
 @dataclass(frozen=True, slots=True)
 class ScanResult:
-    """The graph of an app, and its risks."""
+    """The graph of an app, the paper's risks in it, and the findings for people."""
 
     graph: InteractionGraph
     report: RiskReport
+    findings: tuple[Finding, ...] = ()
 
 
 def scan_graph(graph: InteractionGraph, name_lists: Path | None = None) -> ScanResult:
-    """Return the risks of a graph; `name_lists` is a file with more message types and topic names.
+    """Return risks and findings of a graph; `name_lists` adds message types and topic names.
 
     Raise InputError if that file cannot be used.
     """
-    return ScanResult(graph, discover_risks(graph, load_lists(name_lists) if name_lists else None))
+    lists = load_lists(name_lists) if name_lists else None
+    return ScanResult(graph, discover_risks(graph, lists), find_findings(graph, lists))
 
 
 def with_relative_evidence(graph: InteractionGraph, root: Path | None) -> InteractionGraph:

@@ -3,13 +3,15 @@ import json
 import pytest
 
 from rtron.cli.commands.explain import page_names
+from rtron.findings import FINDING_RULES
 from rtron.policies import POLICIES
 from rtron.risks import RULES
 
 
 def test_every_rule_and_policy_is_listed_and_explained(rtron):
     listed = rtron("explain").out
-    assert page_names() == [*(rule.name for rule in RULES), *map(str, POLICIES)]
+    rules = [rule.name for rule in (*FINDING_RULES, *RULES)]
+    assert page_names() == [*rules, *map(str, POLICIES)]
     for name in page_names():
         assert f"\n  {name} " in listed
         ran = rtron("explain", name)
@@ -20,6 +22,9 @@ def test_every_rule_and_policy_is_listed_and_explained(rtron):
 @pytest.mark.parametrize(
     ("name", "titles"),
     [
+        ("several_publishers", ["# Several nodes command one motion"]),
+        ("several_publishers:/cmd_vel", ["# Several nodes command one motion"]),
+        ("Type-Mismatch", ["# The ends of a topic have different message types"]),
         ("GR-ST", ["# General risk with a single topic"]),
         ("gr-st", ["# General risk with a single topic"]),
         ("preemption", ["# Preemption"]),

@@ -45,7 +45,7 @@ def test_json_is_the_contract(rtron, graph_file):
     ran = rtron("scan", graph_file, "--format", "json")
     document = json.loads(ran.out)
     assert ran.code == 1
-    assert document["schema"] == "rtron.risks/1"
+    assert document["schema"] == "rtron.risks/2"
     assert document["summary"]["GR-ST"] == 1
     assert document["coordination_nodes"]["GRCN"] == {"Perception": 0, "Planning": 0, "Control": 1}
 

@@ -8,7 +8,7 @@ from rtron.vocabulary import Domain
 
 def test_keys_are_those_of_the_contract():
     document = json.loads(json.dumps(risks_to_json(REPORT)))
-    assert document["schema"] == "rtron.risks/1"
+    assert document["schema"] == "rtron.risks/2"
     assert document["summary"] == {"GR-ST": 1, "GR-MT": 0, "RSR": 0, "MSR": 2}
     assert document["not_run"] == {"rsr_image": "the graph holds no message types"}
     assert document["coordination_nodes"] == {

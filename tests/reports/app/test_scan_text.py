@@ -3,9 +3,11 @@ import re
 from report_cases import CONTENDED, GRAPH, REPORT, hears, report_of, risk, speaks
 from rich.cells import cell_len
 
-from rtron.reports.app.scan_text import MOST_UNRESOLVED, Scan, scan_text
+from rtron.reports.app.scan_text import Scan, scan_text
+from rtron.reports.app.unresolved_list import MOST_CAUSES
 from rtron.vocabulary import (
     Evidence,
+    FindingLevel,
     InteractionGraph,
     RiskKind,
     RiskRole,
@@ -16,6 +18,9 @@ from rtron.vocabulary import (
 AT_80_COLUMNS = """\
 autorace  ROS 1, read from graph.json
 5 nodes, 4 topics, 8 endpoints
+no findings in what could be read
+
+The paper's risks
 3 risks: 1 high, 1 medium, 1 low
 
 Who can interfere with whom
@@ -45,18 +50,17 @@ Coordination nodes needed
 Rules not run
   rsr_image: the graph holds no message types
 
-Unresolved (1)
+Not resolved (1)
   a publisher of /odd: its name comes from a service call (src/odd.cpp:12)
 
 Next
   rtron plan graph.json -o rtron.yaml  propose what to put in between
-  rtron explain gr_st  why it is a risk
 """
 
 
-def scan_of(graph=GRAPH, report=REPORT):
+def scan_of(graph=GRAPH, report=REPORT, level=FindingLevel.AUDITOR):
     next_step = "rtron plan graph.json -o rtron.yaml"
-    return scan_text(Scan(graph, report, read_from="graph.json", next_step=next_step))
+    return scan_text(Scan(graph, report, read_from="graph.json", next_step=next_step, level=level))
 
 
 def test_at_80_columns(printed):
@@ -101,7 +105,8 @@ def test_places_are_fewer_the_milder_the_risk(printed):
 def test_no_risk_is_said_with_the_doubt_that_stays(printed):
     quiet = InteractionGraph(app="quiet", endpoints=(speaks("/a", "/t"), hears("/b", "/t")))
     text = printed(scan_of(quiet, report_of()))
-    assert text == "quiet  ROS 1, read from graph.json\n2 endpoints\nno risks found\n"
+    assert text.startswith("quiet  ROS 1, read from graph.json\n2 endpoints\nno findings\n\n")
+    assert text.endswith("no risks found\n")
     assert "no risks found in what could be read" in printed(scan_of(GRAPH, report_of()))
     skipped = report_of(not_run={"rsr": "why"})
     assert "no risks found in what could be read" in printed(scan_of(quiet, skipped))
@@ -112,10 +117,17 @@ def test_an_empty_graph_is_named_so(printed):
 
 
 def test_a_long_list_of_unresolved_is_cut_and_counted(printed):
-    items = tuple(UnresolvedItem(what=f"x{i}", why="?") for i in range(MOST_UNRESOLVED + 2))
+    items = tuple(UnresolvedItem(what="x", why=f"why {i}") for i in range(MOST_CAUSES + 2))
     text = printed(scan_of(InteractionGraph(app="", unresolved=items), report_of()))
-    assert f"Unresolved ({MOST_UNRESOLVED + 2})" in text
-    assert "and 2 more" in text
+    assert f"Not resolved ({MOST_CAUSES + 2})" in text
+    assert "and 2 more causes" in text
+
+
+def test_the_papers_risks_are_for_auditors(printed):
+    for level in (FindingLevel.REGULAR, FindingLevel.PEDANTIC):
+        text = printed(scan_of(level=level))
+        assert "GR-ST" not in text
+        assert "Rules not run" in text
 
 
 def test_long_names_stay_whole(printed):

@@ -11,6 +11,7 @@ from rich.text import Text
 
 from rtron.cli.support.outcome import Outcome
 from rtron.errors import InputError
+from rtron.findings import FINDING_RULES, finding_page
 from rtron.policies import POLICIES
 from rtron.reports.text_layout import Report, columns, line
 from rtron.risks import RULES, rule_page
@@ -33,10 +34,15 @@ class ExplanationPage:
 
 
 def rule_pages() -> list[ExplanationPage]:
-    """Return the rules' pages, in the order in which the rules run."""
+    """Return the pages of the paper's rules, in the order in which the rules run."""
     return [
         ExplanationPage(rule.name, rule.title, rule_page(rule.name), rule.kind) for rule in RULES
     ]
+
+
+def finding_pages() -> list[ExplanationPage]:
+    """Return the pages of the rules of findings, in the order in which the rules run."""
+    return [ExplanationPage(rule.name, rule.title, finding_page(rule)) for rule in FINDING_RULES]
 
 
 def policy_pages() -> list[ExplanationPage]:
@@ -46,17 +52,25 @@ def policy_pages() -> list[ExplanationPage]:
 
 def page_names() -> list[str]:
     """Return every name that can be explained."""
-    return [page.name for page in (*rule_pages(), *policy_pages())]
+    return [page.name for page in _pages()]
 
 
 def find_pages(name: str) -> list[ExplanationPage]:
-    """Return the pages of a rule, a kind, a policy or a risk's id; raise InputError for others."""
+    """Return the pages of a rule, a kind, a policy, or the id of a finding or a risk.
+
+    Raise InputError for others.
+    """
     normalised = _normalise(name.partition(":")[0])
-    pages = [*rule_pages(), *policy_pages()]
-    found = [page for page in pages if normalised in (_normalise(page.name), _normalise(page.kind))]
+    found = [
+        page for page in _pages() if normalised in (_normalise(page.name), _normalise(page.kind))
+    ]
     if not found:
         raise _unknown_name(name[:_LONGEST_SHOWN])
     return found
+
+
+def _pages() -> list[ExplanationPage]:
+    return [*finding_pages(), *rule_pages(), *policy_pages()]
 
 
 def _policy_page(name: PolicyName) -> ExplanationPage:
@@ -97,6 +111,7 @@ def explain(
     policy does and when to use it, with an example.
 
     $ rtron explain
+    $ rtron explain several_publishers
     $ rtron explain gr_st
     $ rtron explain Preemption
     """
@@ -106,10 +121,13 @@ def explain(
 
 
 def _list_pages() -> list[Text]:
+    findings = [(page.name, page.summary) for page in finding_pages()]
     rules = [(page.name, page.kind, page.summary) for page in rule_pages()]
     policies = [(page.name, page.summary) for page in policy_pages()]
     return [
-        line(("Rules", "bold")),
+        line(("Findings", "bold")),
+        *columns(findings, ("cyan",), indent=2),
+        line(("The paper's risks", "bold")),
         *columns(rules, ("cyan", "dim"), indent=2),
         line(("Policies", "bold")),
         *columns(policies, ("cyan",), indent=2),

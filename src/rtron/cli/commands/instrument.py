@@ -74,8 +74,8 @@ def instrument(
     environment. Started with others, it ends at once and names them; instrument
     again for those. A guarded Python launch file takes any arguments.
 
-    Exit code: 0 every flow is guarded; 1 written, but some flow cannot be
-    guarded and the plan does not accept that; 2 bad input.
+    Exit code: 0 every flow is guarded; 1 written, but nothing is guarded, or some
+    flow cannot be and the plan does not accept that; 2 bad input.
     """
     result = run_instrument(
         InstrumentRequest(
@@ -92,7 +92,7 @@ def instrument(
         if format is TextOrJson.JSON
         else instrumentation_text(guarded)
     )
-    return Outcome(report, OK if guarded.is_closed else FINDINGS)
+    return Outcome(report, OK if guarded.is_closed and guarded.remaps else FINDINGS)
 
 
 def _guarded_report(result: InstrumentResult) -> InstrumentedLaunch:

@@ -13,6 +13,7 @@ from rtron.cli.support.options import NameLists, Output
 from rtron.cli.support.outcome import FINDINGS, OK, STDOUT, Outcome, as_json, write_files
 from rtron.cli.support.progress import show_progress
 from rtron.errors import InputError
+from rtron.findings import shown_at
 from rtron.reports.app.dot import graph_to_dot
 from rtron.reports.app.html import graph_to_html
 from rtron.reports.app.nodl import graph_to_nodl, nodl_files
@@ -22,7 +23,7 @@ from rtron.reports.app.sarif import risks_to_sarif
 from rtron.reports.app.scan_text import Scan, scan_text
 from rtron.reports.text_layout import Report
 from rtron.sources.graph_json import graph_to_json
-from rtron.vocabulary import InteractionGraph, RiskReport, Severity
+from rtron.vocabulary import FindingLevel, Severity
 from rtron.workflows.app_selection import AppSelection, SelectedApp, select_app
 from rtron.workflows.plan import propose
 from rtron.workflows.scan import ScanResult, scan_graph, with_relative_evidence
@@ -62,6 +63,13 @@ def scan(
             "or an HTML page."
         ),
     ] = Format.TEXT,
+    level: Annotated[
+        FindingLevel,
+        typer.Option(
+            help="Who reads the report: regular shows what to act on, pedantic also what is only "
+            "possible, auditor everything, the paper's risks too."
+        ),
+    ] = FindingLevel.REGULAR,
     fail_on: Annotated[
         FailOn, typer.Option(help="Exit with 1 if a risk has at least this severity.")
     ] = FailOn.LOW,
@@ -71,13 +79,14 @@ def scan(
     """Find what the nodes of an app can do to each other.
 
     The nodes of an app come from many authors. The scan reads the interaction
-    graph and reports which nodes can override, overload or mislead others, and
-    which coordination nodes prevent it.
+    graph and reports who can move the robot and which ends do not meet: what
+    can happen, which nodes and lines make it so, and what to do.
 
     An app in source needs no build: give its folders and launch files.
 
     $ rtron scan src                             list its launch files
     $ rtron scan src --launch pkg/app.launch model:=big
+    $ rtron scan src --launch pkg/app.launch --level auditor
     $ rtron scan src --launch pkg/app.launch --format html -o app.html
     $ rtron scan src --launch pkg/app.launch.py  ROS 2: .py, .xml, .yaml
     $ rtron scan src --launch pkg/app.launch.py --execute-launch
@@ -99,12 +108,12 @@ def scan(
         graph = app.source.read()
     if format in _HUMAN_FORMATS:
         graph = with_relative_evidence(graph, app.root)
-    report = scan_graph(graph, name_lists).report
-    exit_code = FINDINGS if _has_severe_risk(report, fail_on) else OK
+    result = scan_graph(graph, name_lists)
+    exit_code = FINDINGS if _is_severe(result, fail_on) else OK
     if format is Format.NODL and output.is_dir():
         write_files(output, nodl_files(graph))
         return Outcome("", exit_code)
-    return Outcome(_RENDERERS[format](app, graph, report), exit_code, output)
+    return Outcome(_RENDERERS[format](app, result, level), exit_code, output)
 
 
 def _launch_list(folders: Sequence[Path], format: Format) -> str | Report:
@@ -121,29 +130,41 @@ def _launch_list(folders: Sequence[Path], format: Format) -> str | Report:
     return launch_list_text(launches, folders)
 
 
-def _has_severe_risk(report: RiskReport, fail_on: FailOn) -> bool:
+def _is_severe(result: ScanResult, fail_on: FailOn) -> bool:
     if fail_on is FailOn.NEVER:
         return False
     order = list(Severity)
     mildest = order.index(Severity(fail_on.value))
-    return any(order.index(risk.severity) >= mildest for risk in report.risks)
+    severities = [each.severity for each in result.report.risks]
+    severities += [each.severity for each in result.findings]
+    return any(order.index(severity) >= mildest for severity in severities)
 
 
-def _text(app: SelectedApp, graph: InteractionGraph, report: RiskReport) -> Report:
-    next_step = f"rtron plan {app.arguments} -o rtron.yaml"
-    return scan_text(Scan(graph, report, read_from=app.description, next_step=next_step))
+def _text(app: SelectedApp, result: ScanResult, level: FindingLevel) -> Report:
+    scan = Scan(
+        result.graph,
+        result.report,
+        read_from=app.description,
+        next_step=f"rtron plan {app.arguments} -o rtron.yaml",
+        findings=tuple(each for each in result.findings if shown_at(level, each)),
+        hidden=tuple(each for each in result.findings if not shown_at(level, each)),
+        level=level,
+    )
+    return scan_text(scan)
+
+
+def _html(result: ScanResult) -> str:
+    return graph_to_html(result.graph, result.report, propose(result).plan)
 
 
 _HUMAN_FORMATS = {Format.TEXT, Format.HTML, Format.DOT}
-_RENDERERS: Mapping[Format, Callable[[SelectedApp, InteractionGraph, RiskReport], str | Report]] = {
+_RENDERERS: Mapping[Format, Callable[[SelectedApp, ScanResult, FindingLevel], str | Report]] = {
     Format.TEXT: _text,
-    Format.JSON: lambda app, graph, report: as_json(risks_to_json(report)),
-    Format.GRAPH: lambda app, graph, report: as_json(graph_to_json(graph)),
-    Format.NODL: lambda app, graph, report: graph_to_nodl(graph),
-    Format.ROSGRAPH: lambda app, graph, report: as_json(graph_to_rosgraph(graph)),
-    Format.DOT: lambda app, graph, report: graph_to_dot(graph, report),
-    Format.SARIF: lambda app, graph, report: risks_to_sarif(graph, report, app.root),
-    Format.HTML: lambda app, graph, report: graph_to_html(
-        graph, report, propose(ScanResult(graph, report)).plan
-    ),
+    Format.JSON: lambda app, scan, level: as_json(risks_to_json(scan.report, scan.findings)),
+    Format.GRAPH: lambda app, scan, level: as_json(graph_to_json(scan.graph)),
+    Format.NODL: lambda app, scan, level: graph_to_nodl(scan.graph),
+    Format.ROSGRAPH: lambda app, scan, level: as_json(graph_to_rosgraph(scan.graph)),
+    Format.DOT: lambda app, scan, level: graph_to_dot(scan.graph, scan.report),
+    Format.SARIF: lambda app, scan, level: risks_to_sarif(scan.graph, scan.report, app.root),
+    Format.HTML: lambda app, scan, level: _html(scan),
 }

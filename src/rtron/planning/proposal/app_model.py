@@ -86,10 +86,15 @@ class AppModel:
         """Return the nodes that the output goes to.
 
         A viewer gets it on the public name, unless it publishes the topic too: a remap then moves
-        both its ends.
+        both its ends. Where no reader of a command is known, every node that was not read may be
+        it: a remap of a name that a node does not use does nothing.
         """
-        viewers_only = self.viewers.difference(self.publishers(topic))
+        publishers = self.publishers(topic)
+        viewers_only = self.viewers.difference(publishers)
         nodes = {e.node for e in self.graph.subscribers(topic)} - viewers_only
+        if topic in self.report.unread_commands:
+            unread = {node.name for node in self.graph.nodes if node.unread}
+            nodes = unread - self.viewers - set(publishers)
         return tuple(sorted(filter(NODE_NAME.matches, nodes)))
 
     def type_of(self, topic: str) -> str:
@@ -114,7 +119,7 @@ class AppModel:
 
         Only contending topics of Planning and Control; an action as a whole, by its goals; and
         only where nodes are known to publish and to listen, each by its whole name, since whom the
-        plan does not name is stopped.
+        plan does not name is stopped. A command that nobody is known to read counts all the same.
         """
         topic_class = self.classify(topic)
         moves_robot = topic_class.domain in (Domain.PLANNING, Domain.CONTROL)
@@ -123,7 +128,8 @@ class AppModel:
             return False
         endpoints = (e for name in self._client_topics(topic) for e in self.graph.publishers(name))
         are_named = all(NODE_NAME.matches(e.node) for e in endpoints)
-        return are_named and bool(self.publishers(topic) and self.successors(topic))
+        has_reader = topic in self.report.unread_commands or self.successors(topic)
+        return are_named and bool(self.publishers(topic) and has_reader)
 
     def _client_topics(self, topic: str) -> tuple[str, ...]:
         """Return the topic, with that of the cancels if it is an action's goals."""

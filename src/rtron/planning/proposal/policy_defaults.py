@@ -90,6 +90,7 @@ def unguardable_topics(graph: InteractionGraph, report: RiskReport) -> tuple[Pla
 def _risky_topics(app: AppModel) -> list[str]:
     general = (RiskKind.GR_ST, RiskKind.GR_MT)
     risky = {topic for r in app.report.risks if r.kind in general for topic in r.topics}
+    risky.update(app.report.unread_commands)
     topics = {_guarded_unit(app, topic, risky) for topic in risky}
     return sorted(topics, key=lambda topic: (_ORDER.index(app.classify(topic).domain), topic))
 

@@ -1,7 +1,7 @@
-"""The risks as JSON, schema `rtron.risks/1`."""
+"""Risks and findings as JSON, schema `rtron.risks/2`."""
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from rtron.vocabulary import (
@@ -9,6 +9,7 @@ from rtron.vocabulary import (
     CoordinationCount,
     Domain,
     Evidence,
+    Finding,
     Risk,
     RiskKind,
     RiskReport,
@@ -17,16 +18,36 @@ from rtron.vocabulary import (
 _ALWAYS_COUNTED = (Domain.PERCEPTION, Domain.PLANNING, Domain.CONTROL)
 
 
-def risks_to_json(report: RiskReport) -> dict[str, Any]:
+def risks_to_json(report: RiskReport, findings: Iterable[Finding] = ()) -> dict[str, Any]:
     """Return the report as a JSON document; counts of zero stand, except of the lesser domains."""
     kinds = Counter(risk.kind for risk in report.risks)
     return {
         "schema": RISKS_SCHEMA,
         "app": report.app,
+        "findings": [_finding(finding) for finding in findings],
         "risks": [_risk(risk) for risk in report.risks],
         "summary": {kind.value: kinds[kind] for kind in RiskKind},
         "coordination_nodes": _coordination(report.coordination_nodes),
         "not_run": dict(report.not_run),
+    }
+
+
+def _finding(finding: Finding) -> dict[str, Any]:
+    return {
+        "id": finding.id,
+        "rule": finding.rule,
+        "fingerprint": finding.fingerprint,
+        "severity": finding.severity.value,
+        "certainty": finding.certainty.value,
+        "consequence": finding.consequence.value,
+        "level": finding.level.value,
+        "subject": finding.subject,
+        "summary": finding.summary,
+        "cause": finding.cause,
+        "remedy": finding.remedy,
+        "nodes": list(finding.nodes),
+        "topics": list(finding.topics),
+        "evidence": [_evidence(evidence) for evidence in finding.evidence],
     }
 
 

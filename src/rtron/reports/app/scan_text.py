@@ -1,42 +1,43 @@
 """What a scan found, as text for a person at a terminal."""
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import chain
 
 from rich.text import Text
 
 from rtron.reports.app.contention import contention
+from rtron.reports.app.finding_list import finding_list, findings_verdict
 from rtron.reports.app.node_functions import node_functions
-from rtron.reports.app.risk_list import (
-    MILDEST_LAST,
-    SEVERITY_STYLE,
-    location,
-    risk_list,
-    worst_first,
-)
+from rtron.reports.app.risk_list import MILDEST_LAST, SEVERITY_STYLE, risk_list
+from rtron.reports.app.unresolved_list import nodes_read, unresolved_list
 from rtron.reports.text_layout import Report, TextPage, columns, counted, heading, line, paragraph
 from rtron.vocabulary import (
     CoordinationCount,
     CoordinationKind,
     Domain,
+    Finding,
+    FindingLevel,
     InteractionGraph,
     RiskReport,
-    UnresolvedItem,
 )
-
-MOST_UNRESOLVED = 10
 
 
 @dataclass(frozen=True, slots=True)
 class Scan:
-    """A scan to report: the graph, where it was read from, its risks, and what to do next."""
+    """A scan to report: the graph, where it was read from, what was found, and what to do next.
+
+    `findings` are those of `level`, `hidden` the others.
+    """
 
     graph: InteractionGraph
     report: RiskReport
     read_from: str
     next_step: str
+    findings: tuple[Finding, ...] = ()
+    hidden: tuple[Finding, ...] = ()
+    level: FindingLevel = FindingLevel.REGULAR
 
 
 def scan_text(scan: Scan) -> Report:
@@ -47,14 +48,22 @@ def scan_text(scan: Scan) -> Report:
 def _lines(scan: Scan, page: TextPage) -> Iterable[Text]:
     return chain(
         _header(scan, page),
-        contention(scan.graph, scan.report, page),
-        risk_list(scan.report, page),
-        node_functions(scan.graph.nodes, page),
-        _coordination(scan.report),
+        finding_list(scan.findings, page),
+        _paper_risks(scan, page) if scan.level is FindingLevel.AUDITOR else (),
         _not_run(scan.report, page),
-        _unresolved(scan.graph.unresolved, page),
+        unresolved_list(scan.graph.unresolved, page),
         _next_step(scan),
     )
+
+
+def _paper_risks(scan: Scan, page: TextPage) -> Iterator[Text]:
+    """Yield what the paper's algorithms find, complete."""
+    yield from heading("The paper's risks")
+    yield _risk_verdict(scan)
+    yield from contention(scan.graph, scan.report, page)
+    yield from risk_list(scan.report, page)
+    yield from node_functions(scan.graph.nodes, page)
+    yield from _coordination(scan.report)
 
 
 def _header(scan: Scan, page: TextPage) -> Iterator[Text]:
@@ -69,10 +78,12 @@ def _header(scan: Scan, page: TextPage) -> Iterator[Text]:
     }
     summary = ", ".join(counted(number, noun) for noun, number in counts.items() if number)
     yield from paragraph(summary or "the graph is empty", page)
-    yield _verdict(scan)
+    unread = nodes_read(graph)
+    yield from paragraph(unread, page, style="yellow") if unread else ()
+    yield findings_verdict(scan.findings, scan.hidden, is_whole=not graph.unresolved)
 
 
-def _verdict(scan: Scan) -> Text:
+def _risk_verdict(scan: Scan) -> Text:
     if not scan.report.risks:
         partly = " in what could be read" if scan.graph.unresolved or scan.report.not_run else ""
         return line((f"no risks found{partly}", "bold green"))
@@ -112,20 +123,10 @@ def _not_run(report: RiskReport, page: TextPage) -> Iterator[Text]:
         yield from paragraph(f"{rule}: {why}", page, indent=2)
 
 
-def _unresolved(unresolved: Sequence[UnresolvedItem], page: TextPage) -> Iterator[Text]:
-    if unresolved:
-        yield from heading(f"Unresolved ({len(unresolved)})")
-    for item in unresolved[:MOST_UNRESOLVED]:
-        at = f" ({location(item.evidence[0])})" if item.evidence else ""
-        yield from paragraph(f"{item.what}: {item.why}{at}", page, indent=2)
-    if len(unresolved) > MOST_UNRESOLVED:
-        more = len(unresolved) - MOST_UNRESOLVED
-        yield line((f"and {more} more, which --format graph lists", "dim"), indent=2)
-
-
 def _next_step(scan: Scan) -> Iterator[Text]:
-    if scan.report.risks:
-        rule = min(scan.report.risks, key=worst_first).rule
+    if scan.findings or scan.report.risks:
         yield from heading("Next")
         yield line((scan.next_step, "bold green"), "  propose what to put in between", indent=2)
-        yield line((f"rtron explain {rule}", "bold green"), "  why it is a risk", indent=2)
+    if scan.findings:
+        page = f"rtron explain {scan.findings[0].rule}"
+        yield line((page, "bold green"), "  why it matters", indent=2)

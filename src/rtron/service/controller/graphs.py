@@ -33,7 +33,7 @@ def upload_graph(
 ) -> dict[str, Any]:
     """Store a graph (`rtron.graph/1` in JSON) and its risks; InputError if it is none.
 
-    Returns the risks, `rtron.risks/1`.
+    Returns the risks, `rtron.risks/2`.
     """
     event = caller.audit_event("graph", robot, bytes=len(data))
     now = clock()
@@ -70,7 +70,7 @@ def get_graph_page(session: Session, robot: str) -> dict[str, Any]:
 
 
 def get_risks_page(session: Session, robot: str) -> dict[str, Any]:
-    """Return the risks of a robot's app, `rtron.risks/1`, with the `source` of its graph."""
+    """Return the risks of a robot's app, `rtron.risks/2`, with the `source` of its graph."""
     graph, row = _load_graph(session, load_snapshot(session, robot))
     return {"source": "uploaded" if row else "plan", **risks_to_json(scan_graph(graph).report)}
 

@@ -46,7 +46,7 @@ class RiskModel:
 def build_risk_models(
     plan: Plan, in_force: Plan, risks: Sequence[Mapping[str, Any]]
 ) -> list[RiskModel]:
-    """Return the risk models of a plan, and what is `in_force`; risks are as in `rtron.risks/1`."""
+    """Return the risk models of a plan, and what is `in_force`; risks are as in `rtron.risks/2`."""
     settings = node_json(in_force)
     return [
         RiskModel(

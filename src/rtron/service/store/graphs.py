@@ -15,7 +15,7 @@ def find_graph(session: Session, app_id: int) -> GraphRow | None:
 
 
 def stored_risks(session: Session, app_id: int) -> Sequence[dict[str, Any]]:
-    """Return the risks of the uploaded graph, as `rtron.risks/1` has them, in their order."""
+    """Return the risks of the uploaded graph, as `rtron.risks/2` has them, in their order."""
     query = select(RiskRow).where(RiskRow.app_id == app_id).order_by(RiskRow.position)
     return [row.document for row in session.scalars(query)]
 

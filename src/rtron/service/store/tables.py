@@ -61,7 +61,7 @@ class AppRow(Table):
 
 
 class GraphRow(Table):
-    """The newest interaction graph of an app (`rtron.graph/1`), and its risks (`rtron.risks/1`)."""
+    """The newest interaction graph of an app (`rtron.graph/1`), and its risks (`rtron.risks/2`)."""
 
     __tablename__ = "graphs"
 

@@ -305,7 +305,7 @@ def test_without_an_upload_the_plan_tells_the_graph(call):
 
 def test_an_uploaded_graph_is_shown_with_its_risks(call):
     status, risks = call("PUT", "/graph", json=GRAPH)
-    assert (status, risks["schema"]) == (200, "rtron.risks/1")
+    assert (status, risks["schema"]) == (200, "rtron.risks/2")
     page = call("GET", "/graph")[1]
     assert (page["source"], page["by"]) == ("uploaded", "token:developer")
     assert "/evil" in [node["name"] for node in page["nodes"]]

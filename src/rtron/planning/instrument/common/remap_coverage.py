@@ -36,6 +36,7 @@ class RemapCoverage:
             yield from self._absent_publishers(stream)
             yield from self._self_delivery(stream)
             yield from self._named_loaders(stream)
+            yield from self._unnamed_readers(stream)
 
     def _unreachable_nodes(self, stream: Stream) -> Iterator[EnforcementGap]:
         for node, why in self.unreachable.items():
@@ -88,6 +89,13 @@ class RemapCoverage:
             if _has_both_roles(node, stream) and not manager_of(node):
                 subject = f"{node.name} publishes and subscribes {stream.topic}"
                 yield f"{subject}: what it delivers to itself is not guarded"
+
+    def _unnamed_readers(self, stream: Stream) -> Iterator[str]:
+        if not stream.successors:
+            subject = (
+                f"the plan names no successor of {stream.topic}: its reader keeps the public name"
+            )
+            yield f"{subject}, where the guard publishes and anyone else can; name it to close that"
 
     def _named_loaders(self, stream: Stream) -> Iterator[str]:
         for node in self.tree.nodes():

@@ -43,6 +43,6 @@ async def put_graph(
 
 @router.get("/risks")
 def get_risks(robot: RobotName, _caller: Reader, service: ServiceDependency) -> dict[str, Any]:
-    """Return the risks in the graph, `rtron.risks/1`."""
+    """Return the risks in the graph, `rtron.risks/2`."""
     with service.database.session() as session:
         return get_risks_page(session, robot)

@@ -42,6 +42,13 @@ class NodePart:
     task: InterpretationTask | None = None
     interface: NodeInterface = field(default_factory=NodeInterface)
 
+    @property
+    def is_unread(self) -> bool:
+        """Whether neither source nor a model tells all that the node publishes and subscribes."""
+        if self.model is not None:
+            return self.model.unread
+        return bool(self.interface.unresolved) and not self.interface.declarations
+
     def with_missing_note(self, what: str, why: str) -> "NodePart":
         """Return the part with a note instead of an interface."""
         note = UnresolvedItem(what=what, why=why, evidence=(self.node.evidence,))

@@ -1,7 +1,7 @@
 """Puts the parts of an app together to its InteractionGraph."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from rtron.sources.declaration import NodeInterface
 from rtron.sources.static.common.app_node import AppNode
@@ -54,6 +54,8 @@ class Assembly(GraphBuilder):
             self.add_unresolved(
                 UnresolvedItem(what=f"node {part.owner}", why=why, evidence=(part.node.evidence,))
             )
+        if part.is_unread:
+            self.nodes[part.owner] = replace(self.nodes[part.owner], unread=True)
         process_remaps = dict(owner.site.remaps) if owner else {}
         self._declare(
             part.owner,

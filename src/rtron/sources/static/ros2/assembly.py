@@ -57,6 +57,7 @@ class Ros2Assembly(GraphBuilder):
                 executable=node.type,
                 origin=node.origin,
                 trust=self.workspace.trust(node.package),
+                unread=part.is_unread,
             )
         elif "{" not in name and first != node.evidence:
             why = "started at several places; they all run, and nothing tells them apart"

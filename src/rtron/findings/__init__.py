@@ -1,0 +1,68 @@
+"""Findings: what a person should act on, one module a rule, and this registry of them."""
+
+from dataclasses import replace
+
+from rtron.findings.app_facts import AppFacts
+from rtron.findings.motion import (
+    arbiter,
+    command_timeout,
+    network_bridge,
+    open_command,
+    several_publishers,
+)
+from rtron.findings.rule import FindingRule, format_finding_page
+from rtron.findings.wiring import (
+    missing_program,
+    no_server,
+    qos_mismatch,
+    sim_time,
+    type_mismatch,
+    unmatched_topic,
+)
+from rtron.risks import RiskLists, default_lists
+from rtron.risks.graph_facts import GraphFacts
+from rtron.vocabulary import Finding, FindingLevel, InteractionGraph, Severity
+
+__all__ = ["FINDING_RULES", "FindingRule", "find_findings", "finding_page", "shown_at"]
+
+FINDING_RULES: tuple[FindingRule, ...] = (
+    several_publishers.RULE,
+    network_bridge.RULE,
+    command_timeout.RULE,
+    open_command.RULE,
+    type_mismatch.RULE,
+    qos_mismatch.RULE,
+    unmatched_topic.RULE,
+    no_server.RULE,
+    missing_program.RULE,
+    sim_time.RULE,
+    arbiter.RULE,
+)
+
+
+def find_findings(graph: InteractionGraph, lists: RiskLists | None = None) -> tuple[Finding, ...]:
+    """Return the findings of a graph, the worst first; those of one rule in order of subject.
+
+    The order of the graph's endpoints changes nothing.
+    """
+    endpoints = sorted(graph.endpoints, key=lambda e: (e.topic, e.direction, e.node, e.type))
+    ordered = replace(graph, endpoints=tuple(endpoints))
+    app = AppFacts(GraphFacts(ordered, lists or default_lists()))
+    found = [
+        finding
+        for rule in FINDING_RULES
+        for finding in sorted(rule.check(app), key=lambda each: each.subject)
+    ]
+    worst_last = list(Severity)
+    return tuple(sorted(found, key=lambda each: -worst_last.index(each.severity)))
+
+
+def shown_at(level: FindingLevel, finding: Finding) -> bool:
+    """Return whether a finding is shown at a level."""
+    levels = list(FindingLevel)
+    return levels.index(finding.level) <= levels.index(level)
+
+
+def finding_page(rule: FindingRule) -> str:
+    """Return the page of a rule in Markdown."""
+    return format_finding_page(rule)

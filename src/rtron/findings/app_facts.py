@@ -1,0 +1,192 @@
+"""What the rules of findings ask of an app: its graph, what was not read, and what moves it."""
+
+from collections import defaultdict
+from collections.abc import Collection, Iterable
+from dataclasses import dataclass
+from difflib import SequenceMatcher
+from fnmatch import fnmatchcase
+from functools import cached_property
+from itertools import chain
+
+from rtron.risks.graph_facts import GraphFacts, evidence_of
+from rtron.risks.wording import join_names
+from rtron.vocabulary import (
+    Consequence,
+    Direction,
+    Endpoint,
+    Evidence,
+    InteractionGraph,
+    Node,
+    normalise_type,
+)
+
+_NEAR_RATIO = 0.8
+_MOST_COMPARED = 200
+"""Among more names of one type a near one tells nothing, and comparing them takes long."""
+_UNKNOWN_TYPES = ("", "*")
+_UNREAD_FILES = ("include ", "launch ", "component", "composable", "robot_description")
+"""How notes begin on what may start or name more nodes."""
+
+
+@dataclass(frozen=True)
+class AppFacts:
+    """The facts of a graph; message types are in ROS 1 spelling throughout."""
+
+    facts: GraphFacts
+
+    @property
+    def graph(self) -> InteractionGraph:
+        """The app's graph."""
+        return self.facts.graph
+
+    @cached_property
+    def nodes(self) -> dict[str, Node]:
+        """The nodes by name."""
+        return {node.name: node for node in self.graph.nodes}
+
+    @cached_property
+    def unread_nodes(self) -> tuple[str, ...]:
+        """The nodes whose endpoints are not known, or not all; any of them may use any topic."""
+        unread = (n.name for n in self.graph.nodes if n.unread)
+        return tuple(sorted(name for name in unread if name not in self.facts.viewers))
+
+    @cached_property
+    def unread_files(self) -> tuple[str, ...]:
+        """What else was not read and may start nodes or name topics: includes, launch files."""
+        notes = (note.what for note in self.graph.unresolved)
+        return tuple(dict.fromkeys(what for what in notes if what.startswith(_UNREAD_FILES)))
+
+    @property
+    def unread_hint(self) -> str:
+        """Which nodes, not being read, may be the missing end; nothing if all were read."""
+        names = self.unread_nodes
+        if not names:
+            return ""
+        return f", unless {join_names(names)} (not read) {'do' if names[1:] else 'does'}"
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether everything that could publish, subscribe or serve was read."""
+        return not self.unread_nodes and not self.unread_files
+
+    @cached_property
+    def explicit_topics(self) -> tuple[str, ...]:
+        """The topics with an endpoint that a client library does not add by itself."""
+        return tuple(sorted({e.topic for e in self.graph.endpoints if not e.implicit}))
+
+    @cached_property
+    def motion_topics(self) -> tuple[str, ...]:
+        """The topics that command motion: velocities, setpoints, trajectories and their kin."""
+        return tuple(name for name in self.explicit_topics if self.is_motion(name))
+
+    def is_motion(self, topic: str) -> bool:
+        """Return whether a topic commands motion, by its type and its name."""
+        return self.facts.is_motion_command(topic)
+
+    def publishers(self, topic: str) -> tuple[str, ...]:
+        """Return the nodes that publish a topic."""
+        return self.facts.topic(topic).publishers
+
+    def readers(self, topic: str) -> tuple[str, ...]:
+        """Return the nodes that subscribe a topic and do not only show it."""
+        return self.facts.topic(topic).successors
+
+    def types(self, topic: str, direction: Direction) -> dict[str, list[Endpoint]]:
+        """Return the endpoints of one direction by their known type, as ROS 1 spells it."""
+        endpoints = self.graph.publishers(topic)
+        if direction is Direction.SUBSCRIBE:
+            endpoints = self.graph.subscribers(topic)
+        found: dict[str, list[Endpoint]] = defaultdict(list)
+        for end in endpoints:
+            if end.type not in _UNKNOWN_TYPES:
+                found[normalise_type(end.type)].append(end)
+        return found
+
+    def has_unknown_type(self, topic: str, direction: Direction) -> bool:
+        """Return whether an end of one direction may have any type."""
+        endpoints = self.graph.publishers(topic)
+        if direction is Direction.SUBSCRIBE:
+            endpoints = self.graph.subscribers(topic)
+        return any(end.type in _UNKNOWN_TYPES for end in endpoints)
+
+    def may_have_other_end(self, topic: str, direction: Direction) -> bool:
+        """Return whether an end that is missing may be one that was not read, or not wholly."""
+        return not self.is_whole or fits_open_name(topic, self._open_names[direction])
+
+    def consequence(self, topic: str, deaf_nodes: Iterable[str]) -> Consequence:
+        """Return what follows where nodes do not get a topic; viewers do not move the robot."""
+        acts = not self.facts.viewers.issuperset(deaf_nodes)
+        return Consequence.MOTION if acts and self.is_motion(topic) else Consequence.FAILURE
+
+    def near_topics(self, topic: str, types: Iterable[str]) -> list[str]:
+        """Return published topics of some types with a near name, those that nobody reads first.
+
+        What only the readers of the topic publish is not what they wait for.
+        """
+        sent = [self._sent[type] for type in types if type in self._sent]
+        if sum(map(len, sent)) > _MOST_COMPARED:
+            return []
+        readers = set(self.readers(topic))
+        near = [
+            name
+            for name in near_names(topic, list(chain.from_iterable(sent)))
+            if not readers.issuperset(self.publishers(name))
+        ]
+        return sorted(near, key=lambda name: (bool(self.readers(name)), name))
+
+    def evidence(self, endpoints: Iterable[Endpoint]) -> tuple[Evidence, ...]:
+        """Return where endpoints were read, each place once."""
+        return evidence_of(endpoints)
+
+    @cached_property
+    def _open_names(self) -> dict[Direction, tuple[str, ...]]:
+        """The topics whose names are known in part."""
+        endpoints = [end for end in self.graph.endpoints if "{" in end.topic]
+        return {
+            direction: tuple(dict.fromkeys(e.topic for e in endpoints if e.direction is direction))
+            for direction in Direction
+        }
+
+    @cached_property
+    def _sent(self) -> dict[str, list[str]]:
+        """The published topics by type, those with a whole name."""
+        names: dict[str, list[str]] = defaultdict(list)
+        for topic in self.explicit_topics:
+            for type in () if "{" in topic else self.types(topic, Direction.PUBLISH):
+                names[type].append(topic)
+        return names
+
+
+def is_near(one: str, other: str) -> bool:
+    """Return whether two names may be meant for one: a last part in another namespace, a slip."""
+    (namespace, _, name), (other_namespace, _, other_name) = (
+        each.rpartition("/") for each in (one, other)
+    )
+    if namespace == other_namespace:
+        one, other = name, other_name
+        if name == other_name:
+            return False
+    elif name == other_name:
+        return True
+    shorter, longer = sorted((len(one), len(other)))
+    if 2 * shorter < _NEAR_RATIO * (shorter + longer):
+        return False
+    return SequenceMatcher(None, one, other).ratio() >= _NEAR_RATIO
+
+
+def near_names(name: str, others: Collection[str]) -> list[str]:
+    """Return which of other names are near; none if there are so many that it tells nothing."""
+    if len(others) > _MOST_COMPARED:
+        return []
+    return sorted({other for other in others if is_near(name, other)})
+
+
+def fits_open_name(name: str, open_names: Iterable[str]) -> bool:
+    """Return whether a name may be one of those that are known in part: `{…}` is not known."""
+    return any("{" in each and fnmatchcase(name, _as_pattern(each)) for each in open_names)
+
+
+def _as_pattern(name: str) -> str:
+    """Return a name with holes, `{…}`, as a pattern."""
+    parts = name.split("{")
+    return parts[0] + "".join("*" + part.partition("}")[2] for part in parts[1:])

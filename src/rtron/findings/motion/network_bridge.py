@@ -1,0 +1,83 @@
+"""A node opens the graph to the network.
+
+## What it finds
+
+Bridges that let clients outside of ROS publish and call: rosbridge, Foxglove's bridge, Zenoh's and
+the DDS routers. One finding for each.
+
+## Why it matters
+
+A client of the bridge needs no ROS and no account. It can publish on every topic, motion commands
+included, and all clients look like one node.
+
+## Remedy
+
+Bind the bridge to the local address, put it behind a login, or allow only the topics that the
+clients need (`topics_glob`, `client_topic_whitelist`). Guard the motion topics.
+
+## Example
+
+`/rosbridge_websocket` listens on port 9090 on every address.
+"""
+
+from collections.abc import Iterator
+
+from rtron.findings.app_facts import AppFacts
+from rtron.findings.rule import FindingRule, make_finding
+from rtron.risks.wording import join_names
+from rtron.vocabulary import Certainty, Consequence, Finding, FindingLevel, Node
+
+_BRIDGES = {
+    "rosbridge_server": "WebSocket clients can publish on every topic",
+    "foxglove_bridge": "Foxglove clients can publish on every topic",
+    "ros2_web_bridge": "WebSocket clients can publish on every topic",
+    "zenoh_bridge_ros2dds": "every Zenoh peer can publish on every topic",
+    "zenoh_bridge_dds": "every Zenoh peer can publish on every topic",
+    "ddsrouter_tool": "participants of the other domain can publish on every topic",
+    "tcp_ros_bridge": "TCP clients can publish on every topic",
+    "ros_tcp_endpoint": "TCP clients can publish on every topic",
+}
+_LOCAL = ("127.", "localhost", "::1")
+
+
+def check(app: AppFacts) -> Iterator[Finding]:
+    """Yield a finding for each bridge of the app."""
+    for node in app.graph.nodes:
+        if node.package in _BRIDGES:
+            yield _finding(app, node)
+
+
+def _finding(app: AppFacts, node: Node) -> Finding:
+    moves = app.motion_topics
+    reach = f", {join_names(moves)} included" if moves else ""
+    address = _address(app, node.name)
+    is_local = address.startswith(_LOCAL)
+    where = f"it listens on {address}" if address else "it listens on every address by default"
+    endpoints = app.graph.published_by(node.name) + app.graph.subscribed_by(node.name)
+    return make_finding(
+        RULE.name,
+        node.name,
+        summary=f"{node.name} opens the app to the network: {_BRIDGES[node.package]}{reach}",
+        cause=f"{node.package} forwards what its clients send; {where}",
+        remedy="bind it to the local address or put a login before it; allow only needed topics",
+        consequence=Consequence.MOTION,
+        certainty=Certainty.POSSIBLE if is_local else Certainty.CERTAIN,
+        level=FindingLevel.PEDANTIC if is_local else None,
+        nodes=(node.name,),
+        evidence=app.evidence(endpoints),
+    )
+
+
+def _address(app: AppFacts, node: str) -> str:
+    values = {p.name: p.value for p in app.graph.parameters if p.node == node}
+    address = values.get("address")
+    return address if isinstance(address, str) else ""
+
+
+RULE = FindingRule(
+    name="network_bridge",
+    title="A node opens the graph to the network",
+    consequence="motion: certain, possible where it listens on the local address only",
+    since="0.2.0",
+    check=check,
+)

@@ -1,0 +1,73 @@
+"""Nobody in the app publishes a command that a node obeys.
+
+## What it finds
+
+Topics that command motion, that a node of the app obeys and that no node of the app publishes. One
+finding names them all. Inputs of an arbiter do not count while another input is in use.
+
+## Why it matters
+
+ROS lets every node publish on every topic. Whoever reaches the network can drive the robot, and
+nothing in the app would notice.
+
+## Remedy
+
+Scan the launch files that send these commands too. If nobody of yours should send them, guard the
+topics with an empty GRCN, or do not let them leave the machine.
+
+## Example
+
+`/diff_drive_controller` obeys `/cmd_vel`, and this launch starts neither navigation nor teleop.
+"""
+
+from collections.abc import Iterator
+
+from rtron.findings.app_facts import AppFacts
+from rtron.findings.motion.arbiters import arbiters
+from rtron.findings.rule import FindingRule, make_finding
+from rtron.risks.wording import conjugate, join_names
+from rtron.vocabulary import Certainty, Consequence, Direction, Finding, FindingLevel
+
+
+def check(app: AppFacts) -> Iterator[Finding]:
+    """Yield one finding with all motion topics that a node obeys and nobody publishes."""
+    spare = _spare_inputs(app)
+    topics = [
+        topic
+        for topic in app.motion_topics
+        if app.readers(topic) and not app.publishers(topic) and topic not in spare
+    ]
+    if not topics:
+        return
+    readers = sorted({reader for topic in topics for reader in app.readers(topic)})
+    maybe = any(app.may_have_other_end(topic, Direction.PUBLISH) for topic in topics)
+    endpoints = [end for topic in topics for end in app.graph.subscribers(topic)]
+    yield make_finding(
+        RULE.name,
+        topics[0],
+        summary=f"any node on the network can drive {join_names(readers)}",
+        cause=f"{join_names(readers)} {conjugate(readers, 'obey')} {join_names(topics)}, "
+        f"which no node of this launch publishes{app.unread_hint}",
+        remedy="scan the launch that sends these commands too, or guard the topics",
+        consequence=Consequence.MOTION,
+        certainty=Certainty.POSSIBLE,
+        level=FindingLevel.PEDANTIC if maybe else FindingLevel.REGULAR,
+        nodes=readers,
+        topics=topics,
+        evidence=app.evidence(endpoints),
+    )
+
+
+def _spare_inputs(app: AppFacts) -> set[str]:
+    """Return the inputs of the arbiters that have another input in use."""
+    inputs = (inputs for inputs, _ in arbiters(app).values())
+    return {topic for each in inputs if any(map(app.publishers, each)) for topic in each}
+
+
+RULE = FindingRule(
+    name="open_command",
+    title="Nobody in the app publishes a command that a node obeys",
+    consequence="motion: possible",
+    since="0.2.0",
+    check=check,
+)

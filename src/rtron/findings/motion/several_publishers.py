@@ -1,0 +1,82 @@
+"""Several nodes command one motion.
+
+## What it finds
+
+A topic that commands motion (a velocity, a setpoint, a trajectory) with more than one publisher.
+It counts though no reader is known: the driver of the base is often not in the workspace. Where an
+arbiter (twist_mux and its kin) publishes the topic, the others pass it by. Nodes of one stack, such
+as Nav2's servers, take turns among themselves and do not count.
+
+## Why it matters
+
+The base obeys whoever published last. A node that is wrong, hijacked or malicious overrides the
+navigation, and the robot jerks between two commands.
+
+## Remedy
+
+`rtron plan` proposes a GRCN before the readers, with a priority for each publisher. Or let every
+publisher go through one arbiter.
+
+## Example
+
+`/move_base` and `/teleop` publish `/cmd_vel`; `/base_driver`, which was not read, may obey.
+"""
+
+from collections.abc import Iterator
+
+from rtron.findings.app_facts import AppFacts
+from rtron.findings.motion.arbiters import arbiters, is_one_stack
+from rtron.findings.rule import FindingRule, make_finding
+from rtron.risks.wording import both_or_all, conjugate, join_names
+from rtron.vocabulary import Certainty, Consequence, Finding
+
+
+def check(app: AppFacts) -> Iterator[Finding]:
+    """Yield a finding for each motion topic with several publishers."""
+    known_arbiters = arbiters(app)
+    for topic in app.motion_topics:
+        publishers = app.publishers(topic)
+        if len(publishers) > 1 and not is_one_stack(app, publishers):
+            yield _finding(app, topic, [n for n in publishers if n in known_arbiters])
+
+
+def _finding(app: AppFacts, topic: str, passed_by: list[str]) -> Finding:
+    publishers = app.publishers(topic)
+    readers = app.readers(topic)
+    who = join_names(readers) if readers else "the base"
+    others = tuple(node for node in publishers if node not in passed_by)
+    if passed_by and others:
+        summary = f"{join_names(others)} can drive the robot on {topic} past {passed_by[0]}"
+        verb = f"{conjugate(readers, 'hear')} {both_or_all(publishers)}"
+        cause = f"{passed_by[0]} arbitrates, but {who} {verb}: its priorities do not hold"
+    else:
+        summary = f"{join_names(publishers)} {both_or_all(publishers)} drive the robot on {topic}"
+        obeys = conjugate(readers, "obey")
+        cause = f"nothing decides between them: {who} {obeys} whoever published last"
+    return make_finding(
+        RULE.name,
+        topic,
+        summary=summary,
+        cause=cause + ("" if readers else f"; {_missing_reader(app)}"),
+        remedy=f"put a GRCN before {topic}: `rtron plan` proposes it",
+        consequence=Consequence.MOTION,
+        certainty=Certainty.CERTAIN if readers else Certainty.LIKELY,
+        nodes=(*publishers, *readers),
+        topics=(topic,),
+        evidence=app.evidence(app.graph.publishers(topic)),
+    )
+
+
+def _missing_reader(app: AppFacts) -> str:
+    if not app.unread_nodes:
+        return "its reader is not in the source"
+    return f"its reader is not in the source, it may be {join_names(app.unread_nodes)} (not read)"
+
+
+RULE = FindingRule(
+    name="several_publishers",
+    title="Several nodes command one motion",
+    consequence="motion: certain where a reader is known, else likely",
+    since="0.2.0",
+    check=check,
+)

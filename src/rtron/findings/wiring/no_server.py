@@ -1,0 +1,120 @@
+"""A node calls a service or an action that nobody offers.
+
+## What it finds
+
+A client of a service or an action without a server in the app. The name of a near one, if there is
+any with the same type, stands in the remedy.
+
+## Why it matters
+
+The client waits, for ever or until its timeout, and what it asks for does not happen.
+
+## Remedy
+
+Start the server, or correct the name.
+
+## Example
+
+`/mission` sends goals to `/navigate_to_pos`, and `/bt_navigator` serves `/navigate_to_pose`.
+"""
+
+from collections import defaultdict
+from collections.abc import Iterable, Iterator
+from typing import NamedTuple
+
+from rtron.findings.app_facts import AppFacts, fits_open_name, near_names
+from rtron.findings.rule import FindingRule, make_finding
+from rtron.risks.wording import conjugate, join_names
+from rtron.vocabulary import (
+    ActionRole,
+    Certainty,
+    Consequence,
+    Finding,
+    FindingLevel,
+    Service,
+    ServiceClient,
+)
+
+
+class _RequestSide(NamedTuple):
+    """One side of a service or an action."""
+
+    what: str
+    name: str
+    node: str
+    type: str
+    implicit: bool = False
+
+
+def check(app: AppFacts) -> Iterator[Finding]:
+    """Yield a finding for each name of a service or an action with a client and no server."""
+    offers = [*_sides("service", app.graph.services), *_actions(app, ActionRole.SERVER)]
+    calls = [*_sides("service", app.graph.clients), *_actions(app, ActionRole.CLIENT)]
+    served = {(offer.what, offer.name) for offer in offers}
+    unserved: dict[str, list[_RequestSide]] = defaultdict(list)
+    for call in calls:
+        counts = not call.implicit and "{" not in call.name and call.node not in app.facts.viewers
+        if counts and (call.what, call.name) not in served:
+            unserved[call.name].append(call)
+    for name in sorted(unserved):
+        yield _finding(app, name, unserved[name], offers)
+
+
+def _sides(what: str, sides: Iterable[Service | ServiceClient]) -> Iterator[_RequestSide]:
+    for each in sides:
+        yield _RequestSide(what, each.name, each.node, each.type, each.implicit)
+
+
+def _actions(app: AppFacts, role: ActionRole) -> Iterator[_RequestSide]:
+    for each in app.graph.actions:
+        if each.role is role:
+            yield _RequestSide("action", each.name, each.node, each.type)
+
+
+def _near_servers(calls: list[_RequestSide], offers: list[_RequestSide]) -> list[str]:
+    """Return what has a near name and, as far as it is known, the same type."""
+    types = {(call.what, call.type) for call in calls}
+    return near_names(
+        calls[0].name,
+        {
+            offer.name
+            for offer in offers
+            if not offer.implicit
+            and "{" not in offer.name
+            and any(
+                offer.what == what and (offer.type == type or not (offer.type and type))
+                for what, type in types
+            )
+        },
+    )
+
+
+def _finding(
+    app: AppFacts, name: str, calls: list[_RequestSide], offers: list[_RequestSide]
+) -> Finding:
+    what = " and ".join(sorted({call.what for call in calls}))
+    nodes = sorted({call.node for call in calls})
+    near = _near_servers(calls, offers)
+    is_read = app.is_whole and not fits_open_name(name, (offer.name for offer in offers))
+    return make_finding(
+        RULE.name,
+        name,
+        summary=f"{join_names(nodes)} {conjugate(nodes, 'wait')} for the {what} {name} in vain",
+        cause=f"no node of this launch offers it{app.unread_hint}",
+        remedy=f"did you mean {near[0]}?" if near else "start its server",
+        consequence=Consequence.FAILURE,
+        certainty=Certainty.LIKELY if near and is_read else Certainty.POSSIBLE,
+        level=FindingLevel.REGULAR if near else FindingLevel.PEDANTIC,
+        nodes=nodes,
+        topics=(name,),
+        evidence=app.evidence(e for node in nodes for e in app.graph.published_by(node)[:1]),
+    )
+
+
+RULE = FindingRule(
+    name="no_server",
+    title="A node calls a service or an action that nobody offers",
+    consequence="failure: likely where a server has a near name, else possible",
+    since="0.2.0",
+    check=check,
+)

@@ -1,0 +1,107 @@
+"""The ends of a topic have different message types.
+
+## What it finds
+
+A topic that is published with one type and subscribed with another: a subscriber whose type nobody
+publishes, or a publisher whose type nobody subscribes. Twist and TwistStamped on one `/cmd_vel` are
+the usual case, since ROS 2 distributions differ in it. Where only a model of a node tells the type,
+and no ROS_DISTRO is given, or where the type of another end is not known, the finding is possible
+only. Where all ends belong to one node, it is an oddity: nobody else is concerned.
+
+## Why it matters
+
+ROS does not connect the ends. The subscriber never gets the message, and no node fails.
+
+## Remedy
+
+Give both ends one type: a parameter of one of them (`enable_stamped_cmd_vel`, `use_stamped_vel`),
+or a relay that converts.
+
+## Example
+
+`/teleop` publishes Twist on `/cmd_vel`, `/diff_drive_controller` subscribes TwistStamped.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+
+from rtron.findings.app_facts import AppFacts
+from rtron.findings.rule import FindingRule, make_finding
+from rtron.risks.wording import conjugate, join_names
+from rtron.vocabulary import (
+    Certainty,
+    Consequence,
+    Direction,
+    Endpoint,
+    Finding,
+    FindingLevel,
+    Resolution,
+    unstamped_type,
+)
+
+_TELL_DISTRIBUTION = "say which ROS it is for: --env ROS_DISTRO=humble, or give both ends one type"
+
+_EndpointsOfType = Mapping[str, Sequence[Endpoint]]
+
+
+def check(app: AppFacts) -> Iterator[Finding]:
+    """Yield a finding for each topic with a type that only its one side has."""
+    for topic in app.explicit_topics:
+        published = app.types(topic, Direction.PUBLISH)
+        subscribed = app.types(topic, Direction.SUBSCRIBE)
+        lost = {type: each for type, each in subscribed.items() if type not in published}
+        unheard = {type: each for type, each in published.items() if type not in subscribed}
+        if published and lost:
+            yield _finding(app, topic, published, lost, Direction.SUBSCRIBE)
+        elif subscribed and unheard:
+            yield _finding(app, topic, unheard, subscribed, Direction.PUBLISH)
+
+
+def _finding(
+    app: AppFacts,
+    topic: str,
+    published: _EndpointsOfType,
+    subscribed: _EndpointsOfType,
+    lost: Direction,
+) -> Finding:
+    """Return the finding on ends of which those of one direction have no other end."""
+    senders = sorted({end.node for each in published.values() for end in each})
+    readers = sorted({end.node for each in subscribed.values() for end in each})
+    endpoints = [end for each in (*published.values(), *subscribed.values()) for end in each]
+    sent, expected = join_names(list(published)), join_names(list(subscribed))
+    depends = _depends_on_distribution([*published, *subscribed], endpoints)
+    other = Direction.PUBLISH if lost is Direction.SUBSCRIBE else Direction.SUBSCRIBE
+    is_one_node = senders == readers and len(senders) == 1
+    is_unsure = depends or app.has_unknown_type(topic, other)
+    summary = f"{join_names(readers)} {conjugate(readers, 'get')} nothing from {topic}"
+    if lost is Direction.PUBLISH:
+        what = f"what {join_names(senders)} {conjugate(senders, 'publish')}"
+        summary = f"nobody gets {what} on {topic}"
+    return make_finding(
+        RULE.name,
+        topic,
+        summary=summary,
+        cause=f"{join_names(senders)} {conjugate(senders, 'publish')} {sent}, "
+        f"{join_names(readers)} {conjugate(readers, 'expect')} {expected}",
+        remedy=_TELL_DISTRIBUTION if depends else "give both ends one message type",
+        consequence=Consequence.ODDITY if is_one_node else app.consequence(topic, readers),
+        certainty=Certainty.POSSIBLE if is_unsure else Certainty.CERTAIN,
+        level=FindingLevel.PEDANTIC if depends else None,
+        nodes=(*senders, *readers),
+        topics=(topic,),
+        evidence=app.evidence(endpoints),
+    )
+
+
+def _depends_on_distribution(types: list[str], endpoints: list[Endpoint]) -> bool:
+    """Return whether only a stamp parts the types, and a model chose it by the ROS distribution."""
+    is_modelled = any(end.resolution is Resolution.MODEL for end in endpoints)
+    return is_modelled and len(set(map(unstamped_type, types))) == 1
+
+
+RULE = FindingRule(
+    name="type_mismatch",
+    title="The ends of a topic have different message types",
+    consequence="failure, motion on a topic that commands it: certain; possible by distribution",
+    since="0.2.0",
+    check=check,
+)

@@ -1,0 +1,94 @@
+"""A node subscribes a topic that nobody publishes.
+
+## What it finds
+
+A topic with a subscriber and no publisher. Where another topic of the same type has a near name and
+no subscriber, or a near name in the same app, the finding names it: most often a remap, a namespace
+or a slip of the pen parts the two. Without a near name it is shown from the level `pedantic` on.
+
+## Why it matters
+
+The subscriber waits for ever, and no node fails. What it does with the messages does not happen.
+
+## Remedy
+
+Remap one of the names to the other, or start the node that publishes.
+
+## Example
+
+`/nav` subscribes `/odometry/filterd`, and `/ekf` publishes `/odometry/filtered`.
+"""
+
+from collections.abc import Iterator
+
+from rtron.findings.app_facts import AppFacts
+from rtron.findings.rule import FindingRule, make_finding
+from rtron.risks.wording import conjugate, join_names
+from rtron.vocabulary import (
+    ROS2_ACTION_TOPICS,
+    Certainty,
+    Consequence,
+    Direction,
+    Finding,
+    FindingLevel,
+    InteractionGraph,
+    Ros1ActionTopic,
+    ros1_topic_name,
+    ros2_entity_name,
+)
+
+
+def check(app: AppFacts) -> Iterator[Finding]:
+    """Yield a finding for each topic that is subscribed and not published."""
+    of_actions = set(_action_topics(app.graph))
+    for topic in app.explicit_topics:
+        if _is_unmatched(app, topic) and topic not in of_actions:
+            near = app.near_topics(topic, app.types(topic, Direction.SUBSCRIBE))
+            if near or not app.is_motion(topic):
+                yield _finding(app, topic, near)
+
+
+def _action_topics(graph: InteractionGraph) -> Iterator[str]:
+    """Yield the topics of the actions: `no_server` tells of one without a server."""
+    for action in graph.actions:
+        yield from (ros1_topic_name(action.name, part) for part in Ros1ActionTopic)
+        yield from (ros2_entity_name(action.name, part) for part in ROS2_ACTION_TOPICS)
+
+
+def _is_unmatched(app: AppFacts, topic: str) -> bool:
+    is_for_logs = app.facts.lists.ignores_topic(topic)
+    has_other_end = bool(app.publishers(topic)) or not app.readers(topic)
+    return not (has_other_end or is_for_logs or "{" in topic)
+
+
+def _finding(app: AppFacts, topic: str, near: list[str]) -> Finding:
+    readers = app.readers(topic)
+    maybe_elsewhere = app.may_have_other_end(topic, Direction.PUBLISH)
+    unread_near = [other for other in near if not app.readers(other)]
+    is_likely = bool(unread_near) and not maybe_elsewhere
+    hint = ""
+    if near:
+        publishers = app.publishers(near[0])
+        hint = f"; {join_names(publishers)} {conjugate(publishers, 'send')} {near[0]}"
+    return make_finding(
+        RULE.name,
+        topic,
+        summary=f"{join_names(readers)} {conjugate(readers, 'wait')} for {topic} in vain",
+        cause=f"no node of this launch publishes it{app.unread_hint}{hint}",
+        remedy=f"did you mean {near[0]}? Remap one to the other" if near else "start its publisher",
+        consequence=Consequence.FAILURE,
+        certainty=Certainty.LIKELY if is_likely else Certainty.POSSIBLE,
+        level=FindingLevel.REGULAR if unread_near else FindingLevel.PEDANTIC,
+        nodes=readers,
+        topics=(topic, *near[:1]),
+        evidence=app.evidence(app.graph.subscribers(topic)),
+    )
+
+
+RULE = FindingRule(
+    name="unmatched_topic",
+    title="A node subscribes a topic that nobody publishes",
+    consequence="failure: likely where a topic with a near name has no subscriber, else possible",
+    since="0.2.0",
+    check=check,
+)

@@ -1,0 +1,46 @@
+"""The findings of a scan as text: each in at most four lines, the worst first."""
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+
+from rich.text import Text
+
+from rtron.reports.app.risk_list import MILDEST_LAST, SEVERITY_STYLE, location
+from rtron.reports.text_layout import TextPage, counted, line, paragraph
+from rtron.vocabulary import Finding, FindingLevel
+
+_INDENT = 10
+
+
+def finding_list(findings: Sequence[Finding], page: TextPage) -> Iterator[Text]:
+    """Yield each finding: what can happen, what makes it so, where, and what to do."""
+    for finding in findings:
+        yield Text()
+        mark = (f"{finding.severity:<8}", SEVERITY_STYLE[finding.severity])
+        yield line(mark, (finding.summary, "bold"), ("  " + finding.rule, "dim"), indent=2)
+        yield from paragraph(finding.cause, page, indent=_INDENT)
+        if finding.evidence:
+            more = len(finding.evidence) - 1
+            rest = f" and {more} more" if more else ""
+            yield line((location(finding.evidence[0]) + rest, "dim"), indent=_INDENT)
+        yield from paragraph(f"-> {finding.remedy}", page, indent=_INDENT, style="green")
+
+
+def findings_verdict(
+    shown: Sequence[Finding], hidden: Sequence[Finding], *, is_whole: bool
+) -> Text:
+    """Return how many findings there are, by severity, and how to see those that are not shown."""
+    numbers = Counter(finding.severity for finding in shown)
+    severities = [
+        Text(f"{numbers[severity]} {severity}", SEVERITY_STYLE[severity])
+        for severity in MILDEST_LAST
+        if numbers[severity]
+    ]
+    partly = "" if is_whole else " in what could be read"
+    verdict = line((counted(len(shown), "finding") if shown else f"no findings{partly}", "bold"))
+    if severities:
+        verdict.append(": ").append_text(Text(", ").join(severities))
+    if hidden:
+        level = min((each.level for each in hidden), key=list(FindingLevel).index)
+        verdict.append(f"; {len(hidden)} more from --level {level} on", "dim")
+    return verdict

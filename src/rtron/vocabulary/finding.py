@@ -1,0 +1,74 @@
+"""A Finding: what a person should act on, made from an app's graph."""
+
+import json
+from dataclasses import dataclass
+from hashlib import sha256
+
+from rtron.vocabulary.enums import Severity, StringEnum
+from rtron.vocabulary.graph import Evidence
+
+
+class Consequence(StringEnum):
+    """What a finding leads to, the worst first."""
+
+    MOTION = "motion"
+    """The robot moves when or as it must not, or does not stop."""
+    FAILURE = "failure"
+    """A part of the app does not work: what it needs does not arrive."""
+    ODDITY = "oddity"
+    """Nothing follows by itself."""
+
+
+class Certainty(StringEnum):
+    """How sure a finding is, the surest first."""
+
+    CERTAIN = "certain"
+    """Everything that it says was read."""
+    LIKELY = "likely"
+    """It follows from what was read and from what is usual."""
+    POSSIBLE = "possible"
+    """Something that was not read may explain it."""
+
+
+class FindingLevel(StringEnum):
+    """Who wants to see a finding, as zizmor's personas: each level shows those before it, too."""
+
+    REGULAR = "regular"
+    """Whoever builds or runs the robot: it has a consequence and is at least likely."""
+    PEDANTIC = "pedantic"
+    """Who wants a tidy app: also what is only possible, or odd."""
+    AUDITOR = "auditor"
+    """Who reviews the app: also what is so by design, and the paper's risks."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Finding:
+    """One cause and what it leads to, for a person.
+
+    `subject` is the topic, service or node that it is about. `summary` says what can happen,
+    `cause` which nodes make it so and why RTron believes it, `remedy` what to do.
+    """
+
+    rule: str
+    subject: str
+    summary: str
+    cause: str
+    remedy: str
+    consequence: Consequence
+    certainty: Certainty
+    severity: Severity
+    level: FindingLevel
+    nodes: tuple[str, ...] = ()
+    topics: tuple[str, ...] = ()
+    evidence: tuple[Evidence, ...] = ()
+
+    @property
+    def id(self) -> str:
+        """The rule and the subject: one finding of an app."""
+        return f"{self.rule}:{self.subject}"
+
+    @property
+    def fingerprint(self) -> str:
+        """What stays the same when lines move and unrelated nodes come and go, 16 hex digits."""
+        identity = json.dumps([self.rule, self.subject, sorted(self.nodes), sorted(self.topics)])
+        return sha256(identity.encode()).hexdigest()[:16]

@@ -1,0 +1,78 @@
+"""For each rule a graph that has its finding, and a similar one that has not."""
+
+from finding_graphs import (
+    BASE,
+    MUX,
+    STAMPED,
+    TWIST,
+    TWO_DRIVERS,
+    parameters,
+    small_graph,
+    with_qos,
+)
+
+from rtron.vocabulary import QoS, Reliability, ServiceClient, UnresolvedItem
+
+RELIABLE = QoS()
+BEST_EFFORT = QoS(reliability=Reliability.BEST_EFFORT)
+SCAN = """
+/laser driver third_party
+    pub /scan sensor_msgs/msg/LaserScan
+/slam slam own
+    sub /scan sensor_msgs/msg/LaserScan
+"""
+MISSING_PROGRAM = "its program is not in the build files of its package"
+ODOMETRY = """
+/ekf ekf own
+    pub /odometry/filtered nav_msgs/msg/Odometry
+/nav nav own
+    sub /odometry/{} nav_msgs/msg/Odometry
+"""
+
+
+def _with_note(why: str):
+    return small_graph(
+        SCAN, unresolved=(UnresolvedItem(what="node /base (my_robot/base_node)", why=why),)
+    )
+
+
+PAIRS = {
+    "several_publishers": (
+        small_graph(TWO_DRIVERS + BASE),
+        small_graph(TWO_DRIVERS.replace("/cmd_vel", "/chatter").replace(TWIST, "a_msgs/msg/B")),
+    ),
+    "network_bridge": (
+        small_graph("/bridge rosbridge_server third_party"),
+        small_graph("/bridge my_server own"),
+    ),
+    "command_timeout": (
+        small_graph(BASE, parameters=parameters("cmd_vel_timeout", base=0.0)),
+        small_graph(BASE, parameters=parameters("cmd_vel_timeout", base=0.5)),
+    ),
+    "open_command": (
+        small_graph(BASE),
+        small_graph(BASE + f"/nav nav own\n pub /cmd_vel {TWIST}"),
+    ),
+    "type_mismatch": (
+        small_graph(BASE + f"/nav nav own\n pub /cmd_vel {STAMPED}"),
+        small_graph(BASE + "/nav nav own\n pub /cmd_vel geometry_msgs/Twist"),
+    ),
+    "qos_mismatch": (
+        with_qos(small_graph(SCAN), BEST_EFFORT, RELIABLE),
+        with_qos(small_graph(SCAN), RELIABLE, BEST_EFFORT),
+    ),
+    "unmatched_topic": (
+        small_graph(ODOMETRY.format("filterd")),
+        small_graph(ODOMETRY.format("filtered")),
+    ),
+    "no_server": (
+        small_graph(SCAN, clients=(ServiceClient(node="/slam", name="/save_map"),)),
+        small_graph(SCAN),
+    ),
+    "missing_program": (_with_note(MISSING_PROGRAM), _with_note("no source of it is here")),
+    "sim_time": (
+        small_graph(SCAN, parameters=parameters("use_sim_time", laser=True, slam=False)),
+        small_graph(SCAN, parameters=parameters("use_sim_time", laser=True, slam=True)),
+    ),
+    "arbiter": (small_graph(MUX), small_graph(MUX.replace(" twist_mux ", " my_mux "))),
+}

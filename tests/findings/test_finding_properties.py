@@ -1,0 +1,137 @@
+"""Nothing in a graph breaks the rules of findings, and their order in it changes nothing."""
+
+from dataclasses import replace
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rtron.findings import find_findings
+from rtron.vocabulary import (
+    Action,
+    ActionRole,
+    Direction,
+    Durability,
+    Endpoint,
+    InteractionGraph,
+    Liveliness,
+    Node,
+    NodeParameter,
+    QoS,
+    Reliability,
+    Resolution,
+    Service,
+    ServiceClient,
+    UnresolvedItem,
+)
+
+NODES = ["/a", "/b", "/mux", "/rviz", "/bridge"]
+NAMES = ["/cmd_vel", "/nav/cmd_vel", "/cmd_ve", "/scan", "/x/goal", "/x/feedback", "/{?}/scan", "{"]
+TYPES = [
+    "geometry_msgs/Twist",
+    "geometry_msgs/msg/TwistStamped",
+    "sensor_msgs/msg/LaserScan",
+    "control_msgs/FollowJointTrajectoryActionGoal",
+    "",
+    "*",
+]
+PACKAGES = ["twist_mux", "rviz2", "rosbridge_server", "nav2_controller", "base", ""]
+PARAMETERS = ["use_sim_time", "cmd_vel_timeout", "x.cmd_timeout", "address", ""]
+NOTES = ["its program is not in the build files of its package", "?"]
+
+
+def tuples(strategy, size, **keys):
+    return st.lists(strategy, max_size=size, **keys).map(tuple)
+
+
+def graphs_of(node, name, type, text):
+    """Return a strategy of graphs whose words are drawn from strategies."""
+    times = st.integers(-1, 2)
+    qos = st.builds(
+        QoS,
+        reliability=st.sampled_from(Reliability),
+        durability=st.sampled_from(Durability),
+        liveliness=st.sampled_from(Liveliness),
+        deadline=times,
+        lease=times,
+    )
+    end = st.builds(
+        Endpoint,
+        node=node,
+        topic=name,
+        type=type,
+        direction=st.sampled_from(Direction),
+        implicit=st.booleans(),
+        resolution=st.sampled_from(Resolution),
+        qos=st.none() | qos,
+    )
+    nodes = st.builds(
+        Node, name=node, package=st.sampled_from(PACKAGES) | text, unread=st.booleans()
+    )
+    value = st.none() | st.booleans() | st.floats() | st.integers() | text
+    parameter = st.builds(
+        NodeParameter, node=node, name=st.sampled_from(PARAMETERS) | text, value=value
+    )
+    note = st.builds(UnresolvedItem, what=text, why=st.sampled_from(NOTES) | text)
+    side = {"node": node, "name": name, "type": type, "implicit": st.booleans()}
+    action = st.builds(Action, node=node, name=name, type=type, role=st.sampled_from(ActionRole))
+    return st.builds(
+        InteractionGraph,
+        app=st.just("app"),
+        ros=st.sampled_from([1, 2]),
+        nodes=tuples(nodes, 5, unique_by=lambda each: each.name),
+        endpoints=tuples(end, 20),
+        services=tuples(st.builds(Service, **side), 3),
+        clients=tuples(st.builds(ServiceClient, **side), 3),
+        actions=tuples(action, 3),
+        parameters=tuples(parameter, 4),
+        unresolved=tuples(note, 3),
+    )
+
+
+NOTE_TEXT = st.sampled_from(["node /a (p/a)", "node /b (p/b)", "include x", "?"])
+graphs = graphs_of(
+    st.sampled_from(NODES), st.sampled_from(NAMES), st.sampled_from(TYPES), NOTE_TEXT
+)
+hostile = graphs_of(st.text(max_size=3), st.text(max_size=3), st.text(max_size=3), st.text())
+
+
+@given(graphs | hostile)
+def test_no_graph_breaks_the_rules(graph):
+    for finding in find_findings(graph):
+        assert all((finding.summary, finding.cause, finding.remedy, finding.fingerprint))
+
+
+@given(graphs | hostile)
+def test_a_finding_has_an_id_of_its_own(graph):
+    ids = [finding.id for finding in find_findings(graph)]
+    assert len(ids) == len(set(ids))
+
+
+@given(graphs, st.randoms(use_true_random=False))
+def test_the_order_of_the_endpoints_changes_nothing(graph, random):
+    ends = list(graph.endpoints)
+    random.shuffle(ends)
+    turned = replace(graph, endpoints=tuple(ends))
+    assert identities(turned) == identities(graph)
+
+
+def identities(graph):
+    return [(each.id, each.severity, each.fingerprint) for each in find_findings(graph)]
+
+
+@given(graphs)
+def test_the_worst_comes_first(graph):
+    order = ["high", "medium", "low"]
+    found = [order.index(finding.severity) for finding in find_findings(graph)]
+    assert found == sorted(found)
+
+
+def test_a_huge_name_does_no_harm():
+    name = "/" + "detect/goal" * 100_000
+    ends = tuple(
+        Endpoint(node=name, topic=name + str(direction), type="a/B", direction=direction)
+        for direction in Direction
+    )
+    assert {each.rule for each in find_findings(InteractionGraph(app="", endpoints=ends))} == {
+        "unmatched_topic"
+    }

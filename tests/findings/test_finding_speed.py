@@ -1,0 +1,51 @@
+"""The rules take time in proportion to the endpoints, also where everything meets in one topic."""
+
+from dataclasses import replace
+from time import process_time
+
+import pytest
+
+from rtron.findings import find_findings
+from rtron.vocabulary import Direction, Endpoint, InteractionGraph, QoS, Reliability
+
+PUB, SUB = Direction.PUBLISH, Direction.SUBSCRIBE
+OFFERED = {PUB: QoS(reliability=Reliability.BEST_EFFORT), SUB: QoS()}
+
+
+def crowd(size):
+    """Everybody publishes and subscribes one topic, and no QoS fits."""
+    return [(f"/n{i}", "/tf", direction) for i in range(size) for direction in Direction]
+
+
+def hub(size):
+    """One node publishes and subscribes everything, and no end meets another."""
+    return [("/hub", f"/scan/{i}", (PUB, SUB)[i % 2]) for i in range(3 * size)]
+
+
+def namesakes(size):
+    """Everybody subscribes a topic of its own that is named alike."""
+    ends = [(f"/n{i}", f"/robot{i}/scan", SUB) for i in range(size)]
+    return ends + [("/laser", f"/laser{i}/scan", PUB) for i in range(size)]
+
+
+def seconds(ends):
+    graph = InteractionGraph(
+        app="big",
+        ros=2,
+        endpoints=tuple(
+            Endpoint(node=n, topic=t, type="a/B", direction=d, qos=OFFERED[d]) for n, t, d in ends
+        ),
+    )
+
+    def once():
+        start = process_time()
+        find_findings(replace(graph))
+        return process_time() - start
+
+    return min(once() for _ in range(3))
+
+
+@pytest.mark.parametrize("shape", [crowd, hub, namesakes])
+def test_ten_times_the_endpoints_take_ten_times_as_long(shape):
+    small, large = seconds(shape(500)), seconds(shape(5000))
+    assert large < 30 * small

@@ -1,0 +1,190 @@
+"""What the rules on motion count, what they leave out, and their words."""
+
+from dataclasses import replace
+
+import pytest
+from finding_graphs import (
+    BASE,
+    FIRMWARE,
+    MUX,
+    TWIST,
+    TWO_DRIVERS,
+    found,
+    parameters,
+    small_graph,
+    the_finding,
+)
+
+from rtron.vocabulary import Certainty, FindingLevel, NodeParameter, Severity
+
+MUX_PASSED_BY = MUX + f"/teleop teleop own\n    pub /cmd_vel {TWIST}\n"
+REMEDY = "put a GRCN before /cmd_vel: `rtron plan` proposes it"
+
+
+class TestSeveralPublishers:
+    def test_with_a_known_reader(self):
+        finding = the_finding("several_publishers", small_graph(TWO_DRIVERS + BASE))
+        assert finding.summary == "/move_base and /teleop both drive the robot on /cmd_vel"
+        assert finding.cause == ("nothing decides between them: /base obeys whoever published last")
+        assert finding.remedy == REMEDY
+        assert finding.nodes == ("/move_base", "/teleop", "/base")
+        assert finding.topics == ("/cmd_vel",)
+
+    def test_with_a_reader_that_may_be_a_node_that_was_not_read(self):
+        graph = small_graph(TWO_DRIVERS + FIRMWARE, unread=("/firmware",))
+        finding = the_finding("several_publishers", graph)
+        assert finding.cause == (
+            "nothing decides between them: the base obeys whoever published last; its reader is "
+            "not in the source, it may be /firmware (not read)"
+        )
+        assert finding.nodes == ("/move_base", "/teleop")
+
+    def test_without_any_reader(self):
+        finding = the_finding("several_publishers", small_graph(TWO_DRIVERS))
+        assert finding.cause.endswith("published last; its reader is not in the source")
+
+    def test_with_several_readers(self):
+        text = TWO_DRIVERS + BASE + BASE.replace("/base", "/wheels")
+        finding = the_finding("several_publishers", small_graph(text))
+        assert finding.cause.endswith("/base and /wheels obey whoever published last")
+
+    def test_an_arbiter_is_passed_by(self):
+        finding = the_finding("several_publishers", small_graph(MUX_PASSED_BY + BASE))
+        assert finding.summary == "/teleop can drive the robot on /cmd_vel past /twist_mux"
+        assert finding.cause == (
+            "/twist_mux arbitrates, but /base hears both: its priorities do not hold"
+        )
+        assert finding.remedy == REMEDY
+
+    def test_an_arbiter_is_passed_by_by_two_before_two_readers(self):
+        text = MUX_PASSED_BY + f"/joy joy own\n pub /cmd_vel {TWIST}\n"
+        text += BASE + BASE.replace("/base", "/wheels")
+        finding = the_finding("several_publishers", small_graph(text))
+        assert finding.summary == "/joy and /teleop can drive the robot on /cmd_vel past /twist_mux"
+        assert "but /base and /wheels hear all: " in finding.cause
+
+    def test_two_arbiters_pass_nobody_by(self):
+        text = MUX + MUX.replace("/twist_mux", "/other_mux")
+        finding = the_finding("several_publishers", small_graph(text))
+        assert finding.summary == "/other_mux and /twist_mux both drive the robot on /cmd_vel"
+
+    def test_a_viewer_is_no_reader(self):
+        graph = small_graph(TWO_DRIVERS + BASE.replace(" driver ", " rviz2 "))
+        assert the_finding("several_publishers", graph).certainty is Certainty.LIKELY
+
+    @pytest.mark.parametrize(
+        ("one", "other", "is_found"),
+        [
+            ("nav2_controller", "nav2_behaviors", False),
+            ("nav2_controller", "teleop", True),
+            ("nav2_controller", "moveit_servo", True),
+            ("my_nav2_controller", "nav2_behaviors", True),
+        ],
+    )
+    def test_the_nodes_of_one_stack_take_turns(self, one, other, is_found):
+        text = TWO_DRIVERS.replace(" planner ", f" {one} ").replace(" teleop ", f" {other} ")
+        assert bool(found("several_publishers", small_graph(text))) is is_found
+
+    def test_nodes_that_the_graph_does_not_list_are_no_stack(self):
+        graph = replace(small_graph(TWO_DRIVERS), nodes=())
+        assert found("several_publishers", graph)
+
+    def test_one_node_with_two_publishers_is_one(self):
+        text = f"/nav nav own\n pub /cmd_vel {TWIST}\n pub /cmd_vel {TWIST}\n"
+        assert not found("several_publishers", small_graph(text))
+
+
+class TestOpenCommand:
+    def test_one_finding_names_all_topics(self):
+        text = BASE + BASE.replace("/base", "/arm").replace("/cmd_vel", "/arm_cmd_vel")
+        finding = the_finding("open_command", small_graph(text))
+        assert finding.summary == "any node on the network can drive /arm and /base"
+        assert finding.cause == (
+            "/arm and /base obey /arm_cmd_vel and /cmd_vel, which no node of this launch publishes"
+        )
+        assert finding.topics == ("/arm_cmd_vel", "/cmd_vel")
+
+    def test_what_was_not_read_may_publish_it(self):
+        graph = small_graph(BASE + FIRMWARE, unread=("/firmware",))
+        cause = the_finding("open_command", graph).cause
+        assert cause.endswith("publishes, unless /firmware (not read) does")
+
+    def test_spare_inputs_of_an_arbiter_do_not_count_while_another_is_in_use(self):
+        nav = f"/nav nav own\n pub /nav_vel {TWIST}\n"
+        assert not found("open_command", small_graph(MUX + BASE + nav))
+        assert the_finding("open_command", small_graph(MUX + BASE)).topics == (
+            "/joy_vel",
+            "/nav_vel",
+        )
+
+
+class TestCommandTimeout:
+    @pytest.mark.parametrize("value", [0, 0.0, -1, -0.5])
+    @pytest.mark.parametrize("name", ["cmd_vel_timeout", "base_controller.cmd_vel_timeout"])
+    def test_0_and_less_turn_it_off(self, name, value):
+        graph = small_graph(BASE, parameters=parameters(name, base=value))
+        finding = the_finding("command_timeout", graph)
+        assert finding.summary == "/base keeps its last command for ever when its sender dies"
+        assert finding.cause == f"its parameter {name} is {value}: no timeout"
+        assert finding.remedy == f"set {name} to 0.5 or less"
+        assert finding.severity is Severity.HIGH
+
+    @pytest.mark.parametrize("value", [0.1, 1, True, False, None, "0", "", (0,), float("nan")])
+    def test_other_values_do_not(self, value):
+        graph = small_graph(BASE, parameters=parameters("cmd_vel_timeout", base=value))
+        assert not found("command_timeout", graph)
+
+    @pytest.mark.parametrize("name", ["timeout", "my_cmd_vel_timeout", "cmd_vel_timeout.enabled"])
+    def test_other_parameters_do_not(self, name):
+        assert not found("command_timeout", small_graph(BASE, parameters=parameters(name, base=0)))
+
+    def test_a_node_with_two_is_one_finding(self):
+        values = [
+            NodeParameter(node="/base", name=name, value=0)
+            for name in ("b.reference_timeout", "a.cmd_vel_timeout")
+        ]
+        graph = small_graph(BASE, parameters=tuple(values))
+        assert the_finding("command_timeout", graph).cause == (
+            "its parameter a.cmd_vel_timeout is 0 and b.reference_timeout is 0: no timeout"
+        )
+
+
+class TestNetworkBridge:
+    BRIDGE = "/bridge rosbridge_server third_party\n"
+
+    @pytest.mark.parametrize("address", [None, "", "0.0.0.0", "192.168.1.7", 127])
+    def test_on_every_address(self, address):
+        graph = small_graph(self.BRIDGE, parameters=parameters("address", bridge=address))
+        finding = the_finding("network_bridge", graph)
+        assert (finding.certainty, finding.level) == (Certainty.CERTAIN, FindingLevel.REGULAR)
+        assert finding.severity is Severity.HIGH
+
+    @pytest.mark.parametrize("address", ["127.0.0.1", "localhost", "::1"])
+    def test_on_the_local_address_only(self, address):
+        graph = small_graph(self.BRIDGE, parameters=parameters("address", bridge=address))
+        finding = the_finding("network_bridge", graph)
+        assert (finding.certainty, finding.level) == (Certainty.POSSIBLE, FindingLevel.PEDANTIC)
+        assert finding.cause.endswith(f"; it listens on {address}")
+
+    def test_the_address_of_another_node_does_not_count(self):
+        graph = small_graph(self.BRIDGE, parameters=parameters("address", other="127.0.0.1"))
+        cause = the_finding("network_bridge", graph).cause
+        assert cause.endswith("it listens on every address by default")
+
+    def test_it_names_the_commands_in_reach(self):
+        finding = the_finding("network_bridge", small_graph(self.BRIDGE + BASE))
+        assert finding.summary == (
+            "/bridge opens the app to the network: WebSocket clients can publish on every topic, "
+            "/cmd_vel included"
+        )
+
+
+class TestArbiter:
+    def test_is_for_auditors(self):
+        finding = the_finding("arbiter", small_graph(MUX))
+        assert finding.level is FindingLevel.AUDITOR
+        assert finding.summary == "/twist_mux decides who drives on /cmd_vel"
+        assert finding.cause == "it takes /joy_vel and /nav_vel"
+
+    def test_without_an_output_it_decides_nothing(self):
+        assert not found("arbiter", small_graph(MUX.replace("    pub ", "    sub ")))

@@ -1,0 +1,353 @@
+"""What the rules on the wiring of an app count, what they leave out, and their words."""
+
+from dataclasses import replace
+
+import pytest
+from finding_graphs import (
+    BASE,
+    FIRMWARE,
+    STAMPED,
+    TWIST,
+    found,
+    parameters,
+    small_graph,
+    the_finding,
+)
+from finding_pairs import MISSING_PROGRAM, ODOMETRY, SCAN
+
+from rtron.vocabulary import (
+    Action,
+    ActionRole,
+    Certainty,
+    Direction,
+    Endpoint,
+    Evidence,
+    FindingLevel,
+    Resolution,
+    Service,
+    ServiceClient,
+    Severity,
+    UnresolvedItem,
+)
+
+
+def nav_and_base(sent: str, expected: str, **resolutions: Resolution):
+    graph = small_graph(
+        f"/nav nav own\n pub /cmd_vel {sent}\n/base driver own\n sub /cmd_vel {expected}\n"
+    )
+    ends = [
+        replace(end, resolution=resolutions.get(end.node.strip("/"), Resolution.LITERAL))
+        for end in graph.endpoints
+    ]
+    return replace(graph, endpoints=tuple(ends))
+
+
+class TestTypeMismatch:
+    def test_between_two_sources_it_is_certain_and_high(self):
+        finding = the_finding("type_mismatch", nav_and_base(TWIST, STAMPED))
+        assert finding.summary == "/base gets nothing from /cmd_vel"
+        assert finding.cause == (
+            "/nav publishes geometry_msgs/Twist, /base expects geometry_msgs/TwistStamped"
+        )
+        assert finding.remedy == "give both ends one message type"
+        assert (finding.certainty, finding.severity) == (Certainty.CERTAIN, Severity.HIGH)
+        assert finding.level is FindingLevel.REGULAR
+
+    @pytest.mark.parametrize("node", ["nav", "base"])
+    def test_with_a_model_it_depends_on_the_distribution(self, node):
+        finding = the_finding(
+            "type_mismatch", nav_and_base(TWIST, STAMPED, **{node: Resolution.MODEL})
+        )
+        assert (finding.certainty, finding.level) == (Certainty.POSSIBLE, FindingLevel.PEDANTIC)
+        assert "ROS_DISTRO" in finding.remedy
+
+    def test_a_model_with_another_type_than_the_stamped_is_certain(self):
+        graph = nav_and_base("std_msgs/msg/String", TWIST, base=Resolution.MODEL)
+        assert the_finding("type_mismatch", graph).certainty is Certainty.CERTAIN
+
+    @pytest.mark.parametrize("other", ["geometry_msgs/Twist", "", "*"])
+    def test_spelling_and_unknown_types_do_not_part_the_ends(self, other):
+        assert not found("type_mismatch", nav_and_base(TWIST, other))
+        assert not found("type_mismatch", nav_and_base(other, TWIST))
+
+    def test_a_publisher_of_unknown_type_may_be_the_other_end(self):
+        graph = nav_and_base(TWIST, STAMPED)
+        end = Endpoint(node="/joy", topic="/cmd_vel", direction=Direction.PUBLISH)
+        graph = replace(graph, endpoints=(*graph.endpoints, end))
+        assert the_finding("type_mismatch", graph).certainty is Certainty.POSSIBLE
+
+    def test_one_of_two_publishers_has_no_subscriber_of_its_type(self):
+        graph = nav_and_base(TWIST, TWIST)
+        ends = [replace(e, node="/joy", type=STAMPED) for e in graph.publishers("/cmd_vel")]
+        finding = the_finding("type_mismatch", replace(graph, endpoints=(*graph.endpoints, *ends)))
+        assert finding.summary == "nobody gets what /joy publishes on /cmd_vel"
+        assert finding.cause == (
+            "/joy publishes geometry_msgs/TwistStamped, /base expects geometry_msgs/Twist"
+        )
+        assert finding.severity is Severity.HIGH
+
+    def test_between_the_ends_of_one_node_it_is_an_oddity(self):
+        text = (
+            "/costmap move_base own\n pub /footprint a/PolygonStamped\n sub /footprint a/Polygon\n"
+        )
+        finding = the_finding("type_mismatch", small_graph(text))
+        assert (finding.severity, finding.level) == (Severity.LOW, FindingLevel.PEDANTIC)
+
+    def test_off_the_motion_topics_it_is_a_failure(self):
+        graph = small_graph(
+            SCAN.replace("    sub /scan sensor_msgs/msg/LaserScan", " sub /scan a/B")
+        )
+        assert the_finding("type_mismatch", graph).severity is Severity.MEDIUM
+
+
+class TestUnmatchedTopic:
+    MISSPELT = ODOMETRY.format("filterd")
+
+    def test_a_near_name_that_nobody_reads_is_likely(self):
+        finding = the_finding("unmatched_topic", small_graph(self.MISSPELT))
+        assert finding.summary == "/nav waits for /odometry/filterd in vain"
+        assert finding.cause == (
+            "no node of this launch publishes it; /ekf sends /odometry/filtered"
+        )
+        assert finding.remedy == "did you mean /odometry/filtered? Remap one to the other"
+        assert (finding.certainty, finding.level) == (Certainty.LIKELY, FindingLevel.REGULAR)
+        assert finding.topics == ("/odometry/filterd", "/odometry/filtered")
+
+    def test_with_a_node_that_was_not_read_it_is_only_possible(self):
+        graph = small_graph(self.MISSPELT + FIRMWARE, unread=("/firmware",))
+        finding = the_finding("unmatched_topic", graph)
+        assert finding.certainty is Certainty.POSSIBLE
+        assert "it, unless /firmware (not read) does; /ekf sends" in finding.cause
+
+    @pytest.mark.parametrize("what", ["include nav.launch.py", "launch x.launch that /a starts"])
+    def test_with_a_launch_file_that_was_not_read_it_is_only_possible(self, what):
+        notes = (UnresolvedItem(what=what, why="?"),)
+        graph = small_graph(self.MISSPELT, unresolved=notes)
+        assert the_finding("unmatched_topic", graph).certainty is Certainty.POSSIBLE
+
+    def test_a_viewer_that_was_not_read_publishes_nothing(self):
+        graph = small_graph(self.MISSPELT + "/rviz rviz2 own\n", unread=("/rviz",))
+        assert the_finding("unmatched_topic", graph).certainty is Certainty.LIKELY
+
+    def test_a_near_name_that_somebody_reads_is_a_hint_only(self):
+        text = self.MISSPELT + "/map map own\n sub /odometry/filtered nav_msgs/msg/Odometry\n"
+        finding = the_finding("unmatched_topic", small_graph(text))
+        assert (finding.certainty, finding.level) == (Certainty.POSSIBLE, FindingLevel.PEDANTIC)
+        assert "did you mean /odometry/filtered?" in finding.remedy
+
+    def test_a_near_name_of_another_type_is_none(self):
+        text = self.MISSPELT.replace("pub /odometry/filtered nav_msgs", "pub /odometry/filtered my")
+        finding = the_finding("unmatched_topic", small_graph(text))
+        assert (finding.remedy, finding.level) == ("start its publisher", FindingLevel.PEDANTIC)
+
+    @pytest.mark.parametrize(
+        ("other", "is_near"),
+        [
+            ("/robot/odometry/filterd", True),
+            ("/odometry/Filterd", True),
+            ("/wheel/ticks", False),
+            ("/odometry/start", False),
+            ("/x", False),
+        ],
+    )
+    def test_near_is_another_namespace_or_a_slip(self, other, is_near):
+        text = self.MISSPELT.replace("/odometry/filtered", other)
+        remedy = the_finding("unmatched_topic", small_graph(text)).remedy
+        assert ("did you mean" in remedy) is is_near
+
+    def test_among_very_many_names_a_near_one_tells_nothing(self):
+        text = self.MISSPELT + "".join(
+            f"/ekf{i} ekf own\n pub /odometry/{i} nav_msgs/msg/Odometry\n" for i in range(200)
+        )
+        assert the_finding("unmatched_topic", small_graph(text)).remedy == "start its publisher"
+
+    def test_a_long_namespace_makes_no_name_near(self):
+        text = self.MISSPELT.replace("/odometry/filtered", "/a_long_namespace/started")
+        text = text.replace("/odometry/filterd", "/a_long_namespace/finished")
+        assert the_finding("unmatched_topic", small_graph(text)).remedy == "start its publisher"
+
+    def test_what_the_reader_itself_publishes_is_not_what_it_waits_for(self):
+        text = self.MISSPELT.replace("/ekf ekf own\n", "/nav nav own\n")
+        assert the_finding("unmatched_topic", small_graph(text)).remedy == "start its publisher"
+
+    def test_logs_are_left_out(self):
+        text = "/log log own\n sub /rosout rosgraph_msgs/Log\n"
+        assert not found("unmatched_topic", small_graph(text))
+
+    def test_what_only_a_viewer_reads_does_not_count(self):
+        text = self.MISSPELT.replace("/nav nav ", "/nav rviz2 ")
+        assert not found("unmatched_topic", small_graph(text))
+
+    def test_commands_belong_to_open_command_unless_a_name_is_near(self):
+        assert not found("unmatched_topic", small_graph(BASE))
+        near = small_graph(BASE + f"/nav nav own\n pub /nav/cmd_vel {TWIST}\n")
+        assert the_finding("unmatched_topic", near).severity is Severity.MEDIUM
+
+    @pytest.mark.parametrize(
+        ("ros", "topic"),
+        [(1, "/dock/feedback"), (1, "/dock/status"), (2, "/dock/_action/feedback")],
+    )
+    def test_topics_of_actions_are_left_out(self, ros, topic):
+        text = f"/mission mission own\n sub {topic} a/B\n"
+        client = Action(node="/mission", name="/dock", role=ActionRole.CLIENT)
+        assert found("unmatched_topic", small_graph(text, ros=ros))
+        assert not found("unmatched_topic", small_graph(text, ros=ros, actions=(client,)))
+
+    def test_other_topics_below_the_name_of_an_action_count(self):
+        client = Action(node="/mission", name="/dock", role=ActionRole.CLIENT)
+        text = "/mission mission own\n sub /dock/battery a/B\n"
+        assert found("unmatched_topic", small_graph(text, actions=(client,)))
+
+    def test_a_name_that_is_known_in_part_is_left_out(self):
+        graph = small_graph(self.MISSPELT)
+        ends = tuple(
+            replace(end, topic=end.topic.replace("/filterd", "/{?}")) for end in graph.endpoints
+        )
+        assert not found("unmatched_topic", replace(graph, endpoints=ends))
+
+    @pytest.mark.parametrize(
+        ("name", "certainty"),
+        [
+            ("/odometry/{?}", Certainty.POSSIBLE),
+            ("{?}", Certainty.POSSIBLE),
+            ("/{?}/filterd", Certainty.POSSIBLE),
+            ("/wheels/{?}", Certainty.LIKELY),
+            ("/odometry/{?}/raw", Certainty.LIKELY),
+        ],
+    )
+    def test_a_publisher_whose_name_is_known_in_part_may_be_the_missing_end(self, name, certainty):
+        graph = small_graph(self.MISSPELT)
+        end = Endpoint(
+            node="/ekf", topic=name, direction=Direction.PUBLISH, resolution=Resolution.SYMBOLIC
+        )
+        finding = the_finding("unmatched_topic", replace(graph, endpoints=(*graph.endpoints, end)))
+        assert finding.certainty is certainty
+        assert finding.topics[1] == "/odometry/filtered"
+
+
+class TestNoServer:
+    CALL = (ServiceClient(node="/slam", name="/map/save", type="a/srv/Save"),)
+
+    def test_a_service_without_a_near_name_is_possible_only(self):
+        finding = the_finding("no_server", small_graph(SCAN, clients=self.CALL))
+        assert finding.summary == "/slam waits for the service /map/save in vain"
+        assert finding.cause == "no node of this launch offers it"
+        assert finding.remedy == "start its server"
+        assert (finding.certainty, finding.level) == (Certainty.POSSIBLE, FindingLevel.PEDANTIC)
+
+    @pytest.mark.parametrize(
+        ("server", "certainty"),
+        [
+            (Service(node="/laser", name="/map/saved", type="a/srv/Save"), Certainty.LIKELY),
+            (Service(node="/laser", name="/map/saved"), Certainty.LIKELY),
+            (Service(node="/laser", name="/map/saved", type="a/srv/Other"), Certainty.POSSIBLE),
+            (Service(node="/laser", name="/map/saved", implicit=True), Certainty.POSSIBLE),
+            (Service(node="/laser", name="/map/{?}"), Certainty.POSSIBLE),
+            (Service(node="/laser", name="/other"), Certainty.POSSIBLE),
+        ],
+    )
+    def test_a_near_server_of_the_same_type_makes_it_likely(self, server, certainty):
+        graph = small_graph(SCAN, clients=self.CALL, services=(server,))
+        finding = the_finding("no_server", graph)
+        assert finding.certainty is certainty
+        assert ("did you mean" in finding.remedy) is (certainty is Certainty.LIKELY)
+
+    def test_with_something_unread_it_is_possible_only(self):
+        server = Service(node="/laser", name="/map/saved")
+        for more in (
+            {"unread": ("/firmware",)},
+            {"unresolved": (UnresolvedItem(what="include x", why="?"),)},
+            {"services": (server, Service(node="/laser", name="{?}"))},
+        ):
+            keys = {"clients": self.CALL, "services": (server,)} | more
+            finding = the_finding("no_server", small_graph(SCAN + FIRMWARE, **keys))
+            assert finding.certainty is Certainty.POSSIBLE
+            assert finding.remedy == "did you mean /map/saved?"
+
+    def test_what_is_served_implicit_or_known_in_part_is_no_finding(self):
+        served = Service(node="/laser", name="/map/save")
+        assert not found("no_server", small_graph(SCAN, clients=self.CALL, services=(served,)))
+        for change in ({"implicit": True}, {"name": "/{?}/save"}, {"node": "/rviz"}):
+            clients = (replace(self.CALL[0], **change),)
+            graph = small_graph(SCAN + "/rviz rviz2 own\n", clients=clients)
+            assert not found("no_server", graph)
+
+    def test_an_action(self):
+        text = (
+            "/mission mission own\n client /navigate_to_pos nav2_msgs/action/NavigateToPose\n"
+            "/bt bt own\n server /navigate_to_pose nav2_msgs/action/NavigateToPose\n"
+        )
+        finding = the_finding("no_server", small_graph(text, ros=1))
+        assert finding.summary == "/mission waits for the action /navigate_to_pos in vain"
+        assert finding.remedy == "did you mean /navigate_to_pose?"
+        assert finding.certainty is Certainty.LIKELY
+        correct = text.replace("to_pos ", "to_pose ")
+        assert not found("no_server", small_graph(correct, ros=1))
+
+    def test_a_service_does_not_serve_an_action(self):
+        client = Action(node="/slam", name="/map/save", role=ActionRole.CLIENT)
+        service = Service(node="/laser", name="/map/save")
+        graph = small_graph(SCAN, actions=(client,), services=(service,))
+        assert the_finding("no_server", graph).remedy == "start its server"
+
+    def test_a_service_and_an_action_of_one_name_are_one_finding(self):
+        client = Action(node="/laser", name="/map/save", role=ActionRole.CLIENT)
+        graph = small_graph(SCAN, clients=self.CALL, actions=(client,))
+        assert the_finding("no_server", graph).summary == (
+            "/laser and /slam wait for the action and service /map/save in vain"
+        )
+
+
+class TestSimTime:
+    @pytest.mark.parametrize(
+        ("values", "nodes", "value"),
+        [
+            ({"a": True, "b": True, "z": False}, ("/z",), "false"),
+            ({"a": False, "b": True, "z": True}, ("/a",), "false"),
+            ({"a": False, "b": False, "z": True}, ("/z",), "true"),
+            ({"a": False, "z": True}, ("/a",), "false"),
+            ({"a": True, "z": False}, ("/a",), "true"),
+        ],
+        ids=["last", "first", "true", "tie", "tie of true"],
+    )
+    def test_the_fewer_are_named_and_at_a_tie_the_first(self, values, nodes, value):
+        finding = the_finding(
+            "sim_time", small_graph(SCAN, parameters=parameters("use_sim_time", **values))
+        )
+        other = "true" if value == "false" else "false"
+        assert finding.nodes == nodes
+        assert finding.summary == f"{nodes[0]} lives in another time than the other nodes"
+        assert finding.cause == f"use_sim_time is {value} there, {other} elsewhere"
+
+    @pytest.mark.parametrize(
+        "values",
+        [
+            {},
+            {"laser": True},
+            {"laser": False, "slam": False},
+            {"laser": True, "slam": None},
+            {"laser": True, "slam": 0},
+            {"laser": True, "slam": "false"},
+            {"laser": True, "rviz": False},
+        ],
+    )
+    def test_one_value_unknown_values_and_viewers_are_no_finding(self, values):
+        text = SCAN + "/rviz rviz2 own\n"
+        graph = small_graph(text, parameters=parameters("use_sim_time", **values))
+        assert not found("sim_time", graph)
+
+
+class TestMissingProgram:
+    def test_tells_the_node_and_the_program(self):
+        places = tuple(Evidence(file=f"{name}.launch.py", line=1) for name in "ab")
+        notes = tuple(
+            UnresolvedItem(
+                what="node /base (my_robot/base_node)", why=MISSING_PROGRAM, evidence=(place,)
+            )
+            for place in places
+        )
+        finding = the_finding("missing_program", small_graph("", unresolved=notes))
+        assert finding.id == "missing_program:/base"
+        assert finding.summary == "/base does not start"
+        assert finding.cause == "no build file of its package makes my_robot/base_node"
+        assert finding.evidence == places

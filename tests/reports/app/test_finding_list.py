@@ -1,0 +1,101 @@
+"""The findings as text: what a person reads of each, and how many there are."""
+
+import pytest
+from finding_cases import HIGH, LOW, MEDIUM, PLACES, finding
+
+from rtron.reports.app.finding_list import finding_list, findings_verdict
+from rtron.reports.text_layout import Report
+from rtron.vocabulary import Evidence, FindingLevel
+
+FOUR_LINES = """\
+
+  high    /nav and /teleop both drive the robot on /cmd_vel  several_publishers
+          nothing decides between them: /base obeys whoever published last
+          src/nav.py:7 and 2 more
+          -> put a GRCN before /cmd_vel: `rtron plan` proposes it
+"""
+PEDANTIC = finding("/odd", level=FindingLevel.PEDANTIC)
+AUDITOR = finding("/odder", level=FindingLevel.AUDITOR)
+
+
+@pytest.fixture
+def text_of(printed):
+    return lambda *findings, **keys: printed(
+        Report(lambda page: finding_list(findings, page)), **keys
+    )
+
+
+def test_one_finding_takes_four_lines(text_of):
+    assert text_of(HIGH) == FOUR_LINES
+
+
+def test_the_findings_follow_each_other_in_the_order_given(text_of):
+    text = text_of(HIGH, MEDIUM, LOW)
+    assert text.startswith(FOUR_LINES)
+    marks = [row[2:10] for row in text.splitlines() if row.endswith("several_publishers")]
+    assert marks == ["high    ", "medium  ", "low     "]
+
+
+@pytest.mark.parametrize(
+    ("evidence", "row"),
+    [
+        (PLACES[:1], "src/nav.py:7"),
+        (PLACES[:2], "src/nav.py:7 and 1 more"),
+        ((Evidence(file="http://robot:1234"),), "http://robot:1234"),
+    ],
+)
+def test_the_first_place_stands_with_the_number_of_others(text_of, evidence, row):
+    assert text_of(finding(evidence=evidence)).splitlines()[3] == f"          {row}"
+
+
+def test_without_a_place_there_is_no_line_for_it(text_of):
+    assert text_of(finding(evidence=())) == FOUR_LINES.replace(
+        "          src/nav.py:7 and 2 more\n", ""
+    )
+
+
+def test_nothing_found_is_nothing_shown(text_of):
+    assert text_of() == ""
+
+
+def test_long_prose_is_wrapped_below_itself(text_of):
+    rows = text_of(finding(cause="word " * 40), width=60).splitlines()
+    assert all(len(row) <= 60 and row.startswith(" " * 10) for row in rows[2:])
+
+
+def test_a_terminal_gets_colours_and_a_file_none(text_of):
+    assert "\x1b[1;31mhigh" in text_of(HIGH, force_terminal=True, color_system="standard")
+    assert "\x1b" not in text_of(HIGH)
+
+
+def test_hostile_names_do_nothing(text_of):
+    name = "/\x1b[2J[bold red]x[/]\n\u202e:smile:"
+    words = {"summary": name, "cause": name, "remedy": name}
+    text = text_of(finding(name, evidence=(Evidence(file=name, line=1),), **words))
+    assert "\x1b" not in text
+    assert "\u202e" not in text
+    assert text.count("/\\x1b[2J[bold red]x[/]\\n\\u202e:smile:") == 4
+
+
+@pytest.mark.parametrize(
+    ("shown", "hidden", "words"),
+    [
+        ([HIGH], [], "1 finding: 1 high"),
+        ([HIGH, HIGH, LOW], [], "3 findings: 2 high, 1 low"),
+        ([HIGH, MEDIUM, LOW], [], "3 findings: 1 high, 1 medium, 1 low"),
+        ([HIGH], [PEDANTIC], "1 finding: 1 high; 1 more from --level pedantic on"),
+        ([], [AUDITOR, PEDANTIC], "no findings; 2 more from --level pedantic on"),
+        ([], [AUDITOR], "no findings; 1 more from --level auditor on"),
+        ([], [], "no findings"),
+    ],
+)
+def test_the_verdict_counts_by_severity_and_tells_of_hidden_ones(shown, hidden, words):
+    assert findings_verdict(shown, hidden, is_whole=True).plain == words
+
+
+def test_no_findings_holds_for_what_could_be_read():
+    assert findings_verdict([], [], is_whole=False).plain == "no findings in what could be read"
+    assert findings_verdict([], [LOW], is_whole=False).plain == (
+        "no findings in what could be read; 1 more from --level pedantic on"
+    )
+    assert findings_verdict([HIGH], [], is_whole=False).plain == "1 finding: 1 high"

@@ -1,0 +1,118 @@
+"""What could not be read, as text: grouped by cause, with what to do."""
+
+from pathlib import Path
+
+import pytest
+
+import rtron.sources
+from rtron.reports.app.unresolved_list import MOST_CAUSES, nodes_read, unresolved_list
+from rtron.reports.text_layout import Report
+from rtron.vocabulary import Evidence, InteractionGraph, Node, UnresolvedItem
+
+NO_SOURCE = "no source of it is here, and no model"
+NO_PACKAGE = "its package is not here: give the folder of its source too"
+NO_PROGRAM = "its program is not in the build files of its package"
+CALL = "its name comes from a service call"
+
+GROUPED = """\
+
+Not resolved (7)
+  4 times: no source of it is here, and no model: node /a (p/a); node /b (p/b);
+  node /c (p/c) and 1 more (a.launch:1)
+    -> give the folder of its source, or write a model: `rtron model draft`
+  2 times: its name comes from a service call: a publisher of /odd (odd.cpp:12)
+  a file: why not (c.yaml)
+"""
+
+
+@pytest.fixture
+def text_of(printed):
+    return lambda items, **keys: printed(Report(lambda page: unresolved_list(items, page)), **keys)
+
+
+def items(*names, why, evidence=()):
+    return tuple(UnresolvedItem(what=name, why=why, evidence=evidence) for name in names)
+
+
+def test_items_are_grouped_by_their_cause(text_of):
+    call = items("a publisher of /odd", why=CALL, evidence=(Evidence(file="odd.cpp", line=12),))
+    nodes = [f"node /{name} (p/{name})" for name in "abcd"]
+    missing = items(*nodes, why=NO_SOURCE, evidence=(Evidence(file="a.launch", line=1),))
+    one = items("a file", why="why not", evidence=(Evidence(file="c.yaml"),))
+    assert text_of(call + one + call + missing) == GROUPED
+
+
+@pytest.mark.parametrize(
+    ("why", "remedy"),
+    [
+        (NO_SOURCE, "-> give the folder of its source, or write a model: `rtron model draft`"),
+        (NO_PACKAGE, "-> or write a model: `rtron model draft`"),
+        (NO_PROGRAM, "-> correct the launch file or the build files"),
+    ],
+)
+def test_a_cause_that_hides_nodes_comes_first_with_its_remedy(text_of, why, remedy):
+    rows = text_of(items("x", "y", "z", why=CALL) + items("node /n", why=why)).splitlines()
+    assert rows[2:] == [
+        f"  node /n: {why}",
+        f"    {remedy}",
+        f"  3 times: {CALL}: x; y; z",
+    ]
+
+
+def test_these_causes_are_spelled_as_the_sources_spell_them():
+    path = Path(rtron.sources.__file__).parent / "static" / "common" / "node_part.py"
+    source = path.read_text(encoding="utf-8")
+    assert all(f'"{why}"' in source for why in (NO_SOURCE, NO_PACKAGE, NO_PROGRAM))
+
+
+def test_other_causes_are_in_order_of_frequency_and_have_no_remedy(text_of):
+    text = text_of(items("x", why="rare") + items("x", "y", why="frequent"))
+    assert text.splitlines()[2:] == ["  2 times: frequent: x; y", "  x: rare"]
+
+
+@pytest.mark.parametrize("more", [0, 1, 3])
+def test_more_than_ten_causes_are_counted(text_of, more):
+    causes = [f"why {i}" for i in range(MOST_CAUSES + more)]
+    text = text_of([each for why in causes for each in items("x", why=why)])
+    rows = text.splitlines()
+    assert rows[1] == f"Not resolved ({MOST_CAUSES + more})"
+    assert [row for row in rows if row.startswith("  x: ")] == [
+        f"  x: {why}" for why in causes[:MOST_CAUSES]
+    ]
+    end = f"  and {more} more causes, which --format graph lists"
+    assert rows[2 + MOST_CAUSES :] == ([end] if more else [])
+
+
+def test_nothing_unresolved_is_nothing_shown(text_of):
+    assert text_of(()) == ""
+
+
+def test_hostile_names_do_nothing(text_of):
+    name = "/\x1b[2J[bold red]x[/]\n\u202e:smile:"
+    place = (Evidence(file=name, line=1),)
+    text = text_of(
+        items(name, why=name, evidence=place) + items(name, "x", why=name * 2), width=200
+    )
+    assert "\x1b" not in text
+    assert "\u202e" not in text
+    assert text.count("/\\x1b[2J[bold red]x[/]\\n\\u202e:smile:") == 6
+
+
+def app(read, unread):
+    nodes = [Node(name=f"/r{i}") for i in range(read)]
+    nodes += [Node(name=f"/u{i}", unread=True) for i in range(unread)]
+    return InteractionGraph(app="app", nodes=tuple(nodes))
+
+
+@pytest.mark.parametrize(
+    ("read", "unread", "words"),
+    [
+        (0, 0, ""),
+        (3, 0, ""),
+        (2, 1, "2 of 3 nodes read; not read: /u0"),
+        (0, 3, "0 of 3 nodes read; not read: /u0, /u1, /u2"),
+        (1, 5, "1 of 6 nodes read; not read: /u0, /u1, /u2 and 2 more"),
+    ],
+)
+def test_it_tells_how_many_nodes_were_read(read, unread, words):
+    assert nodes_read(app(read, unread)) == words
