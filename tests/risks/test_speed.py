@@ -5,6 +5,7 @@ from time import process_time
 import pytest
 from autorace import AUTORACE
 from home import HOME
+from reference_algorithm import naive_risks
 
 from rtron.risks import discover_risks
 from rtron.vocabulary import Direction, Endpoint, InteractionGraph
@@ -13,21 +14,18 @@ PUB, SUB = Direction.PUBLISH, Direction.SUBSCRIBE
 TF = "tf2_msgs/TFMessage"
 
 
-def seconds(graph: InteractionGraph) -> float:
+def seconds(graph: InteractionGraph, discover=discover_risks) -> float:
     def once() -> float:
         start = process_time()
-        discover_risks(
-            InteractionGraph(app=graph.app, nodes=graph.nodes, endpoints=graph.endpoints)
-        )
+        discover(InteractionGraph(app=graph.app, nodes=graph.nodes, endpoints=graph.endpoints))
         return process_time() - start
 
     return min(once() for _ in range(5))
 
 
 @pytest.mark.parametrize("graph", [HOME, AUTORACE], ids=["home", "autorace"])
-def test_an_app_takes_less_than_5_ms(graph):
-    discover_risks(graph)
-    assert seconds(graph) < 0.005
+def test_an_app_takes_about_as_long_as_the_naive_reading(graph):
+    assert seconds(graph) < 3 * seconds(graph, naive_risks)
 
 
 def crowd(size: int) -> InteractionGraph:

@@ -11,6 +11,7 @@ from rtron.findings.motion import (
     several_publishers,
 )
 from rtron.findings.rule import FindingRule, format_finding_page
+from rtron.findings.severity import shown_at
 from rtron.findings.wiring import (
     missing_program,
     no_server,
@@ -21,7 +22,7 @@ from rtron.findings.wiring import (
 )
 from rtron.risks import RiskLists, default_lists
 from rtron.risks.graph_facts import GraphFacts
-from rtron.vocabulary import Finding, FindingLevel, InteractionGraph, Severity
+from rtron.vocabulary import Finding, InteractionGraph, Severity
 
 __all__ = ["FINDING_RULES", "FindingRule", "find_findings", "finding_page", "shown_at"]
 
@@ -55,12 +56,6 @@ def find_findings(graph: InteractionGraph, lists: RiskLists | None = None) -> tu
     ]
     worst_last = list(Severity)
     return tuple(sorted(found, key=lambda each: -worst_last.index(each.severity)))
-
-
-def shown_at(level: FindingLevel, finding: Finding) -> bool:
-    """Return whether a finding is shown at a level."""
-    levels = list(FindingLevel)
-    return levels.index(finding.level) <= levels.index(level)
 
 
 def finding_page(rule: FindingRule) -> str:

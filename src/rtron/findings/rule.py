@@ -30,12 +30,13 @@ def make_finding(  # noqa: PLR0913 - a finding has so many parts, all by keyword
     consequence: Consequence,
     certainty: Certainty,
     level: FindingLevel | None = None,
+    only_own_nodes: bool = False,
     nodes: Iterable[str] = (),
     topics: Iterable[str] = (),
     evidence: Iterable[Evidence] = (),
 ) -> Finding:
     """Return a finding, its severity by the table, its level by the severity if none is given."""
-    severity = severity_of(consequence, certainty)
+    severity = severity_of(consequence, certainty, only_own_nodes=only_own_nodes)
     return Finding(
         rule=rule,
         subject=subject,

@@ -6,12 +6,13 @@
 | failure: a part of the app does not get what it needs | medium | medium | low |
 | oddity: nothing follows by itself | low | low | low |
 
+It is one step milder where only the user's own nodes cause it, as for the paper's risks.
 A finding of low severity is shown from the level `pedantic` on, unless its rule says otherwise.
 """
 
 from collections.abc import Mapping
 
-from rtron.vocabulary import Certainty, Consequence, FindingLevel, Severity
+from rtron.vocabulary import Certainty, Consequence, Finding, FindingLevel, Severity
 
 _SEVERITY: Mapping[Consequence, tuple[Severity, Severity, Severity]] = {
     Consequence.MOTION: (Severity.HIGH, Severity.HIGH, Severity.MEDIUM),
@@ -20,11 +21,21 @@ _SEVERITY: Mapping[Consequence, tuple[Severity, Severity, Severity]] = {
 }
 
 
-def severity_of(consequence: Consequence, certainty: Certainty) -> Severity:
-    """Return how severe a finding is."""
-    return _SEVERITY[consequence][list(Certainty).index(certainty)]
+def severity_of(
+    consequence: Consequence, certainty: Certainty, *, only_own_nodes: bool = False
+) -> Severity:
+    """Return how severe a finding is; one step milder where only the user's own nodes cause it."""
+    severity = _SEVERITY[consequence][list(Certainty).index(certainty)]
+    milder = list(Severity).index(severity) - 1
+    return list(Severity)[max(milder, 0)] if only_own_nodes else severity
 
 
 def level_of(severity: Severity) -> FindingLevel:
     """Return from which level on a finding is shown."""
     return FindingLevel.PEDANTIC if severity is Severity.LOW else FindingLevel.REGULAR
+
+
+def shown_at(level: FindingLevel, finding: Finding) -> bool:
+    """Return whether a finding is shown at a level."""
+    levels = list(FindingLevel)
+    return levels.index(finding.level) <= levels.index(level)

@@ -13,7 +13,8 @@ def test_risks_found_is_1(rtron, graph_file):
     ran = rtron("scan", graph_file)
     assert ran.code == 1
     assert ran.err == ""
-    assert "/keyboard (third party) ─┬─► /cmd_vel ───► /base" in ran.out
+    assert "/keyboard and /planner both drive the robot on /cmd_vel  several_publishers" in ran.out
+    assert "nothing decides between them: /base obeys whoever published last" in ran.out
     assert f"rtron plan {graph_file} -o rtron.yaml" in ran.out
     assert "\x1b" not in ran.out
 
@@ -21,7 +22,28 @@ def test_risks_found_is_1(rtron, graph_file):
 def test_nothing_found_is_0(rtron, quiet_file):
     ran = rtron("scan", quiet_file)
     assert ran.code == 0
-    assert "no risks found" in ran.out
+    assert "no findings" in ran.out
+    assert "no risks found" not in ran.out
+    assert "no risks found" in rtron("scan", quiet_file, "--level", "auditor").out
+
+
+def test_the_papers_risks_are_drawn_for_auditors(rtron, graph_file):
+    ran = rtron("scan", graph_file, "--level", "auditor")
+    assert "/keyboard (third party) ─┬─► /cmd_vel ───► /base" in ran.out
+
+
+def test_levels_show_more_and_more(rtron, graph_file):
+    lengths = [
+        len(rtron("scan", graph_file, "--level", level).out)
+        for level in ("regular", "pedantic", "auditor")
+    ]
+    assert lengths == sorted(lengths)
+
+
+def test_json_has_every_finding_whatever_the_level(rtron, graph_file):
+    findings = json.loads(rtron("scan", graph_file, "--format", "json").out)["findings"]
+    assert findings[0]["id"] == "several_publishers:/cmd_vel"
+    assert len({each["fingerprint"] for each in findings}) == len(findings)
 
 
 @pytest.mark.parametrize(

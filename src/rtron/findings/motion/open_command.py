@@ -23,7 +23,7 @@ topics with an empty GRCN, or do not let them leave the machine.
 from collections.abc import Iterator
 
 from rtron.findings.app_facts import AppFacts
-from rtron.findings.motion.arbiters import arbiters
+from rtron.findings.motion.arbiter import arbiters
 from rtron.findings.rule import FindingRule, make_finding
 from rtron.risks.wording import conjugate, join_names
 from rtron.vocabulary import Certainty, Consequence, Direction, Finding, FindingLevel

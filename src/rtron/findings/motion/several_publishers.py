@@ -25,7 +25,7 @@ publisher go through one arbiter.
 from collections.abc import Iterator
 
 from rtron.findings.app_facts import AppFacts
-from rtron.findings.motion.arbiters import arbiters, is_one_stack
+from rtron.findings.motion.arbiter import arbiters, is_one_stack
 from rtron.findings.rule import FindingRule, make_finding
 from rtron.risks.wording import both_or_all, conjugate, join_names
 from rtron.vocabulary import Certainty, Consequence, Finding
@@ -61,6 +61,7 @@ def _finding(app: AppFacts, topic: str, passed_by: list[str]) -> Finding:
         remedy=f"put a GRCN before {topic}: `rtron plan` proposes it",
         consequence=Consequence.MOTION,
         certainty=Certainty.CERTAIN if readers else Certainty.LIKELY,
+        only_own_nodes=app.facts.are_own(publishers),
         nodes=(*publishers, *readers),
         topics=(topic,),
         evidence=app.evidence(app.graph.publishers(topic)),

@@ -92,9 +92,7 @@ class RemapCoverage:
 
     def _unnamed_readers(self, stream: Stream) -> Iterator[str]:
         if not stream.successors:
-            subject = (
-                f"the plan names no successor of {stream.topic}: its reader keeps the public name"
-            )
+            subject = f"the plan names no successor of {stream.topic}: readers keep the public name"
             yield f"{subject}, where the guard publishes and anyone else can; name it to close that"
 
     def _named_loaders(self, stream: Stream) -> Iterator[str]:
