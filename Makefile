@@ -55,7 +55,7 @@ bench: setup ## Measure beside the peers, and write build/bench.json and build/b
 	$(PYTHON) -m bench
 	if [ -x $(ROS2_PYTHON) ]; then $(ROS2_PYTHON) -m bench -o build/bench-ros2.json; fi
 
-eval: setup ## Evaluate on the apps in RTRON_APPS and RTRON_DATA, and write build/eval.json (as long as they are many)
+eval: setup ## Evaluate on the apps in RTRON_APPS and RTRON_DATA, and write build/eval.json (as long as the apps take)
 	$(PYTHON) -m evaluation
 
 docs: setup ## Write the pages that are made from the code (10 seconds)
