@@ -188,3 +188,9 @@ class TestArbiter:
 
     def test_without_an_output_it_decides_nothing(self):
         assert not found("arbiter", small_graph(MUX.replace("    pub ", "    sub ")))
+
+
+def test_a_speed_limit_is_no_drive():
+    graph = small_graph(TWO_DRIVERS.replace(f"/cmd_vel {TWIST}", "/max_vel std_msgs/msg/Float64"))
+    finding = the_finding("several_publishers", graph)
+    assert finding.summary == "/move_base and /teleop both set the robot's speed limit on /max_vel"

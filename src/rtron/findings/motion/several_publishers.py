@@ -30,6 +30,8 @@ from rtron.findings.rule import FindingRule, make_finding
 from rtron.risks.wording import both_or_all, conjugate, join_names
 from rtron.vocabulary import Certainty, Consequence, Finding
 
+_LIMITS = ("max_vel", "speed_limit", "velocity_limit")
+
 
 def check(app: AppFacts) -> Iterator[Finding]:
     """Yield a finding for each motion topic with several publishers."""
@@ -46,11 +48,11 @@ def _finding(app: AppFacts, topic: str, passed_by: list[str]) -> Finding:
     who = join_names(readers) if readers else "the base"
     others = tuple(node for node in publishers if node not in passed_by)
     if passed_by and others:
-        summary = f"{join_names(others)} can drive the robot on {topic} past {passed_by[0]}"
+        summary = f"{join_names(others)} can {_command(topic)} on {topic} past {passed_by[0]}"
         verb = f"{conjugate(readers, 'hear')} {both_or_all(publishers)}"
         cause = f"{passed_by[0]} arbitrates, but {who} {verb}: its priorities do not hold"
     else:
-        summary = f"{join_names(publishers)} {both_or_all(publishers)} drive the robot on {topic}"
+        summary = f"{join_names(publishers)} {both_or_all(publishers)} {_command(topic)} on {topic}"
         obeys = conjugate(readers, "obey")
         cause = f"nothing decides between them: {who} {obeys} whoever published last"
     return make_finding(
@@ -66,6 +68,11 @@ def _finding(app: AppFacts, topic: str, passed_by: list[str]) -> Finding:
         topics=(topic,),
         evidence=app.evidence(app.graph.publishers(topic)),
     )
+
+
+def _command(topic: str) -> str:
+    is_limit = any(word in topic for word in _LIMITS)
+    return "set the robot's speed limit" if is_limit else "drive the robot"
 
 
 def _missing_reader(app: AppFacts) -> str:
