@@ -13,7 +13,7 @@ def test_risks_found_is_1(rtron, graph_file):
     ran = rtron("scan", graph_file)
     assert ran.code == 1
     assert ran.err == ""
-    assert "/keyboard and /planner both drive the robot on /cmd_vel  several_publishers" in ran.out
+    assert "/keyboard and /planner both drive the robot on /cmd_vel\n" in ran.out
     assert "nothing decides between them: /base obeys whoever published last" in ran.out
     assert f"rtron plan {graph_file} -o rtron.yaml" in ran.out
     assert "\x1b" not in ran.out

@@ -9,9 +9,9 @@ from rtron.vocabulary import Evidence, FindingLevel
 
 FOUR_LINES = """\
 
-  high    /nav and /teleop both drive the robot on /cmd_vel  several_publishers
+  high    /nav and /teleop both drive the robot on /cmd_vel
           nothing decides between them: /base obeys whoever published last
-          src/nav.py:7 and 2 more
+          src/nav.py:7 and 2 more (several_publishers)
           -> put a GRCN before /cmd_vel: `rtron plan` proposes it
 """
 PEDANTIC = finding("/odd", level=FindingLevel.PEDANTIC)
@@ -32,7 +32,7 @@ def test_one_finding_takes_four_lines(text_of):
 def test_the_findings_follow_each_other_in_the_order_given(text_of):
     text = text_of(HIGH, MEDIUM, LOW)
     assert text.startswith(FOUR_LINES)
-    marks = [row[2:10] for row in text.splitlines() if row.endswith("several_publishers")]
+    marks = [row[2:10] for row in text.splitlines() if "both drive" in row]
     assert marks == ["high    ", "medium  ", "low     "]
 
 
@@ -45,13 +45,20 @@ def test_the_findings_follow_each_other_in_the_order_given(text_of):
     ],
 )
 def test_the_first_place_stands_with_the_number_of_others(text_of, evidence, row):
-    assert text_of(finding(evidence=evidence)).splitlines()[3] == f"          {row}"
-
-
-def test_without_a_place_there_is_no_line_for_it(text_of):
-    assert text_of(finding(evidence=())) == FOUR_LINES.replace(
-        "          src/nav.py:7 and 2 more\n", ""
+    assert (
+        text_of(finding(evidence=evidence)).splitlines()[3]
+        == f"          {row} (several_publishers)"
     )
+
+
+def test_without_a_place_the_rule_stands_alone(text_of):
+    assert text_of(finding(evidence=())) == FOUR_LINES.replace("src/nav.py:7 and 2 more ", "")
+
+
+def test_a_long_summary_is_wrapped_below_itself(text_of):
+    rows = text_of(finding(summary="word " * 40), width=60).splitlines()[1:]
+    assert rows[0].startswith("  high    word")
+    assert all(len(row) <= 60 and row.startswith(" " * 10) for row in rows[1:])
 
 
 def test_nothing_found_is_nothing_shown(text_of):

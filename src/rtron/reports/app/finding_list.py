@@ -16,14 +16,20 @@ def finding_list(findings: Sequence[Finding], page: TextPage) -> Iterator[Text]:
     """Yield each finding: what can happen, what makes it so, where, and what to do."""
     for finding in findings:
         yield Text()
-        mark = (f"{finding.severity:<8}", SEVERITY_STYLE[finding.severity])
-        yield line(mark, (finding.summary, "bold"), ("  " + finding.rule, "dim"), indent=2)
+        yield from _summary(finding, page)
         yield from paragraph(finding.cause, page, indent=_INDENT)
-        if finding.evidence:
-            more = len(finding.evidence) - 1
-            rest = f" and {more} more" if more else ""
-            yield line((location(finding.evidence[0]) + rest, "dim"), indent=_INDENT)
+        places = [location(each) for each in finding.evidence[:1]]
+        more = [f"and {len(finding.evidence) - 1} more"] if len(finding.evidence) > 1 else []
+        yield line((" ".join([*places, *more, f"({finding.rule})"]), "dim"), indent=_INDENT)
         yield from paragraph(f"-> {finding.remedy}", page, indent=_INDENT, style="green")
+
+
+def _summary(finding: Finding, page: TextPage) -> Iterator[Text]:
+    """Yield what can happen, the severity before its first row."""
+    first, *others = paragraph(finding.summary, page, indent=_INDENT, style="bold")
+    mark = (f"{finding.severity:<8}", SEVERITY_STYLE[finding.severity])
+    yield line(mark, indent=2).append_text(first[_INDENT:])
+    yield from others
 
 
 def findings_verdict(
