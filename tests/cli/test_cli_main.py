@@ -34,7 +34,7 @@ def test_a_pipe_gets_80_columns_and_no_colour(graph_file):
 
 
 def test_a_pipe_that_takes_ascii_only_gets_it(graph_file):
-    ran = run("scan", graph_file, env={"PYTHONIOENCODING": "ascii"})
+    ran = run("scan", graph_file, "--level", "auditor", env={"PYTHONIOENCODING": "ascii"})
     assert ran.returncode == 1
     assert b"/keyboard (third party) -+-> /cmd_vel ---> /base" in ran.stdout
     graph_file.write_text(graph_file.read_text().replace("/base", "/b\u00e4se"))

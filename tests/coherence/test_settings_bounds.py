@@ -187,8 +187,8 @@ def test_the_bounds_themselves_are_within(settings):
         ),
         (a_rule(when="true"), "a new one needs `when` and `block`"),
         (a_rule(when="true", block=("/elsewhere",)), "no aflow or topic /elsewhere"),
-        (a_rule("alert", block=("aflow2",)), "alert: the rule itself blocks aflow2"),
-        (a_rule("alert", block=("/cmd_vel",)), "alert: the rule itself blocks aflow2"),
+        (a_rule("alert", block=("aflow2",)), "rule alert: the rule itself blocks aflow2"),
+        (a_rule("alert", block=("/cmd_vel",)), "rule alert: the rule itself blocks aflow2"),
         (
             of("msrcn", rules={f"r{n}": RuleSettings(**OWN) for n in range(MAX_RULES)}),
             f"more than {MAX_RULES} rules",

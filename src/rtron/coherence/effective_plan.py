@@ -98,7 +98,8 @@ def _overridable_ids(plan: Plan) -> set[str]:
 
 def _messages(plan: Plan) -> Iterator[str]:
     for part, _, message in settable_problems(plan):
-        name = part.id if isinstance(part, (GRCN, RSRCN, MSRCN)) else getattr(part, "name", "")
+        name = part.id if isinstance(part, (GRCN, RSRCN, MSRCN)) else ""
+        name = f"rule {part.name}" if isinstance(part, MissionRule) else name
         yield f"{name}: {message}" if name else message
 
 

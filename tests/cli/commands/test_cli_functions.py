@@ -247,7 +247,7 @@ def test_a_scan_tells_the_functions_of_nodes(rtron, repositories):
 
 
 def test_a_scan_shows_them_to_people(rtron, repositories):
-    text = rtron("scan", repositories, *APP).out
+    text = rtron("scan", repositories, *APP, "--level", "auditor").out
     assert "Functions of the nodes" in text
     assert "  Perception, Recognition: /watcher" in text
     page = rtron("scan", repositories, *APP, "--format", "html").out

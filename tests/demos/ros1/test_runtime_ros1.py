@@ -20,4 +20,4 @@ def test_the_guarded_app_is_not_harmed(tmp_path):
         check_guarded(demo, *guarded_run(demo, pipeline, service))
     commands = [said.command.split()[1] for said in pipeline.commands]
     assert commands == ["scan", "scan", "plan", "check", "instrument"]
-    assert "third party" in pipeline.commands[1].text
+    assert "/tb3_safe_control both drive the robot on /cmd_vel" in pipeline.commands[1].text

@@ -109,7 +109,7 @@ def scan(
     if format in _HUMAN_FORMATS:
         graph = with_relative_evidence(graph, app.root)
     result = scan_graph(graph, name_lists)
-    exit_code = FINDINGS if _is_severe(result, fail_on) else OK
+    exit_code = FINDINGS if _is_severe(result, level, fail_on) else OK
     if format is Format.NODL and output.is_dir():
         write_files(output, nodl_files(graph))
         return Outcome("", exit_code)
@@ -130,13 +130,13 @@ def _launch_list(folders: Sequence[Path], format: Format) -> str | Report:
     return launch_list_text(launches, folders)
 
 
-def _is_severe(result: ScanResult, fail_on: FailOn) -> bool:
+def _is_severe(result: ScanResult, level: FindingLevel, fail_on: FailOn) -> bool:
     if fail_on is FailOn.NEVER:
         return False
     order = list(Severity)
     mildest = order.index(Severity(fail_on.value))
     severities = [each.severity for each in result.report.risks]
-    severities += [each.severity for each in result.findings]
+    severities += [each.severity for each in result.findings if shown_at(level, each)]
     return any(order.index(severity) >= mildest for severity in severities)
 
 
