@@ -35,14 +35,14 @@ coverage: setup ## Check that the tests run every branch of the policies, risks,
 	  --cov=rtron.policies --cov=rtron.risks --cov=rtron.coherence --cov=rtron.vocabulary --cov-branch \
 	  --cov-report=term-missing:skip-covered --cov-fail-under=100
 
-test: lint coverage test-ros2 ## Run lint, coverage and the tests (12 minutes)
+test: lint coverage test-ros2 ## Run lint, coverage and the tests (35 minutes)
 	$(BIN)/pytest -m "not ros2 $(SHORT)" $(WORKERS)
 
-test-ros2: setup ## Run the tests on a real ROS 2 (3 minutes)
+test-ros2: setup ## Run the tests on a real ROS 2 (6 minutes)
 	[ ! -x $(ROS2_PYTHON) ] || $(ROS2_PYTHON) -m pytest -m "ros2 $(SHORT)" $(ROS2_TESTS) $(WORKERS)
 
 test-all: SHORT :=
-test-all: test ## Run all of that, the case studies, and the soak and fault runs (30 minutes)
+test-all: test ## Run all of that, the case studies, and the soak and load runs (an hour)
 
 mutation: setup ## Change the policies in over a thousand small ways; the tests must fail (hours)
 	$(BIN)/mutmut run --max-children 1
