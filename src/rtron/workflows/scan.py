@@ -1,10 +1,11 @@
 """Scan an app: its interaction graph, and what its nodes can do to each other."""
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 
 from rtron.findings import find_findings
-from rtron.risks import discover_risks, load_lists
+from rtron.risks import RiskLists, discover_risks, load_lists
 from rtron.vocabulary import (
     Endpoint,
     Evidence,
@@ -15,13 +16,18 @@ from rtron.vocabulary import (
 )
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ScanResult:
-    """The graph of an app, the paper's risks in it, and the findings for people."""
+    """The graph of an app, and the paper's risks in it; `lists` are those that the rules use."""
 
     graph: InteractionGraph
     report: RiskReport
-    findings: tuple[Finding, ...] = ()
+    lists: RiskLists | None = None
+
+    @cached_property
+    def findings(self) -> tuple[Finding, ...]:
+        """The findings for people, computed when they are first needed."""
+        return find_findings(self.graph, self.lists)
 
 
 def scan_graph(graph: InteractionGraph, name_lists: Path | None = None) -> ScanResult:
@@ -30,7 +36,7 @@ def scan_graph(graph: InteractionGraph, name_lists: Path | None = None) -> ScanR
     Raise InputError if that file cannot be used.
     """
     lists = load_lists(name_lists) if name_lists else None
-    return ScanResult(graph, discover_risks(graph, lists), find_findings(graph, lists))
+    return ScanResult(graph, discover_risks(graph, lists), lists)
 
 
 def with_relative_evidence(graph: InteractionGraph, root: Path | None) -> InteractionGraph:
