@@ -10,7 +10,7 @@ from rtron.findings.motion import (
     open_command,
     several_publishers,
 )
-from rtron.findings.rule import FindingRule, format_finding_page
+from rtron.findings.rule import FindingRule, finding_page
 from rtron.findings.severity import shown_at
 from rtron.findings.wiring import (
     missing_program,
@@ -56,8 +56,3 @@ def find_findings(graph: InteractionGraph, lists: RiskLists | None = None) -> tu
     ]
     worst_last = list(Severity)
     return tuple(sorted(found, key=lambda each: -worst_last.index(each.severity)))
-
-
-def finding_page(rule: FindingRule) -> str:
-    """Return the page of a rule in Markdown."""
-    return format_finding_page(rule)

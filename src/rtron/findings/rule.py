@@ -53,7 +53,7 @@ def make_finding(  # noqa: PLR0913 - a finding has so many parts, all by keyword
     )
 
 
-def format_finding_page(rule: FindingRule) -> str:
+def finding_page(rule: FindingRule) -> str:
     """Return a rule's page in Markdown: its title, its facts and its module's docstring."""
     docstring = import_module(rule.check.__module__).__doc__ or ""
     summary, text = docstring.strip().split("\n", 1)
