@@ -157,9 +157,12 @@ def _converter_for(cls: Any) -> _MessageConverter:  # noqa: ANN401 - a generated
     return _MessageConverter(cls)
 
 
-BURST_SIZE = 8
-"""The number of responses that go at once, and after each pause."""
-PAUSE = SECOND // 50
+BURST_SIZE = 5
+"""The number of responses that go at once: half the queue of a client (rmw/qos_profiles.h: 10)."""
+PAUSE = SECOND // 20
+"""After so long one more may go: a client may be busy for five pauses and loses none."""
+MAX_PACED = 200
+"""The number of responses that may wait; what is above it goes at once."""
 
 
 class ResponsePacer:
@@ -171,22 +174,28 @@ class ResponsePacer:
     def __init__(self, loop: EventLoop) -> None:
         self._loop = loop
         self._queue: deque[Callable[[], None]] = deque()
-        self._remaining = BURST_SIZE
-        self._is_pausing = False
+        self._allowance = BURST_SIZE
 
     def send(self, send: Callable[[], None]) -> None:
         """Call `send` as soon as its turn comes."""
         self._queue.append(send)
-        self._send_next()
+        if len(self._queue) > MAX_PACED:
+            self._queue.popleft()()
+        elif self._allowance:
+            self._send_next()
 
     def _send_next(self) -> None:
-        while self._queue and self._remaining:
-            self._remaining -= 1
-            if not self._is_pausing:
-                self._is_pausing = True
-                self._loop.call_at(self._loop.now() + PAUSE, self._resume)
-            self._queue.popleft()()
+        if self._allowance == BURST_SIZE:
+            self._resume_later()
+        self._allowance -= 1
+        self._queue.popleft()()
+
+    def _resume_later(self) -> None:
+        self._loop.call_at(self._loop.now() + PAUSE, self._resume)
 
     def _resume(self) -> None:
-        self._remaining, self._is_pausing = BURST_SIZE, False
-        self._send_next()
+        self._allowance += 1
+        if self._allowance < BURST_SIZE:
+            self._resume_later()
+        if self._queue:
+            self._send_next()
