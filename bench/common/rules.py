@@ -20,7 +20,7 @@ from bench.common.mission import EVENT, EVENT_NODE, GOAL, GOAL_NODE, peer, plan,
 from bench.common.testbed import ReportProgress, Testbed
 from bench.ros1 import rule_load
 from figures.figure import Figure
-from rtron.guard.core.coordinator import Coordinator
+from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.observation_inputs import ObservationInputs, PublisherTopics
 from rtron.guard.core.observations import observations_of
 from rtron.guard.transport.common.memory import MemoryTransport

@@ -9,7 +9,7 @@ from pathlib import Path
 from bench.common.plans import grcn
 from bench.common.pubsub import PUBLISHER
 from rtron.guard.audit.ros1.auditor import Ros1Auditor
-from rtron.guard.core.coordinator import Coordinator
+from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.observations import observations_of
 from rtron.guard.runner import run_coordinator

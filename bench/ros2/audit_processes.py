@@ -10,7 +10,7 @@ from geometry_msgs.msg import Twist
 from bench.common.pubsub import PUBLISHER
 from bench.ros2.audit import DRIVER, FLOW, OPEN, OUT
 from rtron.guard.audit.ros2.auditor import Ros2Auditor
-from rtron.guard.core.coordinator import Coordinator
+from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.runner import run_coordinator
 from rtron.guard.transport.ros2.middleware import Ros2Transport

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from bench.common.plans import grcn
 from bench.common.pubsub import PUBLISHER
-from rtron.guard.core.coordinator import Coordinator
+from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.runner import run_coordinator
 from rtron.guard.transport.ros2.middleware import Ros2Transport

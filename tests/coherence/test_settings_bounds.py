@@ -236,7 +236,6 @@ def test_plans_are_read_within_the_same_bounds():
     assert fields._RANGES["priority"] == PRIORITY_RANGE
     assert quantities.VELOCITY.maximum == quantities.PER_FRAME.maximum == MAX_VELOCITY
     assert quantities.VELOCITY.min_nonzero == quantities.PER_FRAME.minimum == MIN_NONZERO_VELOCITY
-    assert msrcn.MAX_RULES == MAX_RULES
     assert fields._TEXTS["when"].max_length == MAX_CONDITION_LENGTH
     assert fields.IDENTIFIER.max_length == MAX_NAME_LENGTH
 

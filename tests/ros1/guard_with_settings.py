@@ -10,8 +10,8 @@ from pathlib import Path
 
 from harness import HERE
 
+from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.control_socket import ControlSocket
-from rtron.guard.core.coordinator import Coordinator
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.observations import observations_of
 from rtron.guard.runner import run_coordinator

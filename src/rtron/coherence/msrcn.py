@@ -11,6 +11,7 @@ from rtron.coherence.flows import (
 )
 from rtron.coherence.polygons import polygon_problem
 from rtron.coherence.required_flows import required_flow_problems
+from rtron.coherence.settings_bounds import MAX_RULES
 from rtron.errors import suggestion
 from rtron.vocabulary import (
     MSRCN,
@@ -23,7 +24,7 @@ from rtron.vocabulary import (
 )
 
 MAX_AREAS = 100
-MAX_RULES = MAX_EXPRESSIONS = 200
+MAX_EXPRESSIONS = 200
 MAX_EFLOWS = 1000
 # More faults of rules than this help nobody, and each costs a search for the nearest word.
 _MAX_REPORTED = 100

@@ -11,7 +11,7 @@ from rtron.guard.transport.factory import open_ros1_transport, open_ros2_transpo
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from rtron.guard.core.coordinator import Coordinator
+    from rtron.guard.coordinator import Coordinator
     from rtron.guard.core.event_loop import EventLoop
     from rtron.guard.transport.common.protocol import LiveTransport
     from rtron.vocabulary import Plan

@@ -10,15 +10,15 @@ import sys
 from typing import TYPE_CHECKING
 
 from rtron.errors import SourceError
+from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.alarms import UnreadableInputAlarms
 from rtron.guard.core.control_socket import ControlSocket, RequestHandler, control_path
-from rtron.guard.core.coordinator import Coordinator
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.handover_state import HandoverState, HeartbeatFile, heartbeat_path
-from rtron.guard.core.node_shutdown import ShutdownRefusal, ShutdownSequence
 from rtron.guard.core.observations import observations_of
 from rtron.guard.measurement.run import RunMeasurement, WriteFigures
 from rtron.guard.middleware import open_middleware
+from rtron.guard.node_shutdown import ShutdownRefusal, ShutdownSequence
 from rtron.guard.settings.local_overrides import OverrideCommands
 from rtron.vocabulary import Plan, build_streams
 

@@ -6,10 +6,10 @@ from dataclasses import replace
 from rtron.coherence.msrcn import (
     MAX_EFLOWS,
     MAX_EXPRESSIONS,
-    MAX_RULES,
     blocked_types,
 )
 from rtron.coherence.required_flows import self_fulfilling_problems
+from rtron.coherence.settings_bounds import MAX_RULES
 from rtron.errors import InputError
 from rtron.messages.common.definition_parser import parse_definition
 from rtron.messages.common.definition_registry import DefinitionRegistry

@@ -5,7 +5,7 @@ from streams import peer, stage, stream
 from test_mission_stream import AT_RED, LIGHT, MOVING, light, string
 from velocity_messages import speeds, twist
 
-from rtron.guard.core.coordinator import Coordinator
+from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.observations import observations_of
 from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.guard.transport.common.protocol import TypeInfo

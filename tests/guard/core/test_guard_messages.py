@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from message_samples import ENCODINGS, ROS1, ROS2, encode, header, long_name, make, pose_stamped
 
-from rtron.guard.core.coordinator import Coordinator
+from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.message_types import standard_info
 from rtron.guard.core.observations import observations_of
 from rtron.guard.core.report_messages import (

@@ -6,7 +6,7 @@ import pytest
 from streams import FLOWS, TWIST, peer, stage, stream
 from velocity_messages import twist
 
-from rtron.guard.core.coordinator import Coordinator
+from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.guard.transport.common.protocol import TypeInfo

@@ -6,7 +6,7 @@ from time import monotonic_ns, time_ns
 import pytest
 from streams import peer, stage, stream
 
-from rtron.guard.core.coordinator import Coordinator
+from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.handover_state import HandoverState
 from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.guard.transport.common.protocol import NumberedMessage

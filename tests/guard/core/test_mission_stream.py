@@ -7,7 +7,7 @@ import pytest
 from streams import TWIST, peer
 from velocity_messages import speeds, twist
 
-from rtron.guard.core.coordinator import Coordinator
+from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.observations import MAX_EVENT, observations_of
 from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.guard.transport.common.protocol import TypeInfo

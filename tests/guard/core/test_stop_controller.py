@@ -7,7 +7,7 @@ import pytest
 from streams import peer, stage, stream
 from velocity_messages import speeds, twist
 
-from rtron.guard.core.coordinator import Coordinator
+from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.observations import Observations
 from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.vocabulary import SECOND, Flow, Mode, OnSilence, StopProfile, StreamKind

@@ -3,7 +3,7 @@
 import pytest
 from streams import peer, stage, stream
 
-from rtron.guard.core.coordinator import Coordinator
+from rtron.guard.coordinator import Coordinator
 from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.vocabulary import SECOND, PolicyName, StreamKind
 

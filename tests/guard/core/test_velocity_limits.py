@@ -7,7 +7,7 @@ import pytest
 from streams import peer
 from velocity_messages import FLOAT64, IMAGE, float64, floats, image, speeds, twist
 
-from rtron.guard.core.coordinator import Coordinator
+from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.observations import observations_of
 from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.vocabulary import (

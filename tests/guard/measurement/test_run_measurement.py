@@ -17,7 +17,7 @@ from test_velocity_limits import VELOCITY, plan
 from velocity_messages import image, twist
 
 from rtron.errors import SourceError
-from rtron.guard.core.coordinator import Coordinator
+from rtron.guard.coordinator import Coordinator
 from rtron.guard.measurement.activity import ActivityPhases
 from rtron.guard.measurement.frame_rates import FrameRateMeasurement
 from rtron.guard.measurement.histogram import Histogram, duration_figures, value_figures

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from rtron.guard.core.coordinator import Coordinator
+from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.supervision.guard_config import GuardConfig
 from rtron.guard.supervision.guard_process import spawn_guard

@@ -4,7 +4,7 @@ from functools import cache
 
 from rosbags.typesys import Stores, get_typestore
 
-from rtron.guard.core.coordinator import Coordinator
+from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.observations import observations_of
 from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.guard.transport.common.protocol import Peer, TypeInfo

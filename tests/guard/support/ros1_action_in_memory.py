@@ -4,7 +4,7 @@ import struct
 
 from streams import stage, stream
 
-from rtron.guard.core.coordinator import Coordinator
+from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.message_types import standard_info
 from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.guard.transport.common.protocol import Peer, TypeInfo

@@ -4,12 +4,11 @@ from collections import defaultdict
 
 from plans import grcn, plan_of
 
-from rtron.guard.action.ros2.endpoints import GoalMessage
-from rtron.guard.core.coordinator import Coordinator
+from rtron.guard.coordinator import Coordinator
 from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.guard.transport.common.protocol import Peer, TypeInfo
 from rtron.messages.common.encoding import Encoding
-from rtron.messages.ros2.actions import GoalStatus, read_statuses, status_array
+from rtron.messages.ros2.actions import GoalMessage, GoalStatus, read_statuses, status_array
 from rtron.vocabulary import SECOND, PolicyName, Ros2ActionEntity, StreamKind, build_streams
 
 TYPE = "demo_msgs/action/Go"

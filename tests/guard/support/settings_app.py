@@ -3,7 +3,7 @@
 from streams import peer
 from velocity_messages import float64, floats, speeds, twist
 
-from rtron.guard.core.coordinator import Coordinator
+from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.message_types import standard_info
 from rtron.guard.core.observations import observations_of
 from rtron.guard.settings.applier import SettingsApplier

@@ -8,7 +8,7 @@ from dataclasses import asdict
 from functools import partial
 from typing import Any
 
-from rtron.guard.core.coordinator import Coordinator
+from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.stream import GuardedStream
 from rtron.guard.link.event_counter import EventCounter
 from rtron.guard.link.stream_monitor import StreamMonitor

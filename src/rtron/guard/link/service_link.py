@@ -7,7 +7,7 @@ from uuid import uuid4
 
 from rtron import __version__
 from rtron.errors import InputError, RTronError
-from rtron.guard.core.coordinator import Coordinator
+from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.link.event_counter import EventCounter
 from rtron.guard.link.event_recorder import EventRecorder

@@ -1,12 +1,12 @@
 """Figures of one stream, message by message, in a memory that does not grow with time."""
 
 from rtron.errors import WireError
-from rtron.guard.action.ros2.endpoints import GoalMessage
 from rtron.guard.measurement.flow import FlowMeasurement
 from rtron.guard.measurement.frame_rates import FrameRateMeasurement
 from rtron.guard.measurement.histogram import Histogram, value_figures
 from rtron.messages.common.velocity import VelocityCodec
 from rtron.messages.ros1.actions import read_goal
+from rtron.messages.ros2.actions import GoalMessage
 from rtron.vocabulary import (
     UNAPPROVED,
     Decision,

@@ -6,7 +6,7 @@ from functools import partial
 from rtron.guard.action.ros1.stream import Ros1ActionStream
 from rtron.guard.action.ros1.topics import STATUS
 from rtron.guard.action.ros2.stream import ObservedActionStream
-from rtron.guard.core.coordinator import Coordinator
+from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.message_types import standard_info
 from rtron.guard.core.observations import observations_of
 from rtron.guard.core.stream import GuardedStream

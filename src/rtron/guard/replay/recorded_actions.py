@@ -8,13 +8,13 @@ from functools import partial
 from typing import TypeVar
 
 from rtron.errors import InputError, WireError
-from rtron.guard.action.ros2.endpoints import ActionListener, CancelReply, GoalMessage, GoalReply
+from rtron.guard.action.ros2.endpoints import ActionListener, CancelReply, GoalReply
 from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.guard.transport.common.protocol import MessageHandler, Peer, TypeInfo
 from rtron.messages.common.definition import Definition
 from rtron.messages.common.definition_registry import DefinitionRegistry
 from rtron.messages.common.encoding import Encoding
-from rtron.messages.ros2.actions import read_statuses
+from rtron.messages.ros2.actions import GoalMessage, read_statuses
 from rtron.messages.ros2.service_events import (
     ServiceEvent,
     message_extractor,

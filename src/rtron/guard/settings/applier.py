@@ -1,7 +1,7 @@
 """New settings for the running guard: all of them at once, or none."""
 
 from rtron.coherence import EffectivePlan
-from rtron.guard.core.coordinator import Coordinator
+from rtron.guard.coordinator import Coordinator
 from rtron.guard.settings.emergency_stop import EmergencyBrake
 from rtron.guard.settings.mission_rules import MissionRules
 from rtron.guard.settings.service_overrides import SettingsOverrides

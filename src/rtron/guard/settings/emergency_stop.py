@@ -2,7 +2,7 @@
 
 import logging
 
-from rtron.guard.core.coordinator import Coordinator
+from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.message_types import standard_info
 from rtron.guard.core.stream import GuardedStream
 from rtron.guard.settings.local_overrides import single_line

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from rtron.errors import WireError
-from rtron.guard.core.coordinator import Coordinator
+from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.override_policy import OverridablePolicy, Override
 from rtron.guard.transport.common.protocol import Transport
 from rtron.vocabulary import SECOND

@@ -3,7 +3,7 @@
 import logging
 from collections.abc import Iterator, Mapping
 
-from rtron.guard.core.coordinator import Coordinator
+from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.override_policy import OverridablePolicy, Override
 from rtron.guard.settings.local_overrides import MAX_DURATION, single_line
 from rtron.guard.transport.common.protocol import Transport

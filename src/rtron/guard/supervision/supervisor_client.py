@@ -9,7 +9,7 @@ import subprocess
 from contextlib import suppress
 from functools import partial
 
-from rtron.guard.core.coordinator import Coordinator
+from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.handover_state import HandoverState
 from rtron.guard.core.out_of_memory import exit_if_out_of_memory

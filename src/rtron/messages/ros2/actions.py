@@ -28,6 +28,19 @@ _STAMP = 8
 _LATEST = (1 << 31) * SECOND
 
 
+class GoalMessage(bytes):
+    """A goal as CDR, which knows its id."""
+
+    id: bytes
+
+    @classmethod
+    def of(cls, id: bytes, message: bytes) -> "GoalMessage":
+        """Return a goal that knows its id."""
+        goal = cls(message)
+        goal.id = id
+        return goal
+
+
 @dataclass(frozen=True, slots=True)
 class GoalStatus:
     """What has become of a goal: its id, when it was accepted (ns), and its state."""

@@ -14,7 +14,7 @@ from ros1_action_in_memory import (
     status_message,
 )
 
-from rtron.guard.core.coordinator import Coordinator
+from rtron.guard.coordinator import Coordinator
 from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.guard.transport.common.protocol import Peer
 from rtron.messages.ros1.actions import (

@@ -22,11 +22,12 @@ from ros2_action_in_memory import (
     goal_id,
 )
 
-from rtron.guard.action.ros2.endpoints import CancelResponse, GoalMessage
+from rtron.guard.action.ros2.endpoints import CancelResponse
 from rtron.guard.action.ros2.stream import ObservedActionStream
-from rtron.guard.core.coordinator import Coordinator
+from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.handover_state import HandoverState
 from rtron.guard.transport.common.protocol import Peer
+from rtron.messages.ros2.actions import GoalMessage
 from rtron.policies.goals.status_list import LOST_TIMEOUT
 from rtron.vocabulary import SECOND, Mode, PolicyName, Ros2ActionEntity, build_streams
 

@@ -17,7 +17,7 @@ from ros2_action_in_memory import (
     goal_id,
 )
 
-from rtron.guard.core.coordinator import Coordinator
+from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.message_types import standard_info
 from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.guard.transport.common.protocol import Peer

@@ -7,7 +7,7 @@ from plans import grcn, plan_of
 
 from bench.ros1.intruder import TWIST
 from rtron.guard.audit.common.alarm_response import AlarmResponse
-from rtron.guard.core.coordinator import Coordinator
+from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.message_types import standard_info
 from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.guard.transport.common.protocol import Peer

@@ -9,23 +9,11 @@ from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
 from rtron.guard.transport.common.protocol import Peer, TypeInfo
+from rtron.messages.ros2.actions import GoalMessage
 from rtron.vocabulary import Ros2ActionEntity, Stream
 
 MAX_PENDING_RESULTS = 8
 """So many requests for one goal's result wait for it."""
-
-
-class GoalMessage(bytes):
-    """A goal as CDR, which knows its id."""
-
-    id: bytes
-
-    @classmethod
-    def of(cls, id: bytes, message: bytes) -> "GoalMessage":
-        """Return a goal that knows its id."""
-        goal = cls(message)
-        goal.id = id
-        return goal
 
 
 DecodeGoal = Callable[[], GoalMessage]

@@ -19,7 +19,6 @@ from rtron.guard.action.ros2.endpoints import (
     CancelReply,
     CancelResponse,
     DecodeGoal,
-    GoalMessage,
     GoalReply,
     ResultReply,
 )
@@ -28,7 +27,7 @@ from rtron.guard.action.ros2.server_tracker import ServerTracker
 from rtron.guard.core.stream import GuardedStream
 from rtron.guard.core.stream_endpoints import StreamContext
 from rtron.guard.transport.common.protocol import Peer
-from rtron.messages.ros2.actions import ABORTED, CANCELED
+from rtron.messages.ros2.actions import ABORTED, CANCELED, GoalMessage
 from rtron.policies.goals.registry import Goal, GoalStage
 from rtron.vocabulary import (
     SECOND,

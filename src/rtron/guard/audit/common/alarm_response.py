@@ -3,7 +3,7 @@
 from collections import defaultdict
 from collections.abc import Iterator
 
-from rtron.guard.core.coordinator import Coordinator
+from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.message_types import standard_info
 from rtron.guard.core.stream import GuardedStream
 from rtron.guard.transport.common.protocol import Transport

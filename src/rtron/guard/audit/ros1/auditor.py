@@ -25,7 +25,7 @@ from rtron.guard.audit.ros1.registrations import (
     select_registrations,
 )
 from rtron.guard.audit.ros1.xmlrpc_poller import ServerAddress, XmlRpcPoller, encode_call
-from rtron.guard.core.coordinator import Coordinator
+from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.transport.ros1.middleware import Ros1Transport
 from rtron.vocabulary import GUARD_NODE, SECOND, Alarm, AlarmKind, Plan

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from rtron.guard.audit.ros2.endpoint_checks import Participants
-    from rtron.guard.core.coordinator import Coordinator
+    from rtron.guard.coordinator import Coordinator
     from rtron.guard.core.event_loop import EventLoop
     from rtron.guard.transport.ros2.middleware import Ros2Transport
     from rtron.wire.ros2.endpoints import Ros2Endpoint

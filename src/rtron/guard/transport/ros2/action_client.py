@@ -40,12 +40,8 @@ if TYPE_CHECKING:
 
     from rclpy.node import Node
 
-    from rtron.guard.action.ros2.endpoints import (
-        CancelReply,
-        GoalMessage,
-        GoalReply,
-        ServerListener,
-    )
+    from rtron.guard.action.ros2.endpoints import CancelReply, GoalReply, ServerListener
+    from rtron.messages.ros2.actions import GoalMessage
     from rtron.wire.ros2.endpoints import Ros2Endpoint
 
 

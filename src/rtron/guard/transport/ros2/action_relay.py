@@ -20,11 +20,11 @@ if TYPE_CHECKING:
     from rtron.guard.action.ros2.endpoints import (
         ActionListener,
         CancelReply,
-        GoalMessage,
         GoalReply,
         ResultReply,
     )
     from rtron.guard.transport.ros2.context import TransportContext
+    from rtron.messages.ros2.actions import GoalMessage
 
 log = logging.getLogger(__name__)
 

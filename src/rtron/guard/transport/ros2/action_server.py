@@ -12,11 +12,11 @@ from rclpy.qos import QoSProfile, qos_profile_action_status_default
 from rclpy.serialization import serialize_message
 
 from rtron.errors import WireError
-from rtron.guard.action.ros2.endpoints import GoalMessage
 from rtron.guard.core.log_throttle import LogThrottle
 from rtron.guard.transport.ros2.client_resolver import ClientResolver
 from rtron.guard.transport.ros2.event_fd import EventFd
 from rtron.guard.transport.ros2.service_calls import REQUEST_ID_SIZE, ResponsePacer
+from rtron.messages.ros2.actions import GoalMessage
 from rtron.vocabulary import ROS2_ACTION_SERVICES, SECOND, Ros2ActionEntity, ros2_entity_name
 from rtron.wire.ros2.c_structures import GID_SIZE
 from rtron.wire.ros2.endpoints import PARTICIPANT_SIZE

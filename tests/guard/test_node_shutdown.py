@@ -4,9 +4,9 @@ import pytest
 from streams import peer, stage, stream
 from velocity_messages import speeds, twist
 
-from rtron.guard.core.coordinator import Coordinator
+from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.event_loop import EventLoop
-from rtron.guard.core.node_shutdown import ShutdownRefusal, ShutdownSequence
+from rtron.guard.node_shutdown import ShutdownRefusal, ShutdownSequence
 from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.vocabulary import GUARD_NODE, SECOND, StopProfile
 
