@@ -1,5 +1,6 @@
 """What a call costs, in processor time, which other processes change less than the wall clock."""
 
+from functools import cache
 from time import process_time
 
 
@@ -17,3 +18,18 @@ def cpu_seconds(call, *arguments):
 def growth(call, small, large):
     """Return how many times as long a call takes with the large argument as with the small one."""
     return cpu_seconds(call, large) / cpu_seconds(call, small)
+
+
+def work_units(call, *arguments):
+    """Return what one call gives, and how many times as long it takes as a fixed piece of work.
+
+    A unit is about a tenth of a second where a machine is idle: bounds grow with slow machines.
+    """
+    start = process_time()
+    result = call(*arguments)
+    return result, (process_time() - start) / _unit()
+
+
+@cache
+def _unit():
+    return cpu_seconds(lambda: sum(number * number for number in range(1_000_000)))

@@ -52,7 +52,15 @@ from rtron.vocabulary.event import (
     StreamState,
     VerdictCounts,
 )
-from rtron.vocabulary.finding import Certainty, Consequence, Finding, FindingLevel
+from rtron.vocabulary.finding import (
+    Baseline,
+    Certainty,
+    Consequence,
+    Finding,
+    FindingLevel,
+    Ignore,
+    Triage,
+)
 from rtron.vocabulary.graph import (
     GRAPH_SCHEMA,
     Action,
@@ -186,6 +194,7 @@ __all__ = [
     "AlarmKind",
     "Area",
     "Audit",
+    "Baseline",
     "Certainty",
     "Consequence",
     "CoordinationCount",
@@ -214,6 +223,7 @@ __all__ = [
     "GuardEventLevel",
     "GuardState",
     "GuardedTopic",
+    "Ignore",
     "InteractionGraph",
     "LaunchFile",
     "LaunchInclude",
@@ -277,6 +287,7 @@ __all__ = [
     "TopicAccess",
     "TopicClass",
     "Transform",
+    "Triage",
     "Trust",
     "TuningProposal",
     "TuningProposalKind",

@@ -1,11 +1,13 @@
 """A Finding: what a person should act on, made from an app's graph."""
 
 import json
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from hashlib import sha256
 
 from rtron.vocabulary.enums import Severity, StringEnum
 from rtron.vocabulary.graph import Evidence
+from rtron.vocabulary.risk import Risk
 
 
 class Consequence(StringEnum):
@@ -72,3 +74,40 @@ class Finding:
         """What stays the same when lines move and unrelated nodes come and go, 16 hex digits."""
         identity = json.dumps([self.rule, self.subject, sorted(self.nodes), sorted(self.topics)])
         return sha256(identity.encode()).hexdigest()[:16]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ignore:
+    """What somebody does not want to be told again: of a rule, on topics that match a pattern.
+
+    `place` is where it stands. A comment ignores what was read in its line or the next one.
+    """
+
+    rule: str
+    topic: str = "*"
+    reason: str
+    place: Evidence
+    is_comment: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Baseline:
+    """What an earlier scan has found: the ids of findings by fingerprint, and the ids of risks."""
+
+    findings: Mapping[str, str] = field(default_factory=dict)
+    risks: frozenset[str] = frozenset()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Triage:
+    """The findings and risks that are news, and what became of the others.
+
+    `gone` are the ids of findings of an earlier scan that this one does not have any more.
+    """
+
+    findings: tuple[Finding, ...]
+    risks: tuple[Risk, ...] = ()
+    ignored: tuple[tuple[Finding, Ignore], ...] = ()
+    known: tuple[Finding, ...] = ()
+    gone: tuple[str, ...] = ()
+    unused: tuple[Ignore, ...] = ()

@@ -1,7 +1,7 @@
 """Findings to report."""
 
 from rtron.findings.rule import make_finding
-from rtron.vocabulary import Certainty, Consequence, Evidence
+from rtron.vocabulary import Certainty, Consequence, Evidence, Ignore, Triage
 
 PLACES = tuple(Evidence(file=f"src/{name}.py", line=7) for name in ("nav", "teleop", "joy"))
 
@@ -21,3 +21,18 @@ def finding(subject="/cmd_vel", **keys):
 HIGH = finding()
 MEDIUM = finding("/arm", certainty=Certainty.POSSIBLE)
 LOW = finding("/lost", consequence=Consequence.FAILURE, certainty=Certainty.POSSIBLE)
+
+IGNORE = Ignore(
+    rule="several_publishers",
+    topic="/arm",
+    reason="one of them is a [test] rig",
+    place=Evidence(file="rtron.toml", line=3),
+)
+UNUSED = Ignore(rule="no_server", reason="x", place=Evidence(file="a.py", line=9), is_comment=True)
+TRIAGE = Triage(
+    findings=(HIGH,),
+    known=(LOW,),
+    ignored=((MEDIUM, IGNORE),),
+    gone=("no_server:/plan",),
+    unused=(UNUSED,),
+)

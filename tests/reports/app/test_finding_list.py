@@ -1,11 +1,11 @@
 """The findings as text: what a person reads of each, and how many there are."""
 
 import pytest
-from finding_cases import HIGH, LOW, MEDIUM, PLACES, finding
+from finding_cases import HIGH, LOW, MEDIUM, PLACES, TRIAGE, finding
 
-from rtron.reports.app.finding_list import finding_list, findings_verdict
+from rtron.reports.app.finding_list import finding_list, findings_verdict, triage_notes
 from rtron.reports.text_layout import Report
-from rtron.vocabulary import Evidence, FindingLevel
+from rtron.vocabulary import Evidence, FindingLevel, Triage
 
 FOUR_LINES = """\
 
@@ -106,3 +106,20 @@ def test_no_findings_holds_for_what_could_be_read():
         "no findings in what could be read; 1 more from --level pedantic on"
     )
     assert findings_verdict([HIGH], [], is_whole=False).plain == "1 finding: 1 high"
+
+
+NOTES = """\
+
+Ignored
+  several_publishers:/arm: one of them is a [test] rig (rtron.toml:3)
+  nothing is found to ignore by no_server *, remove it (a.py:9)
+
+Since the baseline
+  1 known, not shown
+  gone: no_server:/plan
+"""
+
+
+def test_what_is_no_news_is_told_with_its_reason(printed):
+    assert printed(Report(lambda page: triage_notes(TRIAGE, page))) == NOTES
+    assert printed(Report(lambda page: triage_notes(Triage(findings=(HIGH,)), page))) == ""

@@ -2,10 +2,12 @@
 
 import os
 import shutil
+from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
 import pytest
+from finding_cases import HIGH
 from report_cases import GRAPH, report_of, speaks
 
 from rtron.planning import propose_plan
@@ -48,9 +50,9 @@ def chromium():
 def opened(chromium, tmp_path):
     """Open a page; after the test its console must be silent."""
 
-    def open_page(graph, report, plan=None):
+    def open_page(graph, report, plan=None, findings=()):
         path = tmp_path / "graph.html"
-        path.write_text(graph_to_html(graph, report, plan), encoding="utf-8")
+        path.write_text(graph_to_html(graph, report, plan, findings), encoding="utf-8")
         chromium.get(path.as_uri())
         return chromium
 
@@ -110,6 +112,7 @@ def test_boxes_do_not_overlap(autorace):
 
 
 def test_a_risk_lights_its_part_and_explains_itself(autorace):
+    autorace.find_element(By.CSS_SELECTOR, "#paper-risks > summary").click()
     item = next(
         e
         for e in autorace.find_elements(By.CSS_SELECTOR, "#risks .item")
@@ -305,16 +308,35 @@ def test_a_stranger_s_markup_is_shown_as_text(opened):
 
 
 def test_a_large_graph_is_laid_out_quickly(opened):
+    medium, large = (layout_time(opened, topics) for topics in (200, 800))
+    assert large < 64 * medium
+
+
+def layout_time(opened, topics):
+    """Return how long a page lays out a graph with four topics a node, ms."""
+    count = topics // 4
     endpoints = [
-        Endpoint(node=f"/n{n % 200}", topic=f"/t{t}", direction=direction)
-        for t in range(800)
+        Endpoint(node=f"/n{n % count}", topic=f"/t{t}", direction=direction)
+        for t in range(topics)
         for n, direction in ((t, Direction.PUBLISH), (t * 7 + t // 9, Direction.SUBSCRIBE))
     ]
     page = opened(InteractionGraph(app="large", endpoints=tuple(endpoints)), report_of())
-    assert len([label for label in labels(page) if label.startswith("node ")]) == 200
-    took = page.execute_script(
+    assert len([label for label in labels(page) if label.startswith("node ")]) == count
+    return page.execute_script(
         "const start = performance.now();"
         "document.getElementById('implicit').click();"
         "return performance.now() - start"
     )
-    assert took < 10_000
+
+
+def test_a_finding_stands_first_and_tells_what_to_do(opened):
+    finding = replace(HIGH, nodes=("/lane", "/nowhere"), topics=("/cmd_vel", "a service"))
+    page = opened(GRAPH, report_of(), None, [finding])
+    (first,) = page.find_elements(By.CSS_SELECTOR, "#findings .item")
+    assert first.text.split("\n") == ["high", finding.summary]
+    first.click()
+    detail = page.find_element(By.ID, "detail").text
+    for text in (finding.summary, finding.cause, finding.remedy, "src/nav.py:7", "/lane"):
+        assert text in detail
+    assert "1 finding" in texts(page, "#counts")[0]
+    assert {"node /lane", "topic /cmd_vel"} <= lit(page)

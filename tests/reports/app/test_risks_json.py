@@ -1,8 +1,10 @@
 import json
 
+from finding_cases import HIGH, LOW, MEDIUM, TRIAGE
 from report_cases import CONTENDED, EVENT, REPORT, report_of
 
 from rtron.reports.app.risks_json import risks_to_json
+from rtron.sources.ignores.baseline_file import read_baseline
 from rtron.vocabulary import Domain
 
 
@@ -46,3 +48,24 @@ def test_lesser_domains_are_counted_only_where_they_have_nodes():
         "Control": 0,
         "Drivers": 2,
     }
+
+
+def test_findings_say_whether_they_are_new_and_why_they_are_ignored():
+    document = risks_to_json(REPORT, TRIAGE)
+    assert [(each["id"], each["is_new"]) for each in document["findings"]] == [
+        (HIGH.id, True),
+        (LOW.id, False),
+    ]
+    (ignored,) = document["ignored"]
+    assert (ignored["finding"]["id"], ignored["topic"]) == (MEDIUM.id, "/arm")
+    assert ignored["place"] == {"file": "rtron.toml", "line": 3}
+    assert document["gone"] == ["no_server:/plan"]
+    assert [each["rule"] for each in document["unused_ignores"]] == ["no_server"]
+
+
+def test_a_report_is_the_baseline_of_the_next_scan(tmp_path):
+    path = tmp_path / "last.json"
+    path.write_text(json.dumps(risks_to_json(REPORT, TRIAGE)))
+    baseline = read_baseline(path)
+    assert baseline.findings == {each.fingerprint: each.id for each in (HIGH, LOW, MEDIUM)}
+    assert baseline.risks == {risk.id for risk in REPORT.risks}

@@ -3,12 +3,13 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from finding_cases import HIGH, LOW, MEDIUM, TRIAGE, UNUSED
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from jsonschema import Draft4Validator
 from report_cases import CMD_VEL, CONTENDED, GRAPH, REPORT, report_of, risk, speaks
 
-from rtron.reports.app.sarif import FINGERPRINT, risks_to_sarif
+from rtron.reports.app.sarif import FINDING_FINGERPRINT, FINGERPRINT, risks_to_sarif
 from rtron.reports.app.sarif_locations import physical_location
 from rtron.risks import discover_risks
 from rtron.sources.graph_json import read_graph
@@ -21,6 +22,7 @@ from rtron.vocabulary import (
     RiskKind,
     RiskRole,
     Severity,
+    Triage,
     UnresolvedItem,
 )
 
@@ -30,8 +32,8 @@ VALIDATOR = Draft4Validator(SCHEMA, format_checker=Draft4Validator.FORMAT_CHECKE
 ROOT = Path("/home/me/ws")
 
 
-def run_of(graph=GRAPH, report=REPORT, root=None):
-    document = json.loads(risks_to_sarif(graph, report, root))
+def run_of(graph=GRAPH, report=REPORT, root=None, triage=None):
+    document = json.loads(risks_to_sarif(graph, report, root, triage))
     VALIDATOR.validate(document)
     (run,) = document["runs"]
     return run
@@ -219,3 +221,27 @@ def test_any_name_gives_valid_sarif(name, file, line):
     unresolved = (UnresolvedItem(what=name, why=name, evidence=evidence),)
     run = run_of(InteractionGraph(app=name, unresolved=unresolved), report_of(found), ROOT)
     assert [result["ruleId"] for result in run["results"]] == ["MSR"]
+
+
+def test_findings_come_first_with_what_they_say_and_where():
+    run = run_of(triage=Triage(findings=(HIGH, LOW)))
+    first, second = run["results"][:2]
+    assert (first["ruleId"], first["level"], second["level"]) == (HIGH.rule, "error", "note")
+    for text in (HIGH.summary, HIGH.cause, HIGH.remedy):
+        assert text in first["message"]["text"]
+    uri = first["locations"][0]["physicalLocation"]["artifactLocation"]["uri"]
+    assert (uri, len(first["relatedLocations"])) == ("src/nav.py", 2)
+    assert first["partialFingerprints"] == {FINDING_FINGERPRINT: HIGH.fingerprint}
+    assert "baselineState" not in first
+    assert HIGH.rule in {rule["id"] for rule in run["tool"]["driver"]["rules"]}
+
+
+def test_ignored_findings_are_suppressed_and_known_ones_unchanged():
+    comment = replace(TRIAGE, ignored=((MEDIUM, UNUSED),))
+    results = {r["properties"]["id"]: r for r in run_of(triage=TRIAGE)["results"]}
+    assert results[HIGH.id]["baselineState"] == "new"
+    assert results[LOW.id]["baselineState"] == "unchanged"
+    (suppression,) = results[MEDIUM.id]["suppressions"]
+    assert suppression == {"kind": "external", "justification": "one of them is a [test] rig"}
+    in_source = {r["properties"]["id"]: r for r in run_of(triage=comment)["results"]}
+    assert in_source[MEDIUM.id]["suppressions"][0]["kind"] == "inSource"

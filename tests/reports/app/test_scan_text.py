@@ -12,9 +12,11 @@ from rtron.vocabulary import (
     RiskKind,
     RiskRole,
     Severity,
+    Triage,
     UnresolvedItem,
 )
 
+NO_FINDINGS = Triage(findings=())
 AT_80_COLUMNS = """\
 autorace  ROS 1, read from graph.json
 5 nodes, 4 topics, 8 endpoints
@@ -60,7 +62,9 @@ Next
 
 def scan_of(graph=GRAPH, report=REPORT, level=FindingLevel.AUDITOR):
     next_step = "rtron plan graph.json -o rtron.yaml"
-    return scan_text(Scan(graph, report, read_from="graph.json", next_step=next_step, level=level))
+    return scan_text(
+        Scan(graph, report, NO_FINDINGS, read_from="graph.json", next_step=next_step, level=level)
+    )
 
 
 def test_at_80_columns(printed):

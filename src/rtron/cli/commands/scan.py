@@ -1,6 +1,7 @@
 """`rtron scan`."""
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from enum import Enum
 from pathlib import Path
 from typing import Annotated
@@ -13,7 +14,7 @@ from rtron.cli.support.options import NameLists, Output
 from rtron.cli.support.outcome import FINDINGS, OK, STDOUT, Outcome, as_json, write_files
 from rtron.cli.support.progress import show_progress
 from rtron.errors import InputError
-from rtron.findings import shown_at
+from rtron.findings.triage import at_level
 from rtron.reports.app.dot import graph_to_dot
 from rtron.reports.app.html import graph_to_html
 from rtron.reports.app.nodl import graph_to_nodl, nodl_files
@@ -23,11 +24,12 @@ from rtron.reports.app.sarif import risks_to_sarif
 from rtron.reports.app.scan_text import Scan, scan_text
 from rtron.reports.text_layout import Report
 from rtron.sources.graph_json import graph_to_json
-from rtron.vocabulary import FindingLevel, Severity
+from rtron.vocabulary import FindingLevel, Severity, Triage
 from rtron.workflows.app_selection import AppSelection, SelectedApp, select_app
 from rtron.workflows.plan import propose
 from rtron.workflows.scan import ScanResult, scan_graph, with_relative_evidence
 from rtron.workflows.source_app import launches_by_name
+from rtron.workflows.triage import triage_scan
 
 
 class Format(str, Enum):
@@ -53,7 +55,7 @@ class FailOn(str, Enum):
 
 
 @with_app_options
-def scan(
+def scan(  # noqa: PLR0913 - one for each option
     selection: AppSelection,
     *,
     format: Annotated[
@@ -73,6 +75,21 @@ def scan(
     fail_on: Annotated[
         FailOn, typer.Option(help="Exit with 1 if a risk has at least this severity.")
     ] = FailOn.LOW,
+    baseline: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="REPORT.json",
+            help="An earlier scan's --format json: show what is new since then, and what is gone.",
+        ),
+    ] = None,
+    config: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="rtron.toml",
+            help="Findings to ignore, each with a reason.  [default: ./rtron.toml, if it is there]",
+            show_default=False,
+        ),
+    ] = None,
     name_lists: NameLists = None,
     output: Output = STDOUT,
 ) -> Outcome:
@@ -95,6 +112,11 @@ def scan(
     $ rtron scan graph.json --format json --fail-on high
     $ rtron scan run.bag                         the publishers in a recording
     $ rtron scan graph.json --format nodl -o nodes   ROS 2: a file for each node
+    $ rtron scan src --launch pkg/app.launch --format json -o last.json
+    $ rtron scan src --launch pkg/app.launch --baseline last.json    what is new
+
+    rtron.toml ignores a finding by rule and topic, with a reason; in your own
+    code a comment does: `rtron: ignore[RULE] REASON`.
 
     Only --execute-launch runs code of the app: the Python of its launch files.
     Never use it on files that you do not trust.
@@ -109,11 +131,12 @@ def scan(
     if format in _HUMAN_FORMATS:
         graph = with_relative_evidence(graph, app.root)
     result = scan_graph(graph, name_lists)
-    exit_code = FINDINGS if _is_severe(result, level, fail_on) else OK
+    triage = triage_scan(result, app.root, config, baseline)
+    exit_code = FINDINGS if _is_severe(at_level(triage, level), fail_on) else OK
     if format is Format.NODL and output.is_dir():
         write_files(output, nodl_files(graph))
         return Outcome("", exit_code)
-    return Outcome(_RENDERERS[format](app, result, level), exit_code, output)
+    return Outcome(_RENDERERS[format](app, result, triage, level), exit_code, output)
 
 
 def _launch_list(folders: Sequence[Path], format: Format) -> str | Report:
@@ -130,41 +153,51 @@ def _launch_list(folders: Sequence[Path], format: Format) -> str | Report:
     return launch_list_text(launches, folders)
 
 
-def _is_severe(result: ScanResult, level: FindingLevel, fail_on: FailOn) -> bool:
+def _is_severe(shown: Triage, fail_on: FailOn) -> bool:
     if fail_on is FailOn.NEVER:
         return False
     order = list(Severity)
     mildest = order.index(Severity(fail_on.value))
-    severities = [each.severity for each in result.report.risks]
-    severities += [each.severity for each in result.findings if shown_at(level, each)]
+    severities = [risk.severity for risk in shown.risks]
+    severities += [finding.severity for finding in shown.findings]
     return any(order.index(severity) >= mildest for severity in severities)
 
 
-def _text(app: SelectedApp, result: ScanResult, level: FindingLevel) -> Report:
+def _text(app: SelectedApp, result: ScanResult, triage: Triage, level: FindingLevel) -> Report:
+    shown = at_level(triage, level)
     scan = Scan(
         result.graph,
         result.report,
+        shown,
         read_from=app.description,
         next_step=f"rtron plan {app.arguments} -o rtron.yaml",
-        findings=tuple(each for each in result.findings if shown_at(level, each)),
-        hidden=tuple(each for each in result.findings if not shown_at(level, each)),
+        hidden=tuple(each for each in triage.findings if each not in shown.findings),
         level=level,
     )
     return scan_text(scan)
 
 
-def _html(result: ScanResult) -> str:
-    return graph_to_html(result.graph, result.report, propose(result).plan)
+def _html(result: ScanResult, triage: Triage, level: FindingLevel) -> str:
+    plan = propose(result).plan
+    return graph_to_html(result.graph, result.report, plan, at_level(triage, level).findings)
+
+
+def _sarif(app: SelectedApp, result: ScanResult, triage: Triage, level: FindingLevel) -> str:
+    """Return findings as SARIF, and the paper's risks where the text would show them too."""
+    shown = at_level(triage, level)
+    risks = shown.risks if level is FindingLevel.AUDITOR else ()
+    return risks_to_sarif(result.graph, replace(result.report, risks=risks), app.root, shown)
 
 
 _HUMAN_FORMATS = {Format.TEXT, Format.HTML, Format.DOT}
-_RENDERERS: Mapping[Format, Callable[[SelectedApp, ScanResult, FindingLevel], str | Report]] = {
+_Renderer = Callable[[SelectedApp, ScanResult, Triage, FindingLevel], str | Report]
+_RENDERERS: Mapping[Format, _Renderer] = {
     Format.TEXT: _text,
-    Format.JSON: lambda app, scan, level: as_json(risks_to_json(scan.report, scan.findings)),
-    Format.GRAPH: lambda app, scan, level: as_json(graph_to_json(scan.graph)),
-    Format.NODL: lambda app, scan, level: graph_to_nodl(scan.graph),
-    Format.ROSGRAPH: lambda app, scan, level: as_json(graph_to_rosgraph(scan.graph)),
-    Format.DOT: lambda app, scan, level: graph_to_dot(scan.graph, scan.report),
-    Format.SARIF: lambda app, scan, level: risks_to_sarif(scan.graph, scan.report, app.root),
-    Format.HTML: lambda app, scan, level: _html(scan),
+    Format.JSON: lambda app, scan, triage, level: as_json(risks_to_json(scan.report, triage)),
+    Format.GRAPH: lambda app, scan, triage, level: as_json(graph_to_json(scan.graph)),
+    Format.NODL: lambda app, scan, triage, level: graph_to_nodl(scan.graph),
+    Format.ROSGRAPH: lambda app, scan, triage, level: as_json(graph_to_rosgraph(scan.graph)),
+    Format.DOT: lambda app, scan, triage, level: graph_to_dot(scan.graph, scan.report),
+    Format.SARIF: _sarif,
+    Format.HTML: lambda app, scan, triage, level: _html(scan, triage, level),
 }

@@ -6,8 +6,8 @@ from collections.abc import Iterator, Sequence
 from rich.text import Text
 
 from rtron.reports.app.risk_list import MILDEST_LAST, SEVERITY_STYLE, location
-from rtron.reports.text_layout import TextPage, counted, line, paragraph
-from rtron.vocabulary import Finding, FindingLevel
+from rtron.reports.text_layout import TextPage, counted, heading, line, paragraph
+from rtron.vocabulary import Finding, FindingLevel, Triage
 
 _INDENT = 10
 
@@ -22,6 +22,24 @@ def finding_list(findings: Sequence[Finding], page: TextPage) -> Iterator[Text]:
         more = [f"and {len(finding.evidence) - 1} more"] if len(finding.evidence) > 1 else []
         yield line((" ".join([*places, *more, f"({finding.rule})"]), "dim"), indent=_INDENT)
         yield from paragraph(f"-> {finding.remedy}", page, indent=_INDENT, style="green")
+
+
+def triage_notes(triage: Triage, page: TextPage) -> Iterator[Text]:
+    """Yield what is not shown as news: ignored and known findings, and those that are gone."""
+    if triage.ignored or triage.unused:
+        yield from heading("Ignored")
+    for finding, ignore in triage.ignored:
+        text = f"{finding.id}: {ignore.reason} ({location(ignore.place)})"
+        yield from paragraph(text, page, indent=2)
+    for ignore in triage.unused:
+        text = f"nothing is found to ignore by {ignore.rule} {ignore.topic}, remove it"
+        place = f" ({location(ignore.place)})"
+        yield from paragraph(text + place, page, indent=2, style="yellow")
+    if triage.known or triage.gone:
+        yield from heading("Since the baseline")
+        yield from paragraph(f"{len(triage.known)} known, not shown", page, indent=2)
+    for id in triage.gone:
+        yield from paragraph(f"gone: {id}", page, indent=2, style="green")
 
 
 def _summary(finding: Finding, page: TextPage) -> Iterator[Text]:

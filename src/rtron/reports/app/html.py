@@ -7,13 +7,14 @@ text nodes; nothing of them is ever read as HTML.
 
 import json
 import re
+from collections.abc import Sequence
 from html import escape
 from string import Template
 from typing import Any
 
 from rtron.reports.app.page_data import page_data
 from rtron.reports.inline_page import page_text, policy
-from rtron.vocabulary import InteractionGraph, Plan, RiskReport
+from rtron.vocabulary import Finding, InteractionGraph, Plan, RiskReport
 
 _LAYOUT = ("graph/dagre.LICENSE.txt", "graph/dagre.min.js")
 _GRAPH = ("graph/model.js", "graph/layout.js", "graph/draw.js", "graph/viewport.js")
@@ -22,9 +23,14 @@ _MODULE_SYNTAX = re.compile(r"^import .*\n|^export ", re.MULTILINE)
 _UNSAFE = {ord(character): f"\\u{ord(character):04x}" for character in "<>&"}
 
 
-def graph_to_html(graph: InteractionGraph, report: RiskReport, plan: Plan | None) -> str:
-    """Return the page of a graph, its risks and, where there is a plan, its coordination nodes."""
-    data = page_data(graph, report, plan)
+def graph_to_html(
+    graph: InteractionGraph,
+    report: RiskReport,
+    plan: Plan | None,
+    findings: Sequence[Finding] = (),
+) -> str:
+    """Return the page of a graph, findings, risks and, with a plan, its coordination nodes."""
+    data = page_data(graph, report, plan, findings)
     layout, program, style = "".join(map(page_text, _LAYOUT)), _program(), page_text("page.css")
     return Template(page_text("page.html")).substitute(
         title=escape(data["app"]),

@@ -12,6 +12,7 @@ from rtron.vocabulary import (
     Direction,
     Endpoint,
     Evidence,
+    Finding,
     InteractionGraph,
     Node,
     Plan,
@@ -22,7 +23,12 @@ from rtron.vocabulary import (
 )
 
 
-def page_data(graph: InteractionGraph, report: RiskReport, plan: Plan | None) -> Any:  # noqa: ANN401
+def page_data(
+    graph: InteractionGraph,
+    report: RiskReport,
+    plan: Plan | None,
+    findings: Iterable[Finding] = (),
+) -> Any:  # noqa: ANN401
     """Return all that the page shows as plain JSON, every text on one line and harmless."""
     names, colours = page_ids(graph, report, plan), risk_marks(graph, report)
     document = {
@@ -35,6 +41,7 @@ def page_data(graph: InteractionGraph, report: RiskReport, plan: Plan | None) ->
         "services": [_side(names, s.node, s.name, s.type, "") for s in graph.services],
         "actions": [_side(names, a.node, a.name, a.type, a.role.value) for a in graph.actions],
         "risks": [_risk(risk, names) for risk in sorted(report.risks, key=worst_first)],
+        "findings": [_finding(finding, names) for finding in findings],
         "unresolved": [_unresolved(item) for item in graph.unresolved],
         "notRun": [list(item) for item in report.not_run.items()],
         "coordination": plan_data(plan, names) if plan else [],
@@ -118,6 +125,22 @@ def _risk(risk: Risk, names: PageIds) -> dict[str, Any]:
         "severity": risk.severity.value,
         "reason": risk.reason,
         "evidence": _locations(risk.evidence),
+    }
+
+
+def _finding(finding: Finding, names: PageIds) -> dict[str, Any]:
+    """Return a finding with those of its nodes and topics that are in the graph."""
+    return {
+        "id": finding.id,
+        "rule": finding.rule,
+        "severity": finding.severity.value,
+        "certainty": finding.certainty.value,
+        "summary": finding.summary,
+        "cause": finding.cause,
+        "remedy": finding.remedy,
+        "nodes": [names.nodes[node] for node in finding.nodes if node in names.nodes],
+        "topics": [names.topics[topic] for topic in finding.topics if topic in names.topics],
+        "evidence": _locations(finding.evidence),
     }
 
 

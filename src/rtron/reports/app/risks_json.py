@@ -1,7 +1,7 @@
 """Risks and findings as JSON, schema `rtron.risks/2`."""
 
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 from rtron.vocabulary import (
@@ -10,25 +10,53 @@ from rtron.vocabulary import (
     Domain,
     Evidence,
     Finding,
+    Ignore,
     Risk,
     RiskKind,
     RiskReport,
+    Triage,
 )
 
 _ALWAYS_COUNTED = (Domain.PERCEPTION, Domain.PLANNING, Domain.CONTROL)
 
 
-def risks_to_json(report: RiskReport, findings: Iterable[Finding] = ()) -> dict[str, Any]:
+def risks_to_json(report: RiskReport, triage: Triage | None = None) -> dict[str, Any]:
     """Return the report as a JSON document; counts of zero stand, except of the lesser domains."""
     kinds = Counter(risk.kind for risk in report.risks)
     return {
         "schema": RISKS_SCHEMA,
         "app": report.app,
-        "findings": [_finding(finding) for finding in findings],
+        **_triage(triage or Triage(findings=())),
         "risks": [_risk(risk) for risk in report.risks],
         "summary": {kind.value: kinds[kind] for kind in RiskKind},
         "coordination_nodes": _coordination(report.coordination_nodes),
         "not_run": dict(report.not_run),
+    }
+
+
+def _triage(triage: Triage) -> dict[str, Any]:
+    """Return the findings, all but the ignored ones in one list: new ones and known ones."""
+    return {
+        "findings": [
+            *(_finding(finding) | {"is_new": True} for finding in triage.findings),
+            *(_finding(finding) | {"is_new": False} for finding in triage.known),
+        ],
+        "ignored": [_ignored(finding, ignore) for finding, ignore in triage.ignored],
+        "gone": list(triage.gone),
+        "unused_ignores": [_ignore(ignore) for ignore in triage.unused],
+    }
+
+
+def _ignored(finding: Finding, ignore: Ignore) -> dict[str, Any]:
+    return {"finding": _finding(finding), **_ignore(ignore)}
+
+
+def _ignore(ignore: Ignore) -> dict[str, Any]:
+    return {
+        "rule": ignore.rule,
+        "topic": ignore.topic,
+        "reason": ignore.reason,
+        "place": _evidence(ignore.place),
     }
 
 

@@ -1,11 +1,12 @@
-"""The risks as SARIF 2.1.0, for code scanning services and editors.
+"""Findings and risks as SARIF 2.1.0, for code scanning services and editors.
 
-Results stand in the order of kind, topics and id. A result's fingerprint holds its rule, id, topics
-and high-risk nodes, and no line: it stays when code moves or unrelated nodes come and go.
+Findings stand first, the worst first, then risks in the order of kind, topics and id. A result's
+fingerprint holds its rule, subject, topics and nodes, and no line: it stays when code moves or
+unrelated nodes come and go.
 """
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -17,15 +18,17 @@ from rtron.reports.app.sarif_locations import (
     message,
     physical_location,
 )
-from rtron.reports.app.sarif_rules import rule_descriptors, rule_index
+from rtron.reports.app.sarif_rules import finding_descriptors, rule_descriptors, rule_index
 from rtron.reports.sanitize import sanitize
 from rtron.vocabulary import (
     Direction,
     Evidence,
+    Finding,
     InteractionGraph,
     Risk,
     RiskReport,
     Severity,
+    Triage,
     UnresolvedItem,
 )
 
@@ -33,6 +36,7 @@ SCHEMA = (
     "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
 )
 FINGERPRINT = "rtronRisk/v1"
+FINDING_FINGERPRINT = "rtronFinding/v1"
 _UNRESOLVED, _NOT_RUN = "unresolved", "rule-not-run"
 _LEVEL: Mapping[Severity, str] = {
     Severity.HIGH: "error",
@@ -43,15 +47,18 @@ _VERB = {Direction.PUBLISH: "publishes", Direction.SUBSCRIBE: "subscribes"}
 _Facts = Mapping[Evidence, str]
 
 
-def risks_to_sarif(graph: InteractionGraph, report: RiskReport, root: Path | None) -> str:
-    """Return the report as a SARIF document; locations below `root` are relative to it."""
+def risks_to_sarif(
+    graph: InteractionGraph, report: RiskReport, root: Path | None, triage: Triage | None = None
+) -> str:
+    """Return findings and risks as a SARIF document; locations below `root` are relative to it."""
+    found = triage or Triage(findings=())
     run = {
-        "tool": {"driver": _driver()},
+        "tool": {"driver": _driver(found)},
         "automationDetails": {"id": f"rtron/{sanitize(report.app or 'app')}"},
         "invocations": [_invocation(graph, report, root)],
         "originalUriBaseIds": base_ids(root),
         "logicalLocations": list(_functions(graph)),
-        "results": _results(graph, report, root),
+        "results": [*_finding_results(graph, found, root), *_results(graph, report, root)],
     }
     return json.dumps({"$schema": SCHEMA, "version": "2.1.0", "runs": [run]}, indent=2) + "\n"
 
@@ -65,12 +72,12 @@ def _functions(graph: InteractionGraph) -> Iterator[dict[str, Any]]:
             yield location | {"properties": {"function": node.function.value, "domain": domain}}
 
 
-def _driver() -> dict[str, Any]:
+def _driver(triage: Triage) -> dict[str, Any]:
     return {
         "name": "RTron",
         "version": __version__,
         "semanticVersion": __version__,
-        "rules": rule_descriptors(),
+        "rules": [*rule_descriptors(), *finding_descriptors(triage)],
         "notifications": [
             {"id": _UNRESOLVED, "shortDescription": {"text": "Something could not be read."}},
             {"id": _NOT_RUN, "shortDescription": {"text": "A rule could not run."}},
@@ -111,6 +118,44 @@ def _results(
     return [_result(risk, facts, root) for risk in ordered]
 
 
+def _finding_results(
+    graph: InteractionGraph, triage: Triage, root: Path | None
+) -> Iterator[dict[str, Any]]:
+    """Yield new findings, known ones, and those that are ignored (SARIF 3.27.24, 3.27.23)."""
+    facts = dict(_facts(graph))
+    states = {"baselineState": "new"}, {"baselineState": "unchanged"}
+    new, unchanged = states if triage.known or triage.gone else ({}, {})
+    for finding in triage.findings:
+        yield _finding_result(finding, facts, root) | new
+    for finding in triage.known:
+        yield _finding_result(finding, facts, root) | unchanged
+    for finding, ignore in triage.ignored:
+        kind = "inSource" if ignore.is_comment else "external"
+        suppression = {"kind": kind, "justification": sanitize(ignore.reason)}
+        yield _finding_result(finding, facts, root) | {"suppressions": [suppression]}
+
+
+def _finding_result(finding: Finding, facts: _Facts, root: Path | None) -> dict[str, Any]:
+    first, *others = _locations(finding.evidence, facts, root)
+    related = [{"id": number} | location for number, location in enumerate(others, start=1)]
+    text = f"{finding.summary}: {finding.cause}. Remedy: {finding.remedy}"
+    return {
+        "ruleId": finding.rule,
+        "level": _LEVEL[finding.severity],
+        "message": message(text),
+        "locations": [first | {"logicalLocations": logical_locations(finding.nodes)}],
+        "relatedLocations": related,
+        "partialFingerprints": {FINDING_FINGERPRINT: finding.fingerprint},
+        "properties": {
+            "id": sanitize(finding.id),
+            "severity": finding.severity.value,
+            "certainty": finding.certainty.value,
+            "consequence": finding.consequence.value,
+            "topics": [sanitize(topic) for topic in finding.topics],
+        },
+    }
+
+
 def _facts(graph: InteractionGraph) -> Iterator[tuple[Evidence, str]]:
     """Yield in words what was read where."""
     for endpoint in graph.endpoints:
@@ -119,7 +164,7 @@ def _facts(graph: InteractionGraph) -> Iterator[tuple[Evidence, str]]:
 
 
 def _result(risk: Risk, facts: _Facts, root: Path | None) -> dict[str, Any]:
-    first, *others = _locations(risk, facts, root)
+    first, *others = _locations(risk.evidence, facts, root)
     related = [{"id": number} | location for number, location in enumerate(others, start=1)]
     return {
         "ruleId": risk.kind.value,
@@ -133,9 +178,11 @@ def _result(risk: Risk, facts: _Facts, root: Path | None) -> dict[str, Any]:
     }
 
 
-def _locations(risk: Risk, facts: _Facts, root: Path | None) -> list[dict[str, Any]]:
+def _locations(
+    evidence: Iterable[Evidence], facts: _Facts, root: Path | None
+) -> list[dict[str, Any]]:
     """Return the locations of the evidence; one without a location where there is none."""
-    locations = [_location(e, facts, root) for e in dict.fromkeys(risk.evidence) if e.file]
+    locations = [_location(e, facts, root) for e in dict.fromkeys(evidence) if e.file]
     return locations or [{}]
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from rtron.reports.app.risk_list import KIND_TITLE
-from rtron.vocabulary import RiskKind
+from rtron.vocabulary import RiskKind, Triage
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -56,6 +56,21 @@ _HELP: Mapping[RiskKind, _Help] = {
 def rule_descriptors() -> list[dict[str, Any]]:
     """Return a reportingDescriptor for each kind of risk (SARIF 2.1.0 section 3.49)."""
     return [_descriptor(kind, _HELP[kind]) for kind in RiskKind]
+
+
+def finding_descriptors(triage: Triage) -> list[dict[str, Any]]:
+    """Return a reportingDescriptor for each rule that found something; its page explains it."""
+    ignored = (finding for finding, _ in triage.ignored)
+    names = {each.rule for each in (*triage.findings, *triage.known, *ignored)}
+    return [
+        {
+            "id": name,
+            "shortDescription": {"text": _sentence(name.replace("_", " "))},
+            "help": {"text": f"rtron explain {name}", "markdown": f"`rtron explain {name}`"},
+            "properties": {"tags": ["security", "robotics"]},
+        }
+        for name in sorted(names)
+    ]
 
 
 def rule_index(kind: RiskKind) -> int:

@@ -8,7 +8,7 @@ from itertools import chain
 from rich.text import Text
 
 from rtron.reports.app.contention import contention
-from rtron.reports.app.finding_list import finding_list, findings_verdict
+from rtron.reports.app.finding_list import finding_list, findings_verdict, triage_notes
 from rtron.reports.app.node_functions import node_functions
 from rtron.reports.app.risk_list import MILDEST_LAST, SEVERITY_STYLE, risk_list
 from rtron.reports.app.unresolved_list import nodes_read, unresolved_list
@@ -21,6 +21,7 @@ from rtron.vocabulary import (
     FindingLevel,
     InteractionGraph,
     RiskReport,
+    Triage,
 )
 
 
@@ -28,14 +29,14 @@ from rtron.vocabulary import (
 class Scan:
     """A scan to report: the graph, where it was read from, what was found, and what to do next.
 
-    `findings` are those of `level`, `hidden` the others.
+    `triage` has the findings of `level`, `hidden` are the others.
     """
 
     graph: InteractionGraph
     report: RiskReport
+    triage: Triage
     read_from: str
     next_step: str
-    findings: tuple[Finding, ...] = ()
     hidden: tuple[Finding, ...] = ()
     level: FindingLevel = FindingLevel.REGULAR
 
@@ -48,7 +49,8 @@ def scan_text(scan: Scan) -> Report:
 def _lines(scan: Scan, page: TextPage) -> Iterable[Text]:
     return chain(
         _header(scan, page),
-        finding_list(scan.findings, page),
+        finding_list(scan.triage.findings, page),
+        triage_notes(scan.triage, page),
         _paper_risks(scan, page) if scan.level is FindingLevel.AUDITOR else (),
         _not_run(scan.report, page),
         unresolved_list(scan.graph.unresolved, page),
@@ -80,7 +82,7 @@ def _header(scan: Scan, page: TextPage) -> Iterator[Text]:
     yield from paragraph(summary or "the graph is empty", page)
     unread = nodes_read(graph)
     yield from paragraph(unread, page, style="yellow") if unread else ()
-    yield findings_verdict(scan.findings, scan.hidden, is_whole=not graph.unresolved)
+    yield findings_verdict(scan.triage.findings, scan.hidden, is_whole=not graph.unresolved)
 
 
 def _risk_verdict(scan: Scan) -> Text:
@@ -124,9 +126,9 @@ def _not_run(report: RiskReport, page: TextPage) -> Iterator[Text]:
 
 
 def _next_step(scan: Scan) -> Iterator[Text]:
-    if scan.findings or scan.report.risks:
+    if scan.triage.findings or scan.report.risks:
         yield from heading("Next")
         yield line((scan.next_step, "bold green"), "  propose what to put in between", indent=2)
-    if scan.findings:
-        page = f"rtron explain {scan.findings[0].rule}"
+    if scan.triage.findings:
+        page = f"rtron explain {scan.triage.findings[0].rule}"
         yield line((page, "bold green"), "  why it matters", indent=2)

@@ -109,8 +109,9 @@ function save() {
 function start() {
   const explicit = MODEL.endpoints.filter((e) => !e.implicit);
   byId("title").textContent = MODEL.app;
-  byId("counts").textContent = [`ROS ${MODEL.ros}`, plural(MODEL.nodes.size, "node"), plural(MODEL.topics.size, "topic"), plural(explicit.length, "endpoint"), plural(MODEL.risks.length, "risk")].join(" · ");
+  byId("counts").textContent = [`ROS ${MODEL.ros}`, plural(MODEL.nodes.size, "node"), plural(MODEL.topics.size, "topic"), plural(explicit.length, "endpoint"), plural(MODEL.findings.length, "finding")].join(" · ");
   svg.querySelector("defs").append(...definitions());
+  fillFindings();
   fillRisks();
   fillCoordination();
   fillFacets();

@@ -1,4 +1,4 @@
-// What stands beside the picture: risks, filters, search, unresolved, and the details of a choice.
+// What stands beside the picture: findings, risks, filters, search, unresolved, and the details of a choice.
 import { shape } from "./graph/draw.js";
 
 function tag(name, attributes = {}, ...children) {
@@ -25,6 +25,12 @@ const topicLink = ({ name }) => item({ kind: "topic", name }, { class: "item lin
 const locations = (evidence) => evidence.length ? tag("ul", { class: "places" }, ...evidence.map((at) => tag("li", {}, tag("code", {}, at)))) : null;
 const section = (name, ...children) => children.length ? tag("section", {}, tag("h3", {}, name), ...children) : null;
 const facts = (rows) => tag("dl", {}, ...rows.filter(([, value]) => value).flatMap(([name, value]) => [tag("dt", {}, name), tag("dd", {}, value)]));
+
+function fillFindings() {
+  byId("finding-count").textContent = MODEL.findings.length;
+  const items = MODEL.findings.map((finding) => item({ kind: "finding", name: finding.id }, {}, severity(finding), tag("span", { class: "about" }, finding.summary)));
+  byId("findings").append(...items, items.length ? "" : tag("p", { class: "note" }, "No findings in what could be read."));
+}
 
 function fillRisks() {
   byId("risk-count").textContent = MODEL.risks.length;
@@ -126,6 +132,15 @@ const DETAIL = {
       ...risk.roles.map(([role, nodes]) => section(`High-risk nodes: ${role}`, ...nodes.map(nodeLink))),
       section("Successors", ...risk.successors.map(nodeLink)),
       section("Evidence", ...[locations(risk.evidence)].filter(Boolean))];
+  },
+  finding({ name }) {
+    const finding = MODEL.findingById.get(name);
+    return [tag("p", { class: "what" }, severity(finding), " ", finding.certainty), tag("h2", {}, finding.summary), tag("p", { class: "reason" }, finding.cause),
+      section("What to do", tag("p", { class: "reason" }, finding.remedy)),
+      section("Topics", ...finding.topics.map(topicLink)),
+      section("Nodes", ...finding.nodes.map(nodeLink)),
+      section("Evidence", ...[locations(finding.evidence)].filter(Boolean)),
+      facts([["rule", finding.rule], ["explained by", `rtron explain ${finding.rule}`]])];
   },
   coordination({ name }) {
     const c = MODEL.coordinationById.get(name);

@@ -1,5 +1,5 @@
 // The interaction graph as objects that know each other; as JSON they have numbers for names.
-// A choice is {kind, name}: `node`, `topic`, `coordination`, `risk`, or `endpoints` with the edge's own list.
+// A choice is {kind, name}: `node`, `topic`, `coordination`, `risk`, `finding`, or `endpoints` with the edge's own list.
 export const push = (map, key, value) => map.has(key) ? map.get(key).push(value) : map.set(key, [value]);
 export const isGRCN = (coordination) => coordination.kind === "GRCN";
 export const isMonitor = (coordination) => coordination.kind === "fps_monitor";
@@ -12,8 +12,9 @@ export function graphModel(data) {
   const endpoints = data.endpoints.map((e) => ({ ...e, node: nodes[e.node], topic: topics[e.topic], risks: [] }));
   for (const e of endpoints) { e.node.endpoints.push(e); e.topic.endpoints.push(e); }
   const risks = data.risks.map((risk) => riskModel(risk, nodes, topics));
+  const findings = (data.findings ?? []).map((finding) => findingModel(finding, nodes, topics));
   const coordination = data.coordination.map((c) => coordinationModel(c, nodes, topics));
-  return { ...data, endpoints, risks, coordination, nodes: byName(nodes), topics: byName(topics), riskById: byName(risks, "id"), coordinationById: byName(coordination, "id") };
+  return { ...data, endpoints, risks, findings, coordination, nodes: byName(nodes), topics: byName(topics), riskById: byName(risks, "id"), findingById: byName(findings, "id"), coordinationById: byName(coordination, "id") };
 }
 
 // A risk has its topics, and there the endpoints of the nodes that take part in it.
@@ -25,6 +26,14 @@ function riskModel(data, nodes, topics) {
   risk.endpoints = risk.topics.flatMap((topic) => topic.endpoints).filter((e) => members.has(e.node));
   [...risk.nodes, ...unique(risk.topics), ...unique(risk.endpoints)].forEach((part) => part.risks.push(risk));
   return risk;
+}
+
+// A finding has its nodes and topics, and the endpoints between them.
+function findingModel(data, nodes, topics) {
+  const finding = { ...data, nodes: data.nodes.map((n) => nodes[n]), topics: data.topics.map((n) => topics[n]) };
+  const members = new Set(finding.nodes);
+  finding.endpoints = finding.topics.flatMap((topic) => topic.endpoints).filter((e) => members.has(e.node));
+  return finding;
 }
 
 function coordinationModel(data, nodes, topics) {
@@ -67,6 +76,12 @@ const RELATED = {
     add("topics", risk.topics);
     add("nodes", risk.nodes);
     add("endpoints", risk.endpoints);
+  },
+  finding(model, { name }, add) {
+    const { nodes, topics, endpoints } = model.findingById.get(name);
+    add("nodes", nodes);
+    add("topics", topics);
+    add("endpoints", endpoints);
   },
   coordination(model, { name }, add) {
     const own = model.coordinationById.get(name);
