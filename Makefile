@@ -9,6 +9,9 @@ ROS2_TESTS = $(shell grep -rl "mark.ros2" tests --include="test_*.py")
 CODE := src tests scripts bench evaluation figures
 WORKERS := -n 3 --dist loadfile --no-loadscope-reorder
 SHORT := and not long
+EXAMPLES :=
+# The tests start hundreds of Python processes, each of which would compile all modules again.
+unexport PYTHONDONTWRITEBYTECODE
 
 help: ## List the targets, and how long each takes on 2 cores
 	@awk -F ':.*## ' '/^[a-z0-9-]+:.*## / {printf "make %-9s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -29,19 +32,19 @@ lint: setup ## Check style, types, names, sizes, imports and whether the generat
 	$(PYTHON) scripts/docs_rules.py --check
 	$(PYTHON) scripts/docs_policies.py --check
 
-coverage: setup ## Check that the tests run every branch of the policies, risks, plan checks and vocabulary (1 minute)
-	$(BIN)/pytest tests/policies tests/risks tests/coherence tests/planning/plan_file/test_read_* tests/vocabulary -q --hypothesis-profile=coverage \
-	  -k "not test_speed and not never_above and not coarse" \
+coverage: setup ## Run the tests of policies, risks, plans and vocabulary, which must run every branch (1 minute)
+	$(BIN)/pytest -m covered $(WORKERS) $(EXAMPLES) \
 	  --cov=rtron.policies --cov=rtron.risks --cov=rtron.coherence --cov=rtron.vocabulary --cov-branch \
 	  --cov-report=term-missing:skip-covered --cov-fail-under=100
 
 test: lint coverage test-ros2 ## Run lint, coverage and the tests (35 minutes)
-	$(BIN)/pytest -m "not ros2 $(SHORT)" $(WORKERS)
+	$(BIN)/pytest -m "not ros2 and not covered $(SHORT)" $(WORKERS) $(EXAMPLES)
 
 test-ros2: setup ## Run the tests on a real ROS 2 (6 minutes)
-	[ ! -x $(ROS2_PYTHON) ] || $(ROS2_PYTHON) -m pytest -m "ros2 $(SHORT)" $(ROS2_TESTS) $(WORKERS)
+	[ ! -x $(ROS2_PYTHON) ] || $(ROS2_PYTHON) -m pytest -m "ros2 $(SHORT)" $(ROS2_TESTS) $(WORKERS) $(EXAMPLES)
 
 test-all: SHORT :=
+test-all: EXAMPLES := --hypothesis-profile=thorough
 test-all: test ## Run all of that, the case studies, and the soak and load runs (an hour)
 
 mutation: setup ## Change the policies in over a thousand small ways; the tests must fail (hours)

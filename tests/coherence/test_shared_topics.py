@@ -235,6 +235,7 @@ def test_a_topic_that_stands_twice_is_told_as_that_alone():
     assert faults(again) == ["my.yaml:9: two entries on /cmd_vel"]
 
 
+@pytest.mark.timed
 def test_very_many_flows_are_compared_soon():
     flows = "".join(f"        - {{name: f{n}, publisher: /n{n}}}\n" for n in range(1000))
     text = made(MSRCN + RSRCN).replace("        - {name: a1, publisher: /nav}\n", flows)
@@ -256,6 +257,7 @@ def test_a_topic_has_a_thousand_successors_at_most(text, line):
     ]
 
 
+@pytest.mark.timed
 def test_very_many_successors_are_compared_soon():
     def compare(count):
         heard, obeyed = (", ".join(f"/{who}{n}*" for n in range(count)) for who in "ab")

@@ -27,6 +27,7 @@ from policy_runs import (
     watch_effects,
 )
 
+from example_budget import examples
 from rtron.policies.state_machine import TransitionEffect
 from rtron.vocabulary import Decision, PolicyName, StreamKind
 
@@ -201,7 +202,7 @@ def test_the_commands_of_a_flow_never_go_back(policy, steps, prompt):
 
 @pytest.mark.parametrize("policy", OF_GRCN)
 @given(flow=st.sampled_from(APPROVED), gap=gaps)
-@effort(max_examples=50, deadline=None)
+@effort(max_examples=examples(50), deadline=None)
 def test_the_first_message_passes_whoever_could_go_before(policy, flow, gap):
     """A flow that has never spoken masks nobody, however high and however early."""
     assert Run(settings(policy)).play([(gap, flow)]).passed()

@@ -10,6 +10,8 @@ from reference_algorithm import naive_risks
 from rtron.risks import discover_risks
 from rtron.vocabulary import Direction, Endpoint, InteractionGraph
 
+pytestmark = pytest.mark.timed
+
 PUB, SUB = Direction.PUBLISH, Direction.SUBSCRIBE
 TF = "tf2_msgs/TFMessage"
 

@@ -6,6 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from example_budget import examples
 from rtron.vocabulary import Velocity
 
 EDGES = [0.0, -0.0, 5e-324, 1e-323, 2.5e-323, 2.2e-308, 1e-300, 1e-9, 0.22, 1.0, 1e154, 1.7e308]
@@ -28,7 +29,7 @@ velocities = st.builds(
 )
 
 
-@settings(max_examples=2000)
+@settings(max_examples=examples(2000))
 @given(velocity=velocities, limit=limits)
 def test_never_above_the_limit(velocity, limit):
     found = velocity.at_most(limit)

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from masters import Master, http_post, raw, running_proxy, serving
 from plans import grcn, plan_of
 
+from example_budget import examples
 from rtron.errors import RTronError, WireError
 from rtron.guard.master_proxy import server
 from rtron.guard.master_proxy.access_rules import denial_reason
@@ -121,7 +122,7 @@ bundled = st.one_of(
 )
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(60), deadline=None, suppress_health_check=list(HealthCheck))
 @given(st.lists(bundled, max_size=6))
 def test_bundled_calls_fare_as_they_would_alone(public, master, calls):
     master.asked.clear()
@@ -204,7 +205,7 @@ def test_a_connection_is_kept_for_the_next_call(public):
             assert kept.getParam("/x", f"/{number}")[2] == ["/x", f"/{number}"]
 
 
-@settings(max_examples=300, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(300), deadline=None, suppress_health_check=list(HealthCheck))
 @given(st.data())
 def test_whatever_arrives_is_closed_or_answered(public, master, data):
     whole = http_post(GET_PID)

@@ -9,6 +9,7 @@ from test_recording_player import START, counts
 from test_run_measurement import TWIST, grcn
 from velocity_messages import twist
 
+from example_budget import examples
 from rtron.coherence import coherence_problems
 from rtron.guard.replay.player import RecordingPlayer
 from rtron.guard.replay.recorded_streams import RecordedStream
@@ -85,7 +86,7 @@ def phases(said, node):
     return [(a, b) for a, b in pairwise(times) if b - a <= limit]
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 @given(CASES)
 def test_what_passed_passes_unless_somebody_keeps_the_output_longer(case):
     plan, made, said, _ = case
@@ -97,7 +98,7 @@ def test_what_passed_passes_unless_somebody_keeps_the_output_longer(case):
     assert all(now is Decision.PASS for was, now in pairs if was is Decision.PASS)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 @given(CASES)
 def test_nobody_loses_the_output_in_the_midst_of_a_phase(case):
     plan, made, said, _ = case
@@ -112,7 +113,7 @@ def test_nobody_loses_the_output_in_the_midst_of_a_phase(case):
             assert decision is Decision.DROP
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 @given(CASES)
 def test_the_robot_is_not_stopped_more_often_than_there_are_pauses(case):
     _, made, said, before = case
@@ -122,7 +123,7 @@ def test_the_robot_is_not_stopped_more_often_than_there_are_pauses(case):
     assert stops <= max(before.streams[0].stops, pauses)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 @given(CASES)
 def test_the_same_recording_gives_the_same_figures(case):
     plan, _, said, before = case

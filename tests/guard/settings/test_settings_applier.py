@@ -11,6 +11,7 @@ from settings_app import GENERAL, MAPS, PLAN, TWIST, WALL, Base, flow, limit, of
 from streams import peer
 from velocity_messages import twist
 
+from example_budget import examples
 from rtron.errors import InputError, RTronError
 from rtron.vocabulary import (
     SECOND,
@@ -453,7 +454,7 @@ doings = st.one_of(
 )
 
 
-@effort(deadline=None, max_examples=100)
+@effort(deadline=None, max_examples=examples(100))
 @given(st.lists(doings, max_size=25))
 def test_whatever_is_swapped_nothing_that_is_forbidden_goes_out(steps):
     base, stop = Base(), None

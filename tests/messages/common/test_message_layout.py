@@ -18,6 +18,7 @@ from message_samples import (
     pose_stamped,
 )
 
+from example_budget import examples
 from rtron.errors import WireError
 from rtron.messages import DefinitionRegistry, Encoding, parse_definition
 from rtron.messages.expressions.protobuf_types import descriptor_pool, protobuf_name
@@ -56,7 +57,7 @@ def test_round_trip(encoding, type):
         assert same(read(definition, encoding, message), worth)
 
 
-@settings(max_examples=300, suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(300), suppress_health_check=list(HealthCheck))
 @given(kind=st.sampled_from(KINDS), seed=st.integers(0, 2**32), data=st.data())
 def test_each_field_alone(kind, seed, data):
     """What is skipped moves nothing that is read."""
@@ -71,7 +72,7 @@ def test_each_field_alone(kind, seed, data):
         assert {each.name for each, _ in found.ListFields()} <= names
 
 
-@settings(max_examples=400, suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(400), suppress_health_check=list(HealthCheck))
 @given(kind=st.sampled_from(KINDS), seed=st.integers(0, 2**32), data=st.data())
 def test_fuzz_mutated(kind, seed, data):
     encoding, type = kind

@@ -8,6 +8,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from message_samples import ENCODINGS, ROS2, encode, header, make
 
+from example_budget import examples
 from rtron.errors import WireError
 from rtron.messages import (
     VELOCITY_TYPES,
@@ -164,7 +165,7 @@ def test_rounding_goes_toward_zero(encoding, value):
     assert up > abs(value) or math.isinf(up)
 
 
-@settings(max_examples=500)
+@settings(max_examples=examples(500))
 @given(encoding=encodings, values=SIX, limit=limits)
 def test_no_twist_is_above_its_limit(encoding, values, limit):
     found = codec(encoding, TWIST)
@@ -190,7 +191,7 @@ def test_curvature_stays(encoding, forward, turn, limit):
     assert written.angular[2] / written.linear[0] == pytest.approx(turn / forward, rel=1e-9)
 
 
-@settings(max_examples=500)
+@settings(max_examples=examples(500))
 @given(encoding=encodings, values=st.lists(singles, min_size=5, max_size=5), limit=limits)
 def test_no_drive_is_above_its_limit(encoding, values, limit):
     found = codec(encoding, DRIVE)

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from message_samples import ENCODINGS, POSE, encode, header, make, pose_stamped, square
 
 from cpu_time import growth
+from example_budget import examples
 from rtron.errors import InputError
 from rtron.messages import (
     DefinitionRegistry,
@@ -380,7 +381,7 @@ def test_regular_expressions_take_linear_time():
     assert growth(match, 200_000, 2_000_000) < 30
 
 
-@settings(max_examples=300)
+@settings(max_examples=examples(300))
 @given(
     text=st.text(max_size=40)
     | st.lists(

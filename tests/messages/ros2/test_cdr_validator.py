@@ -7,6 +7,7 @@ from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 from message_samples import ROS2, Generator, encode
 
+from example_budget import examples
 from rtron.errors import WireError
 from rtron.messages import DefinitionRegistry, Encoding, parse_definition
 from rtron.messages.common.definition import SIZES
@@ -67,7 +68,7 @@ def test_every_truncation(type):
             look(message[:length])
 
 
-@settings(max_examples=500, suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(500), suppress_health_check=list(HealthCheck))
 @given(type=st.sampled_from(KINDS), seed=st.integers(0, 2**32), data=st.data())
 def test_fuzz_mutated(type, seed, data):
     """Whatever is made of a message, it is accepted or refused, and nothing else happens."""
@@ -90,7 +91,7 @@ def test_fuzz_mutated(type, seed, data):
     refusal(DEFINITIONS.find(type), bytes(message))
 
 
-@settings(max_examples=300, suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(300), suppress_health_check=list(HealthCheck))
 @given(type=st.sampled_from(KINDS), body=st.binary(max_size=400))
 @example(type="nav_msgs/msg/Path", body=b"\xff" * 400)
 @example(type="std_msgs/msg/Float64MultiArray", body=b"\0" * 12 + b"\xff" * 4)
@@ -199,7 +200,7 @@ def test_counts_that_cannot_fit(item):
 PRIMITIVES = sorted(set(SIZES) - {"bool"})
 
 
-@settings(max_examples=500)
+@settings(max_examples=examples(500))
 @given(
     before=st.integers(0, 9),
     types=st.lists(st.sampled_from(PRIMITIVES), max_size=4),

@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from report_cases import CMD_VEL, CONTENDED, GRAPH, REPORT, SIGN, hears, report_of, speaks
 
+from example_budget import examples
 from rtron.planning import propose_plan
 from rtron.reports.app.html import graph_to_html
 from rtron.reports.sanitize import sanitize
@@ -229,7 +230,7 @@ def test_a_stranger_s_names_stay_text():
 
 
 @given(st.text())
-@settings(max_examples=60)
+@settings(max_examples=examples(60))
 def test_any_name_leaves_the_page_whole(name):
     plain, strange = page_of(evil_graph("a")), page_of(evil_graph(name))
     assert [tag for tag, _ in strange.tags] == [tag for tag, _ in plain.tags]

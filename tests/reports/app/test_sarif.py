@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from jsonschema import Draft4Validator
 from report_cases import CMD_VEL, CONTENDED, GRAPH, REPORT, report_of, risk, speaks
 
+from example_budget import examples
 from rtron.reports.app.sarif import FINDING_FINGERPRINT, FINGERPRINT, risks_to_sarif
 from rtron.reports.app.sarif_locations import physical_location
 from rtron.risks import discover_risks
@@ -214,7 +215,7 @@ def test_a_stranger_s_brackets_are_no_link():
 
 
 @given(st.text(), st.text(), st.integers(min_value=-1, max_value=2**31))
-@settings(max_examples=60)
+@settings(max_examples=examples(60))
 def test_any_name_gives_valid_sarif(name, file, line):
     evidence = (Evidence(file=file, line=line),)
     found = risk(RiskKind.MSR, id=name, topics=(name,), reason=name, evidence=evidence)

@@ -28,6 +28,7 @@ from bag_files import (
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from example_budget import examples
 from rtron.errors import InputError
 from rtron.sources.bag.common import limits
 from rtron.sources.bag.common.compression import decompress, decompress_zstd
@@ -437,7 +438,9 @@ def read_what_can_be(path):
     "name", ["plain.bag", "bz2.bag", "lz4.bag", "ros2.mcap", "packed.mcap", "ros2.db3"]
 )
 @settings(
-    max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+    max_examples=examples(150),
+    deadline=None,
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
 )
 @given(seed=st.integers(0, 2**32), number=st.integers(1, 8), cut=st.booleans())
 def test_random_damage_is_an_input_error_or_does_no_harm(tmp_path, good, name, seed, number, cut):

@@ -17,6 +17,7 @@ from rclpy._rclpy_pybind11 import RMWError
 from rclpy.serialization import deserialize_message
 from ros2_samples import made, round_trip
 
+from example_budget import examples
 from rtron.errors import SourceError, WireError
 from rtron.messages import parse_definition
 from rtron.messages.ros2.cdr_validator import cdr_validator
@@ -63,7 +64,7 @@ def test_every_installed_type(type):
             deserialize_message(data[:-1], cls)
 
 
-@settings(max_examples=400, suppress_health_check=list(HealthCheck), deadline=None)
+@settings(max_examples=examples(400), suppress_health_check=list(HealthCheck), deadline=None)
 @given(type=st.sampled_from(MESSAGES), seed=st.integers(0, 2**32), data=st.data())
 def test_what_rclpy_refuses_is_not_whole(type, seed, data):
     cls, look = checked(type)

@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from example_budget import examples
 from rtron.demos.world.server import requests
 from rtron.demos.world.server.protocol import (
     MAX_BLOB,
@@ -45,7 +46,7 @@ def framed(text, blob=b""):
     return struct.pack("!II", len(text), len(blob)) + text + blob
 
 
-@settings(max_examples=40)
+@settings(max_examples=examples(40))
 @given(st.lists(st.tuples(st.dictionaries(st.text(max_size=5), st.integers()), st.binary())))
 def test_frames_come_out_as_they_went_in_however_they_are_cut(sent):
     data = b"".join(encode_frame(head, blob) for head, blob in sent)

@@ -11,6 +11,7 @@ from launch_strategies import launches
 from plans import grcn, plan_of
 from roslaunch_oracle import write_files
 
+from example_budget import examples
 from rtron.planning.instrument import instrument_ros1, write_guarded_launch
 from rtron.sources.launch.ros1.reader import read_launch
 
@@ -26,7 +27,7 @@ def plans(draw, nodes):
 
 
 @pytest.mark.ros1
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=examples(200), deadline=None)
 @given(files=launches(), data=st.data())
 def test_any_guarded_launch_is_the_original_but_for_the_plans_remaps(ros, files, data):
     with tempfile.TemporaryDirectory() as folder:

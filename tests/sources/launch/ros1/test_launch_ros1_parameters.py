@@ -11,6 +11,7 @@ from launch_parameter_cases import DOUBTED, PARAMETERS, REFUSED_PARAMETERS, UNRE
 from launch_parameter_files import launches_with_parameters
 from roslaunch_oracle import both, nodes_of_tree, started, write_files
 
+from example_budget import examples
 from rtron.errors import InputError
 from rtron.sources.launch.ros1.reader import read_launch, read_launches
 from rtron.vocabulary import UnknownValue
@@ -126,7 +127,7 @@ def test_later_launches_find_what_earlier_ones_set(ros, tmp_path, bodies):
     assert all(our_leaves(tree) == leaves(server) for tree in trees)
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=examples(300), deadline=None)
 @given(files=launches_with_parameters())
 def test_any_launch_sets_the_parameters_that_ros_sets(ros, files):
     with tempfile.TemporaryDirectory() as folder:

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from launch_strategies import BOOLEANS, VALUES, launches
 from roslaunch_oracle import nodes_of_tree, started, write_files
 
+from example_budget import examples
 from rtron.sources.launch.ros1.reader import read_launch
 
 ARGS = st.fixed_dictionaries(
@@ -17,7 +18,7 @@ ARGS = st.fixed_dictionaries(
 
 
 @pytest.mark.ros1
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=examples(300), deadline=None)
 @given(files=launches(), args=ARGS)
 def test_any_launch_starts_the_nodes_that_ros_starts(ros, files, args):
     with tempfile.TemporaryDirectory() as folder:

@@ -7,6 +7,7 @@ from cpp_cases import unit
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from example_budget import examples
 from rtron.sources.code.frontends.cpp import lower_cpp
 from rtron.sources.code.ir import Const, SourceLanguage
 
@@ -21,13 +22,13 @@ void A::f(const T& x) { for (auto& v : x) { switch (v) { case 1: g(v++); break; 
 
 
 @given(st.binary(max_size=300))
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=examples(200), deadline=None)
 def test_bytes_never_raise(data):
     assert lower_cpp("f.cpp", data).language is SourceLanguage.CPP
 
 
 @given(st.integers(0, len(GOOD)), st.integers(0, 20), st.binary(max_size=8))
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=examples(300), deadline=None)
 def test_changed_source_never_raises(at, cut, put):
     found = lower_cpp("f.cpp", GOOD[:at] + put + GOOD[at + cut :])
     assert pickle.loads(pickle.dumps(found)) == found

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from ros1_runs import run_text
 
 from cpu_time import work_units
+from example_budget import examples
 from rtron.sources.declaration import NodeInterface
 
 UNITS = 200
@@ -30,7 +31,10 @@ PIECES = [
     ),
 ]
 SETTINGS = settings(
-    max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow], derandomize=True
+    max_examples=examples(40),
+    deadline=None,
+    suppress_health_check=[HealthCheck.too_slow],
+    derandomize=True,
 )
 
 
