@@ -33,7 +33,7 @@ lint: setup ## Check style, types, names, sizes, imports and whether the generat
 	$(PYTHON) scripts/docs_policies.py --check
 
 coverage: setup ## Run the tests of policies, risks, plans and vocabulary, which must run every branch (1 minute)
-	$(BIN)/pytest -m covered $(WORKERS) $(EXAMPLES) \
+	$(BIN)/pytest -m covered $(addprefix tests/,policies risks coherence vocabulary planning/plan_file) $(WORKERS) $(EXAMPLES) \
 	  --cov=rtron.policies --cov=rtron.risks --cov=rtron.coherence --cov=rtron.vocabulary --cov-branch \
 	  --cov-report=term-missing:skip-covered --cov-fail-under=100
 

@@ -509,7 +509,6 @@ def test_a_plan_without_expressions_needs_no_messages():
     assert len(parse_plan(text).msrcn.eflows) == 3
 
 
-@pytest.mark.timed
 def test_too_much_is_refused_soon():
     rules = "".join(f"    - {{name: r{i}, when: low, block: [a1]}}\n" for i in range(201))
     assert faults(swap("  areas:\n", rules + "  areas:\n"))[0].endswith("more than 200 rules")
