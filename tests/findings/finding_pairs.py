@@ -53,6 +53,14 @@ PAIRS = {
         small_graph(BASE),
         small_graph(BASE + f"/nav nav own\n pub /cmd_vel {TWIST}"),
     ),
+    "lost_command": (
+        small_graph(BASE.replace("/cmd_vel", "/base/cmd_vel") + TWO_DRIVERS),
+        small_graph(BASE + TWO_DRIVERS),
+    ),
+    "power_command": (
+        small_graph("/power pkg own\n    sub /system/shutdown std_msgs/msg/Empty"),
+        small_graph("/power pkg own\n    sub /system/status std_msgs/msg/Empty"),
+    ),
     "type_mismatch": (
         small_graph(BASE + f"/nav nav own\n pub /cmd_vel {STAMPED}"),
         small_graph(BASE + "/nav nav own\n pub /cmd_vel geometry_msgs/Twist"),

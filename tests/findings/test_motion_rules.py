@@ -7,6 +7,7 @@ from finding_graphs import (
     BASE,
     FIRMWARE,
     MUX,
+    STAMPED,
     TWIST,
     TWO_DRIVERS,
     found,
@@ -15,7 +16,16 @@ from finding_graphs import (
     the_finding,
 )
 
-from rtron.vocabulary import Certainty, FindingLevel, NodeParameter, Severity
+from rtron.vocabulary import (
+    Certainty,
+    Evidence,
+    FindingLevel,
+    NodeParameter,
+    Service,
+    ServiceClient,
+    Severity,
+    UnresolvedItem,
+)
 
 MUX_PASSED_BY = MUX + f"/teleop teleop own\n    pub /cmd_vel {TWIST}\n"
 REMEDY = "put a GRCN before /cmd_vel: `rtron plan` proposes it"
@@ -52,7 +62,7 @@ class TestSeveralPublishers:
         finding = the_finding("several_publishers", small_graph(MUX_PASSED_BY + BASE))
         assert finding.summary == "/teleop can drive the robot on /cmd_vel past /twist_mux"
         assert finding.cause == (
-            "/twist_mux arbitrates, but /base hears both: its priorities do not hold"
+            "/twist_mux arbitrates, but /base hears both: what it decides does not hold"
         )
         assert finding.remedy == REMEDY
 
@@ -89,6 +99,19 @@ class TestSeveralPublishers:
         graph = replace(small_graph(TWO_DRIVERS), nodes=())
         assert found("several_publishers", graph)
 
+    def test_a_base_that_publishes_its_own_input_is_no_second_driver(self):
+        base = f"/base driver own\n    sub /cmd_vel {TWIST}\n    pub /cmd_vel {TWIST}\n"
+        nav = f"/nav nav own\n    pub /cmd_vel {TWIST}\n"
+        assert not found("several_publishers", small_graph(base + nav))
+        both = the_finding("several_publishers", small_graph(base + TWO_DRIVERS))
+        assert both.summary == "/move_base and /teleop both drive the robot on /cmd_vel"
+        assert found("several_publishers", small_graph(base + nav + BASE.replace("/base", "/arm")))
+
+    def test_an_emergency_stop_is_set_and_released(self):
+        text = TWO_DRIVERS.replace(f"/cmd_vel {TWIST}", "/wheels/emergency_stop std_msgs/msg/Bool")
+        summary = the_finding("several_publishers", small_graph(text)).summary
+        assert "both set and release the emergency stop on /wheels/emergency_stop" in summary
+
     def test_one_node_with_two_publishers_is_one(self):
         text = f"/nav nav own\n pub /cmd_vel {TWIST}\n pub /cmd_vel {TWIST}\n"
         assert not found("several_publishers", small_graph(text))
@@ -108,6 +131,25 @@ class TestOpenCommand:
         graph = small_graph(BASE + FIRMWARE, unread=("/firmware",))
         cause = the_finding("open_command", graph).cause
         assert cause.endswith("publishes, unless /firmware (not read) does")
+
+    def test_where_the_node_is_driven_otherwise_it_is_for_the_pedantic(self):
+        text = BASE + f"    sub /raw_cmd_vel {TWIST}\n/nav nav own\n    pub /raw_cmd_vel {TWIST}\n"
+        finding = the_finding("open_command", small_graph(text))
+        assert (finding.topics, finding.level) == (("/cmd_vel",), FindingLevel.PEDANTIC)
+        assert the_finding("open_command", small_graph(BASE)).level is FindingLevel.REGULAR
+
+    def test_what_a_stack_always_listens_to_does_not_count(self):
+        text = BASE.replace(" driver ", " nav2_behaviors ").replace("/cmd_vel", "/cmd_vel_teleop")
+        assert not found("open_command", small_graph(text))
+
+    def test_an_emergency_stop_can_be_released_by_anybody(self):
+        text = "/base driver own\n    sub /e_stop std_msgs/msg/Bool"
+        summary = the_finding("open_command", small_graph(text)).summary
+        assert summary == "any node on the network can stop and release /base"
+
+    @pytest.mark.parametrize("type", ["sensor_msgs/msg/Joy", "std_msgs/msg/String"])
+    def test_what_moves_nothing_by_itself_does_not_count(self, type):
+        assert not found("open_command", small_graph(f"/teleop teleop own\n    sub /joy {type}"))
 
     def test_spare_inputs_of_an_arbiter_do_not_count_while_another_is_in_use(self):
         nav = f"/nav nav own\n pub /nav_vel {TWIST}\n"
@@ -177,6 +219,116 @@ class TestNetworkBridge:
             "/bridge opens the app to the network: WebSocket clients can publish on every topic, "
             "/cmd_vel included"
         )
+
+    @pytest.mark.parametrize(
+        ("what", "why"),
+        [
+            (
+                "include $(find rosbridge_server)/launch/rosbridge_websocket.launch",
+                "package 'rosbridge_server' is not found",
+            ),
+            ("launch file {path of rosbridge_server}/x.launch", "its path is not known"),
+        ],
+    )
+    def test_one_that_is_included_and_not_in_the_source_is_likely(self, what, why):
+        place = Evidence(file="base.launch", line=7)
+        note = UnresolvedItem(what=what, why=why, evidence=(place,))
+        finding = the_finding("network_bridge", small_graph(BASE, unresolved=(note,)))
+        assert (finding.subject, finding.certainty) == ("rosbridge_server", Certainty.LIKELY)
+        assert finding.summary.startswith("rosbridge_server opens the app to the network")
+        assert finding.evidence == (place,)
+
+    def test_one_that_is_started_and_included_is_one_finding(self):
+        note = UnresolvedItem(what="include $(find rosbridge_server)/a.launch", why="gone")
+        finding = the_finding("network_bridge", small_graph(self.BRIDGE, unresolved=(note,)))
+        assert finding.subject == "/bridge"
+
+    @pytest.mark.parametrize(
+        "what", ["include $(find my_rosbridge_server_too)/a.launch", "node /x (rosbridge_server/y)"]
+    )
+    def test_other_notes_are_no_bridge(self, what):
+        note = UnresolvedItem(what=what, why="gone")
+        assert not found("network_bridge", small_graph(BASE, unresolved=(note,)))
+
+
+class TestLostCommand:
+    LOST = BASE.replace("/cmd_vel", "/base/cmd_vel") + f"/nav nav own\n    pub /cmd_vel {TWIST}\n"
+
+    def test_it_says_who_is_not_heard_and_what_is(self):
+        finding = the_finding("lost_command", small_graph(self.LOST))
+        assert finding.summary == "what /nav commands on /cmd_vel reaches nobody"
+        assert finding.cause == ("no node of this launch subscribes it; /base obeys /base/cmd_vel")
+        assert finding.remedy == "remap /cmd_vel to /base/cmd_vel"
+        assert (finding.severity, finding.level) == (Severity.MEDIUM, FindingLevel.REGULAR)
+
+    def test_a_node_that_was_not_read_may_hear_it(self):
+        graph = small_graph(self.LOST + FIRMWARE, unread=("/firmware",))
+        finding = the_finding("lost_command", graph)
+        assert (finding.certainty, finding.level) == (Certainty.POSSIBLE, FindingLevel.PEDANTIC)
+
+    @pytest.mark.parametrize(
+        "other",
+        [
+            "/robot2/cmd_vel",  # another robot's
+            "/base/cmd_vel_smooth",  # another name
+        ],
+    )
+    def test_a_command_beside_it_is_another_one(self, other):
+        text = self.LOST.replace("pub /cmd_vel", f"pub {other}")
+        assert not found("lost_command", small_graph(text))
+
+    def test_another_type_is_another_topic(self):
+        text = self.LOST.replace(f"pub /cmd_vel {TWIST}", f"pub /cmd_vel {STAMPED}")
+        assert not found("lost_command", small_graph(text))
+
+    def test_who_publishes_both_does_so_on_purpose(self):
+        text = self.LOST + f"/nav nav own\n    pub /base/cmd_vel {TWIST}\n"
+        assert not found("lost_command", small_graph(text))
+
+    def test_a_display_that_shows_it_is_a_reader(self):
+        text = self.LOST + f"/rviz rviz2 third_party\n    sub /cmd_vel {TWIST}\n"
+        assert not found("lost_command", small_graph(text))
+
+
+class TestPowerCommand:
+    BRIDGE = "/bridge rosbridge_server third_party\n"
+    POWER = "/leo leo own\n    sub /system/shutdown std_msgs/msg/Empty\n"
+
+    def test_a_bridge_lets_strangers_do_it(self):
+        finding = the_finding("power_command", small_graph(self.POWER + self.BRIDGE))
+        assert finding.summary == "whoever reaches /bridge can switch the robot off"
+        assert finding.cause.startswith("/leo obeys /system/shutdown, which no node")
+        assert (finding.severity, finding.level) == (Severity.MEDIUM, FindingLevel.REGULAR)
+
+    def test_without_one_it_is_for_the_pedantic(self):
+        finding = the_finding("power_command", small_graph(self.POWER))
+        assert finding.summary == "any node on the network can switch the robot off"
+        assert finding.level is FindingLevel.PEDANTIC
+
+    @pytest.mark.parametrize(
+        ("name", "is_found"),
+        [
+            ("/reboot", True),
+            ("/robot_power_off", True),
+            ("/leo/shut_down", True),
+            ("/shutdown_status_page", True),
+            ("/shutdowns", False),
+            ("/reboots/last", False),
+            ("/power", False),
+        ],
+    )
+    def test_services_count_by_their_last_part(self, name, is_found):
+        graph = small_graph(BASE, services=(Service(node="/base", name=name),))
+        assert bool(found("power_command", graph)) is is_found
+
+    def test_what_the_app_uses_or_the_library_offers_does_not_count(self):
+        service = Service(node="/base", name="/reboot")
+        client = ServiceClient(node="/nav", name="/reboot")
+        assert not found("power_command", small_graph(BASE, services=(service,), clients=(client,)))
+        hidden = replace(service, implicit=True)
+        assert not found("power_command", small_graph(BASE, services=(hidden,)))
+        used = self.POWER + "/ui ui own\n    pub /system/shutdown std_msgs/msg/Empty\n"
+        assert not found("power_command", small_graph(used))
 
 
 class TestArbiter:

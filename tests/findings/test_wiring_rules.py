@@ -23,6 +23,7 @@ from rtron.vocabulary import (
     Endpoint,
     Evidence,
     FindingLevel,
+    NodeParameter,
     Resolution,
     Service,
     ServiceClient,
@@ -335,6 +336,28 @@ class TestSimTime:
         text = SCAN + "/rviz rviz2 own\n"
         graph = small_graph(text, parameters=parameters("use_sim_time", **values))
         assert not found("sim_time", graph)
+
+    @pytest.mark.parametrize(
+        ("node", "package", "is_found"),
+        [
+            ("/sim", "ros_gz_sim", False),
+            ("/image_bridge", "ros_gz_image", False),
+            ("/gazebo", "gazebo_ros", False),
+            ("/bt_navigator_navigate_to_pose_rclcpp_node", "nav2_bt_navigator", False),
+            ("/global_costmap/global_costmap", "nav2_controller", False),
+            ("/robot/local_costmap/local_costmap", "nav2_controller", False),
+            ("/global_costmap/local_costmap", "nav2_controller", True),
+            ("/controller_server", "nav2_controller", True),
+            ("/my_rclcpp_node", "my_nav2_package", True),
+        ],
+    )
+    def test_who_makes_the_time_or_gets_it_from_its_server_does_not_count(
+        self, node, package, is_found
+    ):
+        values = parameters("use_sim_time", laser=True, slam=True)
+        values += (NodeParameter(node=node, name="use_sim_time", value=False),)
+        graph = small_graph(f"{SCAN}{node} {package} own\n", parameters=values)
+        assert bool(found("sim_time", graph)) is is_found
 
 
 class TestMissingProgram:

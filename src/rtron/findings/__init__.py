@@ -6,8 +6,10 @@ from rtron.findings.app_facts import AppFacts
 from rtron.findings.motion import (
     arbiter,
     command_timeout,
+    lost_command,
     network_bridge,
     open_command,
+    power_command,
     several_publishers,
 )
 from rtron.findings.rule import FindingRule, finding_page
@@ -30,6 +32,8 @@ FINDING_RULES: tuple[FindingRule, ...] = (
     several_publishers.RULE,
     network_bridge.RULE,
     command_timeout.RULE,
+    lost_command.RULE,
+    power_command.RULE,
     open_command.RULE,
     type_mismatch.RULE,
     qos_mismatch.RULE,

@@ -13,6 +13,7 @@ from rtron.risks.wording import join_names
 from rtron.vocabulary import (
     Consequence,
     Direction,
+    Domain,
     Endpoint,
     Evidence,
     InteractionGraph,
@@ -24,6 +25,11 @@ _NEAR_RATIO = 0.8
 _MOST_COMPARED = 200
 """Among more names of one type a near one tells nothing, and comparing them takes long."""
 _UNKNOWN_TYPES = ("", "*")
+_INDIRECT_TYPES = frozenset({"sensor_msgs/Joy", "std_msgs/String", "sound_play/SoundRequest"})
+"""Types of what a node may turn into motion, or into speech, but that moves nothing itself."""
+_STOPS = ("emergency_stop", "e_stop", "estop")
+_TRANSPORTS = ("/compressed", "/compressedDepth", "/theora", "/ffmpeg", "/zstd")
+"""What image_transport adds to a topic's name (ROS wiki: image_transport)."""
 _UNREAD_FILES = ("include ", "launch ", "component", "composable", "robot_description")
 """How notes begin on what may start or name more nodes."""
 
@@ -81,7 +87,13 @@ class AppFacts:
 
     def is_motion(self, topic: str) -> bool:
         """Return whether a topic commands motion, by its type and its name."""
-        return self.facts.is_motion_command(topic)
+        is_indirect = self.facts.topic(topic).type in _INDIRECT_TYPES
+        return self.is_stop(topic) or (self.facts.is_motion_command(topic) and not is_indirect)
+
+    def is_stop(self, topic: str) -> bool:
+        """Return whether a topic sets and releases an emergency stop."""
+        is_named_so = any(word in topic for word in _STOPS)
+        return is_named_so and self.facts.classify(topic).domain is Domain.CONTROL
 
     def publishers(self, topic: str) -> tuple[str, ...]:
         """Return the nodes that publish a topic."""
@@ -158,20 +170,36 @@ class AppFacts:
 
 
 def is_near(one: str, other: str) -> bool:
-    """Return whether two names may be meant for one: a last part in another namespace, a slip."""
+    """Return whether two names may be meant for one: a last part in another namespace, a slip.
+
+    So may one that the other says more about, as `data` and `data_compass` do.
+    """
     (namespace, _, name), (other_namespace, _, other_name) = (
-        each.rpartition("/") for each in (one, other)
+        _without_transport(each).rpartition("/") for each in (one, other)
     )
     if namespace == other_namespace:
         one, other = name, other_name
         if name == other_name:
             return False
+        if _says_more(name, other_name) or _says_more(other_name, name):
+            return True
     elif name == other_name:
         return True
     shorter, longer = sorted((len(one), len(other)))
     if 2 * shorter < _NEAR_RATIO * (shorter + longer):
         return False
     return SequenceMatcher(None, one, other).ratio() >= _NEAR_RATIO
+
+
+def _without_transport(name: str) -> str:
+    ending = next((each for each in _TRANSPORTS if name.endswith(each)), "")
+    return name.removesuffix(ending)
+
+
+def _says_more(longer: str, shorter: str) -> bool:
+    return len(shorter) > 2 and (  # noqa: PLR2004 - a part of two letters tells nothing
+        longer.startswith(f"{shorter}_") or longer.endswith(f"_{shorter}")
+    )
 
 
 def near_names(name: str, others: Collection[str]) -> list[str]:

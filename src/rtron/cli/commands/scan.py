@@ -158,8 +158,8 @@ def _is_severe(shown: Triage, fail_on: FailOn) -> bool:
         return False
     order = list(Severity)
     mildest = order.index(Severity(fail_on.value))
-    severities = [risk.severity for risk in shown.risks]
-    severities += [finding.severity for finding in shown.findings]
+    severities = [each.severity for each in shown.findings]
+    severities += [risk.severity for risk in shown.risks]
     return any(order.index(severity) >= mildest for severity in severities)
 
 

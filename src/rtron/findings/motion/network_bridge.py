@@ -3,7 +3,8 @@
 ## What it finds
 
 Bridges that let clients outside of ROS publish and call: rosbridge, Foxglove's bridge, Zenoh's and
-the DDS routers. One finding for each.
+the DDS routers. One finding for each. A bridge whose launch file is included counts though its
+package is not in the source.
 
 ## Why it matters
 
@@ -20,12 +21,20 @@ clients need (`topics_glob`, `client_topic_whitelist`). Guard the motion topics.
 `/rosbridge_websocket` listens on port 9090 on every address.
 """
 
+import re
 from collections.abc import Iterator
 
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.rule import FindingRule, make_finding
 from rtron.risks.wording import join_names
-from rtron.vocabulary import Certainty, Consequence, Finding, FindingLevel, Node
+from rtron.vocabulary import (
+    Certainty,
+    Consequence,
+    Finding,
+    FindingLevel,
+    Node,
+    UnresolvedItem,
+)
 
 _BRIDGES = {
     "rosbridge_server": "WebSocket clients can publish on every topic",
@@ -45,11 +54,51 @@ def check(app: AppFacts) -> Iterator[Finding]:
     for node in app.graph.nodes:
         if node.package in _BRIDGES:
             yield _finding(app, node)
+    for package, notes in _included_bridges(app).items():
+        yield _included(app, package, notes)
+
+
+def bridges(app: AppFacts) -> list[str]:
+    """Return the nodes that are bridges, and the packages of those that are only included."""
+    nodes = [node.name for node in app.graph.nodes if node.package in _BRIDGES]
+    return [*nodes, *_included_bridges(app)]
+
+
+def _included_bridges(app: AppFacts) -> dict[str, list[UnresolvedItem]]:
+    """Return the packages of bridges that are included and not read, with what says so."""
+    started = {node.package for node in app.graph.nodes}
+    noted = {
+        package: [note for note in app.graph.unresolved if _names_launch_of(package, note)]
+        for package in _BRIDGES
+        if package not in started
+    }
+    return {package: notes for package, notes in noted.items() if notes}
+
+
+def _names_launch_of(package: str, note: UnresolvedItem) -> bool:
+    """Return whether a launch file of a package is included that could not be read."""
+    is_launch = note.what.startswith(("include ", "launch file "))
+    return is_launch and package in re.findall(r"\w+", f"{note.what} {note.why}")
+
+
+def _included(app: AppFacts, package: str, notes: list[UnresolvedItem]) -> Finding:
+    return make_finding(
+        RULE.name,
+        package,
+        summary=f"{package} opens the app to the network: {_BRIDGES[package]}{_reach(app)}",
+        cause="its launch file is included; its address is not known, the package is not here",
+        remedy="bind it to the local address or put a login before it; allow only needed topics",
+        consequence=Consequence.MOTION,
+        certainty=Certainty.LIKELY,
+        evidence=[place for note in notes for place in note.evidence],
+    )
+
+
+def _reach(app: AppFacts) -> str:
+    return f", {join_names(app.motion_topics)} included" if app.motion_topics else ""
 
 
 def _finding(app: AppFacts, node: Node) -> Finding:
-    moves = app.motion_topics
-    reach = f", {join_names(moves)} included" if moves else ""
     address = _address(app, node.name)
     is_local = address.startswith(_LOCAL)
     where = f"it listens on {address}" if address else "it listens on every address by default"
@@ -57,7 +106,7 @@ def _finding(app: AppFacts, node: Node) -> Finding:
     return make_finding(
         RULE.name,
         node.name,
-        summary=f"{node.name} opens the app to the network: {_BRIDGES[node.package]}{reach}",
+        summary=f"{node.name} opens the app to the network: {_BRIDGES[node.package]}{_reach(app)}",
         cause=f"{node.package} forwards what its clients send; {where}",
         remedy="bind it to the local address or put a login before it; allow only needed topics",
         consequence=Consequence.MOTION,
@@ -77,7 +126,7 @@ def _address(app: AppFacts, node: str) -> str:
 RULE = FindingRule(
     name="network_bridge",
     title="A node opens the graph to the network",
-    consequence="motion: certain, possible where it listens on the local address only",
+    consequence="motion: certain; likely where only its include is seen, possible where local",
     since="0.2.0",
     check=check,
 )

@@ -3,7 +3,9 @@
 ## What it finds
 
 Topics that command motion, that a node of the app obeys and that no node of the app publishes. One
-finding names them all. Inputs of an arbiter do not count while another input is in use.
+finding names them all. Inputs of an arbiter do not count while another input is in use, nor do the
+inputs that a stack such as Nav2 always has. Where somebody commands the same node by another topic,
+or something was not read, it is shown from the level `pedantic` on.
 
 ## Why it matters
 
@@ -23,7 +25,7 @@ topics with an empty GRCN, or do not let them leave the machine.
 from collections.abc import Iterator
 
 from rtron.findings.app_facts import AppFacts
-from rtron.findings.motion.arbiter import arbiters
+from rtron.findings.motion.arbiter import arbiters, is_one_stack
 from rtron.findings.rule import FindingRule, make_finding
 from rtron.risks.wording import conjugate, join_names
 from rtron.vocabulary import Certainty, Consequence, Direction, Finding, FindingLevel
@@ -37,25 +39,37 @@ def check(app: AppFacts) -> Iterator[Finding]:
         for topic in app.motion_topics
         if app.readers(topic) and not app.publishers(topic) and topic not in spare
     ]
+    topics = [topic for topic in topics if not is_one_stack(app, app.readers(topic))]
     if not topics:
         return
     readers = sorted({reader for topic in topics for reader in app.readers(topic)})
     maybe = any(app.may_have_other_end(topic, Direction.PUBLISH) for topic in topics)
+    is_driven = any(_obeys(app, reader) for reader in readers)
     endpoints = [end for topic in topics for end in app.graph.subscribers(topic)]
     yield make_finding(
         RULE.name,
         topics[0],
-        summary=f"any node on the network can drive {join_names(readers)}",
+        summary=f"any node on the network can {_effect(app, topics)} {join_names(readers)}",
         cause=f"{join_names(readers)} {conjugate(readers, 'obey')} {join_names(topics)}, "
         f"which no node of this launch publishes{app.unread_hint}",
         remedy="scan the launch that sends these commands too, or guard the topics",
         consequence=Consequence.MOTION,
         certainty=Certainty.POSSIBLE,
-        level=FindingLevel.PEDANTIC if maybe else FindingLevel.REGULAR,
+        level=FindingLevel.PEDANTIC if maybe or is_driven else FindingLevel.REGULAR,
         nodes=readers,
         topics=topics,
         evidence=app.evidence(endpoints),
     )
+
+
+def _effect(app: AppFacts, topics: list[str]) -> str:
+    return "stop and release" if all(map(app.is_stop, topics)) else "drive"
+
+
+def _obeys(app: AppFacts, node: str) -> bool:
+    """Return whether somebody in the app commands a node: then another input may be a spare one."""
+    heard = {end.topic for end in app.graph.subscribed_by(node)}
+    return any(topic in heard and app.publishers(topic) for topic in app.motion_topics)
 
 
 def _spare_inputs(app: AppFacts) -> set[str]:

@@ -5,7 +5,8 @@
 A topic that commands motion (a velocity, a setpoint, a trajectory) with more than one publisher.
 It counts though no reader is known: the driver of the base is often not in the workspace. Where an
 arbiter (twist_mux and its kin) publishes the topic, the others pass it by. Nodes of one stack, such
-as Nav2's servers, take turns among themselves and do not count.
+as Nav2's servers, take turns among themselves and do not count, nor does a base that publishes its
+own input.
 
 ## Why it matters
 
@@ -22,7 +23,7 @@ publisher go through one arbiter.
 `/move_base` and `/teleop` publish `/cmd_vel`; `/base_driver`, which was not read, may obey.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.motion.arbiter import arbiters, is_one_stack
@@ -37,22 +38,38 @@ def check(app: AppFacts) -> Iterator[Finding]:
     """Yield a finding for each motion topic with several publishers."""
     known_arbiters = arbiters(app)
     for topic in app.motion_topics:
-        publishers = app.publishers(topic)
+        publishers = senders(app, topic)
         if len(publishers) > 1 and not is_one_stack(app, publishers):
-            yield _finding(app, topic, [n for n in publishers if n in known_arbiters])
+            yield _finding(app, topic, publishers, arbiters_of(publishers, known_arbiters))
 
 
-def _finding(app: AppFacts, topic: str, passed_by: list[str]) -> Finding:
+def senders(app: AppFacts, topic: str) -> tuple[str, ...]:
+    """Return who commands by a topic: its publishers, without a base that may answer itself."""
+    readers = app.readers(topic)
     publishers = app.publishers(topic)
+    others = tuple(node for node in publishers if node not in readers)
+    return others if set(readers) <= set(publishers) else publishers
+
+
+def arbiters_of(publishers: tuple[str, ...], known: Mapping[str, object]) -> list[str]:
+    """Return the arbiters among publishers, multiplexers first: they have the priorities."""
+    return sorted((n for n in publishers if n in known), key=lambda name: ("mux" not in name, name))
+
+
+def _finding(
+    app: AppFacts, topic: str, publishers: tuple[str, ...], passed_by: list[str]
+) -> Finding:
     readers = app.readers(topic)
     who = join_names(readers) if readers else "the base"
     others = tuple(node for node in publishers if node not in passed_by)
     if passed_by and others:
-        summary = f"{join_names(others)} can {_command(topic)} on {topic} past {passed_by[0]}"
+        summary = f"{join_names(others)} can {_command(app, topic)} on {topic} past {passed_by[0]}"
         verb = f"{conjugate(readers, 'hear')} {both_or_all(publishers)}"
-        cause = f"{passed_by[0]} arbitrates, but {who} {verb}: its priorities do not hold"
+        cause = f"{passed_by[0]} arbitrates, but {who} {verb}: what it decides does not hold"
     else:
-        summary = f"{join_names(publishers)} {both_or_all(publishers)} {_command(topic)} on {topic}"
+        summary = (
+            f"{join_names(publishers)} {both_or_all(publishers)} {_command(app, topic)} on {topic}"
+        )
         obeys = conjugate(readers, "obey")
         cause = f"nothing decides between them: {who} {obeys} whoever published last"
     return make_finding(
@@ -70,7 +87,9 @@ def _finding(app: AppFacts, topic: str, passed_by: list[str]) -> Finding:
     )
 
 
-def _command(topic: str) -> str:
+def _command(app: AppFacts, topic: str) -> str:
+    if app.is_stop(topic):
+        return "set and release the emergency stop"
     is_limit = any(word in topic for word in _LIMITS)
     return "set the robot's speed limit" if is_limit else "drive the robot"
 

@@ -104,7 +104,7 @@ def _finding(
         remedy=f"did you mean {near[0]}?" if near else "start its server",
         consequence=Consequence.FAILURE,
         certainty=Certainty.LIKELY if near and is_read else Certainty.POSSIBLE,
-        level=FindingLevel.REGULAR if near else FindingLevel.PEDANTIC,
+        level=FindingLevel.REGULAR if near and is_read else FindingLevel.PEDANTIC,
         nodes=nodes,
         topics=(name,),
         evidence=app.evidence(e for node in nodes for e in app.graph.published_by(node)[:1]),

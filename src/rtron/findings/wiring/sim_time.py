@@ -2,7 +2,9 @@
 
 ## What it finds
 
-Nodes of ROS 2 whose parameter `use_sim_time` differs from that of most others.
+Nodes of ROS 2 whose parameter `use_sim_time` differs from that of most others. The simulator and
+its bridges, which make the time, do not count, nor the helper nodes that Nav2 starts in its servers
+and gives the value itself.
 
 ## Why it matters
 
@@ -18,19 +20,24 @@ Give all nodes the same value: `SetParameter('use_sim_time', …)` at the top of
 Eight nodes have `use_sim_time: true`, `/ekf` has not.
 """
 
+import re
 from collections.abc import Iterator
 
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.rule import FindingRule, make_finding
 from rtron.risks.wording import conjugate, join_names
-from rtron.vocabulary import Certainty, Consequence, Finding
+from rtron.vocabulary import Certainty, Consequence, Finding, Node
+
+_SIMULATORS = ("gazebo_", "ros_gz", "ros_ign")
+_NAV2_HELPER = re.compile(r".*_rclcpp_node|(?:/.*)?/(\w+)/\1")
+"""A server's node for its behaviour tree, and a costmap, which lies in a namespace of its name."""
 
 
 def check(app: AppFacts) -> Iterator[Finding]:
     """Yield a finding where use_sim_time is not the same everywhere."""
     values: dict[bool, list[str]] = {True: [], False: []}
     for parameter in app.graph.parameters:
-        is_time = parameter.name == "use_sim_time" and parameter.node not in app.facts.viewers
+        is_time = parameter.name == "use_sim_time" and _keeps_time(app, parameter.node)
         if is_time and isinstance(parameter.value, bool):
             values[parameter.value].append(parameter.node)
     if not values[True] or not values[False]:
@@ -49,6 +56,14 @@ def check(app: AppFacts) -> Iterator[Finding]:
         nodes=few,
         evidence=app.evidence(e for node in few for e in app.graph.published_by(node)[:1]),
     )
+
+
+def _keeps_time(app: AppFacts, node: str) -> bool:
+    """Return whether it matters which time a node has."""
+    known = app.nodes.get(node, Node(name=node))
+    is_simulator = known.package.startswith(_SIMULATORS)
+    is_helper = known.package.startswith("nav2_") and bool(_NAV2_HELPER.fullmatch(node))
+    return not (is_simulator or is_helper or node in app.facts.viewers)
 
 
 RULE = FindingRule(

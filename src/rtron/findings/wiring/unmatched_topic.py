@@ -2,9 +2,10 @@
 
 ## What it finds
 
-A topic with a subscriber and no publisher. Where another topic of the same type has a near name and
-no subscriber, or a near name in the same app, the finding names it: most often a remap, a namespace
-or a slip of the pen parts the two. Without a near name it is shown from the level `pedantic` on.
+A topic with a subscriber and no publisher. Where another topic of the same type has a near name,
+the finding names it: most often a remap, a namespace or a slip of the pen parts the two. Then it is
+likely, if nobody else subscribes that one and all nodes were read. Else it is possible, and shown
+from the level `pedantic` on.
 
 ## Why it matters
 
@@ -78,7 +79,7 @@ def _finding(app: AppFacts, topic: str, near: list[str]) -> Finding:
         remedy=f"did you mean {near[0]}? Remap one to the other" if near else "start its publisher",
         consequence=Consequence.FAILURE,
         certainty=Certainty.LIKELY if is_likely else Certainty.POSSIBLE,
-        level=FindingLevel.REGULAR if unread_near else FindingLevel.PEDANTIC,
+        level=FindingLevel.REGULAR if is_likely else FindingLevel.PEDANTIC,
         nodes=readers,
         topics=(topic, *near[:1]),
         evidence=app.evidence(app.graph.subscribers(topic)),

@@ -111,12 +111,19 @@ class WorkspaceSources:
         return self.workspace.header(include.strip('<>"'), includer)
 
     def python_module(self, dotted: str, importer: Path) -> Path | None:
-        """Return the file of a module; a relative one is looked up beside the importing file."""
-        if dotted.startswith("."):
-            found = _relative_module_file(dotted, importer)
-            return found if found and self.workspace.package_of(found) else None
-        package = self.workspace.package_of(importer) or ""
-        return self.workspace.python_module(dotted, package, importer)
+        """Return the file of a module; a relative one is looked up beside the importing file.
+
+        So is one that is found nowhere else: Python 2, and with it ROS 1 until Melodic, looks there
+        first (PEP 328).
+        """
+        if not dotted.startswith("."):
+            package = self.workspace.package_of(importer) or ""
+            found = self.workspace.python_module(dotted, package, importer)
+            if found or not (importer.parent / "__init__.py").is_file():
+                return found
+            dotted = f".{dotted}"
+        found = _relative_module_file(dotted, importer)
+        return found if found and self.workspace.package_of(found) else None
 
     def has_message_type(self, package: str, name: str) -> bool | None:
         """Tell whether a package, of the workspace or a standard one, defines a message type."""

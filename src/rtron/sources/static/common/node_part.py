@@ -47,7 +47,9 @@ class NodePart:
         """Whether neither source nor a model tells all that the node publishes and subscribes."""
         if self.model is not None:
             return self.model.unread
-        return bool(self.interface.unresolved) and not self.interface.declarations
+        interface = self.interface
+        tells_nothing = not (interface.nodes or interface.runtime_starts) and self.task is not None
+        return not interface.declarations and (bool(interface.unresolved) or tells_nothing)
 
     def with_missing_note(self, what: str, why: str) -> "NodePart":
         """Return the part with a note instead of an interface."""

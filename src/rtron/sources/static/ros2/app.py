@@ -136,7 +136,8 @@ def _check_content(launch: AppLaunch) -> None:
     if launch.unresolved and not (launch.starts or launch.includes or launch.arguments):
         first = launch.unresolved[0]
         line = first.evidence[0].line if first.evidence else 0
-        raise InputError(first.why, path=launch.file, line=line)
+        message = f"nothing that it starts can be read: {first.what}: {first.why}"
+        raise InputError(message, path=launch.file, line=line)
 
 
 def _check_arguments(launch: AppLaunch, passed: Mapping[str, str]) -> None:

@@ -1,0 +1,78 @@
+"""A motion command reaches nobody.
+
+## What it finds
+
+A topic that commands motion, that nobody subscribes, while a topic of the same name and type is
+obeyed in a namespace above or below: one of the two was left out of a remap.
+
+## Why it matters
+
+What the node commands never happens: a recovery that should free the robot, a stop that should hold
+it. No node fails, and the log says nothing.
+
+## Remedy
+
+Remap the topic to the one that is obeyed.
+
+## Example
+
+`/behavior_server` publishes `/cmd_vel`, and `/driver` obeys `/stretch/cmd_vel`.
+"""
+
+from collections.abc import Iterator
+
+from rtron.findings.app_facts import AppFacts
+from rtron.findings.rule import FindingRule, make_finding
+from rtron.risks.wording import conjugate, join_names
+from rtron.vocabulary import Certainty, Consequence, Direction, Finding, FindingLevel
+
+
+def check(app: AppFacts) -> Iterator[Finding]:
+    """Yield a finding for each motion topic without a reader whose namesake has one."""
+    obeyed = [topic for topic in app.motion_topics if app.readers(topic)]
+    for topic in app.motion_topics:
+        is_lost = app.publishers(topic) and not app.graph.subscribers(topic) and "{" not in topic
+        namesakes = [other for other in obeyed if _is_meant(app, topic, other)] if is_lost else []
+        if namesakes:
+            yield _finding(app, topic, namesakes[0])
+
+
+def _is_meant(app: AppFacts, lost: str, obeyed: str) -> bool:
+    """Return whether two topics differ in a namespace alone, and not on purpose."""
+    (namespace, _, name), (other_namespace, _, other_name) = (
+        each.rpartition("/") for each in (lost, obeyed)
+    )
+    outer, inner = sorted((f"{namespace}/", f"{other_namespace}/"), key=len)
+    is_namesake = name == other_name and outer != inner and inner.startswith(outer)
+    sent, expected = app.types(lost, Direction.PUBLISH), app.types(obeyed, Direction.SUBSCRIBE)
+    publishes_both = set(app.publishers(lost)) <= set(app.publishers(obeyed))
+    return is_namesake and not publishes_both and bool(sent.keys() & expected.keys())
+
+
+def _finding(app: AppFacts, topic: str, obeyed: str) -> Finding:
+    publishers, readers = app.publishers(topic), app.readers(obeyed)
+    maybe_read = app.may_have_other_end(topic, Direction.SUBSCRIBE)
+    return make_finding(
+        RULE.name,
+        topic,
+        summary=f"what {join_names(publishers)} {conjugate(publishers, 'command')} on {topic} "
+        "reaches nobody",
+        cause=f"no node of this launch subscribes it{app.unread_hint}; "
+        f"{join_names(readers)} {conjugate(readers, 'obey')} {obeyed}",
+        remedy=f"remap {topic} to {obeyed}",
+        consequence=Consequence.FAILURE,
+        certainty=Certainty.POSSIBLE if maybe_read else Certainty.LIKELY,
+        level=FindingLevel.PEDANTIC if maybe_read else FindingLevel.REGULAR,
+        nodes=(*publishers, *readers),
+        topics=(topic, obeyed),
+        evidence=app.evidence(app.graph.publishers(topic)),
+    )
+
+
+RULE = FindingRule(
+    name="lost_command",
+    title="A motion command reaches nobody",
+    consequence="failure: likely, possible where something was not read",
+    since="0.2.0",
+    check=check,
+)

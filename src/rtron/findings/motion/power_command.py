@@ -1,0 +1,84 @@
+"""Any node can switch the robot off.
+
+## What it finds
+
+Topics and services that shut the robot down, reboot it or cut its power (`shutdown`, `reboot`,
+`power_off`, also after `system_` or `robot_`), and that no node of the app uses itself. One finding
+names them all. Where a bridge opens the app to the network, it is shown at the level `regular`.
+
+## Why it matters
+
+ROS asks nobody who he is. A client of a bridge, or any node, ends a mission with one message, and
+a robot without power may fall, roll or block the way.
+
+## Remedy
+
+Take them out of what the bridge forwards (`topics_glob`, `services_glob`), guard the topics, or
+leave power to a program outside of ROS.
+
+## Example
+
+`/leo_system` obeys `/system/shutdown` and `/system/reboot`, and rosbridge forwards both.
+"""
+
+import re
+from collections.abc import Iterator
+
+from rtron.findings.app_facts import AppFacts
+from rtron.findings.motion.network_bridge import bridges
+from rtron.findings.rule import FindingRule, make_finding
+from rtron.risks.wording import conjugate, join_names
+from rtron.vocabulary import Certainty, Consequence, Finding, FindingLevel
+
+_POWER = re.compile(r"(?:\w+_)?(?:shutdown|shut_down|reboot|poweroff|power_off)(?:_\w+)?")
+
+
+def check(app: AppFacts) -> Iterator[Finding]:
+    """Yield one finding with all that switches the robot off and that the app does not use."""
+    used = {client.name for client in app.graph.clients}
+    services = {
+        service.name: service.node
+        for service in app.graph.services
+        if _is_power(service.name) and not service.implicit and service.name not in used
+    }
+    topics = {
+        topic: app.readers(topic)[0]
+        for topic in app.explicit_topics
+        if _is_power(topic) and app.readers(topic) and not app.publishers(topic)
+    }
+    owners = {**services, **topics}
+    if owners:
+        yield _finding(app, owners, topics)
+
+
+def _is_power(name: str) -> bool:
+    return bool(_POWER.fullmatch(name.rpartition("/")[2]))
+
+
+def _finding(app: AppFacts, owners: dict[str, str], topics: dict[str, str]) -> Finding:
+    names, nodes = sorted(owners), sorted(set(owners.values()))
+    open_to = bridges(app)
+    who = f"whoever reaches {join_names(open_to)}" if open_to else "any node on the network"
+    return make_finding(
+        RULE.name,
+        names[0],
+        summary=f"{who} can switch the robot off",
+        cause=f"{join_names(nodes)} {conjugate(nodes, 'obey')} {join_names(names)}, "
+        "which no node of this launch uses",
+        remedy="keep them from the bridge, or guard them: leave power to a program outside of ROS",
+        consequence=Consequence.FAILURE,
+        certainty=Certainty.LIKELY,
+        level=FindingLevel.REGULAR if open_to else FindingLevel.PEDANTIC,
+        nodes=nodes,
+        topics=names,
+        evidence=app.evidence(end for topic in topics for end in app.graph.subscribers(topic)),
+    )
+
+
+RULE = FindingRule(
+    name="power_command",
+    title="Any node can switch the robot off",
+    consequence="failure: likely",
+    since="0.2.0",
+    check=check,
+)
