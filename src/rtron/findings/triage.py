@@ -60,12 +60,13 @@ def triage(
 
 
 def at_level(triage: Triage, level: FindingLevel) -> Triage:
-    """Return a triage whose findings are those that a level shows, the new and the known ones."""
+    """Return what a level shows: its findings, new and known ones; to auditors also the risks."""
     shown, known = (
         tuple(finding for finding in each if shown_at(level, finding))
         for each in (triage.findings, triage.known)
     )
-    return replace(triage, findings=shown, known=known)
+    risks = triage.risks if level is FindingLevel.AUDITOR else ()
+    return replace(triage, findings=shown, known=known, risks=risks)
 
 
 def _applying(ignores: Iterable[Ignore], finding: Finding, own: set[str]) -> list[Ignore]:

@@ -1,31 +1,47 @@
 """Make a plan: propose one for an app, or fit one to what a run measured."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from rtron.planning.app_check import check_plan
+from rtron.planning.order_doubts import order_doubts
 from rtron.planning.plan_file.loader import read_plan
 from rtron.planning.problem import PlanProblem
 from rtron.planning.proposal.policy_defaults import propose_plan, unguardable_topics
 from rtron.planning.tuning import tune_plan
+from rtron.planning.void_values import void_value_warnings
 from rtron.sources.bag.file_type import is_bag
 from rtron.sources.run_json import read_run
-from rtron.vocabulary import MeasuredRun, Plan, TuningProposal
+from rtron.vocabulary import InteractionGraph, MeasuredRun, Plan, TuningProposal
 from rtron.workflows.scan import ScanResult
 
 
 @dataclass(frozen=True, slots=True)
 class ProposedPlan:
-    """A plan for an app, and what it leaves out because no guard can be put in between."""
+    """A plan for an app, what it leaves out, and what in it is a guess or has no effect."""
 
     plan: Plan
     omitted: tuple[PlanProblem, ...]
+    doubts: tuple[PlanProblem, ...]
 
 
 def propose(scan: ScanResult) -> ProposedPlan:
     """Return the plan that the risks of an app ask for."""
     plan = propose_plan(scan.graph, scan.report)
-    return ProposedPlan(plan, unguardable_topics(scan.graph, scan.report))
+    omitted = unguardable_topics(scan.graph, scan.report)
+    return ProposedPlan(plan, omitted, tuple(_doubts(plan, scan.graph)))
+
+
+def check(plan: Plan, graph: InteractionGraph | None = None) -> tuple[PlanProblem, ...]:
+    """Return what is wrong with a plan, alone and for an app; then what is a guess in it."""
+    doubts = _doubts(plan, graph or InteractionGraph(app=plan.app))
+    return (*check_plan(plan, graph), *doubts)
+
+
+def _doubts(plan: Plan, graph: InteractionGraph) -> Iterator[PlanProblem]:
+    yield from order_doubts(plan, graph) if graph.nodes else ()
+    yield from void_value_warnings(plan)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -67,7 +67,10 @@ def test_a_good_plan_is_0(rtron, plan_file, graph_file):
     assert rtron("check", plan_file).code == 0
     ran = rtron("check", plan_file, "--graph", graph_file)
     assert ran.code == 0
-    assert ran.out == f"{plan_file}  no problems\n"
+    assert "1 problem\n  warning  GRCN grcn_cmd_vel\n" in ran.out
+    decided = plan_file.read_text().replace("priority: 2", "priority: 20")
+    plan_file.write_text(decided)
+    assert rtron("check", plan_file, "--graph", graph_file).out == f"{plan_file}  no problems\n"
 
 
 def test_a_plan_that_does_not_fit_the_app_is_1(rtron, plan_file, graph_file):

@@ -232,7 +232,13 @@ class TestOrder:
         nodes = tuple(replace(n, function=functions.get(n.name)) for n in graph.nodes)
         flows = grcn_of(plan_of(replace(graph, nodes=nodes)), "/cmd_vel").flows
         order = [flow.publisher for flow in flows]
-        assert order == ["/e_plans", "/f_serves", "/d_works", "/a_teleop", "/c_speaks", "/b_shows"]
+        assert order == ["/e_plans", "/f_serves", "/a_teleop", "/d_works", "/c_speaks", "/b_shows"]
+
+    @pytest.mark.parametrize(("trust", "first"), [("own", "/z_e_stop"), ("third_party", "/nav")])
+    def test_an_emergency_stop_of_ones_own_goes_first(self, trust, first):
+        text = shared("/cmd_vel", "geometry_msgs/Twist", f"/nav x {trust},/z_e_stop x {trust}")
+        flows = grcn_of(plan_of(graph_of("app", text)), "/cmd_vel").flows
+        assert flows[0].publisher == first
 
     @pytest.mark.parametrize("trust", ["unknown", "third_party"])
     def test_the_function_of_a_stranger_puts_it_behind_never_before(self, trust):
@@ -250,7 +256,7 @@ class TestOrder:
         }
         nodes = tuple(replace(n, function=functions.get(n.name)) for n in graph.nodes)
         flows = grcn_of(plan_of(replace(graph, nodes=nodes)), "/cmd_vel").flows
-        assert [flow.publisher for flow in flows] == ["/b_works", "/a_planner", "/c_teleop"]
+        assert [flow.publisher for flow in flows] == ["/c_teleop", "/b_works", "/a_planner"]
 
     def test_who_serves_an_action_is_known_by_its_five_topics_too(self):
         text = shared("/cmd_vel", "geometry_msgs/Twist") + "/b b own\n server /drive p/Drive\n"

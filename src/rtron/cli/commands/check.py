@@ -6,11 +6,11 @@ from typing import Annotated
 import typer
 
 from rtron.cli.support.outcome import FINDINGS, OK, Outcome
-from rtron.planning.app_check import check_plan
 from rtron.planning.plan_file.loader import read_plan
 from rtron.planning.problem import ProblemLevel
 from rtron.reports.plan.problems import problems_text
 from rtron.sources.graph_json import read_graph
+from rtron.workflows.plan import check as check_plan
 
 
 def check(
@@ -23,8 +23,9 @@ def check(
 ) -> Outcome:
     """Check a plan that you edited.
 
-    Each error comes with its line and the nearest valid word. With the app's
-    graph, it also finds topics and flows that nobody publishes.
+    Each error comes with its line and the nearest valid word. It warns of
+    values that leave a policy without effect. With the app's graph, it also
+    finds topics and flows that nobody publishes, and orders that are a guess.
 
     $ rtron check rtron.yaml
     $ rtron check rtron.yaml --graph graph.json

@@ -98,7 +98,8 @@ def _propose(selection: AppSelection, name_lists: Path | None, output: Path | No
         next_step = _instrument_command(app_launch, output, proposed.plan.ros)
     else:
         next_step = f"rtron plan {app.arguments} -o {PLAN_FILE}"
-    return Outcome(plan_text(proposed.plan, next_step, proposed.omitted, graph.nodes))
+    text = plan_text(proposed.plan, next_step, proposed.omitted, graph.nodes, proposed.doubts)
+    return Outcome(text)
 
 
 def _fit_to_run(run: Path, plan: Path | None, output: Path | None, format: TextOrJson) -> Outcome:

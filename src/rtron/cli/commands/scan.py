@@ -73,7 +73,7 @@ def scan(  # noqa: PLR0913 - one for each option
         ),
     ] = FindingLevel.REGULAR,
     fail_on: Annotated[
-        FailOn, typer.Option(help="Exit with 1 if a risk has at least this severity.")
+        FailOn, typer.Option(help="Exit with 1 if a finding has at least this severity.")
     ] = FailOn.LOW,
     baseline: Annotated[
         Path | None,
@@ -121,7 +121,8 @@ def scan(  # noqa: PLR0913 - one for each option
     Only --execute-launch runs code of the app: the Python of its launch files.
     Never use it on files that you do not trust.
 
-    Exit code: 0 no risk of the severity --fail-on, 1 risks found, 2 bad input.
+    Exit code: 0 nothing that is shown has the severity --fail-on, 1 something
+    has, 2 bad input. The paper's risks count with --level auditor.
     """
     if selection.folders and not selection.source.launches and not selection.live:
         return Outcome(_launch_list(selection.folders, format), OK, output)
@@ -185,8 +186,8 @@ def _html(result: ScanResult, triage: Triage, level: FindingLevel) -> str:
 def _sarif(app: SelectedApp, result: ScanResult, triage: Triage, level: FindingLevel) -> str:
     """Return findings as SARIF, and the paper's risks where the text would show them too."""
     shown = at_level(triage, level)
-    risks = shown.risks if level is FindingLevel.AUDITOR else ()
-    return risks_to_sarif(result.graph, replace(result.report, risks=risks), app.root, shown)
+    report = replace(result.report, risks=shown.risks)
+    return risks_to_sarif(result.graph, report, app.root, shown)
 
 
 _HUMAN_FORMATS = {Format.TEXT, Format.HTML, Format.DOT}

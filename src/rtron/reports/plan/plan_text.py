@@ -48,16 +48,22 @@ def plan_text(
     next_step: str = "",
     remarks: Sequence[Remark] = (),
     nodes: Sequence[Node] = (),
+    doubts: Sequence[Remark] = (),
 ) -> Report:
     """Return the plan, what it leaves open, and the command that puts it to use.
 
-    `nodes` are those of the app: the functions of those that the plan guards are shown.
+    `nodes` are those of the app: the functions of those that the plan guards are shown. `doubts`
+    are what somebody has to decide.
     """
     ours = frozenset(flow.publisher for flow in _flows(plan))
     guarded = [node for node in nodes if node.name in ours]
     return Report(
         lambda page: chain(
-            _lines(plan, remarks, page), node_functions(guarded, page), _next(next_step)
+            _lines(plan, page),
+            _remarks("Left out", remarks, page),
+            _remarks("To decide", doubts, page),
+            node_functions(guarded, page),
+            _next(next_step),
         )
     )
 
@@ -75,7 +81,13 @@ def _next(step: str) -> Iterator[Text]:
         yield line((step, "bold green"), indent=2)
 
 
-def _lines(plan: Plan, remarks: Sequence[Remark], page: TextPage) -> Iterator[Text]:
+def _remarks(title: str, remarks: Sequence[Remark], page: TextPage) -> Iterator[Text]:
+    if remarks:
+        yield from heading(f"{title} ({len(remarks)})")
+        yield from remark_lines(remarks, page)
+
+
+def _lines(plan: Plan, page: TextPage) -> Iterator[Text]:
     yield line((plan.app or "app", "bold"), f"  plan for ROS {plan.ros}, revision {plan.revision}")
     yield line(_summary(plan))
     yield from chain.from_iterable(_grcn(g) for g in plan.grcn if g.mode is Mode.ENFORCE)
@@ -85,9 +97,6 @@ def _lines(plan: Plan, remarks: Sequence[Remark], page: TextPage) -> Iterator[Te
     yield from _fps_monitors(plan.fps_monitor)
     yield from _stop(plan.stop)
     yield from _audit(plan.audit)
-    if remarks:
-        yield from heading(f"Left out ({len(remarks)})")
-        yield from remark_lines(remarks, page)
 
 
 def _summary(plan: Plan) -> str:

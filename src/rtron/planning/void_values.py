@@ -1,0 +1,44 @@
+"""Values of a plan that a guard accepts and that leave a policy without effect."""
+
+from collections.abc import Iterator
+
+from rtron.planning.problem import PlanProblem, ProblemLevel
+from rtron.vocabulary import GRCN, SECOND, Flow, Mode, Plan, PolicyName, StreamKind
+
+LONGEST_SILENCE = 10 * SECOND
+"""A velocity that is older than this says nothing of where the robot should go now."""
+
+
+def void_value_warnings(plan: Plan) -> Iterator[PlanProblem]:
+    """Yield a warning for each value that makes a coordination node useless, or the whole plan."""
+    for grcn in plan.grcn:
+        if grcn.mode is Mode.ENFORCE:
+            yield from (_warning(f"GRCN {grcn.id}", message) for message in _void_values(grcn))
+    if plan.rsrcn:
+        for topic in plan.rsrcn.vflows:
+            yield from _blocked(f"RSRCN on {topic.topic}", topic.flows)
+    modes = [node.mode for node in (*plan.grcn, plan.rsrcn, plan.msrcn) if node]
+    if Mode.ENFORCE not in modes:
+        yield _warning("plan", "nothing enforces: the guard only watches; set `mode: enforce`")
+
+
+def _void_values(grcn: GRCN) -> Iterator[str]:
+    is_preemptive = grcn.policy is PolicyName.PREEMPTION
+    if is_preemptive and grcn.release_after == 0:
+        yield "release_after is 0: nobody keeps the output between two messages, no priority holds"
+    if is_preemptive and grcn.release_after > LONGEST_SILENCE:
+        seconds = grcn.release_after // SECOND
+        yield f"release_after is {seconds} s: so long nobody else drives when a node falls silent"
+    if grcn.kind is StreamKind.COMMAND and grcn.max_age > LONGEST_SILENCE:
+        yield f"max_age is {grcn.max_age // SECOND} s: commands of then still pass"
+    if grcn.flows and all(flow.block for flow in grcn.flows):
+        yield "every flow is blocked: nothing passes"
+
+
+def _blocked(where: str, flows: tuple[Flow, ...]) -> Iterator[PlanProblem]:
+    if flows and all(flow.block for flow in flows):
+        yield _warning(where, "every flow is blocked: nothing passes")
+
+
+def _warning(where: str, message: str) -> PlanProblem:
+    return PlanProblem(ProblemLevel.WARNING, where, message)

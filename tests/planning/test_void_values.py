@@ -1,0 +1,105 @@
+"""Values that leave a policy without effect, and orders that are a guess."""
+
+from dataclasses import replace
+
+import pytest
+from plans import grcn, plan_of
+
+from rtron.planning.order_doubts import order_doubts
+from rtron.planning.void_values import LONGEST_SILENCE, void_value_warnings
+from rtron.vocabulary import (
+    SECOND,
+    Flow,
+    FunctionType,
+    InteractionGraph,
+    Mode,
+    Node,
+    PolicyName,
+    StreamKind,
+)
+
+
+def warnings(**settings):
+    return [
+        str(each) for each in void_value_warnings(plan_of(grcn("/cmd_vel", ["/a"], [], **settings)))
+    ]
+
+
+def test_a_plan_with_usual_values_has_none():
+    assert warnings() == []
+    assert warnings(release_after=LONGEST_SILENCE, max_age=LONGEST_SILENCE) == []
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"release_after": 0}, "release_after is 0"),
+        ({"release_after": LONGEST_SILENCE + SECOND}, "release_after is 11 s"),
+        ({"max_age": 3600 * SECOND}, "max_age is 3600 s"),
+    ],
+)
+def test_a_value_that_voids_the_policy_is_told(settings, message):
+    (warning,) = warnings(kind=StreamKind.COMMAND, policy=PolicyName.PREEMPTION, **settings)
+    assert message in warning
+
+
+def test_a_queue_has_no_release_after_and_goals_may_be_old():
+    assert warnings(policy=PolicyName.FIFO_QUEUE, release_after=0) == []
+    assert warnings(kind=StreamKind.ACTION, max_age=3600 * SECOND) == []
+
+
+def test_a_node_that_only_watches_voids_nothing():
+    texts = warnings(mode=Mode.OBSERVE, release_after=0)
+    assert texts == ["warning: plan: nothing enforces: the guard only watches; set `mode: enforce`"]
+
+
+def test_where_every_flow_is_blocked_nothing_passes():
+    plan = plan_of(grcn("/cmd_vel", ["/a", "/b"], []))
+    (node,) = plan.grcn
+    one, both = (
+        tuple(replace(flow, block=number < count) for number, flow in enumerate(node.flows))
+        for count in (1, 2)
+    )
+    assert not list(void_value_warnings(replace(plan, grcn=(replace(node, flows=one),))))
+    (warning,) = void_value_warnings(replace(plan, grcn=(replace(node, flows=both),)))
+    assert "every flow is blocked" in warning.message
+
+
+def doubts(known=(), **settings):
+    plan = plan_of(grcn("/cmd_vel", ["/a", "/b"], [], **settings))
+    (node,) = plan.grcn
+    flows = tuple(replace(f, priority=2 - n) for n, f in enumerate(node.flows))
+    functions = dict.fromkeys(known, FunctionType.TELEOPERATION)
+    nodes = tuple(Node(name=name, function=functions.get(name)) for name in ("/a", "/b"))
+    proposed = replace(plan, grcn=(replace(node, flows=flows),))
+    return proposed, InteractionGraph(app="x", nodes=nodes)
+
+
+def test_the_order_of_unknown_nodes_is_a_guess_until_somebody_decides():
+    plan, graph = doubts(known=["/a"])
+    (warning,) = order_doubts(plan, graph)
+    assert "nothing tells what these do: /b;" in warning.message
+    (node,) = plan.grcn
+    decided = tuple(replace(flow, priority=flow.priority * 10) for flow in node.flows)
+    assert not list(order_doubts(replace(plan, grcn=(replace(node, flows=decided),)), graph))
+
+
+@pytest.mark.parametrize(
+    ("known", "settings"),
+    [
+        (["/a", "/b"], {}),
+        ([], {"mode": Mode.OBSERVE}),
+        ([], {"policy": PolicyName.BLOCK}),
+        ([], {"policy": PolicyName.FIFO_QUEUE}),
+    ],
+)
+def test_where_all_is_known_or_nothing_is_ordered_there_is_no_doubt(known, settings):
+    assert not list(order_doubts(*doubts(known, **settings)))
+
+
+def test_a_single_flow_has_no_order():
+    plan = plan_of(grcn("/cmd_vel", ["/a"], [], policy=PolicyName.PREEMPTION))
+    (node,) = plan.grcn
+    flow = Flow(name="flow1", publisher="/a", priority=1)
+    graph = InteractionGraph(app="x", nodes=(Node(name="/a"),))
+    assert not list(order_doubts(replace(plan, grcn=(replace(node, flows=(flow,)),)), graph))
