@@ -181,7 +181,7 @@ def is_near(one: str, other: str) -> bool:
         one, other = name, other_name
         if name == other_name:
             return False
-        if _says_more(name, other_name) or _says_more(other_name, name):
+        if _is_qualified(name, other_name) or _is_qualified(other_name, name):
             return True
     elif name == other_name:
         return True
@@ -196,7 +196,7 @@ def _without_transport(name: str) -> str:
     return name.removesuffix(ending)
 
 
-def _says_more(longer: str, shorter: str) -> bool:
+def _is_qualified(longer: str, shorter: str) -> bool:
     return len(shorter) > 2 and (  # noqa: PLR2004 - a part of two letters tells nothing
         longer.startswith(f"{shorter}_") or longer.endswith(f"_{shorter}")
     )

@@ -68,8 +68,8 @@ def _effect(app: AppFacts, topics: list[str]) -> str:
 
 def _obeys(app: AppFacts, node: str) -> bool:
     """Return whether somebody in the app commands a node: then another input may be a spare one."""
-    heard = {end.topic for end in app.graph.subscribed_by(node)}
-    return any(topic in heard and app.publishers(topic) for topic in app.motion_topics)
+    inputs = {end.topic for end in app.graph.subscribed_by(node)}
+    return any(topic in inputs and app.publishers(topic) for topic in app.motion_topics)
 
 
 def _spare_inputs(app: AppFacts) -> set[str]:
