@@ -5,12 +5,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rtron.planning.app_check import check_plan
-from rtron.planning.order_doubts import order_doubts
+from rtron.planning.plan_doubts import order_doubts, void_value_warnings
 from rtron.planning.plan_file.loader import read_plan
 from rtron.planning.problem import PlanProblem
 from rtron.planning.proposal.policy_defaults import propose_plan, unguardable_topics
 from rtron.planning.tuning import tune_plan
-from rtron.planning.void_values import void_value_warnings
 from rtron.sources.bag.file_type import is_bag
 from rtron.sources.run_json import read_run
 from rtron.vocabulary import InteractionGraph, MeasuredRun, Plan, TuningProposal

@@ -27,9 +27,8 @@ from rtron.sources.graph_json import graph_to_json
 from rtron.vocabulary import FindingLevel, Severity, Triage
 from rtron.workflows.app_selection import AppSelection, SelectedApp, select_app
 from rtron.workflows.plan import propose
-from rtron.workflows.scan import ScanResult, scan_graph, with_relative_evidence
+from rtron.workflows.scan import ScanResult, scan_graph, triage_scan, with_relative_evidence
 from rtron.workflows.source_app import launches_by_name
-from rtron.workflows.triage import triage_scan
 
 
 class Format(str, Enum):

@@ -16,7 +16,7 @@ from rtron.vocabulary import Evidence, Ignore
 
 MAX_BYTES = 2**22
 _COMMENT = re.compile(r"rtron:\s{0,4}ignore\[(\w{1,40})\]\s{0,4}([^\n]{0,200})")
-_ENDS = ("-->", "*/")
+_CLOSINGS = ("-->", "*/")
 
 
 def comment_ignores(evidence: Iterable[Evidence], root: Path) -> Iterator[Ignore]:
@@ -47,6 +47,6 @@ def _in_file(path: Path, name: str, numbers: set[int]) -> Iterator[Ignore]:
 
 
 def _reason(text: str) -> str:
-    for end in _ENDS:
+    for end in _CLOSINGS:
         text = text.partition(end)[0]
     return text.strip()

@@ -48,8 +48,8 @@ class NodePart:
         if self.model is not None:
             return self.model.unread
         interface = self.interface
-        tells_nothing = not (interface.nodes or interface.runtime_starts) and self.task is not None
-        return not interface.declarations and (bool(interface.unresolved) or tells_nothing)
+        declares_nothing = not (interface.nodes or interface.runtime_starts) and self.task is not None
+        return not interface.declarations and (bool(interface.unresolved) or declares_nothing)
 
     def with_missing_note(self, what: str, why: str) -> "NodePart":
         """Return the part with a note instead of an interface."""

@@ -5,8 +5,7 @@ from dataclasses import replace
 import pytest
 from plans import grcn, plan_of
 
-from rtron.planning.order_doubts import order_doubts
-from rtron.planning.void_values import LONGEST_SILENCE, void_value_warnings
+from rtron.planning.plan_doubts import LONGEST_SILENCE, order_doubts, void_value_warnings
 from rtron.vocabulary import (
     SECOND,
     Flow,

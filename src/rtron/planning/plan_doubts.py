@@ -1,12 +1,23 @@
-"""Values of a plan that a guard accepts and that leave a policy without effect."""
+"""What in a valid plan has no effect, and where the order of its flows is a guess."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from rtron.planning.problem import PlanProblem, ProblemLevel
-from rtron.vocabulary import GRCN, SECOND, Flow, Mode, Plan, PolicyName, StreamKind
+from rtron.vocabulary import (
+    GRCN,
+    SECOND,
+    Flow,
+    InteractionGraph,
+    Mode,
+    Plan,
+    PolicyName,
+    StreamKind,
+    matches_node,
+)
 
 LONGEST_SILENCE = 10 * SECOND
 """A velocity that is older than this says nothing of where the robot should go now."""
+_BY_PRIORITY = (PolicyName.PREEMPTION, PolicyName.PRIORITY_QUEUE)
 
 
 def void_value_warnings(plan: Plan) -> Iterator[PlanProblem]:
@@ -42,3 +53,31 @@ def _blocked(where: str, flows: tuple[Flow, ...]) -> Iterator[PlanProblem]:
 
 def _warning(where: str, message: str) -> PlanProblem:
     return PlanProblem(ProblemLevel.WARNING, where, message)
+
+
+def order_doubts(plan: Plan, graph: InteractionGraph) -> Iterator[PlanProblem]:
+    """Yield a warning for each GRCN whose proposed order nobody has touched and that is a guess."""
+    known = {node.name for node in graph.nodes if node.function}
+    for grcn in plan.grcn:
+        unknown = [f.publisher for f in grcn.flows if not _is_known(f.publisher, known)]
+        is_ordered = grcn.mode is Mode.ENFORCE and grcn.policy in _BY_PRIORITY
+        if unknown and is_ordered and len(grcn.flows) > 1 and _is_as_proposed(grcn):
+            yield _doubt(grcn, unknown)
+
+
+def _is_known(publisher: str, known: Iterable[str]) -> bool:
+    return any(matches_node(publisher, node) for node in known)
+
+
+def _is_as_proposed(grcn: GRCN) -> bool:
+    """Return whether the priorities are those that a proposal counts down."""
+    priorities = [flow.priority for flow in grcn.flows]
+    return priorities == list(range(len(priorities), 0, -1))
+
+
+def _doubt(grcn: GRCN, unknown: list[str]) -> PlanProblem:
+    message = (
+        f"nothing tells what these do: {', '.join(unknown)}; so the order is a guess: decide who "
+        "goes first, and give the flows priorities of your own"
+    )
+    return _warning(f"GRCN {grcn.id}", message)
