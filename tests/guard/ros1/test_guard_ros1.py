@@ -1,10 +1,13 @@
 """The guard between real nodes: what reaches a C++ driver under attack, with it and without."""
 
+from dataclasses import replace
+
 import pytest
 from driven_base import (
     CMD_VEL,
     CMD_VEL_GUARD,
     MAP_GUARD,
+    PATIENCE,
     Base,
     Driven,
     drive_plan,
@@ -14,8 +17,10 @@ from driven_base import (
 )
 from harness import wait_for
 
+from rtron.planning.plan_file.loader import read_plan
 from rtron.planning.plan_file.writer import write_plan
 from rtron.sources.live.ros1.source import Ros1LiveSource
+from rtron.vocabulary import Mode
 
 pytestmark = pytest.mark.ros1
 RATES = pytest.mark.parametrize("rate", [50, 1000])
@@ -145,8 +150,39 @@ def test_a_scan_of_the_guarded_app_finds_every_end_and_no_ghost(guarded):
 
 def test_roslaunch_starts_the_instrumented_app_and_the_attack_fails(ros1, driver):
     launch = write_app(ros1.folder, driver)
-    plan, out = ros1.folder / "rtron.yaml", ros1.folder / "guarded" / "base.launch"
+    plan = ros1.folder / "rtron.yaml"
     plan.write_text(write_plan(drive_plan()))
+    assert_launched_app_is_guarded(ros1, launch, plan)
+
+
+def test_an_app_whose_driver_has_no_source_is_scanned_planned_and_guarded(ros1, driver):
+    """The driver is a program without source, as a vendor's: only the launch file names it."""
+    launch, plan = write_app(ros1.folder, driver), ros1.folder / "rtron.yaml"
+    app = (launch.parent, "--launch", launch, f"out:={ros1.folder / 'driven.txt'}")
+    scanned = ros1.rtron("scan", *app)
+    wait_for(lambda: scanned.ended, what="rtron scan")
+    assert scanned.code == 1
+    assert "/nav and /rogue both drive the robot on /cmd_vel" in scanned.log
+    assert "/driver (not read)" in " ".join(scanned.log.split())
+    planned = ros1.rtron("plan", *app, "-o", plan)
+    wait_for(lambda: planned.ended, what="rtron plan")
+    assert planned.code == 0, planned.log
+    plan.write_text(write_plan(patient(read_plan(plan))))
+    assert_launched_app_is_guarded(ros1, launch, plan)
+
+
+def patient(plan):
+    """Return a plan that also waits for a navigation which a busy machine holds up."""
+    (node,) = plan.grcn
+    assert (node.mode, node.successors) == (Mode.ENFORCE, ("/driver",))
+    assert [flow.publisher for flow in node.flows] == ["/nav", "/rogue"]
+    flows = tuple(replace(flow, silent_after=PATIENCE) for flow in node.flows)
+    return replace(plan, grcn=(replace(node, flows=flows, release_after=PATIENCE),))
+
+
+def assert_launched_app_is_guarded(ros1, launch, plan):
+    """Instrument and launch an app, and see that nothing of the attack comes between navigation."""
+    out = ros1.folder / "guarded" / "base.launch"
     driven = Driven(ros1.folder / "driven.txt")
     argument = f"out:={driven.path}"
     instrumented = ros1.rtron("instrument", launch, argument, "--plan", plan, "-o", out)
