@@ -30,10 +30,8 @@ ODOMETRY = """
 """
 
 
-def _with_note(why: str):
-    return small_graph(
-        SCAN, unresolved=(UnresolvedItem(what="node /base (my_robot/base_node)", why=why),)
-    )
+def _with_note(why: str, what: str = "node /base (my_robot/base_node)"):
+    return small_graph(SCAN, unresolved=(UnresolvedItem(what=what, why=why),))
 
 
 PAIRS = {
@@ -78,6 +76,14 @@ PAIRS = {
         small_graph(SCAN),
     ),
     "missing_program": (_with_note(MISSING_PROGRAM), _with_note("no source of it is here")),
+    "duplicate_node": (
+        _with_note("started at several places; the last that starts ends the others", "node /base"),
+        _with_note("no source of it is here", "node /base"),
+    ),
+    "idle_remap": (
+        _with_note("no node that gets it uses the name; /base use it", "remap /a to /b"),
+        _with_note("no source of it is here", "remap /a to /b"),
+    ),
     "sim_time": (
         small_graph(SCAN, parameters=parameters("use_sim_time", laser=True, slam=False)),
         small_graph(SCAN, parameters=parameters("use_sim_time", laser=True, slam=True)),

@@ -15,6 +15,8 @@ from rtron.findings.motion import (
 from rtron.findings.rule import FindingRule, finding_page
 from rtron.findings.severity import shown_at
 from rtron.findings.wiring import (
+    duplicate_node,
+    idle_remap,
     missing_program,
     no_server,
     qos_mismatch,
@@ -40,6 +42,8 @@ FINDING_RULES: tuple[FindingRule, ...] = (
     unmatched_topic.RULE,
     no_server.RULE,
     missing_program.RULE,
+    duplicate_node.RULE,
+    idle_remap.RULE,
     sim_time.RULE,
     arbiter.RULE,
 )

@@ -12,6 +12,7 @@ from rtron.vocabulary import (
     Evidence,
     Resolution,
     Service,
+    ServiceClient,
 )
 
 DIRECTIONS = {
@@ -59,10 +60,15 @@ def declared_endpoints(
             yield _endpoint(node, declared, name, direction, _part_type(type, declared.type), remap)
 
 
-def declared_service(node: str, declared: Declaration, remap: ProcessRemaps) -> Iterator[Service]:
-    """Yield the service that a declaration offers."""
+def declared_service_sides(
+    node: str, declared: Declaration, remap: ProcessRemaps
+) -> Iterator[Service | ServiceClient]:
+    """Yield the service that a declaration offers or calls."""
+    name, implicit = remap(declared.name), declared.implicit
     if declared.kind is DeclarationKind.SERVICE:
-        yield Service(node=node, name=remap(declared.name), type=declared.type)
+        yield Service(node=node, name=name, type=declared.type)
+    elif declared.kind is DeclarationKind.SERVICE_CLIENT:
+        yield ServiceClient(node=node, name=name, type=declared.type, implicit=implicit)
 
 
 def declared_action(node: str, declared: Declaration, remap: ProcessRemaps) -> Iterator[Action]:

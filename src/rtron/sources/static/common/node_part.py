@@ -48,8 +48,10 @@ class NodePart:
         if self.model is not None:
             return self.model.unread
         interface = self.interface
-        declares_nothing = not (interface.nodes or interface.runtime_starts) and self.task is not None
-        return not interface.declarations and (bool(interface.unresolved) or declares_nothing)
+        if interface.declarations:
+            return False
+        is_source_silent = self.task and not (interface.nodes or interface.runtime_starts)
+        return bool(interface.unresolved or is_source_silent)
 
     def with_missing_note(self, what: str, why: str) -> "NodePart":
         """Return the part with a note instead of an interface."""

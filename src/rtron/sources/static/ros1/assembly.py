@@ -10,10 +10,11 @@ from rtron.sources.static.common.endpoints import (
     clock_subscription,
     declared_action,
     declared_endpoints,
-    declared_service,
+    declared_service_sides,
 )
 from rtron.sources.static.common.graph_builder import GraphBuilder
 from rtron.sources.static.common.node_part import NodePart
+from rtron.sources.static.ros1.idle_remaps import RemapUses
 from rtron.sources.workspace import Workspace
 from rtron.vocabulary import Node, ParameterTree, UnresolvedItem
 
@@ -26,6 +27,7 @@ class Assembly(GraphBuilder):
 
     workspace: Workspace
     started_nodes: dict[str, AppNode] = field(default_factory=dict)
+    remap_uses: RemapUses = field(default_factory=RemapUses)
 
     def add_node(self, node: AppNode) -> None:
         """Add a node; another one of its name takes its place in ROS, and is noted here."""
@@ -57,11 +59,14 @@ class Assembly(GraphBuilder):
         if part.is_unread:
             self.nodes[part.owner] = replace(self.nodes[part.owner], unread=True)
         process_remaps = dict(owner.site.remaps) if owner else {}
-        self._declare(
-            part.owner,
-            part.interface,
-            ProcessRemaps({**process_remaps, **dict(part.node.site.remaps)}),
-        )
+        remaps = {**process_remaps, **dict(part.node.site.remaps)}
+        self._declare(part.owner, part.interface, ProcessRemaps(remaps))
+        names = None if part.is_unread or part.model else _declared_names(part)
+        self.remap_uses.add(part.owner, remaps, names, part.node.evidence)
+
+    def add_idle_remaps(self) -> None:
+        """Note the remaps that change no name, though the app uses it."""
+        self.add_unresolved(*self.remap_uses.idle(self.endpoints.values()))
 
     def add_clock(self, parts: Iterable[NodePart], parameters: ParameterTree) -> None:
         """Let every node that is one of ROS follow simulated time, where that is set."""
@@ -76,6 +81,15 @@ class Assembly(GraphBuilder):
         for declared in interface.declarations:
             for endpoint in declared_endpoints(node, declared, remap):
                 self.add_entity(endpoint)
-            self.services.update(dict.fromkeys(declared_service(node, declared, remap)))
+            for service_side in declared_service_sides(node, declared, remap):
+                self.add_entity(service_side)
             self.actions.update(dict.fromkeys(declared_action(node, declared, remap)))
         self.add_unresolved(*interface.unresolved)
+
+
+def _declared_names(part: NodePart) -> frozenset[str]:
+    """Return the names that remaps can change: those of topics and services, not of actions."""
+    remap = ProcessRemaps({})
+    declared = part.interface.declarations
+    topics = (end for each in declared for end in declared_endpoints("", each, remap))
+    return frozenset((*(each.name for each in declared), *(end.topic for end in topics)))

@@ -1,0 +1,60 @@
+"""A remap changes nothing.
+
+## What it finds
+
+ROS 1: a remap whose old name no node that gets it uses, while other nodes of the app use that name,
+or a name below it. A remap in a group is idle only if no node of the group has a use for it.
+
+## Why it matters
+
+The remap was meant for somebody. Remaps compare whole names: one of `camera/left` does not change
+`camera/left/image_raw`, and one that stands behind a node does not reach it.
+
+## Remedy
+
+Write the name that the node uses, or move the remap before the node.
+
+## Example
+
+`<remap from="camera/left" to="left_camera"/>`, and the camera publishes `/camera/left/image_raw`.
+"""
+
+from collections.abc import Iterator
+
+from rtron.findings.app_facts import AppFacts
+from rtron.findings.rule import FindingRule, make_finding
+from rtron.vocabulary import Certainty, Consequence, Finding, FindingLevel, UnresolvedItem
+
+_NO_EFFECT = "no node that gets it uses the name"
+
+
+def check(app: AppFacts) -> Iterator[Finding]:
+    """Yield a finding for each remap without effect."""
+    for note in app.graph.unresolved:
+        if note.what.startswith("remap ") and note.why.startswith(_NO_EFFECT):
+            yield _finding(note)
+
+
+def _finding(note: UnresolvedItem) -> Finding:
+    source, _, target = note.what.removeprefix("remap ").partition(" to ")
+    return make_finding(
+        RULE.name,
+        source,
+        summary=f"the remap of {source} to {target} changes nothing",
+        cause=note.why,
+        remedy="write the whole name that the node uses, or remove the remap",
+        consequence=Consequence.FAILURE,
+        certainty=Certainty.POSSIBLE,
+        level=FindingLevel.PEDANTIC,
+        topics=(source, target),
+        evidence=note.evidence,
+    )
+
+
+RULE = FindingRule(
+    name="idle_remap",
+    title="A remap changes nothing",
+    consequence="failure: possible",
+    since="0.2.0",
+    check=check,
+)
