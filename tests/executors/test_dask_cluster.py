@@ -70,6 +70,7 @@ def test_nothing_to_do_on_a_cluster(address):
     assert list(DaskExecutor(address).map(square, [])) == []
 
 
+@pytest.mark.long
 def test_an_item_that_ends_its_worker_costs_itself_only():
     pytest.importorskip("distributed", reason="the extra `cluster` is not installed")
     with local_cluster(3) as address:  # it ends two, the third need not be started again

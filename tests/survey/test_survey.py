@@ -54,6 +54,7 @@ def test_each_app_is_a_line(repositories):
     assert "asks.launch: needs the arguments robot" in ran.stderr
 
 
+@pytest.mark.long
 def test_the_lines_of_processes_and_of_a_cluster_are_the_same(repositories):
     pytest.importorskip("distributed", reason="the extra `cluster` is not installed")
     alone = survey(repositories, "--jobs", "1")

@@ -405,6 +405,7 @@ def test_measuring_goes_on_when_a_write_fails_once(dry):
     assert len(calls) == 4
 
 
+@pytest.mark.long
 def test_nothing_is_kept_of_a_day_but_figures():
     """A day at 1 kHz is only many of the same minute: what is kept must not grow by the second."""
     flows = tuple(

@@ -23,7 +23,7 @@ from rtron.sources.live.ros1.source import Ros1LiveSource
 from rtron.vocabulary import Mode
 
 pytestmark = pytest.mark.ros1
-RATES = pytest.mark.parametrize("rate", [50, 1000])
+RATES = pytest.mark.parametrize("rate", [pytest.param(50, marks=pytest.mark.long), 1000])
 MANY = 1000
 
 
@@ -86,6 +86,7 @@ def test_nothing_of_a_node_started_by_hand_arrives_before_anybody_has_spoken(gua
     assert guarded.driven.turns() == 0
 
 
+@pytest.mark.long
 def test_without_the_guard_a_node_started_by_hand_drives_active_or_idle(unguarded):
     nav = unguarded.navigate()
     unguarded.attack_by_hand(1000)

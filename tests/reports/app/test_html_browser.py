@@ -307,6 +307,7 @@ def test_a_stranger_s_markup_is_shown_as_text(opened):
     assert not page.find_elements(By.CSS_SELECTOR, "img")
 
 
+@pytest.mark.long
 def test_a_large_graph_is_laid_out_quickly(opened):
     medium, large = (layout_time(opened, topics) for topics in (200, 800))
     assert large < 64 * medium

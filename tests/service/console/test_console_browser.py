@@ -282,6 +282,7 @@ def test_the_graph_is_filtered_by_kind_and_domain(console, guard, page):
     page.until(lambda: 0 < len(page.all(".picture .box")) < everything)
 
 
+@pytest.mark.long
 def test_a_large_graph_is_drawn_whole_and_nothing_covers_another(console, guard, page):
     console.upload(data=large_graph())
     page.login("ada", "robots/turtle1/graph")

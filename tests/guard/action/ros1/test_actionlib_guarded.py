@@ -32,7 +32,7 @@ def connect(act):
     return act, served, one, other
 
 
-@pytest.mark.parametrize("language", ["py", "cpp"])
+@pytest.mark.parametrize("language", ["py", pytest.param("cpp", marks=pytest.mark.long)])
 def test_goals_feedback_results_and_cancels(ros1, programs, language):
     publishers = [f"/client{n}" for n in range(1, 5)]
     act = guarded(ros1, programs, publishers=publishers)

@@ -12,7 +12,7 @@ def act(ros1, programs):
     return Act(ros1, programs)
 
 
-@pytest.mark.parametrize("language", ["py", "cpp"])
+@pytest.mark.parametrize("language", ["py", pytest.param("cpp", marks=pytest.mark.long)])
 def test_goals_feedback_results_and_cancels(act, language):
     clients = act.clients()
     assert_served(act.server(language), clients)

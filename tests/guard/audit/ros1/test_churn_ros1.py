@@ -35,7 +35,7 @@ def test_an_app_that_comes_and_goes_is_no_alarm(ros1, roscpp_driver, rounds):
         assert scene.of_the_audit() == []
 
 
-@pytest.mark.parametrize("kind", ["rospy", "roscpp"])
+@pytest.mark.parametrize("kind", ["rospy", pytest.param("roscpp", marks=pytest.mark.long)])
 def test_a_restarted_guard_finds_nobody_foreign(ros1, roscpp_driver, kind):
     with Scene(ros1, "driver.py" if kind == "rospy" else roscpp_driver) as scene:
         for stop in ("kill", "stop"):

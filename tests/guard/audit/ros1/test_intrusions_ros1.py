@@ -14,10 +14,10 @@ from rtron.vocabulary import Audit, OnForeign
 from rtron.vocabulary.names import SUPERVISOR_NODE
 
 pytestmark = pytest.mark.ros1
-RUNS = 3
+RUNS = 2
 
 
-@pytest.fixture(params=["rospy", "roscpp"])
+@pytest.fixture(params=["rospy", pytest.param("roscpp", marks=pytest.mark.long)])
 def program(request):
     if request.param == "rospy":
         return "driver.py"

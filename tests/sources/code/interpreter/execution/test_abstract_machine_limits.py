@@ -74,6 +74,7 @@ def test_python_that_does_not_end_is_bounded(text):
     assert "before" in names(in_time(python, "P('before')\n" + text, part=4))
 
 
+@pytest.mark.long
 def test_all_the_steps_that_a_program_may_take_end_in_time():
     assert "before" in names(in_time(python, "P('before')\n" + ENDLESS_PYTHON["loops"]))
 
