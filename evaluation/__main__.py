@@ -8,7 +8,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
-from evaluation.common import demos, functions
+from evaluation.common import demos, findings, functions
 from evaluation.common.datasets import (
     Datasets,
     MissingDatasetError,
@@ -34,6 +34,8 @@ PARTS: dict[str, Part] = {
     "nav2": navigation2.figures,
     "universe": autoware_universe.figures,
     "functions": functions.figures,
+    "findings": findings.judged,
+    "bugs": findings.bugs,
     "demos": demos.figures,
 }
 OUTPUT = Path(__file__).parents[1] / "build" / "eval.json"
