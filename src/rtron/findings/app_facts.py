@@ -110,7 +110,7 @@ class AppFacts:
             endpoints = self.graph.subscribers(topic)
         found: dict[str, list[Endpoint]] = defaultdict(list)
         for end in endpoints:
-            if end.type not in _UNKNOWN_TYPES:
+            if not _is_unknown(end.type):
                 found[normalise_type(end.type)].append(end)
         return found
 
@@ -119,7 +119,7 @@ class AppFacts:
         endpoints = self.graph.publishers(topic)
         if direction is Direction.SUBSCRIBE:
             endpoints = self.graph.subscribers(topic)
-        return any(end.type in _UNKNOWN_TYPES for end in endpoints)
+        return any(_is_unknown(end.type) for end in endpoints)
 
     def may_have_other_end(self, topic: str, direction: Direction) -> bool:
         """Return whether an end that is missing may be one that was not read, or not wholly."""
@@ -167,6 +167,11 @@ class AppFacts:
             for type in () if "{" in topic else self.types(topic, Direction.PUBLISH):
                 names[type].append(topic)
         return names
+
+
+def _is_unknown(type: str) -> bool:
+    """Return whether a type is not known, or not its package: `msg::Map` of a using directive."""
+    return type in _UNKNOWN_TYPES or type.startswith("msg/")
 
 
 def is_near(one: str, other: str) -> bool:

@@ -39,8 +39,10 @@ ARBITER_PACKAGES = frozenset(
         "joy_teleop_mux",
     }
 )
-_STACKS = ("nav2_", "move_base", "moveit", "autoware_", "gazebo_", "ros_gz")
+_STACKS = (("nav2_", "opennav_"), ("move_base", "moveit"), ("autoware_",), ("gazebo_", "ros_gz"))
 """Prefixes of packages whose nodes take turns among themselves."""
+_SAFETY_PACKAGES = ("nav2_collision_monitor",)
+"""Arbiters that keep the robot from harm: who passes one by matters in every stack."""
 
 
 def check(app: AppFacts) -> Iterator[Finding]:
@@ -76,7 +78,9 @@ def arbiters(app: AppFacts) -> dict[str, tuple[tuple[str, ...], tuple[str, ...]]
 def is_one_stack(app: AppFacts, nodes: tuple[str, ...]) -> bool:
     """Return whether nodes belong to one stack, which lets one of them drive at a time."""
     packages = {app.nodes[node].package if node in app.nodes else "" for node in nodes}
-    return any(all(package.startswith(stack) for package in packages) for stack in _STACKS)
+    is_passed_by = len(nodes) > 1 and not packages.isdisjoint(_SAFETY_PACKAGES)
+    is_stack = any(all(package.startswith(stack) for package in packages) for stack in _STACKS)
+    return is_stack and not is_passed_by
 
 
 def _motion(app: AppFacts, topics: list[str]) -> tuple[str, ...]:

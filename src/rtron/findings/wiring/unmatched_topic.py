@@ -23,6 +23,7 @@ Remap one of the names to the other, or start the node that publishes.
 from collections.abc import Iterator
 
 from rtron.findings.app_facts import AppFacts
+from rtron.findings.motion.arbiter import is_one_stack
 from rtron.findings.rule import FindingRule, make_finding
 from rtron.risks.wording import conjugate, join_names
 from rtron.vocabulary import (
@@ -44,7 +45,11 @@ def check(app: AppFacts) -> Iterator[Finding]:
     of_actions = set(_action_topics(app.graph))
     for topic in app.explicit_topics:
         if _is_unmatched(app, topic) and topic not in of_actions:
-            near = app.near_topics(topic, app.types(topic, Direction.SUBSCRIBE))
+            near = [
+                other
+                for other in app.near_topics(topic, app.types(topic, Direction.SUBSCRIBE))
+                if not is_one_stack(app, (*app.readers(topic), *app.publishers(other)))
+            ]
             if near or not app.is_motion(topic):
                 yield _finding(app, topic, near)
 
@@ -59,7 +64,8 @@ def _action_topics(graph: InteractionGraph) -> Iterator[str]:
 def _is_unmatched(app: AppFacts, topic: str) -> bool:
     is_for_logs = app.facts.lists.ignores_topic(topic)
     has_other_end = bool(app.publishers(topic)) or not app.readers(topic)
-    return not (has_other_end or is_for_logs or "{" in topic)
+    is_part_missing = "{" in topic or topic.rpartition("/")[2].startswith("_")
+    return not (has_other_end or is_for_logs or is_part_missing)
 
 
 def _finding(app: AppFacts, topic: str, near: list[str]) -> Finding:

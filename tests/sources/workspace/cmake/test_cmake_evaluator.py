@@ -60,6 +60,12 @@ SOURCES_OF_X = [
     ("qt5_wrap_cpp(M a.hpp)\nadd_executable(x a.cpp ${M})", "a"),
     ("add_executable(x a.cpp)\nreturn()\nadd_executable(x b.cpp)", "a"),
     ("if(WITH)\nreturn()\nendif()\nadd_executable(x a.cpp)", "a"),
+    (('option(SUPER "all" ON)\nif(SUPER)\nExternalProject_Add(ep DEPENDS other SOURCE_DIR\n'
+      "${PROJECT_SOURCE_DIR} CMAKE_ARGS -DSUPER:BOOL=OFF -DS=a.cpp)\nreturn()\nendif()\n"
+      "add_executable(x ${S})"), "a"),
+    ("ExternalProject_Add(ep SOURCE_DIR ${PROJECT_SOURCE_DIR})\nadd_executable(x a.cpp)", "a"),
+    ("ExternalProject_Add(ep SOURCE_DIR /else CMAKE_ARGS -DX=1)\nif(X)\nset(S b.cpp)\nendif()\n"
+     "add_executable(x a.cpp)", "a"),
     ("string(TOLOWER A.CPP S)\nadd_executable(x ${S})", "a"),
     ("add_executable(${PROJECT_NAME} a.cpp)\nadd_executable(x b.cpp)", "b"),
     ("project(q)\nadd_executable(${PROJECT_NAME}x a.cpp)\nadd_executable(x b.cpp)", "b"),

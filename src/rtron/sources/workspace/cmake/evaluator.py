@@ -1,7 +1,8 @@
 """Carries out a package's CMake files, both branches where only a build knows which one."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from pathlib import Path
 
 from rtron.errors import InputError
@@ -72,7 +73,7 @@ def evaluate_package(name: str, files: PackageFiles) -> PackageContents:
 
 
 def _run_list_file(path: Path, scope: VariableScope, build: PackageBuild) -> None:
-    evaluator = CMakeEvaluator(build=build, budget=StepBudget())
+    evaluator = CMakeEvaluator(build=build, budget=StepBudget(), initial=dict(scope.variables))
     try:
         evaluator.run_file(path, scope)
     except BoundsError as error:
@@ -99,14 +100,19 @@ def _initial_variables(name: str, folder: Path) -> dict[str, VariableValue]:
 
 @dataclass(slots=True, kw_only=True)
 class CMakeEvaluator:
-    """Carries out files; `path` and `line` are the location, `depth` the nesting."""
+    """Carries out files; `path` and `line` are the location, `depth` the nesting.
+
+    `initial` are the variables that a package starts with.
+    """
 
     build: PackageBuild
     budget: StepBudget
+    initial: Mapping[str, VariableValue] = field(default_factory=dict)
     path: Path = field(default_factory=Path)
     line: int = 0
     depth: int = 0
     _definitions: dict[str, Branch] = field(default_factory=dict)
+    _is_superbuilt: bool = False
 
     def run_file(self, path: Path, scope: VariableScope) -> None:
         """Carry out a file; raise BoundsError where it does not come to an end."""
@@ -222,8 +228,25 @@ class CMakeEvaluator:
             self._project(words[0], scope)
         elif command.name in {"include", "add_subdirectory"} and words:
             self._run_other_file(command.name, words[0], scope)
+        elif command.name == "externalproject_add":
+            self._run_superbuild(words)
         elif command.name in _COMMANDS:
             _COMMANDS[command.name](self._command_call(command, given, scope))
+
+    def _run_superbuild(self, words: Sequence[str]) -> None:
+        """Carry out the package once more where it builds itself, with the options that it says.
+
+        CMake documentation: ExternalProject_Add, SOURCE_DIR and CMAKE_ARGS.
+        """
+        folder = self.build.files.folder
+        sources = [after for word, after in pairwise(words) if word == "SOURCE_DIR"]
+        if self._is_superbuilt or str(folder) not in sources:
+            return
+        self._is_superbuilt = True
+        settings = (word[2:].partition("=") for word in words if word.startswith("-D"))
+        options = {name.partition(":")[0]: VariableValue(value) for name, _, value in settings}
+        scope = VariableScope(folder=folder, variables={**self.initial, **options})
+        self.run_file(folder / LIST_FILE, scope)
 
     def _command_call(
         self, command: CMakeCommand, given: Iterable[ExpandedArgument], scope: VariableScope
