@@ -238,6 +238,12 @@ class TestNetworkBridge:
         assert finding.summary.startswith("rosbridge_server opens the app to the network")
         assert finding.evidence == (place,)
 
+    @pytest.mark.parametrize("package", ["web_video_server", "rosboard"])
+    def test_a_server_that_only_shows_is_an_oddity(self, package):
+        finding = the_finding("network_bridge", small_graph(f"/web {package} third_party"))
+        assert (finding.severity, finding.level) == (Severity.LOW, FindingLevel.PEDANTIC)
+        assert finding.summary.startswith("/web shows the app to the network")
+
     def test_one_that_is_started_and_included_is_one_finding(self):
         note = UnresolvedItem(what="include $(find rosbridge_server)/a.launch", why="gone")
         finding = the_finding("network_bridge", small_graph(self.BRIDGE, unresolved=(note,)))

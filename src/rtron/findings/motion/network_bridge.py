@@ -3,7 +3,8 @@
 ## What it finds
 
 Bridges that let clients outside of ROS publish and call: rosbridge, Foxglove's bridge, Zenoh's and
-the DDS routers. One finding for each. A bridge whose launch file is included counts though its
+the DDS routers. One finding for each. Servers that only show topics (web_video_server, rosboard) are
+oddities. A bridge whose launch file is included counts though its
 package is not in the source.
 
 ## Why it matters
@@ -46,6 +47,10 @@ _BRIDGES = {
     "tcp_ros_bridge": "TCP clients can publish on every topic",
     "ros_tcp_endpoint": "TCP clients can publish on every topic",
 }
+_VIEWS = {
+    "web_video_server": "whoever reaches its port sees every camera",
+    "rosboard": "whoever reaches its port reads every topic",
+}
 _LOCAL = ("127.", "localhost", "::1")
 
 
@@ -54,8 +59,24 @@ def check(app: AppFacts) -> Iterator[Finding]:
     for node in app.graph.nodes:
         if node.package in _BRIDGES:
             yield _finding(app, node)
+        elif node.package in _VIEWS:
+            yield _view(app, node)
     for package, notes in _included_bridges(app).items():
         yield _included(app, package, notes)
+
+
+def _view(app: AppFacts, node: Node) -> Finding:
+    return make_finding(
+        RULE.name,
+        node.name,
+        summary=f"{node.name} shows the app to the network: {_VIEWS[node.package]}",
+        cause=f"{node.package} asks nobody who he is; it publishes nothing",
+        remedy="bind it to the local address or put a login before it",
+        consequence=Consequence.ODDITY,
+        certainty=Certainty.CERTAIN,
+        nodes=(node.name,),
+        evidence=app.evidence(app.graph.subscribed_by(node.name)),
+    )
 
 
 def bridges(app: AppFacts) -> list[str]:
