@@ -3,9 +3,9 @@
 ## What it finds
 
 Bridges that let clients outside of ROS publish and call: rosbridge, Foxglove's bridge, Zenoh's and
-the DDS routers. One finding for each. Servers that only show topics (web_video_server, rosboard) are
-oddities. A bridge whose launch file is included counts though its
-package is not in the source.
+the DDS routers. One finding for each. A bridge whose launch file is included counts though its
+package is not in the source. Servers that only show topics (web_video_server, rosboard) are
+oddities.
 
 ## Why it matters
 

@@ -64,8 +64,8 @@ SOURCES_OF_X = [
       "${PROJECT_SOURCE_DIR} CMAKE_ARGS -DSUPER:BOOL=OFF -DS=a.cpp)\nreturn()\nendif()\n"
       "add_executable(x ${S})"), "a"),
     ("ExternalProject_Add(ep SOURCE_DIR ${PROJECT_SOURCE_DIR})\nadd_executable(x a.cpp)", "a"),
-    ("ExternalProject_Add(ep SOURCE_DIR /else CMAKE_ARGS -DX=1)\nif(X)\nset(S b.cpp)\nendif()\n"
-     "add_executable(x a.cpp)", "a"),
+    (("ExternalProject_Add(ep SOURCE_DIR /else CMAKE_ARGS -DX=1)\nif(X)\nset(S b.cpp)\nendif()\n"
+      "add_executable(x a.cpp)"), "a"),
     ("string(TOLOWER A.CPP S)\nadd_executable(x ${S})", "a"),
     ("add_executable(${PROJECT_NAME} a.cpp)\nadd_executable(x b.cpp)", "b"),
     ("project(q)\nadd_executable(${PROJECT_NAME}x a.cpp)\nadd_executable(x b.cpp)", "b"),
