@@ -138,6 +138,12 @@ class TestOpenCommand:
         assert (finding.topics, finding.level) == (("/cmd_vel",), FindingLevel.PEDANTIC)
         assert the_finding("open_command", small_graph(BASE)).level is FindingLevel.REGULAR
 
+    def test_a_node_that_an_action_drives_has_a_spare_input(self):
+        text = BASE + "    server /follow a_msgs/action/Follow\n"
+        arm = "/moveit moveit own\n    client /follow a_msgs/action/Follow\n"
+        assert the_finding("open_command", small_graph(text)).level is FindingLevel.REGULAR
+        assert the_finding("open_command", small_graph(text + arm)).level is FindingLevel.PEDANTIC
+
     def test_what_a_stack_always_listens_to_does_not_count(self):
         text = BASE.replace(" driver ", " nav2_behaviors ").replace("/cmd_vel", "/cmd_vel_teleop")
         assert not found("open_command", small_graph(text))

@@ -4,8 +4,8 @@
 
 Topics that command motion, that a node of the app obeys and that no node of the app publishes. One
 finding names them all. Inputs of an arbiter do not count while another input is in use, nor do the
-inputs that a stack such as Nav2 always has. Where somebody commands the same node by another topic,
-or something was not read, it is shown from the level `pedantic` on.
+inputs that a stack such as Nav2 always has. Where somebody commands the same node by another topic
+or by an action, or something was not read, it is shown from the level `pedantic` on.
 
 ## Why it matters
 
@@ -28,7 +28,14 @@ from rtron.findings.app_facts import AppFacts
 from rtron.findings.motion.arbiter import arbiters, is_one_stack
 from rtron.findings.rule import FindingRule, make_finding
 from rtron.risks.wording import conjugate, join_names
-from rtron.vocabulary import Certainty, Consequence, Direction, Finding, FindingLevel
+from rtron.vocabulary import (
+    ActionRole,
+    Certainty,
+    Consequence,
+    Direction,
+    Finding,
+    FindingLevel,
+)
 
 
 def check(app: AppFacts) -> Iterator[Finding]:
@@ -69,7 +76,10 @@ def _effect(app: AppFacts, topics: list[str]) -> str:
 def _obeys(app: AppFacts, node: str) -> bool:
     """Return whether somebody in the app commands a node: then another input may be a spare one."""
     inputs = {end.topic for end in app.graph.subscribed_by(node)}
-    return any(topic in inputs and app.publishers(topic) for topic in app.motion_topics)
+    called = {each.name for each in app.graph.actions if each.role is ActionRole.CLIENT}
+    served = {each.name for each in app.graph.actions if each.node == node}
+    is_driven = any(topic in inputs and app.publishers(topic) for topic in app.motion_topics)
+    return is_driven or not called.isdisjoint(served)
 
 
 def _spare_inputs(app: AppFacts) -> set[str]:
