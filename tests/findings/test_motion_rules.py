@@ -28,7 +28,7 @@ from rtron.vocabulary import (
 )
 
 MUX_PASSED_BY = MUX + f"/teleop teleop own\n    pub /cmd_vel {TWIST}\n"
-REMEDY = "put a GRCN before /cmd_vel: `rtron plan` proposes it"
+REMEDY = "put one arbiter before /cmd_vel: `rtron plan` proposes a guard (GRCN)"
 
 
 class TestSeveralPublishers:
@@ -62,7 +62,7 @@ class TestSeveralPublishers:
         finding = the_finding("several_publishers", small_graph(MUX_PASSED_BY + BASE))
         assert finding.summary == "/teleop can drive the robot on /cmd_vel past /twist_mux"
         assert finding.cause == (
-            "/twist_mux arbitrates, but /base hears both: what it decides does not hold"
+            "/twist_mux stands before the robot, but /base hears both: it decides nothing"
         )
         assert finding.remedy == REMEDY
 

@@ -106,7 +106,7 @@ class TestUnmatchedTopic:
 
     def test_a_near_name_that_nobody_reads_is_likely(self):
         finding = the_finding("unmatched_topic", small_graph(self.MISSPELT))
-        assert finding.summary == "/nav waits for /odometry/filterd in vain"
+        assert finding.summary == "/nav subscribes /odometry/filterd, which nobody publishes"
         assert finding.cause == (
             "no node of this launch publishes it; /ekf sends /odometry/filtered"
         )
@@ -231,7 +231,7 @@ class TestNoServer:
 
     def test_a_service_without_a_near_name_is_possible_only(self):
         finding = the_finding("no_server", small_graph(SCAN, clients=self.CALL))
-        assert finding.summary == "/slam waits for the service /map/save in vain"
+        assert finding.summary == "/slam calls the service /map/save, which nobody offers"
         assert finding.cause == "no node of this launch offers it"
         assert finding.remedy == "start its server"
         assert (finding.certainty, finding.level) == (Certainty.POSSIBLE, FindingLevel.PEDANTIC)
@@ -279,7 +279,7 @@ class TestNoServer:
             "/bt bt own\n server /navigate_to_pose nav2_msgs/action/NavigateToPose\n"
         )
         finding = the_finding("no_server", small_graph(text, ros=1))
-        assert finding.summary == "/mission waits for the action /navigate_to_pos in vain"
+        assert finding.summary == "/mission calls the action /navigate_to_pos, which nobody offers"
         assert finding.remedy == "did you mean /navigate_to_pose?"
         assert finding.certainty is Certainty.LIKELY
         correct = text.replace("to_pos ", "to_pose ")
@@ -295,7 +295,7 @@ class TestNoServer:
         client = Action(node="/laser", name="/map/save", role=ActionRole.CLIENT)
         graph = small_graph(SCAN, clients=self.CALL, actions=(client,))
         assert the_finding("no_server", graph).summary == (
-            "/laser and /slam wait for the action and service /map/save in vain"
+            "/laser and /slam call the action and service /map/save, which nobody offers"
         )
 
 

@@ -11,7 +11,7 @@ FOUR_LINES = """\
 
   high    /nav and /teleop both drive the robot on /cmd_vel
           nothing decides between them: /base obeys whoever published last
-          src/nav.py:7 and 2 more (several_publishers)
+          src/nav.py:7 and 2 more (several_publishers, certain)
           -> put a GRCN before /cmd_vel: `rtron plan` proposes it
 """
 PEDANTIC = finding("/odd", level=FindingLevel.PEDANTIC)
@@ -47,7 +47,7 @@ def test_the_findings_follow_each_other_in_the_order_given(text_of):
 def test_the_first_place_stands_with_the_number_of_others(text_of, evidence, row):
     assert (
         text_of(finding(evidence=evidence)).splitlines()[3]
-        == f"          {row} (several_publishers)"
+        == f"          {row} (several_publishers, certain)"
     )
 
 

@@ -65,7 +65,7 @@ def _finding(
     if passed_by and others:
         summary = f"{join_names(others)} can {_command(app, topic)} on {topic} past {passed_by[0]}"
         verb = f"{conjugate(readers, 'hear')} {both_or_all(publishers)}"
-        cause = f"{passed_by[0]} arbitrates, but {who} {verb}: what it decides does not hold"
+        cause = f"{passed_by[0]} stands before the robot, but {who} {verb}: it decides nothing"
     else:
         summary = (
             f"{join_names(publishers)} {both_or_all(publishers)} {_command(app, topic)} on {topic}"
@@ -77,7 +77,7 @@ def _finding(
         topic,
         summary=summary,
         cause=cause + ("" if readers else f"; {_missing_reader(app)}"),
-        remedy=f"put a GRCN before {topic}: `rtron plan` proposes it",
+        remedy=f"put one arbiter before {topic}: `rtron plan` proposes a guard (GRCN)",
         consequence=Consequence.MOTION,
         certainty=Certainty.CERTAIN if readers else Certainty.LIKELY,
         only_own_nodes=app.facts.are_own(publishers),

@@ -99,7 +99,8 @@ def _finding(
     return make_finding(
         RULE.name,
         name,
-        summary=f"{join_names(nodes)} {conjugate(nodes, 'wait')} for the {what} {name} in vain",
+        summary=f"{join_names(nodes)} {conjugate(nodes, 'call')} the {what} {name}, "
+        "which nobody offers",
         cause=f"no node of this launch offers it{app.unread_hint}",
         remedy=f"did you mean {near[0]}?" if near else "start its server",
         consequence=Consequence.FAILURE,

@@ -80,7 +80,8 @@ def _finding(app: AppFacts, topic: str, near: list[str]) -> Finding:
     return make_finding(
         RULE.name,
         topic,
-        summary=f"{join_names(readers)} {conjugate(readers, 'wait')} for {topic} in vain",
+        summary=f"{join_names(readers)} {conjugate(readers, 'subscribe')} {topic}, "
+        "which nobody publishes",
         cause=f"no node of this launch publishes it{app.unread_hint}{hint}",
         remedy=f"did you mean {near[0]}? Remap one to the other" if near else "start its publisher",
         consequence=Consequence.FAILURE,

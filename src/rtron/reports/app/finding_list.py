@@ -18,10 +18,15 @@ def finding_list(findings: Sequence[Finding], page: TextPage) -> Iterator[Text]:
         yield Text()
         yield from _summary(finding, page)
         yield from paragraph(finding.cause, page, indent=_INDENT)
-        places = [location(each) for each in finding.evidence[:1]]
-        more = [f"and {len(finding.evidence) - 1} more"] if len(finding.evidence) > 1 else []
-        yield line((" ".join([*places, *more, f"({finding.rule})"]), "dim"), indent=_INDENT)
+        yield from paragraph(_places(finding), page, indent=_INDENT, style="dim")
         yield from paragraph(f"-> {finding.remedy}", page, indent=_INDENT, style="green")
+
+
+def _places(finding: Finding) -> str:
+    """Return the first place, how many there are, and the rule with its certainty."""
+    places = [location(each) for each in finding.evidence[:1]]
+    more = [f"and {len(finding.evidence) - 1} more"] if len(finding.evidence) > 1 else []
+    return " ".join([*places, *more, f"({finding.rule}, {finding.certainty})"])
 
 
 def triage_notes(triage: Triage, page: TextPage) -> Iterator[Text]:
