@@ -81,7 +81,7 @@ def test_an_item_that_ends_its_worker_costs_itself_only():
 def test_a_cluster_without_workers():
     pytest.importorskip("distributed", reason="the extra `cluster` is not installed")
     with local_cluster(0) as address, pytest.raises(SourceError, match="has no workers") as raised:
-        list(DaskExecutor(address, timeout_s=0.2).map(square, [1]))
+        list(DaskExecutor(address, timeout_s=5).map(square, [1]))
     assert raised.value.help == f"dask worker {address}"
 
 
@@ -126,7 +126,7 @@ def test_a_name_that_no_host_has():
 def test_what_is_no_address(address):
     pytest.importorskip("distributed", reason="the extra `cluster` is not installed")
     with pytest.raises(InputError, match="no cluster's address"):
-        list(DaskExecutor(address, timeout_s=0.2).map(square, [1]))
+        list(DaskExecutor(address, timeout_s=5).map(square, [1]))
 
 
 def test_without_dask_the_extra_is_named(monkeypatch):
