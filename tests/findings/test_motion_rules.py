@@ -127,6 +127,12 @@ class TestOpenCommand:
         )
         assert finding.topics == ("/arm_cmd_vel", "/cmd_vel")
 
+    def test_a_call_on_a_node_that_is_not_known_may_publish_it(self):
+        why = "which node it is called on is not known"
+        note = UnresolvedItem(what="create_publisher()", why=why)
+        finding = the_finding("open_command", small_graph(BASE, unresolved=(note,)))
+        assert finding.level is FindingLevel.PEDANTIC
+
     def test_what_was_not_read_may_publish_it(self):
         graph = small_graph(BASE + FIRMWARE, unread=("/firmware",))
         cause = the_finding("open_command", graph).cause

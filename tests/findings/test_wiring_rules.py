@@ -54,6 +54,14 @@ class TestTypeMismatch:
         assert (finding.certainty, finding.severity) == (Certainty.CERTAIN, Severity.HIGH)
         assert finding.level is FindingLevel.REGULAR
 
+    @pytest.mark.parametrize("type", ["topic_tools/ShapeShifter", "*", "", "msg/Twist"])
+    def test_a_reader_of_any_type_or_of_an_unknown_one_gets_it(self, type):
+        graph = nav_and_base(TWIST, STAMPED)
+        ends = tuple(
+            replace(end, type=type) if end.node == "/base" else end for end in graph.endpoints
+        )
+        assert not found("type_mismatch", replace(graph, endpoints=ends))
+
     @pytest.mark.parametrize("node", ["nav", "base"])
     def test_with_a_model_it_depends_on_the_distribution(self, node):
         finding = the_finding(

@@ -24,7 +24,9 @@ from rtron.vocabulary import (
 _NEAR_RATIO = 0.8
 _MOST_COMPARED = 200
 """Among more names of one type a near one tells nothing, and comparing them takes long."""
-_UNKNOWN_TYPES = ("", "*")
+_UNKNOWN_TYPES = ("", "*", "topic_tools/ShapeShifter")
+"""Not known, or any: ShapeShifter takes every type (ROS wiki: topic_tools)."""
+_UNREAD_CALLS = "which node it is called on is not known"
 _INDIRECT_TYPES = frozenset({"sensor_msgs/Joy", "std_msgs/String", "sound_play/SoundRequest"})
 """Types of what a node may turn into motion, or into speech, but that moves nothing itself."""
 _STOPS = ("emergency_stop", "e_stop", "estop")
@@ -73,7 +75,12 @@ class AppFacts:
     @property
     def is_whole(self) -> bool:
         """Whether everything that could publish, subscribe or serve was read."""
-        return not self.unread_nodes and not self.unread_files
+        return not (self.unread_nodes or self.unread_files or self._has_unread_calls)
+
+    @cached_property
+    def _has_unread_calls(self) -> bool:
+        """Whether something is published, subscribed or served by nobody knows whom."""
+        return any(_UNREAD_CALLS in note.why for note in self.graph.unresolved)
 
     @cached_property
     def explicit_topics(self) -> tuple[str, ...]:

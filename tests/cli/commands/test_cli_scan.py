@@ -27,6 +27,14 @@ def test_nothing_found_is_0(rtron, quiet_file):
     assert "no risks found" in rtron("scan", quiet_file, "--level", "auditor").out
 
 
+def test_an_app_of_which_nothing_could_be_read_is_no_success(rtron, quiet_file):
+    document = json.loads(quiet_file.read_text())
+    document["unresolved"] = [{"what": "include a.launch", "why": "its path is not known"}]
+    quiet_file.write_text(json.dumps(document))
+    assert rtron("scan", quiet_file).code == 1
+    assert rtron("scan", quiet_file, "--fail-on", "never").code == 0
+
+
 def test_the_papers_risks_are_drawn_for_auditors(rtron, graph_file):
     ran = rtron("scan", graph_file, "--level", "auditor")
     assert "/keyboard (third party) ─┬─► /cmd_vel ───► /base" in ran.out

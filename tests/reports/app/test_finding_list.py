@@ -101,9 +101,12 @@ def test_the_verdict_counts_by_severity_and_tells_of_hidden_ones(shown, hidden, 
 
 
 def test_no_findings_holds_for_what_could_be_read():
-    assert findings_verdict([], [], is_whole=False).plain == "no findings in what could be read"
+    assert (
+        findings_verdict([], [], is_whole=False).plain
+        == "no findings in what could be read, see below"
+    )
     assert findings_verdict([], [LOW], is_whole=False).plain == (
-        "no findings in what could be read; 1 more from --level pedantic on"
+        "no findings in what could be read, see below; 1 more from --level pedantic on"
     )
     assert findings_verdict([HIGH], [], is_whole=False).plain == "1 finding: 1 high"
 

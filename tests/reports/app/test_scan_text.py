@@ -20,7 +20,7 @@ NO_FINDINGS = Triage(findings=())
 AT_80_COLUMNS = """\
 autorace  ROS 1, read from graph.json
 5 nodes, 4 topics, 8 endpoints
-no findings in what could be read
+no findings in what could be read, see below
 
 The paper's risks
 3 risks: 1 high, 1 medium, 1 low

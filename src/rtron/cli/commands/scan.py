@@ -24,7 +24,7 @@ from rtron.reports.app.sarif import risks_to_sarif
 from rtron.reports.app.scan_text import Scan, scan_text
 from rtron.reports.text_layout import Report
 from rtron.sources.graph_json import graph_to_json
-from rtron.vocabulary import FindingLevel, Severity, Triage
+from rtron.vocabulary import FindingLevel, InteractionGraph, Severity, Triage
 from rtron.workflows.app_selection import AppSelection, SelectedApp, select_app
 from rtron.workflows.plan import propose
 from rtron.workflows.scan import ScanResult, scan_graph, triage_scan, with_relative_evidence
@@ -121,7 +121,8 @@ def scan(  # noqa: PLR0913 - one for each option
     Never use it on files that you do not trust.
 
     Exit code: 0 nothing that is shown has the severity --fail-on, 1 something
-    has, 2 bad input. The paper's risks count with --level auditor.
+    has, or nothing of the app could be read, 2 bad input. The paper's risks
+    count with --level auditor.
     """
     if selection.folders and not selection.source.launches and not selection.live:
         return Outcome(_launch_list(selection.folders, format), OK, output)
@@ -132,7 +133,8 @@ def scan(  # noqa: PLR0913 - one for each option
         graph = with_relative_evidence(graph, app.root)
     result = scan_graph(graph, name_lists)
     triage = triage_scan(result, app.root, config, baseline)
-    exit_code = FINDINGS if _is_severe(at_level(triage, level), fail_on) else OK
+    is_failed = _is_severe(at_level(triage, level), fail_on) or _is_unread(graph, fail_on)
+    exit_code = FINDINGS if is_failed else OK
     if format is Format.NODL and output.is_dir():
         write_files(output, nodl_files(graph))
         return Outcome("", exit_code)
@@ -161,6 +163,12 @@ def _is_severe(shown: Triage, fail_on: FailOn) -> bool:
     severities = [each.severity for each in shown.findings]
     severities += [risk.severity for risk in shown.risks]
     return any(order.index(severity) >= mildest for severity in severities)
+
+
+def _is_unread(graph: InteractionGraph, fail_on: FailOn) -> bool:
+    """Return whether nothing of an app was read: then no findings say nothing."""
+    is_empty = not (graph.nodes or graph.endpoints)
+    return is_empty and bool(graph.unresolved) and fail_on is not FailOn.NEVER
 
 
 def _text(app: SelectedApp, result: ScanResult, triage: Triage, level: FindingLevel) -> Report:

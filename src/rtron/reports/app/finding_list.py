@@ -65,7 +65,7 @@ def findings_verdict(
         for severity in MILDEST_LAST
         if numbers[severity]
     ]
-    partly = "" if is_whole else " in what could be read"
+    partly = "" if is_whole else " in what could be read, see below"
     verdict = line((counted(len(shown), "finding") if shown else f"no findings{partly}", "bold"))
     if severities:
         verdict.append(": ").append_text(Text(", ").join(severities))
