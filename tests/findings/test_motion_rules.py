@@ -107,6 +107,16 @@ class TestSeveralPublishers:
         assert both.summary == "/move_base and /teleop both drive the robot on /cmd_vel"
         assert found("several_publishers", small_graph(base + nav + BASE.replace("/base", "/arm")))
 
+    @pytest.mark.parametrize(("package", "is_found"), [("rostopic", False), ("pub", True)])
+    def test_a_topic_pub_of_the_launch_is_no_driver(self, package, is_found):
+        text = TWO_DRIVERS.replace(" teleop ", f" {package} ")
+        assert bool(found("several_publishers", small_graph(text))) is is_found
+
+    @pytest.mark.parametrize("name", ["prev_cmd", "last_cmd_vel"])
+    def test_what_tells_of_a_command_afterwards_is_none(self, name):
+        text = TWO_DRIVERS.replace("/cmd_vel", f"/arm/{name}")
+        assert not found("several_publishers", small_graph(text))
+
     def test_an_emergency_stop_is_set_and_released(self):
         text = TWO_DRIVERS.replace(f"/cmd_vel {TWIST}", "/wheels/emergency_stop std_msgs/msg/Bool")
         summary = the_finding("several_publishers", small_graph(text)).summary

@@ -29,6 +29,8 @@ _UNKNOWN_TYPES = ("", "*", "topic_tools/ShapeShifter")
 _UNREAD_CALLS = "which node it is called on is not known"
 _INDIRECT_TYPES = frozenset({"sensor_msgs/Joy", "std_msgs/String", "sound_play/SoundRequest"})
 """Types of what a node may turn into motion, or into speech, but that moves nothing itself."""
+_ECHOES = ("prev_", "previous_", "last_", "current_")
+"""How names begin that tell of a command afterwards."""
 _STOPS = ("emergency_stop", "e_stop", "estop")
 _TRANSPORTS = ("/compressed", "/compressedDepth", "/theora", "/ffmpeg", "/zstd")
 """What image_transport adds to a topic's name (ROS wiki: image_transport)."""
@@ -95,6 +97,7 @@ class AppFacts:
     def is_motion(self, topic: str) -> bool:
         """Return whether a topic commands motion, by its type and its name."""
         is_indirect = self.facts.topic(topic).type in _INDIRECT_TYPES
+        is_indirect |= topic.rpartition("/")[2].startswith(_ECHOES)
         return self.is_stop(topic) or (self.facts.is_motion_command(topic) and not is_indirect)
 
     def is_stop(self, topic: str) -> bool:

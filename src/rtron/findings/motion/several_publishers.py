@@ -6,7 +6,7 @@ A topic that commands motion (a velocity, a setpoint, a trajectory) with more th
 It counts though no reader is known: the driver of the base is often not in the workspace. Where an
 arbiter (twist_mux and its kin) publishes the topic, the others pass it by. Nodes of one stack, such
 as Nav2's servers, take turns among themselves and do not count, nor does a base that publishes its
-own input.
+own input, or a `rostopic pub` of the launch file, which speaks once.
 
 ## Why it matters
 
@@ -31,6 +31,7 @@ from rtron.findings.rule import FindingRule, make_finding
 from rtron.risks.wording import both_or_all, conjugate, join_names
 from rtron.vocabulary import Certainty, Consequence, Finding
 
+_ONE_SHOT_PACKAGES = ("rostopic", "ros2topic")
 _LIMITS = ("max_vel", "speed_limit", "velocity_limit")
 
 
@@ -46,9 +47,14 @@ def check(app: AppFacts) -> Iterator[Finding]:
 def senders(app: AppFacts, topic: str) -> tuple[str, ...]:
     """Return who commands by a topic: its publishers, without a base that may answer itself."""
     readers = app.readers(topic)
-    publishers = app.publishers(topic)
+    publishers = tuple(node for node in app.publishers(topic) if not _speaks_once(app, node))
     others = tuple(node for node in publishers if node not in readers)
     return others if set(readers) <= set(publishers) else publishers
+
+
+def _speaks_once(app: AppFacts, node: str) -> bool:
+    """Return whether a node is a `topic pub` of the launch, which sets something at the start."""
+    return node in app.nodes and app.nodes[node].package in _ONE_SHOT_PACKAGES
 
 
 def arbiters_of(publishers: tuple[str, ...], known: Mapping[str, object]) -> list[str]:
