@@ -107,6 +107,14 @@ class TestSeveralPublishers:
         assert both.summary == "/move_base and /teleop both drive the robot on /cmd_vel"
         assert found("several_publishers", small_graph(base + nav + BASE.replace("/base", "/arm")))
 
+    def test_the_same_nodes_on_several_topics_are_one_finding(self):
+        more = TWO_DRIVERS.replace("/cmd_vel", "/sim/cmd_vel")
+        finding = the_finding("several_publishers", small_graph(TWO_DRIVERS + more))
+        assert finding.topics == ("/cmd_vel", "/sim/cmd_vel")
+        assert finding.summary.endswith("both drive the robot on /cmd_vel and /sim/cmd_vel")
+        other_reader = small_graph(TWO_DRIVERS + more + BASE)
+        assert len(found("several_publishers", other_reader)) == 2
+
     @pytest.mark.parametrize(("package", "is_found"), [("rostopic", False), ("pub", True)])
     def test_a_topic_pub_of_the_launch_is_no_driver(self, package, is_found):
         text = TWO_DRIVERS.replace(" teleop ", f" {package} ")

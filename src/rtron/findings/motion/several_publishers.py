@@ -2,7 +2,8 @@
 
 ## What it finds
 
-A topic that commands motion (a velocity, a setpoint, a trajectory) with more than one publisher.
+A topic that commands motion (a velocity, a setpoint, a trajectory) with more than one publisher;
+topics with the same publishers and subscribers are one finding.
 It counts though no reader is known: the driver of the base is often not in the workspace. Where an
 arbiter (twist_mux and its kin) publishes the topic, the others pass it by. Nodes of one stack, such
 as Nav2's servers, take turns among themselves and do not count, nor does a base that publishes its
@@ -23,6 +24,7 @@ publisher go through one arbiter.
 `/move_base` and `/teleop` publish `/cmd_vel`; `/base_driver`, which was not read, may obey.
 """
 
+from collections import defaultdict
 from collections.abc import Iterator, Mapping
 
 from rtron.findings.app_facts import AppFacts
@@ -36,12 +38,15 @@ _LIMITS = ("max_vel", "speed_limit", "velocity_limit")
 
 
 def check(app: AppFacts) -> Iterator[Finding]:
-    """Yield a finding for each motion topic with several publishers."""
+    """Yield a finding for each set of nodes that command the same readers by the same topics."""
     known_arbiters = arbiters(app)
+    topics: dict[tuple[tuple[str, ...], tuple[str, ...]], list[str]] = defaultdict(list)
     for topic in app.motion_topics:
         publishers = senders(app, topic)
         if len(publishers) > 1 and not is_one_stack(app, publishers):
-            yield _finding(app, topic, publishers, arbiters_of(publishers, known_arbiters))
+            topics[publishers, app.readers(topic)].append(topic)
+    for (publishers, _), contended in topics.items():
+        yield _finding(app, contended, publishers, arbiters_of(publishers, known_arbiters))
 
 
 def senders(app: AppFacts, topic: str) -> tuple[str, ...]:
@@ -63,33 +68,32 @@ def arbiters_of(publishers: tuple[str, ...], known: Mapping[str, object]) -> lis
 
 
 def _finding(
-    app: AppFacts, topic: str, publishers: tuple[str, ...], passed_by: list[str]
+    app: AppFacts, topics: list[str], publishers: tuple[str, ...], passed_by: list[str]
 ) -> Finding:
-    readers = app.readers(topic)
+    readers, names = app.readers(topics[0]), join_names(topics)
+    command = _command(app, topics[0])
     who = join_names(readers) if readers else "the base"
     others = tuple(node for node in publishers if node not in passed_by)
     if passed_by and others:
-        summary = f"{join_names(others)} can {_command(app, topic)} on {topic} past {passed_by[0]}"
+        summary = f"{join_names(others)} can {command} on {names} past {passed_by[0]}"
         verb = f"{conjugate(readers, 'hear')} {both_or_all(publishers)}"
         cause = f"{passed_by[0]} stands before the robot, but {who} {verb}: it decides nothing"
     else:
-        summary = (
-            f"{join_names(publishers)} {both_or_all(publishers)} {_command(app, topic)} on {topic}"
-        )
+        summary = f"{join_names(publishers)} {both_or_all(publishers)} {command} on {names}"
         obeys = conjugate(readers, "obey")
         cause = f"nothing decides between them: {who} {obeys} whoever published last"
     return make_finding(
         RULE.name,
-        topic,
+        topics[0],
         summary=summary,
         cause=cause + ("" if readers else f"; {_missing_reader(app)}"),
-        remedy=f"put one arbiter before {topic}: `rtron plan` proposes a guard (GRCN)",
+        remedy=f"put one arbiter before {names}: `rtron plan` proposes a guard (GRCN)",
         consequence=Consequence.MOTION,
         certainty=Certainty.CERTAIN if readers else Certainty.LIKELY,
         only_own_nodes=app.facts.are_own(publishers),
         nodes=(*publishers, *readers),
-        topics=(topic,),
-        evidence=app.evidence(app.graph.publishers(topic)),
+        topics=topics,
+        evidence=app.evidence(end for topic in topics for end in app.graph.publishers(topic)),
     )
 
 
