@@ -167,7 +167,7 @@ def _is_severe(shown: Triage, fail_on: FailOn) -> bool:
 
 def _is_unread(graph: InteractionGraph, fail_on: FailOn) -> bool:
     """Return whether nothing of an app was read: then no findings say nothing."""
-    is_empty = not (graph.nodes or graph.endpoints)
+    is_empty = not (graph.nodes or graph.endpoints or graph.topics)
     return is_empty and bool(graph.unresolved) and fail_on is not FailOn.NEVER
 
 
