@@ -35,7 +35,9 @@ class TestSeveralPublishers:
     def test_with_a_known_reader(self):
         finding = the_finding("several_publishers", small_graph(TWO_DRIVERS + BASE))
         assert finding.summary == "/move_base and /teleop both drive the robot on /cmd_vel"
-        assert finding.cause == ("nothing decides between them: /base obeys whoever published last")
+        assert finding.cause == (
+            "no arbiter stands between them: /base obeys whoever published last"
+        )
         assert finding.remedy == REMEDY
         assert finding.nodes == ("/move_base", "/teleop", "/base")
         assert finding.topics == ("/cmd_vel",)
@@ -44,7 +46,7 @@ class TestSeveralPublishers:
         graph = small_graph(TWO_DRIVERS + FIRMWARE, unread=("/firmware",))
         finding = the_finding("several_publishers", graph)
         assert finding.cause == (
-            "nothing decides between them: the base obeys whoever published last; its reader is "
+            "no arbiter stands between them: the base obeys whoever published last; its reader is "
             "not in the source, it may be /firmware (not read)"
         )
         assert finding.nodes == ("/move_base", "/teleop")

@@ -14,7 +14,7 @@ def test_risks_found_is_1(rtron, graph_file):
     assert ran.code == 1
     assert ran.err == ""
     assert "/keyboard and /planner both drive the robot on /cmd_vel\n" in ran.out
-    assert "nothing decides between them: /base obeys whoever published last" in ran.out
+    assert "no arbiter stands between them: /base obeys whoever published last" in ran.out
     assert f"rtron plan {graph_file} -o rtron.yaml" in ran.out
     assert "\x1b" not in ran.out
 

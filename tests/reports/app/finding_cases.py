@@ -9,7 +9,7 @@ PLACES = tuple(Evidence(file=f"src/{name}.py", line=7) for name in ("nav", "tele
 def finding(subject="/cmd_vel", **keys):
     defaults = {
         "summary": f"/nav and /teleop both drive the robot on {subject}",
-        "cause": "nothing decides between them: /base obeys whoever published last",
+        "cause": "no arbiter stands between them: /base obeys whoever published last",
         "remedy": f"put a GRCN before {subject}: `rtron plan` proposes it",
         "consequence": Consequence.MOTION,
         "certainty": Certainty.CERTAIN,

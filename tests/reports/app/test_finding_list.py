@@ -10,7 +10,7 @@ from rtron.vocabulary import Evidence, FindingLevel, Triage
 FOUR_LINES = """\
 
   high    /nav and /teleop both drive the robot on /cmd_vel
-          nothing decides between them: /base obeys whoever published last
+          no arbiter stands between them: /base obeys whoever published last
           src/nav.py:7 and 2 more (several_publishers, certain)
           -> put a GRCN before /cmd_vel: `rtron plan` proposes it
 """

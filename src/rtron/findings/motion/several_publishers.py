@@ -81,7 +81,7 @@ def _finding(
     else:
         summary = f"{join_names(publishers)} {both_or_all(publishers)} {command} on {names}"
         obeys = conjugate(readers, "obey")
-        cause = f"nothing decides between them: {who} {obeys} whoever published last"
+        cause = f"no arbiter stands between them: {who} {obeys} whoever published last"
     return make_finding(
         RULE.name,
         topics[0],

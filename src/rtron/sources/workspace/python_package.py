@@ -70,6 +70,7 @@ def _root_folder(node: ast.expr) -> str | None:
 
 _ENTRY = re.compile(r"\s*([\w.-]+)\s*=\s*([\w.]+)\s*:\s*(\w+)")
 _SCRIPTS = "console_scripts"
+_MAX_DEPTH = 32
 
 
 def entry_points(package: Path) -> Mapping[str, tuple[str, str]]:
@@ -80,19 +81,40 @@ def entry_points(package: Path) -> Mapping[str, tuple[str, str]]:
 
 
 def _setup_py_entries(path: Path) -> Iterator[str]:
-    for node in _nodes(path):
+    nodes = list(_nodes(path))
+    variables = dict(pair for node in nodes for pair in _assigned_text(node))
+    for node in nodes:
         if isinstance(node, ast.Dict):
             for key, value in zip(node.keys, node.values, strict=True):
                 if isinstance(key, ast.Constant) and key.value == _SCRIPTS:
-                    yield from _string_constants(value)
+                    yield from (_text(inner, variables) for inner in ast.walk(value))
 
 
-def _string_constants(node: ast.expr) -> Iterator[str]:
-    for inner in ast.walk(node):
-        if isinstance(inner, ast.Constant) and isinstance(inner.value, str):
-            yield inner.value
-        elif isinstance(inner, ast.JoinedStr):
-            yield "".join(str(v.value) for v in inner.values if isinstance(v, ast.Constant))
+def _assigned_text(node: ast.AST) -> Iterator[tuple[str, str]]:
+    """Yield the variable and the text of an assignment such as `package_name = "robot"`."""
+    if isinstance(node, ast.Assign) and isinstance(node.value, ast.Constant):
+        names = (target.id for target in node.targets if isinstance(target, ast.Name))
+        yield from ((name, str(node.value.value)) for name in names)
+
+
+def _text(node: ast.AST, variables: Mapping[str, str], depth: int = 0) -> str:
+    """Return the text of a string, an f-string or a sum of them; what is not known is empty."""
+    if isinstance(node, ast.Constant):
+        return node.value if isinstance(node.value, str) else ""
+    if isinstance(node, ast.Name):
+        return variables.get(node.id, "")
+    return "".join(_text(part, variables, depth + 1) for part in _parts(node, depth))
+
+
+def _parts(node: ast.AST, depth: int) -> list[ast.expr]:
+    """Return what a text is put together from, as deep as anybody writes it."""
+    if depth == _MAX_DEPTH:
+        return []
+    if isinstance(node, ast.FormattedValue):
+        return [node.value]
+    if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add):
+        return [node.left, node.right]
+    return node.values if isinstance(node, ast.JoinedStr) else []
 
 
 def _setup_cfg_entries(path: Path) -> list[str]:

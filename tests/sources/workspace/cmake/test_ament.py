@@ -62,6 +62,10 @@ SETUP = """from setuptools import setup
 setup(name='p', entry_points={'console_scripts': [
     'talk = p.talker:main', 'listen=p.sub.listener:run', 'wrong'], 'other': ['x = p.y:z']})
 """
+FORMATTED = """package = 'p'
+setup(name=package, entry_points={'console_scripts': [
+    f'talk = {package}.talker:main', 'listen = ' + package + '.listener:run']})
+"""
 CONFIG = "[options.entry_points]\nconsole_scripts =\n    talk = p.talker:main\n"
 
 
@@ -74,6 +78,13 @@ CONFIG = "[options.entry_points]\nconsole_scripts =\n    talk = p.talker:main\n"
             {"talk": ("p.talker", "main"), "listen": ("p.sub.listener", "run")},
         ),
         ("setup.cfg", CONFIG, {"talk": ("p.talker", "main")}),
+        ("setup.py", FORMATTED, {"talk": ("p.talker", "main"), "listen": ("p.listener", "run")}),
+        (
+            "setup.py",
+            FORMATTED.replace("package = 'p'", "package = find()"),
+            {"talk": (".talker", "main"), "listen": (".listener", "run")},
+        ),
+        ("setup.py", f"setup(entry_points={{'console_scripts': [{'+'.join(['x'] * 5000)}]}})", {}),
         ("setup.py", "raise SystemExit(", {}),
         ("setup.cfg", "no section", {}),
     ],
