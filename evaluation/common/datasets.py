@@ -43,10 +43,6 @@ class Datasets:
         """Return a file of the corpus; raise MissingDatasetError if it is not here."""
         return self._file("corpus", name)
 
-    def findings(self, name: str) -> Path:
-        """Return a file on findings; raise MissingDatasetError if it is not here."""
-        return self._file("findings", name)
-
     def _file(self, folder: str, name: str) -> Path:
         if self.data is None:
             raise MissingDatasetError(f"RTRON_DATA names no folder that holds {folder}/")

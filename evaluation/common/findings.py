@@ -1,15 +1,10 @@
 """What a scan tells people: the verdicts of readers, and the real bugs that it names.
 
-`RTRON_DATA/findings/judged.yaml` lists apps below RTRON_APPS with the arguments of their scans, and
-for each reader the verdict on each finding of the default level:
+`evaluation/data/judged_findings.yaml` lists apps (repositories below RTRON_APPS/APP/src) with the
+arguments of their scans, and for each reader the verdict on each finding of the default level.
 
-    apps: [{app: panther, arguments: [src, --launch, pkg/file.launch.py]}]
-    readers: {one: {panther: {"missing_program:/monitor": useful}}}
-
-`RTRON_DATA/findings/bugs.yaml` lists bugs, each with a buggy and a fixed checkout below RTRON_APPS:
-
-    [{id: husky-02, buggy: bugs/husky-02/buggy, fixed: bugs/husky-02/fixed, names: [/imu/data],
-      arguments: [src, --launch, pkg/file.launch]}]
+`evaluation/data/bugs.yaml` lists bugs, each with checkouts RTRON_APPS/bugs/ID/buggy and fixed, the
+repository below src, and the names that a finding must be about.
 """
 
 import json
@@ -32,12 +27,13 @@ Findings = Sequence[Mapping[str, Any]]
 
 ROSDISCOVER_NAMED = 8
 """Of the 19 bugs, those that ROSDiscover's paper names (Timperley et al., ICSA 2022)."""
+_DATA = Path(__file__).parents[1] / "data"
 _TIMEOUT_S = 600
 
 
 def judged(datasets: Datasets, reporter: Reporter) -> Iterator[Figure]:
     """Scan the judged apps, and count the verdicts on what is shown at the default level."""
-    data = yaml.safe_load(datasets.findings("judged.yaml").read_text(encoding="utf-8"))
+    data = yaml.safe_load((_DATA / "judged_findings.yaml").read_text(encoding="utf-8"))
     shown: dict[str, list[str]] = {}
     for entry in data["apps"]:
         reporter.progress(f"findings of {entry['app']}")
@@ -74,12 +70,12 @@ def _verdict_figures(reader: str, counts: Counter[str]) -> Iterator[Figure]:
 
 def bugs(datasets: Datasets, reporter: Reporter) -> Iterator[Figure]:
     """Scan the buggy and the fixed checkout of each bug, and look whether a finding names it."""
-    entries = yaml.safe_load(datasets.findings("bugs.yaml").read_text(encoding="utf-8"))
+    entries = yaml.safe_load((_DATA / "bugs.yaml").read_text(encoding="utf-8"))
     named = []
     for entry in entries:
         reporter.progress(f"bug {entry['id']}")
-        buggy, fixed = datasets.repositories([entry["buggy"], entry["fixed"]])
-        found = [scan(folder, entry["arguments"]) for folder in (buggy, fixed)]
+        folders = datasets.repositories(f"bugs/{entry['id']}/{each}" for each in ("buggy", "fixed"))
+        found = [scan(folder, entry["arguments"]) for folder in folders]
         if names := naming(*found, names=entry["names"]):
             named.append(entry["id"])
         reporter.detail([f"{entry['id']}: {', '.join(names) or 'not named'}"])
