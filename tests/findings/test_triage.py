@@ -73,6 +73,11 @@ def test_a_comment_in_a_strangers_code_silences_nothing():
     assert (len(result.findings), result.unused) == (1, (mine,))
 
 
+def test_a_comment_silences_nothing_that_names_no_node():
+    nameless = replace(at_line(CMD_VEL, "a.launch", 7), nodes=())
+    assert triage(GRAPH, [nameless], (), [comment("a.launch", 7)]).ignored == ()
+
+
 def test_a_baseline_parts_new_from_known_and_tells_what_is_gone():
     known = Baseline({CMD_VEL.fingerprint: CMD_VEL.id, "00": "no_server:/x"}, frozenset())
     result = triage(GRAPH, FOUND, RISKS, (), known)

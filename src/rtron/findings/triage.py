@@ -31,8 +31,8 @@ def triage(
 ) -> Triage:
     """Return what is news.
 
-    A comment ignores findings about the user's own nodes alone: else a stranger's code could
-    silence what is found about it.
+    A comment ignores findings that name nodes, all of them the user's own: else a stranger's code
+    could silence what is found about it.
     """
     earlier = baseline or Baseline()
     own = {node.name for node in graph.nodes if node.trust is Trust.OWN}
@@ -71,7 +71,7 @@ def at_level(triage: Triage, level: FindingLevel) -> Triage:
 
 def _applying(ignores: Iterable[Ignore], finding: Finding, own: set[str]) -> list[Ignore]:
     """Return the ignores that mean a finding, the first of them being the one in force."""
-    is_own = own.issuperset(finding.nodes)
+    is_own = bool(finding.nodes) and own.issuperset(finding.nodes)
     return [
         each
         for each in ignores

@@ -23,15 +23,14 @@ from collections.abc import Iterator
 
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.rule import FindingRule, make_finding
+from rtron.sources.static.ros1.idle_remaps import NO_EFFECT
 from rtron.vocabulary import Certainty, Consequence, Finding, FindingLevel, UnresolvedItem
-
-_NO_EFFECT = "no node that gets it uses the name"
 
 
 def check(app: AppFacts) -> Iterator[Finding]:
     """Yield a finding for each remap without effect."""
     for note in app.graph.unresolved:
-        if note.what.startswith("remap ") and note.why.startswith(_NO_EFFECT):
+        if note.what.startswith("remap ") and note.why.startswith(NO_EFFECT):
             yield _finding(note)
 
 
