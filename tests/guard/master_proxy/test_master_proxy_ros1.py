@@ -16,7 +16,7 @@ from driven_base import (
     start_guard,
     write_app,
 )
-from harness import named, wait_for
+from harness import Ros1, named, wait_for
 from plans import grcn, plan_of
 from proxied_master import start
 from rostopic import TWIST, TopicEcho, say
@@ -41,6 +41,15 @@ def inside(ros1):
 @pytest.fixture
 def base(inside, driver):
     return Base(inside, driver, guarded=True)
+
+
+@pytest.fixture(scope="module")
+def moving_base(tmp_path_factory, driver):
+    """A base that navigation drives, for tests that leave it as they find it."""
+    with Ros1(tmp_path_factory.mktemp("driven")) as ros1:
+        base = Base(start(ros1, drive_plan()), driver, guarded=True)
+        base.navigate()
+        yield base
 
 
 def public(inside):
@@ -75,8 +84,8 @@ def assert_only_the_guard_publishes(base):
         ("/rtron_supervisor", OUT),
     ],
 )
-def test_a_rogue_is_told_and_nothing_of_it_arrives(base, name, topic):
-    base.navigate()
+def test_a_rogue_is_told_and_nothing_of_it_arrives(moving_base, name, topic):
+    base, logged = moving_base, len(moving_base.ros1.master.log)
     before = base.ros1.publishers(topic) | {SUPERVISOR_NODE}
     rogue = base.ros1.node("rogue.py", name, "1000", f"{CMD_VEL}:={topic}")
     told = f"unable to register publication [{topic}] with master: {REFUSED}"
@@ -86,9 +95,11 @@ def test_a_rogue_is_told_and_nothing_of_it_arrives(base, name, topic):
     assert_only_navigation_arrives(base)
     assert base.ros1.publishers(topic) <= before
     assert base.ros1.received(CMD_VEL_GUARD, CMD_VEL) == 0
-    assert f"refused: registerPublisher to '{name}'" in base.ros1.master.log
+    assert f"refused: registerPublisher to '{name}'" in base.ros1.master.log[logged:]
+    rogue.kill()
 
 
+@pytest.mark.long
 def test_a_rogue_in_cpp_is_refused_too(base):
     base.navigate()
     say(base.ros1, "talker", "/chatter", TYPE, TWIST % 5)
@@ -100,9 +111,9 @@ def test_a_rogue_in_cpp_is_refused_too(base):
     assert_only_the_guard_publishes(base)
 
 
-def test_the_guard_works_as_ever_and_is_not_shut_down_by_its_name(base):
+def test_the_guard_works_as_ever_and_is_not_shut_down_by_its_name(moving_base):
+    base = moving_base
     guard_at = base.ros1.uri_of(CMD_VEL_GUARD)
-    base.navigate()
     base.ros1.node("nav.py", CMD_VEL_GUARD)
     wait_for(lambda: "guard's names" in base.ros1.master.log, what="the proxy's refusal")
     assert_only_navigation_arrives(base)
@@ -120,8 +131,8 @@ def test_a_guard_that_is_killed_comes_back_behind_the_proxy(base):
     assert_only_the_guard_publishes(base)
 
 
-def test_addresses_of_the_guard_and_the_driver_are_not_told(base):
-    base.navigate()
+def test_addresses_of_the_guard_and_the_driver_are_not_told(moving_base):
+    base = moving_base
     inside = base.ros1
     assert inside.has("/driver", CMD_VEL_GUARD)
     for node in ("/driver", "/driver/", "//driver", "driver", CMD_VEL_GUARD, "/rtron_guard"):
@@ -137,6 +148,7 @@ def test_addresses_of_the_guard_and_the_driver_are_not_told(base):
     assert ros_call(guard, "getMasterUri", "/spy", timeout=LIMIT_S) == public(inside)
 
 
+@pytest.mark.long
 def test_an_impostor_waits_until_the_node_is_gone(base):
     nav = base.navigate()
     at = base.ros1.uri_of("/nav")
@@ -162,8 +174,8 @@ def test_a_node_that_hangs_keeps_its_name(base):
         nav.tell(signal.SIGCONT)
 
 
-def test_nobody_registers_at_the_address_of_a_planned_node_or_the_guard(base):
-    base.navigate()
+def test_nobody_registers_at_the_address_of_a_planned_node_or_the_guard(moving_base):
+    base = moving_base
     for node in ("/driver", "/nav", CMD_VEL_GUARD):
         port = base.ros1.uri_of(node).rstrip("/").rpartition(":")[2]
         for host in ("localhost", "127.0.0.1", "127.0.0.2"):
@@ -175,8 +187,8 @@ def test_nobody_registers_at_the_address_of_a_planned_node_or_the_guard(base):
             )
 
 
-def test_a_bundle_of_calls_is_no_way_around(base):
-    base.navigate()
+def test_a_bundle_of_calls_is_no_way_around(moving_base):
+    base = moving_base
     at = base.ros1.uri_of(CMD_VEL_GUARD)
     bundle = [
         {"methodName": "getPid", "params": ["/x"]},
@@ -211,8 +223,8 @@ def test_rospy_has_all_of_the_master(inside):
     assert "refused" not in inside.master.log
 
 
-def test_the_tools_of_ros_work(base):
-    base.navigate()
+def test_the_tools_of_ros_work(moving_base):
+    base = moving_base
     ros1 = base.ros1
     assert {"/nav", "/driver", CMD_VEL_GUARD} <= set(ros1.run("rosnode", "list").split())
     assert " * /rtron/cmd_vel/flow1 [geometry_msgs/Twist]" in ros1.run("rosnode", "info", "/nav")
@@ -275,6 +287,7 @@ def test_the_proxy_ends_with_an_error_when_the_master_does(base):
     assert base.driven.turns() == 0
 
 
+@pytest.mark.long
 def test_a_master_that_hangs_is_answered_for_and_works_again(inside):
     pid = private_pid(inside)
     os.kill(pid, signal.SIGSTOP)

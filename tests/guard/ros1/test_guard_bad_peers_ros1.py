@@ -5,7 +5,7 @@ import socket
 import struct
 
 import pytest
-from harness import wait_for
+from harness import Ros1, wait_for
 from raw_ros1 import LIMIT_S, RawPublisher, RawSubscriber, tcpros_port, twist
 
 from rtron.errors import RTronError
@@ -91,6 +91,13 @@ def guard(ros1):
     return Guarded(ros1)
 
 
+@pytest.fixture(scope="module")
+def attacked_guard(tmp_path_factory):
+    """One guard for all attacks that are to leave it as it was."""
+    with Ros1(tmp_path_factory.mktemp("attacked")) as ros1:
+        yield Guarded(ros1)
+
+
 def heard(publisher, subscriber, number):
     """Publish a velocity; return what the subscriber hears next."""
     wait_for(lambda: publisher.connections, what="the guard's connection")
@@ -99,7 +106,8 @@ def heard(publisher, subscriber, number):
 
 
 @pytest.mark.parametrize("attack", HOSTILE)
-def test_a_hostile_subscriber_harms_nobody(guard, attack):
+def test_a_hostile_subscriber_harms_nobody(attacked_guard, attack):
+    guard = attacked_guard
     port = tcpros_port(guard.uri, OUT)
     with socket.create_connection(("localhost", port)) as hostile:
         hostile.sendall(HOSTILE[attack])
@@ -108,7 +116,8 @@ def test_a_hostile_subscriber_harms_nobody(guard, attack):
     assert guard.is_the_same
 
 
-def test_a_hostile_slave_call_is_answered_or_closed_and_harms_nobody(guard):
+def test_a_hostile_slave_call_is_answered_or_closed_and_harms_nobody(attacked_guard):
+    guard = attacked_guard
     port = int(guard.uri.rstrip("/").rpartition(":")[2])
     for data in (
         b"\xff\r\n\r\n" * 99,
@@ -134,7 +143,8 @@ def test_a_hostile_slave_call_is_answered_or_closed_and_harms_nobody(guard):
         ({}, struct.pack("<I", 0xFFFFFFFF) + bytes(100)),
     ],
 )
-def test_a_publisher_that_lies_is_not_let_through(guard, header, data):
+def test_a_publisher_that_lies_is_not_let_through(attacked_guard, header, data):
+    guard = attacked_guard
     liar = RawPublisher(guard.master, "/liar", NAV, **header)
     with guard.subscribe() as driver, liar:
         wait_for(lambda: liar.connections, what="the guard's connection")
@@ -144,6 +154,7 @@ def test_a_publisher_that_lies_is_not_let_through(guard, header, data):
     assert guard.is_the_same
 
 
+@pytest.mark.long
 def test_a_publisher_that_comes_back_is_heard_again_but_not_with_another_type(guard):
     with guard.subscribe() as driver:
         for number in range(3):
@@ -193,6 +204,7 @@ def test_a_restarted_master_learns_of_the_guard_again(ros1, guard):
         assert driver.frame() == twist(3)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
 def test_the_guard_takes_back_its_registrations(ros1, guard, number):
     guard.process.tell(number)
@@ -221,6 +233,7 @@ class Liar(RawPublisher):
         return [1, "", ["TCPROS", f"{'x' * 70}.example", 1]] if self.lies else truth
 
 
+@pytest.mark.long
 def test_a_publisher_with_a_host_that_is_none_is_tried_again(guard):
     with Liar(guard.master, "/nav", NAV) as liar:
         wait_for(lambda: "a host that is none" in guard.process.log, what="the guard's word")

@@ -194,6 +194,7 @@ def wait_for_navigation_to_go_on(ros1):
     wait_for(lambda: heard() > before + 20, what="navigation, which goes on")
 
 
+@pytest.mark.long
 def test_an_event_stops_the_robot_and_its_end_lets_it_go_on(ros1, driven):
     rule = MissionRule(name="light", when="red", block=("/cmd_vel",))
     start_guard(ros1, missioned((MOVING,), (RED,), (rule,)), MSRCN_NODE)
@@ -210,6 +211,7 @@ def test_an_event_stops_the_robot_and_its_end_lets_it_go_on(ros1, driven):
     wait_for_speed(driven, SPEED, "navigation again")
 
 
+@pytest.mark.long
 def test_a_goal_in_the_unstable_area_is_blocked(ros1):
     corners = ((2.0, 0.0), (4.0, 0.0), (4.0, 2.0), (2.0, 2.0))
     area = Area(name="unstable", frame="map", polygon=tuple(Point(x=x, y=y) for x, y in corners))
@@ -258,6 +260,7 @@ def test_an_override_lets_the_robot_go_faster_until_it_expires(ros1, driven):
     wait_for_speed(driven, SPEED / 2, "the limit's return")
 
 
+@pytest.mark.long
 def test_a_dead_navigation_brings_the_robot_to_rest(ros1, driven):
     start_guard(ros1, limited(PolicyName.CONSTRAIN, MOVING, max_vel_limit=SPEED), "/rtron/rsrcn")
     nav = navigate(ros1, speed=3.0)

@@ -18,6 +18,7 @@ def figures(path):
     return {flow.flow: flow for flow in read_run(path).streams[0].flows} if path.exists() else {}
 
 
+@pytest.mark.long
 def test_a_dry_run_ends_in_a_plan_that_fits_it(ros1, tmp_path):
     run, tuned = tmp_path / "run.json", tmp_path / "tuned.yaml"
     guard = start_guard(ros1, drive_plan(), CMD_VEL_GUARD, "--dry-run", "--measurements", run)

@@ -162,6 +162,7 @@ def test_publishers_and_subscribers_that_do_not_fit(guard, outside):
     assert twist(9.0) not in driver
 
 
+@pytest.mark.long
 def test_a_node_that_dies_in_the_middle_of_large_messages(ros2, guard, outside):
     """What arrives of them is whole, and another camera is heard after it."""
     detector = outside.listener("/detector", output_topic("/image"), IMAGE, 10)

@@ -62,6 +62,7 @@ def lives(guard):
     return re.findall(r"the guard begins, process (\d+)", guard.log)
 
 
+@pytest.mark.long
 def test_a_guard_that_was_killed_is_followed_by_one_that_does_nothing_again(ros2, stand):
     robot, app = stand(), stand()
     goals = robot.listener("/robot", output_topic("/goal"), STRING, kept(100))
@@ -93,6 +94,7 @@ def test_a_guard_that_was_killed_is_followed_by_one_that_does_nothing_again(ros2
     assert not {twist(6), twist(0.5), twist(0.75)} & set(driven)
 
 
+@pytest.mark.long
 def test_after_a_restart_of_the_whole_what_was_kept_is_old(ros2, stand):
     robot, app = stand(), stand()
     driven = robot.listener("/robot", output_topic("/cmd_vel"), profile=kept(100))

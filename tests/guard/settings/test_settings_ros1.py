@@ -164,6 +164,7 @@ class ChangingAct(Act):
         self.guarded, self._clients = True, 0
 
 
+@pytest.mark.long
 def test_goals_that_wait_move_to_a_priority_queue_and_each_is_answered_once(ros1, programs):
     plan = action_plan(PolicyName.FIFO_QUEUE, ("/one", "/two"))
     guard = GuardWithSettings(ros1, plan)
@@ -188,6 +189,7 @@ def test_goals_that_wait_move_to_a_priority_queue_and_each_is_answered_once(ros1
     assert set(served.executed().values()) == {1}
 
 
+@pytest.mark.long
 def test_goals_that_wait_are_recalled_where_the_new_policy_holds_none(ros1, programs):
     plan = action_plan(PolicyName.FIFO_QUEUE, ("/one",))
     guard = GuardWithSettings(ros1, plan)

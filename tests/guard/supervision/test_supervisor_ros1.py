@@ -140,6 +140,7 @@ def spare_of(supervised):
     return wait_for(lambda: set(members(supervised.process.pid)) - known, what="a spare").pop()
 
 
+@pytest.mark.long
 def test_a_supervisor_without_files_keeps_the_robot_stopped_and_starts_a_guard_later(supervised):
     supervisor, told = supervised.supervisor, len(supervised.speeds())
     spare, guard = spare_of(supervised), supervised.guard
@@ -155,6 +156,7 @@ def test_a_supervisor_without_files_keeps_the_robot_stopped_and_starts_a_guard_l
     assert supervised.supervisor == supervisor
 
 
+@pytest.mark.long
 def test_a_spare_guard_that_stands_still_is_soon_replaced(supervised):
     spare, told = spare_of(supervised), len(supervised.speeds())
     os.kill(spare, signal.SIGSTOP)
@@ -165,6 +167,7 @@ def test_a_spare_guard_that_stands_still_is_soon_replaced(supervised):
     supervised.wait_for_speed("the velocity through the next guard", stopped)
 
 
+@pytest.mark.long
 def test_a_python_driver_is_stopped_too(ros1):
     start_guard(ros1, plan_with_a_blocked_flow(), CMD_VEL_GUARD)
     ros1.wait_for_nodes(GUARD_NODE, SUPERVISOR_NODE)
@@ -182,6 +185,7 @@ def test_a_python_driver_is_stopped_too(ros1):
     assert set(heard) == {SPEED}
 
 
+@pytest.mark.long
 def test_a_short_stall_stops_the_robot_and_costs_the_guard_nothing(supervised):
     guard, told = supervised.guard, len(supervised.speeds())
     os.kill(guard, signal.SIGSTOP)
@@ -219,6 +223,7 @@ def test_the_guard_goes_on_without_its_supervisor_and_gets_another(supervised):
     supervised.assert_nothing_unchecked()
 
 
+@pytest.mark.long
 def test_a_supervisor_that_hangs_is_replaced(supervised):
     guard, supervisor = supervised.guard, supervised.supervisor
     os.kill(supervisor, signal.SIGSTOP)
@@ -227,6 +232,7 @@ def test_a_supervisor_that_hangs_is_replaced(supervised):
     assert supervised.guard == guard
 
 
+@pytest.mark.long
 def test_a_new_command_takes_over_the_guard_that_runs(supervised):
     guard, supervisor = supervised.guard, supervised.supervisor
     os.kill(supervisor, signal.SIGKILL)
@@ -239,6 +245,7 @@ def test_a_new_command_takes_over_the_guard_that_runs(supervised):
     assert not lives(guard)
 
 
+@pytest.mark.long
 def test_a_new_command_takes_the_place_of_the_one_that_the_guard_has_started(supervised):
     supervisor = supervised.supervisor
     os.kill(supervisor, signal.SIGKILL)
@@ -252,6 +259,7 @@ def test_a_new_command_takes_the_place_of_the_one_that_the_guard_has_started(sup
     assert not lives(guard)
 
 
+@pytest.mark.long
 def test_a_new_command_with_another_plan_ends_the_guard_that_runs(supervised):
     guard = supervised.guard
     supervised.plan.write_text(write_plan(drive_plan()))
@@ -285,6 +293,7 @@ def test_both_end_in_order_and_the_robot_is_stopped(supervised, number):
     assert "Traceback" not in supervised.process.log
 
 
+@pytest.mark.long
 def test_a_guard_that_hangs_does_not_keep_the_supervisor_from_ending(supervised):
     group = supervised.process.pid
     supervised.tell_guard(signal.SIGSTOP)
@@ -306,6 +315,7 @@ def test_no_node_of_the_guard_is_ended_over_the_network(supervised, node):
     assert supervised.ros1.connected(CMD_VEL_GUARD, "/driver", OUT)
 
 
+@pytest.mark.long
 def test_a_flood_of_shutdowns_is_no_flood_of_log_lines(supervised):
     before = len(supervised.process.log)
     for node in (GUARD_NODE, SUPERVISOR_NODE):
@@ -325,6 +335,7 @@ def test_the_supervisor_is_not_ended_over_the_network(supervised):
     supervised.wait_for_stop(told)
 
 
+@pytest.mark.long
 def test_nothing_is_left_when_both_are_killed(supervised):
     group = supervised.process.pid
     for number in (supervised.supervisor, supervised.guard):
@@ -332,6 +343,7 @@ def test_nothing_is_left_when_both_are_killed(supervised):
     wait_for(lambda: members(group) == [], what="the end of all")
 
 
+@pytest.mark.long
 def test_a_guard_whose_supervisor_and_owner_are_gone_stops_the_robot_and_ends(ros1, driver):
     path = ros1.folder / "rtron.yaml"
     path.write_text(write_plan(plan_with_a_blocked_flow()))
@@ -347,6 +359,7 @@ def test_a_guard_whose_supervisor_and_owner_are_gone_stops_the_robot_and_ends(ro
     assert "who has started it too" in owner.log
 
 
+@pytest.mark.long
 def test_what_a_guard_has_started_ends_when_the_first_owner_is_gone(ros1):
     path = ros1.folder / "rtron.yaml"
     path.write_text(write_plan(plan_with_a_blocked_flow()))

@@ -57,6 +57,7 @@ def test_a_supervisor_that_is_killed_is_respawned_and_takes_over_the_guard(ros1,
     assert not any(map(lives, (guard, again)))
 
 
+@pytest.mark.long
 def test_a_guard_that_is_killed_comes_back_and_ends_with_roslaunch(ros1, launched):
     roslaunch, _ = launched
     guard, supervisor = pid_of(ros1, GUARD_NODE), pid_of(ros1, SUPERVISOR_NODE)

@@ -25,6 +25,7 @@ def page(app, chromium):
     chromium.get("about:blank")
 
 
+@pytest.mark.long
 def test_an_attack_is_seen_and_the_policy_that_ends_it_is_selected(app, page):
     nav = app.navigate()
     page.wait_for_text("/nav", "table")
@@ -50,6 +51,7 @@ def test_an_attack_is_seen_and_the_policy_that_ends_it_is_selected(app, page):
     page.wait_for_text("flow2")
 
 
+@pytest.mark.long
 def test_a_stranger_is_seen_while_one_looks(app, page):
     app.navigate()
     page.wait_for_text("/nav", "table")

@@ -30,6 +30,7 @@ def test_who_is_in_control_is_to_be_seen(app):
     wait_for(lambda: app.events(kind="counts"), what="the counts")
 
 
+@pytest.mark.long
 def test_a_blocked_flow_stops_the_base_and_says_why(app):
     app.navigate()
     revision = app.change(flow1={"block": True})
@@ -57,6 +58,7 @@ def test_an_emergency_stop_holds_through_a_restart_of_the_guard(app):
     wait_for(lambda: len(app.driven.navigation()) > heard, what="navigation again")
 
 
+@pytest.mark.long
 def test_the_service_may_be_away(app):
     app.navigate()
     app.change(flow2={"block": True})

@@ -2,17 +2,23 @@ import pytest
 from store_data import SECOND, make_event, new_robot, store_events
 
 from rtron.service.store import event_pages
+from rtron.service.store.database import Database
 from rtron.service.store.event_pages import MAX_PAGE_EVENTS, EventFilter, event_page
 from rtron.vocabulary import EventKind, GuardEventLevel
 
 
-@pytest.fixture
-def filled(database):
-    """Give a database with ten events each of two robots."""
+@pytest.fixture(scope="module", params=["sqlite", "postgresql"])
+def filled(request, tmp_path_factory):
+    """Give a database of each kind with ten events each of two robots; tests only read it."""
+    where = tmp_path_factory.mktemp("filled") / "rtron.db"
+    if request.param == "postgresql":
+        where = request.getfixturevalue("postgresql").new_database()
+    database = Database(where)
     for name in ("one", "two"):
         robot = new_robot(database, name)
         store_events(database, robot, [_event(number) for number in range(1, 11)], robot=name)
-    return database
+    yield database
+    database.close()
 
 
 def _event(number):

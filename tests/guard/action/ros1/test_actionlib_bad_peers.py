@@ -56,6 +56,7 @@ def assert_untouched_until_cancelled(served, one):
     assert one.done(2) == {1: "PREEMPTED", 2: "SUCCEEDED"}
 
 
+@pytest.mark.long
 def test_an_empty_id_gets_a_name_and_a_goal_that_comes_twice_runs_once(approved):
     _, served, _, raw = approved
     raw.tell({"id": "", "value": 1}, {"id": "", "value": 1})
@@ -71,6 +72,7 @@ def test_an_empty_id_gets_a_name_and_a_goal_that_comes_twice_runs_once(approved)
     assert served.executed()["twice"] == 1
 
 
+@pytest.mark.long
 def test_ids_that_are_long_or_no_words(approved):
     _, served, _, raw = approved
     odd = "a b\n\x00ä%"
@@ -107,6 +109,7 @@ def test_a_stranger_can_do_nothing(stranger):
     wait_for(lambda: ids_of_results(raw) == set(one.results()), what="the results of one alone")
 
 
+@pytest.mark.long
 def test_a_goal_of_an_earlier_time_is_served_too(approved):
     """A SimpleActionServer refuses stamps before that of its last goal; a queue reorders them."""
     _, _, one, raw = approved
@@ -134,6 +137,7 @@ def test_a_flow_that_floods_touches_no_goal_of_others(ros1, programs):
     assert len(served.executed(2)) == 50
 
 
+@pytest.mark.long
 def test_a_server_that_never_answers_is_waited_for_no_longer_than_the_plan_says(ros1, programs):
     plan = action_plan(PolicyName.FIFO_QUEUE, TWO, max_hold=2 * SECOND)
     act = Act(ros1, programs, plan)
@@ -170,6 +174,7 @@ def test_a_server_that_tells_of_thousands_of_goals_that_are_over_serves_others(r
     assert set(one.results().values()) == {1}
 
 
+@pytest.mark.long
 def test_a_server_that_works_on_thousands_of_goals_is_busy(ros1, programs):
     _, one = with_giant(ros1, programs, 10_000, ACTIVE)
     one.wait_for("connected")
@@ -178,6 +183,7 @@ def test_a_server_that_works_on_thousands_of_goals_is_busy(ros1, programs):
     assert one.text(1)
 
 
+@pytest.mark.long
 def test_a_status_that_is_longer_than_any_is_not_taken(ros1, programs):
     act, one = with_giant(ros1, programs, 50_000, ACTIVE)
     received(act, "/rtron/act/status/server", 3)

@@ -40,6 +40,7 @@ def test_goals_feedback_results_and_cancels(ros1, programs, language):
     assert_served(act.server(language), clients)
 
 
+@pytest.mark.long
 def test_clients_wait_until_there_is_a_server(ros1, programs):
     act = guarded(ros1, programs)
     early = [act.client(name="/one"), act.client("cpp", name="/other", flow="flow2")]

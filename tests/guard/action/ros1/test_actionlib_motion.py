@@ -149,6 +149,7 @@ def poses(ros1, programs):
     return Poses(ros1, programs)
 
 
+@pytest.mark.long
 def test_a_second_goal_without_an_id_waits_until_the_first_is_over(poses):
     poses.give("giver", 2500)
     assert poses.started(1) == [2500]
@@ -157,6 +158,7 @@ def test_a_second_goal_without_an_id_waits_until_the_first_is_over(poses):
     poses.assert_one_after_the_other(2)
 
 
+@pytest.mark.long
 def test_a_goal_of_the_action_waits_until_one_without_an_id_is_over(poses):
     poses.give("giver", 2500)
     assert poses.started(1) == [2500]
@@ -167,6 +169,7 @@ def test_a_goal_of_the_action_waits_until_one_without_an_id_is_over(poses):
     poses.assert_one_after_the_other(2)
 
 
+@pytest.mark.long
 def test_goals_of_both_kinds_that_wait_go_one_after_the_other(poses):
     poses.give("giver", 2500)
     assert poses.started(1) == [2500]
@@ -194,6 +197,7 @@ def test_a_rule_cancels_the_goal_that_one_without_an_id_has_become(poses):
     assert cancelled.words == poses.served.of("started")[0]
 
 
+@pytest.mark.long
 def test_a_goal_that_a_rule_has_cancelled_gives_its_turn_to_the_next(poses):
     poses.give("giver", LONG)
     assert poses.started(1) == [LONG]

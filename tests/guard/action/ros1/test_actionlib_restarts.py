@@ -37,6 +37,7 @@ def assert_answered_once(served, *clients):
     assert set(served.executed().values()) == {1}
 
 
+@pytest.mark.long
 def test_a_server_that_dies_aborts_what_it_worked_on(busy):
     act, served, one, other = busy
     served.process.kill()
@@ -52,6 +53,7 @@ def test_a_server_that_dies_aborts_what_it_worked_on(busy):
     assert_answered_once(served, one, other)
 
 
+@pytest.mark.long
 def test_a_client_that_dies_leaves_the_goals_of_others_alone(busy):
     act, served, one, other = busy
     other.process.kill()
@@ -94,6 +96,7 @@ def test_a_guard_that_is_restarted_knows_whose_goals_there_are(busy):
     assert_answered_once(served, one, other)
 
 
+@pytest.mark.long
 def test_a_goal_that_ends_while_there_is_no_guard_is_answered_all_the_same(ros1, programs):
     act = Act(ros1, programs, action_plan(PolicyName.FIFO_QUEUE, TWO))
     served = act.server()
@@ -110,6 +113,7 @@ def test_a_goal_that_ends_while_there_is_no_guard_is_answered_all_the_same(ros1,
     assert_answered_once(served, one)
 
 
+@pytest.mark.long
 def test_all_three_restart_again_and_again_among_many_goals(ros1, programs):
     act = Act(ros1, programs, action_plan(PolicyName.PRIORITY_QUEUE, TWO))
     served = act.server()

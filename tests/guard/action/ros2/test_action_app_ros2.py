@@ -152,6 +152,7 @@ def test_what_the_server_rejects_is_rejected_or_aborted_if_it_was_accepted_here(
     assert app.two.answers == {-2: [("aborted", [])], 2: [("succeeded", [2, 3])]}
 
 
+@pytest.mark.long
 def test_hundreds_of_goals_are_answered_once_each(start_action_app):
     app = start_action_app(queue_size=200)
     chance = Random(7)

@@ -89,6 +89,7 @@ def test_a_guard_that_is_killed_mid_goal_costs_no_answer(ros2, tmp_path):
     assert len(guards(guard)) == 2
 
 
+@pytest.mark.long
 def test_who_follows_on_a_killed_server_and_a_killed_client_is_heard_at_once(never_forgetting):
     ros2 = never_forgetting
     plan = ros2.folder / "rtron.yaml"

@@ -58,6 +58,7 @@ def test_verify_and_the_audit_tell_what_comes_and_goes(base):
     wait_for(lambda: len(base.alarms("no more:")) >= len(intruders), what="the end of the alarms")
 
 
+@pytest.mark.long
 def test_a_publisher_that_was_killed_and_started_anew_is_no_impostor(base):
     base.start()
     base.nav.tell(signal.SIGKILL)

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cpu_time import work_units
+from cpu_time import growth
 from rtron.sources.code.frontends.python import lower_python
 from rtron.sources.code.frontends.python.tokenizer import statements, tokenize
 from rtron.sources.code.ir import Assign, Const, Define, Opaque, SourceLanguage, SourceProblem
@@ -169,25 +169,30 @@ def test_a_snippet_is_short():
     assert len(statement.value.parts[0].text) == 60
 
 
-SLOW = {
-    "lambdas": "a = 1 = " + "lambda (" * 25_000,
-    "tuples": "a = 1 = " + "lambda (a, b): " * 15_000,
-    "quotes": "a = = '''" + "\\'''" * 50_000,
-    "backslashes": "a = = " + "\\" * 250_000,
-    "prints": "print a;" * 25_000 + "= =",
-    "errors": "a b\n" * 50_000,
-    "colons": "if " + "lambda:" * 25_000,
-    "backticks": "`" * 75_001,
-    "tabs": "\t" * 125_000 + "a b",
+HOSTILE = {
+    "lambdas": ("a = 1 = ", "lambda (", ""),
+    "tuples": ("a = 1 = ", "lambda (a, b): ", ""),
+    "quotes": ("a = = '''", "\\'''", ""),
+    "backslashes": ("a = = ", "\\", ""),
+    "prints": ("", "print a;", "= ="),
+    "errors": ("", "a b\n", ""),
+    "colons": ("if ", "lambda:", ""),
+    "backticks": ("`", "``", ""),
+    "tabs": ("", "\t", "a b"),
 }
 
 
-@pytest.mark.parametrize("kind", SLOW)
-def test_a_hostile_file_takes_bounded_time(kind):
-    """A few seconds for 200 kB: what grows with the square of the size takes minutes."""
-    module, units = work_units(lowered, SLOW[kind])
-    assert module.problems
-    assert units < 50
+def hostile(kind, size):
+    """Return a file of about this size (characters) whose middle repeats."""
+    begin, repeated, end = HOSTILE[kind]
+    return begin + repeated * (size // len(repeated)) + end
+
+
+@pytest.mark.parametrize("kind", HOSTILE)
+def test_the_time_of_a_hostile_file_grows_with_its_size(kind):
+    """Eight times the size takes about eight times as long, where its square takes 64."""
+    assert lowered(hostile(kind, 200_000)).problems
+    assert growth(lowered, hostile(kind, 25_000), hostile(kind, 200_000)) < 32
 
 
 @given(st.binary(max_size=300))
