@@ -11,7 +11,7 @@ from finding_graphs import (
     with_qos,
 )
 
-from rtron.vocabulary import QoS, Reliability, ServiceClient, UnresolvedItem
+from rtron.vocabulary import MISSING_PROGRAM, QoS, Reliability, ServiceClient, UnresolvedItem
 
 RELIABLE = QoS()
 BEST_EFFORT = QoS(reliability=Reliability.BEST_EFFORT)
@@ -21,7 +21,7 @@ SCAN = """
 /slam slam own
     sub /scan sensor_msgs/msg/LaserScan
 """
-MISSING_PROGRAM = "its program is not in the build files of its package"
+
 ODOMETRY = """
 /ekf ekf own
     pub /odometry/filtered nav_msgs/msg/Odometry

@@ -7,6 +7,8 @@ from hypothesis import strategies as st
 
 from rtron.findings import find_findings
 from rtron.vocabulary import (
+    MISSING_PROGRAM,
+    UNREAD_PUBLISHER,
     Action,
     ActionRole,
     Direction,
@@ -36,7 +38,7 @@ TYPES = [
 ]
 PACKAGES = ["twist_mux", "rviz2", "rosbridge_server", "nav2_controller", "base", ""]
 PARAMETERS = ["use_sim_time", "cmd_vel_timeout", "x.cmd_timeout", "address", ""]
-NOTES = ["its program is not in the build files of its package", "?"]
+NOTES = [MISSING_PROGRAM, UNREAD_PUBLISHER, "?"]
 
 
 def tuples(strategy, size, **keys):

@@ -17,6 +17,7 @@ from finding_graphs import (
 )
 
 from rtron.vocabulary import (
+    UNREAD_PUBLISHER,
     Certainty,
     Evidence,
     FindingLevel,
@@ -147,28 +148,20 @@ class TestOpenCommand:
         )
         assert finding.topics == ("/arm_cmd_vel", "/cmd_vel")
 
-    def test_a_call_on_a_node_that_is_not_known_may_publish_it(self):
-        why = "which node it is called on is not known"
-        note = UnresolvedItem(what="create_publisher()", why=why)
-        finding = the_finding("open_command", small_graph(BASE, unresolved=(note,)))
-        assert finding.level is FindingLevel.PEDANTIC
-
     def test_what_was_not_read_may_publish_it(self):
         graph = small_graph(BASE + FIRMWARE, unread=("/firmware",))
         cause = the_finding("open_command", graph).cause
         assert cause.endswith("publishes, unless /firmware (not read) does")
 
-    def test_where_the_node_is_driven_otherwise_it_is_for_the_pedantic(self):
-        text = BASE + f"    sub /raw_cmd_vel {TWIST}\n/nav nav own\n    pub /raw_cmd_vel {TWIST}\n"
-        finding = the_finding("open_command", small_graph(text))
-        assert (finding.topics, finding.level) == (("/cmd_vel",), FindingLevel.PEDANTIC)
-        assert the_finding("open_command", small_graph(BASE)).level is FindingLevel.REGULAR
+    def test_code_that_may_publish_it_is_named(self):
+        place = Evidence(file="src/gui.py", line=7)
+        note = UnresolvedItem(what="/cmd_vel", why=UNREAD_PUBLISHER, evidence=(place,))
+        finding = the_finding("open_command", small_graph(BASE, unresolved=(note,)))
+        assert finding.cause.endswith("publishes, unless src/gui.py:7 does")
 
-    def test_a_node_that_an_action_drives_has_a_spare_input(self):
-        text = BASE + "    server /follow a_msgs/action/Follow\n"
-        arm = "/moveit moveit own\n    client /follow a_msgs/action/Follow\n"
-        assert the_finding("open_command", small_graph(text)).level is FindingLevel.REGULAR
-        assert the_finding("open_command", small_graph(text + arm)).level is FindingLevel.PEDANTIC
+    def test_it_is_for_the_pedantic(self):
+        finding = the_finding("open_command", small_graph(BASE))
+        assert (finding.level, finding.certainty) == (FindingLevel.PEDANTIC, Certainty.POSSIBLE)
 
     def test_what_a_stack_always_listens_to_does_not_count(self):
         text = BASE.replace(" driver ", " nav2_behaviors ").replace("/cmd_vel", "/cmd_vel_teleop")

@@ -13,9 +13,11 @@ from finding_graphs import (
     small_graph,
     the_finding,
 )
-from finding_pairs import MISSING_PROGRAM, ODOMETRY, SCAN
+from finding_pairs import ODOMETRY, SCAN
 
 from rtron.vocabulary import (
+    MISSING_PROGRAM,
+    UNREAD_PUBLISHER,
     Action,
     ActionRole,
     Certainty,
@@ -127,6 +129,13 @@ class TestUnmatchedTopic:
         finding = the_finding("unmatched_topic", graph)
         assert finding.certainty is Certainty.POSSIBLE
         assert "it, unless /firmware (not read) does; /ekf sends" in finding.cause
+
+    def test_with_code_that_may_publish_it_it_is_only_possible(self):
+        place = Evidence(file="src/ekf.py", line=7)
+        note = UnresolvedItem(what="/odometry/filterd", why=UNREAD_PUBLISHER, evidence=(place,))
+        finding = the_finding("unmatched_topic", small_graph(self.MISSPELT, unresolved=(note,)))
+        assert (finding.certainty, finding.level) == (Certainty.POSSIBLE, FindingLevel.PEDANTIC)
+        assert "publishes it, unless src/ekf.py:7 does" in finding.cause
 
     @pytest.mark.parametrize("what", ["include nav.launch.py", "launch x.launch that /a starts"])
     def test_with_a_launch_file_that_was_not_read_it_is_only_possible(self, what):

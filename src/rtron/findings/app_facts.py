@@ -11,6 +11,7 @@ from itertools import chain
 from rtron.risks.graph_facts import GraphFacts, evidence_of
 from rtron.risks.wording import join_names
 from rtron.vocabulary import (
+    UNREAD_PUBLISHER,
     Consequence,
     Direction,
     Domain,
@@ -74,6 +75,17 @@ class AppFacts:
             return ""
         return f", unless {join_names(names)} (not read) {'do' if names[1:] else 'does'}"
 
+    def unread_publisher_hint(self, topics: Iterable[str]) -> str:
+        """Return what may publish one of some topics that nobody is known to publish."""
+        place = next(filter(None, map(self._unread_publishers.get, topics)), None)
+        return f", unless {place.file}:{place.line} does" if place else self.unread_hint
+
+    @cached_property
+    def _unread_publishers(self) -> dict[str, Evidence]:
+        """The places of code that may publish a topic, by topic."""
+        notes = (note for note in self.graph.unresolved if note.why == UNREAD_PUBLISHER)
+        return {note.what: place for note in notes for place in note.evidence}
+
     @property
     def is_whole(self) -> bool:
         """Whether everything that could publish, subscribe or serve was read."""
@@ -133,6 +145,8 @@ class AppFacts:
 
     def may_have_other_end(self, topic: str, direction: Direction) -> bool:
         """Return whether an end that is missing may be one that was not read, or not wholly."""
+        if direction is Direction.PUBLISH and topic in self._unread_publishers:
+            return True
         return not self.is_whole or fits_open_name(topic, self._open_names[direction])
 
     def consequence(self, topic: str, deaf_nodes: Iterable[str]) -> Consequence:

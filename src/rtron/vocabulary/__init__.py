@@ -63,6 +63,8 @@ from rtron.vocabulary.finding import (
 )
 from rtron.vocabulary.graph import (
     GRAPH_SCHEMA,
+    MISSING_PROGRAM,
+    UNREAD_PUBLISHER,
     Action,
     Endpoint,
     Evidence,
@@ -172,6 +174,7 @@ __all__ = [
     "GRAPH_SCHEMA",
     "GRCN",
     "GUARD_NODE",
+    "MISSING_PROGRAM",
     "MSRCN",
     "PLAN_SCHEMA",
     "PRIVATE_ROOT",
@@ -188,6 +191,7 @@ __all__ = [
     "SERVER_FLOW",
     "SUPERVISOR_NODE",
     "UNAPPROVED",
+    "UNREAD_PUBLISHER",
     "Action",
     "ActionRole",
     "Alarm",

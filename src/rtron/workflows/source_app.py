@@ -59,6 +59,11 @@ class WorkspaceSource:
 
     def read(self) -> InteractionGraph:
         """Return the graph; raise InputError if a launch file cannot be read."""
+        from rtron.sources.static.common.unread_publishers import with_unread_publishers  # noqa: PLC0415 - likewise
+
+        return with_unread_publishers(self._read(), self.workspace)
+
+    def _read(self) -> InteractionGraph:
         if self.ros > 1:
             from rtron.sources.static.ros2.app import scan_ros2_app  # noqa: PLC0415 - only one is needed
 

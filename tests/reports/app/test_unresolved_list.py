@@ -7,11 +7,10 @@ import pytest
 import rtron.sources
 from rtron.reports.app.unresolved_list import MOST_CAUSES, nodes_read, unresolved_list
 from rtron.reports.text_layout import Report
-from rtron.vocabulary import Evidence, InteractionGraph, Node, UnresolvedItem
+from rtron.vocabulary import MISSING_PROGRAM, Evidence, InteractionGraph, Node, UnresolvedItem
 
 NO_SOURCE = "no source of it is here, and no model"
 NO_PACKAGE = "its package is not here: give the folder of its source too"
-NO_PROGRAM = "its program is not in the build files of its package"
 CALL = "its name comes from a service call"
 
 GROUPED = """\
@@ -47,7 +46,7 @@ def test_items_are_grouped_by_their_cause(text_of):
     [
         (NO_SOURCE, "-> give the folder of its source, or write a model: `rtron model draft`"),
         (NO_PACKAGE, "-> or write a model: `rtron model draft`"),
-        (NO_PROGRAM, "-> correct the launch file or the build files"),
+        (MISSING_PROGRAM, "-> correct the launch file or the build files"),
     ],
 )
 def test_a_cause_that_hides_nodes_comes_first_with_its_remedy(text_of, why, remedy):
@@ -62,7 +61,7 @@ def test_a_cause_that_hides_nodes_comes_first_with_its_remedy(text_of, why, reme
 def test_these_causes_are_spelled_as_the_sources_spell_them():
     path = Path(rtron.sources.__file__).parent / "static" / "common" / "node_part.py"
     source = path.read_text(encoding="utf-8")
-    assert all(f'"{why}"' in source for why in (NO_SOURCE, NO_PACKAGE, NO_PROGRAM))
+    assert all(f'"{why}"' in source for why in (NO_SOURCE, NO_PACKAGE))
 
 
 def test_other_causes_are_in_order_of_frequency_and_have_no_remedy(text_of):

@@ -7,6 +7,7 @@ import pytest
 from workspace_tree import package, workspace
 
 from rtron.sources.workspace import ProgramLanguage, program_digest, read_workspace
+from rtron.sources.workspace.package_files import is_in_build_files, list_files
 from rtron.vocabulary import Trust
 
 PYTHON = "#!/usr/bin/env python3\n"
@@ -151,6 +152,25 @@ def test_python_modules_are_looked_for_near_then_in_packages(tmp_path):
     assert found.python_module("r", "p", script) == r / "src/r.py"
     for dotted in ("", "rospy", "p.none", "..etc", "a" * 5000):
         assert found.python_module(dotted, "p", script) is None
+
+
+@pytest.mark.parametrize(
+    ("files", "is_there"),
+    [
+        ({"setup.py": 'f"camera_node = {name}.camera_node:main"'}, True),
+        ({"sub/CMakeLists.txt": "add_executable(camera_node a.cpp)"}, True),
+        ({"cmake/all.cmake": "add(camera_node)"}, True),
+        ({"CMakeLists.txt": "# add_executable(camera_node a.cpp)"}, False),
+        ({"CMakeLists.txt": "add_executable(camera_nodes a.cpp)"}, False),
+        ({"CMakeLists.txt": "add_executable(my_camera_node a.cpp)"}, False),
+        ({"CMakeLists.txt": "install(PROGRAMS camera_node.py)"}, False),
+        ({"camera.py": "camera_node"}, False),
+        ({}, False),
+    ],
+)
+def test_a_word_stands_in_build_files_or_not(tmp_path, files, is_there):
+    folder = package(tmp_path / "pkg", files)
+    assert is_in_build_files(list_files(folder, ()), "camera_node") is is_there
 
 
 def test_messages_name_what_is_made_of_them(tmp_path):

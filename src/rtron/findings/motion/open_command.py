@@ -4,8 +4,8 @@
 
 Topics that command motion, that a node of the app obeys and that no node of the app publishes. One
 finding names them all. Inputs of an arbiter do not count while another input is in use, nor do the
-inputs that a stack such as Nav2 always has. Where somebody commands the same node by another topic
-or by an action, or something was not read, it is shown from the level `pedantic` on.
+inputs that a stack such as Nav2 always has. It is shown from the level `pedantic` on: who commands
+is most often another launch file, or a person who starts teleoperation by hand.
 
 ## Why it matters
 
@@ -28,14 +28,7 @@ from rtron.findings.app_facts import AppFacts
 from rtron.findings.motion.arbiter import arbiters, is_one_stack
 from rtron.findings.rule import FindingRule, make_finding
 from rtron.risks.wording import conjugate, join_names
-from rtron.vocabulary import (
-    ActionRole,
-    Certainty,
-    Consequence,
-    Direction,
-    Finding,
-    FindingLevel,
-)
+from rtron.vocabulary import Certainty, Consequence, Finding, FindingLevel
 
 
 def check(app: AppFacts) -> Iterator[Finding]:
@@ -50,19 +43,17 @@ def check(app: AppFacts) -> Iterator[Finding]:
     if not topics:
         return
     readers = sorted({reader for topic in topics for reader in app.readers(topic)})
-    maybe = any(app.may_have_other_end(topic, Direction.PUBLISH) for topic in topics)
-    is_driven = any(_obeys(app, reader) for reader in readers)
     endpoints = [end for topic in topics for end in app.graph.subscribers(topic)]
     yield make_finding(
         RULE.name,
         topics[0],
         summary=f"any node on the network can {_effect(app, topics)} {join_names(readers)}",
         cause=f"{join_names(readers)} {conjugate(readers, 'obey')} {join_names(topics)}, "
-        f"which no node of this launch publishes{app.unread_hint}",
+        f"which no node of this launch publishes{app.unread_publisher_hint(topics)}",
         remedy="scan the launch that sends these commands too, or guard the topics",
         consequence=Consequence.MOTION,
         certainty=Certainty.POSSIBLE,
-        level=FindingLevel.PEDANTIC if maybe or is_driven else FindingLevel.REGULAR,
+        level=FindingLevel.PEDANTIC,
         nodes=readers,
         topics=topics,
         evidence=app.evidence(endpoints),
@@ -71,15 +62,6 @@ def check(app: AppFacts) -> Iterator[Finding]:
 
 def _effect(app: AppFacts, topics: list[str]) -> str:
     return "stop and release" if all(map(app.is_stop, topics)) else "drive"
-
-
-def _obeys(app: AppFacts, node: str) -> bool:
-    """Return whether somebody in the app commands a node: then another input may be a spare one."""
-    inputs = {end.topic for end in app.graph.subscribed_by(node)}
-    called = {each.name for each in app.graph.actions if each.role is ActionRole.CLIENT}
-    served = {each.name for each in app.graph.actions if each.node == node}
-    is_driven = any(topic in inputs and app.publishers(topic) for topic in app.motion_topics)
-    return is_driven or not called.isdisjoint(served)
 
 
 def _spare_inputs(app: AppFacts) -> set[str]:

@@ -24,16 +24,14 @@ from collections.abc import Iterator
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.rule import FindingRule, make_finding
 from rtron.risks.wording import join_names
-from rtron.vocabulary import Certainty, Consequence, Finding, UnresolvedItem
-
-_MISSING = "its program is not in the build files of its package"
+from rtron.vocabulary import MISSING_PROGRAM, Certainty, Consequence, Finding, UnresolvedItem
 
 
 def check(app: AppFacts) -> Iterator[Finding]:
     """Yield a finding for each node whose program its package does not have."""
     notes: dict[str, list[UnresolvedItem]] = defaultdict(list)
     for note in app.graph.unresolved:
-        if note.why == _MISSING:
+        if note.why == MISSING_PROGRAM:
             notes[note.what.removeprefix("node ").partition(" (")[0]].append(note)
     for node, of_node in notes.items():
         yield _finding(node, of_node)

@@ -82,7 +82,7 @@ def _finding(app: AppFacts, topic: str, near: list[str]) -> Finding:
         topic,
         summary=f"{join_names(readers)} {conjugate(readers, 'subscribe')} {topic}, "
         "which nobody publishes",
-        cause=f"no node of this launch publishes it{app.unread_hint}{hint}",
+        cause=f"no node of this launch publishes it{app.unread_publisher_hint([topic])}{hint}",
         remedy=f"did you mean {near[0]}? Remap one to the other" if near else "start its publisher",
         consequence=Consequence.FAILURE,
         certainty=Certainty.LIKELY if is_likely else Certainty.POSSIBLE,

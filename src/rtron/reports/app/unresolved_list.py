@@ -7,7 +7,7 @@ from rich.text import Text
 
 from rtron.reports.app.risk_list import location
 from rtron.reports.text_layout import TextPage, heading, line, paragraph
-from rtron.vocabulary import InteractionGraph, UnresolvedItem
+from rtron.vocabulary import MISSING_PROGRAM, InteractionGraph, UnresolvedItem
 
 MOST_CAUSES = 10
 _MOST_EXAMPLES = 3
@@ -16,8 +16,7 @@ _REMEDIES: Mapping[str, str] = {
     "`rtron model draft`",
     "its package is not here: give the folder of its source too": "or write a model: "
     "`rtron model draft`",
-    "its program is not in the build files of its package": "correct the launch file or the build "
-    "files",
+    MISSING_PROGRAM: "correct the launch file or the build files",
 }
 _FIRST = tuple(_REMEDIES)
 

@@ -9,7 +9,9 @@ from fnmatch import translate
 from functools import lru_cache
 from pathlib import Path
 
+from rtron.errors import InputError
 from rtron.folders import walk
+from rtron.sources.bounded_file import read_regular_file
 
 MAX_FILES = 50_000
 
@@ -119,6 +121,25 @@ def _group_by_key(pairs: Iterable[tuple[str, str]]) -> Mapping[str, list[str]]:
     for key, value in pairs:
         groups[key].append(value)
     return dict(groups)
+
+
+_BUILD_FILES = ("CMakeLists.txt", ".cmake", "setup.py", "setup.cfg", "pyproject.toml")
+_MAX_BUILD_FILE_BYTES = 2**20
+_COMMENT = re.compile(rb"#.*")
+
+
+def is_in_build_files(files: PackageFiles, word: str) -> bool:
+    """Return whether a word stands in a build file of a package, outside of comments."""
+    pattern = re.compile(rb"(?<![\w.])%s(?![\w.])" % re.escape(word.encode()))
+    paths = (files.folder / name for name in files.names if name.endswith(_BUILD_FILES))
+    return any(pattern.search(_COMMENT.sub(b"", _text(path))) for path in paths)
+
+
+def _text(path: Path) -> bytes:
+    try:
+        return read_regular_file(path, _MAX_BUILD_FILE_BYTES)
+    except InputError:
+        return b""
 
 
 _ENDINGS = {

@@ -18,7 +18,8 @@ from rtron.sources.static.common.task import (
     executable_task,
 )
 from rtron.sources.workspace import Program, ProgramLanguage, Workspace
-from rtron.vocabulary import UnresolvedItem
+from rtron.sources.workspace.package_files import is_in_build_files
+from rtron.vocabulary import MISSING_PROGRAM, UnresolvedItem
 from rtron.vocabulary.launch import resolve_name
 
 _KINDS = {
@@ -96,9 +97,16 @@ def _ros2_part(part: NodePart, workspace: Workspace, models: ModelCatalog) -> No
     model = models.component(node.type) or models.node(node.package, node.type)
     if model is not None:
         return replace(part, model=model)
-    why = "its package is not here: give the folder of its source too"
-    why = "its program is not in the build files of its package" if is_here else why
+    why = _why_unread(node.package, node.type, workspace)
     return part.with_missing_note(f"node {node.name} ({node.package}/{node.type})", why)
+
+
+def _why_unread(package: str, program: str, workspace: Workspace) -> str:
+    if package not in workspace.packages:
+        return "its package is not here: give the folder of its source too"
+    if is_in_build_files(workspace.files(package), program):
+        return "the build files of its package name its program in a way that is not understood"
+    return MISSING_PROGRAM
 
 
 def _nodelet_parts(

@@ -1,0 +1,85 @@
+"""Topics that are subscribed and that nobody is known to publish, though code may do it."""
+
+import re
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from pathlib import Path
+
+from rtron.errors import InputError
+from rtron.sources.bounded_file import read_regular_file
+from rtron.sources.workspace import Workspace
+from rtron.vocabulary import UNREAD_PUBLISHER, Evidence, InteractionGraph, UnresolvedItem
+
+MAX_FILE_BYTES = 2**20
+MAX_FILES = 5_000
+"""More of an app's own code is not searched: what a search finds only makes findings milder."""
+_CODE = (".py", ".cpp", ".cc", ".cxx", ".h", ".hpp")
+_NEAR_LINES = 2
+_SENDS = re.compile(rb"publish|advertis", re.IGNORECASE)
+_MIN_LENGTH = 3
+"""Shorter names stand everywhere."""
+
+
+def with_unread_publishers(graph: InteractionGraph, workspace: Workspace) -> InteractionGraph:
+    """Return a graph with a note for each topic without a publisher that code seems to publish.
+
+    The code is that of the packages whose nodes are in the graph. Its text is searched for the
+    topic's last name beside a word such as `publish`, on lines that no endpoint was read from.
+    """
+    topics = _topics_by_last_name(graph)
+    read = {(each.file, each.line) for end in graph.endpoints for each in end.evidence}
+    places: dict[str, Evidence] = {}
+    for name, place in _mentions(topics, _code_files(graph, workspace)) if topics else ():
+        if (place.file, place.line) not in read:
+            places.setdefault(name, place)
+    notes = (
+        UnresolvedItem(what=topic, why=UNREAD_PUBLISHER, evidence=(place,))
+        for name, place in sorted(places.items())
+        for topic in topics[name]
+    )
+    return replace(graph, unresolved=(*graph.unresolved, *notes))
+
+
+def _topics_by_last_name(graph: InteractionGraph) -> dict[str, list[str]]:
+    """Return the topics that only have subscribers, by the last part of their names."""
+    found: dict[str, list[str]] = {}
+    subscribed = {end.topic for end in graph.endpoints if not end.implicit}
+    for topic in sorted(subscribed):
+        name = topic.rpartition("/")[2]
+        if not graph.publishers(topic) and "{" not in name and len(name) >= _MIN_LENGTH:
+            found.setdefault(name, []).append(topic)
+    return found
+
+
+def _code_files(graph: InteractionGraph, workspace: Workspace) -> Iterator[str]:
+    """Yield the code of the packages that nodes come from, up to MAX_FILES files."""
+    packages = sorted({node.package for node in graph.nodes} & workspace.packages.keys())
+    count = 0
+    for package in packages:
+        files = workspace.files(package)
+        for name in files.names:
+            path = files.folder / name
+            if name.endswith(_CODE) and count < MAX_FILES and files.is_file(path):
+                count += 1
+                yield str(path)
+
+
+def _mentions(names: Iterable[str], paths: Iterable[str]) -> Iterator[tuple[str, Evidence]]:
+    """Yield names with the places where a text that ends with them stands beside a publisher."""
+    words = b"|".join(re.escape(name.encode()) for name in names)
+    quoted = re.compile(rb"[\"'/](%s)[\"']" % words)
+    for path in paths:
+        lines = _lines(path)
+        for number, line in enumerate(lines):
+            near = lines[max(0, number - _NEAR_LINES) : number + _NEAR_LINES + 1]
+            for match in quoted.finditer(line):
+                if any(map(_SENDS.search, near)):
+                    yield match[1].decode(), Evidence(file=path, line=number + 1)
+
+
+def _lines(path: str) -> list[bytes]:
+    """Return the lines of a file; none of one that cannot be read, which the scan tells of."""
+    try:
+        return read_regular_file(Path(path), MAX_FILE_BYTES).split(b"\n")
+    except InputError:
+        return []

@@ -1,0 +1,113 @@
+"""Code that seems to publish what nobody is known to publish."""
+
+from dataclasses import replace
+
+import pytest
+from notation import graph_of
+from workspace_tree import package
+
+from rtron.sources.static.common import unread_publishers
+from rtron.sources.static.common.unread_publishers import with_unread_publishers
+from rtron.sources.workspace import Workspace
+from rtron.vocabulary import UNREAD_PUBLISHER, Evidence
+
+BASE = "/base robot own\n    sub /arm/cmd_vel geometry_msgs/Twist\n"
+SENDS = 'self.pub = factory("cmd_vel")\nself.pub.publish(t)\n'
+
+
+@pytest.fixture
+def notes(tmp_path):
+    """Return the places of what a graph's packages, with one file, may publish."""
+
+    def find(code, text=BASE, name="robot", file="gui.py"):
+        folder = package(tmp_path / name, {file: code})
+        graph = with_unread_publishers(
+            graph_of("app", text, ros=1), Workspace({name: folder}, [tmp_path])
+        )
+        assert {note.why for note in graph.unresolved} <= {UNREAD_PUBLISHER}
+        return [
+            (note.what, place.file.removeprefix(f"{folder}/"), place.line)
+            for note in graph.unresolved
+            for place in note.evidence
+        ]
+
+    return find
+
+
+@pytest.mark.parametrize(
+    "code",
+    [
+        SENDS,
+        "pub = nh.advertise<T>('~/cmd_vel', 1);",
+        "topics = {'x': '/arm/cmd_vel'}\n\nmake_publisher(topics)\n",
+        "x.PUBLISH(\n\n'cmd_vel')\n",
+    ],
+)
+def test_a_text_that_ends_with_the_name_beside_a_publisher(notes, code):
+    line = code[: code.index("cmd_vel")].count("\n") + 1
+    assert notes(code) == [("/arm/cmd_vel", "gui.py", line)]
+
+
+@pytest.mark.parametrize(
+    "code",
+    [
+        "sub = factory('cmd_vel')\nsub.read()\n",
+        "pub = factory('my_cmd_vel')\npub.publish(t)\n",
+        "pub = factory('cmd_vel_raw')\npub.publish(t)\n",
+        "cmd_vel.publish(t)\n",
+        "x = 'cmd_vel'\n\n\n\ny.publish(t)\n",
+        "",
+    ],
+)
+def test_another_text_is_none(notes, code):
+    assert notes(code) == []
+
+
+def test_the_place_of_an_endpoint_that_was_read_is_none(tmp_path):
+    folder = package(tmp_path / "robot", {"gui.py": SENDS})
+    graph, workspace = graph_of("app", BASE, ros=1), Workspace({"robot": folder}, [tmp_path])
+    assert with_unread_publishers(graph, workspace).unresolved
+    place = Evidence(file=str(folder / "gui.py"), line=1)
+    ends = tuple(replace(end, evidence=(place,)) for end in graph.endpoints)
+    assert not with_unread_publishers(replace(graph, endpoints=ends), workspace).unresolved
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        BASE + "/nav robot own\n    pub /arm/cmd_vel geometry_msgs/Twist\n",
+        BASE.replace("sub", "pub"),
+        BASE.replace("cmd_vel", "{}"),
+        BASE.replace("robot", "other"),
+    ],
+)
+def test_nothing_is_noted_where_nothing_is_missing_or_the_package_has_no_node(notes, text):
+    assert notes(SENDS, text) == []
+
+
+def test_short_names_stand_everywhere(notes):
+    assert notes("p.publish('go')", BASE.replace("cmd_vel", "go")) == []
+    assert notes("p.publish('run')", BASE.replace("cmd_vel", "run"))
+
+
+@pytest.mark.parametrize("file", ["data.yaml", "gui.pyc", "README.md"])
+def test_only_code_is_searched(notes, file):
+    assert notes(SENDS, file=file) == []
+
+
+def test_a_file_that_is_too_large_is_left_out(notes, monkeypatch):
+    monkeypatch.setattr(unread_publishers, "MAX_FILE_BYTES", len(SENDS) - 1)
+    assert notes(SENDS) == []
+
+
+def test_no_more_files_than_most_are_searched(notes, monkeypatch):
+    monkeypatch.setattr(unread_publishers, "MAX_FILES", 0)
+    assert notes(SENDS) == []
+
+
+def test_a_link_out_of_the_package_is_not_followed(tmp_path):
+    (tmp_path / "secret.py").write_text(SENDS)
+    folder = package(tmp_path / "src" / "robot", {})
+    (folder / "gui.py").symlink_to(tmp_path / "secret.py")
+    workspace = Workspace({"robot": folder}, [tmp_path / "src"])
+    assert not with_unread_publishers(graph_of("app", BASE, ros=1), workspace).unresolved
