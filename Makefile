@@ -45,7 +45,7 @@ test-ros2: setup ## Run the tests on a real ROS 2 (6 minutes)
 
 test-all: SHORT :=
 test-all: EXAMPLES := --hypothesis-profile=thorough
-test-all: test ## Run all of that, the case studies, and the soak and load runs (an hour)
+test-all: test ## Run all of that, the case studies, and the soak, load and fault runs (an hour)
 
 mutation: setup ## Change the policies in over a thousand small ways; the tests must fail (hours)
 	$(BIN)/mutmut run --max-children 1

@@ -336,6 +336,11 @@ class TestPowerCommand:
         assert finding.summary == "any node on the network can switch the robot off"
         assert finding.level is FindingLevel.PEDANTIC
 
+    def test_a_restart_is_told_as_such(self):
+        text = self.POWER.replace("shutdown", "reboot")
+        summary = the_finding("power_command", small_graph(text)).summary
+        assert summary == "any node on the network can restart the robot or a part of it"
+
     @pytest.mark.parametrize(
         ("name", "is_found"),
         [
@@ -346,6 +351,11 @@ class TestPowerCommand:
             ("/shutdowns", False),
             ("/reboots/last", False),
             ("/power", False),
+            ("/base/reset", True),
+            ("/mcu_reset", True),
+            ("/restart_motors", True),
+            ("/reset_odometry", False),
+            ("/presets", False),
         ],
     )
     def test_services_count_by_their_last_part(self, name, is_found):
@@ -369,8 +379,35 @@ class TestArbiter:
         assert finding.summary == "/twist_mux decides who drives on /cmd_vel"
         assert finding.cause == "it takes /joy_vel and /nav_vel"
 
+    def test_priorities_and_locks_are_those_of_its_parameters(self):
+        given = {
+            "topics.joy.topic": "joy_vel",
+            "topics.joy.priority": 100,
+            "topics.nav.topic": "/nav_vel",
+            "locks.pause.topic": "/pause",
+            "locks.pause.priority": 255,
+            "topics.a.b.topic": "x",
+        }
+        known = [
+            each for name, value in given.items() for each in parameters(name, twist_mux=value)
+        ]
+        others = parameters("topics.joy.priority", other=1)
+        finding = the_finding("arbiter", small_graph(MUX, parameters=(*known, *others)))
+        assert finding.cause == (
+            "it takes /joy_vel (priority 100), /nav_vel and lock pause (priority 255)"
+        )
+
     def test_without_an_output_it_decides_nothing(self):
         assert not found("arbiter", small_graph(MUX.replace("    pub ", "    sub ")))
+
+
+def test_a_node_that_moves_nothing_is_no_reader_that_was_not_read():
+    text = TWO_DRIVERS + "/camera realsense third_party\n/roboclaw motors third_party\n"
+    cause = the_finding("several_publishers", small_graph(text, unread=("/camera",))).cause
+    assert cause.endswith("; its reader is not in the source")
+    both = small_graph(text, unread=("/camera", "/roboclaw"))
+    cause = the_finding("several_publishers", both).cause
+    assert cause.endswith("it may be /roboclaw (not read)")
 
 
 def test_a_speed_limit_is_no_drive():

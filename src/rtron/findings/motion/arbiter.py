@@ -3,7 +3,8 @@
 ## What it finds
 
 Multiplexers, smoothers and monitors of velocities (twist_mux, yocs_cmd_vel_mux, Nav2's collision
-monitor and velocity smoother), with their inputs and outputs. It is no fault: it is for auditors.
+monitor and velocity smoother), with their inputs and outputs. Of a twist_mux of ROS 2 it names the
+priorities and locks that its parameters give. It is no fault: it is for auditors.
 
 ## Why it matters
 
@@ -16,15 +17,17 @@ None is needed.
 
 ## Example
 
-`/twist_mux` takes `/joy_vel` and `/nav_vel`, and publishes `/cmd_vel`.
+`/twist_mux` takes `/joy_vel` (priority 100) and `/nav_vel` (10), and publishes `/cmd_vel`.
 """
 
-from collections.abc import Iterator
+import re
+from collections import defaultdict
+from collections.abc import Iterator, Mapping
 
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.rule import FindingRule, make_finding
 from rtron.risks.wording import join_names
-from rtron.vocabulary import Certainty, Consequence, Finding, FindingLevel
+from rtron.vocabulary import Certainty, Consequence, Finding, FindingLevel, NodeParameterValue
 
 ARBITER_PACKAGES = frozenset(
     {
@@ -39,6 +42,8 @@ ARBITER_PACKAGES = frozenset(
         "joy_teleop_mux",
     }
 )
+_SOURCE = re.compile(r"(?P<kind>topics|locks)\.(?P<name>\w+)\.(?P<key>topic|priority)")
+"""The parameters of an input or a lock (ROS package twist_mux)."""
 _STACKS = (("nav2_", "opennav_"), ("move_base", "moveit"), ("autoware_",), ("gazebo_", "ros_gz"))
 """Prefixes of packages whose nodes take turns among themselves."""
 _SAFETY_PACKAGES = ("nav2_collision_monitor",)
@@ -52,7 +57,7 @@ def check(app: AppFacts) -> Iterator[Finding]:
             RULE.name,
             node,
             summary=f"{node} decides who drives on {join_names(outputs)}",
-            cause=f"it takes {join_names(inputs)}",
+            cause=f"it takes {join_names(_with_priorities(app, node, inputs))}",
             remedy="nothing to do; check its priorities and locks",
             consequence=Consequence.ODDITY,
             certainty=Certainty.CERTAIN,
@@ -61,6 +66,27 @@ def check(app: AppFacts) -> Iterator[Finding]:
             topics=(*inputs, *outputs),
             evidence=app.evidence(app.graph.published_by(node)),
         )
+
+
+def _with_priorities(app: AppFacts, node: str, inputs: tuple[str, ...]) -> list[str]:
+    """Return the inputs of an arbiter, each with its priority, and its locks (twist_mux)."""
+    sources: dict[tuple[str, str], dict[str, NodeParameterValue | None]] = defaultdict(dict)
+    for each in app.graph.parameters:
+        match = _SOURCE.fullmatch(each.name) if each.node == node else None
+        if match:
+            sources[match["kind"], match["name"]][match["key"]] = each.value
+    priorities = {
+        str(of.get("topic")).rpartition("/")[2]: (kind, of.get("priority"))
+        for (kind, _), of in sources.items()
+    }
+    shown = [_with_priority(topic, priorities) for topic in inputs]
+    locks = [name for name, (kind, _) in priorities.items() if kind == "locks"]
+    return shown + [f"lock {_with_priority(name, priorities)}" for name in sorted(locks)]
+
+
+def _with_priority(topic: str, priorities: Mapping[str, tuple[str, object]]) -> str:
+    _, priority = priorities.get(topic.rpartition("/")[2], ("", None))
+    return topic if priority is None else f"{topic} (priority {priority})"
 
 
 def arbiters(app: AppFacts) -> dict[str, tuple[tuple[str, ...], tuple[str, ...]]]:

@@ -1,10 +1,11 @@
-"""Any node can switch the robot off.
+"""Any node can switch the robot off or restart it.
 
 ## What it finds
 
-Topics and services that shut the robot down, reboot it or cut its power (`shutdown`, `reboot`,
-`power_off`, also after `system_` or `robot_`), and that no node of the app uses itself. One finding
-names them all. Where a bridge opens the app to the network, it is shown at the level `regular`.
+Topics and services that shut the robot down, restart it or a part of it, or cut its power
+(`shutdown`, `reboot`, `power_off`, `reset`, also as `system_shutdown` or `reset_motors`), and that
+no node of the app uses itself. One finding names them all. Where a bridge opens the app to the
+network, it is shown at the level `regular`, else from `pedantic` on.
 
 ## Why it matters
 
@@ -30,7 +31,11 @@ from rtron.findings.rule import FindingRule, make_finding
 from rtron.risks.wording import conjugate, join_names
 from rtron.vocabulary import Certainty, Consequence, Finding, FindingLevel
 
-_POWER = re.compile(r"(?:\w+_)?(?:shutdown|shut_down|reboot|poweroff|power_off)(?:_\w+)?")
+_OFF = re.compile(r"(?:\w+_)?(?:shutdown|shut_down|poweroff|power_off)(?:_\w+)?")
+_PART = "mcu|board|system|robot|base|hardware|firmware|motors?|drivers?"
+_RESTART = re.compile(
+    rf"(?:\w+_)?reboot(?:_\w+)?|(?:(?:{_PART})_)?(?:reset|restart)(?:_(?:{_PART}))?"
+)
 
 
 def check(app: AppFacts) -> Iterator[Finding]:
@@ -52,7 +57,12 @@ def check(app: AppFacts) -> Iterator[Finding]:
 
 
 def _is_power(name: str) -> bool:
-    return bool(_POWER.fullmatch(name.rpartition("/")[2]))
+    return any(pattern.fullmatch(name.rpartition("/")[2]) for pattern in (_OFF, _RESTART))
+
+
+def _effect(names: list[str]) -> str:
+    is_off = any(_OFF.fullmatch(name.rpartition("/")[2]) for name in names)
+    return "switch the robot off" if is_off else "restart the robot or a part of it"
 
 
 def _finding(app: AppFacts, owners: dict[str, str], topics: dict[str, str]) -> Finding:
@@ -62,7 +72,7 @@ def _finding(app: AppFacts, owners: dict[str, str], topics: dict[str, str]) -> F
     return make_finding(
         RULE.name,
         names[0],
-        summary=f"{who} can switch the robot off",
+        summary=f"{who} can {_effect(names)}",
         cause=f"{join_names(nodes)} {conjugate(nodes, 'obey')} {join_names(names)}, "
         "which no node of this launch uses",
         remedy="keep them from the bridge, or guard them: leave power to a program outside of ROS",
@@ -77,7 +87,7 @@ def _finding(app: AppFacts, owners: dict[str, str], topics: dict[str, str]) -> F
 
 RULE = FindingRule(
     name="power_command",
-    title="Any node can switch the robot off",
+    title="Any node can switch the robot off or restart it",
     consequence="failure: likely",
     since="0.2.0",
     check=check,

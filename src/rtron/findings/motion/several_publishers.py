@@ -24,6 +24,7 @@ publisher go through one arbiter.
 `/move_base` and `/teleop` publish `/cmd_vel`; `/base_driver`, which was not read, may obey.
 """
 
+import re
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
 
@@ -34,6 +35,10 @@ from rtron.risks.wording import both_or_all, conjugate, join_names
 from rtron.vocabulary import Certainty, Consequence, Finding
 
 _ONE_SHOT_PACKAGES = ("rostopic", "ros2topic")
+_BASE = re.compile(
+    "base|bot|rover|driver|motor|wheel|chassis|control|serial|firmware|mcu|vesc|ros_agent"
+)
+"""Words in the names of nodes and packages that move a robot."""
 _LIMITS = ("max_vel", "speed_limit", "velocity_limit")
 
 
@@ -105,9 +110,10 @@ def _command(app: AppFacts, topic: str) -> str:
 
 
 def _missing_reader(app: AppFacts) -> str:
-    if not app.unread_nodes:
+    bases = [node for node in app.unread_nodes if _BASE.search(f"{node} {app.nodes[node].package}")]
+    if not bases:
         return "its reader is not in the source"
-    return f"its reader is not in the source, it may be {join_names(app.unread_nodes)} (not read)"
+    return f"its reader is not in the source, it may be {join_names(bases)} (not read)"
 
 
 RULE = FindingRule(
