@@ -1,0 +1,1 @@
+"""A scan of every app below a folder, and the table of what was found."""

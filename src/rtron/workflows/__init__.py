@@ -1,0 +1,1 @@
+"""What the command line, the service and the demos call: scan, plan, instrument, verify."""

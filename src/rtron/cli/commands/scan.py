@@ -95,8 +95,9 @@ def scan(  # noqa: PLR0913 - one for each option
     """Find what the nodes of an app can do to each other.
 
     The nodes of an app come from many authors. The scan reads the interaction
-    graph and reports who can move the robot and which ends do not meet: what
-    can happen, which nodes and lines make it so, and what to do.
+    graph and reports who can move the robot, and which topics and services
+    nobody provides: what can happen, which nodes and lines make it so, and
+    what to do.
 
     An app in source needs no build: give its folders and launch files.
 

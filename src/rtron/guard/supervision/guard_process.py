@@ -12,16 +12,14 @@ from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.supervision.guard_config import GuardConfig
 from rtron.guard.supervision.programs import GUARD, command
 from rtron.guard.supervision.shared_memory import GuardMemory, StatusWord
-from rtron.guard.supervision.supervisor_fsm import OK
+from rtron.guard.supervision.supervisor_fsm import END_TIMEOUT, OK
 from rtron.guard.supervision.supervisor_handover import (
     BEGIN,
     HandoverAnswer,
     is_running,
     request_handover,
 )
-from rtron.vocabulary import SECOND
 
-_END_TIMEOUT = 8 * SECOND
 _PAUSE_S = 0.02
 
 
@@ -129,7 +127,7 @@ def adopt_guard(config: GuardConfig, streams: int) -> GuardProcess | None:
 
 def _end(pid: int, *, in_order: bool) -> None:
     """End a guard that is not ours to keep."""
-    until = EventLoop.now() + _END_TIMEOUT
+    until = EventLoop.now() + END_TIMEOUT
     with suppress(ProcessLookupError):
         os.kill(pid, signal.SIGTERM if in_order else signal.SIGKILL)
         while in_order and is_running(pid) and EventLoop.now() < until:

@@ -1,4 +1,4 @@
-"""The roles of users, the scopes of API tokens, and the rights to change a coordination node."""
+"""The names of roles, of scopes of API tokens, and of rights; `rights.py` says who has which."""
 
 from rtron.vocabulary import StringEnum
 

@@ -1,9 +1,9 @@
 """The intermediate representation of a source file: what C++ and Python have in common.
 
-A front end (`python/`, `cpp/`) lowers one file to a `Unit`; the interpreter runs units together.
-Names of C++ stand as they are written (`ns::Class`, template arguments taken out into a TypeRef);
-what a front end does not understand becomes an `Opaque` with the expressions inside it, so that
-calls in it are still seen.
+A front end (`frontends/python/`, `frontends/cpp/`) lowers one file to a `Unit`; the interpreter
+runs units together. Names of C++ stand as they are written (`ns::Class`, template arguments taken
+out into a TypeRef); what a front end does not understand becomes an `Opaque` with the expressions
+inside it, so that calls in it are still seen.
 """
 
 from rtron.sources.code.ir.declarations import (

@@ -1,7 +1,7 @@
 """The conditions of actions, in all three formats (docs.ros.org: launch, conditions).
 
-XML and YAML write them as the attributes `if` and `unless`. `python/substitutions.py` translates
-IfCondition and its kin of a Python file into an `if`. `reader.py` runs or skips the action.
+XML and YAML write them as the attributes `if` and `unless`. `python/actions.py` makes such
+attributes of IfCondition and its kin in a Python file. `reader.py` runs or skips the action.
 """
 
 from typing import TYPE_CHECKING
