@@ -11,7 +11,14 @@ from finding_graphs import (
     with_qos,
 )
 
-from rtron.vocabulary import MISSING_PROGRAM, QoS, Reliability, ServiceClient, UnresolvedItem
+from rtron.vocabulary import (
+    MISSING_PROGRAM,
+    UNREAD_PARAMETER,
+    QoS,
+    Reliability,
+    ServiceClient,
+    UnresolvedItem,
+)
 
 RELIABLE = QoS()
 BEST_EFFORT = QoS(reliability=Reliability.BEST_EFFORT)
@@ -83,6 +90,10 @@ PAIRS = {
     "idle_remap": (
         _with_note("no node that gets it uses the name; /base use it", "remap /a to /b"),
         _with_note("no source of it is here", "remap /a to /b"),
+    ),
+    "unread_parameter": (
+        _with_note(f"{UNREAD_PARAMETER}; it declares max_vel", "parameter max_v of /base"),
+        _with_note("no source of it is here", "parameter max_v of /base"),
     ),
     "sim_time": (
         small_graph(SCAN, parameters=parameters("use_sim_time", laser=True, slam=False)),

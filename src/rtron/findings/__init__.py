@@ -23,6 +23,7 @@ from rtron.findings.wiring import (
     sim_time,
     type_mismatch,
     unmatched_topic,
+    unread_parameter,
 )
 from rtron.risks import RiskLists, default_lists
 from rtron.risks.graph_facts import GraphFacts
@@ -44,6 +45,7 @@ FINDING_RULES: tuple[FindingRule, ...] = (
     missing_program.RULE,
     duplicate_node.RULE,
     idle_remap.RULE,
+    unread_parameter.RULE,
     sim_time.RULE,
     arbiter.RULE,
 )

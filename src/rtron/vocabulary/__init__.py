@@ -64,6 +64,7 @@ from rtron.vocabulary.finding import (
 from rtron.vocabulary.graph import (
     GRAPH_SCHEMA,
     MISSING_PROGRAM,
+    UNREAD_PARAMETER,
     UNREAD_PUBLISHER,
     Action,
     Endpoint,
@@ -191,6 +192,7 @@ __all__ = [
     "SERVER_FLOW",
     "SUPERVISOR_NODE",
     "UNAPPROVED",
+    "UNREAD_PARAMETER",
     "UNREAD_PUBLISHER",
     "Action",
     "ActionRole",

@@ -135,6 +135,7 @@ class Action:
 
 
 UNREAD_PUBLISHER = "code that was not understood may publish it"
+UNREAD_PARAMETER = "the node does not declare it"
 MISSING_PROGRAM = "its program is not in the build files of its package"
 """Why something is unresolved, where findings ask for it."""
 

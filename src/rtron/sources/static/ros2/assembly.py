@@ -39,7 +39,8 @@ class Ros2Assembly(GraphBuilder):
             ):
                 self.add_entity(entity)
         for parameter in part.interface.parameters:
-            self.parameters[parameter.node, parameter.name] = parameter
+            if "{" not in parameter.name:
+                self.parameters[parameter.node, parameter.name] = parameter
         self.add_unresolved(*part.interface.unresolved)
         self.add_unresolved(*_programs_without_nodes(part))
         for started in part.interface.runtime_starts:

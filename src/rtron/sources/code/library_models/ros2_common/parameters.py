@@ -185,12 +185,11 @@ def _has_type_of(value: Value, default: Value | None) -> bool:
 
 
 def _record_parameter(machine: AbstractMachine, node: Value, name: Value, value: Value) -> None:
-    """Record a parameter whose name is known."""
-    if isinstance(name, Scalar):
-        for owner in options(node_name(node)):
-            machine.recorder.add_parameter(
-                text_with_holes(owner), str(name.value), plain_parameter_value(value)
-            )
+    """Record a parameter; what is not known of its name stands in braces."""
+    for owner in options(node_name(node)):
+        machine.recorder.add_parameter(
+            text_with_holes(owner), text_with_holes(name), plain_parameter_value(value)
+        )
 
 
 def plain_parameter_value(value: Value) -> NodeParameterValue | None:

@@ -1,0 +1,104 @@
+"""Parameters that a launch sets and the node that it starts does not declare."""
+
+import pytest
+
+from rtron.sources.static.common.scan_options import ScanOptions
+from rtron.sources.static.ros2.app import scan_ros2_app
+from rtron.vocabulary import UNREAD_PARAMETER
+
+MANIFEST = "<package><name>app</name></package>"
+SETUP = """from setuptools import setup
+setup(name="app", entry_points={"console_scripts": ["base = app.base:main", "arm = app.arm:main"]})
+"""
+NODE = """import rclpy
+from rclpy.node import Node
+class Made(Node):
+    def __init__(self):
+        super().__init__({name!r})
+{body}
+def main():
+    rclpy.init()
+    rclpy.spin(Made())
+"""
+LAUNCH = """from launch import LaunchDescription
+from launch_ros.actions import Node
+def generate_launch_description():
+    return LaunchDescription([
+        Node(package="app", executable="base", parameters=[{given}]),
+        Node(package="app", executable="arm", parameters=[{given}]),
+    ])
+"""
+BASE = ("max_vel", "wheel.radius", "rate")
+
+
+@pytest.fixture
+def unread(tmp_path):
+    """Return the parameters that two nodes, which declare some, ignore of those that are given."""
+
+    def scan(given, base=BASE, arm=("speed",), more="pass"):
+        files = {"package.xml": MANIFEST, "setup.py": SETUP, "app/__init__.py": ""}
+        for name, declared in (("base", base), ("arm", arm)):
+            lines = [f"self.declare_parameter({each!r}, 1.0)" for each in declared] + [more]
+            body = "\n".join(f"        {line}" for line in lines)
+            files[f"app/{name}.py"] = NODE.format(name=name, body=body)
+        for name, text in files.items():
+            (tmp_path / name).parent.mkdir(exist_ok=True)
+            (tmp_path / name).write_text(text)
+        (tmp_path / "p.yaml").write_text(given if isinstance(given, str) else "")
+        launch = tmp_path / "app.launch.py"
+        words = repr(str(tmp_path / "p.yaml")) if isinstance(given, str) else repr(given)
+        launch.write_text(LAUNCH.replace("{given}", words))
+        graph = scan_ros2_app([tmp_path], [(launch, {})], {}, ScanOptions(workers=1))
+        notes = [n for n in graph.unresolved if n.why.startswith(UNREAD_PARAMETER)]
+        assert all(note.evidence[0].file == str(launch) for note in notes)
+        return {
+            note.what.removeprefix("parameter "): note.why.removeprefix(UNREAD_PARAMETER)
+            for note in notes
+        }
+
+    return scan
+
+
+def of_base(**values):
+    lines = "".join(f"    {name}: {value}\n" for name, value in values.items())
+    return f"/base:\n  ros__parameters:\n{lines}"
+
+
+def test_a_near_name_that_nobody_sets_is_named(unread):
+    assert unread(of_base(max_vell=1.0)) == {"max_vell of /base": "; it declares max_vel"}
+
+
+def test_a_near_name_that_is_set_too_is_not_meant(unread):
+    assert unread(of_base(max_vell=1.0, max_vel=2.0)) == {"max_vell of /base": ""}
+
+
+def test_what_is_declared_is_read(unread):
+    assert unread(of_base(max_vel=1.0, rate=2.0)) == {}
+    assert unread("base:\n  ros__parameters:\n    wheel:\n      radius: 1.0\n") == {}
+
+
+@pytest.mark.parametrize("name", ["use_sim_time", "qos_overrides./scan.subscription.depth"])
+def test_what_every_node_reads_is_read(unread, name):
+    assert unread(of_base(**{name: 1})) == {}
+
+
+def test_what_is_for_all_nodes_is_read_if_one_declares_it(unread):
+    assert unread("/**:\n  ros__parameters:\n    speed: 1.0\n    max_vel: 1.0\n") == {}
+    ignored = unread("/**:\n  ros__parameters:\n    sped: 1.0\n")
+    assert ignored == {"sped of /arm": "; it declares speed", "sped of /base": ""}
+
+
+def test_of_a_node_that_declares_none_nothing_is_known(unread):
+    assert unread(of_base(max_vel=1.0), base=()) == {}
+
+
+@pytest.mark.parametrize(
+    "more",
+    [
+        "self.declare_parameter(unknown(), 1.0)",
+        "[self.declare_parameter(f'max_{each}', 1.0) for each in unknown()]",
+        "exec(unknown())",
+    ],
+)
+def test_of_a_node_that_was_not_read_whole_nothing_is_known(unread, more):
+    assert unread(of_base(max_vell=1.0), more=more) == {}
