@@ -92,8 +92,8 @@ PAIRS = {
         _with_note("no source of it is here", "remap /a to /b"),
     ),
     "unread_parameter": (
-        _with_note(f"{UNREAD_PARAMETER}; it declares max_vel", "parameter max_v of /base"),
-        _with_note("no source of it is here", "parameter max_v of /base"),
+        _with_note(f"{UNREAD_PARAMETER}; it declares max_vel", "set for /base: max_v"),
+        _with_note("no source of it is here", "set for /base: max_v"),
     ),
     "sim_time": (
         small_graph(SCAN, parameters=parameters("use_sim_time", laser=True, slam=False)),

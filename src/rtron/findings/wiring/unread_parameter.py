@@ -1,10 +1,11 @@
-"""A launch sets a parameter that its node does not declare.
+"""A launch sets parameters that their node does not declare.
 
 ## What it finds
 
-ROS 2: a parameter of a launch or of its YAML files, for a node whose source was read whole, that
-declares parameters and not this one. Where the node declares a near name that nobody sets, it is
-likely meant, and the finding names it; else it is shown from the level `pedantic` on.
+ROS 2: the parameters of a launch, or of its YAML files, for a node whose source was read whole and
+that declares others. Where the node declares a near name that nobody sets, it is likely meant, and
+the finding names it; else it is shown from the level `pedantic` on. What a file sets for all nodes
+(`/**`) counts where the node declares a near name, and no node of the app this one.
 
 ## Why it matters
 
@@ -13,7 +14,7 @@ told: a limit that was lowered in the YAML file stays as high as it was.
 
 ## Remedy
 
-Write the name that the node declares, or remove the parameter.
+Write the names that the node declares, or remove the parameters.
 
 ## Example
 
@@ -24,6 +25,7 @@ from collections.abc import Iterator
 
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.rule import FindingRule, make_finding
+from rtron.risks.wording import join_names
 from rtron.vocabulary import (
     UNREAD_PARAMETER,
     Certainty,
@@ -32,6 +34,8 @@ from rtron.vocabulary import (
     FindingLevel,
     UnresolvedItem,
 )
+
+_MOST_SHOWN = 4
 
 
 def check(app: AppFacts) -> Iterator[Finding]:
@@ -42,14 +46,17 @@ def check(app: AppFacts) -> Iterator[Finding]:
 
 
 def _finding(note: UnresolvedItem) -> Finding:
-    name, _, node = note.what.removeprefix("parameter ").partition(" of ")
+    node, _, names = note.what.removeprefix("set for ").partition(": ")
     _, _, near = note.why.partition("declares ")
+    shown = names.split(", ")
+    if len(shown) > _MOST_SHOWN:
+        shown = [*shown[:_MOST_SHOWN], f"{len(shown) - _MOST_SHOWN} more"]
     return make_finding(
         RULE.name,
-        f"{node}:{name}",
-        summary=f"{node} ignores the parameter {name}, which the launch sets",
-        cause=f"its source does not declare it{f', and declares {near}' if near else ''}",
-        remedy=f"did you mean {near}?" if near else "remove it, or declare it in the node",
+        f"{node}:{names.partition(',')[0]}",
+        summary=f"{node} ignores parameters that the launch sets: {join_names(shown)}",
+        cause=f"it does not declare them{f'; it declares {near}' if near else ''}",
+        remedy=f"did you mean {near}?" if near else "remove them, or declare them in the node",
         consequence=Consequence.FAILURE,
         certainty=Certainty.LIKELY if near else Certainty.POSSIBLE,
         level=FindingLevel.REGULAR if near else FindingLevel.PEDANTIC,
@@ -60,7 +67,7 @@ def _finding(note: UnresolvedItem) -> Finding:
 
 RULE = FindingRule(
     name="unread_parameter",
-    title="A launch sets a parameter that its node does not declare",
+    title="A launch sets parameters that their node does not declare",
     consequence="failure: likely where the node declares a near name, else possible",
     since="0.2.0",
     check=check,

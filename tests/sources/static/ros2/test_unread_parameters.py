@@ -51,10 +51,7 @@ def unread(tmp_path):
         graph = scan_ros2_app([tmp_path], [(launch, {})], {}, ScanOptions(workers=1))
         notes = [n for n in graph.unresolved if n.why.startswith(UNREAD_PARAMETER)]
         assert all(note.evidence[0].file == str(launch) for note in notes)
-        return {
-            note.what.removeprefix("parameter "): note.why.removeprefix(UNREAD_PARAMETER)
-            for note in notes
-        }
+        return {note.what: note.why.removeprefix(UNREAD_PARAMETER) for note in notes}
 
     return scan
 
@@ -65,11 +62,28 @@ def of_base(**values):
 
 
 def test_a_near_name_that_nobody_sets_is_named(unread):
-    assert unread(of_base(max_vell=1.0)) == {"max_vell of /base": "; it declares max_vel"}
+    assert unread(of_base(max_vell=1.0)) == {"set for /base: max_vell": "; it declares max_vel"}
+
+
+@pytest.mark.parametrize("name", ["maxVel", "_max_vel", "MAX_VEL", "max_vels"])
+def test_near_is_another_spelling(unread, name):
+    assert unread(of_base(**{name: 1.0})) == {f"set for /base: {name}": "; it declares max_vel"}
+
+
+@pytest.mark.parametrize("name", ["vel", "wheel.max_vel", "max_acceleration"])
+def test_another_word_or_group_is_not_near(unread, name):
+    assert unread(of_base(**{name: 1.0})) == {f"set for /base: {name}": ""}
 
 
 def test_a_near_name_that_is_set_too_is_not_meant(unread):
-    assert unread(of_base(max_vell=1.0, max_vel=2.0)) == {"max_vell of /base": ""}
+    assert unread(of_base(max_vell=1.0, max_vel=2.0)) == {"set for /base: max_vell": ""}
+
+
+def test_a_near_name_is_near_to_one_only(unread):
+    assert unread(of_base(max_vell=1.0, max_velocs=1.0, rat=1.0, other=2)) == {
+        "set for /base: max_vell, rat": "; it declares max_vel, rate",
+        "set for /base: max_velocs, other": "",
+    }
 
 
 def test_what_is_declared_is_read(unread):
@@ -84,8 +98,8 @@ def test_what_every_node_reads_is_read(unread, name):
 
 def test_what_is_for_all_nodes_is_read_if_one_declares_it(unread):
     assert unread("/**:\n  ros__parameters:\n    speed: 1.0\n    max_vel: 1.0\n") == {}
-    ignored = unread("/**:\n  ros__parameters:\n    sped: 1.0\n")
-    assert ignored == {"sped of /arm": "; it declares speed", "sped of /base": ""}
+    ignored = unread("/**:\n  ros__parameters:\n    sped: 1.0\n    other: 1.0\n")
+    assert ignored == {"set for /arm: sped": "; it declares speed"}
 
 
 def test_of_a_node_that_declares_none_nothing_is_known(unread):

@@ -1,8 +1,8 @@
 """Parameters that a launch sets and that the node, whose source was read, does not declare."""
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Mapping
-from difflib import get_close_matches
+from collections.abc import Iterable, Iterator
+from difflib import SequenceMatcher
 
 from rtron.sources.static.common.node_part import NodePart
 from rtron.vocabulary import UNREAD_PARAMETER, UnresolvedItem
@@ -14,10 +14,12 @@ _NEAR_RATIO = 0.8
 
 
 def unread_parameters(parts: Iterable[NodePart]) -> Iterator[UnresolvedItem]:
-    """Yield a note for each set parameter without effect, with a near name that is not set.
+    """Yield for each node a note of the set parameters without effect, and one for near names.
 
-    A node counts if its source was read whole and declares parameters, all with known names. A parameter that stands for
-    all nodes (`/**`) counts if no node of the app declares it.
+    A near name is one that the node declares and the launch does not set. A node counts if its
+    source was read whole and declares parameters, all with known names. A file is often given to
+    several nodes: a parameter counts if no node declares it, and one that is set for all (`/**`) if
+    this one declares a near name.
     """
     read = [part for part in parts if part.task and not part.interface.unresolved]
     declared: dict[str, set[str]] = defaultdict(set)
@@ -28,8 +30,11 @@ def unread_parameters(parts: Iterable[NodePart]) -> Iterator[UnresolvedItem]:
     for part in read:
         for node in _nodes_with_parameters(part):
             set_by_launch = _set_by_launch(part, node)
-            for name in _unread(set_by_launch, declared[node], everywhere):
-                yield _note(part, node, name, declared[node] - set_by_launch.keys())
+            unread = [name for name in set_by_launch if not _is_read(name, everywhere)]
+            near = _near(unread, declared[node] - set_by_launch.keys())
+            others = [name for name in unread if name not in near and set_by_launch[name]]
+            yield from _notes(part, node, list(near), list(near.values()))
+            yield from _notes(part, node, others, [])
 
 
 def _nodes_with_parameters(part: NodePart) -> list[str]:
@@ -47,19 +52,33 @@ def _set_by_launch(part: NodePart, node: str) -> dict[str, bool]:
     return found | {name: True for name, _ in site.overrides}
 
 
-def _unread(
-    set_by_launch: Mapping[str, bool], declared: set[str], everywhere: set[str]
-) -> Iterator[str]:
-    for name, is_for_node in set_by_launch.items():
-        is_read = name in declared or not (is_for_node or name not in everywhere)
-        is_below = any(each.startswith(f"{name}.") for each in declared)
-        if not (is_read or is_below or name.startswith(_OF_EVERY_NODE)):
-            yield name
+def _is_read(name: str, declared: set[str]) -> bool:
+    is_group = any(each.startswith(f"{name}.") for each in declared)
+    return name in declared or is_group or name.startswith(_OF_EVERY_NODE)
 
 
-def _note(part: NodePart, node: str, name: str, unset: set[str]) -> UnresolvedItem:
-    near = get_close_matches(name, sorted(unset), 1, _NEAR_RATIO)
-    why = f"{UNREAD_PARAMETER}; it declares {near[0]}" if near else UNREAD_PARAMETER
-    return UnresolvedItem(
-        what=f"parameter {name} of {node}", why=why, evidence=(part.node.evidence,)
-    )
+def _near(names: Iterable[str], unset: Iterable[str]) -> dict[str, str]:
+    """Return names with the nearest that is not set, each of which is near to one only."""
+    pairs = [(_likeness(name, other), name, other) for name in names for other in unset]
+    near: dict[str, str] = {}
+    for likeness, name, other in sorted(pairs, reverse=True):
+        if likeness >= _NEAR_RATIO and name not in near and other not in near.values():
+            near[name] = other
+    return dict(sorted(near.items()))
+
+
+def _likeness(one: str, other: str) -> float:
+    """Return how alike two names of one group are, from 0 to 1; `maxSpeed` is `max_speed`."""
+    group, _, name = one.rpartition(".")
+    other_group, _, other_name = other.rpartition(".")
+    words, other_words = (each.replace("_", "").lower() for each in (name, other_name))
+    return SequenceMatcher(None, words, other_words).ratio() if group == other_group else 0.0
+
+
+def _notes(
+    part: NodePart, node: str, names: list[str], near: list[str]
+) -> Iterator[UnresolvedItem]:
+    if names:
+        why = f"{UNREAD_PARAMETER}; it declares {', '.join(near)}" if near else UNREAD_PARAMETER
+        what = f"set for {node}: {', '.join(names)}"
+        yield UnresolvedItem(what=what, why=why, evidence=(part.node.evidence,))
