@@ -12,13 +12,12 @@ from finding_graphs import (
 )
 
 from rtron.vocabulary import (
-    MISSING_PROGRAM,
-    UNREAD_PARAMETER,
     QoS,
     Reliability,
     ServiceClient,
     UnresolvedItem,
 )
+from rtron.vocabulary.causes import MISSING_PROGRAM, SHARED_OUTPUT, UNREAD_PARAMETER, UNUSED_TOPIC
 
 RELIABLE = QoS()
 BEST_EFFORT = QoS(reliability=Reliability.BEST_EFFORT)
@@ -35,6 +34,17 @@ ODOMETRY = """
 /nav nav own
     sub /odometry/{} nav_msgs/msg/Odometry
 """
+
+FILTERED = (
+    SCAN.partition("/slam")[0]
+    + """
+/filter filter own
+    sub /scan sensor_msgs/msg/LaserScan
+    pub /scan_filtered sensor_msgs/msg/LaserScan
+/slam slam own
+    sub {} sensor_msgs/msg/LaserScan
+"""
+)
 
 
 def _with_note(why: str, what: str = "node /base (my_robot/base_node)"):
@@ -94,6 +104,18 @@ PAIRS = {
     "unread_parameter": (
         _with_note(f"{UNREAD_PARAMETER}; it declares max_vel", "set for /base: max_v"),
         _with_note("no source of it is here", "set for /base: max_v"),
+    ),
+    "topic_parameter": (
+        _with_note(f"{UNUSED_TOPIC}, near /b/path", "parameter /a/path_topic is /c/path"),
+        _with_note("no source of it is here", "parameter /a/path_topic is /c/path"),
+    ),
+    "bypassed_node": (
+        small_graph(FILTERED.format("/scan")),
+        small_graph(FILTERED.format("/scan_filtered")),
+    ),
+    "shared_output": (
+        _with_note(SHARED_OUTPUT, "/image of /left and /right"),
+        _with_note("no source of it is here", "/image of /left and /right"),
     ),
     "sim_time": (
         small_graph(SCAN, parameters=parameters("use_sim_time", laser=True, slam=False)),

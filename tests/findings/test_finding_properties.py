@@ -7,8 +7,6 @@ from hypothesis import strategies as st
 
 from rtron.findings import find_findings
 from rtron.vocabulary import (
-    MISSING_PROGRAM,
-    UNREAD_PUBLISHER,
     Action,
     ActionRole,
     Direction,
@@ -25,6 +23,7 @@ from rtron.vocabulary import (
     ServiceClient,
     UnresolvedItem,
 )
+from rtron.vocabulary.causes import MISSING_PROGRAM, UNREAD_PUBLISHER
 
 NODES = ["/a", "/b", "/mux", "/rviz", "/bridge"]
 NAMES = ["/cmd_vel", "/nav/cmd_vel", "/cmd_ve", "/scan", "/x/goal", "/x/feedback", "/{?}/scan", "{"]

@@ -17,7 +17,6 @@ from finding_graphs import (
 )
 
 from rtron.vocabulary import (
-    UNREAD_PUBLISHER,
     Certainty,
     Evidence,
     FindingLevel,
@@ -27,6 +26,7 @@ from rtron.vocabulary import (
     Severity,
     UnresolvedItem,
 )
+from rtron.vocabulary.causes import UNREAD_PUBLISHER
 
 MUX_PASSED_BY = MUX + f"/teleop teleop own\n    pub /cmd_vel {TWIST}\n"
 REMEDY = "put one arbiter before /cmd_vel: `rtron plan` proposes a guard (GRCN)"
@@ -351,7 +351,7 @@ class TestPowerCommand:
             ("/shutdowns", False),
             ("/reboots/last", False),
             ("/power", False),
-            ("/base/reset", True),
+            ("/base/reset", False),
             ("/mcu_reset", True),
             ("/restart_motors", True),
             ("/reset_odometry", False),

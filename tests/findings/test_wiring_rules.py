@@ -13,11 +13,9 @@ from finding_graphs import (
     small_graph,
     the_finding,
 )
-from finding_pairs import ODOMETRY, SCAN
+from finding_pairs import FILTERED, ODOMETRY, SCAN
 
 from rtron.vocabulary import (
-    MISSING_PROGRAM,
-    UNREAD_PUBLISHER,
     Action,
     ActionRole,
     Certainty,
@@ -32,6 +30,7 @@ from rtron.vocabulary import (
     Severity,
     UnresolvedItem,
 )
+from rtron.vocabulary.causes import MISSING_PROGRAM, SHARED_OUTPUT, UNREAD_PUBLISHER
 
 
 def nav_and_base(sent: str, expected: str, **resolutions: Resolution):
@@ -136,6 +135,16 @@ class TestUnmatchedTopic:
         finding = the_finding("unmatched_topic", small_graph(self.MISSPELT, unresolved=(note,)))
         assert (finding.certainty, finding.level) == (Certainty.POSSIBLE, FindingLevel.PEDANTIC)
         assert "publishes it, unless src/ekf.py:7 does" in finding.cause
+
+    @pytest.mark.parametrize(
+        ("what", "why"),
+        [("include", "package 'x' is not here"), ("more_actions", "what it starts is not known")],
+    )
+    def test_what_was_not_read_is_named_where_all_nodes_were(self, what, why):
+        notes = (UnresolvedItem(what=what, why=why),)
+        finding = the_finding("unmatched_topic", small_graph(self.MISSPELT, unresolved=notes))
+        assert finding.certainty is Certainty.POSSIBLE
+        assert f"publishes it, unless {what} (not read) does" in finding.cause
 
     @pytest.mark.parametrize("what", ["include nav.launch.py", "launch x.launch that /a starts"])
     def test_with_a_launch_file_that_was_not_read_it_is_only_possible(self, what):
@@ -391,3 +400,39 @@ class TestMissingProgram:
         assert finding.summary == "/base does not start"
         assert finding.cause == "no build file of its package makes my_robot/base_node"
         assert finding.evidence == places
+
+
+class TestBypassedNode:
+    def test_tells_who_reads_past_whom(self):
+        finding = the_finding("bypassed_node", small_graph(FILTERED.format("/scan")))
+        assert finding.summary == "/slam reads /scan past /filter"
+        assert finding.cause == "/filter makes /scan_filtered of it, which nobody subscribes"
+        assert finding.topics == ("/scan_filtered", "/scan")
+        assert finding.level is FindingLevel.PEDANTIC
+
+    @pytest.mark.parametrize(
+        ("old", "new"),
+        [
+            ("pub /scan_filtered sensor", "pub /scan_filtered other"),
+            ("pub /scan_filtered", "pub /filter/scan"),
+            ("pub /scan sensor", "pub /other sensor"),
+            ("sub /scan_filtered", "sub /other"),
+        ],
+    )
+    def test_another_type_a_name_of_its_own_and_a_reader_less_do_not_count(self, old, new):
+        text = FILTERED.format("/scan").replace(old, new)
+        reader = "sub /scan_filtered" if old.startswith("sub") else "sub /scan"
+        text = text.replace("/slam slam own\n    sub /scan", f"/slam slam own\n    {reader}")
+        assert not found("bypassed_node", small_graph(text))
+
+    def test_a_viewer_reads_past_nobody(self):
+        text = FILTERED.format("/scan").replace("/slam slam own", "/rviz rviz2 third_party")
+        assert not found("bypassed_node", small_graph(text))
+
+
+class TestSharedOutput:
+    @pytest.mark.parametrize("topic", ["/cmd_vel", "/diagnostics", "/tf", "/rosout"])
+    def test_motion_and_what_all_share_do_not_count(self, topic):
+        note = UnresolvedItem(what=f"{topic} of /a and /b", why=SHARED_OUTPUT)
+        graph = small_graph(BASE, unresolved=(note,))
+        assert not found("shared_output", graph)

@@ -15,12 +15,15 @@ from rtron.findings.motion import (
 from rtron.findings.rule import FindingRule, finding_page
 from rtron.findings.severity import shown_at
 from rtron.findings.wiring import (
+    bypassed_node,
     duplicate_node,
     idle_remap,
     missing_program,
     no_server,
     qos_mismatch,
+    shared_output,
     sim_time,
+    topic_parameter,
     type_mismatch,
     unmatched_topic,
     unread_parameter,
@@ -46,6 +49,9 @@ FINDING_RULES: tuple[FindingRule, ...] = (
     duplicate_node.RULE,
     idle_remap.RULE,
     unread_parameter.RULE,
+    topic_parameter.RULE,
+    bypassed_node.RULE,
+    shared_output.RULE,
     sim_time.RULE,
     arbiter.RULE,
 )

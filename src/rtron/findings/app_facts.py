@@ -11,7 +11,6 @@ from itertools import chain
 from rtron.risks.graph_facts import GraphFacts, evidence_of
 from rtron.risks.wording import join_names
 from rtron.vocabulary import (
-    UNREAD_PUBLISHER,
     Consequence,
     Direction,
     Domain,
@@ -21,6 +20,7 @@ from rtron.vocabulary import (
     Node,
     normalise_type,
 )
+from rtron.vocabulary.causes import UNREAD_PUBLISHER
 
 _NEAR_RATIO = 0.8
 _MOST_COMPARED = 200
@@ -35,8 +35,9 @@ _ECHOES = ("prev_", "previous_", "last_", "current_")
 _STOPS = ("emergency_stop", "e_stop", "estop")
 _TRANSPORTS = ("/compressed", "/compressedDepth", "/theora", "/ffmpeg", "/zstd")
 """What image_transport adds to a topic's name (ROS wiki: image_transport)."""
-_UNREAD_FILES = ("include ", "launch ", "component", "composable", "robot_description")
+_UNREAD_FILES = ("include", "launch ", "component", "composable", "robot_description")
 """How notes begin on what may start or name more nodes."""
+_UNREAD_ACTIONS = "what it starts is not known"
 
 
 @dataclass(frozen=True)
@@ -64,16 +65,20 @@ class AppFacts:
     @cached_property
     def unread_files(self) -> tuple[str, ...]:
         """What else was not read and may start nodes or name topics: includes, launch files."""
-        notes = (note.what for note in self.graph.unresolved)
-        return tuple(dict.fromkeys(what for what in notes if what.startswith(_UNREAD_FILES)))
+        notes = (
+            note.what
+            for note in self.graph.unresolved
+            if note.what.startswith(_UNREAD_FILES) or _UNREAD_ACTIONS in note.why
+        )
+        return tuple(dict.fromkeys(notes))
 
     @property
     def unread_hint(self) -> str:
-        """Which nodes, not being read, may be the missing end; nothing if all were read."""
+        """What, not being read, may be the missing end; nothing if all was read."""
         names = self.unread_nodes
-        if not names:
-            return ""
-        return f", unless {join_names(names)} (not read) {'do' if names[1:] else 'does'}"
+        if names:
+            return f", unless {join_names(names)} (not read) {'do' if names[1:] else 'does'}"
+        return f", unless {self.unread_files[0]} (not read) does" if self.unread_files else ""
 
     def unread_publisher_hint(self, topics: Iterable[str]) -> str:
         """Return what may publish one of some topics that nobody is known to publish."""
@@ -124,6 +129,11 @@ class AppFacts:
     def readers(self, topic: str) -> tuple[str, ...]:
         """Return the nodes that subscribe a topic and do not only show it."""
         return self.facts.topic(topic).successors
+
+    def open_readers(self, topic: str) -> tuple[str, ...]:
+        """Return the nodes that subscribe names known in part, one of which may be this topic."""
+        ends = (end for end in self.graph.endpoints if end.direction is Direction.SUBSCRIBE)
+        return tuple(sorted({e.node for e in ends if fits_open_name(topic, [e.topic])}))
 
     def types(self, topic: str, direction: Direction) -> dict[str, list[Endpoint]]:
         """Return the endpoints of one direction by their known type, as ROS 1 spells it."""

@@ -63,9 +63,6 @@ from rtron.vocabulary.finding import (
 )
 from rtron.vocabulary.graph import (
     GRAPH_SCHEMA,
-    MISSING_PROGRAM,
-    UNREAD_PARAMETER,
-    UNREAD_PUBLISHER,
     Action,
     Endpoint,
     Evidence,
@@ -175,7 +172,6 @@ __all__ = [
     "GRAPH_SCHEMA",
     "GRCN",
     "GUARD_NODE",
-    "MISSING_PROGRAM",
     "MSRCN",
     "PLAN_SCHEMA",
     "PRIVATE_ROOT",
@@ -192,8 +188,6 @@ __all__ = [
     "SERVER_FLOW",
     "SUPERVISOR_NODE",
     "UNAPPROVED",
-    "UNREAD_PARAMETER",
-    "UNREAD_PUBLISHER",
     "Action",
     "ActionRole",
     "Alarm",

@@ -134,12 +134,6 @@ class Action:
     role: ActionRole
 
 
-UNREAD_PUBLISHER = "code that was not understood may publish it"
-UNREAD_PARAMETER = "the node does not declare it"
-MISSING_PROGRAM = "its program is not in the build files of its package"
-"""Why something is unresolved, where findings ask for it."""
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class UnresolvedItem:
     """Something that could not be read, and why: never silently left out."""

@@ -7,7 +7,8 @@ import pytest
 import rtron.sources
 from rtron.reports.app.unresolved_list import MOST_CAUSES, nodes_read, unresolved_list
 from rtron.reports.text_layout import Report
-from rtron.vocabulary import MISSING_PROGRAM, Evidence, InteractionGraph, Node, UnresolvedItem
+from rtron.vocabulary import Evidence, InteractionGraph, Node, UnresolvedItem
+from rtron.vocabulary.causes import MISSING_PROGRAM
 
 NO_SOURCE = "no source of it is here, and no model"
 NO_PACKAGE = "its package is not here: give the folder of its source too"

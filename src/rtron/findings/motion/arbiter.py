@@ -39,6 +39,7 @@ ARBITER_PACKAGES = frozenset(
         "nav2_velocity_smoother",
         "yocs_velocity_smoother",
         "ackermann_mux",
+        "ackermann_cmd_mux",
         "joy_teleop_mux",
     }
 )

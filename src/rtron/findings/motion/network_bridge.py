@@ -59,7 +59,7 @@ def check(app: AppFacts) -> Iterator[Finding]:
     for node in app.graph.nodes:
         if node.package in _BRIDGES:
             yield _finding(app, node)
-        elif node.package in _VIEWS:
+        elif node.package in _VIEWS and not _is_local(app, node.name):
             yield _view(app, node)
     for package, notes in _included_bridges(app).items():
         yield _included(app, package, notes)
@@ -98,7 +98,7 @@ def _included_bridges(app: AppFacts) -> dict[str, list[UnresolvedItem]]:
 
 def _names_launch_of(package: str, note: UnresolvedItem) -> bool:
     """Return whether a launch file of a package is included that could not be read."""
-    is_launch = note.what.startswith(("include ", "launch file "))
+    is_launch = note.what.startswith(("include", "launch file "))
     return is_launch and package in re.findall(r"\w+", f"{note.what} {note.why}")
 
 
@@ -120,8 +120,7 @@ def _reach(app: AppFacts) -> str:
 
 
 def _finding(app: AppFacts, node: Node) -> Finding:
-    address = _address(app, node.name)
-    is_local = address.startswith(_LOCAL)
+    address, is_local = _address(app, node.name), _is_local(app, node.name)
     where = f"it listens on {address}" if address else "it listens on every address by default"
     endpoints = app.graph.published_by(node.name) + app.graph.subscribed_by(node.name)
     return make_finding(
@@ -136,6 +135,10 @@ def _finding(app: AppFacts, node: Node) -> Finding:
         nodes=(node.name,),
         evidence=app.evidence(endpoints),
     )
+
+
+def _is_local(app: AppFacts, node: str) -> bool:
+    return _address(app, node).startswith(_LOCAL)
 
 
 def _address(app: AppFacts, node: str) -> str:

@@ -3,8 +3,8 @@
 ## What it finds
 
 Topics and services that shut the robot down, restart it or a part of it, or cut its power
-(`shutdown`, `reboot`, `power_off`, `reset`, also as `system_shutdown` or `reset_motors`), and that
-no node of the app uses itself. One finding names them all. Where a bridge opens the app to the
+(`shutdown`, `reboot`, `power_off`, also as `system_shutdown`; `reset_motors`, `mcu_restart`), and
+that no node of the app uses itself. One finding names them all. Where a bridge opens the app to the
 network, it is shown at the level `regular`, else from `pedantic` on.
 
 ## Why it matters
@@ -34,7 +34,7 @@ from rtron.vocabulary import Certainty, Consequence, Finding, FindingLevel
 _OFF = re.compile(r"(?:\w+_)?(?:shutdown|shut_down|poweroff|power_off)(?:_\w+)?")
 _PART = "mcu|board|system|robot|base|hardware|firmware|motors?|drivers?"
 _RESTART = re.compile(
-    rf"(?:\w+_)?reboot(?:_\w+)?|(?:(?:{_PART})_)?(?:reset|restart)(?:_(?:{_PART}))?"
+    rf"(?:\w+_)?reboot(?:_\w+)?|(?:{_PART})_(?:reset|restart)|(?:reset|restart)_(?:{_PART})"
 )
 
 

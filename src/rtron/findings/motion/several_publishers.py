@@ -77,7 +77,9 @@ def _finding(
 ) -> Finding:
     readers, names = app.readers(topics[0]), join_names(topics)
     command = _command(app, topics[0])
-    who = join_names(readers) if readers else "the base"
+    maybe_readers = () if readers else app.open_readers(topics[0])
+    obedient = readers or maybe_readers
+    who = join_names(obedient) if obedient else "the base"
     others = tuple(node for node in publishers if node not in passed_by)
     if passed_by and others:
         summary = f"{join_names(others)} can {command} on {names} past {passed_by[0]}"
@@ -85,13 +87,13 @@ def _finding(
         cause = f"{passed_by[0]} stands before the robot, but {who} {verb}: it decides nothing"
     else:
         summary = f"{join_names(publishers)} {both_or_all(publishers)} {command} on {names}"
-        obeys = conjugate(readers, "obey")
+        obeys = conjugate(obedient, "obey")
         cause = f"no arbiter stands between them: {who} {obeys} whoever published last"
     return make_finding(
         RULE.name,
         topics[0],
         summary=summary,
-        cause=cause + ("" if readers else f"; {_missing_reader(app)}"),
+        cause=cause + ("" if readers else f"; {_missing_reader(app, maybe_readers)}"),
         remedy=f"put one arbiter before {names}: `rtron plan` proposes a guard (GRCN)",
         consequence=Consequence.MOTION,
         certainty=Certainty.CERTAIN if readers else Certainty.LIKELY,
@@ -109,7 +111,9 @@ def _command(app: AppFacts, topic: str) -> str:
     return "set the robot's speed limit" if is_limit else "drive the robot"
 
 
-def _missing_reader(app: AppFacts) -> str:
+def _missing_reader(app: AppFacts, maybe_readers: tuple[str, ...]) -> str:
+    if maybe_readers:
+        return f"not all topics that {join_names(maybe_readers)} subscribes are known"
     bases = [node for node in app.unread_nodes if _BASE.search(f"{node} {app.nodes[node].package}")]
     if not bases:
         return "its reader is not in the source"

@@ -23,8 +23,8 @@ from collections.abc import Iterator
 
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.rule import FindingRule, make_finding
-from rtron.sources.static.ros1.idle_remaps import NO_EFFECT
 from rtron.vocabulary import Certainty, Consequence, Finding, FindingLevel, UnresolvedItem
+from rtron.vocabulary.causes import NO_EFFECT
 
 
 def check(app: AppFacts) -> Iterator[Finding]:

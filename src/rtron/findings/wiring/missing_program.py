@@ -24,7 +24,8 @@ from collections.abc import Iterator
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.rule import FindingRule, make_finding
 from rtron.risks.wording import join_names
-from rtron.vocabulary import MISSING_PROGRAM, Certainty, Consequence, Finding, UnresolvedItem
+from rtron.vocabulary import Certainty, Consequence, Finding, UnresolvedItem
+from rtron.vocabulary.causes import MISSING_PROGRAM
 
 
 def check(app: AppFacts) -> Iterator[Finding]:

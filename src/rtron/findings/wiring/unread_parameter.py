@@ -27,13 +27,13 @@ from rtron.findings.app_facts import AppFacts
 from rtron.findings.rule import FindingRule, make_finding
 from rtron.risks.wording import join_names
 from rtron.vocabulary import (
-    UNREAD_PARAMETER,
     Certainty,
     Consequence,
     Finding,
     FindingLevel,
     UnresolvedItem,
 )
+from rtron.vocabulary.causes import UNREAD_PARAMETER
 
 _MOST_SHOWN = 4
 

@@ -7,7 +7,8 @@ from rich.text import Text
 
 from rtron.reports.app.risk_list import location
 from rtron.reports.text_layout import TextPage, heading, line, paragraph
-from rtron.vocabulary import MISSING_PROGRAM, InteractionGraph, UnresolvedItem
+from rtron.vocabulary import InteractionGraph, UnresolvedItem
+from rtron.vocabulary.causes import MISSING_PROGRAM
 
 MOST_CAUSES = 10
 _MOST_EXAMPLES = 3

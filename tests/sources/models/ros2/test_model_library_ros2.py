@@ -376,6 +376,7 @@ def test_a_bag_is_recorded_and_played():
     [
         ("humble", {}, ["/robot/driver/robot_description"]),
         ("humble", {"/**": {"robot_description": "<robot/>"}}, []),
+        ("humble", {"/**": {"robot_description": UnknownValue("a command")}}, []),
         ("jazzy", {"/**": {"robot_description": "<robot/>"}}, ["/robot/robot_description"]),
     ],
 )

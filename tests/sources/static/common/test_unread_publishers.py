@@ -9,7 +9,8 @@ from workspace_tree import package
 from rtron.sources.static.common import unread_publishers
 from rtron.sources.static.common.unread_publishers import with_unread_publishers
 from rtron.sources.workspace import Workspace
-from rtron.vocabulary import UNREAD_PUBLISHER, Evidence
+from rtron.vocabulary import Evidence
+from rtron.vocabulary.causes import UNREAD_PUBLISHER
 
 BASE = "/base robot own\n    sub /arm/cmd_vel geometry_msgs/Twist\n"
 SENDS = 'self.pub = factory("cmd_vel")\nself.pub.publish(t)\n'
@@ -93,6 +94,27 @@ def test_short_names_stand_everywhere(notes):
 @pytest.mark.parametrize("file", ["data.yaml", "gui.pyc", "README.md"])
 def test_only_code_is_searched(notes, file):
     assert notes(SENDS, file=file) == []
+
+
+@pytest.mark.parametrize("file", ["test/gui.py", "src/tests/gui.py"])
+def test_tests_are_no_part_of_the_app(notes, file):
+    assert notes(SENDS, file=file) == []
+
+
+@pytest.mark.parametrize(
+    "main", ["if __name__ == '__main__':\n    run()\n", "int main(int argc, char** argv) {}\n"]
+)
+def test_a_program_that_is_not_started_publishes_nothing(notes, main):
+    assert notes(SENDS + main) == []
+
+
+def test_a_program_that_is_started_may_publish(tmp_path):
+    script = "#!/usr/bin/env python3\n" + SENDS + "if __name__ == '__main__':\n    run()\n"
+    folder = package(tmp_path / "robot", {"gui.py": script})
+    graph = graph_of("app", BASE, ros=1)
+    started = replace(graph, nodes=tuple(replace(n, executable="gui.py") for n in graph.nodes))
+    workspace = Workspace({"robot": folder}, [tmp_path])
+    assert with_unread_publishers(started, workspace).unresolved
 
 
 def test_a_file_that_is_too_large_is_left_out(notes, monkeypatch):

@@ -4,7 +4,7 @@ import pytest
 
 from rtron.sources.static.common.scan_options import ScanOptions
 from rtron.sources.static.ros2.app import scan_ros2_app
-from rtron.vocabulary import UNREAD_PARAMETER
+from rtron.vocabulary.causes import UNREAD_PARAMETER
 
 MANIFEST = "<package><name>app</name></package>"
 SETUP = """from setuptools import setup

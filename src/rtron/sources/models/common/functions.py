@@ -79,6 +79,7 @@ def model_functions(scope: ModelScope) -> dict[str, Function]:
     return {
         **_PURE_FUNCTIONS,
         "param": partial(_param, scope),
+        "is_set": partial(_is_set, scope),
         "search": partial(_search, scope),
         "counted": partial(_numbered_values, scope),
         "children": partial(children, scope),
@@ -102,6 +103,11 @@ def _param(scope: ModelScope, name: str, default: Value = None) -> Value:
         return parameter_or_default(scope, name, default)
     launch_parameter = scope.site.parameters.get(scope.resolve(name))
     return default if launch_parameter is None else with_placeholders(launch_parameter.value, name)
+
+
+def _is_set(scope: ModelScope, name: str) -> bool:
+    """Return whether a launch gives a parameter, be its value known or not."""
+    return _param(scope, name) is not None
 
 
 def _numbered_values(scope: ModelScope, name: str) -> list[Value]:

@@ -19,7 +19,8 @@ from rtron.sources.static.common.task import (
 )
 from rtron.sources.workspace import Program, ProgramLanguage, Workspace
 from rtron.sources.workspace.package_files import is_in_build_files
-from rtron.vocabulary import MISSING_PROGRAM, UnresolvedItem
+from rtron.vocabulary import UnresolvedItem
+from rtron.vocabulary.causes import MISSING_PROGRAM
 from rtron.vocabulary.launch import resolve_name
 
 _KINDS = {

@@ -8,12 +8,15 @@ from pathlib import Path
 from rtron.errors import InputError
 from rtron.sources.bounded_file import read_regular_file
 from rtron.sources.workspace import Workspace
-from rtron.vocabulary import UNREAD_PUBLISHER, Evidence, InteractionGraph, UnresolvedItem
+from rtron.vocabulary import Evidence, InteractionGraph, UnresolvedItem
+from rtron.vocabulary.causes import UNREAD_PUBLISHER
 
 MAX_FILE_BYTES = 2**20
 MAX_FILES = 5_000
 """More of an app's own code is not searched: what a search finds only makes findings milder."""
 _CODE = (".py", ".cpp", ".cc", ".cxx", ".h", ".hpp")
+_TEST_FOLDERS = frozenset({"test", "tests"})
+_MAIN = re.compile(rb"__main__|\bmain\s*\(\s*(?:void|int\b|\))")
 _NEAR_LINES = 2
 _SENDS = re.compile(rb"publish|advertis", re.IGNORECASE)
 _MIN_LENGTH = 3
@@ -29,7 +32,8 @@ def with_unread_publishers(graph: InteractionGraph, workspace: Workspace) -> Int
     topics = _topics_by_last_name(graph)
     read = {(each.file, each.line) for end in graph.endpoints for each in end.evidence}
     places: dict[str, Evidence] = {}
-    for name, place in _mentions(topics, _code_files(graph, workspace)) if topics else ():
+    paths, started = _code_files(graph, workspace), _started_programs(graph, workspace)
+    for name, place in _mentions(topics, paths, started) if topics else ():
         if (place.file, place.line) not in read:
             places.setdefault(name, place)
     notes = (
@@ -51,35 +55,55 @@ def _topics_by_last_name(graph: InteractionGraph) -> dict[str, list[str]]:
     return found
 
 
-def _code_files(graph: InteractionGraph, workspace: Workspace) -> Iterator[str]:
-    """Yield the code of the packages that nodes come from, up to MAX_FILES files."""
+def _code_files(graph: InteractionGraph, workspace: Workspace) -> Iterator[Path]:
+    """Yield the code of the packages that nodes come from, up to MAX_FILES files; no tests."""
     packages = sorted({node.package for node in graph.nodes} & workspace.packages.keys())
     count = 0
     for package in packages:
         files = workspace.files(package)
         for name in files.names:
             path = files.folder / name
-            if name.endswith(_CODE) and count < MAX_FILES and files.is_file(path):
+            is_code = name.endswith(_CODE) and not _TEST_FOLDERS.intersection(path.parts)
+            if is_code and count < MAX_FILES and files.is_file(path):
                 count += 1
-                yield str(path)
+                yield path
 
 
-def _mentions(names: Iterable[str], paths: Iterable[str]) -> Iterator[tuple[str, Evidence]]:
-    """Yield names with the places where a text that ends with them stands beside a publisher."""
+def _started_programs(graph: InteractionGraph, workspace: Workspace) -> set[Path]:
+    """Return the files of the programs that the launch starts."""
+    started = {(node.package, node.executable) for node in graph.nodes}
+    programs = (workspace.executable(package, name) for package, name in sorted(started))
+    return {source for program in programs if program for source in program.sources}
+
+
+def _mentions(
+    names: Iterable[str], paths: Iterable[Path], started: set[Path]
+) -> Iterator[tuple[str, Evidence]]:
+    """Yield names with the places where a text that ends with them stands beside a publisher.
+
+    What is a program of its own, and not started, publishes nothing in this app.
+    """
     words = b"|".join(re.escape(name.encode()) for name in names)
     quoted = re.compile(rb"[\"'/](%s)[\"']" % words)
     for path in paths:
-        lines = _lines(path)
-        for number, line in enumerate(lines):
-            near = lines[max(0, number - _NEAR_LINES) : number + _NEAR_LINES + 1]
-            for match in quoted.finditer(line):
-                if any(map(_SENDS.search, near)):
-                    yield match[1].decode(), Evidence(file=path, line=number + 1)
+        data = _data(path)
+        if quoted.search(data) and (path in started or not _MAIN.search(data)):
+            yield from _mentions_in(path, data.split(b"\n"), quoted)
 
 
-def _lines(path: str) -> list[bytes]:
-    """Return the lines of a file; none of one that cannot be read, which the scan tells of."""
+def _mentions_in(
+    path: Path, lines: list[bytes], quoted: re.Pattern[bytes]
+) -> Iterator[tuple[str, Evidence]]:
+    for number, line in enumerate(lines):
+        near = lines[max(0, number - _NEAR_LINES) : number + _NEAR_LINES + 1]
+        for match in quoted.finditer(line):
+            if any(map(_SENDS.search, near)):
+                yield match[1].decode(), Evidence(file=str(path), line=number + 1)
+
+
+def _data(path: Path) -> bytes:
+    """Return a file's content; nothing of one that cannot be read, which the scan tells of."""
     try:
-        return read_regular_file(Path(path), MAX_FILE_BYTES).split(b"\n")
+        return read_regular_file(path, MAX_FILE_BYTES)
     except InputError:
-        return []
+        return b""

@@ -3,7 +3,6 @@
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 
-from rtron.sources.declaration import NodeInterface
 from rtron.sources.static.common.app_node import AppNode
 from rtron.sources.static.common.endpoints import (
     ProcessRemaps,
@@ -14,9 +13,10 @@ from rtron.sources.static.common.endpoints import (
 )
 from rtron.sources.static.common.graph_builder import GraphBuilder
 from rtron.sources.static.common.node_part import NodePart
-from rtron.sources.static.ros1.idle_remaps import RemapUses
-from rtron.sources.workspace import Workspace
-from rtron.vocabulary import Node, ParameterTree, UnresolvedItem
+from rtron.sources.static.common.topic_parameters import unused_topic_parameters
+from rtron.sources.static.ros1.wiring import ProgramOutputs, RemapUses
+from rtron.sources.workspace import ProgramLanguage, Workspace
+from rtron.vocabulary import Direction, Node, ParameterTree, UnresolvedItem
 
 _SIM_TIME = "/use_sim_time"
 
@@ -28,6 +28,7 @@ class Assembly(GraphBuilder):
     workspace: Workspace
     started_nodes: dict[str, AppNode] = field(default_factory=dict)
     remap_uses: RemapUses = field(default_factory=RemapUses)
+    program_outputs: ProgramOutputs = field(default_factory=ProgramOutputs)
 
     def add_node(self, node: AppNode) -> None:
         """Add a node; another one of its name takes its place in ROS, and is noted here."""
@@ -40,12 +41,18 @@ class Assembly(GraphBuilder):
                 origin=node.origin,
                 trust=self.workspace.trust(node.package),
             )
-        elif "*" not in node.name and first.evidence != node.evidence:
+        elif self._is_second(first, node):
             locations = (first.evidence, node.evidence)
             why = "started at several places; the last that starts ends the others"
             self.add_unresolved(
                 UnresolvedItem(what=f"node {node.name}", why=why, evidence=locations)
             )
+
+    def _is_second(self, first: AppNode, node: AppNode) -> bool:
+        """Return whether a node takes the name of another; a shell script has none of its own."""
+        programs = (self.workspace.executable(n.package, n.type) for n in (first, node))
+        is_shell = any(p is not None and p.language is ProgramLanguage.SHELL for p in programs)
+        return not is_shell and "*" not in node.name and first.evidence != node.evidence
 
     def add_part(self, part: NodePart) -> None:
         """Add what a part declares to the node whose process it runs in."""
@@ -60,13 +67,14 @@ class Assembly(GraphBuilder):
             self.nodes[part.owner] = replace(self.nodes[part.owner], unread=True)
         process_remaps = dict(owner.site.remaps) if owner else {}
         remaps = {**process_remaps, **dict(part.node.site.remaps)}
-        self._declare(part.owner, part.interface, ProcessRemaps(remaps))
+        self._declare(part, ProcessRemaps(remaps))
         names = None if part.is_unread or part.model else _declared_names(part)
         self.remap_uses.add(part.owner, remaps, names, part.node.evidence)
 
-    def add_idle_remaps(self) -> None:
-        """Note the remaps that change no name, though the app uses it."""
+    def add_wiring_notes(self) -> None:
+        """Note the remaps that change no name, though the app uses it, and outputs in common."""
         self.add_unresolved(*self.remap_uses.idle(self.endpoints.values()))
+        self.add_unresolved(*self.program_outputs.shared())
 
     def add_clock(self, parts: Iterable[NodePart], parameters: ParameterTree) -> None:
         """Let every node that is one of ROS follow simulated time, where that is set."""
@@ -77,10 +85,19 @@ class Assembly(GraphBuilder):
             if part.task is not None or part.interface.declarations:
                 self.add_entity(clock_subscription(part.node.name, parameter.evidence))
 
-    def _declare(self, node: str, interface: NodeInterface, remap: ProcessRemaps) -> None:
+    def add_parameters(self, parameters: ParameterTree) -> None:
+        """Note the parameters that name topics which nobody uses."""
+        leaves = ((name, leaf.value, leaf.evidence) for name, leaf in parameters.leaves.items())
+        topics = {end.topic for end in self.endpoints.values()}
+        self.add_unresolved(*unused_topic_parameters(leaves, topics))
+
+    def _declare(self, part: NodePart, remap: ProcessRemaps) -> None:
+        node, interface = part.owner, part.interface
         for declared in interface.declarations:
             for endpoint in declared_endpoints(node, declared, remap):
                 self.add_entity(endpoint)
+                if endpoint.direction is Direction.PUBLISH and not endpoint.implicit:
+                    self.program_outputs.add(part, endpoint.topic)
             for service_side in declared_service_sides(node, declared, remap):
                 self.add_entity(service_side)
             self.actions.update(dict.fromkeys(declared_action(node, declared, remap)))

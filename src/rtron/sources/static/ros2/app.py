@@ -73,6 +73,7 @@ def scan_ros2_app(
         for part in (*parts, *(part for part in controllers if not part.task), *resolved):
             assembly.add_part(add_standard_interface(part, files, generated_files))
         assembly.add_unresolved(*unread_parameters([*parts, *resolved]))
+    assembly.add_topic_parameters()
     assembly.add_unresolved(*(note for launch in app_launches for note in launch.unresolved))
     assembly.add_unresolved(*node_builder.unresolved.entries, *gazebo_servers.unresolved.entries)
     return assembly.build(Path(app_launches[0].file).name.split(".")[0] if app_launches else "")

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from rtron.sources.declaration import CreatedNode, Declaration
 from rtron.sources.static.common.graph_builder import GraphBuilder
 from rtron.sources.static.common.node_part import NodePart
+from rtron.sources.static.common.topic_parameters import unused_topic_parameters
 from rtron.sources.static.ros2.endpoints import RemapRules, graph_entities
 from rtron.sources.workspace import Workspace
 from rtron.vocabulary import Evidence, Node, UnresolvedItem
@@ -47,6 +48,16 @@ class Ros2Assembly(GraphBuilder):
             what = f"launch {started.path} that {part.owner} starts"
             why = "what a node starts itself is not followed: name it with --launch too"
             self.add_unresolved(UnresolvedItem(what=what, why=why, evidence=started.evidence))
+
+    def add_topic_parameters(self) -> None:
+        """Note the parameters that name topics which nobody uses."""
+        values = (
+            (f"{each.node}/{each.name}", each.value, self._started[each.node])
+            for each in self.parameters.values()
+            if each.node in self._started
+        )
+        topics = {end.topic for end in self.endpoints.values()}
+        self.add_unresolved(*unused_topic_parameters(values, topics))
 
     def _add_node(self, name: str, part: NodePart) -> None:
         node = part.node

@@ -5,7 +5,8 @@ from collections.abc import Iterable, Iterator
 from difflib import SequenceMatcher
 
 from rtron.sources.static.common.node_part import NodePart
-from rtron.vocabulary import UNREAD_PARAMETER, UnresolvedItem
+from rtron.vocabulary import UnresolvedItem
+from rtron.vocabulary.causes import UNREAD_PARAMETER
 from rtron.vocabulary.parameters import pattern_matches
 
 _OF_EVERY_NODE = ("use_sim_time", "qos_overrides.", "start_type_description_service")

@@ -1,14 +1,18 @@
-"""Remaps of launch files that change no name, while the app uses the name elsewhere."""
+"""What a launch wires in vain: remaps that change no name, and topics that instances share."""
 
 from collections import defaultdict
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
+from typing import TypeAlias
 
+from rtron.sources.models.common.arguments import positional
+from rtron.sources.static.common.node_part import NodePart
 from rtron.vocabulary import Endpoint, Evidence, UnresolvedItem
+from rtron.vocabulary.causes import NO_EFFECT, SHARED_OUTPUT
 
-NO_EFFECT = "no node that gets it uses the name"
-
-_Remap = tuple[str, str]
+_NODELET = "nodelet"
+_Remap: TypeAlias = tuple[str, str]
+_Program: TypeAlias = tuple[str, ...]
 
 
 @dataclass(slots=True)
@@ -52,3 +56,36 @@ class RemapUses:
                 why = f"{NO_EFFECT}; {', '.join(sorted(others)[:3])} use it or one below it"
                 places = tuple(dict.fromkeys(nodes.values()))
                 yield UnresolvedItem(what=f"remap {source} to {target}", why=why, evidence=places)
+
+
+@dataclass(slots=True)
+class ProgramOutputs:
+    """What each instance of a program publishes: nodes, and nodelets by the class they load."""
+
+    _topics: dict[_Program, dict[str, set[str]]] = field(default_factory=dict)
+    _places: dict[str, Evidence] = field(default_factory=dict)
+
+    def add(self, part: NodePart, topic: str) -> None:
+        """Note a topic that an instance publishes."""
+        node = part.node
+        instances = self._topics.setdefault(_program(part), defaultdict(set))
+        instances[node.name].add(topic)
+        self._places[node.name] = node.evidence
+
+    def shared(self) -> Iterator[UnresolvedItem]:
+        """Yield a note for each topic that all instances share, where each has others alone."""
+        for instances in self._topics.values():
+            common = set.intersection(*instances.values())
+            all_differ = all(topics - common for topics in instances.values())
+            if len(instances) > 1 and all_differ:
+                names = sorted(instances)
+                places = tuple(self._places[name] for name in names)
+                for topic in sorted(common):
+                    what = f"{topic} of {' and '.join(names)}"
+                    yield UnresolvedItem(what=what, why=SHARED_OUTPUT, evidence=places)
+
+
+def _program(part: NodePart) -> _Program:
+    node = part.node
+    loads = positional(node.site.args, "")[1:2] if node.package == _NODELET else []
+    return (node.package, node.type, *loads)

@@ -1,7 +1,9 @@
-"""Remaps without effect, service clients and nodes that declare nothing, in ROS 1."""
+"""Remaps without effect, shared outputs, service clients and silent nodes, in ROS 1."""
 
 import pytest
 from test_static_app import ends, scan
+
+from rtron.vocabulary.causes import SHARED_OUTPUT, UNUSED_TOPIC
 
 TALK = """#!/usr/bin/env python
 import rospy
@@ -121,3 +123,90 @@ def test_a_module_beside_the_importing_one_is_found_as_python_2_does(folder):
         '<launch><node pkg="robot" type="arm.py" name="arm"/></launch>'
     )
     assert ends(scan(folder, "arm.launch").graph, "/arm") == {"> /arm"}
+
+
+CAMERA = """#!/usr/bin/env python
+import rospy
+from sensor_msgs.msg import CameraInfo, Image
+rospy.init_node("camera")
+image = rospy.Publisher("image", Image, queue_size=1)
+info = rospy.Publisher("info", CameraInfo, queue_size=1)
+rospy.spin()
+"""
+NODE = '<node pkg="robot" type="{}" name="{}">{}</node>'
+
+
+def shared_outputs(folder, *nodes):
+    """Return the topics that instances share, of nodes given as program, name and remaps."""
+    path = folder / "robot/scripts/camera.py"
+    path.write_text(CAMERA)
+    path.chmod(0o755)
+    elements = [
+        NODE.format(
+            program, name, "".join(f'<remap from="{a}" to="{b}"/>' for a, b in remaps.items())
+        )
+        for program, name, remaps in nodes
+    ]
+    (folder / "robot/launch/shared.launch").write_text(f"<launch>{''.join(elements)}</launch>")
+    graph = scan(folder, "shared.launch").graph
+    notes = [note for note in graph.unresolved if note.why == SHARED_OUTPUT]
+    assert all(len(note.evidence) == len(nodes) for note in notes)
+    return [note.what for note in notes]
+
+
+def test_what_instances_share_while_their_other_topics_differ_is_noted(folder):
+    left, right = ("camera.py", "left", {"info": "/l/info"}), ("camera.py", "right", {})
+    assert shared_outputs(folder, left, right) == ["/image of /left and /right"]
+
+
+@pytest.mark.parametrize("right", [{"image": "/r/image"}, {"info": "/l/info"}])
+def test_what_all_have_apart_or_all_in_common_is_not(folder, right):
+    nodes = [("camera.py", "left", {"info": "/l/info"}), ("camera.py", "right", right)]
+    assert shared_outputs(folder, *nodes) == []
+
+
+def test_one_instance_shares_nothing(folder):
+    assert shared_outputs(folder, ("camera.py", "left", {}), ("teleop.py", "right", {})) == []
+
+
+def test_nodelets_count_apart_though_they_are_one_node(folder):
+    remap = '<remap from="image" to="/{}/image"/><remap from="~out" to="/out"/>'
+    load = '<node pkg="nodelet" type="nodelet" name="{}" args="load robot/Filter /m">{}</node>'
+    source = folder / "robot/src/filter.cpp"
+    more = 'more_ = getPrivateNodeHandle().advertise<sensor_msgs::Image>("more", 1);\n    sub_ ='
+    source.write_text(source.read_text().replace("sub_ =", more, 1))
+    nodelets = "".join(load.format(name, remap.format(name)) for name in ("left", "right"))
+    manager = '<node pkg="nodelet" type="nodelet" name="m" args="manager"/>'
+    (folder / "robot/launch/two.launch").write_text(f"<launch>{manager}{nodelets}</launch>")
+    graph = scan(folder, "two.launch").graph
+    assert [n.what for n in graph.unresolved if n.why == SHARED_OUTPUT] == [
+        "/out of /left and /right"
+    ]
+
+
+@pytest.mark.parametrize(
+    ("value", "is_noted"),
+    [("/bases/cmd_vel", True), ("/cmd_vel", False), ("cmd_vel", False), ("/chatter", False)],
+)
+@pytest.mark.parametrize("name", ["vel_topic", "frame"])
+def test_a_parameter_that_names_a_topic_near_one_that_is_used(folder, name, value, is_noted):
+    (folder / "robot/launch/named.launch").write_text(
+        f'<launch><param name="{name}" value="{value}"/>'
+        '<node pkg="robot" type="teleop.py" name="teleop">'
+        '<remap from="cmd_vel" to="/base/cmd_vel"/></node>'
+        '<node pkg="robot" type="driver" name="driver"/></launch>'
+    )
+    graph = scan(folder, "named.launch").graph
+    notes = [n.what for n in graph.unresolved if n.why == f"{UNUSED_TOPIC}, near /base/cmd_vel"]
+    is_expected = is_noted and name == "vel_topic"
+    assert notes == ([f"parameter /{name} is {value}"] if is_expected else [])
+
+
+def test_a_shell_script_takes_no_name(folder):
+    """run.sh starts a node that is named /by_hand: there is one of that name, not two."""
+    (folder / "robot/launch/wrapped.launch").write_text(
+        '<launch><node pkg="robot" type="run.sh" name="by_hand"/></launch>'
+    )
+    graph = scan(folder, "wrapped.launch").graph
+    assert [end.node for end in graph.publishers("/by_hand/cmd_vel")] == ["/by_hand"]
+    assert [note for note in graph.unresolved if note.what == "node /by_hand"] == []

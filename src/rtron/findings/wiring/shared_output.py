@@ -1,0 +1,71 @@
+"""Two instances of one program publish one topic.
+
+## What it finds
+
+ROS 1: nodes or nodelets of one program that publish one topic, while their other topics differ. The
+nodelets of one manager count apart, though they are one node to ROS. Diagnostics, transforms, joint
+states and logs do not count, nor does what commands motion: see `several_publishers`.
+
+## Why it matters
+
+The launch gives each instance names of its own, and forgot one: the pictures of both cameras come
+on one topic, and nobody can tell them apart.
+
+## Remedy
+
+Remap the topic for each instance.
+
+## Example
+
+The nodelets `left_camera` and `right_camera` both publish `/image`.
+"""
+
+from collections.abc import Iterator
+
+from rtron.findings.app_facts import AppFacts
+from rtron.findings.rule import FindingRule, make_finding
+from rtron.vocabulary import (
+    Certainty,
+    Consequence,
+    Finding,
+    FindingLevel,
+    UnresolvedItem,
+)
+from rtron.vocabulary.causes import SHARED_OUTPUT
+
+_OF_ALL = ("/tf", "/tf_static", "/diagnostics", "/joint_states", "/rosout")
+"""Topics that many nodes publish for all (REP 105, REP 107)."""
+
+
+def check(app: AppFacts) -> Iterator[Finding]:
+    """Yield a finding for each topic that instances of one program share."""
+    for note in app.graph.unresolved:
+        topic = note.what.partition(" of ")[0]
+        counts = topic not in _OF_ALL and not app.is_motion(topic)
+        if note.why == SHARED_OUTPUT and counts:
+            yield _finding(topic, note)
+
+
+def _finding(topic: str, note: UnresolvedItem) -> Finding:
+    instances = note.what.partition(" of ")[2]
+    return make_finding(
+        RULE.name,
+        topic,
+        summary=f"{instances} all publish {topic}",
+        cause="they are instances of one program, and their other topics differ",
+        remedy=f"remap {topic} for each of them",
+        consequence=Consequence.FAILURE,
+        certainty=Certainty.POSSIBLE,
+        level=FindingLevel.PEDANTIC,
+        topics=(topic,),
+        evidence=note.evidence,
+    )
+
+
+RULE = FindingRule(
+    name="shared_output",
+    title="Two instances of one program publish one topic",
+    consequence="failure: possible",
+    since="0.2.0",
+    check=check,
+)
