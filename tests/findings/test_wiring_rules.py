@@ -15,6 +15,7 @@ from finding_graphs import (
 )
 from finding_pairs import FILTERED, ODOMETRY, SCAN
 
+from rtron.findings.app_facts import is_near
 from rtron.vocabulary import (
     Action,
     ActionRole,
@@ -436,3 +437,48 @@ class TestSharedOutput:
         note = UnresolvedItem(what=f"{topic} of /a and /b", why=SHARED_OUTPUT)
         graph = small_graph(BASE, unresolved=(note,))
         assert not found("shared_output", graph)
+
+
+class TestDuplicateNode:
+    WHY = "started at several places; they all run, and nothing tells them apart"
+
+    def graph(self, *starts):
+        """Return a graph with a note for each node and the files that start it."""
+        notes = [
+            UnresolvedItem(
+                what=f"node {node}",
+                why=self.WHY,
+                evidence=tuple(Evidence(file=file, line=line) for file in files),
+            )
+            for line, (node, *files) in enumerate(starts, 1)
+        ]
+        return small_graph(BASE, unresolved=tuple(notes))
+
+    def test_the_names_of_one_pair_of_files_are_one_finding(self):
+        graph = self.graph(("/b", "x", "y"), ("/a", "y", "x"), ("/c", "x", "x"), ("/c", "x", "x"))
+        both, one = found("duplicate_node", graph)
+        assert both.summary == "/a and /b start more than once"
+        assert both.nodes == ("/a", "/b")
+        assert one.summary == "/c starts more than once"
+        assert [place.line for place in one.evidence] == [3, 4]
+
+    def test_the_tool_s_nodes_do_not_count(self):
+        assert not found("duplicate_node", self.graph(("/r/_ros2cli_requester_T", "x", "y")))
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "near"),
+    [
+        ("/camera/scan", "/scan", True),
+        ("/r/a/scan", "/a/scan", True),
+        ("/a/scan", "/a/b/scan", True),
+        ("/smoother/error", "/select/error", False),
+        ("/smoother/error", "/smother/error", True),
+        ("/data", "/data_compass", True),
+        ("/data", "/database", False),
+        ("/a", "/a", False),
+    ],
+)
+def test_names_are_near_in_a_namespace_more_a_slip_or_with_more_words(one, other, near):
+    assert is_near(one, other) is near
+    assert is_near(other, one) is near

@@ -209,7 +209,7 @@ def _is_unknown(type: str) -> bool:
 
 
 def is_near(one: str, other: str) -> bool:
-    """Return whether two names may be meant for one: a last part in another namespace, a slip.
+    """Return whether two names may be meant for one: a namespace more or less, a slip.
 
     So may one that the other says more about, as `data` and `data_compass` do.
     """
@@ -222,12 +222,18 @@ def is_near(one: str, other: str) -> bool:
             return False
         if _is_qualified(name, other_name) or _is_qualified(other_name, name):
             return True
-    elif name == other_name:
+    elif name == other_name and _is_within(namespace, other_namespace):
         return True
     shorter, longer = sorted((len(one), len(other)))
     if 2 * shorter < _NEAR_RATIO * (shorter + longer):
         return False
     return SequenceMatcher(None, one, other).ratio() >= _NEAR_RATIO
+
+
+def _is_within(one: str, other: str) -> bool:
+    """Return whether one namespace is the other with more before or behind it."""
+    shorter, longer = sorted((one, other), key=len)
+    return longer.startswith(f"{shorter}/") or longer.endswith(shorter)
 
 
 def _without_transport(name: str) -> str:

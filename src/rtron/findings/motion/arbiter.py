@@ -39,7 +39,6 @@ ARBITER_PACKAGES = frozenset(
         "nav2_velocity_smoother",
         "yocs_velocity_smoother",
         "ackermann_mux",
-        "ackermann_cmd_mux",
         "joy_teleop_mux",
     }
 )
