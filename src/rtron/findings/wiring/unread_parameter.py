@@ -5,7 +5,8 @@
 ROS 2: the parameters of a launch, or of its YAML files, for a node whose source was read whole and
 that declares others. Where the node declares a near name that nobody sets, it is likely meant, and
 the finding names it; else it is shown from the level `pedantic` on. What a file sets for all nodes
-(`/**`) counts where the node declares a near name, and no node of the app this one.
+(`/**`) counts where the node declares a near name, and no node of the app this one. A section of a
+parameter file for a name that no node has counts where a node without a section has a near name.
 
 ## Why it matters
 
@@ -33,19 +34,37 @@ from rtron.vocabulary import (
     FindingLevel,
     UnresolvedItem,
 )
-from rtron.vocabulary.causes import UNREAD_PARAMETER
+from rtron.vocabulary.causes import UNKNOWN_NODE, UNREAD_PARAMETER
 
 _MOST_SHOWN = 4
 
 
 def check(app: AppFacts) -> Iterator[Finding]:
-    """Yield a finding for each parameter that a launch sets in vain."""
+    """Yield a finding for each node, or name of none, whose parameters a launch sets in vain."""
     for note in app.graph.unresolved:
         if note.why.startswith(UNREAD_PARAMETER):
-            yield _finding(note)
+            yield _undeclared(note)
+        elif note.why.startswith(UNKNOWN_NODE):
+            yield _without_node(note)
 
 
-def _finding(note: UnresolvedItem) -> Finding:
+def _without_node(note: UnresolvedItem) -> Finding:
+    name = note.what.removeprefix("parameters of ")
+    near = note.why.removeprefix(f"{UNKNOWN_NODE}; ").removesuffix(" is near")
+    return make_finding(
+        RULE.name,
+        name,
+        summary=f"the parameters that the launch sets for {name} reach no node",
+        cause=f"no node of this launch has this name, and {near} is given none",
+        remedy=f"did you mean {near}?",
+        consequence=Consequence.FAILURE,
+        certainty=Certainty.LIKELY,
+        nodes=(near,),
+        evidence=note.evidence,
+    )
+
+
+def _undeclared(note: UnresolvedItem) -> Finding:
     node, _, names = note.what.removeprefix("set for ").partition(": ")
     _, _, near = note.why.partition("declares ")
     shown = names.split(", ")

@@ -4,7 +4,7 @@ import pytest
 
 from rtron.sources.static.common.scan_options import ScanOptions
 from rtron.sources.static.ros2.app import scan_ros2_app
-from rtron.vocabulary.causes import UNREAD_PARAMETER
+from rtron.vocabulary.causes import UNKNOWN_NODE, UNREAD_PARAMETER
 
 MANIFEST = "<package><name>app</name></package>"
 SETUP = """from setuptools import setup
@@ -32,8 +32,8 @@ BASE = ("max_vel", "wheel.radius", "rate")
 
 
 @pytest.fixture
-def unread(tmp_path):
-    """Return the parameters that two nodes, which declare some, ignore of those that are given."""
+def scanned(tmp_path):
+    """Return the graph of two nodes that declare some parameters and are given others."""
 
     def scan(given, base=BASE, arm=("speed",), more="pass"):
         files = {"package.xml": MANIFEST, "setup.py": SETUP, "app/__init__.py": ""}
@@ -48,12 +48,22 @@ def unread(tmp_path):
         launch = tmp_path / "app.launch.py"
         words = repr(str(tmp_path / "p.yaml")) if isinstance(given, str) else repr(given)
         launch.write_text(LAUNCH.replace("{given}", words))
-        graph = scan_ros2_app([tmp_path], [(launch, {})], {}, ScanOptions(workers=1))
-        notes = [n for n in graph.unresolved if n.why.startswith(UNREAD_PARAMETER)]
-        assert all(note.evidence[0].file == str(launch) for note in notes)
-        return {note.what: note.why.removeprefix(UNREAD_PARAMETER) for note in notes}
+        return scan_ros2_app([tmp_path], [(launch, {})], {}, ScanOptions(workers=1))
 
     return scan
+
+
+@pytest.fixture
+def unread(scanned, tmp_path):
+    """Return what the nodes ignore of the parameters that are given, with what they declare."""
+
+    def notes(given, **declared):
+        graph = scanned(given, **declared)
+        found = [note for note in graph.unresolved if note.why.startswith(UNREAD_PARAMETER)]
+        assert all(note.evidence[0].file == str(tmp_path / "app.launch.py") for note in found)
+        return {note.what: note.why.removeprefix(UNREAD_PARAMETER) for note in found}
+
+    return notes
 
 
 def of_base(**values):
@@ -116,3 +126,19 @@ def test_of_a_node_that_declares_none_nothing_is_known(unread):
 )
 def test_of_a_node_that_was_not_read_whole_nothing_is_known(unread, more):
     assert unread(of_base(max_vell=1.0), more=more) == {}
+
+
+@pytest.mark.parametrize(
+    ("section", "near"),
+    [("/bas", "/base"), ("/basse", "/base"), ("/base", None), ("/camera", None), ("/**", None)],
+)
+def test_a_section_for_a_name_that_no_node_has(scanned, section, near):
+    graph = scanned(f"{section}:\n  ros__parameters:\n    max_vel: 1.0\n")
+    notes = [n for n in graph.unresolved if n.why.startswith(UNKNOWN_NODE)]
+    assert [note.what for note in notes] == ([f"parameters of {section}"] if near else [])
+    assert all(note.why == f"{UNKNOWN_NODE}; {near} is near" for note in notes)
+
+
+def test_a_node_with_a_section_of_its_own_is_not_meant(scanned):
+    graph = scanned(of_base(max_vel=1.0) + "/bas:\n  ros__parameters:\n    max_vel: 1.0\n")
+    assert not [note for note in graph.unresolved if note.why.startswith(UNKNOWN_NODE)]

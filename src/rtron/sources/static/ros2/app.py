@@ -26,7 +26,7 @@ from rtron.sources.static.ros2.controllers import ControllerParts
 from rtron.sources.static.ros2.gazebo_plugins import GazeboPluginNodes
 from rtron.sources.static.ros2.gazebo_server import GazeboServers
 from rtron.sources.static.ros2.standard_nodes import add_standard_interface
-from rtron.sources.static.ros2.unread_parameters import unread_parameters
+from rtron.sources.static.ros2.unread_parameters import sections_without_node, unread_parameters
 from rtron.sources.workspace import Workspace
 from rtron.vocabulary import InteractionGraph
 
@@ -73,6 +73,7 @@ def scan_ros2_app(
         for part in (*parts, *(part for part in controllers if not part.task), *resolved):
             assembly.add_part(add_standard_interface(part, files, generated_files))
         assembly.add_unresolved(*unread_parameters([*parts, *resolved]))
+        assembly.add_unresolved(*sections_without_node(parts, set(assembly.nodes)))
     assembly.add_topic_parameters()
     assembly.add_unresolved(*(note for launch in app_launches for note in launch.unresolved))
     assembly.add_unresolved(*node_builder.unresolved.entries, *gazebo_servers.unresolved.entries)

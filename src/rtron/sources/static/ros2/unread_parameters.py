@@ -1,12 +1,12 @@
-"""Parameters that a launch sets and that the node, whose source was read, does not declare."""
+"""Parameters that a launch sets in vain: a node does not declare them, or no node has the name."""
 
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
-from difflib import SequenceMatcher
+from difflib import SequenceMatcher, get_close_matches
 
 from rtron.sources.static.common.node_part import NodePart
 from rtron.vocabulary import UnresolvedItem
-from rtron.vocabulary.causes import UNREAD_PARAMETER
+from rtron.vocabulary.causes import UNKNOWN_NODE, UNREAD_PARAMETER
 from rtron.vocabulary.parameters import pattern_matches
 
 _OF_EVERY_NODE = ("use_sim_time", "qos_overrides.", "start_type_description_service")
@@ -36,6 +36,25 @@ def unread_parameters(parts: Iterable[NodePart]) -> Iterator[UnresolvedItem]:
             others = [name for name in unread if name not in near and set_by_launch[name]]
             yield from _notes(part, node, list(near), list(near.values()))
             yield from _notes(part, node, others, [])
+
+
+def sections_without_node(parts: Iterable[NodePart], nodes: set[str]) -> Iterator[UnresolvedItem]:
+    """Yield a note for each section of a parameter file for a name that no node has.
+
+    It counts if a node has a near name and no section of its own.
+    """
+    places = {
+        each.node: part.node.evidence for part in parts for each in part.node.site.node_settings
+    }
+    if any("{" in name for name in nodes):
+        return
+    without_section = sorted(nodes - places.keys())
+    for section in sorted(places.keys() - nodes):
+        near = get_close_matches(section, without_section, 1, _NEAR_RATIO)
+        if near and "*" not in section:
+            why = f"{UNKNOWN_NODE}; {near[0]} is near"
+            what = f"parameters of {section}"
+            yield UnresolvedItem(what=what, why=why, evidence=(places[section],))
 
 
 def _nodes_with_parameters(part: NodePart) -> list[str]:
