@@ -2,7 +2,7 @@
 
 ## What it finds
 
-ROS 1: a remap whose old name no node that gets it uses, while other nodes of the app use that name,
+A remap whose old name no node that gets it uses, while other nodes of the app use that name,
 or a name below it. A remap in a group is idle only if no node of the group has a use for it.
 
 ## Why it matters

@@ -2,9 +2,10 @@
 
 ## What it finds
 
-ROS 1: nodes or nodelets of one program that publish one topic, while their other topics differ. The
-nodelets of one manager count apart, though they are one node to ROS. Diagnostics, transforms, joint
-states and logs do not count, nor does what commands motion: see `several_publishers`.
+Nodes, nodelets or components of one program that publish one topic, while their other topics
+differ. The nodelets of one manager count apart, though they are one node to ROS. Diagnostics,
+transforms, joint states and logs do not count, nor does what commands motion: see
+`several_publishers`.
 
 ## Why it matters
 

@@ -14,7 +14,7 @@ from rtron.sources.static.common.endpoints import (
 from rtron.sources.static.common.graph_builder import GraphBuilder
 from rtron.sources.static.common.node_part import NodePart
 from rtron.sources.static.common.topic_parameters import unused_topic_parameters
-from rtron.sources.static.ros1.wiring import ProgramOutputs, RemapUses
+from rtron.sources.static.common.wiring import ProgramOutputs, RemapUses
 from rtron.sources.workspace import ProgramLanguage, Workspace
 from rtron.vocabulary import Direction, Node, ParameterTree, UnresolvedItem
 

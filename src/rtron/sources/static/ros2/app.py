@@ -74,7 +74,7 @@ def scan_ros2_app(
             assembly.add_part(add_standard_interface(part, files, generated_files))
         assembly.add_unresolved(*unread_parameters([*parts, *resolved]))
         assembly.add_unresolved(*sections_without_node(parts, set(assembly.nodes)))
-    assembly.add_topic_parameters()
+    assembly.add_wiring_notes()
     assembly.add_unresolved(*(note for launch in app_launches for note in launch.unresolved))
     assembly.add_unresolved(*node_builder.unresolved.entries, *gazebo_servers.unresolved.entries)
     return assembly.build(Path(app_launches[0].file).name.split(".")[0] if app_launches else "")

@@ -11,9 +11,11 @@ from rtron.sources.declaration import CreatedNode, Declaration
 from rtron.sources.static.common.graph_builder import GraphBuilder
 from rtron.sources.static.common.node_part import NodePart
 from rtron.sources.static.common.topic_parameters import unused_topic_parameters
+from rtron.sources.static.common.wiring import ProgramOutputs, RemapUses
 from rtron.sources.static.ros2.endpoints import RemapRules, graph_entities
 from rtron.sources.workspace import Workspace
-from rtron.vocabulary import Evidence, Node, UnresolvedItem
+from rtron.vocabulary import Direction, Endpoint, Evidence, Node, UnresolvedItem
+from rtron.vocabulary.remap_rules import remaps_for_node
 
 
 @dataclass(slots=True, kw_only=True)
@@ -22,6 +24,8 @@ class Ros2Assembly(GraphBuilder):
 
     workspace: Workspace
     ros: int = 2
+    remap_uses: RemapUses = field(default_factory=RemapUses)
+    program_outputs: ProgramOutputs = field(default_factory=ProgramOutputs)
     _started: dict[str, Evidence] = field(default_factory=dict)
 
     def add_part(self, part: NodePart) -> None:
@@ -31,6 +35,7 @@ class Ros2Assembly(GraphBuilder):
             declared[declaration.node or part.node.name].append(declaration)
         for created in _created_nodes(part):
             self._add_node(created.name, part)
+            self._note_remaps(created, part, declared[created.name])
             rules = (
                 *created.remaps,
                 *(part.node.process_remap_rules if created.uses_global_arguments else ()),
@@ -39,6 +44,8 @@ class Ros2Assembly(GraphBuilder):
                 created.name, declared[created.name], RemapRules(rules, created.name)
             ):
                 self.add_entity(entity)
+                if isinstance(entity, Endpoint) and entity.direction is Direction.PUBLISH:
+                    self._note_output(part, entity)
         for parameter in part.interface.parameters:
             if "{" not in parameter.name:
                 self.parameters[parameter.node, parameter.name] = parameter
@@ -49,8 +56,23 @@ class Ros2Assembly(GraphBuilder):
             why = "what a node starts itself is not followed: name it with --launch too"
             self.add_unresolved(UnresolvedItem(what=what, why=why, evidence=started.evidence))
 
-    def add_topic_parameters(self) -> None:
-        """Note the parameters that name topics which nobody uses."""
+    def _note_remaps(
+        self, created: CreatedNode, part: NodePart, declared: list[Declaration]
+    ) -> None:
+        rules = part.node.process_remap_rules if created.uses_global_arguments else ()
+        remaps = {r.source: r.target for r in remaps_for_node(rules, created.name)}
+        is_known = not (part.is_unread or part.model)
+        names = {each.name for each in declared} if is_known else None
+        self.remap_uses.add(created.name, remaps, names, part.node.evidence)
+
+    def _note_output(self, part: NodePart, end: Endpoint) -> None:
+        if not end.implicit:
+            self.program_outputs.add(part, end.topic)
+
+    def add_wiring_notes(self) -> None:
+        """Note what is wired in vain: remaps, outputs in common, parameters that name no topic."""
+        self.add_unresolved(*self.remap_uses.idle(self.endpoints.values()))
+        self.add_unresolved(*self.program_outputs.shared())
         values = (
             (f"{each.node}/{each.name}", each.value, self._started[each.node])
             for each in self.parameters.values()
