@@ -418,6 +418,8 @@ class TestBypassedNode:
             ("pub /scan_filtered", "pub /filter/scan"),
             ("pub /scan sensor", "pub /other sensor"),
             ("sub /scan_filtered", "sub /other"),
+            ("pub /scan_filtered", "pub /cleaned"),
+            ("pub /scan_filtered", "pub /{scan_filtered,scan_more}"),
         ],
     )
     def test_another_type_a_name_of_its_own_and_a_reader_less_do_not_count(self, old, new):

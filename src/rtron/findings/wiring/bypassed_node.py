@@ -2,9 +2,9 @@
 
 ## What it finds
 
-A node that makes of one topic another of the same type (a filter, a throttle, a merger), whose
-output nobody subscribes, while other nodes subscribe its input. Outputs below the node's own name,
-which are for people to look at, do not count.
+A node that makes of one topic another of the same type and a kindred name (a filter, a throttle),
+whose output nobody subscribes, while other nodes subscribe its input. It must be its only output of
+that type; `std_msgs` and outputs below the node's own name do not count.
 
 ## Why it matters
 
@@ -21,41 +21,63 @@ Have the readers subscribe the output, or do not start the node.
 `/imu_filter` makes `/imu_filtered/data` of `/imu/data`, and `/ekf` subscribes `/imu/data`.
 """
 
-from collections.abc import Iterator
+import re
+from collections import defaultdict
+from collections.abc import Iterable, Iterator
 
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.rule import FindingRule, make_finding
 from rtron.risks.wording import conjugate, join_names
-from rtron.vocabulary import Certainty, Consequence, Direction, Finding, FindingLevel
+from rtron.vocabulary import (
+    Certainty,
+    Consequence,
+    Endpoint,
+    Finding,
+    FindingLevel,
+    normalise_type,
+)
+
+_PLAIN = ("std_msgs/", "*")
+_MOST_INPUTS = 2
+"""A manager of nodelets may hold a driver and its filter; what has more inputs is no filter."""
+_SHORT = 2
+"""Words of so many letters are in many names."""
 
 
 def check(app: AppFacts) -> Iterator[Finding]:
     """Yield a finding for each node whose output nobody reads, while others read its input."""
     for node in app.nodes:
-        for output in _unread_outputs(app, node):
-            for source in _inputs_like(app, node, output):
-                readers = tuple(each for each in app.readers(source) if each != node)
-                if readers and app.publishers(source):
-                    yield _finding(app, node, source, output, readers)
+        for source, output in _filtered(app, node):
+            readers = tuple(each for each in app.readers(source) if each != node)
+            if readers and app.publishers(source) and _is_unread(app, node, output):
+                yield _finding(app, node, source, output, readers)
 
 
-def _unread_outputs(app: AppFacts, node: str) -> list[str]:
-    published = sorted({end.topic for end in app.graph.published_by(node) if not end.implicit})
-    return [
-        topic
-        for topic in published
-        if app.publishers(topic) == (node,)
-        and not app.graph.subscribers(topic)
-        and not topic.startswith(f"{node}/")
-        and "{" not in topic
-    ]
+def _filtered(app: AppFacts, node: str) -> Iterator[tuple[str, str]]:
+    """Yield the inputs and the output of a type that a node has one output of, of kindred names."""
+    inputs, outputs = app.graph.subscribed_by(node), app.graph.published_by(node)
+    for type, sources in _topics_by_type(inputs).items():
+        made = _topics_by_type(outputs).get(type, set()) - sources
+        if len(made) == 1 and len(sources) <= _MOST_INPUTS and not type.startswith(_PLAIN):
+            (output,) = made
+            yield from ((each, output) for each in sources if _words(each) & _words(output))
 
 
-def _inputs_like(app: AppFacts, node: str, output: str) -> list[str]:
-    """Return what a node subscribes that has the type of one of its outputs."""
-    types = app.types(output, Direction.PUBLISH).keys()
-    subscribed = sorted({end.topic for end in app.graph.subscribed_by(node) if not end.implicit})
-    return [t for t in subscribed if types & app.types(t, Direction.SUBSCRIBE).keys()]
+def _topics_by_type(ends: Iterable[Endpoint]) -> dict[str, set[str]]:
+    found: dict[str, set[str]] = defaultdict(set)
+    for end in ends:
+        if not end.implicit:
+            found[normalise_type(end.type)].add(end.topic)
+    return found
+
+
+def _words(topic: str) -> set[str]:
+    return {word for word in re.split("[/_]", topic) if len(word) > _SHORT}
+
+
+def _is_unread(app: AppFacts, node: str, output: str) -> bool:
+    is_open = "{" in output or output.startswith(f"{node}/")
+    return app.publishers(output) == (node,) and not (app.graph.subscribers(output) or is_open)
 
 
 def _finding(

@@ -26,16 +26,19 @@ from rtron.findings.rule import FindingRule, make_finding
 from rtron.vocabulary import Certainty, Consequence, Finding, FindingLevel, UnresolvedItem
 from rtron.vocabulary.causes import NO_EFFECT
 
+_OF_ALL = ("/tf", "/tf_static")
+"""Launch files often remap them for every node, be it one that uses them or not."""
+
 
 def check(app: AppFacts) -> Iterator[Finding]:
     """Yield a finding for each remap without effect."""
     for note in app.graph.unresolved:
-        if note.what.startswith("remap ") and note.why.startswith(NO_EFFECT):
-            yield _finding(note)
+        source, _, target = note.what.removeprefix("remap ").partition(" to ")
+        if note.why.startswith(NO_EFFECT) and source not in _OF_ALL:
+            yield _finding(note, source, target)
 
 
-def _finding(note: UnresolvedItem) -> Finding:
-    source, _, target = note.what.removeprefix("remap ").partition(" to ")
+def _finding(note: UnresolvedItem, source: str, target: str) -> Finding:
     return make_finding(
         RULE.name,
         source,

@@ -186,7 +186,13 @@ def test_nodelets_count_apart_though_they_are_one_node(folder):
 
 @pytest.mark.parametrize(
     ("value", "is_noted"),
-    [("/bases/cmd_vel", True), ("/cmd_vel", False), ("cmd_vel", False), ("/chatter", False)],
+    [
+        ("/bases/cmd_vel", True),
+        ("/cmd_vel", False),
+        ("cmd_vel", False),
+        ("/chatter", False),
+        ("/base", False),
+    ],
 )
 @pytest.mark.parametrize("name", ["vel_topic", "frame"])
 def test_a_parameter_that_names_a_topic_near_one_that_is_used(folder, name, value, is_noted):

@@ -12,10 +12,13 @@ _NEAR_RATIO = 0.8
 def unused_topic_parameters(
     parameters: Iterable[tuple[str, ParameterValue, Evidence]], topics: set[str]
 ) -> Iterator[UnresolvedItem]:
-    """Yield a note for each parameter, given with its value and place, that names no topic."""
+    """Yield a note for each parameter, given with its value and place, that names no topic.
+
+    It may name the namespace of topics.
+    """
     for name, value, place in parameters:
         is_topic = isinstance(value, str) and value.startswith("/") and "topic" in name.lower()
-        if is_topic and value not in topics:
+        if is_topic and not any(f"{topic}/".startswith(f"{value}/") for topic in topics):
             for near in get_close_matches(value, sorted(topics), 1, _NEAR_RATIO):
                 why = f"{UNUSED_TOPIC}, near {near}"
                 what = f"parameter {name} is {value}"
