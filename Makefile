@@ -37,10 +37,10 @@ coverage: setup ## Run the tests of policies, risks, plans and vocabulary, which
 	  --cov=rtron.policies --cov=rtron.risks --cov=rtron.coherence --cov=rtron.vocabulary --cov-branch \
 	  --cov-report=term-missing:skip-covered --cov-fail-under=100
 
-test: lint coverage test-ros2 ## Run lint, coverage and the tests (25 minutes)
+test: lint coverage test-ros2 ## Run lint, coverage and the tests (17 minutes)
 	$(BIN)/pytest -m "not ros2 and not covered $(SHORT)" $(WORKERS) $(EXAMPLES)
 
-test-ros2: setup ## Run the tests on a real ROS 2 (6 minutes)
+test-ros2: setup ## Run the tests on a real ROS 2 (3 minutes)
 	[ ! -x $(ROS2_PYTHON) ] || $(ROS2_PYTHON) -m pytest -m "ros2 $(SHORT)" $(ROS2_TESTS) $(WORKERS) $(EXAMPLES)
 
 test-all: SHORT :=

@@ -114,8 +114,8 @@ PAIRS = {
         small_graph(FILTERED.format("/scan_filtered")),
     ),
     "shared_output": (
-        _with_note(SHARED_OUTPUT, "/image of /left and /right"),
-        _with_note("no source of it is here", "/image of /left and /right"),
+        _with_note(SHARED_OUTPUT, "/image of /left, /right"),
+        _with_note("no source of it is here", "/image of /left, /right"),
     ),
     "sim_time": (
         small_graph(SCAN, parameters=parameters("use_sim_time", laser=True, slam=False)),

@@ -377,7 +377,7 @@ class TestArbiter:
         finding = the_finding("arbiter", small_graph(MUX))
         assert finding.level is FindingLevel.AUDITOR
         assert finding.summary == "/twist_mux decides who drives on /cmd_vel"
-        assert finding.cause == "it takes /joy_vel and /nav_vel"
+        assert finding.cause == "it takes /joy_vel, /nav_vel"
 
     def test_priorities_and_locks_are_those_of_its_parameters(self):
         given = {
@@ -394,7 +394,24 @@ class TestArbiter:
         others = parameters("topics.joy.priority", other=1)
         finding = the_finding("arbiter", small_graph(MUX, parameters=(*known, *others)))
         assert finding.cause == (
-            "it takes /joy_vel (priority 100), /nav_vel and lock pause (priority 255)"
+            "it takes /joy_vel (priority 100), /nav_vel, lock /pause (priority 255)"
+        )
+
+    def test_inputs_of_one_last_name_have_their_own_priorities(self):
+        text = MUX.replace("/{nav,joy}_vel", "/{nav,joy}/cmd_vel")
+        given = {
+            "topics.a-joy.topic": "joy/cmd_vel",
+            "topics.a-joy.priority": 100,
+            "topics.nav.topic": "nav/cmd_vel",
+            "topics.nav.priority": 10,
+            "locks.cmd_vel.topic": "cmd_vel",
+            "locks.cmd_vel.priority": 255,
+        }
+        known = [parameters(name, twist_mux=value) for name, value in given.items()]
+        finding = the_finding("arbiter", small_graph(text, parameters=sum(known, ())))
+        assert finding.cause == (
+            "it takes /joy/cmd_vel (priority 100), /nav/cmd_vel (priority 10), "
+            "lock /cmd_vel (priority 255)"
         )
 
     def test_without_an_output_it_decides_nothing(self):

@@ -436,7 +436,7 @@ class TestBypassedNode:
 class TestSharedOutput:
     @pytest.mark.parametrize("topic", ["/cmd_vel", "/diagnostics", "/tf", "/rosout"])
     def test_motion_and_what_all_share_do_not_count(self, topic):
-        note = UnresolvedItem(what=f"{topic} of /a and /b", why=SHARED_OUTPUT)
+        note = UnresolvedItem(what=f"{topic} of /a, /b", why=SHARED_OUTPUT)
         graph = small_graph(BASE, unresolved=(note,))
         assert not found("shared_output", graph)
 
@@ -456,13 +456,16 @@ class TestDuplicateNode:
         ]
         return small_graph(BASE, unresolved=tuple(notes))
 
-    def test_the_names_of_one_pair_of_files_are_one_finding(self):
-        graph = self.graph(("/b", "x", "y"), ("/a", "y", "x"), ("/c", "x", "x"), ("/c", "x", "x"))
-        both, one = found("duplicate_node", graph)
-        assert both.summary == "/a and /b start more than once"
-        assert both.nodes == ("/a", "/b")
-        assert one.summary == "/c starts more than once"
-        assert [place.line for place in one.evidence] == [3, 4]
+    def test_a_name_is_one_finding_with_all_its_places(self):
+        graph = self.graph(("/a", "x", "y"), ("/b", "x", "y"), ("/a", "x", "z"))
+        of_a, of_b = found("duplicate_node", graph)
+        assert [of_a.subject, of_b.subject] == ["/a", "/b"]
+        assert [(place.file, place.line) for place in of_a.evidence] == [
+            ("x", 1),
+            ("y", 1),
+            ("x", 3),
+            ("z", 3),
+        ]
 
     def test_the_tool_s_nodes_do_not_count(self):
         assert not found("duplicate_node", self.graph(("/r/_ros2cli_requester_T", "x", "y")))

@@ -132,8 +132,9 @@ class AppFacts:
 
     def open_readers(self, topic: str) -> tuple[str, ...]:
         """Return the nodes that subscribe names known in part, one of which may be this topic."""
-        ends = (end for end in self.graph.endpoints if end.direction is Direction.SUBSCRIBE)
-        return tuple(sorted({e.node for e in ends if fits_open_name(topic, [e.topic])}))
+        subscribers = (end for end in self.graph.endpoints if end.direction is Direction.SUBSCRIBE)
+        nodes = {end.node for end in subscribers if fits_open_name(topic, [end.topic])}
+        return tuple(sorted(nodes - self.facts.viewers - set(self.publishers(topic))))
 
     def types(self, topic: str, direction: Direction) -> dict[str, list[Endpoint]]:
         """Return the endpoints of one direction by their known type, as ROS 1 spells it."""

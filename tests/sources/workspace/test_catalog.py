@@ -159,7 +159,11 @@ def test_python_modules_are_looked_for_near_then_in_packages(tmp_path):
     [
         ({"setup.py": 'f"camera_node = {name}.camera_node:main"'}, True),
         ({"sub/CMakeLists.txt": "add_executable(camera_node a.cpp)"}, True),
-        ({"cmake/all.cmake": "add(camera_node)"}, True),
+        ({"cmake/all.cmake": "foreach(name camera_node other)"}, True),
+        ({"setup.cfg": "[entry_points]\nconsole_scripts =\n  camera_node = a.b:c\n"}, True),
+        ({"setup.py": "setup(name='camera_node', packages=['camera_node'])"}, False),
+        ({"CMakeLists.txt": "project(camera_node)"}, False),
+        ({"xCMakeLists.txt": "add_executable(camera_node a.cpp)"}, False),
         ({"CMakeLists.txt": "# add_executable(camera_node a.cpp)"}, False),
         ({"CMakeLists.txt": "add_executable(camera_nodes a.cpp)"}, False),
         ({"CMakeLists.txt": "add_executable(my_camera_node a.cpp)"}, False),
@@ -168,9 +172,14 @@ def test_python_modules_are_looked_for_near_then_in_packages(tmp_path):
         ({}, False),
     ],
 )
-def test_a_word_stands_in_build_files_or_not(tmp_path, files, is_there):
+def test_a_program_is_named_in_build_files_or_not(tmp_path, files, is_there):
     folder = package(tmp_path / "pkg", files)
     assert is_in_build_files(list_files(folder, ()), "camera_node") is is_there
+
+
+def test_no_build_file_names_a_program_that_no_file_can_have(tmp_path):
+    folder = package(tmp_path / "pkg", {"setup.py": "setup()"})
+    assert not is_in_build_files(list_files(folder, ()), "\ud800reader")
 
 
 def test_messages_name_what_is_made_of_them(tmp_path):

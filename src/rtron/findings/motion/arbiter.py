@@ -22,12 +22,13 @@ None is needed.
 
 import re
 from collections import defaultdict
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.rule import FindingRule, make_finding
 from rtron.risks.wording import join_names
 from rtron.vocabulary import Certainty, Consequence, Finding, FindingLevel, NodeParameterValue
+from rtron.vocabulary.remap_rules import expand_name
 
 ARBITER_PACKAGES = frozenset(
     {
@@ -42,7 +43,7 @@ ARBITER_PACKAGES = frozenset(
         "joy_teleop_mux",
     }
 )
-_SOURCE = re.compile(r"(?P<kind>topics|locks)\.(?P<name>\w+)\.(?P<key>topic|priority)")
+_SOURCE = re.compile(r"(?P<kind>topics|locks)\.(?P<name>[^.]+)\.(?P<key>topic|priority)")
 """The parameters of an input or a lock (ROS package twist_mux)."""
 _STACKS = (("nav2_", "opennav_"), ("move_base", "moveit"), ("autoware_",), ("gazebo_", "ros_gz"))
 """Prefixes of packages whose nodes take turns among themselves."""
@@ -57,7 +58,7 @@ def check(app: AppFacts) -> Iterator[Finding]:
             RULE.name,
             node,
             summary=f"{node} decides who drives on {join_names(outputs)}",
-            cause=f"it takes {join_names(_with_priorities(app, node, inputs))}",
+            cause=f"it takes {', '.join(_with_priorities(app, node, inputs))}",
             remedy="nothing to do; check its priorities and locks",
             consequence=Consequence.ODDITY,
             certainty=Certainty.CERTAIN,
@@ -75,17 +76,16 @@ def _with_priorities(app: AppFacts, node: str, inputs: tuple[str, ...]) -> list[
         match = _SOURCE.fullmatch(each.name) if each.node == node else None
         if match:
             sources[match["kind"], match["name"]][match["key"]] = each.value
-    priorities = {
-        str(of.get("topic")).rpartition("/")[2]: (kind, of.get("priority"))
-        for (kind, _), of in sources.items()
-    }
-    shown = [_with_priority(topic, priorities) for topic in inputs]
-    locks = [name for name, (kind, _) in priorities.items() if kind == "locks"]
-    return shown + [f"lock {_with_priority(name, priorities)}" for name in sorted(locks)]
+    priorities: dict[str, dict[str, NodeParameterValue | None]] = {"topics": {}, "locks": {}}
+    for (kind, _), of_source in sources.items():
+        topic = expand_name(str(of_source.get("topic")), node)
+        priorities[kind][topic] = of_source.get("priority")
+    shown = [_with_priority(topic, priorities["topics"].get(topic)) for topic in inputs]
+    locks = sorted(priorities["locks"].items())
+    return shown + [f"lock {_with_priority(topic, priority)}" for topic, priority in locks]
 
 
-def _with_priority(topic: str, priorities: Mapping[str, tuple[str, object]]) -> str:
-    _, priority = priorities.get(topic.rpartition("/")[2], ("", None))
+def _with_priority(topic: str, priority: NodeParameterValue | None) -> str:
     return topic if priority is None else f"{topic} (priority {priority})"
 
 

@@ -5,7 +5,7 @@
 Bridges that let clients outside of ROS publish and call: rosbridge, Foxglove's bridge, Zenoh's and
 the DDS routers. One finding for each. A bridge whose launch file is included counts though its
 package is not in the source. Servers that only show topics (web_video_server, rosboard) are
-oddities.
+oddities, and do not count where they listen on the local address only.
 
 ## Why it matters
 

@@ -35,8 +35,9 @@ from rtron.risks.wording import both_or_all, conjugate, join_names
 from rtron.vocabulary import Certainty, Consequence, Finding
 
 _ONE_SHOT_PACKAGES = ("rostopic", "ros2topic")
-_BASE = re.compile(
-    "base|bot|rover|driver|motor|wheel|chassis|control|serial|firmware|mcu|vesc|ros_agent"
+_MOVERS = frozenset(
+    {"base", "driver", "motor", "motors", "wheel", "wheels", "chassis", "controller", "drive"}
+    | {"serial", "rosserial", "firmware", "mcu", "vesc", "roboclaw", "arduino", "teensy"}
 )
 """Words in the names of nodes and packages that move a robot."""
 _LIMITS = ("max_vel", "speed_limit", "velocity_limit")
@@ -111,10 +112,15 @@ def _command(app: AppFacts, topic: str) -> str:
     return "set the robot's speed limit" if is_limit else "drive the robot"
 
 
+def _moves(node: str, package: str) -> bool:
+    name = f"{node.rpartition('/')[2]}_{package}"
+    return not _MOVERS.isdisjoint(re.split("[_-]", name.lower()))
+
+
 def _missing_reader(app: AppFacts, maybe_readers: tuple[str, ...]) -> str:
     if maybe_readers:
         return f"not all topics that {join_names(maybe_readers)} subscribes are known"
-    bases = [node for node in app.unread_nodes if _BASE.search(f"{node} {app.nodes[node].package}")]
+    bases = [node for node in app.unread_nodes if _moves(node, app.nodes[node].package)]
     if not bases:
         return "its reader is not in the source"
     return f"its reader is not in the source, it may be {join_names(bases)} (not read)"

@@ -1,8 +1,8 @@
-"""A node reads past the one that filters for it.
+"""A node ignores a filtered topic.
 
 ## What it finds
 
-A node that makes of one topic another of the same type and a kindred name (a filter, a throttle),
+A node that republishes a topic under a similar name, with the same type (a filter, a throttle),
 whose output nobody subscribes, while other nodes subscribe its input. It must be its only output of
 that type; `std_msgs` and outputs below the node's own name do not count.
 
@@ -30,7 +30,6 @@ from rtron.findings.rule import FindingRule, make_finding
 from rtron.risks.wording import conjugate, join_names
 from rtron.vocabulary import (
     Certainty,
-    Consequence,
     Endpoint,
     Finding,
     FindingLevel,
@@ -54,7 +53,7 @@ def check(app: AppFacts) -> Iterator[Finding]:
 
 
 def _filtered(app: AppFacts, node: str) -> Iterator[tuple[str, str]]:
-    """Yield the inputs and the output of a type that a node has one output of, of kindred names."""
+    """Yield the inputs and the output of a type that a node has one output of, of similar names."""
     inputs, outputs = app.graph.subscribed_by(node), app.graph.published_by(node)
     for type, sources in _topics_by_type(inputs).items():
         made = _topics_by_type(outputs).get(type, set()) - sources
@@ -63,9 +62,9 @@ def _filtered(app: AppFacts, node: str) -> Iterator[tuple[str, str]]:
             yield from ((each, output) for each in sources if _words(each) & _words(output))
 
 
-def _topics_by_type(ends: Iterable[Endpoint]) -> dict[str, set[str]]:
+def _topics_by_type(endpoints: Iterable[Endpoint]) -> dict[str, set[str]]:
     found: dict[str, set[str]] = defaultdict(set)
-    for end in ends:
+    for end in endpoints:
         if not end.implicit:
             found[normalise_type(end.type)].add(end.topic)
     return found
@@ -89,7 +88,7 @@ def _finding(
         summary=f"{join_names(readers)} {conjugate(readers, 'read')} {source} past {node}",
         cause=f"{node} makes {output} of it, which nobody subscribes",
         remedy=f"subscribe {output} instead, or do not start {node}",
-        consequence=Consequence.FAILURE,
+        consequence=app.consequence(source, readers),
         certainty=Certainty.POSSIBLE,
         level=FindingLevel.PEDANTIC,
         nodes=(node, *readers),
@@ -100,8 +99,8 @@ def _finding(
 
 RULE = FindingRule(
     name="bypassed_node",
-    title="A node reads past the one that filters for it",
-    consequence="failure: possible",
+    title="A node ignores a filtered topic",
+    consequence="motion or failure: possible",
     since="0.2.0",
     check=check,
 )

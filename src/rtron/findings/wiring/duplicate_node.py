@@ -2,8 +2,8 @@
 
 ## What it finds
 
-Node names that the launch files start at several places, or several times. Those of the same launch
-files are one finding. The nodes of the tool `ros2` do not count.
+A node name that the launch files start at several places, or several times. The nodes of the tool
+`ros2` do not count.
 
 ## Why it matters
 
@@ -24,7 +24,6 @@ from collections.abc import Iterator
 
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.rule import FindingRule, make_finding
-from rtron.risks.wording import conjugate, join_names
 from rtron.vocabulary import Certainty, Consequence, Finding, UnresolvedItem
 
 _STARTED = "started "
@@ -33,30 +32,27 @@ _TOOL = "_ros2cli"
 
 
 def check(app: AppFacts) -> Iterator[Finding]:
-    """Yield a finding for the names that several nodes have, of the same launch files."""
+    """Yield a finding for each name that several nodes have."""
     notes: dict[str, list[UnresolvedItem]] = defaultdict(list)
     for note in app.graph.unresolved:
         node = note.what.removeprefix("node ")
         is_double = note.what != node and note.why.startswith(_STARTED)
         if is_double and not node.rpartition("/")[2].startswith(_TOOL):
             notes[node].append(note)
-    by_files: dict[frozenset[str], list[str]] = defaultdict(list)
     for node, of_node in notes.items():
-        by_files[frozenset(e.file for note in of_node for e in note.evidence)].append(node)
-    for nodes in by_files.values():
-        yield _finding(sorted(nodes), [note for node in sorted(nodes) for note in notes[node]])
+        yield _finding(node, of_node)
 
 
-def _finding(nodes: list[str], notes: list[UnresolvedItem]) -> Finding:
+def _finding(node: str, notes: list[UnresolvedItem]) -> Finding:
     return make_finding(
         RULE.name,
-        nodes[0],
-        summary=f"{join_names(nodes)} {conjugate(nodes, 'start')} more than once",
+        node,
+        summary=f"{node} starts more than once",
         cause=notes[0].why,
-        remedy="start each in one launch file only, or give each its own name",
+        remedy="start it in one launch file only, or give each its own name",
         consequence=Consequence.FAILURE,
         certainty=Certainty.LIKELY,
-        nodes=nodes,
+        nodes=(node,),
         evidence=dict.fromkeys(place for note in notes for place in note.evidence),
     )
 

@@ -25,6 +25,7 @@ from collections.abc import Iterator
 
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.rule import FindingRule, make_finding
+from rtron.risks.wording import both_or_all, join_names
 from rtron.vocabulary import (
     Certainty,
     Consequence,
@@ -48,16 +49,17 @@ def check(app: AppFacts) -> Iterator[Finding]:
 
 
 def _finding(topic: str, note: UnresolvedItem) -> Finding:
-    instances = note.what.partition(" of ")[2]
+    instances = note.what.partition(" of ")[2].split(", ")
     return make_finding(
         RULE.name,
         topic,
-        summary=f"{instances} all publish {topic}",
+        summary=f"{join_names(instances)} {both_or_all(instances)} publish {topic}",
         cause="they are instances of one program, and their other topics differ",
         remedy=f"remap {topic} for each of them",
         consequence=Consequence.FAILURE,
         certainty=Certainty.POSSIBLE,
         level=FindingLevel.PEDANTIC,
+        nodes=instances,
         topics=(topic,),
         evidence=note.evidence,
     )

@@ -7,7 +7,7 @@ uses that topic, while one with a near name is used.
 
 ## Why it matters
 
-A node that takes the parameter waits at a name where nothing comes, or speaks where nobody listens.
+A node that uses the parameter gets no messages, or publishes for nobody.
 
 ## Remedy
 

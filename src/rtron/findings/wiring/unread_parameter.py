@@ -5,13 +5,14 @@
 ROS 2: the parameters of a launch, or of its YAML files, for a node whose source was read whole and
 that declares others. Where the node declares a near name that nobody sets, it is likely meant, and
 the finding names it; else it is shown from the level `pedantic` on. What a file sets for all nodes
-(`/**`) counts where the node declares a near name, and no node of the app this one. A section of a
-parameter file for a name that no node has counts where a node without a section has a near name.
+(`/**`), or the launch file itself, counts where the node declares a near name. A parameter that any
+node of the app declares does not count. A section of a parameter file for a name that no node has
+counts where a node that is given no parameters has a near name.
 
 ## Why it matters
 
-rclcpp and rclpy ignore what a node does not declare. The node runs with its default, and nobody is
-told: a limit that was lowered in the YAML file stays as high as it was.
+rclcpp and rclpy ignore what a node does not declare, without a warning. The node runs with its
+default: a limit that was lowered in the YAML file stays as high as it was.
 
 ## Remedy
 
@@ -36,8 +37,6 @@ from rtron.vocabulary import (
 )
 from rtron.vocabulary.causes import UNKNOWN_NODE, UNREAD_PARAMETER
 
-_MOST_SHOWN = 4
-
 
 def check(app: AppFacts) -> Iterator[Finding]:
     """Yield a finding for each node, or name of none, whose parameters a launch sets in vain."""
@@ -55,7 +54,7 @@ def _without_node(note: UnresolvedItem) -> Finding:
         RULE.name,
         name,
         summary=f"the parameters that the launch sets for {name} reach no node",
-        cause=f"no node of this launch has this name, and {near} is given none",
+        cause=f"no node of this launch has this name, and {near} has no section",
         remedy=f"did you mean {near}?",
         consequence=Consequence.FAILURE,
         certainty=Certainty.LIKELY,
@@ -66,16 +65,14 @@ def _without_node(note: UnresolvedItem) -> Finding:
 
 def _undeclared(note: UnresolvedItem) -> Finding:
     node, _, names = note.what.removeprefix("set for ").partition(": ")
-    _, _, near = note.why.partition("declares ")
-    shown = names.split(", ")
-    if len(shown) > _MOST_SHOWN:
-        shown = [*shown[:_MOST_SHOWN], f"{len(shown) - _MOST_SHOWN} more"]
+    near = note.why.removeprefix(UNREAD_PARAMETER).removeprefix("; it declares ")
+    ignored, meant = join_names(names.split(", ")), join_names(near.split(", "))
     return make_finding(
         RULE.name,
-        f"{node}:{names.partition(',')[0]}",
-        summary=f"{node} ignores parameters that the launch sets: {join_names(shown)}",
-        cause=f"it does not declare them{f'; it declares {near}' if near else ''}",
-        remedy=f"did you mean {near}?" if near else "remove them, or declare them in the node",
+        node if near else f"{node}:undeclared",
+        summary=f"{node} ignores parameters that the launch sets: {ignored}",
+        cause=f"it does not declare them; it declares {meant}" if near else note.why,
+        remedy=f"did you mean {meant}?" if near else "remove them, or declare them in the node",
         consequence=Consequence.FAILURE,
         certainty=Certainty.LIKELY if near else Certainty.POSSIBLE,
         level=FindingLevel.REGULAR if near else FindingLevel.PEDANTIC,

@@ -123,16 +123,26 @@ def _group_by_key(pairs: Iterable[tuple[str, str]]) -> Mapping[str, list[str]]:
     return dict(groups)
 
 
-_BUILD_FILES = ("CMakeLists.txt", ".cmake", "setup.py", "setup.cfg", "pyproject.toml")
+_BUILD_FILES = ("CMakeLists.txt", "setup.py", "setup.cfg", "pyproject.toml")
+_MAX_BUILD_FILES = 100
 _MAX_BUILD_FILE_BYTES = 2**20
 _COMMENT = re.compile(rb"#.*")
+_CALL = (
+    rb"\b(?:add_executable|install|catkin_install_python|set|list|foreach|ament_\w+|rclcpp_\w+)"
+    rb"\s*\([^()]{0,500}(?<![\w.])%s(?![\w.])"
+)
+_ENTRY_POINT = rb"(?:^|[\"'])\s*%s\s*="
+"""How CMake's calls, and lists of entry points, name a program."""
 
 
-def is_in_build_files(files: PackageFiles, word: str) -> bool:
-    """Return whether a word stands in a build file of a package, outside of comments."""
-    pattern = re.compile(rb"(?<![\w.])%s(?![\w.])" % re.escape(word.encode()))
-    paths = (files.folder / name for name in files.names if name.endswith(_BUILD_FILES))
-    return any(pattern.search(_COMMENT.sub(b"", _text(path))) for path in paths)
+def is_in_build_files(files: PackageFiles, program: str) -> bool:
+    """Return whether a build file of a package names a program, outside of comments."""
+    word = re.escape(program.encode(errors="surrogatepass"))
+    patterns = [re.compile(each % word, re.MULTILINE) for each in (_CALL, _ENTRY_POINT)]
+    names = [n for n in files.names if n.endswith(".cmake") or n.rpartition("/")[2] in _BUILD_FILES]
+    paths = filter(files.is_file, (files.folder / name for name in names[:_MAX_BUILD_FILES]))
+    texts = (_COMMENT.sub(b"", _text(path)) for path in paths)
+    return any(pattern.search(text) for text in texts for pattern in patterns)
 
 
 def _text(path: Path) -> bytes:

@@ -154,3 +154,11 @@ def test_the_state_is_the_structure_not_the_code(folder):
 def test_where_the_cache_lies():
     assert str(user_cache_folder({"XDG_CACHE_HOME": "/x"})) == "/x/rtron/scan"
     assert user_cache_folder({"XDG_CACHE_HOME": "relative"}) == user_cache_folder({})
+
+
+def test_a_name_that_no_file_can_have_is_read_and_not_kept(folder, tmp_path):
+    script = folder / "robot/scripts/teleop.py"
+    script.write_text(script.read_text().replace('"cmd_vel"', '"\\ud800cmd_vel"'))
+    for _ in range(2):
+        graph = scan(folder, tmp_path / "cache").graph
+        assert any("\ud800" in end.topic for end in graph.published_by("/teleop"))

@@ -6,6 +6,7 @@ import pytest
 from notation import graph_of
 from workspace_tree import package
 
+from cpu_time import growth
 from rtron.sources.static.common import unread_publishers
 from rtron.sources.static.common.unread_publishers import with_unread_publishers
 from rtron.sources.workspace import Workspace
@@ -133,3 +134,33 @@ def test_a_link_out_of_the_package_is_not_followed(tmp_path):
     (folder / "gui.py").symlink_to(tmp_path / "secret.py")
     workspace = Workspace({"robot": folder}, [tmp_path / "src"])
     assert not with_unread_publishers(graph_of("app", BASE, ros=1), workspace).unresolved
+
+
+def test_the_name_of_a_call_that_was_read_may_stand_on_one_of_its_lines(tmp_path):
+    code = "self.sub = self.create_subscription(\n    Twist,\n    'cmd_vel',\n)\npub.publish(t)\n"
+    folder = package(tmp_path / "robot", {"reader.py": code})
+    graph, workspace = graph_of("app", BASE, ros=1), Workspace({"robot": folder}, [tmp_path])
+    place = Evidence(file=str(folder / "reader.py"), line=1)
+    ends = tuple(replace(end, evidence=(place,)) for end in graph.endpoints)
+    assert not with_unread_publishers(replace(graph, endpoints=ends), workspace).unresolved
+
+
+def test_a_workspace_may_lie_below_a_folder_of_tests(tmp_path):
+    folder = package(tmp_path / "tests" / "robot", {"gui.py": SENDS})
+    workspace = Workspace({"robot": folder}, [tmp_path])
+    assert with_unread_publishers(graph_of("app", BASE, ros=1), workspace).unresolved
+
+
+def test_a_name_that_no_file_can_have_is_searched_for_all_the_same(notes):
+    assert notes(SENDS, BASE.replace("cmd_vel", "\ud800cmd")) == []
+
+
+def test_the_time_of_a_hostile_file_grows_with_its_size(tmp_path):
+    """Eight times the size takes about eight times as long, where its square takes 64."""
+    graph = graph_of("app", BASE, ros=1)
+    workspaces = []
+    for size in (25_000, 200_000):
+        code = "publish" + '"cmd_vel" ' * (size // 10)
+        folder = package(tmp_path / str(size), {"gui.py": code})
+        workspaces.append(Workspace({"robot": folder}, [tmp_path]))
+    assert growth(lambda workspace: with_unread_publishers(graph, workspace), *workspaces) < 32

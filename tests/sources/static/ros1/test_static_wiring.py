@@ -156,7 +156,7 @@ def shared_outputs(folder, *nodes):
 
 def test_what_instances_share_while_their_other_topics_differ_is_noted(folder):
     left, right = ("camera.py", "left", {"info": "/l/info"}), ("camera.py", "right", {})
-    assert shared_outputs(folder, left, right) == ["/image of /left and /right"]
+    assert shared_outputs(folder, left, right) == ["/image of /left, /right"]
 
 
 @pytest.mark.parametrize("right", [{"image": "/r/image"}, {"info": "/l/info"}])
@@ -179,9 +179,7 @@ def test_nodelets_count_apart_though_they_are_one_node(folder):
     manager = '<node pkg="nodelet" type="nodelet" name="m" args="manager"/>'
     (folder / "robot/launch/two.launch").write_text(f"<launch>{manager}{nodelets}</launch>")
     graph = scan(folder, "two.launch").graph
-    assert [n.what for n in graph.unresolved if n.why == SHARED_OUTPUT] == [
-        "/out of /left and /right"
-    ]
+    assert [n.what for n in graph.unresolved if n.why == SHARED_OUTPUT] == ["/out of /left, /right"]
 
 
 @pytest.mark.parametrize(
@@ -206,6 +204,17 @@ def test_a_parameter_that_names_a_topic_near_one_that_is_used(folder, name, valu
     notes = [n.what for n in graph.unresolved if n.why == f"{UNUSED_TOPIC}, near /base/cmd_vel"]
     is_expected = is_noted and name == "vel_topic"
     assert notes == ([f"parameter /{name} is {value}"] if is_expected else [])
+
+
+def test_a_parameter_may_name_the_source_of_a_remap(folder):
+    (folder / "robot/launch/named.launch").write_text(
+        '<launch><param name="vel_topic" value="/base/cmd_ve"/>'
+        '<node pkg="robot" type="teleop.py" name="teleop">'
+        '<remap from="/base/cmd_ve" to="x"/><remap from="cmd_vel" to="/base/cmd_vel"/></node>'
+        "</launch>"
+    )
+    graph = scan(folder, "named.launch").graph
+    assert not [note for note in graph.unresolved if note.why.startswith(UNUSED_TOPIC)]
 
 
 def test_a_shell_script_takes_no_name(folder):

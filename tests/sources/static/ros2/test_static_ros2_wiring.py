@@ -57,7 +57,7 @@ def test_a_remap_that_changes_no_name_is_noted_where_others_use_it(notes):
 
 def test_what_instances_share_while_their_other_topics_differ_is_noted(notes):
     both = {"left": remap("info", "/l/info"), "right": remap("info", "/r/info")}
-    assert notes(SHARED_OUTPUT, **both) == ["/image of /left and /right"]
+    assert notes(SHARED_OUTPUT, **both) == ["/image of /left, /right"]
     assert notes(SHARED_OUTPUT, left="", right="") == []
 
 

@@ -142,3 +142,16 @@ def test_a_section_for_a_name_that_no_node_has(scanned, section, near):
 def test_a_node_with_a_section_of_its_own_is_not_meant(scanned):
     graph = scanned(of_base(max_vel=1.0) + "/bas:\n  ros__parameters:\n    max_vel: 1.0\n")
     assert not [note for note in graph.unresolved if note.why.startswith(UNKNOWN_NODE)]
+
+
+def test_a_node_that_is_given_parameters_for_all_is_not_meant(scanned):
+    given = "/**:\n  ros__parameters:\n    rate: 1.0\n/bas:\n  ros__parameters:\n    rate: 2.0\n"
+    assert not [note for note in scanned(given).unresolved if note.why.startswith(UNKNOWN_NODE)]
+
+
+def test_very_many_names_are_not_compared(unread):
+    many = {f"n{number}": 1 for number in range(4000)}
+    assert (
+        unread(of_base(max_vell=1.0, **many))["set for /base: " + ", ".join(["max_vell", *many])]
+        == ""
+    )

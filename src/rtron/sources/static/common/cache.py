@@ -13,6 +13,7 @@ from hashlib import sha256
 from pathlib import Path
 
 from pydantic import TypeAdapter, ValidationError
+from pydantic_core import PydanticSerializationError
 
 from rtron.errors import InputError
 from rtron.sources.bounded_file import content_hash, read_bounded
@@ -64,9 +65,9 @@ class InterfaceCache:
         """Keep a task's result; one that came to nothing has no files and is not kept."""
         if self.folder is None or not result.files:
             return
-        data = _RESULT.dump_json(result)
-        if len(data) <= MAX_ENTRY:
-            with suppress(OSError):  # without a cache the next scan takes longer
+        with suppress(OSError, PydanticSerializationError):  # the next scan interprets anew
+            data = _RESULT.dump_json(result)
+            if len(data) <= MAX_ENTRY:
                 _write_atomically(self.folder / self._name(task), data)
 
     def trim(self) -> None:

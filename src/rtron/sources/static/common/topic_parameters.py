@@ -1,5 +1,6 @@
 """Parameters that name topics which nobody uses, near others that are used."""
 
+import re
 from collections.abc import Iterable, Iterator
 from difflib import get_close_matches
 
@@ -7,6 +8,8 @@ from rtron.vocabulary import Evidence, ParameterValue, UnresolvedItem
 from rtron.vocabulary.causes import UNUSED_TOPIC
 
 _NEAR_RATIO = 0.8
+_MOST_COMPARED = 1_000
+_TOPIC = re.compile(r"(?:/\w+){1,20}", re.ASCII)
 
 
 def unused_topic_parameters(
@@ -14,12 +17,13 @@ def unused_topic_parameters(
 ) -> Iterator[UnresolvedItem]:
     """Yield a note for each parameter, given with its value and place, that names no topic.
 
-    It may name the namespace of topics.
+    It may name the namespace of topics. `topics` are those in use, and the sources of remaps.
     """
-    for name, value, place in parameters:
-        is_topic = isinstance(value, str) and value.startswith("/") and "topic" in name.lower()
+    known = sorted(topic for topic in topics if "{" not in topic)
+    for name, value, place in parameters if len(known) <= _MOST_COMPARED else ():
+        is_topic = isinstance(value, str) and _TOPIC.fullmatch(value) and "topic" in name.lower()
         if is_topic and not any(f"{topic}/".startswith(f"{value}/") for topic in topics):
-            for near in get_close_matches(value, sorted(topics), 1, _NEAR_RATIO):
+            for near in get_close_matches(value, known, 1, _NEAR_RATIO):
                 why = f"{UNUSED_TOPIC}, near {near}"
                 what = f"parameter {name} is {value}"
                 yield UnresolvedItem(what=what, why=why, evidence=(place,))

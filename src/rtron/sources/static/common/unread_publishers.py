@@ -18,6 +18,8 @@ _CODE = (".py", ".cpp", ".cc", ".cxx", ".h", ".hpp")
 _TEST_FOLDERS = frozenset({"test", "tests"})
 _MAIN = re.compile(rb"__main__|\bmain\s*\(\s*(?:void|int\b|\))")
 _NEAR_LINES = 2
+_CALL_LINES = 4
+"""How many lines a call that declares an endpoint may take: its name is in one of them."""
 _SENDS = re.compile(rb"publish|advertis", re.IGNORECASE)
 _MIN_LENGTH = 3
 """Shorter names stand everywhere."""
@@ -30,7 +32,12 @@ def with_unread_publishers(graph: InteractionGraph, workspace: Workspace) -> Int
     topic's last name beside a word such as `publish`, on lines that no endpoint was read from.
     """
     topics = _topics_by_last_name(graph)
-    read = {(each.file, each.line) for end in graph.endpoints for each in end.evidence}
+    read = {
+        (each.file, each.line + offset)
+        for end in graph.endpoints
+        for each in end.evidence
+        for offset in range(_CALL_LINES)
+    }
     places: dict[str, Evidence] = {}
     paths, started = _code_files(graph, workspace), _started_programs(graph, workspace)
     for name, place in _mentions(topics, paths, started) if topics else ():
@@ -63,7 +70,7 @@ def _code_files(graph: InteractionGraph, workspace: Workspace) -> Iterator[Path]
         files = workspace.files(package)
         for name in files.names:
             path = files.folder / name
-            is_code = name.endswith(_CODE) and not _TEST_FOLDERS.intersection(path.parts)
+            is_code = name.endswith(_CODE) and not _TEST_FOLDERS.intersection(name.split("/"))
             if is_code and count < MAX_FILES and files.is_file(path):
                 count += 1
                 yield path
@@ -83,7 +90,7 @@ def _mentions(
 
     What is a program of its own, and not started, publishes nothing in this app.
     """
-    words = b"|".join(re.escape(name.encode()) for name in names)
+    words = b"|".join(re.escape(name.encode(errors="surrogatepass")) for name in names)
     quoted = re.compile(rb"[\"'/](%s)[\"']" % words)
     for path in paths:
         data = _data(path)
@@ -94,15 +101,16 @@ def _mentions(
 def _mentions_in(
     path: Path, lines: list[bytes], quoted: re.Pattern[bytes]
 ) -> Iterator[tuple[str, Evidence]]:
+    sends = [bool(_SENDS.search(line)) for line in lines]
     for number, line in enumerate(lines):
-        near = lines[max(0, number - _NEAR_LINES) : number + _NEAR_LINES + 1]
-        for match in quoted.finditer(line):
-            if any(map(_SENDS.search, near)):
-                yield match[1].decode(), Evidence(file=str(path), line=number + 1)
+        if any(sends[max(0, number - _NEAR_LINES) : number + _NEAR_LINES + 1]):
+            for name in set(quoted.findall(line)):
+                place = Evidence(file=str(path), line=number + 1)
+                yield name.decode(errors="surrogatepass"), place
 
 
 def _data(path: Path) -> bytes:
-    """Return a file's content; nothing of one that cannot be read, which the scan tells of."""
+    """Return a file's content; nothing of one that cannot be read: the scan has a note on it."""
     try:
         return read_regular_file(path, MAX_FILE_BYTES)
     except InputError:

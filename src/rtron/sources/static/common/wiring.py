@@ -40,6 +40,11 @@ class RemapUses:
             if is_open or remap[0] in (names or ()):
                 self._used.add(remap)
 
+    @property
+    def sources(self) -> set[str]:
+        """The names that remaps lead away from."""
+        return {source for source, _ in self._nodes}
+
     def idle(self, endpoints: Iterable[Endpoint]) -> Iterator[UnresolvedItem]:
         """Yield a note for each idle remap whose name, or one below it, other nodes use."""
         users: dict[str, set[str]] = defaultdict(set)
@@ -80,8 +85,8 @@ class ProgramOutputs:
             if len(instances) > 1 and all_differ:
                 names = sorted(instances)
                 places = tuple(self._places[name] for name in names)
-                for topic in sorted(common):
-                    what = f"{topic} of {' and '.join(names)}"
+                for topic in sorted(topic for topic in common if "{" not in topic):
+                    what = f"{topic} of {', '.join(names)}"
                     yield UnresolvedItem(what=what, why=SHARED_OUTPUT, evidence=places)
 
 

@@ -88,7 +88,7 @@ class Assembly(GraphBuilder):
     def add_parameters(self, parameters: ParameterTree) -> None:
         """Note the parameters that name topics which nobody uses."""
         leaves = ((name, leaf.value, leaf.evidence) for name, leaf in parameters.leaves.items())
-        topics = {end.topic for end in self.endpoints.values()}
+        topics = {end.topic for end in self.endpoints.values()} | self.remap_uses.sources
         self.add_unresolved(*unused_topic_parameters(leaves, topics))
 
     def _declare(self, part: NodePart, remap: ProcessRemaps) -> None:

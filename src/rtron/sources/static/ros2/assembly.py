@@ -78,7 +78,7 @@ class Ros2Assembly(GraphBuilder):
             for each in self.parameters.values()
             if each.node in self._started
         )
-        topics = {end.topic for end in self.endpoints.values()}
+        topics = {end.topic for end in self.endpoints.values()} | self.remap_uses.sources
         self.add_unresolved(*unused_topic_parameters(values, topics))
 
     def _add_node(self, name: str, part: NodePart) -> None:

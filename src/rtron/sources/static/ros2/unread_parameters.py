@@ -1,7 +1,7 @@
 """Parameters that a launch sets in vain: a node does not declare them, or no node has the name."""
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from difflib import SequenceMatcher, get_close_matches
 
 from rtron.sources.static.common.node_part import NodePart
@@ -12,6 +12,9 @@ from rtron.vocabulary.parameters import pattern_matches
 _OF_EVERY_NODE = ("use_sim_time", "qos_overrides.", "start_type_description_service")
 """What the client libraries declare or read by themselves."""
 _NEAR_RATIO = 0.8
+_MOST_SECTIONS = 200
+_MOST_COMPARED = 10_000
+"""So many pairs of names take a tenth of a second; a node that has more is left without."""
 
 
 def unread_parameters(parts: Iterable[NodePart]) -> Iterator[UnresolvedItem]:
@@ -38,18 +41,19 @@ def unread_parameters(parts: Iterable[NodePart]) -> Iterator[UnresolvedItem]:
             yield from _notes(part, node, others, [])
 
 
-def sections_without_node(parts: Iterable[NodePart], nodes: set[str]) -> Iterator[UnresolvedItem]:
+def sections_without_node(parts: Sequence[NodePart], nodes: set[str]) -> Iterator[UnresolvedItem]:
     """Yield a note for each section of a parameter file for a name that no node has.
 
-    It counts if a node has a near name and no section of its own.
+    It counts if a node has a near name and is given no parameter at all.
     """
     places = {
         each.node: part.node.evidence for part in parts for each in part.node.site.node_settings
     }
     if any("{" in name for name in nodes):
         return
-    without_section = sorted(nodes - places.keys())
-    for section in sorted(places.keys() - nodes):
+    given = {part.node.name for part in parts for _ in _set_by_launch(part, part.node.name)}
+    without_section = sorted(nodes - places.keys() - given)
+    for section in sorted(places.keys() - nodes)[:_MOST_SECTIONS]:
         near = get_close_matches(section, without_section, 1, _NEAR_RATIO)
         if near and "*" not in section:
             why = f"{UNKNOWN_NODE}; {near[0]} is near"
@@ -68,7 +72,9 @@ def _set_by_launch(part: NodePart, node: str) -> dict[str, bool]:
     """Return the parameters that a launch sets for a node, and whether for this one alone."""
     site = part.node.site
     fitting = (each for each in site.node_settings if pattern_matches(each.node, node))
-    found = {each.name: "*" not in each.node for each in fitting}
+    found: dict[str, bool] = {}
+    for each in fitting:
+        found[each.name] = found.get(each.name, False) or "*" not in each.node
     return found | {name: True for name, _ in site.overrides}
 
 
@@ -77,8 +83,10 @@ def _is_read(name: str, declared: set[str]) -> bool:
     return name in declared or is_group or name.startswith(_OF_EVERY_NODE)
 
 
-def _near(names: Iterable[str], unset: Iterable[str]) -> dict[str, str]:
+def _near(names: Collection[str], unset: Collection[str]) -> dict[str, str]:
     """Return names with the nearest that is not set, each of which is near to one only."""
+    if len(names) * len(unset) > _MOST_COMPARED:
+        return {}
     pairs = [(_likeness(name, other), name, other) for name in names for other in unset]
     near: dict[str, str] = {}
     for likeness, name, other in sorted(pairs, reverse=True):
