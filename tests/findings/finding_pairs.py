@@ -1,5 +1,7 @@
 """For each rule a graph that has its finding, and a similar one that has not."""
 
+from dataclasses import replace
+
 from finding_graphs import (
     BASE,
     MUX,
@@ -14,6 +16,7 @@ from finding_graphs import (
 from rtron.vocabulary import (
     QoS,
     Reliability,
+    Resolution,
     ServiceClient,
     UnresolvedItem,
 )
@@ -45,6 +48,18 @@ FILTERED = (
     sub {} sensor_msgs/msg/LaserScan
 """
 )
+
+GOALS = """
+/mission mission own
+    client /navigate_to_pose nav2_msgs/action/NavigateToPose
+/goals goals own
+    client {} nav2_msgs/action/NavigateToPose
+"""
+
+
+def with_resolution(graph, resolution):
+    ends = tuple(replace(end, resolution=resolution) for end in graph.endpoints)
+    return replace(graph, endpoints=ends)
 
 
 def _with_note(why: str, what: str = "node /base (my_robot/base_node)"):
@@ -120,6 +135,14 @@ PAIRS = {
     "sim_time": (
         small_graph(SCAN, parameters=parameters("use_sim_time", laser=True, slam=False)),
         small_graph(SCAN, parameters=parameters("use_sim_time", laser=True, slam=True)),
+    ),
+    "several_clients": (
+        small_graph(GOALS.format("/navigate_to_pose")),
+        small_graph(GOALS.format("/other")),
+    ),
+    "settable_topic": (
+        with_resolution(small_graph(BASE), Resolution.PARAMETER),
+        with_resolution(small_graph(BASE), Resolution.LITERAL),
     ),
     "arbiter": (small_graph(MUX), small_graph(MUX.replace(" twist_mux ", " my_mux "))),
 }

@@ -15,6 +15,7 @@ from finding_graphs import (
     small_graph,
     the_finding,
 )
+from finding_pairs import GOALS
 
 from rtron.vocabulary import (
     Certainty,
@@ -431,3 +432,50 @@ def test_a_speed_limit_is_no_drive():
     graph = small_graph(TWO_DRIVERS.replace(f"/cmd_vel {TWIST}", "/max_vel std_msgs/msg/Float64"))
     finding = the_finding("several_publishers", graph)
     assert finding.summary == "/move_base and /teleop both set the robot's speed limit on /max_vel"
+
+
+class TestSeveralClients:
+    def test_tells_the_server_and_the_clients(self):
+        server = "/nav nav2_bt_navigator own\n server {} nav2_msgs/action/NavigateToPose\n"
+        text = (GOALS + server).replace("{}", "/navigate_to_pose")
+        finding = the_finding("several_clients", small_graph(text))
+        assert finding.summary == "/goals and /mission both send goals to /navigate_to_pose"
+        assert finding.cause == (
+            "nothing decides between them: /nav takes the goal that comes last"
+        )
+        assert (finding.level, finding.topics) == (FindingLevel.PEDANTIC, ("/navigate_to_pose",))
+
+    @pytest.mark.parametrize(
+        ("old", "new"),
+        [
+            ("/goals goals own", "/rviz rviz2 third_party"),
+            ("NavigateToPose", "ComputePathToPose"),
+            (" mission own", " nav2_waypoint_follower own"),
+        ],
+    )
+    def test_viewers_other_actions_and_one_stack_do_not_count(self, old, new):
+        text = GOALS.format("/navigate_to_pose").replace(old, new)
+        text = text.replace(" goals own", " nav2_bt_navigator own")
+        assert not found("several_clients", small_graph(text))
+
+
+class TestMavros:
+    TEXT = f"/mavros mavros third_party\n    sub /setpoint_velocity/cmd_vel {STAMPED}\n"
+
+    @pytest.mark.parametrize(
+        ("url", "level"),
+        [
+            ("udp://:14550@10.0.0.9:14550", FindingLevel.REGULAR),
+            (None, FindingLevel.PEDANTIC),
+        ],
+    )
+    def test_a_link_to_ground_stations_opens_the_app(self, url, level):
+        graph = small_graph(self.TEXT, parameters=parameters("gcs_url", mavros=url))
+        finding = the_finding("network_bridge", graph)
+        assert finding.level is level
+        assert "a ground station on its link commands the vehicle" in finding.summary
+
+    @pytest.mark.parametrize("url", ["", "udp://127.0.0.1:14551@127.0.0.1:14555"])
+    def test_no_link_and_a_local_one_do_not(self, url):
+        graph = small_graph(self.TEXT, parameters=parameters("gcs_url", mavros=url))
+        assert not found("network_bridge", graph)

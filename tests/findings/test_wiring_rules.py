@@ -402,6 +402,28 @@ class TestMissingProgram:
         assert finding.cause == "no build file of its package makes my_robot/base_node"
         assert finding.evidence == places
 
+    @pytest.mark.parametrize("ending", ["is no file", "No such file or directory"])
+    def test_an_included_launch_file_that_is_not_there(self, ending):
+        place = Evidence(file="a.launch.py", line=18)
+        why = f"/ws/src/base/launch/joy.launch.py: {ending}"
+        note = UnresolvedItem(what="include", why=why, evidence=(place, place))
+        finding = the_finding("missing_program", small_graph(BASE, unresolved=(note,)))
+        assert finding.subject == "joy.launch.py"
+        assert finding.cause == "it includes base/launch/joy.launch.py, which is not there"
+        assert finding.evidence == (place,)
+
+    @pytest.mark.parametrize(
+        ("what", "why"),
+        [
+            ("include", "package 'x' is not found"),
+            ("include x", "/ws/robot.urdf.xacro: No such file or directory"),
+            ("rosparam x", "/ws/x.yaml: No such file or directory"),
+        ],
+    )
+    def test_what_is_no_launch_file_of_the_app_does_not_count(self, what, why):
+        note = UnresolvedItem(what=what, why=why)
+        assert not found("missing_program", small_graph(BASE, unresolved=(note,)))
+
 
 class TestBypassedNode:
     def test_tells_who_reads_past_whom(self):

@@ -10,6 +10,8 @@ from rtron.findings.motion import (
     network_bridge,
     open_command,
     power_command,
+    settable_topic,
+    several_clients,
     several_publishers,
 )
 from rtron.findings.rule import FindingRule, finding_page
@@ -36,6 +38,7 @@ __all__ = ["FINDING_RULES", "FindingRule", "find_findings", "finding_page", "sho
 
 FINDING_RULES: tuple[FindingRule, ...] = (
     several_publishers.RULE,
+    several_clients.RULE,
     network_bridge.RULE,
     command_timeout.RULE,
     lost_command.RULE,
@@ -54,6 +57,7 @@ FINDING_RULES: tuple[FindingRule, ...] = (
     shared_output.RULE,
     sim_time.RULE,
     arbiter.RULE,
+    settable_topic.RULE,
 )
 
 

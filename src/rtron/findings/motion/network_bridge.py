@@ -3,9 +3,9 @@
 ## What it finds
 
 Bridges that let clients outside of ROS publish and call: rosbridge, Foxglove's bridge, Zenoh's and
-the DDS routers. One finding for each. A bridge whose launch file is included counts though its
-package is not in the source. Servers that only show topics (web_video_server, rosboard) are
-oddities, and do not count where they listen on the local address only.
+the DDS routers, and MAVROS' link to ground stations. One finding for each. A bridge whose launch
+file is included counts though its package is not in the source. Servers that only show topics
+(web_video_server, rosboard) are oddities, and do not count where they listen on the local address.
 
 ## Why it matters
 
@@ -47,6 +47,8 @@ _BRIDGES = {
     "tcp_ros_bridge": "TCP clients can publish on every topic",
     "ros_tcp_endpoint": "TCP clients can publish on every topic",
 }
+_LINKS = {"mavros": ("gcs_url", "a ground station on its link commands the vehicle")}
+"""Nodes that forward commands only where a parameter opens a link (wiki.ros.org/mavros)."""
 _VIEWS = {
     "web_video_server": "whoever reaches its port sees every camera",
     "rosboard": "whoever reaches its port reads every topic",
@@ -59,10 +61,34 @@ def check(app: AppFacts) -> Iterator[Finding]:
     for node in app.graph.nodes:
         if node.package in _BRIDGES:
             yield _finding(app, node)
+        elif node.package in _LINKS:
+            yield from _link(app, node)
         elif node.package in _VIEWS and not _is_local(app, node.name):
             yield _view(app, node)
     for package, notes in _included_bridges(app).items():
         yield _included(app, package, notes)
+
+
+def _link(app: AppFacts, node: Node) -> Iterator[Finding]:
+    """Yield a finding where the link is open, or where its parameter is not known."""
+    name, effect = _LINKS[node.package]
+    values = {p.name: p.value for p in app.graph.parameters if p.node == node.name}
+    url = values.get(name)
+    if url == "" or (isinstance(url, str) and any(local in url for local in _LOCAL)):
+        return
+    is_known = isinstance(url, str)
+    yield make_finding(
+        RULE.name,
+        node.name,
+        summary=f"{node.name} opens the app to the network: {effect}",
+        cause=f"its {name} is {url}" if is_known else f"its {name} is not known",
+        remedy=f"leave {name} empty, or sign the link (MAVLink 2 signing)",
+        consequence=Consequence.MOTION,
+        certainty=Certainty.LIKELY if is_known else Certainty.POSSIBLE,
+        level=None if is_known else FindingLevel.PEDANTIC,
+        nodes=(node.name,),
+        evidence=app.evidence(app.graph.published_by(node.name)[:1]),
+    )
 
 
 def _view(app: AppFacts, node: Node) -> Finding:

@@ -3,7 +3,8 @@
 ## What it finds
 
 A node of the launch whose package is in the workspace, but whose program no build file of the
-package makes or installs.
+package makes or installs; and an included launch file that its package, which is in the workspace,
+does not have.
 
 ## Why it matters
 
@@ -11,7 +12,8 @@ The launch fails there, or starts without the node.
 
 ## Remedy
 
-Correct the name in the launch file, or add the program to CMakeLists.txt or setup.py.
+Correct the name in the launch file, or add the program to CMakeLists.txt or setup.py, or the file
+to the package.
 
 ## Example
 
@@ -20,6 +22,7 @@ Correct the name in the launch file, or add the program to CMakeLists.txt or set
 
 from collections import defaultdict
 from collections.abc import Iterator
+from pathlib import PurePath
 
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.rule import FindingRule, make_finding
@@ -27,15 +30,37 @@ from rtron.risks.wording import join_names
 from rtron.vocabulary import Certainty, Consequence, Finding, UnresolvedItem
 from rtron.vocabulary.causes import MISSING_PROGRAM
 
+_LAUNCH_FILES = (".launch", ".py", ".xml", ".yaml", ".yml")
+_NO_FILE = (": is no file", ": No such file or directory", ": no such file")
+"""How notes on an include end whose file is not there, behind its path."""
+
 
 def check(app: AppFacts) -> Iterator[Finding]:
-    """Yield a finding for each node whose program its package does not have."""
+    """Yield a finding for each node whose program, and each include whose file, is not there."""
     notes: dict[str, list[UnresolvedItem]] = defaultdict(list)
     for note in app.graph.unresolved:
         if note.why == MISSING_PROGRAM:
             notes[note.what.removeprefix("node ").partition(" (")[0]].append(note)
     for node, of_node in notes.items():
         yield _finding(node, of_node)
+    for note in app.graph.unresolved:
+        ending = next((each for each in _NO_FILE if note.why.endswith(each)), "")
+        path = PurePath(note.why.removesuffix(ending))
+        if ending and note.what.startswith("include") and path.suffix in _LAUNCH_FILES:
+            yield _missing_file(path, note)
+
+
+def _missing_file(path: PurePath, note: UnresolvedItem) -> Finding:
+    return make_finding(
+        RULE.name,
+        path.name,
+        summary=f"the launch ends, or leaves out what {path.name} starts",
+        cause=f"it includes {'/'.join(path.parts[-3:])}, which is not there",
+        remedy="correct the path in the include, or add the file to its package",
+        consequence=Consequence.FAILURE,
+        certainty=Certainty.LIKELY,
+        evidence=note.evidence[:1],
+    )
 
 
 def _finding(node: str, notes: list[UnresolvedItem]) -> Finding:
