@@ -30,8 +30,8 @@ from rtron.vocabulary import Certainty, Consequence, Finding, FindingLevel, Reso
 def check(app: AppFacts) -> Iterator[Finding]:
     """Yield a finding for each motion topic whose name a parameter gives."""
     for topic in app.motion_topics:
-        ends = (*app.graph.publishers(topic), *app.graph.subscribers(topic))
-        named = [end for end in ends if end.resolution is Resolution.PARAMETER]
+        endpoints = (*app.graph.publishers(topic), *app.graph.subscribers(topic))
+        named = [end for end in endpoints if end.resolution is Resolution.PARAMETER]
         nodes = sorted({end.node for end in named})
         if nodes:
             yield make_finding(
