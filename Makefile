@@ -37,7 +37,7 @@ coverage: setup ## Run the tests of policies, risks, plans and vocabulary, which
 	  --cov=rtron.policies --cov=rtron.risks --cov=rtron.coherence --cov=rtron.vocabulary --cov-branch \
 	  --cov-report=term-missing:skip-covered --cov-fail-under=100
 
-test: lint coverage test-ros2 ## Run lint, coverage and the tests (17 minutes)
+test: lint coverage test-ros2 ## Run lint, coverage and the tests (20 minutes)
 	$(BIN)/pytest -m "not ros2 and not covered $(SHORT)" $(WORKERS) $(EXAMPLES)
 
 test-ros2: setup ## Run the tests on a real ROS 2 (3 minutes)
