@@ -19,8 +19,9 @@ from rtron.vocabulary import (
     Resolution,
     ServiceClient,
     UnresolvedItem,
+    WiringFact,
+    WiringFactKind,
 )
-from rtron.vocabulary.causes import MISSING_PROGRAM, SHARED_OUTPUT, UNREAD_PARAMETER, UNUSED_TOPIC
 
 RELIABLE = QoS()
 BEST_EFFORT = QoS(reliability=Reliability.BEST_EFFORT)
@@ -62,8 +63,15 @@ def with_resolution(graph, resolution):
     return replace(graph, endpoints=ends)
 
 
-def _with_note(why: str, what: str = "node /base (my_robot/base_node)"):
-    return small_graph(SCAN, unresolved=(UnresolvedItem(what=what, why=why),))
+def _with_missing(program: str):
+    note = UnresolvedItem(what="node /slam (slam/slam)", why="no source of it", missing=program)
+    return small_graph(SCAN, unresolved=(note,))
+
+
+def with_fact(kind: str, subject: str, value: str = "", *others: str):
+    """Return a graph with a fact about its wiring."""
+    fact = WiringFact(kind=WiringFactKind(kind), subject=subject, value=value, others=others)
+    return small_graph(SCAN, wiring=(fact,))
 
 
 PAIRS = {
@@ -107,30 +115,24 @@ PAIRS = {
         small_graph(SCAN, clients=(ServiceClient(node="/slam", name="/save_map"),)),
         small_graph(SCAN),
     ),
-    "missing_program": (_with_note(MISSING_PROGRAM), _with_note("no source of it is here")),
-    "duplicate_node": (
-        _with_note("started at several places; the last that starts ends the others", "node /base"),
-        _with_note("no source of it is here", "node /base"),
-    ),
-    "idle_remap": (
-        _with_note("no node that gets it uses the name; /base use it", "remap /a to /b"),
-        _with_note("no source of it is here", "remap /a to /b"),
-    ),
+    "missing_program": (_with_missing("slam/slam"), _with_missing("")),
+    "duplicate_node": (with_fact("duplicate_node", "/base"), small_graph(SCAN)),
+    "idle_remap": (with_fact("idle_remap", "/a", "/b", "/base"), small_graph(SCAN)),
     "unread_parameter": (
-        _with_note(f"{UNREAD_PARAMETER}; it declares max_vel", "set for /base: max_v"),
-        _with_note("no source of it is here", "set for /base: max_v"),
+        with_fact("misspelt_parameter", "/base", "max_v", "max_vel"),
+        small_graph(SCAN),
     ),
     "topic_parameter": (
-        _with_note(f"{UNUSED_TOPIC}, near /b/path", "parameter /a/path_topic is /c/path"),
-        _with_note("no source of it is here", "parameter /a/path_topic is /c/path"),
+        with_fact("topic_parameter", "/a/path_topic", "/c/path", "/b/path"),
+        small_graph(SCAN),
     ),
     "bypassed_node": (
         small_graph(FILTERED.format("/scan")),
         small_graph(FILTERED.format("/scan_filtered")),
     ),
     "shared_output": (
-        _with_note(SHARED_OUTPUT, "/image of /left, /right"),
-        _with_note("no source of it is here", "/image of /left, /right"),
+        with_fact("shared_output", "/image", "", "/left", "/right"),
+        with_fact("shared_output", "/cmd_vel", "", "/left", "/right"),
     ),
     "sim_time": (
         small_graph(SCAN, parameters=parameters("use_sim_time", laser=True, slam=False)),

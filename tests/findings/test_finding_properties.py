@@ -22,8 +22,9 @@ from rtron.vocabulary import (
     Service,
     ServiceClient,
     UnresolvedItem,
+    WiringFact,
+    WiringFactKind,
 )
-from rtron.vocabulary.causes import MISSING_PROGRAM, UNREAD_PUBLISHER
 
 NODES = ["/a", "/b", "/mux", "/rviz", "/bridge"]
 NAMES = ["/cmd_vel", "/nav/cmd_vel", "/cmd_ve", "/scan", "/x/goal", "/x/feedback", "/{?}/scan", "{"]
@@ -37,7 +38,7 @@ TYPES = [
 ]
 PACKAGES = ["twist_mux", "rviz2", "rosbridge_server", "nav2_controller", "base", ""]
 PARAMETERS = ["use_sim_time", "cmd_vel_timeout", "x.cmd_timeout", "address", ""]
-NOTES = [MISSING_PROGRAM, UNREAD_PUBLISHER, "?"]
+MISSING = ["", "p/a", "a.launch", "/b/a.launch"]
 
 
 def tuples(strategy, size, **keys):
@@ -72,7 +73,15 @@ def graphs_of(node, name, type, text):
     parameter = st.builds(
         NodeParameter, node=node, name=st.sampled_from(PARAMETERS) | text, value=value
     )
-    note = st.builds(UnresolvedItem, what=text, why=st.sampled_from(NOTES) | text)
+    note = st.builds(UnresolvedItem, what=text, why=text, missing=st.sampled_from(MISSING) | text)
+    others = tuples(name | text, 3)
+    fact = st.builds(
+        WiringFact,
+        kind=st.sampled_from(WiringFactKind),
+        subject=node | name | text,
+        value=text,
+        others=others,
+    )
     side = {"node": node, "name": name, "type": type, "implicit": st.booleans()}
     action = st.builds(Action, node=node, name=name, type=type, role=st.sampled_from(ActionRole))
     return st.builds(
@@ -86,6 +95,7 @@ def graphs_of(node, name, type, text):
         actions=tuples(action, 3),
         parameters=tuples(parameter, 4),
         unresolved=tuples(note, 3),
+        wiring=tuples(fact, 4),
     )
 
 

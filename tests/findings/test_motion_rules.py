@@ -26,8 +26,9 @@ from rtron.vocabulary import (
     ServiceClient,
     Severity,
     UnresolvedItem,
+    WiringFact,
+    WiringFactKind,
 )
-from rtron.vocabulary.causes import UNREAD_PUBLISHER
 
 MUX_PASSED_BY = MUX + f"/teleop teleop own\n    pub /cmd_vel {TWIST}\n"
 REMEDY = "put one arbiter before /cmd_vel: `rtron plan` proposes a guard (GRCN)"
@@ -156,8 +157,9 @@ class TestOpenCommand:
 
     def test_code_that_may_publish_it_is_named(self):
         place = Evidence(file="src/gui.py", line=7)
-        note = UnresolvedItem(what="/cmd_vel", why=UNREAD_PUBLISHER, evidence=(place,))
-        finding = the_finding("open_command", small_graph(BASE, unresolved=(note,)))
+        kind = WiringFactKind.UNREAD_PUBLISHER
+        fact = WiringFact(kind=kind, subject="/cmd_vel", evidence=(place,))
+        finding = the_finding("open_command", small_graph(BASE, wiring=(fact,)))
         assert finding.cause.endswith("publishes, unless src/gui.py:7 does")
 
     def test_it_is_for_the_pedantic(self):

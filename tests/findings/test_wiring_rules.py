@@ -13,7 +13,7 @@ from finding_graphs import (
     small_graph,
     the_finding,
 )
-from finding_pairs import FILTERED, ODOMETRY, SCAN
+from finding_pairs import FILTERED, ODOMETRY, SCAN, with_fact
 
 from rtron.findings.app_facts import is_near
 from rtron.vocabulary import (
@@ -24,14 +24,16 @@ from rtron.vocabulary import (
     Endpoint,
     Evidence,
     FindingLevel,
+    Node,
     NodeParameter,
     Resolution,
     Service,
     ServiceClient,
     Severity,
     UnresolvedItem,
+    WiringFact,
+    WiringFactKind,
 )
-from rtron.vocabulary.causes import MISSING_PROGRAM, SHARED_OUTPUT, UNREAD_PUBLISHER
 
 
 def nav_and_base(sent: str, expected: str, **resolutions: Resolution):
@@ -132,8 +134,9 @@ class TestUnmatchedTopic:
 
     def test_with_code_that_may_publish_it_it_is_only_possible(self):
         place = Evidence(file="src/ekf.py", line=7)
-        note = UnresolvedItem(what="/odometry/filterd", why=UNREAD_PUBLISHER, evidence=(place,))
-        finding = the_finding("unmatched_topic", small_graph(self.MISSPELT, unresolved=(note,)))
+        kind, topic = WiringFactKind.UNREAD_PUBLISHER, "/odometry/filterd"
+        fact = WiringFact(kind=kind, subject=topic, evidence=(place,))
+        finding = the_finding("unmatched_topic", small_graph(self.MISSPELT, wiring=(fact,)))
         assert (finding.certainty, finding.level) == (Certainty.POSSIBLE, FindingLevel.PEDANTIC)
         assert "publishes it, unless src/ekf.py:7 does" in finding.cause
 
@@ -388,41 +391,28 @@ class TestSimTime:
 
 
 class TestMissingProgram:
-    def test_tells_the_node_and_the_program(self):
-        places = tuple(Evidence(file=f"{name}.launch.py", line=1) for name in "ab")
-        notes = tuple(
-            UnresolvedItem(
-                what="node /base (my_robot/base_node)", why=MISSING_PROGRAM, evidence=(place,)
-            )
+    def graph(self, *places, what="node /slam", missing="slam/slam"):
+        notes = (
+            UnresolvedItem(what=what, why="it is not there", missing=missing, evidence=(place,))
             for place in places
         )
-        finding = the_finding("missing_program", small_graph("", unresolved=notes))
-        assert finding.id == "missing_program:/base"
-        assert finding.summary == "/base does not start"
-        assert finding.cause == "no build file of its package makes my_robot/base_node"
+        nodes = (Node(name="/slam", package="slam", executable="slam"),)
+        return replace(small_graph("", unresolved=tuple(notes)), nodes=nodes)
+
+    def test_tells_the_node_and_the_program(self):
+        places = tuple(Evidence(file=f"{name}.launch.py", line=1) for name in "ab")
+        finding = the_finding("missing_program", self.graph(*places))
+        assert finding.id == "missing_program:/slam"
+        assert finding.summary == "/slam does not start"
+        assert finding.cause == "no build file of its package makes slam/slam"
         assert finding.evidence == places
 
-    @pytest.mark.parametrize("ending", ["is no file", "No such file or directory"])
-    def test_an_included_launch_file_that_is_not_there(self, ending):
-        place = Evidence(file="a.launch.py", line=18)
-        why = f"/ws/src/base/launch/joy.launch.py: {ending}"
-        note = UnresolvedItem(what="include", why=why, evidence=(place, place))
-        finding = the_finding("missing_program", small_graph(BASE, unresolved=(note,)))
+    def test_an_included_launch_file_that_is_not_there(self):
+        place, missing = Evidence(file="a.launch.py", line=18), "/ws/src/base/launch/joy.launch.py"
+        finding = the_finding("missing_program", self.graph(place, place, missing=missing))
         assert finding.subject == "joy.launch.py"
         assert finding.cause == "it includes base/launch/joy.launch.py, which is not there"
         assert finding.evidence == (place,)
-
-    @pytest.mark.parametrize(
-        ("what", "why"),
-        [
-            ("include", "package 'x' is not found"),
-            ("include x", "/ws/robot.urdf.xacro: No such file or directory"),
-            ("rosparam x", "/ws/x.yaml: No such file or directory"),
-        ],
-    )
-    def test_what_is_no_launch_file_of_the_app_does_not_count(self, what, why):
-        note = UnresolvedItem(what=what, why=why)
-        assert not found("missing_program", small_graph(BASE, unresolved=(note,)))
 
 
 class TestBypassedNode:
@@ -458,25 +448,21 @@ class TestBypassedNode:
 class TestSharedOutput:
     @pytest.mark.parametrize("topic", ["/cmd_vel", "/diagnostics", "/tf", "/rosout"])
     def test_motion_and_what_all_share_do_not_count(self, topic):
-        note = UnresolvedItem(what=f"{topic} of /a, /b", why=SHARED_OUTPUT)
-        graph = small_graph(BASE, unresolved=(note,))
-        assert not found("shared_output", graph)
+        assert not found("shared_output", with_fact("shared_output", topic, "", "/a", "/b"))
 
 
 class TestDuplicateNode:
-    WHY = "started at several places; they all run, and nothing tells them apart"
-
     def graph(self, *starts):
-        """Return a graph with a note for each node and the files that start it."""
-        notes = [
-            UnresolvedItem(
-                what=f"node {node}",
-                why=self.WHY,
+        """Return a graph with a fact for each node and the files that start it."""
+        facts = [
+            WiringFact(
+                kind=WiringFactKind.DUPLICATE_NODE,
+                subject=node,
                 evidence=tuple(Evidence(file=file, line=line) for file in files),
             )
             for line, (node, *files) in enumerate(starts, 1)
         ]
-        return small_graph(BASE, unresolved=tuple(notes))
+        return small_graph(BASE, wiring=tuple(facts))
 
     def test_a_name_is_one_finding_with_all_its_places(self):
         graph = self.graph(("/a", "x", "y"), ("/b", "x", "y"), ("/a", "x", "z"))

@@ -18,9 +18,9 @@ from rtron.vocabulary import (
     Evidence,
     InteractionGraph,
     Node,
+    WiringFactKind,
     normalise_type,
 )
-from rtron.vocabulary.causes import UNREAD_PUBLISHER
 
 _NEAR_RATIO = 0.8
 _MOST_COMPARED = 200
@@ -88,8 +88,9 @@ class AppFacts:
     @cached_property
     def _unread_publishers(self) -> dict[str, Evidence]:
         """The places of code that may publish a topic, by topic."""
-        notes = (note for note in self.graph.unresolved if note.why == UNREAD_PUBLISHER)
-        return {note.what: place for note in notes for place in note.evidence}
+        kind = WiringFactKind.UNREAD_PUBLISHER
+        facts = (fact for fact in self.graph.wiring if fact.kind is kind)
+        return {fact.subject: place for fact in facts for place in fact.evidence}
 
     @property
     def is_whole(self) -> bool:

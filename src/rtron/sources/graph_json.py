@@ -19,6 +19,7 @@ from rtron.vocabulary import (
     ServiceClient,
     Topic,
     UnresolvedItem,
+    WiringFact,
 )
 
 MAX_BYTES = 512 * 1024 * 1024
@@ -40,6 +41,7 @@ class GraphDocument:
     clients: Annotated[tuple[ServiceClient, ...], FailFast()] = ()
     parameters: Annotated[tuple[NodeParameter, ...], FailFast()] = ()
     unresolved: Annotated[tuple[UnresolvedItem, ...], FailFast()] = ()
+    wiring: Annotated[tuple[WiringFact, ...], FailFast()] = ()
 
 
 _DOCUMENT = TypeAdapter(GraphDocument)
@@ -48,9 +50,10 @@ _OPTIONAL_KEYS = {
     "endpoints": "gid",
     "services": "implicit",
     "clients": "implicit",
+    "unresolved": "missing",
 }
-_OPTIONAL_LISTS = ("clients", "parameters")
-"""What only graphs of ROS 2 have, and is written only where it is something."""
+_OPTIONAL_LISTS = ("clients", "parameters", "wiring")
+"""What not every graph has, and is written only where it is something."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,6 +97,7 @@ def graph_to_json(graph: InteractionGraph) -> dict[str, Any]:
         clients=graph.clients,
         parameters=graph.parameters,
         unresolved=graph.unresolved,
+        wiring=graph.wiring,
     )
     json: dict[str, Any] = _DOCUMENT.dump_python(document, mode="json", exclude_none=True)
     for key, optional in _OPTIONAL_KEYS.items():
@@ -120,6 +124,7 @@ def _graph_of_document(document: GraphDocument) -> InteractionGraph:
         clients=document.clients,
         parameters=document.parameters,
         unresolved=document.unresolved,
+        wiring=document.wiring,
     )
 
 

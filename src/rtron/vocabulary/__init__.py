@@ -52,6 +52,7 @@ from rtron.vocabulary.event import (
     StreamState,
     VerdictCounts,
 )
+from rtron.vocabulary.evidence import Evidence
 from rtron.vocabulary.finding import (
     Baseline,
     Certainty,
@@ -65,7 +66,6 @@ from rtron.vocabulary.graph import (
     GRAPH_SCHEMA,
     Action,
     Endpoint,
-    Evidence,
     InteractionGraph,
     Node,
     NodeParameter,
@@ -167,6 +167,7 @@ from rtron.vocabulary.topic_access import (
     stage_nodes,
 )
 from rtron.vocabulary.velocity import Velocity
+from rtron.vocabulary.wiring import WiringFact, WiringFactKind
 
 __all__ = [
     "GRAPH_SCHEMA",
@@ -299,6 +300,8 @@ __all__ = [
     "VerdictCounts",
     "WatchedFlow",
     "WhenUnknown",
+    "WiringFact",
+    "WiringFactKind",
     "action_name",
     "build_streams",
     "flow_topic",

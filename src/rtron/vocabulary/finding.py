@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from hashlib import sha256
 
 from rtron.vocabulary.enums import Severity, StringEnum
-from rtron.vocabulary.graph import Evidence
+from rtron.vocabulary.evidence import Evidence
 from rtron.vocabulary.risk import Risk
 
 

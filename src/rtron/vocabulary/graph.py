@@ -16,16 +16,10 @@ from rtron.vocabulary.enums import (
     Resolution,
     Trust,
 )
+from rtron.vocabulary.evidence import Evidence
+from rtron.vocabulary.wiring import WiringFact
 
 GRAPH_SCHEMA = "rtron.graph/1"
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Evidence:
-    """Where a fact was read: a file (or an address, for a running app) and a line (from 1)."""
-
-    file: str
-    line: int = 0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -136,10 +130,14 @@ class Action:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class UnresolvedItem:
-    """Something that could not be read, and why: never silently left out."""
+    """Something that could not be read, and why: never silently left out.
+
+    `missing` is what the app's own packages do not have: a launch file, or PACKAGE/PROGRAM.
+    """
 
     what: str
     why: str
+    missing: str = ""
     evidence: tuple[Evidence, ...] = ()
 
 
@@ -148,8 +146,8 @@ class InteractionGraph:
     """Nodes, topics and endpoints of an app, with its services, actions and what stayed unresolved.
 
     `ros` is the generation, 1 or 2. Clients of services and parameters are those that source or a
-    model of ROS 2 tells of. Indexes by topic and by node are built on first use, in one
-    pass over the endpoints.
+    model of ROS 2 tells of. `wiring` is what a scan sees beside them. Indexes
+    by topic and by node are built on first use, in one pass over the endpoints.
     """
 
     app: str
@@ -162,6 +160,7 @@ class InteractionGraph:
     clients: tuple[ServiceClient, ...] = ()
     parameters: tuple[NodeParameter, ...] = ()
     unresolved: tuple[UnresolvedItem, ...] = ()
+    wiring: tuple[WiringFact, ...] = ()
     _indexes: dict[str, Mapping[str, tuple[Endpoint, ...]]] = field(
         default_factory=dict, init=False, repr=False, compare=False
     )

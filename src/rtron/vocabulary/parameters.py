@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
-from rtron.vocabulary.graph import Evidence
+from rtron.vocabulary.evidence import Evidence
 
 ParameterValue: TypeAlias = Any
 """A string, number, bool, list or dict of these, or an UnknownValue."""

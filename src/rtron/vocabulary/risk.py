@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from rtron.vocabulary.enums import Domain, RiskKind, RiskRole, Severity, Sharing, StreamKind
-from rtron.vocabulary.graph import Evidence
+from rtron.vocabulary.evidence import Evidence
 
 RISKS_SCHEMA = "rtron.risks/2"
 

@@ -8,7 +8,6 @@ import rtron.sources
 from rtron.reports.app.unresolved_list import MOST_CAUSES, nodes_read, unresolved_list
 from rtron.reports.text_layout import Report
 from rtron.vocabulary import Evidence, InteractionGraph, Node, UnresolvedItem
-from rtron.vocabulary.causes import MISSING_PROGRAM
 
 NO_SOURCE = "no source of it is here, and no model"
 NO_PACKAGE = "its package is not here: give the folder of its source too"
@@ -47,7 +46,6 @@ def test_items_are_grouped_by_their_cause(text_of):
     [
         (NO_SOURCE, "-> give the folder of its source, or write a model: `rtron model draft`"),
         (NO_PACKAGE, "-> or write a model: `rtron model draft`"),
-        (MISSING_PROGRAM, "-> correct the launch file or the build files"),
     ],
 )
 def test_a_cause_that_hides_nodes_comes_first_with_its_remedy(text_of, why, remedy):

@@ -19,41 +19,39 @@ Give the nodes different names or namespaces, or start the node in one launch fi
 Bringup and navigation both start `/robot_state_publisher`.
 """
 
-from collections import defaultdict
 from collections.abc import Iterator
 
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.rule import FindingRule, make_finding
-from rtron.vocabulary import Certainty, Consequence, Finding, UnresolvedItem
+from rtron.findings.wiring_groups import WiringGroup, wiring_groups
+from rtron.vocabulary import Certainty, Consequence, Finding, WiringFactKind
 
-_STARTED = "started "
 _TOOL = "_ros2cli"
 """How the nodes of `ros2` are named, which nobody addresses."""
+_CAUSES = {
+    1: "started at several places; the last that starts ends the others",
+    2: "started several times; they all run, and nothing tells them apart",
+}
 
 
 def check(app: AppFacts) -> Iterator[Finding]:
     """Yield a finding for each name that several nodes have."""
-    notes: dict[str, list[UnresolvedItem]] = defaultdict(list)
-    for note in app.graph.unresolved:
-        node = note.what.removeprefix("node ")
-        is_double = note.what != node and note.why.startswith(_STARTED)
-        if is_double and not node.rpartition("/")[2].startswith(_TOOL):
-            notes[node].append(note)
-    for node, of_node in notes.items():
-        yield _finding(node, of_node)
+    for group in wiring_groups(app.graph, WiringFactKind.DUPLICATE_NODE):
+        if not group.subject.rpartition("/")[2].startswith(_TOOL):
+            yield _finding(group, app.graph.ros)
 
 
-def _finding(node: str, notes: list[UnresolvedItem]) -> Finding:
+def _finding(group: WiringGroup, ros: int) -> Finding:
     return make_finding(
         RULE.name,
-        node,
-        summary=f"{node} starts more than once",
-        cause=notes[0].why,
+        group.subject,
+        summary=f"{group.subject} starts more than once",
+        cause=_CAUSES[ros],
         remedy="start it in one launch file only, or give each its own name",
         consequence=Consequence.FAILURE,
         certainty=Certainty.LIKELY,
-        nodes=(node,),
-        evidence=dict.fromkeys(place for note in notes for place in note.evidence),
+        nodes=(group.subject,),
+        evidence=group.evidence,
     )
 
 

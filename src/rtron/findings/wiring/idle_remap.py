@@ -23,33 +23,42 @@ from collections.abc import Iterator
 
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.rule import FindingRule, make_finding
-from rtron.vocabulary import Certainty, Consequence, Finding, FindingLevel, UnresolvedItem
-from rtron.vocabulary.causes import NO_EFFECT
+from rtron.findings.wiring_groups import WiringGroup, wiring_groups
+from rtron.risks.wording import conjugate, join_names
+from rtron.vocabulary import (
+    Certainty,
+    Consequence,
+    Finding,
+    FindingLevel,
+    WiringFactKind,
+)
 
 _OF_ALL = ("/tf", "/tf_static")
 """Launch files often remap them for every node, be it one that uses them or not."""
+_MOST_USERS = 3
 
 
 def check(app: AppFacts) -> Iterator[Finding]:
     """Yield a finding for each remap without effect."""
-    for note in app.graph.unresolved:
-        source, _, target = note.what.removeprefix("remap ").partition(" to ")
-        if note.why.startswith(NO_EFFECT) and source not in _OF_ALL:
-            yield _finding(note, source, target)
+    for group in wiring_groups(app.graph, WiringFactKind.IDLE_REMAP):
+        if group.subject not in _OF_ALL:
+            yield _finding(group)
 
 
-def _finding(note: UnresolvedItem, source: str, target: str) -> Finding:
+def _finding(group: WiringGroup) -> Finding:
+    users = group.others[:_MOST_USERS]
     return make_finding(
         RULE.name,
-        source,
-        summary=f"the remap of {source} to {target} changes nothing",
-        cause=note.why,
+        group.subject,
+        summary=f"the remap of {group.subject} to {join_names(group.values)} changes nothing",
+        cause="no node that gets it uses the name; "
+        f"{join_names(users)} {conjugate(users, 'use')} it or one below it",
         remedy="write the whole name that the node uses, or remove the remap",
         consequence=Consequence.FAILURE,
         certainty=Certainty.POSSIBLE,
         level=FindingLevel.PEDANTIC,
-        topics=(source, target),
-        evidence=note.evidence,
+        topics=(group.subject, *group.values),
+        evidence=group.evidence,
     )
 
 

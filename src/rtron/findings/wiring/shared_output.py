@@ -25,15 +25,15 @@ from collections.abc import Iterator
 
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.rule import FindingRule, make_finding
+from rtron.findings.wiring_groups import WiringGroup, wiring_groups
 from rtron.risks.wording import both_or_all, join_names
 from rtron.vocabulary import (
     Certainty,
     Consequence,
     Finding,
     FindingLevel,
-    UnresolvedItem,
+    WiringFactKind,
 )
-from rtron.vocabulary.causes import SHARED_OUTPUT
 
 _OF_ALL = ("/tf", "/tf_static", "/diagnostics", "/joint_states", "/rosout")
 """Topics that many nodes publish for all (REP 105, REP 107)."""
@@ -41,15 +41,13 @@ _OF_ALL = ("/tf", "/tf_static", "/diagnostics", "/joint_states", "/rosout")
 
 def check(app: AppFacts) -> Iterator[Finding]:
     """Yield a finding for each topic that instances of one program share."""
-    for note in app.graph.unresolved:
-        topic = note.what.partition(" of ")[0]
-        counts = topic not in _OF_ALL and not app.is_motion(topic)
-        if note.why == SHARED_OUTPUT and counts:
-            yield _finding(topic, note)
+    for group in wiring_groups(app.graph, WiringFactKind.SHARED_OUTPUT):
+        if group.subject not in _OF_ALL and not app.is_motion(group.subject):
+            yield _finding(group)
 
 
-def _finding(topic: str, note: UnresolvedItem) -> Finding:
-    instances = note.what.partition(" of ")[2].split(", ")
+def _finding(group: WiringGroup) -> Finding:
+    topic, instances = group.subject, group.others
     return make_finding(
         RULE.name,
         topic,
@@ -61,7 +59,7 @@ def _finding(topic: str, note: UnresolvedItem) -> Finding:
         level=FindingLevel.PEDANTIC,
         nodes=instances,
         topics=(topic,),
-        evidence=note.evidence,
+        evidence=group.evidence,
     )
 
 

@@ -22,37 +22,36 @@ from collections.abc import Iterator
 
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.rule import FindingRule, make_finding
+from rtron.findings.wiring_groups import WiringGroup, wiring_groups
+from rtron.risks.wording import join_names
 from rtron.vocabulary import (
     Certainty,
     Consequence,
     Finding,
     FindingLevel,
-    UnresolvedItem,
+    WiringFactKind,
 )
-from rtron.vocabulary.causes import UNUSED_TOPIC
 
 
 def check(app: AppFacts) -> Iterator[Finding]:
     """Yield a finding for each parameter that names an unused topic."""
-    for note in app.graph.unresolved:
-        if note.why.startswith(UNUSED_TOPIC):
-            yield _finding(note)
+    for group in wiring_groups(app.graph, WiringFactKind.TOPIC_PARAMETER):
+        yield _finding(group)
 
 
-def _finding(note: UnresolvedItem) -> Finding:
-    parameter, _, topic = note.what.removeprefix("parameter ").partition(" is ")
-    near = note.why.rpartition(" ")[2]
+def _finding(group: WiringGroup) -> Finding:
+    parameter, near = group.subject, join_names(group.others)
     return make_finding(
         RULE.name,
         parameter,
-        summary=f"the parameter {parameter} names {topic}, which nobody uses",
+        summary=f"the parameter {parameter} names {join_names(group.values)}, which nobody uses",
         cause=f"no node of this launch publishes or subscribes it; {near} is in use",
         remedy=f"did you mean {near}?",
         consequence=Consequence.FAILURE,
         certainty=Certainty.POSSIBLE,
         level=FindingLevel.PEDANTIC,
-        topics=(topic, near),
-        evidence=note.evidence,
+        topics=(*group.values, *group.others),
+        evidence=group.evidence,
     )
 
 

@@ -27,59 +27,75 @@ from collections.abc import Iterator
 
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.rule import FindingRule, make_finding
+from rtron.findings.wiring_groups import WiringGroup, wiring_groups
 from rtron.risks.wording import join_names
 from rtron.vocabulary import (
     Certainty,
     Consequence,
     Finding,
     FindingLevel,
-    UnresolvedItem,
+    WiringFactKind,
 )
-from rtron.vocabulary.causes import UNKNOWN_NODE, UNREAD_PARAMETER
 
 
 def check(app: AppFacts) -> Iterator[Finding]:
     """Yield a finding for each node, or name of none, whose parameters a launch sets in vain."""
-    for note in app.graph.unresolved:
-        if note.why.startswith(UNREAD_PARAMETER):
-            yield _undeclared(note)
-        elif note.why.startswith(UNKNOWN_NODE):
-            yield _without_node(note)
+    for kind, make in _MAKERS.items():
+        yield from map(make, wiring_groups(app.graph, kind))
 
 
-def _without_node(note: UnresolvedItem) -> Finding:
-    name = note.what.removeprefix("parameters of ")
-    near = note.why.removeprefix(f"{UNKNOWN_NODE}; ").removesuffix(" is near")
+def _without_node(group: WiringGroup) -> Finding:
+    near = join_names(group.others)
     return make_finding(
         RULE.name,
-        name,
-        summary=f"the parameters that the launch sets for {name} reach no node",
+        group.subject,
+        summary=f"the parameters that the launch sets for {group.subject} reach no node",
         cause=f"no node of this launch has this name, and {near} has no section",
         remedy=f"did you mean {near}?",
         consequence=Consequence.FAILURE,
         certainty=Certainty.LIKELY,
-        nodes=(near,),
-        evidence=note.evidence,
+        nodes=group.others,
+        evidence=group.evidence,
     )
 
 
-def _undeclared(note: UnresolvedItem) -> Finding:
-    node, _, names = note.what.removeprefix("set for ").partition(": ")
-    near = note.why.removeprefix(UNREAD_PARAMETER).removeprefix("; it declares ")
-    ignored, meant = join_names(names.split(", ")), join_names(near.split(", "))
+def _misspelt(group: WiringGroup) -> Finding:
+    node, meant = group.subject, join_names(group.others)
     return make_finding(
         RULE.name,
-        node if near else f"{node}:undeclared",
-        summary=f"{node} ignores parameters that the launch sets: {ignored}",
-        cause=f"it does not declare them; it declares {meant}" if near else note.why,
-        remedy=f"did you mean {meant}?" if near else "remove them, or declare them in the node",
+        node,
+        summary=f"{node} ignores parameters that the launch sets: {join_names(group.values)}",
+        cause=f"it does not declare them; it declares {meant}",
+        remedy=f"did you mean {meant}?",
         consequence=Consequence.FAILURE,
-        certainty=Certainty.LIKELY if near else Certainty.POSSIBLE,
-        level=FindingLevel.REGULAR if near else FindingLevel.PEDANTIC,
+        certainty=Certainty.LIKELY,
+        level=FindingLevel.REGULAR,
         nodes=(node,),
-        evidence=note.evidence,
+        evidence=group.evidence,
     )
 
+
+def _undeclared(group: WiringGroup) -> Finding:
+    node = group.subject
+    return make_finding(
+        RULE.name,
+        f"{node}:undeclared",
+        summary=f"{node} ignores parameters that the launch sets: {join_names(group.values)}",
+        cause="the node does not declare them",
+        remedy="remove them, or declare them in the node",
+        consequence=Consequence.FAILURE,
+        certainty=Certainty.POSSIBLE,
+        level=FindingLevel.PEDANTIC,
+        nodes=(node,),
+        evidence=group.evidence,
+    )
+
+
+_MAKERS = {
+    WiringFactKind.SECTION_WITHOUT_NODE: _without_node,
+    WiringFactKind.MISSPELT_PARAMETER: _misspelt,
+    WiringFactKind.UNREAD_PARAMETER: _undeclared,
+}
 
 RULE = FindingRule(
     name="unread_parameter",

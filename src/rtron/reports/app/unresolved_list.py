@@ -8,7 +8,6 @@ from rich.text import Text
 from rtron.reports.app.risk_list import location
 from rtron.reports.text_layout import TextPage, heading, line, paragraph
 from rtron.vocabulary import InteractionGraph, UnresolvedItem
-from rtron.vocabulary.causes import MISSING_PROGRAM
 
 MOST_CAUSES = 10
 _MOST_EXAMPLES = 3
@@ -17,9 +16,8 @@ _REMEDIES: Mapping[str, str] = {
     "`rtron model draft`",
     "its package is not here: give the folder of its source too": "or write a model: "
     "`rtron model draft`",
-    MISSING_PROGRAM: "correct the launch file or the build files",
 }
-_FIRST = tuple(_REMEDIES)
+_CORRECT = "correct the launch file, or add the file to its package and its build files"
 
 
 def nodes_read(graph: InteractionGraph) -> str:
@@ -38,7 +36,7 @@ def unresolved_list(unresolved: Sequence[UnresolvedItem], page: TextPage) -> Ite
     causes: dict[str, list[UnresolvedItem]] = defaultdict(list)
     for item in unresolved:
         causes[item.why].append(item)
-    ordered = sorted(causes, key=lambda why: (why not in _FIRST, -len(causes[why])))
+    ordered = sorted(causes, key=lambda why: (not _remedy(causes[why][0]), -len(causes[why])))
     if unresolved:
         yield from heading(f"Not resolved ({len(unresolved)})")
     for why in ordered[:MOST_CAUSES]:
@@ -58,5 +56,9 @@ def _cause(why: str, items: Sequence[UnresolvedItem], page: TextPage) -> Iterato
         more = f" and {len(names) - _MOST_EXAMPLES} more" if len(names) > _MOST_EXAMPLES else ""
         shown = f"{'; '.join(names[:_MOST_EXAMPLES])}{more}"
         yield from paragraph(f"{len(items)} times: {why}: {shown}{at}", page, indent=2)
-    if why in _REMEDIES:
-        yield from paragraph(f"-> {_REMEDIES[why]}", page, indent=4, style="green")
+    if remedy := _remedy(first):
+        yield from paragraph(f"-> {remedy}", page, indent=4, style="green")
+
+
+def _remedy(item: UnresolvedItem) -> str:
+    return _CORRECT if item.missing else _REMEDIES.get(item.why, "")

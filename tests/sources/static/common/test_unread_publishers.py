@@ -11,7 +11,6 @@ from rtron.sources.static.common import unread_publishers
 from rtron.sources.static.common.unread_publishers import with_unread_publishers
 from rtron.sources.workspace import Workspace
 from rtron.vocabulary import Evidence
-from rtron.vocabulary.causes import UNREAD_PUBLISHER
 
 BASE = "/base robot own\n    sub /arm/cmd_vel geometry_msgs/Twist\n"
 SENDS = 'self.pub = factory("cmd_vel")\nself.pub.publish(t)\n'
@@ -26,11 +25,11 @@ def notes(tmp_path):
         graph = with_unread_publishers(
             graph_of("app", text, ros=1), Workspace({name: folder}, [tmp_path])
         )
-        assert {note.why for note in graph.unresolved} <= {UNREAD_PUBLISHER}
+        assert {fact.kind for fact in graph.wiring} <= {"unread_publisher"}
         return [
-            (note.what, place.file.removeprefix(f"{folder}/"), place.line)
-            for note in graph.unresolved
-            for place in note.evidence
+            (fact.subject, place.file.removeprefix(f"{folder}/"), place.line)
+            for fact in graph.wiring
+            for place in fact.evidence
         ]
 
     return find
@@ -68,10 +67,10 @@ def test_another_text_is_none(notes, code):
 def test_the_place_of_an_endpoint_that_was_read_is_none(tmp_path):
     folder = package(tmp_path / "robot", {"gui.py": SENDS})
     graph, workspace = graph_of("app", BASE, ros=1), Workspace({"robot": folder}, [tmp_path])
-    assert with_unread_publishers(graph, workspace).unresolved
+    assert with_unread_publishers(graph, workspace).wiring
     place = Evidence(file=str(folder / "gui.py"), line=1)
     ends = tuple(replace(end, evidence=(place,)) for end in graph.endpoints)
-    assert not with_unread_publishers(replace(graph, endpoints=ends), workspace).unresolved
+    assert not with_unread_publishers(replace(graph, endpoints=ends), workspace).wiring
 
 
 @pytest.mark.parametrize(
@@ -115,7 +114,7 @@ def test_a_program_that_is_started_may_publish(tmp_path):
     graph = graph_of("app", BASE, ros=1)
     started = replace(graph, nodes=tuple(replace(n, executable="gui.py") for n in graph.nodes))
     workspace = Workspace({"robot": folder}, [tmp_path])
-    assert with_unread_publishers(started, workspace).unresolved
+    assert with_unread_publishers(started, workspace).wiring
 
 
 def test_a_file_that_is_too_large_is_left_out(notes, monkeypatch):
@@ -133,7 +132,7 @@ def test_a_link_out_of_the_package_is_not_followed(tmp_path):
     folder = package(tmp_path / "src" / "robot", {})
     (folder / "gui.py").symlink_to(tmp_path / "secret.py")
     workspace = Workspace({"robot": folder}, [tmp_path / "src"])
-    assert not with_unread_publishers(graph_of("app", BASE, ros=1), workspace).unresolved
+    assert not with_unread_publishers(graph_of("app", BASE, ros=1), workspace).wiring
 
 
 def test_the_name_of_a_call_that_was_read_may_stand_on_one_of_its_lines(tmp_path):
@@ -142,13 +141,13 @@ def test_the_name_of_a_call_that_was_read_may_stand_on_one_of_its_lines(tmp_path
     graph, workspace = graph_of("app", BASE, ros=1), Workspace({"robot": folder}, [tmp_path])
     place = Evidence(file=str(folder / "reader.py"), line=1)
     ends = tuple(replace(end, evidence=(place,)) for end in graph.endpoints)
-    assert not with_unread_publishers(replace(graph, endpoints=ends), workspace).unresolved
+    assert not with_unread_publishers(replace(graph, endpoints=ends), workspace).wiring
 
 
 def test_a_workspace_may_lie_below_a_folder_of_tests(tmp_path):
     folder = package(tmp_path / "tests" / "robot", {"gui.py": SENDS})
     workspace = Workspace({"robot": folder}, [tmp_path])
-    assert with_unread_publishers(graph_of("app", BASE, ros=1), workspace).unresolved
+    assert with_unread_publishers(graph_of("app", BASE, ros=1), workspace).wiring
 
 
 def test_a_name_that_no_file_can_have_is_searched_for_all_the_same(notes):

@@ -104,7 +104,7 @@ def test_a_name_that_several_places_start_is_noted(folder):
     (folder / "robot/launch/again.launch").write_text(launch)
     graph = scan(folder, "app.launch", "again.launch").graph
     assert [n.name for n in graph.nodes].count("/teleop") == 1
-    assert any(note.what == "node /teleop" for note in graph.unresolved)
+    assert "/teleop" in [f.subject for f in graph.wiring if f.kind == "duplicate_node"]
 
 
 def test_one_worker_and_two_find_the_same(folder):

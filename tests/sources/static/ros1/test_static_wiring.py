@@ -3,8 +3,6 @@
 import pytest
 from test_static_app import ends, scan
 
-from rtron.vocabulary.causes import SHARED_OUTPUT, UNUSED_TOPIC
-
 TALK = """#!/usr/bin/env python
 import rospy
 from std_msgs.msg import String
@@ -33,15 +31,20 @@ def add_to_group(folder, element):
     path.write_text(path.read_text().replace("</group>", f"{element}</group>"))
 
 
+def facts_of(graph, kind):
+    """Return the facts of one kind about an app's wiring."""
+    return [fact for fact in graph.wiring if fact.kind == kind]
+
+
 def idle(graph):
-    return {note.what: note.why for note in graph.unresolved if note.what.startswith("remap ")}
+    """Return the remaps without effect, and who uses their names."""
+    return {(fact.subject, fact.value): fact.others for fact in facts_of(graph, "idle_remap")}
 
 
 @pytest.mark.parametrize("remap", ["camera/left", "camera/left/image"])
 def test_a_remap_that_changes_no_name_is_noted_where_others_use_it(folder, remap):
-    notes = idle(scan_remapped(folder, remap))
-    why = "no node that gets it uses the name; /outside use it or one below it"
-    assert notes == {f"remap /{remap} to /elsewhere": why}
+    remaps = idle(scan_remapped(folder, remap))
+    assert remaps == {(f"/{remap}", "/elsewhere"): ("/outside",)}
 
 
 @pytest.mark.parametrize("remap", ["chatter", "unknown", "camera/le"])
@@ -149,14 +152,14 @@ def shared_outputs(folder, *nodes):
     ]
     (folder / "robot/launch/shared.launch").write_text(f"<launch>{''.join(elements)}</launch>")
     graph = scan(folder, "shared.launch").graph
-    notes = [note for note in graph.unresolved if note.why == SHARED_OUTPUT]
-    assert all(len(note.evidence) == len(nodes) for note in notes)
-    return [note.what for note in notes]
+    facts = facts_of(graph, "shared_output")
+    assert all(len(fact.evidence) == len(nodes) for fact in facts)
+    return [(fact.subject, *fact.others) for fact in facts]
 
 
 def test_what_instances_share_while_their_other_topics_differ_is_noted(folder):
     left, right = ("camera.py", "left", {"info": "/l/info"}), ("camera.py", "right", {})
-    assert shared_outputs(folder, left, right) == ["/image of /left, /right"]
+    assert shared_outputs(folder, left, right) == [("/image", "/left", "/right")]
 
 
 @pytest.mark.parametrize("right", [{"image": "/r/image"}, {"info": "/l/info"}])
@@ -179,7 +182,7 @@ def test_nodelets_count_apart_though_they_are_one_node(folder):
     manager = '<node pkg="nodelet" type="nodelet" name="m" args="manager"/>'
     (folder / "robot/launch/two.launch").write_text(f"<launch>{manager}{nodelets}</launch>")
     graph = scan(folder, "two.launch").graph
-    assert [n.what for n in graph.unresolved if n.why == SHARED_OUTPUT] == ["/out of /left, /right"]
+    assert [fact.subject for fact in facts_of(graph, "shared_output")] == ["/out"]
 
 
 @pytest.mark.parametrize(
@@ -201,9 +204,10 @@ def test_a_parameter_that_names_a_topic_near_one_that_is_used(folder, name, valu
         '<node pkg="robot" type="driver" name="driver"/></launch>'
     )
     graph = scan(folder, "named.launch").graph
-    notes = [n.what for n in graph.unresolved if n.why == f"{UNUSED_TOPIC}, near /base/cmd_vel"]
+    facts = facts_of(graph, "topic_parameter")
     is_expected = is_noted and name == "vel_topic"
-    assert notes == ([f"parameter /{name} is {value}"] if is_expected else [])
+    expected = [(f"/{name}", value, ("/base/cmd_vel",))] if is_expected else []
+    assert [(fact.subject, fact.value, fact.others) for fact in facts] == expected
 
 
 def test_a_parameter_may_name_the_source_of_a_remap(folder):
@@ -214,7 +218,7 @@ def test_a_parameter_may_name_the_source_of_a_remap(folder):
         "</launch>"
     )
     graph = scan(folder, "named.launch").graph
-    assert not [note for note in graph.unresolved if note.why.startswith(UNUSED_TOPIC)]
+    assert not facts_of(graph, "topic_parameter")
 
 
 def test_a_shell_script_takes_no_name(folder):
@@ -224,4 +228,4 @@ def test_a_shell_script_takes_no_name(folder):
     )
     graph = scan(folder, "wrapped.launch").graph
     assert [end.node for end in graph.publishers("/by_hand/cmd_vel")] == ["/by_hand"]
-    assert [note for note in graph.unresolved if note.what == "node /by_hand"] == []
+    assert not facts_of(graph, "duplicate_node")

@@ -102,8 +102,8 @@ def test_a_component_has_no_argument_of_its_container(loaded):
 def test_a_node_that_a_component_makes_with_options_of_its_own_is_named_like_the_container(loaded):
     graph = loaded()
     assert ("/far/box", "/far/lent") in published(graph)
-    (note,) = [note for note in graph.unresolved if note.what.startswith("node ")]
-    assert (note.what, len(note.evidence)) == ("node /far/box", 2)
+    (fact,) = [fact for fact in graph.wiring if fact.kind == "duplicate_node"]
+    assert (fact.subject, len(fact.evidence)) == ("/far/box", 2)
 
 
 def test_what_a_component_beside_it_joins_is_not_missed_other_functions_are(loaded):

@@ -16,8 +16,8 @@ TWICE = """<launch>{}
 
 
 @pytest.fixture
-def repetition_notes(tmp_path):
-    """Return what is noted on nodes where a file is included twice."""
+def repeated_nodes(tmp_path):
+    """Return the nodes that start more than once where a file is included twice."""
     top = tmp_path / "robot"
     top.mkdir()
     (top / "package.xml").write_text("<package><name>robot</name></package>")
@@ -27,35 +27,34 @@ def repetition_notes(tmp_path):
         (top / "app.launch.xml").write_text(TWICE.format(before, condition))
         one = ScanOptions(workers=1)
         graph = scan_ros2_app([top], [(top / "app.launch.xml", {})], {}, one)
-        return [(n.what, n.why) for n in graph.unresolved if n.what.startswith("node ")]
+        return [fact.subject for fact in graph.wiring if fact.kind == "duplicate_node"]
 
     return scan
 
 
 @pytest.mark.parametrize("name", ["", 'name="keys"'])
-def test_a_node_that_two_includes_start_is_noted(repetition_notes, name):
-    ((what, why),) = repetition_notes(NODE.format(name))
-    assert what == ("node /keys" if name else "node /teleop_twist_keyboard")
-    assert why.startswith("started 2 times")
+def test_a_node_that_two_includes_start_is_noted(repeated_nodes, name):
+    expected = "/keys" if name else "/teleop_twist_keyboard"
+    assert repeated_nodes(NODE.format(name)) == [expected]
 
 
-def test_a_node_whose_name_is_another_each_time_is_not(repetition_notes):
-    assert repetition_notes(NODE.format('name="$(var which)"')) == []
-    assert repetition_notes(NODE.format('namespace="$(var which)"')) == []
-    assert repetition_notes(LOAD) == []
+def test_a_node_whose_name_is_another_each_time_is_not(repeated_nodes):
+    assert repeated_nodes(NODE.format('name="$(var which)"')) == []
+    assert repeated_nodes(NODE.format('namespace="$(var which)"')) == []
+    assert repeated_nodes(LOAD) == []
 
 
-def test_a_node_that_may_start_once_only_is_not(repetition_notes):
+def test_a_node_that_may_start_once_only_is_not(repeated_nodes):
     unknown = '<let name="both" value="$(command date)"/>'
-    assert repetition_notes(NODE.format(""), unknown, ' if="$(var both)"') == []
+    assert repeated_nodes(NODE.format(""), unknown, ' if="$(var both)"') == []
 
 
-def test_a_node_that_names_itself_at_random_is_not(repetition_notes):
+def test_a_node_that_names_itself_at_random_is_not(repeated_nodes):
     frames = 'pkg="tf2_ros" exec="static_transform_publisher"'
-    assert repetition_notes(f'<node {frames} args="0 0 0 0 0 0 a b"/>') == []
+    assert repeated_nodes(f'<node {frames} args="0 0 0 0 0 0 a b"/>') == []
 
 
-def test_what_it_calls_itself_is_said_and_remaps_tell_it_apart(repetition_notes):
+def test_what_it_calls_itself_is_said_and_remaps_tell_it_apart(repeated_nodes):
     joy = '<node pkg="joy_linux" exec="joy_linux_node"{}</node>'
-    assert [what for what, _ in repetition_notes(joy.format(">"))] == ["node /joy_node"]
-    assert repetition_notes(joy.format('><remap from="joy" to="$(var which)"/>')) == []
+    assert repeated_nodes(joy.format(">")) == ["/joy_node"]
+    assert repeated_nodes(joy.format('><remap from="joy" to="$(var which)"/>')) == []

@@ -4,7 +4,6 @@ import pytest
 
 from rtron.sources.static.common.scan_options import ScanOptions
 from rtron.sources.static.ros2.app import scan_ros2_app
-from rtron.vocabulary.causes import UNKNOWN_NODE, UNREAD_PARAMETER
 
 MANIFEST = "<package><name>app</name></package>"
 SETUP = """from setuptools import setup
@@ -57,13 +56,19 @@ def scanned(tmp_path):
 def unread(scanned, tmp_path):
     """Return what the nodes ignore of the parameters that are given, with what they declare."""
 
-    def notes(given, **declared):
+    def facts(given, **declared):
         graph = scanned(given, **declared)
-        found = [note for note in graph.unresolved if note.why.startswith(UNREAD_PARAMETER)]
-        assert all(note.evidence[0].file == str(tmp_path / "app.launch.py") for note in found)
-        return {note.what: note.why.removeprefix(UNREAD_PARAMETER) for note in found}
+        found = [fact for fact in graph.wiring if fact.kind.endswith("_parameter")]
+        assert all(fact.evidence[0].file == str(tmp_path / "app.launch.py") for fact in found)
+        return {(fact.subject, fact.value): fact.others for fact in found}
 
-    return notes
+    return facts
+
+
+def without_node(graph):
+    """Return the sections of parameters that no node has, with the near names."""
+    facts = (fact for fact in graph.wiring if fact.kind == "section_without_node")
+    return [(fact.subject, fact.others) for fact in facts]
 
 
 def of_base(**values):
@@ -72,27 +77,29 @@ def of_base(**values):
 
 
 def test_a_near_name_that_nobody_sets_is_named(unread):
-    assert unread(of_base(max_vell=1.0)) == {"set for /base: max_vell": "; it declares max_vel"}
+    assert unread(of_base(max_vell=1.0)) == {("/base", "max_vell"): ("max_vel",)}
 
 
 @pytest.mark.parametrize("name", ["maxVel", "_max_vel", "MAX_VEL", "max_vels"])
 def test_near_is_another_spelling(unread, name):
-    assert unread(of_base(**{name: 1.0})) == {f"set for /base: {name}": "; it declares max_vel"}
+    assert unread(of_base(**{name: 1.0})) == {("/base", name): ("max_vel",)}
 
 
 @pytest.mark.parametrize("name", ["vel", "wheel.max_vel", "max_acceleration"])
 def test_another_word_or_group_is_not_near(unread, name):
-    assert unread(of_base(**{name: 1.0})) == {f"set for /base: {name}": ""}
+    assert unread(of_base(**{name: 1.0})) == {("/base", name): ()}
 
 
 def test_a_near_name_that_is_set_too_is_not_meant(unread):
-    assert unread(of_base(max_vell=1.0, max_vel=2.0)) == {"set for /base: max_vell": ""}
+    assert unread(of_base(max_vell=1.0, max_vel=2.0)) == {("/base", "max_vell"): ()}
 
 
 def test_a_near_name_is_near_to_one_only(unread):
     assert unread(of_base(max_vell=1.0, max_velocs=1.0, rat=1.0, other=2)) == {
-        "set for /base: max_vell, rat": "; it declares max_vel, rate",
-        "set for /base: max_velocs, other": "",
+        ("/base", "max_vell"): ("max_vel",),
+        ("/base", "rat"): ("rate",),
+        ("/base", "max_velocs"): (),
+        ("/base", "other"): (),
     }
 
 
@@ -109,7 +116,7 @@ def test_what_every_node_reads_is_read(unread, name):
 def test_what_is_for_all_nodes_is_read_if_one_declares_it(unread):
     assert unread("/**:\n  ros__parameters:\n    speed: 1.0\n    max_vel: 1.0\n") == {}
     ignored = unread("/**:\n  ros__parameters:\n    sped: 1.0\n    other: 1.0\n")
-    assert ignored == {"set for /arm: sped": "; it declares speed"}
+    assert ignored == {("/arm", "sped"): ("speed",)}
 
 
 def test_of_a_node_that_declares_none_nothing_is_known(unread):
@@ -134,24 +141,19 @@ def test_of_a_node_that_was_not_read_whole_nothing_is_known(unread, more):
 )
 def test_a_section_for_a_name_that_no_node_has(scanned, section, near):
     graph = scanned(f"{section}:\n  ros__parameters:\n    max_vel: 1.0\n")
-    notes = [n for n in graph.unresolved if n.why.startswith(UNKNOWN_NODE)]
-    assert [note.what for note in notes] == ([f"parameters of {section}"] if near else [])
-    assert all(note.why == f"{UNKNOWN_NODE}; {near} is near" for note in notes)
+    assert without_node(graph) == ([(section, (near,))] if near else [])
 
 
 def test_a_node_with_a_section_of_its_own_is_not_meant(scanned):
     graph = scanned(of_base(max_vel=1.0) + "/bas:\n  ros__parameters:\n    max_vel: 1.0\n")
-    assert not [note for note in graph.unresolved if note.why.startswith(UNKNOWN_NODE)]
+    assert not without_node(graph)
 
 
 def test_a_node_that_is_given_parameters_for_all_is_not_meant(scanned):
     given = "/**:\n  ros__parameters:\n    rate: 1.0\n/bas:\n  ros__parameters:\n    rate: 2.0\n"
-    assert not [note for note in scanned(given).unresolved if note.why.startswith(UNKNOWN_NODE)]
+    assert not without_node(scanned(given))
 
 
 def test_very_many_names_are_not_compared(unread):
     many = {f"n{number}": 1 for number in range(4000)}
-    assert (
-        unread(of_base(max_vell=1.0, **many))["set for /base: " + ", ".join(["max_vell", *many])]
-        == ""
-    )
+    assert unread(of_base(max_vell=1.0, **many))["/base", "max_vell"] == ()

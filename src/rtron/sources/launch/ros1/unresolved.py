@@ -2,10 +2,14 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from rtron.errors import InputError
-from rtron.sources.launch.common.errors import MissingArgumentError, UnresolvableError
+from rtron.sources.launch.common.errors import (
+    MissingArgumentError,
+    UnresolvableError,
+    missing_file,
+)
 from rtron.sources.launch.ros1.loader_context import LoaderContext
 from rtron.sources.launch.ros1.tag import Tag
 from rtron.vocabulary import Evidence, UnresolvedItem
@@ -51,6 +55,7 @@ class UnresolvedNotes:
             yield
         except InputError as error:
             self.add_error(tag, error)
+            self.unresolved[-1] = replace(self.unresolved[-1], missing=missing_file(error))
         except MissingArgumentError as error:
             self.add(tag, f"the included file needs argument '{error.name}'")
 

@@ -5,7 +5,11 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 from rtron.errors import InputError
-from rtron.sources.launch.common.errors import MissingArgumentError, UnresolvableError
+from rtron.sources.launch.common.errors import (
+    MissingArgumentError,
+    UnresolvableError,
+    missing_file,
+)
 from rtron.sources.launch.ros2.element_site import ElementSite
 from rtron.sources.launch.ros2.limits import LaunchTooLargeError
 from rtron.sources.launch.ros2.substitutions.template import UnknownPartError, display_text
@@ -21,12 +25,14 @@ class UnresolvedNotes:
     _noted: set[UnresolvedItem] = field(default_factory=set)
     _missing_arguments: set[str] = field(default_factory=set)
 
-    def note(self, site: ElementSite, why: str) -> None:
-        """Note what cannot be read of an element."""
+    def note(self, site: ElementSite, why: str, missing: str = "") -> None:
+        """Note what cannot be read of an element, and the file it includes that is missing."""
         keys = ("file", "cmd", "name") if self.symbolic else ("file", "cmd")
         text = next(filter(None, map(site.plain_text, keys)), "")
         what = f"{site.tag} {display_text(text)[:80]}".strip()
-        entry = UnresolvedItem(what=what, why=display_text(why), evidence=(site.location,))
+        entry = UnresolvedItem(
+            what=what, why=display_text(why), missing=missing, evidence=(site.location,)
+        )
         if not self.symbolic or entry not in self._noted:
             self._noted.add(entry)
             self.unresolved.append(entry)
@@ -41,7 +47,10 @@ class UnresolvedNotes:
         except UnknownPartError as error:
             if not self.symbolic:
                 self.note(site, str(error))
-        except (UnresolvableError, InputError) as error:
+        except InputError as error:
+            missing = missing_file(error) if site.tag == "include" else ""
+            self.note(site, str(error), missing)
+        except UnresolvableError as error:
             self.note(site, str(error))
         except MissingArgumentError as error:
             if site.file.depth == 0 and site.tag != "include" and not self.symbolic:

@@ -14,6 +14,7 @@ from rtron.vocabulary import (
     ServiceClient,
     Topic,
     UnresolvedItem,
+    WiringFact,
 )
 
 
@@ -29,6 +30,7 @@ class GraphBuilder:
     clients: dict[ServiceClient, None] = field(default_factory=dict)
     parameters: dict[tuple[str, str], NodeParameter] = field(default_factory=dict)
     unresolved: dict[UnresolvedItem, None] = field(default_factory=dict)
+    wiring: dict[WiringFact, None] = field(default_factory=dict)
 
     def add_entity(self, entity: Endpoint | Service | Action | ServiceClient) -> None:
         """Add what a node has."""
@@ -45,6 +47,10 @@ class GraphBuilder:
         """Add what could not be found out."""
         self.unresolved.update(dict.fromkeys(notes))
 
+    def add_wiring(self, *facts: WiringFact) -> None:
+        """Add what is wired in vain, or in a way that is hardly meant."""
+        self.wiring.update(dict.fromkeys(facts))
+
     def build(self, app: str) -> InteractionGraph:
         """Return the graph of all that was added."""
         endpoints = tuple(self.endpoints.values())
@@ -59,6 +65,7 @@ class GraphBuilder:
             clients=tuple(self.clients),
             parameters=tuple(self.parameters.values()),
             unresolved=tuple(self.unresolved),
+            wiring=tuple(self.wiring),
         )
 
     def _add_endpoint(self, endpoint: Endpoint) -> None:

@@ -20,9 +20,9 @@ from rtron.sources.static.common.task import (
 from rtron.sources.workspace import Program, ProgramLanguage, Workspace
 from rtron.sources.workspace.package_files import is_in_build_files
 from rtron.vocabulary import UnresolvedItem
-from rtron.vocabulary.causes import MISSING_PROGRAM
 from rtron.vocabulary.launch import resolve_name
 
+MISSING_PROGRAM = "its program is not in the build files of its package"
 _KINDS = {
     ProgramLanguage.CPP: TaskKind.CPP,
     ProgramLanguage.PYTHON: TaskKind.PYTHON,
@@ -55,9 +55,9 @@ class NodePart:
         is_source_silent = self.task and not (interface.nodes or interface.runtime_starts)
         return bool(interface.unresolved or is_source_silent)
 
-    def with_missing_note(self, what: str, why: str) -> "NodePart":
+    def with_missing_note(self, what: str, why: str, missing: str = "") -> "NodePart":
         """Return the part with a note instead of an interface."""
-        note = UnresolvedItem(what=what, why=why, evidence=(self.node.evidence,))
+        note = UnresolvedItem(what=what, why=why, missing=missing, evidence=(self.node.evidence,))
         return replace(self, interface=NodeInterface(unresolved=(note,)))
 
 
@@ -98,8 +98,10 @@ def _ros2_part(part: NodePart, workspace: Workspace, models: ModelCatalog) -> No
     model = models.component(node.type) or models.node(node.package, node.type)
     if model is not None:
         return replace(part, model=model)
+    program = f"{node.package}/{node.type}"
     why = _why_unread(node.package, node.type, workspace)
-    return part.with_missing_note(f"node {node.name} ({node.package}/{node.type})", why)
+    missing = program if why == MISSING_PROGRAM else ""
+    return part.with_missing_note(f"node {node.name} ({program})", why, missing)
 
 
 def _why_unread(package: str, program: str, workspace: Workspace) -> str:

@@ -4,8 +4,7 @@ import re
 from collections.abc import Iterable, Iterator
 from difflib import get_close_matches
 
-from rtron.vocabulary import Evidence, ParameterValue, UnresolvedItem
-from rtron.vocabulary.causes import UNUSED_TOPIC
+from rtron.vocabulary import Evidence, ParameterValue, WiringFact, WiringFactKind
 
 _NEAR_RATIO = 0.8
 _MOST_COMPARED = 1_000
@@ -14,8 +13,8 @@ _TOPIC = re.compile(r"(?:/\w+){1,20}", re.ASCII)
 
 def unused_topic_parameters(
     parameters: Iterable[tuple[str, ParameterValue, Evidence]], topics: set[str]
-) -> Iterator[UnresolvedItem]:
-    """Yield a note for each parameter, given with its value and place, that names no topic.
+) -> Iterator[WiringFact]:
+    """Yield a fact for each parameter, given with its value and place, that names no topic.
 
     It may name the namespace of topics. `topics` are those in use, and the sources of remaps.
     """
@@ -24,6 +23,10 @@ def unused_topic_parameters(
         is_topic = isinstance(value, str) and _TOPIC.fullmatch(value) and "topic" in name.lower()
         if is_topic and not any(f"{topic}/".startswith(f"{value}/") for topic in topics):
             for near in get_close_matches(value, known, 1, _NEAR_RATIO):
-                why = f"{UNUSED_TOPIC}, near {near}"
-                what = f"parameter {name} is {value}"
-                yield UnresolvedItem(what=what, why=why, evidence=(place,))
+                yield WiringFact(
+                    kind=WiringFactKind.TOPIC_PARAMETER,
+                    subject=name,
+                    value=value,
+                    others=(near,),
+                    evidence=(place,),
+                )

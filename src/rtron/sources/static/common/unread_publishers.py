@@ -8,8 +8,7 @@ from pathlib import Path
 from rtron.errors import InputError
 from rtron.sources.bounded_file import read_regular_file
 from rtron.sources.workspace import Workspace
-from rtron.vocabulary import Evidence, InteractionGraph, UnresolvedItem
-from rtron.vocabulary.causes import UNREAD_PUBLISHER
+from rtron.vocabulary import Evidence, InteractionGraph, WiringFact, WiringFactKind
 
 MAX_FILE_BYTES = 2**20
 MAX_FILES = 5_000
@@ -26,7 +25,7 @@ _MIN_LENGTH = 3
 
 
 def with_unread_publishers(graph: InteractionGraph, workspace: Workspace) -> InteractionGraph:
-    """Return a graph with a note for each topic without a publisher that code seems to publish.
+    """Return a graph with a fact for each topic without a publisher that code seems to publish.
 
     The code is that of the packages whose nodes are in the graph. Its text is searched for the
     topic's last name beside a word such as `publish`, on lines that no endpoint was read from.
@@ -43,12 +42,13 @@ def with_unread_publishers(graph: InteractionGraph, workspace: Workspace) -> Int
     for name, place in _mentions(topics, paths, started) if topics else ():
         if (place.file, place.line) not in read:
             places.setdefault(name, place)
-    notes = (
-        UnresolvedItem(what=topic, why=UNREAD_PUBLISHER, evidence=(place,))
+    kind = WiringFactKind.UNREAD_PUBLISHER
+    facts = (
+        WiringFact(kind=kind, subject=topic, evidence=(place,))
         for name, place in sorted(places.items())
         for topic in topics[name]
     )
-    return replace(graph, unresolved=(*graph.unresolved, *notes))
+    return replace(graph, wiring=(*graph.wiring, *facts))
 
 
 def _topics_by_last_name(graph: InteractionGraph) -> dict[str, list[str]]:

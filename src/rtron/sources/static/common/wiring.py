@@ -7,8 +7,7 @@ from typing import TypeAlias
 
 from rtron.sources.models.common.arguments import positional
 from rtron.sources.static.common.node_part import NodePart
-from rtron.vocabulary import Endpoint, Evidence, UnresolvedItem
-from rtron.vocabulary.causes import NO_EFFECT, SHARED_OUTPUT
+from rtron.vocabulary import Endpoint, Evidence, WiringFact, WiringFactKind
 
 _NODELET = "nodelet"
 _Remap: TypeAlias = tuple[str, str]
@@ -45,8 +44,8 @@ class RemapUses:
         """The names that remaps lead away from."""
         return {source for source, _ in self._nodes}
 
-    def idle(self, endpoints: Iterable[Endpoint]) -> Iterator[UnresolvedItem]:
-        """Yield a note for each idle remap whose name, or one below it, other nodes use."""
+    def idle(self, endpoints: Iterable[Endpoint]) -> Iterator[WiringFact]:
+        """Yield a fact for each idle remap whose name, or one below it, other nodes use."""
         users: dict[str, set[str]] = defaultdict(set)
         for end in endpoints:
             users[end.topic].add(end.node)
@@ -58,9 +57,13 @@ class RemapUses:
                 for node in of_topic - nodes.keys()
             }
             if others and source != target and (source, target) not in self._used:
-                why = f"{NO_EFFECT}; {', '.join(sorted(others)[:3])} use it or one below it"
-                places = tuple(dict.fromkeys(nodes.values()))
-                yield UnresolvedItem(what=f"remap {source} to {target}", why=why, evidence=places)
+                yield WiringFact(
+                    kind=WiringFactKind.IDLE_REMAP,
+                    subject=source,
+                    value=target,
+                    others=tuple(sorted(others)),
+                    evidence=tuple(dict.fromkeys(nodes.values())),
+                )
 
 
 @dataclass(slots=True)
@@ -77,17 +80,17 @@ class ProgramOutputs:
         instances[node.name].add(topic)
         self._places[node.name] = node.evidence
 
-    def shared(self) -> Iterator[UnresolvedItem]:
-        """Yield a note for each topic that all instances share, where each has others alone."""
+    def shared(self) -> Iterator[WiringFact]:
+        """Yield a fact for each topic that all instances share, where each has others alone."""
         for instances in self._topics.values():
             common = set.intersection(*instances.values())
             all_differ = all(topics - common for topics in instances.values())
             if len(instances) > 1 and all_differ:
-                names = sorted(instances)
+                names = tuple(sorted(instances))
                 places = tuple(self._places[name] for name in names)
                 for topic in sorted(topic for topic in common if "{" not in topic):
-                    what = f"{topic} of {', '.join(names)}"
-                    yield UnresolvedItem(what=what, why=SHARED_OUTPUT, evidence=places)
+                    kind = WiringFactKind.SHARED_OUTPUT
+                    yield WiringFact(kind=kind, subject=topic, others=names, evidence=places)
 
 
 def _program(part: NodePart) -> _Program:

@@ -108,7 +108,7 @@ def _assemble(
     for part in (*parts, *simulation.parts(parts)):
         assembly.add_part(part)
     assembly.add_clock(parts, launch_trees.parameters)
-    assembly.add_wiring_notes()
+    assembly.add_wiring_facts()
     assembly.add_parameters(launch_trees.parameters)
     assembly.add_unresolved(*(note for tree in launch_trees.trees for note in tree.unresolved))
     assembly.add_unresolved(*launch_trees.unresolved.entries, *simulation.unresolved())

@@ -16,7 +16,14 @@ from rtron.sources.static.common.node_part import NodePart
 from rtron.sources.static.common.topic_parameters import unused_topic_parameters
 from rtron.sources.static.common.wiring import ProgramOutputs, RemapUses
 from rtron.sources.workspace import ProgramLanguage, Workspace
-from rtron.vocabulary import Direction, Node, ParameterTree, UnresolvedItem
+from rtron.vocabulary import (
+    Direction,
+    Node,
+    ParameterTree,
+    UnresolvedItem,
+    WiringFact,
+    WiringFactKind,
+)
 
 _SIM_TIME = "/use_sim_time"
 
@@ -42,11 +49,8 @@ class Assembly(GraphBuilder):
                 trust=self.workspace.trust(node.package),
             )
         elif self._is_second(first, node):
-            locations = (first.evidence, node.evidence)
-            why = "started at several places; the last that starts ends the others"
-            self.add_unresolved(
-                UnresolvedItem(what=f"node {node.name}", why=why, evidence=locations)
-            )
+            kind, places = WiringFactKind.DUPLICATE_NODE, (first.evidence, node.evidence)
+            self.add_wiring(WiringFact(kind=kind, subject=node.name, evidence=places))
 
     def _is_second(self, first: AppNode, node: AppNode) -> bool:
         """Return whether a node takes the name of another; a shell script has none of its own."""
@@ -71,10 +75,10 @@ class Assembly(GraphBuilder):
         names = None if part.is_unread or part.model else _declared_names(part)
         self.remap_uses.add(part.owner, remaps, names, part.node.evidence)
 
-    def add_wiring_notes(self) -> None:
+    def add_wiring_facts(self) -> None:
         """Note the remaps that change no name, though the app uses it, and outputs in common."""
-        self.add_unresolved(*self.remap_uses.idle(self.endpoints.values()))
-        self.add_unresolved(*self.program_outputs.shared())
+        self.add_wiring(*self.remap_uses.idle(self.endpoints.values()))
+        self.add_wiring(*self.program_outputs.shared())
 
     def add_clock(self, parts: Iterable[NodePart], parameters: ParameterTree) -> None:
         """Let every node that is one of ROS follow simulated time, where that is set."""
@@ -89,7 +93,7 @@ class Assembly(GraphBuilder):
         """Note the parameters that name topics which nobody uses."""
         leaves = ((name, leaf.value, leaf.evidence) for name, leaf in parameters.leaves.items())
         topics = {end.topic for end in self.endpoints.values()} | self.remap_uses.sources
-        self.add_unresolved(*unused_topic_parameters(leaves, topics))
+        self.add_wiring(*unused_topic_parameters(leaves, topics))
 
     def _declare(self, part: NodePart, remap: ProcessRemaps) -> None:
         node, interface = part.owner, part.interface

@@ -14,7 +14,15 @@ from rtron.sources.static.common.topic_parameters import unused_topic_parameters
 from rtron.sources.static.common.wiring import ProgramOutputs, RemapUses
 from rtron.sources.static.ros2.endpoints import RemapRules, graph_entities
 from rtron.sources.workspace import Workspace
-from rtron.vocabulary import Direction, Endpoint, Evidence, Node, UnresolvedItem
+from rtron.vocabulary import (
+    Direction,
+    Endpoint,
+    Evidence,
+    Node,
+    UnresolvedItem,
+    WiringFact,
+    WiringFactKind,
+)
 from rtron.vocabulary.remap_rules import remaps_for_node
 
 
@@ -69,17 +77,17 @@ class Ros2Assembly(GraphBuilder):
         if not end.implicit:
             self.program_outputs.add(part, end.topic)
 
-    def add_wiring_notes(self) -> None:
+    def add_wiring_facts(self) -> None:
         """Note what is wired in vain: remaps, outputs in common, parameters that name no topic."""
-        self.add_unresolved(*self.remap_uses.idle(self.endpoints.values()))
-        self.add_unresolved(*self.program_outputs.shared())
+        self.add_wiring(*self.remap_uses.idle(self.endpoints.values()))
+        self.add_wiring(*self.program_outputs.shared())
         values = (
             (f"{each.node}/{each.name}", each.value, self._started[each.node])
             for each in self.parameters.values()
             if each.node in self._started
         )
         topics = {end.topic for end in self.endpoints.values()} | self.remap_uses.sources
-        self.add_unresolved(*unused_topic_parameters(values, topics))
+        self.add_wiring(*unused_topic_parameters(values, topics))
 
     def _add_node(self, name: str, part: NodePart) -> None:
         node = part.node
@@ -94,9 +102,8 @@ class Ros2Assembly(GraphBuilder):
                 unread=part.is_unread,
             )
         elif "{" not in name and first != node.evidence:
-            why = "started at several places; they all run, and nothing tells them apart"
-            locations = (first, node.evidence)
-            self.add_unresolved(UnresolvedItem(what=f"node {name}", why=why, evidence=locations))
+            kind, places = WiringFactKind.DUPLICATE_NODE, (first, node.evidence)
+            self.add_wiring(WiringFact(kind=kind, subject=name, evidence=places))
 
 
 def _programs_without_nodes(part: NodePart) -> Iterator[UnresolvedItem]:
@@ -118,17 +125,16 @@ def _created_nodes(part: NodePart) -> Iterator[CreatedNode]:
             yield CreatedNode(name=name)
 
 
-def duplicate_nodes(parts: Iterable[NodePart]) -> Iterator[UnresolvedItem]:
-    """Yield a note for each node that certainly starts more than once."""
+def duplicate_nodes(parts: Iterable[NodePart]) -> Iterator[WiringFact]:
+    """Yield a fact for each node that certainly starts more than once."""
     parts_by_identity: dict[Hashable, list[NodePart]] = defaultdict(list)
     for part in parts:
         if not part.node.is_uncertain and "{" not in _node_name(part):
             parts_by_identity[_node_identity(part)].append(part)
     for first, *others in parts_by_identity.values():
         if others:
-            why = f"started {len(others) + 1} times; they all run, and nothing tells them apart"
-            location = first.node.evidence
-            yield UnresolvedItem(what=f"node {_node_name(first)}", why=why, evidence=(location,))
+            kind, places = WiringFactKind.DUPLICATE_NODE, (first.node.evidence,)
+            yield WiringFact(kind=kind, subject=_node_name(first), evidence=places)
 
 
 def _node_name(part: NodePart) -> str:

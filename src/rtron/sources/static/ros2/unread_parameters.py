@@ -5,8 +5,7 @@ from collections.abc import Collection, Iterable, Iterator, Sequence
 from difflib import SequenceMatcher, get_close_matches
 
 from rtron.sources.static.common.node_part import NodePart
-from rtron.vocabulary import UnresolvedItem
-from rtron.vocabulary.causes import UNKNOWN_NODE, UNREAD_PARAMETER
+from rtron.vocabulary import WiringFact, WiringFactKind
 from rtron.vocabulary.parameters import pattern_matches
 
 _OF_EVERY_NODE = ("use_sim_time", "qos_overrides.", "start_type_description_service")
@@ -17,8 +16,8 @@ _MOST_COMPARED = 10_000
 """So many pairs of names take a tenth of a second; a node that has more is left without."""
 
 
-def unread_parameters(parts: Iterable[NodePart]) -> Iterator[UnresolvedItem]:
-    """Yield for each node a note of the set parameters without effect, and one for near names.
+def unread_parameters(parts: Iterable[NodePart]) -> Iterator[WiringFact]:
+    """Yield a fact for each parameter that a launch sets without effect, with the near name.
 
     A near name is one that the node declares and the launch does not set. A node counts if its
     source was read whole and declares parameters, all with known names. A file is often given to
@@ -36,13 +35,13 @@ def unread_parameters(parts: Iterable[NodePart]) -> Iterator[UnresolvedItem]:
             set_by_launch = _set_by_launch(part, node)
             unread = [name for name in set_by_launch if not _is_read(name, everywhere)]
             near = _near(unread, declared[node] - set_by_launch.keys())
-            others = [name for name in unread if name not in near and set_by_launch[name]]
-            yield from _notes(part, node, list(near), list(near.values()))
-            yield from _notes(part, node, others, [])
+            for name in unread:
+                if name in near or set_by_launch[name]:
+                    yield _fact(part, node, name, near.get(name))
 
 
-def sections_without_node(parts: Sequence[NodePart], nodes: set[str]) -> Iterator[UnresolvedItem]:
-    """Yield a note for each section of a parameter file for a name that no node has.
+def sections_without_node(parts: Sequence[NodePart], nodes: set[str]) -> Iterator[WiringFact]:
+    """Yield a fact for each section of a parameter file for a name that no node has.
 
     It counts if a node has a near name and is given no parameter at all.
     """
@@ -56,9 +55,12 @@ def sections_without_node(parts: Sequence[NodePart], nodes: set[str]) -> Iterato
     for section in sorted(places.keys() - nodes)[:_MOST_SECTIONS]:
         near = get_close_matches(section, without_section, 1, _NEAR_RATIO)
         if near and "*" not in section:
-            why = f"{UNKNOWN_NODE}; {near[0]} is near"
-            what = f"parameters of {section}"
-            yield UnresolvedItem(what=what, why=why, evidence=(places[section],))
+            yield WiringFact(
+                kind=WiringFactKind.SECTION_WITHOUT_NODE,
+                subject=section,
+                others=tuple(near),
+                evidence=(places[section],),
+            )
 
 
 def _nodes_with_parameters(part: NodePart) -> list[str]:
@@ -103,10 +105,11 @@ def _likeness(one: str, other: str) -> float:
     return SequenceMatcher(None, words, other_words).ratio() if group == other_group else 0.0
 
 
-def _notes(
-    part: NodePart, node: str, names: list[str], near: list[str]
-) -> Iterator[UnresolvedItem]:
-    if names:
-        why = f"{UNREAD_PARAMETER}; it declares {', '.join(near)}" if near else UNREAD_PARAMETER
-        what = f"set for {node}: {', '.join(names)}"
-        yield UnresolvedItem(what=what, why=why, evidence=(part.node.evidence,))
+def _fact(part: NodePart, node: str, name: str, near: str | None) -> WiringFact:
+    return WiringFact(
+        kind=WiringFactKind.MISSPELT_PARAMETER if near else WiringFactKind.UNREAD_PARAMETER,
+        subject=node,
+        value=name,
+        others=(near,) if near else (),
+        evidence=(part.node.evidence,),
+    )

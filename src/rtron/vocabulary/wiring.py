@@ -1,0 +1,38 @@
+"""What a launch wires in vain, or in a way that its author hardly meant: facts for the findings."""
+
+from dataclasses import dataclass
+
+from rtron.vocabulary.enums import StringEnum
+from rtron.vocabulary.evidence import Evidence
+
+
+class WiringFactKind(StringEnum):
+    """What a fact is about; each says what its subject, value and others are."""
+
+    DUPLICATE_NODE = "duplicate_node"
+    """A node's name that is started more than once."""
+    IDLE_REMAP = "idle_remap"
+    """A remap from the subject to the value, which changes nothing; others use the subject."""
+    SHARED_OUTPUT = "shared_output"
+    """A topic that others, instances of one program, publish, while their other topics differ."""
+    SECTION_WITHOUT_NODE = "section_without_node"
+    """A name with parameters that no node has; others have near names and no parameters."""
+    TOPIC_PARAMETER = "topic_parameter"
+    """A parameter whose value is a topic that nobody uses; others are near topics in use."""
+    MISSPELT_PARAMETER = "misspelt_parameter"
+    """A node that does not declare the value, its parameter; it declares others, near ones."""
+    UNREAD_PARAMETER = "unread_parameter"
+    """A node that does not declare the value, its parameter, nor a near one."""
+    UNREAD_PUBLISHER = "unread_publisher"
+    """A topic that code which was not understood may publish."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WiringFact:
+    """One fact about how an app is wired; the kind says what its parts are."""
+
+    kind: WiringFactKind
+    subject: str
+    value: str = ""
+    others: tuple[str, ...] = ()
+    evidence: tuple[Evidence, ...] = ()
