@@ -4,7 +4,6 @@ from collections import defaultdict
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 from difflib import SequenceMatcher
-from fnmatch import fnmatchcase
 from functools import cached_property
 from itertools import chain
 
@@ -19,6 +18,7 @@ from rtron.vocabulary import (
     InteractionGraph,
     Node,
     WiringFactKind,
+    fits_open_name,
     normalise_type,
 )
 
@@ -254,14 +254,3 @@ def near_names(name: str, others: Collection[str]) -> list[str]:
     if len(others) > _MOST_COMPARED:
         return []
     return sorted({other for other in others if is_near(name, other)})
-
-
-def fits_open_name(name: str, open_names: Iterable[str]) -> bool:
-    """Return whether a name may be one of those that are known in part: `{…}` is not known."""
-    return any("{" in each and fnmatchcase(name, _as_pattern(each)) for each in open_names)
-
-
-def _as_pattern(name: str) -> str:
-    """Return a name with holes, `{…}`, as a pattern."""
-    parts = name.split("{")
-    return parts[0] + "".join("*" + part.partition("}")[2] for part in parts[1:])

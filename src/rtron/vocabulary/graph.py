@@ -111,7 +111,7 @@ NodeParameterValue: TypeAlias = bool | int | float | str | tuple[bool | int | fl
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NodeParameter:
-    """A parameter that a node of ROS 2 has, and what it is at the start; None if not known."""
+    """A parameter that a node has, and what it is at the start; None if not known."""
 
     node: str
     name: str
@@ -145,9 +145,10 @@ class UnresolvedItem:
 class InteractionGraph:
     """Nodes, topics and endpoints of an app, with its services, actions and what stayed unresolved.
 
-    `ros` is the generation, 1 or 2. Clients of services and parameters are those that source or a
-    model of ROS 2 tells of. `wiring` is what a scan sees beside them. Indexes
-    by topic and by node are built on first use, in one pass over the endpoints.
+    `ros` is the generation, 1 or 2. Clients of services, and parameters of ROS 2, are those that
+    source or a model tells of; parameters of ROS 1 those that a launch sets. `wiring` is what a
+    scan sees beside them. Indexes by topic and by node are built on first use, in one pass over
+    the endpoints.
     """
 
     app: str

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
+from rtron.vocabulary.evidence import Evidence
 from rtron.vocabulary.graph import UnresolvedItem
 from rtron.vocabulary.parameters import ParameterTree
 
@@ -32,6 +33,15 @@ class Remap:
     written_target: str
     source: str
     target: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LaunchRemap:
+    """A `<remap>` of a launch file, its names as they resolve where it stands."""
+
+    source: str
+    target: str
+    evidence: Evidence
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -111,13 +121,15 @@ class LaunchTree:
     """A launch file with everything it includes, evaluated for one set of arguments.
 
     `parameters` is the parameter server once everything has started; a value that cannot be
-    known is an UnknownValue. `inputs` are what the tree depends on, so far as that is tracked.
+    known is an UnknownValue. `remaps_behind_all` stand behind all that starts in their scope, so
+    that no node gets them. `inputs` are what the tree depends on, so far as that is tracked.
     """
 
     root: LaunchFile
     unresolved: tuple[UnresolvedItem, ...] = ()
     inputs: tuple[LaunchInput, ...] = ()
     parameters: ParameterTree = field(default_factory=ParameterTree)
+    remaps_behind_all: tuple[LaunchRemap, ...] = ()
 
     def nodes(self) -> tuple[LaunchNode, ...]:
         """Return every node that the launch starts."""

@@ -1,5 +1,6 @@
 """How names are spelled: message types of both ROS generations, and the guard's private topics."""
 
+from collections.abc import Iterable
 from fnmatch import fnmatchcase
 
 PRIVATE_ROOT = "/rtron"
@@ -31,3 +32,14 @@ def output_topic(topic: str) -> str:
 def matches_node(pattern: str, node: str) -> bool:
     """Tell whether a plan's publisher, a node name or a pattern with `*`, means `node`."""
     return pattern == node or fnmatchcase(node, pattern)
+
+
+def fits_open_name(name: str, open_names: Iterable[str]) -> bool:
+    """Return whether a name may be one of those that are known in part: `{…}` is not known."""
+    return any("{" in each and fnmatchcase(name, _as_pattern(each)) for each in open_names)
+
+
+def _as_pattern(name: str) -> str:
+    """Return a name with holes, `{…}`, as a pattern."""
+    parts = name.split("{")
+    return parts[0] + "".join("*" + part.partition("}")[2] for part in parts[1:])

@@ -22,7 +22,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
-from rtron.findings.app_facts import AppFacts, fits_open_name, near_names
+from rtron.findings.app_facts import AppFacts, near_names
 from rtron.findings.rule import FindingRule, make_finding
 from rtron.risks.wording import conjugate, join_names
 from rtron.vocabulary import (
@@ -33,6 +33,7 @@ from rtron.vocabulary import (
     FindingLevel,
     Service,
     ServiceClient,
+    fits_open_name,
 )
 
 

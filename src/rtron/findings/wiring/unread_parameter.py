@@ -1,17 +1,18 @@
-"""A launch sets parameters that their node does not declare.
+"""A launch sets parameters that their node does not declare or read.
 
 ## What it finds
 
-ROS 2: the parameters of a launch, or of its YAML files, for a node whose source was read whole and
-that declares others. Where the node declares a near name that nobody sets, it is likely meant, and
-the finding names it; else it is shown from the level `pedantic` on. What a file sets for all nodes
-(`/**`), or the launch file itself, counts where the node declares a near name. A parameter that any
-node of the app declares does not count. A section of a parameter file for a name that no node has
-counts where a node that is given no parameters has a near name.
+The parameters of a launch, or of its YAML files, for a node whose source was read whole and that
+declares (ROS 2) or reads (ROS 1) others. Where the node knows a near name that nobody sets, it is
+likely meant, and the finding names it; else it is shown from the level `pedantic` on. What a file
+sets for all nodes (`/**`), or the launch file itself, counts where the node declares a near name. A
+parameter that any node of the app declares or reads does not count, nor do nodes with
+dynamic_reconfigure. A section of a parameter file for a name that no node has counts where a node
+that is given no parameters has a near name.
 
 ## Why it matters
 
-rclcpp and rclpy ignore what a node does not declare, without a warning. The node runs with its
+ROS ignores what a node does not declare or read, without a warning. The node runs with its
 default: a limit that was lowered in the YAML file stays as high as it was.
 
 ## Remedy
@@ -37,11 +38,18 @@ from rtron.vocabulary import (
     WiringFactKind,
 )
 
+_READS = {1: "read", 2: "declare"}
+
 
 def check(app: AppFacts) -> Iterator[Finding]:
     """Yield a finding for each node, or name of none, whose parameters a launch sets in vain."""
-    for kind, make in _MAKERS.items():
-        yield from map(make, wiring_groups(app.graph, kind))
+    reads = _READS[app.graph.ros]
+    for group in wiring_groups(app.graph, WiringFactKind.SECTION_WITHOUT_NODE):
+        yield _without_node(group)
+    for group in wiring_groups(app.graph, WiringFactKind.MISSPELT_PARAMETER):
+        yield _misspelt(group, reads)
+    for group in wiring_groups(app.graph, WiringFactKind.UNREAD_PARAMETER):
+        yield _unread(group, reads)
 
 
 def _without_node(group: WiringGroup) -> Finding:
@@ -59,13 +67,13 @@ def _without_node(group: WiringGroup) -> Finding:
     )
 
 
-def _misspelt(group: WiringGroup) -> Finding:
+def _misspelt(group: WiringGroup, reads: str) -> Finding:
     node, meant = group.subject, join_names(group.others)
     return make_finding(
         RULE.name,
         node,
         summary=f"{node} ignores parameters that the launch sets: {join_names(group.values)}",
-        cause=f"it does not declare them; it declares {meant}",
+        cause=f"it does not {reads} them; it {reads}s {meant}",
         remedy=f"did you mean {meant}?",
         consequence=Consequence.FAILURE,
         certainty=Certainty.LIKELY,
@@ -75,14 +83,14 @@ def _misspelt(group: WiringGroup) -> Finding:
     )
 
 
-def _undeclared(group: WiringGroup) -> Finding:
+def _unread(group: WiringGroup, reads: str) -> Finding:
     node = group.subject
     return make_finding(
         RULE.name,
         f"{node}:undeclared",
         summary=f"{node} ignores parameters that the launch sets: {join_names(group.values)}",
-        cause="the node does not declare them",
-        remedy="remove them, or declare them in the node",
+        cause=f"the node does not {reads} them",
+        remedy=f"remove them, or {reads} them in the node",
         consequence=Consequence.FAILURE,
         certainty=Certainty.POSSIBLE,
         level=FindingLevel.PEDANTIC,
@@ -91,16 +99,10 @@ def _undeclared(group: WiringGroup) -> Finding:
     )
 
 
-_MAKERS = {
-    WiringFactKind.SECTION_WITHOUT_NODE: _without_node,
-    WiringFactKind.MISSPELT_PARAMETER: _misspelt,
-    WiringFactKind.UNREAD_PARAMETER: _undeclared,
-}
-
 RULE = FindingRule(
     name="unread_parameter",
-    title="A launch sets parameters that their node does not declare",
-    consequence="failure: likely where the node declares a near name, else possible",
+    title="A launch sets parameters that their node does not declare or read",
+    consequence="failure: likely where the node knows a near name, else possible",
     since="0.2.0",
     check=check,
 )

@@ -86,7 +86,7 @@ def test_a_missing_package_leaves_out_the_include_and_says_so(launch, tmp_path):
     assert names(tree) == ["/n"]
     assert tree.root.includes == ()
     assert unresolved.what == "include $(find none)/x.launch"
-    assert unresolved.why == "package 'none' is not found"
+    assert (unresolved.why, unresolved.missing) == ("package 'none' is not found", "")
     assert unresolved.evidence == (Evidence(file=str(tmp_path / "app.launch"), line=2),)
 
 
@@ -98,6 +98,7 @@ def test_a_missing_file_is_named_with_where_it_is_included(launch, tmp_path):
         str(tmp_path / "app.launch"),
         str(tmp_path / "no.launch"),
     ]
+    assert unresolved.missing == str(tmp_path / "no.launch")
 
 
 def test_what_was_read_before_a_fault_in_an_include_stays(launch, tmp_path):

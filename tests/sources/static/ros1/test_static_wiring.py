@@ -63,6 +63,24 @@ def test_a_remap_of_a_group_is_used_if_one_node_uses_it(folder):
     assert idle(scan(folder, "remapped.launch").graph) == {}
 
 
+@pytest.mark.parametrize(("name", "is_idle"), [("chat{}", True), ("camera/{}/image", False)])
+def test_a_name_known_in_part_may_be_that_of_the_remap(folder, name, is_idle):
+    scan_remapped(folder, "camera/left/image")
+    talk = TALK.replace('"{}"', f'"{name}".format(unknown())')
+    (folder / "robot/scripts/inside.py").write_text(talk)
+    assert bool(idle(scan(folder, "remapped.launch").graph)) is is_idle
+
+
+@pytest.mark.parametrize("behind", ["", '<node pkg="robot" type="gone" name="gone" if="false"/>'])
+def test_a_remap_behind_all_that_starts_reaches_nobody(folder, behind):
+    scan_remapped(folder, "unknown")
+    path = folder / "robot/launch/remapped.launch"
+    remap = f'<remap from="camera/left" to="left"/>{behind}</launch>'
+    path.write_text(path.read_text().replace("</launch>", remap))
+    expected = {} if behind else {("/camera/left", "/left"): ("/outside",)}
+    assert idle(scan(folder, "remapped.launch").graph) == expected
+
+
 def test_a_node_that_was_not_read_may_use_any_name(folder):
     gone = '<node pkg="nowhere" type="gone" name="gone"/>'
     graph = scan_remapped(folder, "camera/left/image")

@@ -59,7 +59,7 @@ def cache_by_identity(find: Callable[[_T], _Names]) -> Callable[[_T], _Names]:
 
 @cache_by_identity
 def called_names(function: Function) -> frozenset[str]:
-    """Return the last parts of the names of all that a function calls or makes."""
+    """Return the last parts of the names of all that a function calls, makes or hands on."""
     bodies = (function.body or (), tuple(args for _, args in function.initialisers))
     return frozenset(word for body in bodies for word in _called_or_made_names(body))
 
@@ -131,12 +131,20 @@ def _called_or_made_names(node: Any) -> Iterator[str]:  # noqa: ANN401 - any par
     for current in _nodes(node):
         if isinstance(current, Call):
             yield from _callee_names(current.function)
+            yield from _passed_functions(current)
         elif isinstance(current, New):
             yield current.type.name.rpartition("::")[2]
             yield current.type.name
         elif isinstance(current, TypeRef):
             yield current.name.rpartition("::")[2]
             yield current.name
+
+
+def _passed_functions(call: Call) -> Iterator[str]:
+    """Yield the functions of C++ that are handed on to be called later, `&Driver::start`."""
+    for given in call.args:
+        if isinstance(given, Name) and "::" in given.id:
+            yield given.id.rpartition("::")[2]
 
 
 def _callee_names(function: Any) -> Iterator[str]:  # noqa: ANN401 - any expression

@@ -15,11 +15,13 @@ from rtron.sources.launch.ros1.param_tag import read_param
 from rtron.sources.launch.ros1.rosparam_tag import read_rosparam
 from rtron.sources.launch.ros1.substitution_args import SubstitutionArgs
 from rtron.sources.launch.ros1.tag import Tag
-from rtron.vocabulary import LaunchFile, LaunchInclude, LaunchNode
+from rtron.vocabulary import Evidence, LaunchFile, LaunchInclude, LaunchNode, LaunchRemap
+from rtron.vocabulary.launch import resolve_name
 
 MAX_DEPTH = 64
 MAX_FILES = 1000
 MAX_ELEMENTS = 200_000
+_STARTERS = ("node", "test", "group", "include")
 
 
 @dataclass(slots=True, kw_only=True)
@@ -72,11 +74,24 @@ class LaunchFileReader:
         """Read an element that is left out where its own condition is not known."""
         if tag.name == "remap":
             read_remap(tag, context)
+            self._note_remap_behind_all(tag, context)
         elif tag.name == "env":
             read_env(tag, context, self.state.unresolved)
         elif tag.name == "machine":
             with self.state.unresolved.collect_include_errors(tag):
                 check_machine(tag)
+
+    def _note_remap_behind_all(self, tag: Tag, context: LoaderContext) -> None:
+        """Keep a remap with nothing behind it in its scope that could start a node."""
+        if tag.applies() and not any(e.tag in _STARTERS for e in tag.element.itersiblings()):
+            source, target = next(reversed(context.remaps.items()))
+            node = f"{context.namespace}/*"
+            remap = LaunchRemap(
+                source=resolve_name(source, node),
+                target=resolve_name(target, node),
+                evidence=Evidence(file=tag.path, line=tag.line),
+            )
+            self.state.remaps_behind_all.append(remap)
 
     def _group(self, tag: Tag, context: LoaderContext) -> None:
         self._clear(tag, context)

@@ -13,6 +13,7 @@ from rtron.sources.launch.common.xml_document import LaunchDocument, parse_launc
 from rtron.sources.launch.common.yaml_tree import YamlFile, parse_yaml
 from rtron.sources.launch.ros1.parameter_server import LaunchParameters
 from rtron.sources.launch.ros1.unresolved import UnresolvedNotes
+from rtron.vocabulary import LaunchRemap
 
 MAX_BYTES = 8 * 1024 * 1024
 MAX_TOTAL_BYTES = 4 * MAX_BYTES
@@ -87,5 +88,6 @@ class LoadState:
     documents: LaunchFileCache = field(default_factory=LaunchFileCache)
     parameters: LaunchParameters = field(default_factory=LaunchParameters)
     unresolved: UnresolvedNotes = field(default_factory=UnresolvedNotes)
+    remaps_behind_all: list[LaunchRemap] = field(default_factory=list)
     include_count: int = 0
     element_count: int = 0

@@ -78,8 +78,12 @@ def _read(path: Path, args: Mapping[str, str], state: LoadState) -> LaunchTree:
         raise _missing_arguments_error(reader.document, args, error.name) from None
     except RecursionError:
         raise InputError("is nested too deep", path=str(path)) from None
-    tree = LaunchTree(root=reader.result(), unresolved=tuple(state.unresolved.unresolved))
-    return LaunchTree(root=tree.root, unresolved=tree.unresolved + _duplicate_names(tree))
+    tree = LaunchTree(
+        root=reader.result(),
+        unresolved=tuple(state.unresolved.unresolved),
+        remaps_behind_all=tuple(state.remaps_behind_all),
+    )
+    return replace(tree, unresolved=tree.unresolved + _duplicate_names(tree))
 
 
 def _missing_arguments_error(

@@ -7,7 +7,14 @@ from typing import TypeAlias
 
 from rtron.sources.models.common.arguments import positional
 from rtron.sources.static.common.node_part import NodePart
-from rtron.vocabulary import Endpoint, Evidence, WiringFact, WiringFactKind
+from rtron.vocabulary import (
+    Endpoint,
+    Evidence,
+    LaunchRemap,
+    WiringFact,
+    WiringFactKind,
+    fits_open_name,
+)
 
 _NODELET = "nodelet"
 _Remap: TypeAlias = tuple[str, str]
@@ -33,11 +40,14 @@ class RemapUses:
         location: Evidence,
     ) -> None:
         """Note the remaps of a node that declares `names`; None, or a hole in one, may be any."""
-        is_open = names is None or any("{" in name for name in names)
         for remap in remaps.items():
             self._nodes[remap][node] = location
-            if is_open or remap[0] in (names or ()):
+            if names is None or remap[0] in names or fits_open_name(remap[0], names):
                 self._used.add(remap)
+
+    def add_behind_all(self, remap: LaunchRemap) -> None:
+        """Note a remap that no node gets."""
+        self._nodes[remap.source, remap.target].setdefault("", remap.evidence)
 
     @property
     def sources(self) -> set[str]:

@@ -18,6 +18,7 @@ from rtron.sources.static.ros1.assembly import Assembly
 from rtron.sources.static.ros1.launch_trees import LaunchTrees
 from rtron.sources.static.ros1.runtime_launches import RuntimeLaunch, RuntimeLaunches
 from rtron.sources.static.ros1.simulation import Simulation
+from rtron.sources.static.ros1.unread_parameters import unread_parameters
 from rtron.sources.workspace import Workspace, read_workspace
 from rtron.sources.xacro import RobotDescriptions
 from rtron.vocabulary import InteractionGraph, LaunchTree, ParameterTree, UnresolvedItem
@@ -108,8 +109,9 @@ def _assemble(
     for part in (*parts, *simulation.parts(parts)):
         assembly.add_part(part)
     assembly.add_clock(parts, launch_trees.parameters)
-    assembly.add_wiring_facts()
+    assembly.add_wiring_facts(launch_trees.trees)
     assembly.add_parameters(launch_trees.parameters)
+    assembly.add_wiring(*unread_parameters(parts, launch_trees.parameters))
     assembly.add_unresolved(*(note for tree in launch_trees.trees for note in tree.unresolved))
     assembly.add_unresolved(*launch_trees.unresolved.entries, *simulation.unresolved())
     assembly.add_unresolved(*_workspace_notes(workspace, nodes))

@@ -15,9 +15,11 @@ from rtron.sources.static.common.graph_builder import GraphBuilder
 from rtron.sources.static.common.node_part import NodePart
 from rtron.sources.static.common.topic_parameters import unused_topic_parameters
 from rtron.sources.static.common.wiring import ProgramOutputs, RemapUses
+from rtron.sources.static.ros1.node_parameters import node_parameters
 from rtron.sources.workspace import ProgramLanguage, Workspace
 from rtron.vocabulary import (
     Direction,
+    LaunchTree,
     Node,
     ParameterTree,
     UnresolvedItem,
@@ -72,11 +74,14 @@ class Assembly(GraphBuilder):
         process_remaps = dict(owner.site.remaps) if owner else {}
         remaps = {**process_remaps, **dict(part.node.site.remaps)}
         self._declare(part, ProcessRemaps(remaps))
-        names = None if part.is_unread or part.model else _declared_names(part)
+        names = None if part.is_unread else _declared_names(part)
         self.remap_uses.add(part.owner, remaps, names, part.node.evidence)
 
-    def add_wiring_facts(self) -> None:
+    def add_wiring_facts(self, trees: Iterable[LaunchTree]) -> None:
         """Note the remaps that change no name, though the app uses it, and outputs in common."""
+        for tree in trees:
+            for remap in tree.remaps_behind_all:
+                self.remap_uses.add_behind_all(remap)
         self.add_wiring(*self.remap_uses.idle(self.endpoints.values()))
         self.add_wiring(*self.program_outputs.shared())
 
@@ -90,7 +95,9 @@ class Assembly(GraphBuilder):
                 self.add_entity(clock_subscription(part.node.name, parameter.evidence))
 
     def add_parameters(self, parameters: ParameterTree) -> None:
-        """Note the parameters that name topics which nobody uses."""
+        """Add what the launch sets for nodes, and note what of it names topics nobody uses."""
+        for parameter in node_parameters(parameters, self.nodes):
+            self.parameters[parameter.node, parameter.name] = parameter
         leaves = ((name, leaf.value, leaf.evidence) for name, leaf in parameters.leaves.items())
         topics = {end.topic for end in self.endpoints.values()} | self.remap_uses.sources
         self.add_wiring(*unused_topic_parameters(leaves, topics))

@@ -1,9 +1,10 @@
 """Parameters that a launch sets in vain: a node does not declare them, or no node has the name."""
 
 from collections import defaultdict
-from collections.abc import Collection, Iterable, Iterator, Sequence
-from difflib import SequenceMatcher, get_close_matches
+from collections.abc import Iterable, Iterator, Sequence
+from difflib import get_close_matches
 
+from rtron.sources.static.common.near_parameters import near_parameters, unread_parameter
 from rtron.sources.static.common.node_part import NodePart
 from rtron.vocabulary import WiringFact, WiringFactKind
 from rtron.vocabulary.parameters import pattern_matches
@@ -12,8 +13,6 @@ _OF_EVERY_NODE = ("use_sim_time", "qos_overrides.", "start_type_description_serv
 """What the client libraries declare or read by themselves."""
 _NEAR_RATIO = 0.8
 _MOST_SECTIONS = 200
-_MOST_COMPARED = 10_000
-"""So many pairs of names take a tenth of a second; a node that has more is left without."""
 
 
 def unread_parameters(parts: Iterable[NodePart]) -> Iterator[WiringFact]:
@@ -34,10 +33,10 @@ def unread_parameters(parts: Iterable[NodePart]) -> Iterator[WiringFact]:
         for node in _nodes_with_parameters(part):
             set_by_launch = _set_by_launch(part, node)
             unread = [name for name in set_by_launch if not _is_read(name, everywhere)]
-            near = _near(unread, declared[node] - set_by_launch.keys())
+            near = near_parameters(unread, declared[node] - set_by_launch.keys())
             for name in unread:
                 if name in near or set_by_launch[name]:
-                    yield _fact(part, node, name, near.get(name))
+                    yield unread_parameter(node, name, near.get(name), part.node.evidence)
 
 
 def sections_without_node(parts: Sequence[NodePart], nodes: set[str]) -> Iterator[WiringFact]:
@@ -83,33 +82,3 @@ def _set_by_launch(part: NodePart, node: str) -> dict[str, bool]:
 def _is_read(name: str, declared: set[str]) -> bool:
     is_group = any(each.startswith(f"{name}.") for each in declared)
     return name in declared or is_group or name.startswith(_OF_EVERY_NODE)
-
-
-def _near(names: Collection[str], unset: Collection[str]) -> dict[str, str]:
-    """Return names with the nearest that is not set, each of which is near to one only."""
-    if len(names) * len(unset) > _MOST_COMPARED:
-        return {}
-    pairs = [(_likeness(name, other), name, other) for name in names for other in unset]
-    near: dict[str, str] = {}
-    for likeness, name, other in sorted(pairs, reverse=True):
-        if likeness >= _NEAR_RATIO and name not in near and other not in near.values():
-            near[name] = other
-    return dict(sorted(near.items()))
-
-
-def _likeness(one: str, other: str) -> float:
-    """Return how alike two names of one group are, from 0 to 1; `maxSpeed` is `max_speed`."""
-    group, _, name = one.rpartition(".")
-    other_group, _, other_name = other.rpartition(".")
-    words, other_words = (each.replace("_", "").lower() for each in (name, other_name))
-    return SequenceMatcher(None, words, other_words).ratio() if group == other_group else 0.0
-
-
-def _fact(part: NodePart, node: str, name: str, near: str | None) -> WiringFact:
-    return WiringFact(
-        kind=WiringFactKind.MISSPELT_PARAMETER if near else WiringFactKind.UNREAD_PARAMETER,
-        subject=node,
-        value=name,
-        others=(near,) if near else (),
-        evidence=(part.node.evidence,),
-    )

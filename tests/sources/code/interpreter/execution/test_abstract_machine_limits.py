@@ -302,3 +302,20 @@ def test_too_many_callbacks_that_join_nothing_are_not_noted():
     interface = python(f"{MANY_ROUNDS}rospy.Timer(1, lambda event, n=(a, b, c): n)\nP('last')\n")
     assert names(interface) == ["last"]
     assert interface.unresolved == ()
+
+
+WAITS = """
+struct Driver {
+  void wait() { while (!found_) { %s } }
+  void start() { ros::NodeHandle nh; pub_ = nh.advertise<std_msgs::Bool>("out", 1); }
+  void init() { wait(); thread_ = boost::thread(boost::bind(&Driver::start, this)); }
+  bool found_ = false;
+  boost::thread thread_;
+  ros::Publisher pub_;
+};
+"""
+
+
+def test_who_hands_on_what_joins_nodes_is_run_behind_a_wait_that_takes_all_its_steps():
+    top = WAITS % ("int a = 1 + 2 + 3;" * 40)
+    assert names(cpp("Driver driver; driver.init(); ros::spin();", top)) == ["out"]

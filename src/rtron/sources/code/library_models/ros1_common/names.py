@@ -76,6 +76,7 @@ def parameter_value(machine: AbstractMachine, name: Value) -> Value | None:
 
 
 def _one_parameter(machine: AbstractMachine, name: Value) -> Value | None:
+    machine.recorder.add_parameter(machine.recorder.site.name, text_with_holes(name), None)
     if not isinstance(name, Scalar):
         return Unknown(text_with_holes(name), tainted=True)
     site, full = machine.recorder.site, str(remap_name(machine, name).value)  # type: ignore[union-attr]
