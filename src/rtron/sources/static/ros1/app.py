@@ -16,9 +16,9 @@ from rtron.sources.static.common.worker_pool import WorkerPool
 from rtron.sources.static.common.workspace_hash import hash_workspace
 from rtron.sources.static.ros1.assembly import Assembly
 from rtron.sources.static.ros1.launch_trees import LaunchTrees
+from rtron.sources.static.ros1.node_parameters import unread_parameters
 from rtron.sources.static.ros1.runtime_launches import RuntimeLaunch, RuntimeLaunches
 from rtron.sources.static.ros1.simulation import Simulation
-from rtron.sources.static.ros1.unread_parameters import unread_parameters
 from rtron.sources.workspace import Workspace, read_workspace
 from rtron.sources.xacro import RobotDescriptions
 from rtron.vocabulary import InteractionGraph, LaunchTree, ParameterTree, UnresolvedItem
