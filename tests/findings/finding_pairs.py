@@ -134,6 +134,10 @@ PAIRS = {
         with_fact("shared_output", "/image", "", "/left", "/right"),
         with_fact("shared_output", "/cmd_vel", "", "/left", "/right"),
     ),
+    "double_frame": (
+        with_fact("double_frame", "base_link", "odom", "/ekf", "/base"),
+        small_graph(SCAN),
+    ),
     "sim_time": (
         small_graph(SCAN, parameters=parameters("use_sim_time", laser=True, slam=False)),
         small_graph(SCAN, parameters=parameters("use_sim_time", laser=True, slam=True)),

@@ -451,6 +451,65 @@ class TestSharedOutput:
         assert not found("shared_output", with_fact("shared_output", topic, "", "/a", "/b"))
 
 
+UNDECIDED = "conditions that are not known decide which do"
+
+
+def frame_facts(*facts):
+    """Return a graph with facts about the frame `laser`: kind, parent and nodes of each."""
+    wiring = tuple(
+        WiringFact(kind=WiringFactKind(kind), subject="laser", value=parent, others=nodes)
+        for kind, parent, *nodes in facts
+    )
+    return small_graph(SCAN, wiring=wiring)
+
+
+class TestDoubleFrame:
+    def test_different_parents_are_likely_a_failure(self):
+        graph = frame_facts(("double_frame", "base", "/a"), ("double_frame", "mast", "/b"))
+        finding = the_finding("double_frame", graph)
+        assert finding.summary == "/a and /b both broadcast the frame laser"
+        assert finding.cause == "its parents are base and mast"
+        assert finding.remedy == "let one node broadcast laser"
+        assert finding.nodes == ("/a", "/b")
+        assert (finding.certainty, finding.severity) == (Certainty.LIKELY, Severity.MEDIUM)
+        assert finding.level is FindingLevel.REGULAR
+
+    @pytest.mark.parametrize(
+        ("kind", "parent", "level", "cause"),
+        [
+            ("double_frame", "base", "regular", "each sends a pose of its own below base"),
+            ("double_frame", "", "regular", "each sends a pose of its own"),
+            (
+                "double_fixed_frame",
+                "base",
+                "pedantic",
+                "each sends a transform that never changes below base",
+            ),
+            (
+                "possible_double_frame",
+                "base",
+                "pedantic",
+                f"each sends a pose of its own below base; {UNDECIDED}",
+            ),
+        ],
+    )
+    def test_one_parent(self, kind, parent, level, cause):
+        finding = the_finding("double_frame", frame_facts((kind, parent, "/a", "/b")))
+        assert (finding.level, finding.cause) == (level, cause)
+
+    def test_nodes_that_name_themselves_have_one_name(self):
+        graph = frame_facts(("double_fixed_frame", "base", "/static_{id}", "/static_{id}"))
+        finding = the_finding("double_frame", graph)
+        assert finding.summary == "several /static_{id} broadcast the frame laser"
+
+    def test_a_frame_is_one_finding_by_what_is_surest(self):
+        facts = [
+            (kind, "base", "/a", "/b")
+            for kind in ("possible_double_frame", "double_fixed_frame", "double_frame")
+        ]
+        assert the_finding("double_frame", frame_facts(*facts)).level is FindingLevel.REGULAR
+
+
 class TestDuplicateNode:
     def graph(self, *starts):
         """Return a graph with a fact for each node and the files that start it."""

@@ -18,6 +18,7 @@ from rtron.findings.rule import FindingRule, finding_page
 from rtron.findings.severity import shown_at
 from rtron.findings.wiring import (
     bypassed_node,
+    double_frame,
     duplicate_node,
     idle_remap,
     missing_program,
@@ -55,6 +56,7 @@ FINDING_RULES: tuple[FindingRule, ...] = (
     topic_parameter.RULE,
     bypassed_node.RULE,
     shared_output.RULE,
+    double_frame.RULE,
     sim_time.RULE,
     arbiter.RULE,
     settable_topic.RULE,

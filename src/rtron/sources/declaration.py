@@ -163,10 +163,26 @@ class CreatedNode:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class FrameBroadcast:
+    """A transform that a node broadcasts: its child frame, and its parent frame if it is known.
+
+    `is_fixed` says that it never changes. `is_certain` says that no parameter whose value is not
+    known decides whether the node broadcasts it.
+    """
+
+    child: str
+    parent: str = ""
+    is_fixed: bool = False
+    is_certain: bool = True
+    evidence: tuple[Evidence, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class NodeInterface:
     """All that one node declares, and what of it could not be found out.
 
     `nodes` are those of a process of ROS 2, in the order they are made, `parameters` theirs.
+    `frames` are the transforms whose child frames are known.
     """
 
     nodes: tuple[CreatedNode, ...] = ()
@@ -174,6 +190,7 @@ class NodeInterface:
     runtime_starts: tuple[RuntimeStart, ...] = ()
     unresolved: tuple[UnresolvedItem, ...] = ()
     parameters: tuple[NodeParameter, ...] = ()
+    frames: tuple[FrameBroadcast, ...] = ()
 
     def with_location(self, location: Evidence) -> "NodeInterface":
         """Return the interface with a plugin's place in its file before its model's evidence."""

@@ -23,6 +23,12 @@ class WiringFactKind(StringEnum):
     """A node that does not declare the value, its parameter; it declares others, near ones."""
     UNREAD_PARAMETER = "unread_parameter"
     """A node that does not declare the value, its parameter, nor a near one."""
+    DOUBLE_FRAME = "double_frame"
+    """A TF frame that others broadcast, some of them below the value, its parent frame."""
+    DOUBLE_FIXED_FRAME = "double_fixed_frame"
+    """The same, where all of them broadcast a transform that never changes, below one parent."""
+    POSSIBLE_DOUBLE_FRAME = "possible_double_frame"
+    """The same, where conditions that are not known decide whether more than one does."""
     UNREAD_PUBLISHER = "unread_publisher"
     """A topic that code which was not understood may publish."""
 

@@ -31,6 +31,17 @@ def told(fake_study):
     return {(str(d.kind), d.name, d.type) for d in fake_study.declarations}
 
 
+def frames(found):
+    """Return the child and parent frame of each transform that a node broadcasts."""
+    return [(frame.child, frame.parent) for frame in found.frames]
+
+
+URDF = """<robot><joint type="fixed"><parent link="base"/><child link="laser"/></joint>
+<joint type="revolute"><parent link="base"/><child link="arm"/></joint>
+<joint type="floating"><parent link="base"/><child link="kite"/></joint></robot>"""
+"""A robot with a joint that never moves, one that does, and one that nobody broadcasts."""
+
+
 def ros2_node_site(name="/robot/driver", settings=None, args="", environ=(), *, named=True):
     """Return a site of ROS 2; `settings` are parameters by a pattern of node names."""
     return NodeSite(
@@ -55,7 +66,7 @@ def model_texts(model):
         yield from (("expression", text) for text in entry.let.values())
         yield from (("expression", text) for text in entry.passed.values())
         names = (entry.name, entry.uses, entry.type, entry.namespace, entry.private, entry.node)
-        messages = (entry.qos, entry.unresolved, entry.why)
+        messages = (entry.qos, entry.unresolved, entry.why, entry.broadcast, entry.parent)
         yield from (("template", text) for text in (*names, *messages) if text)
         if entry.condition:
             yield "expression", entry.condition

@@ -34,7 +34,7 @@ ROS1_API = frozenset(
         *("ActionClient", "ActionServer", "TransformListener", "TransformBroadcaster"),
         *("StaticTransformBroadcaster", "Server", "Updater", "ImageTransport", "create"),
         *("RealtimePublisher", "InteractiveMarkerServer", "Bond", "SubscriberFilter"),
-        "SimpleActionServer<>",
+        *("SimpleActionServer<>", "sendTransform"),
     ]
 )
 _ROS2_API = frozenset(
@@ -43,7 +43,7 @@ _ROS2_API = frozenset(
         *("create_generic_publisher", "create_generic_subscription", "create_generic_client"),
         *("TransformListener", "TransformBroadcaster", "StaticTransformBroadcaster"),
         *("declare_parameter", "declare_parameters", "wait_for_message", "system", "Updater"),
-        *("subscribe", "advertise", "configure"),
+        *("subscribe", "advertise", "configure", "sendTransform"),
     ]
 )
 ROS2_CPP_API = _ROS2_API | {

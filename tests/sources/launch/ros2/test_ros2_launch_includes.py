@@ -1,7 +1,7 @@
 """Files that include each other: across formats and packages, with what they are given."""
 
 import pytest
-from app_launch_values import names, whys
+from app_launch_values import names
 
 CHILD = {
     "xml": """<launch><arg name="name" default="child"/>

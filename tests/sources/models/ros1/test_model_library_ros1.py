@@ -4,7 +4,7 @@ import ast
 import re
 
 import pytest
-from model_cases import model_texts, names, parameters, site, told
+from model_cases import URDF, frames, model_texts, names, parameters, site, told
 
 from rtron.sources.models import PluginElement, controller_interface, load_models, node_interface
 from rtron.sources.models import plugin_interface as plugin_at
@@ -400,3 +400,86 @@ def test_a_yaml_file_that_cannot_be_read_leaves_holes(path):
     found = node_interface(model, site(name="/mux", values={"/mux/yaml_cfg_file": path}))
     assert any("{" in name for name in names(found, "subscribe"))
     assert any("{" in name for name in names(found, "publish"))
+
+
+@pytest.mark.parametrize(
+    ("name", "at", "expected"),
+    [
+        ("tf/static_transform_publisher", {"args": "0 0 -1 0 0 0 a b 9"}, [("b", "a")]),
+        ("tf/static_transform_publisher", {"args": "0 0 -1 0 0 0 1 a b 9"}, [("b", "a")]),
+        ("tf/static_transform_publisher", {"args": "0 0 -1 0 0 0 a b"}, []),
+        ("tf2_ros/static_transform_publisher", {"args": "0 0 -1 0 0 0 a b x:=y"}, [("b", "a")]),
+        ("tf2_ros/static_transform_publisher", {"args": "/parameters"}, []),
+        ("amcl/amcl", {}, [("odom", "map")]),
+        ("amcl/amcl", {"values": {"/robot/driver/tf_broadcast": False}}, []),
+        ("gmapping/slam_gmapping", {}, [("odom", "map")]),
+        ("gmapping/slam_gmapping", {"values": {"/robot/driver/transform_publish_period": 0}}, []),
+        ("fake_localization/fake_localization", {}, [("odom", "map")]),
+        ("hector_mapping/hector_mapping", {}, [("odom", "map"), ("scanmatcher_frame", "map")]),
+        ("robot_pose_ekf/robot_pose_ekf", {}, [("base_footprint", "odom_combined")]),
+        ("robot_localization/ekf_localization_node", {}, [("base_link", "odom")]),
+        (
+            "robot_localization/ekf_localization_node",
+            {"values": {"/robot/driver/world_frame": "map", "/tf_prefix": "/r"}},
+            [("r/odom", "r/map")],
+        ),
+        (
+            "robot_localization/ukf_localization_node",
+            {"values": {"/robot/driver/publish_tf": False}},
+            [],
+        ),
+        (
+            "robot_state_publisher/robot_state_publisher",
+            {"values": {"/robot_description": URDF}},
+            [("laser", "base"), ("arm", "base")],
+        ),
+        (
+            "robot_state_publisher/robot_state_publisher",
+            {
+                "values": {"/robot_description": URDF.replace("base", "x"), "/other": URDF},
+                "remaps": [("/robot/robot_description", "/other")],
+            },
+            [("laser", "base"), ("arm", "base")],
+        ),
+        (
+            "robot_state_publisher/robot_state_publisher",
+            {"values": {"/robot_description": "<"}},
+            [],
+        ),
+        ("robot_state_publisher/robot_state_publisher", {}, []),
+    ],
+)
+def test_a_node_broadcasts_the_frames_that_the_launch_says(name, at, expected):
+    assert frames(node_interface(MODELS.node(*name.split("/")), site(**at))) == expected
+
+
+def test_an_unknown_switch_leaves_a_frame_and_an_unknown_name_none():
+    values = {"/robot/driver/publish_tf": UnknownValue("at run time")}
+    model = MODELS.node("robot_localization", "ekf_localization_node")
+    found = node_interface(model, site(values=values))
+    assert [(frame.child, frame.is_certain) for frame in found.frames] == [("base_link", False)]
+    values = {"/robot/driver/world_frame": UnknownValue("at run time")}
+    assert frames(node_interface(model, site(values=values))) == []
+
+
+def test_controllers_of_ros1_broadcast_frames():
+    values = {"/base/type": "diff_drive_controller/DiffDriveController", "/base/odom_frame_id": "o"}
+    spawner = site(name="/spawner", values=values, args="base")
+    assert frames(controller_interface(spawner, spawner.parameters)) == [("base_link", "o")]
+
+
+@pytest.mark.parametrize(
+    ("filename", "values", "expected"),
+    [
+        ("libgazebo_ros_diff_drive.so", {}, [("base_footprint", "odom")]),
+        ("libgazebo_ros_diff_drive.so", {"publishOdomTF": "false"}, []),
+        ("libgazebo_ros_diff_drive.so", {"robotBaseFrame": "b"}, [("b", "odom")]),
+        ("libgazebo_ros_skid_steer_drive.so", {}, []),
+        ("libgazebo_ros_skid_steer_drive.so", {"broadcastTF": "1"}, [("base_footprint", "odom")]),
+        ("libgazebo_ros_planar_move.so", {}, [("base_footprint", "odom")]),
+    ],
+)
+def test_a_plugin_broadcasts_the_frames_of_its_element(filename, values, expected):
+    plugin = PluginElement(filename=filename, values=values)
+    found = plugin_at(MODELS.gazebo_plugin(filename), site(name="/gazebo"), plugin)
+    assert frames(found) == expected

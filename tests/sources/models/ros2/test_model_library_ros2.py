@@ -4,7 +4,7 @@ import ast
 import re
 
 import pytest
-from model_cases import model_texts, names, ros2_node_site, told
+from model_cases import URDF, frames, model_texts, names, ros2_node_site, told
 
 from rtron.sources.models import ROS2_LIBRARY, load_models, node_interface
 from rtron.vocabulary import QoS, Reliability, UnknownValue
@@ -519,3 +519,70 @@ def test_a_transform_has_a_name_that_ends_in_its_number():
     found = node_interface(MODELS.node("topic_tools", "transform"), site, models=MODELS)
     assert [node.name for node in found.nodes] == ["/ns/transform_{pid}"]
     assert ("publish", "/out", "std_msgs/msg/Float64") in told(found)
+
+
+@pytest.mark.parametrize(
+    ("name", "settings", "expected"),
+    [
+        ("robot_localization/ekf_node", {}, [("base_link", "odom")]),
+        ("robot_localization/ekf_node", {"base_link_frame_output": "b"}, [("b", "odom")]),
+        ("robot_localization/ukf_node", {"world_frame": "map"}, [("odom", "map")]),
+        ("robot_localization/ekf_node", {"world_frame": "utm"}, []),
+        ("robot_localization/ekf_node", {"publish_tf": False}, []),
+        ("nav2_amcl/amcl", {"odom_frame_id": "o"}, [("o", "map")]),
+        ("nav2_amcl/amcl", {"tf_broadcast": False}, []),
+        ("slam_toolbox/async_slam_toolbox_node", {}, [("odom", "map")]),
+        ("slam_toolbox/async_slam_toolbox_node", {"transform_publish_period": 0.0}, []),
+        ("turtlebot3_node/turtlebot3_ros", {}, []),
+        (
+            "turtlebot3_node/turtlebot3_ros",
+            {"odometry.publish_tf": True, "namespace": "r"},
+            [("r/base_footprint", "r/odom")],
+        ),
+        (
+            "robot_state_publisher/robot_state_publisher",
+            {"robot_description": URDF, "frame_prefix": "r/"},
+            [("r/laser", "r/base"), ("r/arm", "r/base")],
+        ),
+    ],
+)
+def test_a_node_broadcasts_the_frames_that_its_parameters_say(name, settings, expected):
+    assert frames(modelled(name, settings={"/**": settings})) == expected
+
+
+@pytest.mark.parametrize(
+    ("args", "expected"),
+    [
+        ("0 0 -1 0 0 0 a b", [("b", "a")]),
+        ("0 0 -1 0 0 0 1 a b --ros-args -r c:=d", [("b", "a")]),
+        ("--frame-id a --x -1 --child-frame-id b", [("b", "a")]),
+        ("0 0 0 a b", []),
+        ("", []),
+    ],
+)
+def test_a_fixed_transform_is_that_of_the_arguments(args, expected):
+    found = modelled("tf2_ros/static_transform_publisher", args=args)
+    assert frames(found) == expected
+    assert all(frame.is_fixed for frame in found.frames)
+
+
+def test_a_component_s_fixed_transform_is_that_of_its_parameters():
+    settings = {"/**": {"frame_id": "a", "child_frame_id": "b"}}
+    assert frames(modelled("tf2_ros/static_transform_publisher", settings=settings)) == [("b", "a")]
+
+
+@pytest.mark.parametrize(
+    ("name", "settings", "expected"),
+    [
+        ("/base", {}, [("base_link", "odom")]),
+        ("/r/base", {}, [("r/base_link", "r/odom")]),
+        ("/r/base", {"tf_frame_prefix_enable": False}, [("base_link", "odom")]),
+        ("/r/base", {"tf_frame_prefix": "~/x"}, [("r/x/base_link", "r/x/odom")]),
+        ("/base", {"enable_odom_tf": False}, []),
+        ("/base", {"base_frame_id": "b", "odom_frame_id": "o"}, [("b", "o")]),
+    ],
+)
+def test_a_differential_drive_prefixes_its_frames(name, settings, expected):
+    at = ros2_node_site(name=name, settings={"/**": settings})
+    model = MODELS.controller("diff_drive_controller/DiffDriveController")
+    assert frames(node_interface(model, at, models=MODELS)) == expected

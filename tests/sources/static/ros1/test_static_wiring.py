@@ -247,3 +247,104 @@ def test_a_shell_script_takes_no_name(folder):
     graph = scan(folder, "wrapped.launch").graph
     assert [end.node for end in graph.publishers("/by_hand/cmd_vel")] == ["/by_hand"]
     assert not facts_of(graph, "duplicate_node")
+
+
+ODOMETRY = """#!/usr/bin/env python
+import rospy
+import tf2_ros
+from geometry_msgs.msg import TransformStamped
+from nav_msgs.msg import Odometry
+rospy.init_node("odometry")
+broadcaster = tf2_ros.TransformBroadcaster()
+def send(odometry):
+    transform = TransformStamped()
+    transform.header.frame_id = "odom"
+    transform.child_frame_id = rospy.get_param("~base", "base_link")
+    if rospy.get_param("~publish_tf", True):
+        broadcaster.sendTransform(transform)
+rospy.Subscriber("odom", Odometry, send)
+"""
+EKF = (
+    '<node pkg="robot_localization" type="ekf_localization_node" name="ekf">'
+    '<param name="publish_tf" value="{}"/></node>'
+)
+FIXED = '<node pkg="{}" type="static_transform_publisher" name="{}" args="0 0 -1 0 0 0 {}"/>'
+
+
+def doubled_frames(folder, *elements):
+    """Return kind, frame, parent and nodes of what is doubled among some nodes."""
+    path = folder / "robot/scripts/odometry.py"
+    path.write_text(ODOMETRY)
+    path.chmod(0o755)
+    (folder / "robot/launch/frames.launch").write_text(f"<launch>{''.join(elements)}</launch>")
+    facts = [fact for fact in scan(folder, "frames.launch").graph.wiring if "frame" in fact.kind]
+    assert all(len(fact.evidence) >= len(fact.others) for fact in facts)
+    return [(fact.kind.value, fact.subject, fact.value, *fact.others) for fact in facts]
+
+
+def odometry(name, **values):
+    params = "".join(f'<param name="{key}" value="{value}"/>' for key, value in values.items())
+    return f'<node pkg="robot" type="odometry.py" name="{name}">{params}</node>'
+
+
+def test_a_frame_that_code_and_a_known_node_broadcast_is_found(folder):
+    found = doubled_frames(folder, odometry("wheels"), EKF.format("true"))
+    assert found == [("double_frame", "base_link", "odom", "/wheels", "/ekf")]
+
+
+@pytest.mark.parametrize(
+    "elements",
+    [
+        [odometry("wheels"), EKF.format("false")],
+        [odometry("wheels", publish_tf="false"), EKF.format("true")],
+        [odometry("wheels", base="base_footprint"), EKF.format("true")],
+        [odometry("wheels"), odometry("again").replace("again", "wheels")],
+    ],
+)
+def test_one_that_one_node_broadcasts_is_not(folder, elements):
+    assert doubled_frames(folder, *elements) == []
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "expected"),
+    [
+        ("base laser 100", "/base /laser", [("double_fixed_frame", "laser", "base", "/a", "/b")]),
+        (
+            "base laser 100",
+            "mast laser",
+            [
+                ("double_frame", "laser", "base", "/a"),
+                ("double_frame", "laser", "mast", "/b"),
+            ],
+        ),
+        ("base laser 100", "base camera", []),
+        ("base laser", "base laser", []),
+    ],
+)
+def test_fixed_transforms_count_by_their_parents(folder, first, second, expected):
+    """The publisher of tf needs a period; with 8 arguments it does not start."""
+    nodes = FIXED.format("tf", "a", first), FIXED.format("tf2_ros", "b", second)
+    assert doubled_frames(folder, *nodes) == expected
+
+
+def test_transforms_on_other_topics_are_other_frames(folder):
+    group = '<group><remap from="/tf" to="/other/tf"/>{}</group>'
+    one, other = (FIXED.format("tf2_ros", name, "base laser") for name in ("a", "b"))
+    assert doubled_frames(folder, one, other)
+    assert doubled_frames(folder, one, group.format(other)) == []
+
+
+def test_a_robot_s_joints_are_frames_too(folder):
+    joint = '<joint type="{}"><parent link="base"/><child link="{}"/></joint>'
+    robot = joint.format("fixed", "laser") + joint.format("continuous", "wheel")
+    description = f"<robot>{robot}</robot>".replace("<", "&lt;").replace('"', "&quot;")
+    nodes = (
+        f'<param name="robot_description" value="{description}"/>',
+        '<node pkg="robot_state_publisher" type="robot_state_publisher" name="robot"/>',
+        FIXED.format("tf2_ros", "a", "base laser"),
+        FIXED.format("tf2_ros", "b", "base wheel"),
+    )
+    assert doubled_frames(folder, *nodes) == [
+        ("double_fixed_frame", "laser", "base", "/robot", "/a"),
+        ("double_frame", "wheel", "base", "/robot", "/b"),
+    ]

@@ -10,13 +10,19 @@ setup(name="app", entry_points={"console_scripts": ["camera = app.camera:main"]}
 """
 CAMERA = """import rclpy
 from rclpy.node import Node
+from geometry_msgs.msg import TransformStamped
 from sensor_msgs.msg import Image, CameraInfo
+from tf2_ros import StaticTransformBroadcaster
 class Camera(Node):
     def __init__(self):
         super().__init__("camera")
         self.declare_parameter("image_topic", "/image")
         self.image = self.create_publisher(Image, "image", 1)
         self.info = self.create_publisher(CameraInfo, "info", 1)
+        self.broadcaster = StaticTransformBroadcaster(self)
+        mount = TransformStamped(child_frame_id=self.get_name())
+        mount.header.frame_id = self.declare_parameter("parent", "base").value
+        self.broadcaster.sendTransform([mount])
 def main():
     rclpy.init()
     rclpy.spin(Camera())
@@ -34,9 +40,9 @@ def facts(tmp_path):
     (tmp_path / "app/camera.py").write_text(CAMERA)
     launch = tmp_path / "app.launch.xml"
 
-    def scan(kind, **cameras):
+    def scan(kind, more="", **cameras):
         nodes = "".join(NODE.format(name, inside) for name, inside in cameras.items())
-        launch.write_text(f"<launch>{nodes}</launch>")
+        launch.write_text(f"<launch>{nodes}{more}</launch>")
         graph = scan_ros2_app([tmp_path], [(launch, {})], {}, ScanOptions(workers=1))
         return [
             (fact.subject, fact.value, *fact.others) for fact in graph.wiring if fact.kind == kind
@@ -67,3 +73,52 @@ def test_a_parameter_that_names_a_topic_near_one_that_is_used(facts, value, is_f
     param = f'<param name="image_topic" value="{value}"/>'
     expected = [("/left/image_topic", "/images", "/image")] if is_found else []
     assert facts("topic_parameter", left=param) == expected
+
+
+FIXED = (
+    '<node pkg="tf2_ros" exec="static_transform_publisher" {}'
+    ' args="--x -1 --frame-id {} --child-frame-id {}"/>'
+)
+FIXED_BY_WORDS = (
+    '<node pkg="tf2_ros" exec="static_transform_publisher" args="0 0 -1 0 0 0 base left"/>'
+)
+MOVED = (
+    '<group><set_remap from="/tf" to="/other/tf"/><set_remap from="/tf_static" to="/other/st"/>'
+    "{}</group>"
+)
+
+
+@pytest.mark.parametrize(
+    ("element", "kind"),
+    [
+        (FIXED.format("", "base", "left"), "double_fixed_frame"),
+        (FIXED_BY_WORDS, "double_fixed_frame"),
+        (FIXED.format('if="$(command x)"', "base", "left"), "possible_double_frame"),
+    ],
+)
+def test_a_frame_that_two_nodes_broadcast_is_found(facts, element, kind):
+    name = "/static_transform_publisher_{id}"
+    assert facts(kind, element, left="") == [("left", "base", "/left", name)]
+
+
+def test_parents_that_differ_have_a_fact_each(facts):
+    found = facts("double_frame", FIXED.format('name="mount"', "mast", "left"), left="")
+    assert found == [("left", "base", "/left"), ("left", "mast", "/mount")]
+
+
+def test_nodes_without_a_name_are_several_and_one_name_is_one_node(facts):
+    named = FIXED.format('name="a"', "base", "x")
+    assert facts("double_fixed_frame", named + named) == []
+    unnamed = FIXED.format("", "base", "x") + "\n" + FIXED.format("", "base", "x")
+    name = "/static_transform_publisher_{id}"
+    assert facts("double_fixed_frame", unnamed) == [("x", "base", name, name)]
+
+
+@pytest.mark.parametrize("frames", [("base", "other"), ("base", "$(var unknown)")])
+def test_other_frames_are_not_found(facts, frames):
+    assert facts("double_fixed_frame", FIXED.format("", *frames), left="") == []
+
+
+def test_frames_on_other_topics_are_not_found(facts):
+    other = MOVED.format(FIXED.format("", "base", "left"))
+    assert facts("double_fixed_frame", other, left="") == []

@@ -8,6 +8,7 @@ from rtron.sources.declaration import (
     CreatedNode,
     Declaration,
     DeclarationKind,
+    FrameBroadcast,
     NodeInterface,
     NodeSite,
 )
@@ -82,6 +83,7 @@ def _evaluate_in(model: Model, scope: ModelScope, models: ModelCatalog) -> NodeI
         nodes=tuple(CreatedNode(name=name, remaps=scope.site.remaps) for name in walk.nodes),
         declarations=declarations,
         unresolved=tuple(dict.fromkeys(walk.unresolved)),
+        frames=tuple(walk.frames),
     )
 
 
@@ -111,6 +113,7 @@ class _ModelWalk:
     models: ModelCatalog
     unresolved: list[UnresolvedItem] = field(default_factory=list)
     nodes: dict[str, None] = field(default_factory=dict)
+    frames: dict[FrameBroadcast, None] = field(default_factory=dict)
 
     def walk_model(
         self, model: Model, scope: ModelScope, use: _UseContext
@@ -145,7 +148,7 @@ class _ModelWalk:
             for inner in self._loop_scopes(entry, scope):
                 yield from self._conditional(entry, inner, use)
         except _EVALUATION_ERRORS as error:
-            what = entry.name or entry.uses or entry.condition or "an entry"
+            what = entry.name or entry.uses or entry.broadcast or entry.condition or "an entry"
             self._note_unresolved(what, str(error), _evidence_of(entry, use))
 
     def _loop_scopes(self, entry: ModelEntry, scope: ModelScope) -> Iterator[ModelScope]:
@@ -170,7 +173,8 @@ class _ModelWalk:
             holds = _condition_holds(expressions, entry.condition)
             if expressions.has_unknown:
                 use = replace(use, uncertain=True)
-                self._note_unresolved(entry.condition, "not known", _evidence_of(entry, use))
+                if entry.broadcast is None:
+                    self._note_unresolved(entry.condition, "not known", _evidence_of(entry, use))
             elif not holds:
                 return
         entry_scope = _entry_scope(entry, scope)
@@ -184,12 +188,32 @@ class _ModelWalk:
             yield _declaration(entry, entry.kind, scope, use)
         elif entry.uses is not None:
             yield from self._used_model(entry, entry.uses, scope, use)
+        elif entry.broadcast is not None:
+            self._add_frame(entry, entry.broadcast, scope, use)
         elif entry.unresolved is not None:
             expressions = ModelExpressions(scope)
             what, why = expressions.text(entry.unresolved), expressions.text(entry.why)
             self._note_unresolved(what, why, _evidence_of(entry, use))
         else:
             yield from self._entries(entry.declares or (), scope, use)
+
+    def _add_frame(
+        self, entry: ModelEntry, child: str, scope: ModelScope, use: _UseContext
+    ) -> None:
+        """Record a transform; one whose child frame is not known is left out."""
+        expressions = ModelExpressions(scope)
+        name = expressions.text(child)
+        if expressions.has_unknown or has_placeholder(name) or len(self.frames) >= MAX_ITEMS:
+            return
+        parent = expressions.text(entry.parent)
+        frame = FrameBroadcast(
+            child=name,
+            parent="" if expressions.has_unknown or has_placeholder(parent) else parent,
+            is_fixed=entry.fixed,
+            is_certain=not use.uncertain,
+            evidence=_evidence_of(entry, use),
+        )
+        self.frames[frame] = None
 
     def _used_model(
         self, entry: ModelEntry, name_template: str, scope: ModelScope, use: _UseContext

@@ -10,6 +10,7 @@ from itertools import takewhile
 from rtron.sources.models.common import arguments
 from rtron.sources.models.common.model_scope import ModelScope
 from rtron.sources.models.common.node_files import read_yaml_file
+from rtron.sources.models.common.robot_joints import joints
 from rtron.sources.models.common.rviz import rviz_publications, rviz_subscriptions
 from rtron.sources.models.common.rviz2 import (
     rviz2_markers,
@@ -85,6 +86,8 @@ def model_functions(scope: ModelScope) -> dict[str, Function]:
         "children": partial(children, scope),
         "numbered": partial(_existing_numbers, scope),
         "value": partial(_value, scope),
+        "fixed_joints": lambda name: joints(_description(scope, name), fixed=True),
+        "moving_joints": lambda name: joints(_description(scope, name), fixed=False),
         "since": partial(_since, scope),
         "model": partial(_model, scope),
         "plugin_namespace": partial(_plugin_namespace, scope),
@@ -95,6 +98,7 @@ def model_functions(scope: ModelScope) -> dict[str, Function]:
         "option": partial(_option, args),
         "has_option": partial(arguments.has_option, args),
         "positional": partial(arguments.positional, args),
+        "words": partial(arguments.user_arguments, args),
     }
 
 
@@ -126,6 +130,14 @@ def _search(scope: ModelScope, name: str, default: Value = None) -> Value:
     full_name = scope.site.parameters.search(name, scope.private)
     launch_parameter = scope.site.parameters.get(full_name) if full_name else None
     return default if launch_parameter is None else with_placeholders(launch_parameter.value, name)
+
+
+def _description(scope: ModelScope, name: str) -> Value:
+    """Return the robot description of a parameter; ROS 1 looks upwards for one (urdf: Model)."""
+    remapped = scope.remapped(name)
+    if scope.is_ros2 or remapped != scope.resolve(name):
+        return _param(scope, name if scope.is_ros2 else remapped)
+    return _search(scope, name)
 
 
 def _value(scope: ModelScope, name: str, default: Value = None) -> Value:
@@ -202,11 +214,18 @@ def _if_else(condition: Value, yes: Value, no: Value) -> Value:
     return yes if as_switch(condition) else no
 
 
+def _prefixed(prefix: Value, frame: Value) -> str:
+    """Return a frame with the prefix of its robot; an absolute one has none (tf: resolve)."""
+    prefix = str(prefix).strip("/")
+    return f"{prefix}/{frame}" if prefix and not str(frame).startswith("/") else str(frame)
+
+
 _PURE_FUNCTIONS: Mapping[str, Function] = {
     "chosen": _if_else,
     "get": _get,
     "items": _items,
     "keys": _keys,
+    "prefixed": _prefixed,
     "split": _split,
     "truth": as_switch,
     "unknown": placeholder,

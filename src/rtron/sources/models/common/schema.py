@@ -12,7 +12,10 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_valida
 from rtron.sources.declaration import DeclarationKind
 from rtron.vocabulary import Durability, QoS, Reliability, StringEnum
 
-ENTRY_VERBS = (*(kind.value for kind in DeclarationKind), "uses", "unresolved", "declares")
+ENTRY_VERBS = (
+    *(kind.value for kind in DeclarationKind),
+    *("uses", "unresolved", "declares", "broadcast"),
+)
 MODEL_KINDS = (
     "node",
     "nodelet",
@@ -60,6 +63,9 @@ class ModelEntry(BaseModel):
     uses: Text | None = None
     unresolved: Text | None = None
     declares: tuple["ModelEntry", ...] | None = None
+    broadcast: Text | None = None
+    parent: Text = ""
+    fixed: bool = False
     type: Text = ""
     implicit: bool = False
     latched: bool = False

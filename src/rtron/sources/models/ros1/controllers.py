@@ -45,6 +45,7 @@ def controller_interface(
     return NodeInterface(
         declarations=tuple(d for one in interfaces for d in one.declarations),
         unresolved=tuple(u for one in interfaces for u in one.unresolved),
+        frames=tuple(frame for one in interfaces for frame in one.frames),
     )
 
 

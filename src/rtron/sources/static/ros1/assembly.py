@@ -11,6 +11,7 @@ from rtron.sources.static.common.endpoints import (
     declared_endpoints,
     declared_service_sides,
 )
+from rtron.sources.static.common.frames import TRANSFORMS, FrameBroadcasters
 from rtron.sources.static.common.graph_builder import GraphBuilder
 from rtron.sources.static.common.node_part import NodePart
 from rtron.sources.static.common.topic_parameters import unused_topic_parameters
@@ -38,6 +39,7 @@ class Assembly(GraphBuilder):
     started_nodes: dict[str, AppNode] = field(default_factory=dict)
     remap_uses: RemapUses = field(default_factory=RemapUses)
     program_outputs: ProgramOutputs = field(default_factory=ProgramOutputs)
+    frames: FrameBroadcasters = field(default_factory=FrameBroadcasters)
 
     def add_node(self, node: AppNode) -> None:
         """Add a node; another one of its name takes its place in ROS, and is noted here."""
@@ -74,16 +76,18 @@ class Assembly(GraphBuilder):
         process_remaps = dict(owner.site.remaps) if owner else {}
         remaps = {**process_remaps, **dict(part.node.site.remaps)}
         self._declare(part, ProcessRemaps(remaps))
+        self.frames.add(part, remaps.get(TRANSFORMS, TRANSFORMS))
         names = None if part.is_unread else _declared_names(part)
         self.remap_uses.add(part.owner, remaps, names, part.node.evidence)
 
     def add_wiring_facts(self, trees: Iterable[LaunchTree]) -> None:
-        """Note the remaps that change no name, though the app uses it, and outputs in common."""
+        """Note the remaps that change no name of the app, and outputs and frames in common."""
         for tree in trees:
             for remap in tree.remaps_behind_all:
                 self.remap_uses.add_behind_all(remap)
         self.add_wiring(*self.remap_uses.idle(self.endpoints.values()))
         self.add_wiring(*self.program_outputs.shared())
+        self.add_wiring(*self.frames.facts())
 
     def add_clock(self, parts: Iterable[NodePart], parameters: ParameterTree) -> None:
         """Let every node that is one of ROS follow simulated time, where that is set."""

@@ -6,13 +6,16 @@ A process may have several nodes, each with its own remap rules; a component is 
 from collections import defaultdict
 from collections.abc import Hashable, Iterable, Iterator
 from dataclasses import dataclass, field
+from itertools import islice
 
 from rtron.sources.declaration import CreatedNode, Declaration
+from rtron.sources.static.common.frames import TRANSFORMS, FrameBroadcasters, node_name
 from rtron.sources.static.common.graph_builder import GraphBuilder
 from rtron.sources.static.common.node_part import NodePart
 from rtron.sources.static.common.topic_parameters import unused_topic_parameters
 from rtron.sources.static.common.wiring import ProgramOutputs, RemapUses
 from rtron.sources.static.ros2.endpoints import RemapRules, graph_entities
+from rtron.sources.static.ros2.parameter_values import parameter_value
 from rtron.sources.workspace import Workspace
 from rtron.vocabulary import (
     Direction,
@@ -23,7 +26,9 @@ from rtron.vocabulary import (
     WiringFact,
     WiringFactKind,
 )
-from rtron.vocabulary.remap_rules import remaps_for_node
+from rtron.vocabulary.remap_rules import expand_name, remaps_for_node
+
+_LIFECYCLE_MANAGER = "nav2_lifecycle_manager"
 
 
 @dataclass(slots=True, kw_only=True)
@@ -34,6 +39,7 @@ class Ros2Assembly(GraphBuilder):
     ros: int = 2
     remap_uses: RemapUses = field(default_factory=RemapUses)
     program_outputs: ProgramOutputs = field(default_factory=ProgramOutputs)
+    frames: FrameBroadcasters = field(default_factory=FrameBroadcasters)
     _started: dict[str, Evidence] = field(default_factory=dict)
 
     def add_part(self, part: NodePart) -> None:
@@ -44,16 +50,14 @@ class Ros2Assembly(GraphBuilder):
         for created in _created_nodes(part):
             self._add_node(created.name, part)
             self._note_remaps(created, part, declared[created.name])
-            rules = (
-                *created.remaps,
-                *(part.node.process_remap_rules if created.uses_global_arguments else ()),
-            )
-            for entity in graph_entities(
-                created.name, declared[created.name], RemapRules(rules, created.name)
-            ):
+            rules = _remap_rules(created, part)
+            for entity in graph_entities(created.name, declared[created.name], rules):
                 self.add_entity(entity)
                 if isinstance(entity, Endpoint) and entity.direction is Direction.PUBLISH:
                     self._note_output(part, entity)
+        for created in islice(_created_nodes(part), 1):
+            self.frames.add(part, _remap_rules(created, part)(TRANSFORMS))
+            self.frames.activated.update(_activated_nodes(created.name, part))
         for parameter in part.interface.parameters:
             if "{" not in parameter.name:
                 self.parameters[parameter.node, parameter.name] = parameter
@@ -78,9 +82,10 @@ class Ros2Assembly(GraphBuilder):
             self.program_outputs.add(part, end.topic)
 
     def add_wiring_facts(self) -> None:
-        """Note what is wired in vain: remaps, outputs in common, parameters that name no topic."""
+        """Note what is wired in vain or twice: remaps, parameters; outputs and frames."""
         self.add_wiring(*self.remap_uses.idle(self.endpoints.values()))
         self.add_wiring(*self.program_outputs.shared())
+        self.add_wiring(*self.frames.facts())
         values = (
             (f"{each.node}/{each.name}", each.value, self._started[each.node])
             for each in self.parameters.values()
@@ -106,6 +111,20 @@ class Ros2Assembly(GraphBuilder):
             self.add_wiring(WiringFact(kind=kind, subject=name, evidence=places))
 
 
+def _remap_rules(created: CreatedNode, part: NodePart) -> RemapRules:
+    of_process = part.node.process_remap_rules if created.uses_global_arguments else ()
+    return RemapRules((*created.remaps, *of_process), created.name)
+
+
+def _activated_nodes(name: str, part: NodePart) -> Iterator[str]:
+    """Yield the nodes that a lifecycle manager of Nav2 activates when it starts."""
+    if part.node.package == _LIFECYCLE_MANAGER:
+        names = parameter_value(part.node.site, name, "node_names")
+        is_started = parameter_value(part.node.site, name, "autostart") is True
+        for each in names if is_started and isinstance(names, (list, tuple)) else ():
+            yield expand_name(str(each), name)
+
+
 def _programs_without_nodes(part: NodePart) -> Iterator[UnresolvedItem]:
     """Yield a note on a program whose source is here and makes no node: code elsewhere may."""
     node, interface = part.node, part.interface
@@ -129,24 +148,19 @@ def duplicate_nodes(parts: Iterable[NodePart]) -> Iterator[WiringFact]:
     """Yield a fact for each node that certainly starts more than once."""
     parts_by_identity: dict[Hashable, list[NodePart]] = defaultdict(list)
     for part in parts:
-        if not part.node.is_uncertain and "{" not in _node_name(part):
+        if not part.node.is_uncertain and "{" not in node_name(part):
             parts_by_identity[_node_identity(part)].append(part)
     for first, *others in parts_by_identity.values():
         if others:
             kind, places = WiringFactKind.DUPLICATE_NODE, (first.node.evidence,)
-            yield WiringFact(kind=kind, subject=_node_name(first), evidence=places)
-
-
-def _node_name(part: NodePart) -> str:
-    """Return what a node calls itself, or is called by the launch."""
-    return next((created.name for created in part.interface.nodes), part.node.name)
+            yield WiringFact(kind=kind, subject=node_name(first), evidence=places)
 
 
 def _node_identity(part: NodePart) -> Hashable:
     """Return what is alike; a node that is not named may take its name from its arguments."""
     node, site = part.node, part.node.site
     return (
-        _node_name(part),
+        node_name(part),
         node.evidence,
         node.process_remap_rules,
         () if site.has_launch_name else site.args,

@@ -34,6 +34,7 @@ from rtron.sources.code.interpreter.execution.exceptions import (
 )
 from rtron.sources.code.interpreter.execution.stack_frame import StackFrame, StorageSlot
 from rtron.sources.code.ir import Attr, Call, Expr, Index, Name, Star, TypeRef
+from rtron.sources.code.library_models.common.message_types import make_message
 
 MUTATING_FUNCTIONS = frozenset(
     {"replace", "transform", "reverse", "rotate", "swap", "generate", "fill", "sort", "strcat"}
@@ -114,7 +115,7 @@ def _call_library_class(
 
 
 def _call_message(_: AbstractMachine, called: MessageType, arguments: Arguments) -> Value:
-    return Instance(LibraryClass(called.name), dict(arguments.keywords))
+    return make_message(called.name, dict(arguments.keywords))
 
 
 def _call_unknown(machine: AbstractMachine, called: Value, arguments: Arguments) -> Value:

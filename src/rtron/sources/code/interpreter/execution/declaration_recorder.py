@@ -19,6 +19,7 @@ from rtron.sources.declaration import (
     CreatedNode,
     Declaration,
     DeclarationKind,
+    FrameBroadcast,
     NodeInterface,
     NodeSite,
     RuntimeStart,
@@ -58,6 +59,8 @@ class DeclarationRecorder:
     )
     _nodes: dict[str, CreatedNode] = field(default_factory=dict)
     _parameters: dict[tuple[str, str], NodeParameter] = field(default_factory=dict)
+    _frames: dict[FrameBroadcast, None] = field(default_factory=dict)
+    _undecided_parameters: int = 0
     _starts: dict[RuntimeStart, None] = field(default_factory=dict)
     _unresolved: dict[UnresolvedItem, None] = field(default_factory=dict)
 
@@ -124,6 +127,21 @@ class DeclarationRecorder:
         finally:
             self._handler_depth -= 1
 
+    @contextmanager
+    def undecided_parameter(self) -> Iterator[None]:
+        """Record what runs only if a parameter, which is not known, says so."""
+        self._undecided_parameters += 1
+        try:
+            yield
+        finally:
+            self._undecided_parameters -= 1
+
+    def add_frame(self, frame: FrameBroadcast) -> None:
+        """Record a transform that the node broadcasts."""
+        if not self.muted and len(self._frames) < MAX_DECLARATIONS:
+            is_certain = frame.is_certain and not self._undecided_parameters
+            self._frames[replace(frame, is_certain=is_certain)] = None
+
     def add_node(self, made: CreatedNode) -> None:
         """Record a node that the process makes."""
         if not self.muted and len(self._nodes) < MAX_DECLARATIONS:
@@ -170,6 +188,7 @@ class DeclarationRecorder:
             runtime_starts=tuple(self._starts),
             unresolved=tuple(self._unresolved),
             parameters=tuple(self._parameters.values()),
+            frames=tuple(self._frames),
         )
 
     def _add_declaration(self, declared: Declaration) -> None:

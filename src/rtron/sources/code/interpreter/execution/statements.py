@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Callable, Mapping
+from contextlib import nullcontext
 from functools import partial
 
 from rtron.sources.code.interpreter.abstract_values.value_types import (
@@ -9,6 +10,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     ClassValue,
     Instance,
     Value,
+    is_tainted,
     truth,
 )
 from rtron.sources.code.interpreter.execution import loops
@@ -82,15 +84,20 @@ def _declare(machine: AbstractMachine, node: Declare, frame: StackFrame) -> Outc
 
 
 def _if(machine: AbstractMachine, node: If, frame: StackFrame) -> Outcome:
-    decided = truth(machine.evaluate(node.test, frame))
+    test = machine.evaluate(node.test, frame)
+    decided = truth(test)
     if decided is None:
-        if machine.recorder.site.ros > 1 and not (
-            side_effects(node.body) or side_effects(node.orelse)
-        ):
-            machine.possible_throws += 1
-            return None
-        return run_branches(machine, frame, (node.body, node.orelse))
+        return _undecided_if(machine, node, test, frame)
     return machine.execute(node.body if decided else node.orelse, frame)
+
+
+def _undecided_if(machine: AbstractMachine, node: If, test: Value, frame: StackFrame) -> Outcome:
+    if machine.recorder.site.ros > 1 and not (side_effects(node.body) or side_effects(node.orelse)):
+        machine.possible_throws += 1
+        return None
+    of_parameter = machine.recorder.undecided_parameter() if is_tainted(test) else nullcontext()
+    with of_parameter:
+        return run_branches(machine, frame, (node.body, node.orelse))
 
 
 def _return(machine: AbstractMachine, node: Return, frame: StackFrame) -> Outcome:

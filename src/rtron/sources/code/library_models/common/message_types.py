@@ -1,6 +1,13 @@
 """Message types as source names them, in Python and C++."""
 
-from rtron.sources.code.interpreter.abstract_values.value_types import MessageType
+from typing import Any
+
+from rtron.sources.code.interpreter.abstract_values.value_types import (
+    Instance,
+    LibraryClass,
+    MessageType,
+    Value,
+)
 from rtron.sources.code.ir import TypeRef
 
 _PYTHON_MODULES = {"msg", "srv"}
@@ -11,6 +18,8 @@ _POINTER_TYPES = {
     *("unique_ptr", "rclcpp::LoanedMessage"),
 }
 _NON_MESSAGE_NAMESPACES = {"std", "boost", "ros", "cv", "Eigen", "pcl", "tf", "tf2"}
+MESSAGES_WITH_CHILD = ("geometry_msgs/TransformStamped", "nav_msgs/Odometry")
+HEADER = LibraryClass("std_msgs/Header")
 _SUFFIXES = ("ConstPtr", "Ptr", "ConstWeakPtr", "Request", "Response")
 
 
@@ -59,3 +68,10 @@ def cpp_message_name(name: str) -> str:
         if name.endswith(suffix) and name != suffix:
             return name.removesuffix(suffix)
     return name
+
+
+def make_message(name: str, fields: dict[Any, Value]) -> Instance:
+    """Return a message with some fields; one that names a child frame has a header too."""
+    if name in MESSAGES_WITH_CHILD:
+        fields.setdefault("header", Instance(HEADER))
+    return Instance(LibraryClass(name), fields)

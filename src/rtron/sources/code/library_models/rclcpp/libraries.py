@@ -21,6 +21,7 @@ from rtron.sources.code.library_models.common.cpp_arguments import (
     message_type_of,
     register_callbacks,
 )
+from rtron.sources.code.library_models.common.transforms import BROADCASTERS
 from rtron.sources.code.library_models.common.trivial_functions import returning_unknown
 from rtron.sources.code.library_models.rclcpp.endpoints import split_node_argument
 from rtron.sources.code.library_models.rclcpp.node import controller_options, make_node
@@ -113,6 +114,13 @@ _METHODS: Mapping[str, Callable[..., Value]] = {
         ("add_parameter_callback", "add_parameter_event_callback"), _register_parameter_callback
     ),
 }
+
+
+def _methods(name: str) -> dict[str, Callable[..., Value]]:
+    broadcaster = BROADCASTERS.get(name.removeprefix("tf2_ros::"))
+    return {**_METHODS, **(broadcaster.methods if broadcaster else {})}
+
+
 _FILTER = LibraryClass(
     "message_filters::Subscriber",
     _filter_subscriber,
@@ -147,7 +155,7 @@ _DECLARATIONS: Mapping[str, Callable[[AbstractMachine, Arguments], None]] = {
 LIBRARY_CLASSES: Mapping[str, LibraryClass] = {
     _FILTER.name: _FILTER,
     **{
-        name: LibraryClass(name, partial(_construct, name, declare), dict(_METHODS))
+        name: LibraryClass(name, partial(_construct, name, declare), _methods(name))
         for name, declare in _DECLARATIONS.items()
     },
 }

@@ -13,6 +13,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
+from rtron.sources.code.library_models.common.transforms import MESSAGE_CLASSES
 from rtron.sources.code.library_models.common.trivial_functions import (
     return_argument,
     returning_unknown,
@@ -91,6 +92,7 @@ RCLCPP_CLASSES: dict[str, LibraryClass] = {
     **TREE_CLASSES,
     **COMPONENT_CLASSES,
     **CONTROLLER_CLASSES,
+    **MESSAGE_CLASSES,
 }
 RCLCPP_FUNCTIONS = {
     name: LibraryFunction(name, call)

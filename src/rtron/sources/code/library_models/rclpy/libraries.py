@@ -11,6 +11,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
+from rtron.sources.code.library_models.common.transforms import BROADCASTERS
 from rtron.sources.code.library_models.rclpy.node import (
     ENDPOINT,
     declare_endpoint,
@@ -22,13 +23,14 @@ _PUBLISH, _SUBSCRIBE = DeclarationKind.PUBLISH, DeclarationKind.SUBSCRIBE
 
 
 def _construct(
+    name: str,
     declare: Callable[[AbstractMachine, Arguments], None],
     machine: AbstractMachine,
     _: object,
     arguments: Arguments,
 ) -> Value:
     declare(machine, arguments)
-    return Instance(ENDPOINT)
+    return Instance(BROADCASTERS.get(name.rpartition(".")[2], ENDPOINT))
 
 
 def _declare_with_node(
@@ -97,5 +99,5 @@ LIBRARY_FUNCTIONS: Mapping[str, Callable[..., Value]] = {
     ),
     "rclpy.wait_for_message.wait_for_message": _wait_for_message,
     "message_filters.Subscriber": partial(_declare_with_node, _SUBSCRIBE),
-    **{name: partial(_construct, declare) for name, declare in _DECLARATIONS.items()},
+    **{name: partial(_construct, name, declare) for name, declare in _DECLARATIONS.items()},
 }

@@ -19,6 +19,7 @@ from rtron.sources.code.library_models.common.cpp_arguments import (
     register_callbacks,
     resolve_in_handle,
 )
+from rtron.sources.code.library_models.common.transforms import BROADCASTERS
 from rtron.sources.code.library_models.ros1_common import endpoints
 from rtron.sources.code.library_models.ros1_common.names import remap_name, resolve_name
 from rtron.sources.code.library_models.roscpp.node_handle import (
@@ -32,11 +33,15 @@ from rtron.sources.declaration import DeclarationKind
 _PUBLISH, _SUBSCRIBE = DeclarationKind.PUBLISH, DeclarationKind.SUBSCRIBE
 
 
-def _make_transform_endpoint(
-    kind: DeclarationKind, machine: AbstractMachine, arguments: Arguments, *, static: bool = False
-) -> Value:
-    endpoints.declare_transforms(machine, kind, arguments, static=static)
+def _make_listener(machine: AbstractMachine, arguments: Arguments) -> Value:
+    endpoints.declare_transforms(machine, _SUBSCRIBE, arguments, static=False)
     return Instance(ENDPOINT)
+
+
+def _make_broadcaster(name: str, machine: AbstractMachine, arguments: Arguments) -> Value:
+    static = name.startswith("Static")
+    endpoints.declare_transforms(machine, _PUBLISH, arguments, static=static)
+    return Instance(BROADCASTERS[name])
 
 
 def _action_server(machine: AbstractMachine, arguments: Arguments) -> Value:
@@ -145,16 +150,11 @@ _RECONFIGURE = LibraryClass(
 )
 _UPDATER = LibraryClass("diagnostic_updater::Updater", _diagnostics, {"add": register_callbacks})
 _SHAPE_SHIFTER = LibraryClass("topic_tools::ShapeShifter", methods={"advertise": _shape_shifter})
-_TRANSFORM_LISTENER = partial(_make_transform_endpoint, _SUBSCRIBE)
-_TRANSFORM_BROADCASTER = partial(_make_transform_endpoint, _PUBLISH)
-_STATIC_TRANSFORM_BROADCASTER = partial(_make_transform_endpoint, _PUBLISH, static=True)
 
 _CONSTRUCTORS: Mapping[str, Callable[..., Value]] = {
-    **dict.fromkeys(("tf::TransformListener", "tf2_ros::TransformListener"), _TRANSFORM_LISTENER),
-    **dict.fromkeys(
-        ("tf::TransformBroadcaster", "tf2_ros::TransformBroadcaster"), _TRANSFORM_BROADCASTER
-    ),
-    "tf2_ros::StaticTransformBroadcaster": _STATIC_TRANSFORM_BROADCASTER,
+    **dict.fromkeys(("tf::TransformListener", "tf2_ros::TransformListener"), _make_listener),
+    "tf::TransformBroadcaster": partial(_make_broadcaster, "TransformBroadcaster"),
+    **{f"tf2_ros::{name}": partial(_make_broadcaster, name) for name in BROADCASTERS},
     "actionlib::SimpleActionServer": _action_server,
     "actionlib::ActionServer": _action_server,
     "actionlib::SimpleActionClient": _action_client,

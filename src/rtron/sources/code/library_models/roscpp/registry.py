@@ -16,6 +16,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.library_models.common.cpp_arguments import message_type_of
+from rtron.sources.code.library_models.common.transforms import MESSAGE_CLASSES
 from rtron.sources.code.library_models.common.trivial_functions import (
     return_argument,
     returning_unknown,
@@ -127,6 +128,7 @@ ROSCPP_CLASSES: dict[str, LibraryClass] = {
     **FILTER_CLASSES,
     **PLUGIN_CLASSES,
     **SERVER_CLASSES,
+    **MESSAGE_CLASSES,
 }
 ROSCPP_FUNCTION_VALUES = {
     name: LibraryFunction(name, call) for name, call in ROSCPP_FUNCTIONS.items()

@@ -24,6 +24,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine, ThrownError
 from rtron.sources.code.interpreter.execution.arguments import Arguments
+from rtron.sources.code.library_models.common.transforms import BROADCASTERS
 from rtron.sources.code.library_models.common.trivial_functions import (
     return_none,
     returning_unknown,
@@ -163,16 +164,18 @@ def _declare_reconfigure_client(machine: AbstractMachine, _: object, arguments: 
     return Instance(_ENDPOINT)
 
 
-def _declare_transforms(
-    kind: DeclarationKind,
-    machine: AbstractMachine,
-    _: object,
-    arguments: Arguments,
-    *,
-    static: bool = False,
-) -> Value:
-    endpoints.declare_transforms(machine, kind, arguments, static=static)
+def _declare_listener(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+    kind = DeclarationKind.SUBSCRIBE
+    endpoints.declare_transforms(machine, kind, arguments, static=False)
     return Instance(_ENDPOINT)
+
+
+def _declare_broadcaster(
+    machine: AbstractMachine, _: object, arguments: Arguments, *, name: str
+) -> Value:
+    static = name.startswith("Static")
+    endpoints.declare_transforms(machine, DeclarationKind.PUBLISH, arguments, static=static)
+    return Instance(BROADCASTERS[name])
 
 
 def _declare_diagnostics(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
@@ -244,13 +247,10 @@ _CALLS: dict[str, RospyFunction] = {
     "actionlib.ActionServer": partial(_declare_action, DeclarationKind.ACTION_SERVER),
     "dynamic_reconfigure.server.Server": _declare_reconfigure_server,
     "dynamic_reconfigure.client.Client": _declare_reconfigure_client,
-    "tf.TransformListener": partial(_declare_transforms, DeclarationKind.SUBSCRIBE),
-    "tf.TransformBroadcaster": partial(_declare_transforms, DeclarationKind.PUBLISH),
-    "tf2_ros.TransformListener": partial(_declare_transforms, DeclarationKind.SUBSCRIBE),
-    "tf2_ros.TransformBroadcaster": partial(_declare_transforms, DeclarationKind.PUBLISH),
-    "tf2_ros.StaticTransformBroadcaster": partial(
-        _declare_transforms, DeclarationKind.PUBLISH, static=True
-    ),
+    "tf.TransformListener": _declare_listener,
+    "tf2_ros.TransformListener": _declare_listener,
+    "tf.TransformBroadcaster": partial(_declare_broadcaster, name="TransformBroadcaster"),
+    **{f"tf2_ros.{name}": partial(_declare_broadcaster, name=name) for name in BROADCASTERS},
     "diagnostic_updater.Updater": _declare_diagnostics,
     "diagnostic_updater.DiagnosticUpdater": _declare_diagnostics,
     "bondpy.bondpy.Bond": _declare_bond,

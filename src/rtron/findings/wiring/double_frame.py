@@ -1,0 +1,99 @@
+"""Two nodes broadcast the transform of one frame.
+
+## What it finds
+
+Nodes that broadcast one child frame of TF, of any parent. The frames are read from the arguments of
+`static_transform_publisher`, from the parameters of well-known nodes (robot_localization, amcl,
+controllers, Gazebo's plugins and others), and from the source of nodes that call `sendTransform`.
+A node whose parameters turn its transforms off does not count. Names that only the running app
+knows do not count either.
+
+Where all of them send a transform that never changes, below one parent, and where a condition that
+is not known decides whether more than one node does it, the level is `pedantic`.
+
+## Why it matters
+
+A frame has one parent. tf2 takes whatever came last: the frame, and all below it, jumps between two
+parents or two poses. The robot jumps on the map, the planner drives around obstacles that are not
+there, and no node reports a fault.
+
+## Remedy
+
+Let one node broadcast the frame. Most nodes have a parameter that turns their transform off, such
+as `publish_tf` or `enable_odom_tf`.
+
+## Example
+
+`/ekf` and `/diff_drive_controller` both broadcast `base_link` below `odom`.
+"""
+
+from collections.abc import Iterator
+
+from rtron.findings.app_facts import AppFacts
+from rtron.findings.rule import FindingRule, make_finding
+from rtron.findings.wiring_groups import WiringGroup, wiring_groups
+from rtron.risks.wording import both_or_all, join_names
+from rtron.vocabulary import Certainty, Consequence, Finding, FindingLevel, WiringFactKind
+
+_KINDS = {
+    WiringFactKind.DOUBLE_FRAME: (Certainty.LIKELY, FindingLevel.REGULAR),
+    WiringFactKind.DOUBLE_FIXED_FRAME: (Certainty.POSSIBLE, FindingLevel.PEDANTIC),
+    WiringFactKind.POSSIBLE_DOUBLE_FRAME: (Certainty.POSSIBLE, FindingLevel.PEDANTIC),
+}
+
+
+def check(app: AppFacts) -> Iterator[Finding]:
+    """Yield a finding for each frame that several nodes broadcast, by the surest of its facts."""
+    told: set[str] = set()
+    for kind in _KINDS:
+        for group in wiring_groups(app.graph, kind):
+            if group.subject not in told:
+                told.add(group.subject)
+                yield _finding(group, kind)
+
+
+def _finding(group: WiringGroup, kind: WiringFactKind) -> Finding:
+    certainty, level = _KINDS[kind]
+    return make_finding(
+        RULE.name,
+        group.subject,
+        summary=f"{_broadcasters(group)} broadcast the frame {group.subject}",
+        cause=_cause(group, kind),
+        remedy=f"let one node broadcast {group.subject}",
+        consequence=Consequence.FAILURE,
+        certainty=certainty,
+        level=level,
+        nodes=group.others,
+        evidence=group.evidence,
+    )
+
+
+def _broadcasters(group: WiringGroup) -> str:
+    """Name the nodes; those that give themselves a name have one in common."""
+    names = join_names(group.others)
+    return f"{names} {both_or_all(group.others)}" if group.others[1:] else f"several {names}"
+
+
+def _cause(group: WiringGroup, kind: WiringFactKind) -> str:
+    parents = [parent for parent in group.values if parent]
+    if parents[1:]:
+        cause = f"its parents are {join_names(parents)}"
+    elif kind is WiringFactKind.DOUBLE_FIXED_FRAME:
+        cause = f"each sends a transform that never changes{_below(parents)}"
+    else:
+        cause = f"each sends a pose of its own{_below(parents)}"
+    is_possible = kind is WiringFactKind.POSSIBLE_DOUBLE_FRAME
+    return f"{cause}; conditions that are not known decide which do" if is_possible else cause
+
+
+def _below(parents: list[str]) -> str:
+    return f" below {parents[0]}" if parents else ""
+
+
+RULE = FindingRule(
+    name="double_frame",
+    title="Two nodes broadcast the transform of one frame",
+    consequence="failure: likely",
+    since="0.2.0",
+    check=check,
+)

@@ -1,0 +1,93 @@
+"""Broadcasters of tf and tf2_ros: the frames that they send (docs.ros.org: tf2_ros; wiki: tf)."""
+
+from collections.abc import Callable, Mapping
+from functools import partial
+
+from rtron.sources.code.interpreter.abstract_values.items import items_of
+from rtron.sources.code.interpreter.abstract_values.value_types import (
+    NONE,
+    Instance,
+    LibraryClass,
+    ListValue,
+    Scalar,
+    Value,
+)
+from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
+from rtron.sources.code.interpreter.execution.arguments import Arguments
+from rtron.sources.code.library_models.common.message_types import HEADER, MESSAGES_WITH_CHILD
+from rtron.sources.declaration import FrameBroadcast
+
+
+def _send_transform(
+    is_fixed: bool,  # noqa: FBT001 - bound by partial
+    machine: AbstractMachine,
+    _: Value,
+    arguments: Arguments,
+) -> Value:
+    """`sendTransform(message)`, or a list, or `(translation, rotation, time, child, parent)`."""
+    child, parent = arguments.get(3, "child"), arguments.get(4, "parent")
+    sent = [(child, parent)] if child else map(_frames, _messages(arguments.get(0, "transform")))
+    for name, below in sent:
+        if known := _known_text(name):
+            frame = FrameBroadcast(
+                child=known,
+                parent=_known_text(below),
+                is_fixed=is_fixed,
+                evidence=(arguments.evidence,),
+            )
+            machine.recorder.add_frame(frame)
+    return NONE
+
+
+def _messages(sent: Value | None) -> tuple[Value | None, ...]:
+    return items_of(sent)[0] if isinstance(sent, ListValue) else (sent,)
+
+
+def _frames(message: Value | None) -> tuple[Value | None, Value | None]:
+    """Return the child and the parent frame of a message, or of a tf::StampedTransform."""
+    fields = message.fields if isinstance(message, Instance) else {}
+    header = fields.get("header")
+    below = header.fields.get("frame_id") if isinstance(header, Instance) else None
+    return fields.get("child_frame_id") or fields.get("child_frame_id_"), (
+        below or fields.get("frame_id_")
+    )
+
+
+def _known_text(value: Value | None) -> str:
+    is_text = isinstance(value, Scalar) and isinstance(value.value, str)
+    return str(value.value) if isinstance(value, Scalar) and is_text else ""
+
+
+def _make_stamped_transform(_: AbstractMachine, arguments: Arguments) -> Value:
+    """`tf::StampedTransform(transform, time, frame, child)`."""
+    frames = zip(("frame_id_", "child_frame_id_"), arguments.values[2:], strict=False)
+    return Instance(MESSAGE_CLASSES["tf::StampedTransform"], dict(frames))
+
+
+def _make_message(name: str, _: AbstractMachine, __: Arguments) -> Value:
+    return Instance(MESSAGE_CLASSES[name], {"header": Instance(HEADER)})
+
+
+BROADCASTERS: Mapping[str, LibraryClass] = {
+    name: LibraryClass(
+        name,
+        methods=dict.fromkeys(
+            ("sendTransform", "sendTransformMessage"),
+            partial(_send_transform, name.startswith("Static")),
+        ),
+    )
+    for name in ("TransformBroadcaster", "StaticTransformBroadcaster")
+}
+"""The objects that send transforms, by the names that their classes have in every library."""
+_MAKERS: Mapping[str, Callable[..., Value]] = {
+    "tf::StampedTransform": _make_stamped_transform,
+    **{
+        name: partial(_make_message, name)
+        for message in MESSAGES_WITH_CHILD
+        for name in (message.replace("/", "::"), message.replace("/", "::msg::"))
+    },
+}
+MESSAGE_CLASSES: Mapping[str, LibraryClass] = {
+    name: LibraryClass(name, make) for name, make in _MAKERS.items()
+}
+"""The messages of C++ that name a child frame; what else they hold is not known."""

@@ -1,0 +1,105 @@
+"""TF frames that several nodes of an app broadcast."""
+
+from collections import defaultdict
+from collections.abc import Hashable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TypeAlias
+
+from rtron.sources.declaration import FrameBroadcast
+from rtron.sources.static.common.node_part import NodePart
+from rtron.vocabulary import Evidence, WiringFact, WiringFactKind
+
+TRANSFORMS = "/tf"
+"""The topic of transforms, before remaps; who remaps it remaps /tf_static too."""
+_LIFECYCLE = "/change_state"
+_Frame: TypeAlias = tuple[str, str]
+"""The topic that a transform goes to, and its child frame."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Broadcaster:
+    """A node, where it starts, and a transform that it broadcasts; `is_managed` in ROS 2 alone.
+
+    A managed node does nothing until another activates it.
+    """
+
+    node: str
+    start: Evidence
+    frame: FrameBroadcast
+    is_managed: bool
+
+
+@dataclass(slots=True)
+class FrameBroadcasters:
+    """Which nodes broadcast each frame; each node once, by the first transform that counts.
+
+    `activated` are the managed nodes that are activated when the app starts.
+    """
+
+    activated: set[str] = field(default_factory=set)
+    _nodes: dict[_Frame, dict[Hashable, _Broadcaster]] = field(
+        default_factory=lambda: defaultdict(dict)
+    )
+
+    def add(self, part: NodePart, topic: str) -> None:
+        """Note the frames of a part of a node, whose transforms go to a topic."""
+        for frame in part.interface.frames if "{" not in topic else ():
+            known = self._nodes[topic, frame.child.strip("/")]
+            first = known.get(_identity(part))
+            is_certain = frame.is_certain and not part.node.is_uncertain
+            if first is None or (is_certain and not first.frame.is_certain):
+                found = replace(frame, parent=frame.parent.strip("/"), is_certain=is_certain)
+                known[_identity(part)] = _broadcaster(part, found)
+
+    def facts(self) -> Iterator[WiringFact]:
+        """Yield facts for each frame that several nodes broadcast, one for each of its parents."""
+        for (_, child), nodes in sorted(self._nodes.items()):
+            certain = [node for node in nodes.values() if self._is_certain(node)]
+            counted = certain if certain[1:] else list(nodes.values())
+            if counted[1:]:
+                yield from _facts(_kind(certain), child, counted)
+
+    def _is_certain(self, node: _Broadcaster) -> bool:
+        return node.frame.is_certain and (not node.is_managed or node.node in self.activated)
+
+
+def _broadcaster(part: NodePart, frame: FrameBroadcast) -> _Broadcaster:
+    is_managed = any(each.name.endswith(_LIFECYCLE) for each in part.interface.declarations)
+    return _Broadcaster(node_name(part), part.node.evidence, frame, is_managed)
+
+
+def node_name(part: NodePart) -> str:
+    """Return what a node calls itself, or is called by the launch."""
+    return next((created.name for created in part.interface.nodes), part.node.name)
+
+
+def _identity(part: NodePart) -> Hashable:
+    """Return what tells a node from others; those without a name differ in what starts them."""
+    node, name = part.node, node_name(part)
+    is_named = not {"{", "*"}.intersection(name)
+    return name if is_named else (name, node.evidence, node.site.args)
+
+
+def _facts(kind: WiringFactKind, child: str, nodes: Iterable[_Broadcaster]) -> Iterator[WiringFact]:
+    by_parent: dict[str, list[_Broadcaster]] = defaultdict(list)
+    for node in nodes:
+        by_parent[node.frame.parent].append(node)
+    for parent, below in sorted(by_parent.items()):
+        yield WiringFact(
+            kind=kind,
+            subject=child,
+            value=parent,
+            others=tuple(node.node for node in below),
+            evidence=tuple(place for node in below for place in (node.start, *node.frame.evidence)),
+        )
+
+
+def _kind(certain: Sequence[_Broadcaster]) -> WiringFactKind:
+    """Return the kind of what certainly happens; parents that are not known may be the same."""
+    if not certain[1:]:
+        return WiringFactKind.POSSIBLE_DOUBLE_FRAME
+    parents = {node.frame.parent for node in certain} - {""}
+    is_fixed = all(node.frame.is_fixed for node in certain)
+    if is_fixed and len(parents) <= 1:
+        return WiringFactKind.DOUBLE_FIXED_FRAME
+    return WiringFactKind.DOUBLE_FRAME
