@@ -319,6 +319,18 @@ class TestLostCommand:
         text = self.LOST + f"/nav nav own\n    pub /base/cmd_vel {TWIST}\n"
         assert not found("lost_command", small_graph(text))
 
+    def test_who_forwards_what_it_obeys_is_no_sender_of_its_own(self):
+        text = f"/base driver own\n sub /cmd_vel {TWIST}\n pub /motor/cmd_vel {TWIST}\n"
+        assert not found("lost_command", small_graph(text))
+
+    def test_the_autopilot_reads_its_inputs(self):
+        text = self.LOST.replace("pub /cmd_vel", "pub /fmu/in/cmd_vel")
+        text = text.replace("sub /base/cmd_vel", "sub /cmd_vel")
+        finding = the_finding("lost_command", small_graph(text))
+        assert finding.level is FindingLevel.PEDANTIC
+        finding = the_finding("lost_command", small_graph(text.replace("/fmu/in", "/fmu/on")))
+        assert finding.level is FindingLevel.REGULAR
+
     def test_a_display_that_shows_it_is_a_reader(self):
         text = self.LOST + f"/rviz rviz2 third_party\n    sub /cmd_vel {TWIST}\n"
         assert not found("lost_command", small_graph(text))

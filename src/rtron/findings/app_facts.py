@@ -37,6 +37,8 @@ _TRANSPORTS = ("/compressed", "/compressedDepth", "/theora", "/ffmpeg", "/zstd")
 """What image_transport adds to a topic's name (ROS wiki: image_transport)."""
 _UNREAD_FILES = ("include", "launch ", "component", "composable", "robot_description")
 """How notes begin on what may start or name more nodes."""
+_OF_PX4 = {Direction.SUBSCRIBE: "/fmu/in/", Direction.PUBLISH: "/fmu/out/"}
+"""What the autopilot subscribes and publishes (PX4: uXRCE-DDS), whose firmware no scan reads."""
 _UNREAD_ACTIONS = "what it starts is not known"
 
 
@@ -158,6 +160,8 @@ class AppFacts:
     def may_have_other_end(self, topic: str, direction: Direction) -> bool:
         """Return whether an end that is missing may be one that was not read, or not wholly."""
         if direction is Direction.PUBLISH and topic in self._unread_publishers:
+            return True
+        if _OF_PX4[direction] in topic:
             return True
         return not self.is_whole or fits_open_name(topic, self._open_names[direction])
 

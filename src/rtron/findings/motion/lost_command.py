@@ -3,7 +3,9 @@
 ## What it finds
 
 A topic that commands motion, that nobody subscribes, while a topic of the same name and type is
-obeyed in a namespace above or below: one of the two was left out of a remap.
+obeyed in a namespace above or below: one of the two was left out of a remap. Who obeys the one and
+publishes the other forwards it, and does not count. Where the autopilot PX4 reads it (`/fmu/in/…`),
+the level is `pedantic`.
 
 ## Why it matters
 
@@ -45,8 +47,11 @@ def _is_meant(app: AppFacts, lost: str, obeyed: str) -> bool:
     outer, inner = sorted((f"{namespace}/", f"{other_namespace}/"), key=len)
     is_namesake = name == other_name and outer != inner and inner.startswith(outer)
     sent, expected = app.types(lost, Direction.PUBLISH), app.types(obeyed, Direction.SUBSCRIBE)
-    publishes_both = set(app.publishers(lost)) <= set(app.publishers(obeyed))
-    return is_namesake and not publishes_both and bool(sent.keys() & expected.keys())
+    publishers = set(app.publishers(lost))
+    publishes_both = publishers <= set(app.publishers(obeyed))
+    forwards = publishers <= set(app.readers(obeyed))
+    is_other = is_namesake and not publishes_both and not forwards
+    return is_other and bool(sent.keys() & expected.keys())
 
 
 def _finding(app: AppFacts, topic: str, obeyed: str) -> Finding:

@@ -20,7 +20,10 @@ _POINTER_TYPES = {
 _NON_MESSAGE_NAMESPACES = {"std", "boost", "ros", "cv", "Eigen", "pcl", "tf", "tf2"}
 MESSAGES_WITH_CHILD = ("geometry_msgs/TransformStamped", "nav_msgs/Odometry")
 HEADER = LibraryClass("std_msgs/Header")
-_SUFFIXES = ("ConstPtr", "Ptr", "ConstWeakPtr", "Request", "Response")
+_SUFFIXES = (
+    *("ConstSharedPtr", "ConstUniquePtr", "ConstWeakPtr", "ConstPtr"),
+    *("SharedPtr", "UniquePtr", "WeakPtr", "Ptr", "Request", "Response"),
+)
 
 
 def is_message_package(dotted: str) -> bool:
