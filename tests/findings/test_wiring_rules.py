@@ -502,6 +502,17 @@ class TestDoubleFrame:
         finding = the_finding("double_frame", graph)
         assert finding.summary == "several /static_{id} broadcast the frame laser"
 
+    def test_the_frames_of_the_same_nodes_are_one_finding(self):
+        kind = WiringFactKind.DOUBLE_FRAME
+        wiring = tuple(
+            WiringFact(kind=kind, subject=frame, value="base", others=("/b", "/a"))
+            for frame in ("arm", "wheel")
+        )
+        finding = the_finding("double_frame", small_graph(SCAN, wiring=wiring))
+        assert finding.summary == "/a and /b both broadcast the frames arm and wheel"
+        assert finding.cause == "each sends a pose of its own"
+        assert finding.subject == "arm"
+
     def test_a_frame_is_one_finding_by_what_is_surest(self):
         facts = [
             (kind, "base", "/a", "/b")

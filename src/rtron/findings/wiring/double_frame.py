@@ -8,8 +8,9 @@ controllers, Gazebo's plugins and others), and from the source of nodes that cal
 A node whose parameters turn its transforms off does not count. Names that only the running app
 knows do not count either.
 
-Where all of them send a transform that never changes, below one parent, and where a condition that
-is not known decides whether more than one node does it, the level is `pedantic`.
+Where all of them send a transform that never changes, below one parent, the level is `pedantic`. So
+it is where a condition that is not known decides whether more than one node does it: a node that
+the launch may leave out, or a managed node of ROS 2 that no lifecycle manager of Nav2 activates.
 
 ## Why it matters
 
@@ -27,7 +28,8 @@ as `publish_tf` or `enable_odom_tf`.
 `/ekf` and `/diff_drive_controller` both broadcast `base_link` below `odom`.
 """
 
-from collections.abc import Iterator
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
 
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.rule import FindingRule, make_finding
@@ -43,51 +45,58 @@ _KINDS = {
 
 
 def check(app: AppFacts) -> Iterator[Finding]:
-    """Yield a finding for each frame that several nodes broadcast, by the surest of its facts."""
+    """Yield a finding for each set of nodes, with the frames that all of them broadcast.
+
+    What is told of a frame is the surest of its facts.
+    """
     told: set[str] = set()
     for kind in _KINDS:
+        by_nodes: dict[tuple[str, ...], list[WiringGroup]] = defaultdict(list)
         for group in wiring_groups(app.graph, kind):
             if group.subject not in told:
-                told.add(group.subject)
-                yield _finding(group, kind)
+                by_nodes[tuple(sorted(group.others))].append(group)
+        for nodes, groups in by_nodes.items():
+            told.update(group.subject for group in groups)
+            yield _finding(nodes, groups, kind)
 
 
-def _finding(group: WiringGroup, kind: WiringFactKind) -> Finding:
+def _finding(
+    nodes: tuple[str, ...], groups: Sequence[WiringGroup], kind: WiringFactKind
+) -> Finding:
     certainty, level = _KINDS[kind]
+    frames = [group.subject for group in groups]
+    noun = "frames" if frames[1:] else "frame"
     return make_finding(
         RULE.name,
-        group.subject,
-        summary=f"{_broadcasters(group)} broadcast the frame {group.subject}",
-        cause=_cause(group, kind),
-        remedy=f"let one node broadcast {group.subject}",
+        frames[0],
+        summary=f"{_broadcasters(nodes)} broadcast the {noun} {join_names(frames)}",
+        cause=_cause(groups, kind),
+        remedy=f"let one node broadcast {join_names(frames)}",
         consequence=Consequence.FAILURE,
         certainty=certainty,
         level=level,
-        nodes=group.others,
-        evidence=group.evidence,
+        nodes=nodes,
+        evidence=(place for group in groups for place in group.evidence),
     )
 
 
-def _broadcasters(group: WiringGroup) -> str:
+def _broadcasters(nodes: tuple[str, ...]) -> str:
     """Name the nodes; those that give themselves a name have one in common."""
-    names = join_names(group.others)
-    return f"{names} {both_or_all(group.others)}" if group.others[1:] else f"several {names}"
+    names = join_names(nodes)
+    return f"{names} {both_or_all(nodes)}" if nodes[1:] else f"several {names}"
 
 
-def _cause(group: WiringGroup, kind: WiringFactKind) -> str:
-    parents = [parent for parent in group.values if parent]
+def _cause(groups: Sequence[WiringGroup], kind: WiringFactKind) -> str:
+    parents = [parent for parent in groups[0].values if parent and not groups[1:]]
+    below = f" below {parents[0]}" if parents else ""
     if parents[1:]:
         cause = f"its parents are {join_names(parents)}"
     elif kind is WiringFactKind.DOUBLE_FIXED_FRAME:
-        cause = f"each sends a transform that never changes{_below(parents)}"
+        cause = f"each sends a transform that never changes{below}"
     else:
-        cause = f"each sends a pose of its own{_below(parents)}"
+        cause = f"each sends a pose of its own{below}"
     is_possible = kind is WiringFactKind.POSSIBLE_DOUBLE_FRAME
     return f"{cause}; conditions that are not known decide which do" if is_possible else cause
-
-
-def _below(parents: list[str]) -> str:
-    return f" below {parents[0]}" if parents else ""
 
 
 RULE = FindingRule(

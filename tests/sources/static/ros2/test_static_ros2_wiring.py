@@ -107,11 +107,10 @@ def test_parents_that_differ_have_a_fact_each(facts):
 
 
 def test_nodes_without_a_name_are_several_and_one_name_is_one_node(facts):
-    named = FIXED.format('name="a"', "base", "x")
-    assert facts("double_fixed_frame", named + named) == []
-    unnamed = FIXED.format("", "base", "x") + "\n" + FIXED.format("", "base", "x")
+    named, unnamed = (FIXED.format(name, "base", "x") + "\n" for name in ('name="a"', ""))
+    assert facts("double_fixed_frame", named * 2) == []
     name = "/static_transform_publisher_{id}"
-    assert facts("double_fixed_frame", unnamed) == [("x", "base", name, name)]
+    assert facts("double_fixed_frame", unnamed * 2) == [("x", "base", name, name)]
 
 
 @pytest.mark.parametrize("frames", [("base", "other"), ("base", "$(var unknown)")])
@@ -122,3 +121,21 @@ def test_other_frames_are_not_found(facts, frames):
 def test_frames_on_other_topics_are_not_found(facts):
     other = MOVED.format(FIXED.format("", "base", "left"))
     assert facts("double_fixed_frame", other, left="") == []
+    unknown = MOVED.format(FIXED.format('name="a"', "base", "x") + FIXED.format("", "base", "x"))
+    assert facts("double_fixed_frame", unknown)
+    assert facts("double_fixed_frame", unknown.replace("other", "$(command x)")) == []
+
+
+MANAGED = """
+<node pkg="nav2_amcl" exec="amcl" name="amcl"/>
+<node pkg="tf2_ros" exec="static_transform_publisher" name="mount" args="0 0 0 0 0 0 map odom"/>
+<node pkg="nav2_lifecycle_manager" exec="lifecycle_manager" name="manager">
+<param name="autostart" value="{}"/><param name="node_names" value="[amcl]"/></node>
+"""
+
+
+@pytest.mark.parametrize(
+    ("autostart", "kind"), [("true", "double_frame"), ("false", "possible_double_frame")]
+)
+def test_a_managed_node_broadcasts_once_it_is_activated(facts, autostart, kind):
+    assert facts(kind, MANAGED.format(autostart)) == [("odom", "map", "/amcl", "/mount")]
