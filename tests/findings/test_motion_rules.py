@@ -285,6 +285,14 @@ class TestNetworkBridge:
         assert not found("network_bridge", small_graph(BASE, unresolved=(note,)))
 
 
+@pytest.mark.parametrize(
+    ("type", "level"), [("VehicleCommand", "pedantic"), ("TrajectorySetpoint", "regular")]
+)
+def test_requests_that_are_done_one_by_one_are_for_the_pedantic(type, level):
+    nodes = (f"/{name} {name} own\n    pub /fmu/in/x px4_msgs/msg/{type}\n" for name in "ab")
+    assert the_finding("several_publishers", small_graph("".join(nodes))).level == level
+
+
 class TestLostCommand:
     LOST = BASE.replace("/cmd_vel", "/base/cmd_vel") + f"/nav nav own\n    pub /cmd_vel {TWIST}\n"
 
@@ -304,12 +312,26 @@ class TestLostCommand:
         "other",
         [
             "/robot2/cmd_vel",  # another robot's
-            "/base/cmd_vel_smooth",  # another name
+            "/base/motor",  # another name
         ],
     )
     def test_a_command_beside_it_is_another_one(self, other):
         text = self.LOST.replace("pub /cmd_vel", f"pub {other}")
         assert not found("lost_command", small_graph(text))
+
+    NEAR = LOST.replace("/base/cmd_vel", "/base_cmd_vel")
+
+    def test_a_near_name_counts_where_all_was_read(self):
+        assert found("lost_command", small_graph(self.NEAR))
+        unread = small_graph(self.NEAR + FIRMWARE, unread=("/firmware",))
+        assert not found("lost_command", unread)
+
+    @pytest.mark.parametrize(
+        ("base", "level"), [("/base_cmd_vel", "pedantic"), ("/chassis", "regular")]
+    )
+    def test_who_commands_nobody_does_not_drive_the_robot(self, base, level):
+        text = self.NEAR.replace("/base_cmd_vel", base) + f"/joy joy own\n pub /cmd_vel {TWIST}\n"
+        assert the_finding("several_publishers", small_graph(text)).level == level
 
     def test_another_type_is_another_topic(self):
         text = self.LOST.replace(f"pub /cmd_vel {TWIST}", f"pub /cmd_vel {STAMPED}")

@@ -411,7 +411,7 @@ class TestMissingProgram:
         place, missing = Evidence(file="a.launch.py", line=18), "/ws/src/base/launch/joy.launch.py"
         finding = the_finding("missing_program", self.graph(place, place, missing=missing))
         assert finding.subject == "joy.launch.py"
-        assert finding.cause == "it includes base/launch/joy.launch.py, which is not there"
+        assert finding.cause == f"it includes {missing}, which is not there"
         assert finding.evidence == (place,)
 
 
@@ -544,6 +544,13 @@ class TestDuplicateNode:
             ("x", 3),
             ("z", 3),
         ]
+
+    def test_a_viewer_s_is_for_the_pedantic(self):
+        graph = self.graph(("/rviz", "x", "y"), ("/a", "x", "y"))
+        viewer = Node(name="/rviz", package="rviz2", executable="rviz2")
+        graph = replace(graph, nodes=(*graph.nodes, viewer))
+        levels = {each.subject: each.level for each in found("duplicate_node", graph)}
+        assert levels == {"/a": FindingLevel.REGULAR, "/rviz": FindingLevel.PEDANTIC}
 
     def test_the_tool_s_nodes_do_not_count(self):
         assert not found("duplicate_node", self.graph(("/r/_ros2cli_requester_T", "x", "y")))

@@ -3,7 +3,8 @@
 ## What it finds
 
 A topic that commands motion, that nobody subscribes, while a topic of the same name and type is
-obeyed in a namespace above or below: one of the two was left out of a remap. Who obeys the one and
+obeyed in a namespace above or below: one of the two was left out of a remap. Where every node was
+read, a topic with a near name counts, too. Who obeys the one and
 publishes the other forwards it, and does not count. Where the autopilot PX4 reads it (`/fmu/in/…`),
 the level is `pedantic`.
 
@@ -23,7 +24,7 @@ Remap the topic to the one that is obeyed.
 
 from collections.abc import Iterator
 
-from rtron.findings.app_facts import AppFacts
+from rtron.findings.app_facts import AppFacts, is_near
 from rtron.findings.rule import FindingRule, make_finding
 from rtron.risks.wording import conjugate, join_names
 from rtron.vocabulary import Certainty, Consequence, Direction, Finding, FindingLevel
@@ -31,21 +32,27 @@ from rtron.vocabulary import Certainty, Consequence, Direction, Finding, Finding
 
 def check(app: AppFacts) -> Iterator[Finding]:
     """Yield a finding for each motion topic without a reader whose namesake has one."""
-    obeyed = [topic for topic in app.motion_topics if app.readers(topic)]
     for topic in app.motion_topics:
-        is_lost = app.publishers(topic) and not app.graph.subscribers(topic) and "{" not in topic
-        namesakes = [other for other in obeyed if _is_meant(app, topic, other)] if is_lost else []
-        if namesakes:
-            yield _finding(app, topic, namesakes[0])
+        if obeyed := obeyed_instead(app, topic):
+            yield _finding(app, topic, obeyed)
+
+
+def obeyed_instead(app: AppFacts, topic: str) -> str:
+    """Return the obeyed topic that one without a subscriber likely means; nothing if none."""
+    if app.graph.subscribers(topic) or not app.publishers(topic) or "{" in topic:
+        return ""
+    obeyed = (other for other in app.motion_topics if app.readers(other))
+    return next((other for other in obeyed if _is_meant(app, topic, other)), "")
 
 
 def _is_meant(app: AppFacts, lost: str, obeyed: str) -> bool:
-    """Return whether two topics differ in a namespace alone, and not on purpose."""
+    """Return whether two topics differ in a namespace alone, or little where all was read."""
     (namespace, _, name), (other_namespace, _, other_name) = (
         each.rpartition("/") for each in (lost, obeyed)
     )
     outer, inner = sorted((f"{namespace}/", f"{other_namespace}/"), key=len)
     is_namesake = name == other_name and outer != inner and inner.startswith(outer)
+    is_namesake |= app.is_whole and is_near(lost, obeyed)
     sent, expected = app.types(lost, Direction.PUBLISH), app.types(obeyed, Direction.SUBSCRIBE)
     publishers = set(app.publishers(lost))
     publishes_both = publishers <= set(app.publishers(obeyed))

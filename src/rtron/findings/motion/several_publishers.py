@@ -4,6 +4,7 @@
 
 A topic that commands motion (a velocity, a setpoint, a trajectory) with more than one publisher;
 topics with the same publishers and subscribers are one finding.
+Requests that are done one by one, such as PX4's, and commands that reach nobody are `pedantic`.
 It counts though no reader is known: the driver of the base is often not in the workspace. Where an
 arbiter (twist_mux and its kin) publishes the topic, the others pass it by. Nodes of one stack, such
 as Nav2's servers, take turns among themselves and do not count, nor does a base that publishes its
@@ -30,9 +31,10 @@ from collections.abc import Iterator, Mapping
 
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.motion.arbiter import arbiters, is_one_stack
+from rtron.findings.motion.lost_command import obeyed_instead
 from rtron.findings.rule import FindingRule, make_finding
 from rtron.risks.wording import both_or_all, conjugate, join_names
-from rtron.vocabulary import Certainty, Consequence, Finding
+from rtron.vocabulary import Certainty, Consequence, Finding, FindingLevel
 
 _ONE_SHOT_PACKAGES = ("rostopic", "ros2topic")
 _MOVERS = frozenset(
@@ -40,6 +42,7 @@ _MOVERS = frozenset(
     | {"serial", "rosserial", "firmware", "mcu", "vesc", "roboclaw", "arduino", "teensy"}
 )
 """Words in the names of nodes and packages that move a robot."""
+_REQUESTS = ("px4_msgs/VehicleCommand",)
 _LIMITS = ("max_vel", "speed_limit", "velocity_limit")
 
 
@@ -98,11 +101,18 @@ def _finding(
         remedy=f"put one arbiter before {names}: `rtron plan` proposes a guard (GRCN)",
         consequence=Consequence.MOTION,
         certainty=Certainty.CERTAIN if readers else Certainty.LIKELY,
+        level=FindingLevel.PEDANTIC if _is_harmless(app, topics[0]) else None,
         only_own_nodes=app.facts.are_own(publishers),
         nodes=(*publishers, *readers),
         topics=topics,
         evidence=app.evidence(end for topic in topics for end in app.graph.publishers(topic)),
     )
+
+
+def _is_harmless(app: AppFacts, topic: str) -> bool:
+    """Return whether commands are requests, done one by one, or reach nobody (`lost_command`)."""
+    is_request = app.facts.topic(topic).type in _REQUESTS
+    return is_request or bool(obeyed_instead(app, topic))
 
 
 def _command(app: AppFacts, topic: str) -> str:

@@ -3,7 +3,7 @@
 ## What it finds
 
 A node name that the launch files start at several places, or several times. The nodes of the tool
-`ros2` do not count.
+`ros2` do not count. Viewers, such as RViz, are shown from the level `pedantic` on.
 
 ## Why it matters
 
@@ -24,7 +24,7 @@ from collections.abc import Iterator
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.rule import FindingRule, make_finding
 from rtron.findings.wiring_groups import WiringGroup, wiring_groups
-from rtron.vocabulary import Certainty, Consequence, Finding, WiringFactKind
+from rtron.vocabulary import Certainty, Consequence, Finding, FindingLevel, WiringFactKind
 
 _TOOL = "_ros2cli"
 """How the nodes of `ros2` are named, which nobody addresses."""
@@ -38,10 +38,11 @@ def check(app: AppFacts) -> Iterator[Finding]:
     """Yield a finding for each name that several nodes have."""
     for group in wiring_groups(app.graph, WiringFactKind.DUPLICATE_NODE):
         if not group.subject.rpartition("/")[2].startswith(_TOOL):
-            yield _finding(group, app.graph.ros)
+            is_viewer = group.subject in app.facts.viewers
+            yield _finding(group, app.graph.ros, is_viewer=is_viewer)
 
 
-def _finding(group: WiringGroup, ros: int) -> Finding:
+def _finding(group: WiringGroup, ros: int, *, is_viewer: bool) -> Finding:
     return make_finding(
         RULE.name,
         group.subject,
@@ -50,6 +51,7 @@ def _finding(group: WiringGroup, ros: int) -> Finding:
         remedy="start it in one launch file only, or give each its own name",
         consequence=Consequence.FAILURE,
         certainty=Certainty.LIKELY,
+        level=FindingLevel.PEDANTIC if is_viewer else None,
         nodes=(group.subject,),
         evidence=group.evidence,
     )

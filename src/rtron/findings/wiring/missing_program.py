@@ -45,12 +45,11 @@ def check(app: AppFacts) -> Iterator[Finding]:
 
 
 def _launch_file(name: str, notes: list[UnresolvedItem]) -> Finding:
-    path = "/".join(PurePath(notes[0].missing).parts[-3:])
     return make_finding(
         RULE.name,
         name,
         summary=f"the launch ends, or leaves out what {name} starts",
-        cause=f"it includes {path}, which is not there",
+        cause=f"it includes {notes[0].missing}, which is not there",
         remedy="correct the path in the include, or add the file to its package",
         consequence=Consequence.FAILURE,
         certainty=Certainty.LIKELY,
