@@ -404,7 +404,10 @@ class TestMissingProgram:
         finding = the_finding("missing_program", self.graph(*places))
         assert finding.id == "missing_program:/slam"
         assert finding.summary == "/slam does not start"
-        assert finding.cause == "no build file of its package makes slam/slam"
+        assert (
+            finding.cause
+            == "its package makes no slam/slam, nor has an executable file of this name"
+        )
         assert finding.evidence == places
 
     def test_an_included_launch_file_that_is_not_there(self):

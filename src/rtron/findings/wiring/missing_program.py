@@ -3,8 +3,8 @@
 ## What it finds
 
 A node of the launch whose package is in the workspace, but whose program no build file of the
-package makes or installs; and an included launch file that its package, which is in the workspace,
-does not have.
+package makes or installs, nor, in ROS 1, is there an executable file of its name; and an included
+launch file that is not there.
 
 ## Why it matters
 
@@ -62,8 +62,8 @@ def _program(node: str, notes: list[UnresolvedItem]) -> Finding:
         RULE.name,
         node,
         summary=f"{node} does not start",
-        cause=f"no build file of its package makes {notes[0].missing}",
-        remedy="correct the name in the launch file, or build and install the program",
+        cause=f"its package makes no {notes[0].missing}, nor has an executable file of this name",
+        remedy="correct the name, or build and install the program (a script: chmod +x)",
         consequence=Consequence.FAILURE,
         certainty=Certainty.LIKELY,
         nodes=(node,),

@@ -128,7 +128,8 @@ _MAX_BUILD_FILES = 100
 _MAX_BUILD_FILE_BYTES = 2**20
 _COMMENT = re.compile(rb"#.*")
 _CALL = (
-    rb"\b(?:add_executable|install|catkin_install_python|set|list|foreach|ament_\w+|rclcpp_\w+)"
+    rb"\b(?:\w{0,40}executable\w{0,40}|install|catkin_install_python|set|list|foreach|"
+    rb"ament_\w+|rclcpp_\w+)"
     rb"\s*\([^()]{0,500}(?<![\w.])%s(?![\w.])"
 )
 _ENTRY_POINT = rb"(?:^|[\"'])\s*%s\s*="

@@ -99,6 +99,27 @@ def test_what_nodes_start_is_read_once_however_it_circles(folder):
     assert "node /thing (nowhere/thing): no source" in notes
 
 
+@pytest.mark.parametrize(
+    ("type", "missing"),
+    [
+        ("teleop.py", ""),
+        ("driver", ""),
+        ("teleop", "robot/teleop"),
+        ("unmade", "robot/unmade"),
+        ("closed.py", "robot/closed.py"),
+        ("named", ""),
+    ],
+)
+def test_a_program_that_its_package_does_not_have_is_noted(folder, type, missing):
+    (folder / "robot/scripts/closed.py").write_text("#!/usr/bin/env python\n")
+    cmake = folder / "robot/CMakeLists.txt"
+    cmake.write_text(cmake.read_text() + "\ncuda_add_executable(named x.cu)\n")
+    node = f'<launch><node pkg="robot" type="{type}" name="n"/></launch>'
+    (folder / "robot/launch/one.launch").write_text(node)
+    notes = scan(folder, "one.launch").graph.unresolved
+    assert "".join(note.missing for note in notes) == missing
+
+
 def test_a_name_that_several_places_start_is_noted(folder):
     launch = (folder / "robot/launch/app.launch").read_text()
     (folder / "robot/launch/again.launch").write_text(launch)

@@ -123,7 +123,7 @@ def test_what_is_missing_is_noted_with_its_place_and_what_to_do(more):
     away = notes["node /away (far/away)"]
     assert away.why == "its package is not here: give the folder of its source too"
     assert away.evidence[0].line == 4
-    assert "build files" in notes["node /none (keys/none)"].why
+    assert notes["node /none (keys/none)"].missing == "keys/none"
     assert "/elsewhere" in notes["component /*"].why
     assert notes["process rviz -d"].evidence[0].line == 9
 

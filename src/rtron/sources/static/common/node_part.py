@@ -19,10 +19,12 @@ from rtron.sources.static.common.task import (
 )
 from rtron.sources.workspace import Program, ProgramLanguage, Workspace
 from rtron.sources.workspace.package_files import is_in_build_files
-from rtron.vocabulary import UnresolvedItem
+from rtron.vocabulary import Trust, UnresolvedItem
 from rtron.vocabulary.launch import resolve_name
 
-MISSING_PROGRAM = "its program is not in the build files of its package"
+MISSING_PROGRAM = "its package makes no program of this name, nor has an executable file"
+_NOT_HERE = "its package is not here: give the folder of its source too"
+_NOT_UNDERSTOOD = "the build files of its package name its program in a way that is not understood"
 _KINDS = {
     ProgramLanguage.CPP: TaskKind.CPP,
     ProgramLanguage.PYTHON: TaskKind.PYTHON,
@@ -72,7 +74,24 @@ def node_parts(node: AppNode, workspace: Workspace, models: ModelCatalog) -> Ite
         loader = _with_source_or_model(part, workspace.executable(node.package, node.type), model)
         yield from _nodelet_parts(replace(loader, model=model), workspace, models)
         return
-    yield _with_source_or_model(part, workspace.executable(node.package, node.type), model)
+    part = _with_source_or_model(part, workspace.executable(node.package, node.type), model)
+    is_missing = part.task is None and part.model is None and _lacks_program(node, workspace)
+    yield _without_program(part) if is_missing else part
+
+
+def _lacks_program(node: AppNode, workspace: Workspace) -> bool:
+    """Return whether a package of the user's own neither makes nor names a node's program."""
+    return (
+        workspace.trust(node.package) is Trust.OWN
+        and workspace.executable(node.package, node.type) is None
+        and not is_in_build_files(workspace.files(node.package), node.type)
+    )
+
+
+def _without_program(part: NodePart) -> NodePart:
+    program = f"{part.node.package}/{part.node.type}"
+    what = f"node {part.node.name} ({program})"
+    return part.with_missing_note(what, MISSING_PROGRAM, program)
 
 
 def _with_source_or_model(part: NodePart, program: Program | None, model: Model | None) -> NodePart:
@@ -99,17 +118,10 @@ def _ros2_part(part: NodePart, workspace: Workspace, models: ModelCatalog) -> No
     if model is not None:
         return replace(part, model=model)
     program = f"{node.package}/{node.type}"
-    why = _why_unread(node.package, node.type, workspace)
-    missing = program if why == MISSING_PROGRAM else ""
-    return part.with_missing_note(f"node {node.name} ({program})", why, missing)
-
-
-def _why_unread(package: str, program: str, workspace: Workspace) -> str:
-    if package not in workspace.packages:
-        return "its package is not here: give the folder of its source too"
-    if is_in_build_files(workspace.files(package), program):
-        return "the build files of its package name its program in a way that is not understood"
-    return MISSING_PROGRAM
+    if _lacks_program(node, workspace):
+        return _without_program(part)
+    why = _NOT_UNDERSTOOD if is_here else _NOT_HERE
+    return part.with_missing_note(f"node {node.name} ({program})", why)
 
 
 def _nodelet_parts(
