@@ -8,7 +8,6 @@ from rtron.guard.core.log_throttle import LogThrottle
 from rtron.guard.core.printable import printable
 from rtron.guard.core.stream import GuardedStream
 from rtron.guard.transport.common.protocol import LiveTransport
-from rtron.policies.velocity_watchdog import MAX_RAMP_DURATION
 from rtron.vocabulary import GUARD_NODE, SECOND
 
 log = logging.getLogger(__name__)
@@ -51,9 +50,8 @@ class ShutdownSequence:
         ]
         if ends_guard:
             _stop_streams(stopping_streams)
-        longest = (
-            max((each.spec.stop.repeat for each in stopping_streams), default=0) + MAX_RAMP_DURATION
-        )
+        stops = [each.spec.stop for each in stopping_streams]
+        longest = max((stop.within + stop.repeat for stop in stops), default=0)
         self._remove_when_stopped(node, stopping_streams, self._loop.now() + longest)
 
     def _remove_when_stopped(

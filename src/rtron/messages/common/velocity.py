@@ -16,7 +16,7 @@ from rtron.messages.common.layout import (
     skip_field,
     zero_body_size,
 )
-from rtron.vocabulary import Velocity
+from rtron.vocabulary import TWIST_COMPONENTS, Velocity
 
 _LARGEST: float = struct.unpack("<f", b"\xff\xff\x7f\x7f")[0]
 _SINGLE, _BITS = struct.Struct("<f"), struct.Struct("<I")
@@ -39,7 +39,7 @@ class _VelocityShape:
     is_limit: bool = False
 
 
-_TWIST = tuple(f"{part}.{axis}" for part in ("linear", "angular") for axis in "xyz")
+_TWIST = TWIST_COMPONENTS
 _DRIVE = ("steering_angle", "steering_angle_velocity", "speed", "acceleration", "jerk")
 _LIMIT = _VelocityShape(floats=("data",), is_limit=True)
 _SHAPES = {
