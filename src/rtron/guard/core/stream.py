@@ -20,6 +20,7 @@ from rtron.guard.core.stream_settings import (
     rules_met_by_flow,
     with_defaults,
 )
+from rtron.guard.core.velocity_gate import VelocityGate
 from rtron.guard.transport.common.protocol import MessageHandler, Peer, TypeInfo
 from rtron.policies import Policy, Release
 from rtron.policies.mission.rule_status import RuleStatus
@@ -53,7 +54,8 @@ class GuardedStream:
         self.override_policies = {
             k: v for k, v in policies.items() if isinstance(v, OverridablePolicy)
         }
-        self.pipeline = Pipeline(tuple(policies.values()), names, self._on_passed)
+        self._gate = VelocityGate(self.spec)
+        self.pipeline = Pipeline(tuple(policies.values()), names, self._on_passed, self._gate)
         self.pipeline.revise(revision_of(stream))
         self.stop_controller = StopController(stream, self._send_message)
         self.on_state_change: Callable[[], None] = lambda: None
@@ -201,8 +203,11 @@ class GuardedStream:
         self.stop_controller.brake(why, self._transport.now())
         self.recheck(self._transport.now())
 
-    def learn_codec(self, codec: "VelocityCodec") -> None:
-        """Learn how the velocities in the messages are laid out."""
+    def learn_codec(self, codec: "VelocityCodec | None") -> None:
+        """Learn how the velocities in the messages are laid out; None if nobody can read them."""
+        self._gate.learn(codec)
+        if codec is None:
+            return
         self._codec = codec
         self.stop_controller.learn(codec)
         if self.measurement:

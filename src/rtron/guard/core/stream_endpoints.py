@@ -20,7 +20,7 @@ from rtron.guard.transport.common.protocol import (
     Transport,
     TypeInfo,
 )
-from rtron.messages.common.velocity import VelocityCodec
+from rtron.messages.common.velocity import VELOCITY_TYPES, VelocityCodec
 from rtron.vocabulary import (
     UNAPPROVED,
     CoordinationKind,
@@ -30,6 +30,7 @@ from rtron.vocabulary import (
     StreamKind,
     flow_topic,
     matches_node,
+    normalise_type,
 )
 
 log = logging.getLogger(__name__)
@@ -55,8 +56,8 @@ class StreamListener(Protocol):
         """Take a message of a flow."""
         ...
 
-    def learn_codec(self, codec: VelocityCodec) -> None:
-        """Take the codec of the velocities in the stream's messages."""
+    def learn_codec(self, codec: VelocityCodec | None) -> None:
+        """Take the codec of the velocities in the stream's messages; None if none can read them."""
         ...
 
 
@@ -232,7 +233,6 @@ class StreamEndpoints:
             log.error(text, self.spec.topic, peer.node, peer.info.type)
             return False
         self.type_info = peer.info
-        codec = codec_of(peer.info, self._transport.encoding)
-        if codec:
-            self._listener.learn_codec(codec)
+        if normalise_type(peer.info.type) in VELOCITY_TYPES:
+            self._listener.learn_codec(codec_of(peer.info, self._transport.encoding))
         return True

@@ -1,0 +1,69 @@
+"""What every velocity must be before a policy sees it, whatever the policies of the stream are."""
+
+from rtron.errors import WireError
+from rtron.messages.common.velocity import VelocityCodec
+from rtron.vocabulary import (
+    TWIST_COMPONENTS,
+    UNAPPROVED,
+    Decision,
+    Stream,
+    StreamKind,
+    Velocity,
+    Verdict,
+)
+
+
+class VelocityGate:
+    """Refuses a velocity that is no number, and sets to 0 what the base does not obey.
+
+    Messages that hold no velocity pass, and so do those of strangers, whom the policies refuse.
+    """
+
+    def __init__(self, stream: Stream) -> None:
+        first = stream.stages[0].settings
+        self._has_commands = first.kind is StreamKind.COMMAND
+        self._blocks_unapproved = stream.block_unapproved
+        self._policy = first.policy
+        self._revision = first.revision
+        self._is_used = tuple(name in stream.uses for name in TWIST_COMPONENTS)
+        self._has_unused = bool(stream.uses) and not all(self._is_used)
+        self._unused = ", ".join(name for name in TWIST_COMPONENTS if name not in stream.uses)
+        self._has_velocities = False
+        self._codec: VelocityCodec | None = None
+
+    def learn(self, codec: VelocityCodec | None) -> None:
+        """Take the codec of the stream's velocities; None if nobody can read them."""
+        self._has_velocities, self._codec = self._has_commands, codec
+
+    def revise(self, revision: int) -> None:
+        """Give verdicts with the settings' `revision` from now on."""
+        self._revision = revision
+
+    def verdict(self, flow: str, message: bytes) -> Verdict | None:
+        """Return what becomes of a message instead of passing on as it is; None if it passes."""
+        if not self._has_velocities or (flow == UNAPPROVED and self._blocks_unapproved):
+            return None
+        if self._codec is None:
+            return self._refuse(flow, "messages of this type hold no velocity that is known")
+        try:
+            velocity = self._codec.decode(message)
+        except WireError as error:
+            return self._refuse(flow, f"no velocity: {error}")
+        if not velocity.is_finite:
+            return self._refuse(flow, "NaN or Inf is no velocity")
+        return self._without_unused(flow, message, velocity) if self._has_unused else None
+
+    def _without_unused(self, flow: str, message: bytes, velocity: Velocity) -> Verdict | None:
+        values = (*velocity.linear, *velocity.angular)
+        if self._codec is None or len(values) != len(self._is_used):
+            return None
+        used = tuple(v if use else 0.0 for v, use in zip(values, self._is_used, strict=True))
+        if used == values:
+            return None
+        split = len(velocity.linear)
+        changed = self._codec.encode(message, Velocity(used[:split], used[split:]))
+        reason = f"the base does not use {self._unused}"
+        return Verdict(Decision.MODIFY, flow, self._policy, reason, self._revision, changed)
+
+    def _refuse(self, flow: str, reason: str) -> Verdict:
+        return Verdict(Decision.DROP, flow, self._policy, reason, self._revision, error=True)
