@@ -24,7 +24,15 @@ from rtron.guard.core.velocity_gate import VelocityGate
 from rtron.guard.transport.common.protocol import MessageHandler, Peer, TypeInfo
 from rtron.policies import Policy, Release
 from rtron.policies.mission.rule_status import RuleStatus
-from rtron.vocabulary import PRIVATE_ROOT, UNAPPROVED, Decision, Stream, Verdict, matches_node
+from rtron.vocabulary import (
+    PRIVATE_ROOT,
+    UNAPPROVED,
+    Decision,
+    Stream,
+    Velocity,
+    Verdict,
+    matches_node,
+)
 
 if TYPE_CHECKING:
     from rtron.guard.measurement.histogram import LatencyStatistics
@@ -58,6 +66,7 @@ class GuardedStream:
         self.pipeline = Pipeline(tuple(policies.values()), names, self._on_passed, self._gate)
         self.pipeline.revise(revision_of(stream))
         self.stop_controller = StopController(stream, self._send_message)
+        self.stop_controller.on_slowed = self._on_slowed
         self.on_state_change: Callable[[], None] = lambda: None
         self.measurement: StreamMeasurement | None = None
         self.latencies: LatencyStatistics | None = None
@@ -179,10 +188,13 @@ class GuardedStream:
 
     def _slow_down(self, now: int) -> None:
         """Repeat the last command more slowly, if it is now above a limit."""
-        limits = (policy.limit(now) for policy in self.override_policies.values())
-        limit = min((limit for limit in limits if limit is not None), default=None)
-        if limit is not None and self.stop_controller.moving_flow:
-            self.stop_controller.slow_down(limit, now)
+        for policy in self.override_policies.values():
+            if self.stop_controller.moving_flow:
+                self.stop_controller.slow_down(policy.bounded, now)
+
+    def _on_slowed(self, velocity: Velocity, now: int) -> None:
+        for policy in self.override_policies.values():
+            policy.note_sent(velocity, now)
 
     def on_action_done(self, _message: bytes = b"") -> None:
         """Know that the message in progress is done: the next one may go."""

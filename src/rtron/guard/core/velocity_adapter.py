@@ -33,6 +33,14 @@ class VelocityAdapter(ImmediatePolicy):
         """Return the speed (m/s) that the policy allows now."""
         return self._policy.limit(now)
 
+    def bounded(self, velocity: Velocity, now: int) -> Velocity:
+        """Return what of a velocity in force the policy allows now."""
+        return self._policy.bounded(velocity, now)
+
+    def note_sent(self, velocity: Velocity, now: int) -> None:
+        """Tell the policy what the guard itself has sent."""
+        self._policy.note_sent(velocity, now)
+
     def verdict(self, flow: str, message: object, now: int) -> Verdict:
         """Ask the policy about the velocity in `message`."""
         data: bytes = message  # type: ignore[assignment]
