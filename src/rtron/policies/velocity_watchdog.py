@@ -215,6 +215,11 @@ class VelocityWatchdog:
         """Let the stop end as any other."""
         self._braked = False
 
+    def forget_flow(self, flow: str, now: int) -> None:
+        """Take a flow for silent at once: nobody speaks for it any more."""
+        if self._machine.state is WatchdogState.MOVING and self._flow.name == flow:
+            self._handle_silence(f"{flow} has lost its publisher", now)
+
     def mark_stopped_elsewhere(self) -> None:
         """Somebody else has stopped the robot: it may be at rest, as after a release."""
         if self._machine.state is WatchdogState.MOVING:
@@ -226,7 +231,8 @@ class VelocityWatchdog:
             self._machine.state is WatchdogState.MOVING
             and now >= self._last_output + self._flow.silent_after
         ):
-            self._handle_silence(now)
+            silent = self._flow.silent_after / SECOND
+            self._handle_silence(f"{self._flow.name} has been silent for {silent:.2f} s", now)
         if self._machine.state is not WatchdogState.STOPPING or now < self._next:
             return None
         return self._next_velocity(now)
@@ -238,13 +244,11 @@ class VelocityWatchdog:
             return self._last_output + self._flow.silent_after
         return self._next if state is WatchdogState.STOPPING else None
 
-    def _handle_silence(self, now: int) -> None:
+    def _handle_silence(self, why: str, now: int) -> None:
         if self._flow.on_silence is OnSilence.RELEASE:
             self._machine.step(WatchdogInput.RELEASED)
         else:
             self._machine.step(WatchdogInput.SILENT)
-            silent = self._flow.silent_after / SECOND
-            why = f"{self._flow.name} has been silent for {silent:.2f} s"
             self._stop_if_moving(why, now, ramped=True)
 
     def _stop_if_moving(self, why: str, now: int, *, ramped: bool) -> None:

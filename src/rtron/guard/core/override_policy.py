@@ -95,6 +95,10 @@ class OverridablePolicy(ImmediatePolicy):
         """Tell the policy."""
         self._policy.observe_done(now)
 
+    def forget_flow(self, flow: str, now: int) -> None:
+        """Tell the policy."""
+        self._policy.forget_flow(flow, now)
+
     def tick(self, now: int) -> Sequence[Release]:
         """Return what the policy releases; nothing while it is overridden."""
         if self._is_overridden(now):

@@ -123,6 +123,12 @@ class Pipeline:
         for policy in self.policies:
             policy.occupy(flow, now)
 
+    def forget_flow(self, flow: str, now: int) -> None:
+        """Learn that nobody speaks for a flow any more; what waited behind it may go."""
+        for policy in self.policies:
+            policy.forget_flow(flow, now)
+        self.tick(now)
+
     def withdraw(self, message: bytes, why: str, now: int) -> None:
         """Drop a message that is held."""
         for policy in self.policies:

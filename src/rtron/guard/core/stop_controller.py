@@ -117,6 +117,10 @@ class StopController:
         """Let the stop end as others do."""
         self._stopping.release_brake()
 
+    def forget_flow(self, flow: str, now: int) -> None:
+        """Take a flow for silent at once: nobody speaks for it any more."""
+        self._stopping.forget_flow(flow, now)
+
     def interrupt(self) -> None:
         """Note that the robot was stopped by others."""
         self._stopping.mark_stopped_elsewhere()

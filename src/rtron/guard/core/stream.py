@@ -227,6 +227,16 @@ class GuardedStream:
         for policy in self.override_policies.values():
             policy.learn(codec)
 
+    def forget_flow(self, flow: str) -> None:
+        """Let others drive, and stop the robot if nobody does: a flow has lost its publisher."""
+        if not self.stop_controller.is_ready:
+            return
+        now = self._transport.now()
+        self.pipeline.forget_flow(flow, now)
+        self.stop_controller.forget_flow(flow, now)
+        self._deadline_timer.run_due(now)
+        self._notify_state_change()
+
     def receive(self, flow: str, message: bytes) -> Verdict | None:
         """Let the pipeline decide about a message of a flow; None after an internal error."""
         now = self._transport.now()

@@ -54,6 +54,10 @@ class VelocityAdapter(ImmediatePolicy):
         """Return the policy's refusal, which does not depend on the message."""
         return self._policy.refusal(flow, now, message)
 
+    def forget_flow(self, flow: str, now: int) -> None:
+        """Tell the policy."""
+        self._policy.forget_flow(flow, now)
+
     def tick(self, now: int) -> Sequence[Release]:
         """Return the messages that go out again."""
         encoded = (

@@ -152,6 +152,11 @@ class VelocityLimiter(ImmediatePolicy):
         """Note that the guard itself has sent a velocity at `now`, to slow or stop the robot."""
         self._acceleration.note_sent(velocity, now)
 
+    def forget_flow(self, flow: str, now: int) -> None:
+        """Let the lower flows speak at once."""
+        if self._active_flows:
+            self._active_flows.forget(flow, now)
+
     def tick(self, now: int) -> Sequence[Release]:
         """Let what was asked for last go out again if the limit has changed."""
         self._now = now
