@@ -126,6 +126,36 @@ def test_who_rests_or_is_being_stopped_is_not_interrupted(refused):
     assert (state(made), made.deadline(), made.reason) == before
 
 
+def test_a_flow_that_has_lost_its_publisher_is_silent_at_once():
+    made = moving(now=7)
+    made.forget_flow("flow1", 8)
+    assert made.reason == "flow1 has lost its publisher"
+    assert (made.deadline(), made.moving_flow, made.stop_count) == (8, None, 1)
+    assert made.tick(8).is_moving
+
+
+def test_a_flow_that_may_be_silent_may_be_gone():
+    made = moving(flow=RELEASING)
+    made.forget_flow("flow2", 1)
+    assert (state(made), made.deadline(), made.stop_count) == (WatchdogState.RELEASED, None, 0)
+
+
+@pytest.mark.parametrize("flow", ["flow2", "", "unapproved"])
+def test_a_flow_that_does_not_move_the_robot_may_be_gone(flow):
+    made = moving(now=7)
+    made.forget_flow(flow, 8)
+    assert (made.moving_flow, made.deadline()) == (FLOW, 7 + SILENT)
+
+
+def test_who_rests_or_stops_already_is_not_stopped_once_more():
+    resting, refused = stopping(), moving()
+    refused.refuse("rule", 5)
+    for made in (resting, refused):
+        made.forget_flow("flow1", 6)
+    assert (state(resting), resting.stop_count) == (WatchdogState.RESTING, 0)
+    assert (refused.reason, refused.stop_count) == ("rule", 1)
+
+
 def test_the_last_flow_says_what_silence_means():
     made = moving(flow=RELEASING)
     made.record_output(FLOW, 1)

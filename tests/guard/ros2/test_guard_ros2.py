@@ -135,6 +135,16 @@ def test_a_guard_that_dies_stops_the_robot_and_comes_back(ros2, guard):
     wait_for(lambda: speeds(driver)["0.5"] > stopped + 20, what="the navigation, guarded again")
 
 
+def test_a_navigation_that_leaves_is_silent_at_once(ros2, guard):
+    driver = ros2.node("twist_subscriber.py", OUT, name="/driver")
+    guarding = guard(PATIENT)
+    nav = speaker(ros2, "/nav", NAV, "0.5", "20")
+    wait_for(lambda: speeds(driver)["0.5"] > 5, what="the navigation")
+    nav.stop()
+    wait_for(lambda: driver.log.rstrip().endswith("speed 0.0"), what="the stop")
+    assert not guarding.ended
+
+
 def test_a_navigation_that_was_killed_is_followed_by_the_next(ros2, guard):
     driver = ros2.node("twist_subscriber.py", OUT, name="/driver")
     guard()
