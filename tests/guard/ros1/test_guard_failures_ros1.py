@@ -272,7 +272,7 @@ def test_a_dead_navigation_brings_the_robot_to_rest(ros1, driven):
     assert max(speeds(driven)) <= SPEED
 
 
-MINUTE = 60 * SECOND
+LONG = 10 * SECOND
 SPINNING = "{linear: {x: 0.2}, angular: {x: 31.0}}"
 FLOW1, FLOW2 = "/cmd_vel:=/rtron/cmd_vel/flow1", "/cmd_vel:=/rtron/cmd_vel/flow2"
 
@@ -327,31 +327,41 @@ def test_what_is_no_number_never_reaches_the_base(ros1, driven, bad):
 
 
 def patient_plan(**more):
-    """Return the plan of the driven base in which no silence is too long: it explains no stop."""
+    """Return the plan of the driven base in which a silence takes long to count."""
     plan = drive_plan()
     (node,) = plan.grcn
-    flows = tuple(replace(flow, silent_after=MINUTE) for flow in node.flows)
-    patient = replace(node, flows=flows, release_after=MINUTE, **more)
+    flows = tuple(replace(flow, silent_after=LONG) for flow in node.flows)
+    patient = replace(node, flows=flows, release_after=LONG, **more)
     return replace(plan, grcn=(patient,), stop=STOP)
 
 
 def test_a_navigation_whose_connection_closes_is_dead_at_once(ros1, driven):
     start_guard(ros1, patient_plan(), CMD_VEL_GUARD)
+    active = ros1.spawn("rostopic", "echo", f"{CMD_VEL_GUARD}/cmd_vel/active")
     nav = navigate(ros1)
     wait_for_speed(driven, SPEED, "navigation")
+    wait_for(lambda: "flow1" in active.log, what="the owner of the output")
     nav.kill()
+    wait_for(lambda: "stopping" in active.log, what="the stop")
+    assert "stopping: flow1 has lost its publisher" in active.log
     wait_for_speed(driven, 0.0, "rest")
     assert_ramped_to_rest(speeds(driven))
 
 
 @pytest.mark.parametrize("policy", [PolicyName.PREEMPTION, PolicyName.PRIORITY_QUEUE])
 def test_the_next_in_order_drives_when_a_connection_closes(ros1, driven, policy):
-    start_guard(ros1, patient_plan(policy=policy), CMD_VEL_GUARD)
+    """It says less to the guard meanwhile than in the time that a silence takes."""
+    start_guard(ros1, patient_plan(policy=policy, max_age=LONG), CMD_VEL_GUARD)
     nav = navigate(ros1)
     wait_for_speed(driven, SPEED, "navigation")
     say(ros1, "rogue", "/cmd_vel", "geometry_msgs/Twist", TWIST % 0.25, 20, FLOW2)
-    flow = FLOW2.split("=")[1]
-    wait_for(lambda: ros1.received(CMD_VEL_GUARD, flow) > 20, what="the other at the guard")
+
+    def said():
+        return ros1.received(CMD_VEL_GUARD, FLOW2.split("=")[1])
+
+    wait_for(lambda: said() > 20, what="the other at the guard")
     assert 0.25 not in speeds(driven)
+    before = said()
     nav.kill()
-    wait_for_speed(driven, 0.25, "the next in order")
+    wait_for(lambda: 0.25 in speeds(driven), what="the next in order")
+    assert said() - before < 20 * LONG / SECOND / 2
