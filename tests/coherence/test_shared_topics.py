@@ -367,9 +367,10 @@ def test_only_a_twist_has_components(part):
     assert parse_plan(text.replace("geometry_msgs/Twist", "geometry_msgs/msg/Twist"))
     (found,) = faults(text.replace("geometry_msgs/Twist", "std_msgs/Float64"))
     assert found.endswith("a std_msgs/Float64 has no linear.x: `uses` is for a Twist")
-    assert "'linear.w' is not a component of a Twist" in faults(
-        text.replace("linear.x", "linear.w")
-    )[0]
+    assert (
+        "'linear.w' is not a component of a Twist"
+        in faults(text.replace("linear.x", "linear.w"))[0]
+    )
 
 
 def test_goals_have_no_components():

@@ -84,7 +84,10 @@ def test_what_it_wanted_is_dropped_with_the_reason(policy):
     assert run.say(LOW) is HOLD
     run.policy.forget_flow(LOW, run.now)
     (release,) = run.policy.tick(run.now)
-    assert (release.verdict.decision, release.verdict.reason) == (DROP, "low has lost its publisher")
+    assert (release.verdict.decision, release.verdict.reason) == (
+        DROP,
+        "low has lost its publisher",
+    )
 
 
 @pytest.mark.parametrize("policy", QUEUES)

@@ -74,7 +74,9 @@ def test_what_a_guard_has_left_may_be_nonsense():
 
 
 def test_what_is_remembered_is_bounded():
-    made = stream(stage(policy=PolicyName.BLOCK, kind=StreamKind.ACTION), topic="/goal", type=WORDS.type)
+    made = stream(
+        stage(policy=PolicyName.BLOCK, kind=StreamKind.ACTION), topic="/goal", type=WORDS.type
+    )
     transport = MemoryTransport()
     host = Coordinator(transport, [made])
     host.open()
@@ -160,7 +162,9 @@ def test_a_command_that_was_kept_is_done_once_and_a_state_is_told_again(kind, ti
     ],
 )
 def test_only_commands_are_for_the_moment(kind, done, expected):
-    made = replace(stream(stage(policy=PolicyName.BLOCK, kind=kind), topic="/goal", type=WORDS.type), done=done)
+    made = replace(
+        stream(stage(policy=PolicyName.BLOCK, kind=kind), topic="/goal", type=WORDS.type), done=done
+    )
     host = Coordinator(MemoryTransport(), [made])
     host.open()
     assert host.streams[0].endpoints._is_momentary(peer("/nav", latching=True)) is expected

@@ -239,8 +239,7 @@ def test_each_component_is_as_it_was_or_0(type, values, used, encoding):
     _, nav, driver, _ = guarded(type, encoding=encoding, uses=tuple(used))
     nav(message_of(type, encoding, values))
     kept = [
-        value if name in used else 0.0
-        for name, value in zip(TWIST_COMPONENTS, values, strict=True)
+        value if name in used else 0.0 for name, value in zip(TWIST_COMPONENTS, values, strict=True)
     ]
     (sent,) = driver
     codec = codec_of(info_of(type, encoding), encoding)
@@ -278,9 +277,7 @@ def test_what_waits_is_what_is_left():
     assert driver == [twist(0.5), twist(0.25)]
 
 
-@pytest.mark.parametrize(
-    ("type", "at"), [each for each in EACH_FLOAT if "Twist" not in each[0]]
-)
+@pytest.mark.parametrize(("type", "at"), [each for each in EACH_FLOAT if "Twist" not in each[0]])
 def test_uses_means_nothing_where_there_are_no_components(type, at):
     """A plan may leave the type out; what is no Twist has nothing that is not used."""
     _, nav, driver, _ = guarded(type, uses=("linear.x",))

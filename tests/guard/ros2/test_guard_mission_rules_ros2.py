@@ -114,7 +114,9 @@ def test_a_turn_that_no_base_drives_does_not_keep_the_robot_going(ros2, arm, sta
     robot.wait_for(lambda: says(8) or "blocked: rule rest" in guard.log, "the rule")
     robot.wait_for(lambda: driver[-1] == rest, "the stop")
     last = max(at for at, message in enumerate(driver) if message == spinning)
-    wave = [struct.unpack("<6d", each[4:52]) for each in driver[last + 1 : driver.index(rest, last)]]
+    wave = [
+        struct.unpack("<6d", each[4:52]) for each in driver[last + 1 : driver.index(rest, last)]
+    ]
     assert len(wave) <= stop.within / stop.period + 2
     assert sum(six[0] > 0 for six in wave) <= 0.2 / stop.decel * SECOND / stop.period + 2
     assert all(one[3] >= other[3] for one, other in pairwise(wave))

@@ -142,7 +142,12 @@ def test_it_is_written_as_it_was_read():
         ("0.8 km/h", ".inf", 5, "max_vel_limit: '.inf' is no velocity"),
         ("0.8 km/h", "2000", 5, "max_vel_limit: '2000' is not between 0 and 1000 m/s"),
         ("0.8 km/h", "1e-7", 5, "max_vel_limit: '1e-7' is closer to 0 than 1e-06 m/s"),
-        ("90 deg/s\n", "90 deg/s2\n", 6, "max_turn_limit: unknown unit 'deg/s2': did you mean deg/s"),
+        (
+            "90 deg/s\n",
+            "90 deg/s2\n",
+            6,
+            "max_turn_limit: unknown unit 'deg/s2': did you mean deg/s",
+        ),
         ("90 deg/s\n", "-1\n", 6, "max_turn_limit: '-1' is not between 0 and 1000 rad/s"),
         ("10 cm/s", "10 cm", 7, "max_side_limit: unknown unit 'cm'"),
         ("0.5 m/s2", "0", 8, "max_accel_limit: '0' is not between 0.01 and 1000 m/s2"),

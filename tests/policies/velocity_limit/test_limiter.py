@@ -527,8 +527,8 @@ def filmed_limits(gaps, asked_each=SECOND // 100, **others):
     rates, policy = safe(threshold=0.02, max_accel_limit=RISE, **others)
     found, now = [], 0
     for stamp, gap in enumerate(gaps):
-        for asked in range(now + asked_each, now + gap, asked_each):
-            found.append((asked, policy.limit(asked)))
+        asked = range(now + asked_each, now + gap, asked_each)
+        found += [(at, policy.limit(at)) for at in asked]
         now += gap
         rates.monitors["fps_a"].add_frame(stamp + 1, now)
         found.append((now, policy.limit(now)))

@@ -162,7 +162,7 @@ class StreamEndpoints:
         where: str,
         publishers: tuple[str, ...] = (),
     ) -> None:
-        """Subscribe to a topic; `flow_of` returns the planned flow of a publisher, if it has one."""
+        """Subscribe to a topic; `flow_of` returns the planned flow of a publisher, or None."""
         self._transport.subscribe(
             self._node,
             topic,

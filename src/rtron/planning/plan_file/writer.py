@@ -41,7 +41,7 @@ _SECTIONS = {
 # (iflows) and decides about the velocities (vflows).
 # Safe: at most `threshold` (0.02 m/frame) times the least rate, `lowest` where one is silent.
 # Constrain: at most `max_vel_limit` (0.22 m/s). Safe+Constrain: the lower of the two.
-# `max_turn_limit` (1.5 rad/s), `max_side_limit` (0.1 m/s) and `max_accel_limit` (0.5 m/s2) hold too.
+# Beside them: `max_turn_limit` (1.5 rad/s), `max_side_limit` (0.1 m/s), `max_accel_limit` (1 m/s2).
 # `mandatory: Constrain`: the end user can then select what includes it only, and lower the limit.
 """,
     "msrcn": """

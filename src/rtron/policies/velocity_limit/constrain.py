@@ -21,7 +21,8 @@ slow, whatever the app believes. The end user selects it and sets the limit.
 | setting | of | meaning |
 |---|---|---|
 | `max_vel_limit` | the RSRCN | the limit, in m/s or with a unit |
-| `max_turn_limit`, `max_side_limit` | the RSRCN | the limits of turning (rad/s) and of driving sideways (m/s) (none) |
+| `max_turn_limit` | the RSRCN | the limit of turning, in rad/s (none) |
+| `max_side_limit` | the RSRCN | the limit of driving sideways, in m/s (none) |
 | `max_accel_limit` | the RSRCN | how fast the speed may rise (m/s2; none) |
 | `priority` | each vflow | the higher goes first; all the same: no order |
 | `block` | each vflow | the flow's messages are dropped |
