@@ -5,17 +5,21 @@ import struct
 from dataclasses import replace
 from itertools import pairwise, product
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from message_samples import encode, header, make
 from streams import FLOWS, WORDS, peer, stage, stream
 from velocity_messages import speeds, twist
 
 from rtron.guard.coordinator import Coordinator
-from rtron.guard.core.message_types import codec_of, standard_info
+from rtron.guard.core.message_types import codec_of, number_checker, standard_info
 from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.guard.transport.common.protocol import TypeInfo
 from rtron.messages import DefinitionRegistry, Encoding
+from rtron.messages.common.finite_numbers import NUMERIC_COMMAND_TYPES
+from rtron.messages.common.layout import zero_body_size
 from rtron.messages.common.velocity import VELOCITY_TYPES
 from rtron.vocabulary import (
     MSRCN,
@@ -294,3 +298,106 @@ def test_what_is_not_used_is_checked_all_the_same():
         values[at] = bad
         nav(struct.pack("<I6d", 48, *values))
     assert driver == []
+
+
+# Other commands
+
+
+JOINTS = "trajectory_msgs/JointTrajectory"
+ARRAY = "std_msgs/Float64MultiArray"
+BAD_POINTS = [
+    (field, at, bad)
+    for field in ("positions", "velocities", "accelerations", "effort")
+    for at in range(3)
+    for bad in NO_NUMBERS
+]
+
+
+def point(encoding, **values):
+    """Return a point of a trajectory; each list has three numbers or none."""
+    names = ("positions", "velocities", "accelerations", "effort")
+    lists = [np.array(values.get(name, ()), dtype=np.float64) for name in names]
+    return make(encoding, "trajectory_msgs/JointTrajectoryPoint", *lists, duration(encoding))
+
+
+def duration(encoding):
+    return make(encoding, "builtin_interfaces/Duration", 1, 2)
+
+
+@pytest.fixture
+def arm():
+    """Guard the commands of an arm by Block."""
+
+    def start(type, encoding):
+        transport = MemoryTransport(encoding)
+        quiet = stage(policy=PolicyName.BLOCK, flows=QUIET)
+        host = Coordinator(transport, (stream(quiet, topic="/arm", type=type, flows=QUIET),))
+        host.open()
+        say = transport.publisher("/rtron/arm/flow1", peer("/nav", info_of(type, encoding)))
+        return say, transport.listen("/rtron/arm/out"), host.streams[0]
+
+    return start
+
+
+@pytest.mark.parametrize("encoding", Encoding)
+def test_no_trajectory_with_nan_goes_out(arm, encoding):
+    say, heard, guarded_arm = arm(JOINTS, encoding)
+    good = [0.5, -0.5, 1e300]
+    head = header(encoding, "map")
+
+    def trajectory(*points):
+        return encode(encoding, JOINTS, make(encoding, JOINTS, head, ["a", "bcd"], list(points)))
+
+    first = point(encoding, positions=good, velocities=good)
+    say(trajectory(first, first))
+    for field, at, bad in BAD_POINTS:
+        values = list(good)
+        values[at] = bad
+        say(trajectory(first, point(encoding, **{field: values})))
+    assert heard == [trajectory(first, first)]
+    tally = guarded_arm.pipeline.tallies["flow1"]
+    assert (tally.passed, tally.dropped) == (1, len(BAD_POINTS))
+    assert (tally.last.reason, tally.last.error) == ("no command: NaN or Inf in effort", True)
+
+
+@pytest.mark.parametrize("encoding", Encoding)
+@given(values=st.lists(st.floats(), max_size=9))
+def test_an_array_goes_out_if_each_of_its_floats_is_a_number(encoding, values):
+    transport = MemoryTransport(encoding)
+    Coordinator(transport, (stream(stage(flows=QUIET), type=ARRAY, flows=QUIET),)).open()
+    heard = transport.listen(OUT)
+    layout = make(encoding, "std_msgs/MultiArrayLayout", [], 0)
+    array = make(encoding, ARRAY, layout, np.array(values, dtype=np.float64))
+    message = encode(encoding, ARRAY, array)
+    transport.publisher(NAV, peer("/nav", info_of(ARRAY, encoding)))(message)
+    assert heard == ([message] if all(map(math.isfinite, values)) else [])
+
+
+@pytest.mark.parametrize("encoding", Encoding)
+def test_every_other_type_of_command_that_is_checked_is_known(encoding):
+    for type in NUMERIC_COMMAND_TYPES:
+        check = number_checker(info_of(type, encoding), encoding)
+        size = zero_body_size(STANDARD[encoding].find(type), encoding)
+        check(encoding.prefix(size) + bytes(size))
+
+
+def test_a_command_whose_definition_nobody_knows_never_goes_out(arm):
+    say, heard, _ = arm(ARRAY, Encoding.ROS1)
+    transport = MemoryTransport()
+    host = Coordinator(transport, (stream(type=""),))
+    host.open()
+    strange = TypeInfo(ARRAY, "0" * 32, "float64 other")
+    transport.publisher(NAV, peer("/nav", strange))(b"")
+    reason = host.streams[0].pipeline.tallies["flow1"].last.reason
+    assert reason == "no command: nobody knows the definition"
+    say(b"")
+    assert heard == []
+
+
+def test_a_state_of_floats_is_not_looked_into():
+    transport = MemoryTransport()
+    state = stage(policy=PolicyName.BLOCK, kind=StreamKind.STATE)
+    Coordinator(transport, (stream(state, type=ARRAY),)).open()
+    heard = transport.listen(OUT)
+    transport.publisher(NAV, peer("/nav", info_of(ARRAY)))(b"any")
+    assert heard == [b"any"]

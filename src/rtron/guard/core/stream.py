@@ -227,6 +227,10 @@ class GuardedStream:
         for policy in self.override_policies.values():
             policy.learn(codec)
 
+    def learn_numbers(self, check: Callable[[bytes], object]) -> None:
+        """Learn how to refuse commands whose floats are no numbers."""
+        self._gate.learn_numbers(check)
+
     def forget_flow(self, flow: str) -> None:
         """Let others drive, and stop the robot if nobody does: a flow has lost its publisher."""
         if not self.stop_controller.is_ready:

@@ -9,7 +9,7 @@ from typing import Protocol
 
 from rtron.guard.core.handover_state import HandoverState
 from rtron.guard.core.latched_messages import LatchedMessageFilter
-from rtron.guard.core.message_types import codec_of, standard_info
+from rtron.guard.core.message_types import codec_of, number_checker, standard_info
 from rtron.guard.core.observations import Observations
 from rtron.guard.core.printable import printable
 from rtron.guard.core.stream_outputs import StreamOutputs
@@ -21,6 +21,7 @@ from rtron.guard.transport.common.protocol import (
     Transport,
     TypeInfo,
 )
+from rtron.messages.common.finite_numbers import NUMERIC_COMMAND_TYPES
 from rtron.messages.common.velocity import VELOCITY_TYPES, VelocityCodec
 from rtron.vocabulary import (
     UNAPPROVED,
@@ -63,6 +64,10 @@ class StreamListener(Protocol):
 
     def learn_codec(self, codec: VelocityCodec | None) -> None:
         """Take the codec of the velocities in the stream's messages; None if none can read them."""
+        ...
+
+    def learn_numbers(self, check: Callable[[bytes], object]) -> None:
+        """Take what refuses (WireError) messages with floats that are no numbers."""
         ...
 
 
@@ -266,6 +271,8 @@ class StreamEndpoints:
         self.type_info = peer.info
         if normalise_type(peer.info.type) in VELOCITY_TYPES:
             self._listener.learn_codec(codec_of(peer.info, self._transport.encoding))
+        elif normalise_type(peer.info.type) in NUMERIC_COMMAND_TYPES:
+            self._listener.learn_numbers(number_checker(peer.info, self._transport.encoding))
         return True
 
 

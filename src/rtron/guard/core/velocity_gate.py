@@ -1,5 +1,7 @@
 """What every velocity must be before a policy sees it, whatever the policies of the stream are."""
 
+from collections.abc import Callable
+
 from rtron.errors import WireError
 from rtron.messages.common.velocity import VelocityCodec
 from rtron.vocabulary import (
@@ -14,9 +16,9 @@ from rtron.vocabulary import (
 
 
 class VelocityGate:
-    """Refuses a velocity that is no number, and sets to 0 what the base does not obey.
+    """Refuses commands that are no numbers, and sets to 0 what the base does not obey.
 
-    Messages that hold no velocity pass, and so do those of strangers, whom the policies refuse.
+    Messages of other types pass, and so do those of strangers, whom the policies refuse.
     """
 
     def __init__(self, stream: Stream) -> None:
@@ -30,10 +32,15 @@ class VelocityGate:
         self._unused = ", ".join(name for name in TWIST_COMPONENTS if name not in stream.uses)
         self._has_velocities = False
         self._codec: VelocityCodec | None = None
+        self._check_numbers: Callable[[bytes], object] | None = None
 
     def learn(self, codec: VelocityCodec | None) -> None:
         """Take the codec of the stream's velocities; None if nobody can read them."""
         self._has_velocities, self._codec = self._has_commands, codec
+
+    def learn_numbers(self, check: Callable[[bytes], object]) -> None:
+        """Take what refuses (WireError) the stream's commands if they are no numbers."""
+        self._check_numbers = check if self._has_commands else None
 
     def revise(self, revision: int) -> None:
         """Give verdicts with the settings' `revision` from now on."""
@@ -41,8 +48,22 @@ class VelocityGate:
 
     def verdict(self, flow: str, message: bytes) -> Verdict | None:
         """Return what becomes of a message instead of passing on as it is; None if it passes."""
-        if not self._has_velocities or (flow == UNAPPROVED and self._blocks_unapproved):
+        if flow == UNAPPROVED and self._blocks_unapproved:
             return None
+        if self._check_numbers is not None:
+            return self._number_verdict(flow, message, self._check_numbers)
+        return self._velocity_verdict(flow, message) if self._has_velocities else None
+
+    def _number_verdict(
+        self, flow: str, message: bytes, check: Callable[[bytes], object]
+    ) -> Verdict | None:
+        try:
+            check(message)
+        except WireError as error:
+            return self._refuse(flow, f"no command: {error}")
+        return None
+
+    def _velocity_verdict(self, flow: str, message: bytes) -> Verdict | None:
         if self._codec is None:
             return self._refuse(flow, "messages of this type hold no velocity that is known")
         try:
