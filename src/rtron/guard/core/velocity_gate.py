@@ -67,22 +67,23 @@ class VelocityGate:
         if self._codec is None:
             return self._refuse(flow, "messages of this type hold no velocity that is known")
         try:
-            velocity = self._codec.decode(message)
+            is_finite = self._codec.is_finite(message)
         except WireError as error:
             return self._refuse(flow, f"no velocity: {error}")
-        if not velocity.is_finite:
+        if not is_finite:
             return self._refuse(flow, "NaN or Inf is no velocity")
-        return self._without_unused(flow, message, velocity) if self._has_unused else None
+        return self._without_unused(flow, message, self._codec) if self._has_unused else None
 
-    def _without_unused(self, flow: str, message: bytes, velocity: Velocity) -> Verdict | None:
+    def _without_unused(self, flow: str, message: bytes, codec: VelocityCodec) -> Verdict | None:
+        velocity = codec.decode(message)
         values = (*velocity.linear, *velocity.angular)
-        if self._codec is None or len(values) != len(self._is_used):
+        if len(values) != len(self._is_used):
             return None
         used = tuple(v if use else 0.0 for v, use in zip(values, self._is_used, strict=True))
         if used == values:
             return None
         split = len(velocity.linear)
-        changed = self._codec.encode(message, Velocity(used[:split], used[split:]))
+        changed = codec.encode(message, Velocity(used[:split], used[split:]))
         reason = f"the base does not use {self._unused}"
         return Verdict(Decision.MODIFY, flow, self._policy, reason, self._revision, changed)
 

@@ -99,6 +99,14 @@ class VelocityCodec:
             return Velocity(values[self._linear], values[self._angular])
         return Velocity((_NAN,))
 
+    def is_finite(self, message: bytes) -> bool:
+        """Return whether all floats are numbers, as `decode` finds; WireError if it is malformed.
+
+        The sum is the quick answer: it is no number if one of them is none, or if they are huge.
+        """
+        values = self._unpack(message, self._find(message))
+        return math.isfinite(sum(values)) or all(map(math.isfinite, values))
+
     def encode(self, message: bytes, velocity: Velocity) -> bytes:
         """Return a copy of the message with this velocity; WireError as in `decode`.
 
