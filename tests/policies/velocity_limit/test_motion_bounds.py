@@ -190,3 +190,17 @@ def test_nothing_ever_accelerates_faster(steps):
         way = math.copysign(1.0, other)
         allowed = ACCEL * min(after - before, 2 * STEP) / SECOND
         assert abs(other) <= max(0.0, one * way) + allowed + 1e-9
+
+
+@pytest.mark.parametrize(
+    ("in_force", "allowed"),
+    [
+        (twist(1.0, 0, 0, 0, 0, 1.0), twist(1.0, 0, 0, 0, 0, 1.0)),
+        (twist(2.0, 0, 0, 0, 0, 1.0), twist(1.0, 0, 0, 0, 0, 0.5)),
+        (twist(1.0, 0, 0, 0, 0, 3.0), twist(0.5, 0, 0, 0, 0, 1.5)),
+    ],
+)
+def test_a_velocity_in_force_is_held_within_all_limits_but_that_of_acceleration(in_force, allowed):
+    policy = constraining(max_turn_limit=TURN, max_accel_limit=ACCEL)
+    assert policy.bounded(in_force, 0) == allowed
+    assert (policy.bounded(in_force, 0) is in_force) is (in_force == allowed)
