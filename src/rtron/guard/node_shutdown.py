@@ -13,6 +13,8 @@ from rtron.vocabulary import GUARD_NODE, SECOND
 log = logging.getLogger(__name__)
 
 _POLL_PERIOD = SECOND // 50
+_GRACE = 8 * SECOND
+"""A busy machine sends the stop late; the robot must be at rest before the node leaves."""
 
 
 class ShutdownRefusal:
@@ -51,7 +53,7 @@ class ShutdownSequence:
         if ends_guard:
             _stop_streams(stopping_streams)
         stops = [each.spec.stop for each in stopping_streams]
-        longest = max((stop.within + stop.repeat for stop in stops), default=0)
+        longest = max((stop.within + stop.repeat for stop in stops), default=0) + _GRACE
         self._remove_when_stopped(node, stopping_streams, self._loop.now() + longest)
 
     def _remove_when_stopped(
