@@ -335,3 +335,44 @@ def test_the_goals_of_an_action_of_ros_2_are_guarded_by_its_name():
     plan = parse_plan(REQUESTED.format(ros=2, publisher="/a", other="/act/goal"))
     assert [stream.action for stream in build_streams(plan)] == ["/act", ""]
     assert [stream.is_ros2_action for stream in build_streams(plan)] == [True, False]
+
+
+USED = "      uses: [linear.x, angular.z]\n"
+
+
+def using(part, uses=USED):
+    """Return the text of a coordination node that says what its base obeys."""
+    line = next(line for line in part.splitlines(keepends=True) if "type: geometry" in line)
+    return part.replace(line, line + uses)
+
+
+@pytest.mark.parametrize("later", [MSRCN, RSRCN])
+def test_what_the_base_obeys_is_said_by_the_first_node(later):
+    first = using(GRCN, USED[2:])
+    for text in (first + later, first + using(later), using(MSRCN) + RSRCN):
+        (stream,) = build_streams(parse_plan(made(text)))
+        assert stream.uses == ("linear.x", "angular.z")
+    (found,) = faults(made(GRCN + using(later)))
+    assert found.endswith(f"uses would be lost: set it on {OF_GRCN}")
+    (found,) = faults(made(first + using(later, "      uses: [linear.x]\n")))
+    assert found.endswith(f"uses would be lost: set it on {OF_GRCN}")
+
+
+@pytest.mark.parametrize("part", [GRCN, MSRCN, RSRCN])
+def test_only_a_twist_has_components(part):
+    space = "" if part is not GRCN else "  "
+    text = made(using(part, USED[len(space) :]))
+    assert parse_plan(text)
+    assert parse_plan(text.replace("Twist", "TwistStamped"))
+    assert parse_plan(text.replace("geometry_msgs/Twist", "geometry_msgs/msg/Twist"))
+    (found,) = faults(text.replace("geometry_msgs/Twist", "std_msgs/Float64"))
+    assert found.endswith("a std_msgs/Float64 has no linear.x: `uses` is for a Twist")
+    assert (
+        "'linear.w' is not a component of a Twist"
+        in faults(text.replace("linear.x", "linear.w"))[0]
+    )
+
+
+def test_goals_have_no_components():
+    (found,) = faults(made(using(GRCN, USED[2:])).replace("Preemption", "FIFO_Queue"))
+    assert found.endswith("`uses` is for commands, and /cmd_vel has none")

@@ -7,12 +7,14 @@ from plans import grcn, plan_of
 
 from rtron.planning.plan_doubts import LONGEST_SILENCE, order_doubts, void_value_warnings
 from rtron.vocabulary import (
+    RSRCN,
     SECOND,
     Flow,
     FunctionType,
     InteractionGraph,
     Mode,
     Node,
+    Plan,
     PolicyName,
     StreamKind,
 )
@@ -62,6 +64,16 @@ def test_where_every_flow_is_blocked_nothing_passes():
     assert not list(void_value_warnings(replace(plan, grcn=(replace(node, flows=one),))))
     (warning,) = void_value_warnings(replace(plan, grcn=(replace(node, flows=both),)))
     assert "every flow is blocked" in warning.message
+
+
+@pytest.mark.parametrize(("fastest", "warned"), [(None, False), (2.5, False), (2.51, True)])
+def test_a_stop_that_is_steeper_than_its_own_ramp_is_told(fastest, warned):
+    limits = RSRCN(
+        id="rsrcn", mode=Mode.ENFORCE, policy=PolicyName.CONSTRAIN, max_vel_limit=fastest
+    )
+    found = [str(each) for each in void_value_warnings(Plan(app="base", rsrcn=limits))]
+    told = "warning: stop: every stop ends within 1 s, and at 2.5 m/s2 it takes 1 s from 2.51 m/s"
+    assert found == ([f"{told}: it is steeper"] if warned else [])
 
 
 def doubts(known=(), **settings):

@@ -1,5 +1,7 @@
 """Naive models of what policies sense: the whole history is kept, and looked through each time."""
 
+from itertools import pairwise
+
 from rtron.vocabulary import SECOND, WhenUnknown
 
 FOUND, LOST = "found", "lost"
@@ -29,9 +31,15 @@ class NaiveFrameRate:
         recent = self.recent(now)
         if not recent:
             return 0.0
-        age = now - recent[-1][0]
+        longest = max([now - recent[-1][0], *self.gaps()])
         rate = len(recent) * SECOND / self.window
-        return rate if age == 0 else min(rate, SECOND / age)
+        return rate if longest == 0 else min(rate, SECOND / longest)
+
+    def gaps(self):
+        """Return the gaps before the frames of the window that ends with the last frame."""
+        times = [at for at, _ in self.counted]
+        ended = [(one, other) for one, other in pairwise(times) if times[-1] - other < self.window]
+        return [min(other - one, self.window) for one, other in ended]
 
 
 class NaiveFrameMonitor:

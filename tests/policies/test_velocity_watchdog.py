@@ -9,7 +9,6 @@ from policy_runs import TICK, often, watch_effects
 
 from rtron.policies.state_machine import TransitionEffect
 from rtron.policies.velocity_watchdog import (
-    MAX_RAMP_DURATION,
     VelocityRamp,
     VelocityWatchdog,
     WatchdogState,
@@ -17,8 +16,8 @@ from rtron.policies.velocity_watchdog import (
 from rtron.vocabulary import SECOND, Flow, OnSilence, StopProfile, Velocity
 
 SILENT = SECOND // 2
-PERIOD, REPEAT = SECOND // 20, SECOND
-STOP = StopProfile(decel=2.0, angular_decel=4.0, period=PERIOD, repeat=REPEAT)
+PERIOD, REPEAT, WITHIN = SECOND // 20, SECOND, 3 * SECOND
+STOP = StopProfile(decel=2.0, angular_decel=4.0, within=WITHIN, period=PERIOD, repeat=REPEAT)
 FLOW = Flow(name="flow1", publisher="/nav", silent_after=SILENT)
 RELEASING = Flow(name="flow2", publisher="/nav", silent_after=SILENT, on_silence=OnSilence.RELEASE)
 FORWARD = Velocity((1.0, 0.0, 0.0), (0.0, 0.0, 0.5))
@@ -127,6 +126,36 @@ def test_who_rests_or_is_being_stopped_is_not_interrupted(refused):
     assert (state(made), made.deadline(), made.reason) == before
 
 
+def test_a_flow_that_has_lost_its_publisher_is_silent_at_once():
+    made = moving(now=7)
+    made.forget_flow("flow1", 8)
+    assert made.reason == "flow1 has lost its publisher"
+    assert (made.deadline(), made.moving_flow, made.stop_count) == (8, None, 1)
+    assert made.tick(8).is_moving
+
+
+def test_a_flow_that_may_be_silent_may_be_gone():
+    made = moving(flow=RELEASING)
+    made.forget_flow("flow2", 1)
+    assert (state(made), made.deadline(), made.stop_count) == (WatchdogState.RELEASED, None, 0)
+
+
+@pytest.mark.parametrize("flow", ["flow2", "", "unapproved"])
+def test_a_flow_that_does_not_move_the_robot_may_be_gone(flow):
+    made = moving(now=7)
+    made.forget_flow(flow, 8)
+    assert (made.moving_flow, made.deadline()) == (FLOW, 7 + SILENT)
+
+
+def test_who_rests_or_stops_already_is_not_stopped_once_more():
+    resting, refused = stopping(), moving()
+    refused.refuse("rule", 5)
+    for made in (resting, refused):
+        made.forget_flow("flow1", 6)
+    assert (state(resting), resting.stop_count) == (WatchdogState.RESTING, 0)
+    assert (refused.reason, refused.stop_count) == ("rule", 1)
+
+
 def test_the_last_flow_says_what_silence_means():
     made = moving(flow=RELEASING)
     made.record_output(FLOW, 1)
@@ -211,37 +240,50 @@ def test_the_wave():
 
 
 @pytest.mark.parametrize(
-    ("velocity", "lasts"),
+    ("velocity", "linear", "turns"),
     [
-        (Velocity((1.0,)), SECOND // 2),
-        (Velocity((-1.0,)), SECOND // 2),
-        (Velocity((3.0, 4.0), (1.0,)), 5 * SECOND // 2),
-        (Velocity((1.0,), (4.0,)), SECOND),
-        (Velocity((0.0,), (0.0, 0.0, -2.0)), SECOND // 2),
-        (Velocity(()), 0),
-        (Velocity((20.0,)), MAX_RAMP_DURATION),
-        (Velocity((20.1,)), MAX_RAMP_DURATION),
-        (Velocity((0.0,), (40.0,)), MAX_RAMP_DURATION),
-        (Velocity((0.0,), (40.1,)), 0),
-        (Velocity((1.0,), (40.1,)), SECOND // 2),
-        (Velocity((1e308, 1e308), (1e308,)), MAX_RAMP_DURATION),
-        (Velocity((1.7e308, 1.7e308)), MAX_RAMP_DURATION),
-        (Velocity((5e-324,)), 0),
+        (Velocity((1.0,)), SECOND // 2, ()),
+        (Velocity((-1.0,)), SECOND // 2, ()),
+        (Velocity((3.0, 4.0), (1.0,)), 5 * SECOND // 2, (5 * SECOND // 2,)),
+        (Velocity((1.0,), (4.0, -1.0)), SECOND // 2, (SECOND, SECOND // 2)),
+        (Velocity((0.0,), (0.0, 0.0, -2.0)), 0, (0, 0, SECOND // 2)),
+        (Velocity(()), 0, ()),
+        (Velocity((5.9,)), WITHIN - SECOND // 20, ()),
+        (Velocity((6.0,)), WITHIN, ()),
+        (Velocity((6.1,)), WITHIN, ()),
+        (Velocity((0.0,), (11.9,)), 0, (WITHIN - SECOND // 40,)),
+        (Velocity((0.0,), (12.0,)), 0, (WITHIN,)),
+        (Velocity((1.0,), (12.1, 0.0)), SECOND // 2, (WITHIN, SECOND // 2)),
+        (Velocity((1e308, 1e308), (1e308,)), WITHIN, (WITHIN,)),
+        (Velocity((1.7e308, 1.7e308)), WITHIN, ()),
+        (Velocity((5e-324,)), 0, ()),
     ],
 )
-def test_the_ramp_is_as_steep_as_both_limits_allow_but_ends(velocity, lasts):
+def test_each_part_brakes_at_its_own_rate_within_one_bound(velocity, linear, turns):
     ramp = VelocityRamp.for_stop(velocity, STOP, 7)
-    assert (ramp.started_at, ramp.duration, ramp.velocity) == (7, lasts, velocity)
-    assert ramp.at(7 + lasts) == velocity.scaled(0.0)
+    assert (ramp.started_at, ramp.velocity) == (7, velocity)
+    assert (ramp.linear_duration, ramp.angular_durations) == (linear, turns)
+    assert ramp.duration == max(linear, *turns, 0)
+    assert not ramp.at(7 + ramp.duration).is_moving
 
 
 @pytest.mark.parametrize(("at", "share"), [(0, 1), (1, 0.75), (3, 0.25), (4, 0), (5, 0), (99, 0)])
 def test_the_ramp_is_straight_and_ends_at_0(at, share):
-    assert VelocityRamp(FORWARD, 10, 4).at(10 + at) == FORWARD.scaled(share)
+    ramp = VelocityRamp(FORWARD, 10, 4, (4, 4, 8))
+    linear, angular = ramp.at(10 + at).linear, ramp.at(10 + at).angular
+    assert linear == FORWARD.scaled(share).linear
+    assert angular == (0.0, 0.0, 0.5 * max(0, 8 - at) / 8)
 
 
-def test_the_ramp_of_the_longest_is_ten_seconds():
-    assert MAX_RAMP_DURATION == 10 * SECOND
+def test_a_turn_that_nobody_can_drive_does_not_keep_the_robot_going():
+    """An axis that no base has: 31 rad/s kept 0.2 m/s going for 9.7 s and 0.97 m."""
+    made = moving(Velocity((0.2, 0.0, 0.0), (31.0, 0.0, 0.0)), stop=StopProfile())
+    made.refuse("rule", 0)
+    out = wave(made)
+    assert sum(velocity.speed for _, velocity in out) * PERIOD / SECOND < 0.02
+    driven = [at for at, velocity in out if velocity.speed]
+    turned = [at for at, velocity in out if velocity.is_moving]
+    assert max(driven) < SECOND // 5 < max(turned) < SECOND
 
 
 def test_what_cannot_be_read_is_at_rest_at_once():
@@ -338,16 +380,15 @@ stops = st.builds(
     StopProfile,
     decel=st.floats(0.1, 10),
     angular_decel=st.floats(0.1, 10),
+    within=st.sampled_from([PERIOD, SECOND, 10 * SECOND]),
     period=st.sampled_from([SECOND // 100, PERIOD, SECOND // 2, 2 * SECOND]),
     repeat=st.sampled_from([0, 1, PERIOD - 1, PERIOD, SECOND]),
 )
 latenesses = st.lists(st.sampled_from([0, 0, 1, PERIOD // 2, 3 * PERIOD]), min_size=1, max_size=5)
 
 
-@often
-@given(velocities, stops, latenesses)
-def test_no_wave_is_steeper_than_the_plan_allows(velocity, stop, latenesses):
-    """Whatever the robot did, and however late the ticks are: monotone, on its curve, to zeros."""
+def stop_late(velocity, stop, latenesses):
+    """Return the wave after silence, asked later than it is due."""
     made, now, out = moving(velocity, stop=stop), SILENT, []
     for number in range(5_000):
         sent = made.tick(now)
@@ -357,29 +398,51 @@ def test_no_wave_is_steeper_than_the_plan_allows(velocity, stop, latenesses):
             break
         now = made.deadline() + latenesses[number % len(latenesses)]
     assert made.deadline() is None
+    return out
+
+
+def parts(velocity):
+    return (velocity.speed, *map(abs, velocity.angular))
+
+
+@often
+@given(velocities, stops, latenesses)
+def test_no_wave_is_steeper_than_the_plan_allows_unless_it_must_end(velocity, stop, latenesses):
+    """Whatever the robot did, and however late the ticks are: each part falls, none too fast."""
+    out = stop_late(velocity, stop, latenesses)
     if not velocity.is_moving:
         assert not out
         return
-    lasts = VelocityRamp.for_stop(velocity, stop, 0).duration
-    began = [(SILENT - stop.period, velocity), *out]
-    for (before, one), (after, other) in pairwise(began):
-        assert other.speed <= one.speed
-        assert other.angular_speed <= one.angular_speed
+    rates = (stop.decel, *(stop.angular_decel for _ in velocity.angular))
+    for (before, one), (after, other) in pairwise([(SILENT - stop.period, velocity), *out]):
         passed = (after - before + 2) / SECOND
-        if lasts < MAX_RAMP_DURATION:
-            assert one.speed - other.speed <= stop.decel * passed * (1 + 1e-6)
-        if (
-            lasts < MAX_RAMP_DURATION
-            and velocity.angular_speed <= stop.angular_decel * MAX_RAMP_DURATION / SECOND
+        for began, fast, slow, rate in zip(
+            parts(velocity), parts(one), parts(other), rates, strict=True
         ):
-            slower = one.angular_speed - other.angular_speed
-            assert slower <= stop.angular_decel * passed * (1 + 1e-6)
-    for at, sent in out:
-        left = max(0.0, (SILENT + lasts - at - stop.period) / lasts) if lasts else 0.0
-        assert sent.linear == pytest.approx(velocity.scaled(left).linear, abs=1e-12)
-        assert sent.angular == pytest.approx(velocity.scaled(left).angular, abs=1e-12)
-    last = SILENT + lasts + stop.repeat
-    assert all(at < last for at, _ in out)
+            assert slow <= fast
+            steepest = max(rate, began / stop.within * SECOND)
+            assert fast - slow <= steepest * passed * (1 + 1e-6)
+
+
+@often
+@given(velocities, stops, latenesses)
+def test_every_wave_ends_within_the_bound_and_goes_straight(velocity, stop, latenesses):
+    for at, sent in stop_late(velocity, stop, latenesses):
+        passed = at + stop.period - SILENT
+        assert passed < stop.within or not sent.is_moving
+        assert at < SILENT + stop.within + stop.repeat
+        share = sent.speed / velocity.speed if velocity.speed else 0.0
+        assert sent.linear == pytest.approx(velocity.scaled(share).linear, rel=1e-6, abs=1e-300)
+
+
+@often
+@given(velocities, stops, latenesses)
+def test_a_turn_lasts_at_least_as_long_as_the_way(velocity, stop, latenesses):
+    """So the robot stays on its curve, or turns on the spot in the end."""
+    for _, sent in stop_late(velocity, stop, latenesses):
+        way = sent.speed / velocity.speed if velocity.speed else 0.0
+        for began, turn in zip(velocity.angular, sent.angular, strict=True):
+            assert abs(turn) >= abs(began) * way * (1 - 1e-6)
 
 
 SAID, REFUSED = "said", "refused"

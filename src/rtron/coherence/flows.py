@@ -13,14 +13,17 @@ from rtron.vocabulary import (
     Flow,
     GuardedTopic,
     PolicyName,
+    StreamKind,
     WatchedFlow,
     matches_node,
+    normalise_type,
 )
 
 T = TypeVar("T")
 CoherenceProblem = tuple[object, str, str]
 """A noun, its key (or an empty text for the whole) and what is wrong with it."""
 
+_TWISTS = ("geometry_msgs/Twist", "geometry_msgs/TwistStamped")
 # The private topics of a guarded topic end in a flow's name, or in `out`.
 RESERVED_FLOW_NAMES = (UNAPPROVED, "out")
 MAX_FLOWS = 1000
@@ -43,6 +46,7 @@ def guarded_topic_problems(
     for topic in topics:
         yield from publisher_problems(topic.flows)
         yield from successor_problems(topic)
+        yield from used_component_problems(topic)
 
 
 def policy_problems(
@@ -82,6 +86,16 @@ def successor_problems(part: GRCN | GuardedTopic) -> Iterator[CoherenceProblem]:
     """Refuse more successors than can be compared with each other."""
     if len(part.successors) > MAX_FLOWS:
         yield part, "successors", f"more than {MAX_FLOWS} successors of one topic"
+
+
+def used_component_problems(part: GRCN | GuardedTopic) -> Iterator[CoherenceProblem]:
+    """Refuse components of what has none: only the commands of a Twist have them."""
+    if not part.uses:
+        return
+    if part.type and normalise_type(part.type) not in _TWISTS:
+        yield part, "uses", f"a {part.type} has no {part.uses[0]}: `uses` is for a Twist"
+    elif isinstance(part, GRCN) and part.kind is not StreamKind.COMMAND:
+        yield part, "uses", f"`uses` is for commands, and {part.topic} has none"
 
 
 def priority_problems(flows: Sequence[Flow], policy: PolicyName) -> Iterator[CoherenceProblem]:

@@ -11,6 +11,7 @@ from rtron.coherence.flows import (
     priority_problems,
     publisher_problems,
     successor_problems,
+    used_component_problems,
 )
 from rtron.vocabulary import GRCN, PolicyName, Sharing, matches_node
 
@@ -29,6 +30,7 @@ def grcn_problems(grcn: GRCN) -> Iterator[CoherenceProblem]:
     yield from flow_name_problems(grcn.flows)
     yield from publisher_problems(grcn.flows)
     yield from successor_problems(grcn)
+    yield from used_component_problems(grcn)
     yield from _shared_names(grcn)
     if grcn.done == grcn.topic:
         yield grcn, "done", f"{grcn.topic} cannot tell itself that an action is done"

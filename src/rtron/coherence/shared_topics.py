@@ -94,6 +94,8 @@ def _later_nodes(plan: Plan) -> Iterator[tuple[str, Mode, Sequence[GuardedTopic]
 def _ignored_settings(topic: GuardedTopic, first: _FirstNode) -> Iterator[CoherenceProblem]:
     for flow in topic.flows[:MAX_FLOWS]:
         yield from _ignored_flow_settings(flow, first)
+    if topic.uses not in ((), first.part.uses):
+        yield topic, "uses", f"uses would be lost: set it on {_first_node_text(first)}"
     for node in _missing_successors(
         topic.successors[:MAX_FLOWS], first.part.successors[:MAX_FLOWS]
     ):

@@ -8,12 +8,13 @@ from rtron.guard.core.log_throttle import LogThrottle
 from rtron.guard.core.printable import printable
 from rtron.guard.core.stream import GuardedStream
 from rtron.guard.transport.common.protocol import LiveTransport
-from rtron.policies.velocity_watchdog import MAX_RAMP_DURATION
 from rtron.vocabulary import GUARD_NODE, SECOND
 
 log = logging.getLogger(__name__)
 
 _POLL_PERIOD = SECOND // 50
+_GRACE = 8 * SECOND
+"""A busy machine sends the stop late; the robot must be at rest before the node leaves."""
 
 
 class ShutdownRefusal:
@@ -51,9 +52,8 @@ class ShutdownSequence:
         ]
         if ends_guard:
             _stop_streams(stopping_streams)
-        longest = (
-            max((each.spec.stop.repeat for each in stopping_streams), default=0) + MAX_RAMP_DURATION
-        )
+        stops = [each.spec.stop for each in stopping_streams]
+        longest = max((stop.within + stop.repeat for stop in stops), default=0) + _GRACE
         self._remove_when_stopped(node, stopping_streams, self._loop.now() + longest)
 
     def _remove_when_stopped(

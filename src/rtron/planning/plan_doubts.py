@@ -5,12 +5,14 @@ from collections.abc import Iterable, Iterator
 from rtron.planning.problem import PlanProblem, ProblemLevel
 from rtron.vocabulary import (
     GRCN,
+    RSRCN,
     SECOND,
     Flow,
     InteractionGraph,
     Mode,
     Plan,
     PolicyName,
+    StopProfile,
     StreamKind,
     matches_node,
 )
@@ -28,6 +30,7 @@ def void_value_warnings(plan: Plan) -> Iterator[PlanProblem]:
     if plan.rsrcn:
         for topic in plan.rsrcn.vflows:
             yield from _blocked(f"RSRCN on {topic.topic}", topic.flows)
+        yield from _steeper_stop(plan.rsrcn, plan.stop)
     modes = [node.mode for node in (*plan.grcn, plan.rsrcn, plan.msrcn) if node]
     if Mode.ENFORCE not in modes:
         yield _warning("plan", "nothing enforces: the guard only watches; set `mode: enforce`")
@@ -44,6 +47,15 @@ def _void_values(grcn: GRCN) -> Iterator[str]:
         yield f"max_age is {grcn.max_age // SECOND} s: commands of then still pass"
     if grcn.flows and all(flow.block for flow in grcn.flows):
         yield "every flow is blocked: nothing passes"
+
+
+def _steeper_stop(rsrcn: RSRCN, stop: StopProfile) -> Iterator[PlanProblem]:
+    """Warn where the stop from the greatest speed is steeper than the plan's own ramp."""
+    within = stop.within / SECOND
+    fastest = rsrcn.max_vel_limit or 0.0
+    if fastest > stop.decel * within:
+        ramp = f"at {stop.decel:g} m/s2 it takes {fastest / stop.decel:.2g} s from {fastest:g} m/s"
+        yield _warning("stop", f"every stop ends within {within:g} s, and {ramp}: it is steeper")
 
 
 def _blocked(where: str, flows: tuple[Flow, ...]) -> Iterator[PlanProblem]:

@@ -40,6 +40,12 @@ class ActiveFlows:
             activity.in_heap = True
             heappush(self._heap, (-activity.flow.priority, activity))
 
+    def forget(self, name: str, now: int) -> None:
+        """Take a flow for silent from `now` on."""
+        activity = self.by_name.get(name)
+        if activity:
+            activity.expires_at = min(activity.expires_at, now)
+
     def last_message_times(self, now: int) -> dict[str, int]:
         """Return when each fresh flow spoke last."""
         activities = self.by_name.items()

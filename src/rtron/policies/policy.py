@@ -57,6 +57,10 @@ class Policy(Protocol):
         """Give up a held message: the one that is this object; `tick` returns it."""
         ...
 
+    def forget_flow(self, flow: str, now: int) -> None:
+        """Learn that nobody speaks for `flow` any more: it is silent, and none of it is held."""
+        ...
+
     def tick(self, now: int) -> Sequence[Release]:
         """Let time pass up to `now`; return what leaves the queue, in order."""
         ...
@@ -103,6 +107,9 @@ class ImmediatePolicy:
 
     def withdraw(self, message: object, why: str) -> None:
         """Nothing is ever held."""
+
+    def forget_flow(self, flow: str, now: int) -> None:
+        """Who has spoken does not matter here."""
 
     def tick(self, now: int) -> Sequence[Release]:  # noqa: ARG002
         """Nothing is ever held."""

@@ -146,6 +146,11 @@ class Preemption(ImmediatePolicy):
         """Return the refusal of a flow that is blocked or unknown."""
         return None if flow in self._filter.flows else self._filter.refusal(flow)
 
+    def forget_flow(self, flow: str, now: int) -> None:
+        """Let the lower flows have the output at once."""
+        self._active_flows.forget(flow, now)
+        self.tick(now)
+
     def tick(self, now: int) -> Sequence[Release]:
         """Find the owner at `now`; nothing is ever held."""
         self._owner = self._active_flows.highest_priority(now)

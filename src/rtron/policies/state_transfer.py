@@ -33,6 +33,7 @@ class PolicyState:
     `last_message_times` are the fresh flows, and when the last message of each came (ns).
     `held_messages` are in queue order. `has_lease`: the policy knows which flow, if any, has the
     output. `last_output` is the flow and the message that went out last, behind all stages.
+    `last_sent` is the velocity that went out last, also in a stop, and when (ns).
     """
 
     last_message_times: Mapping[str, int] = field(default_factory=dict)
@@ -41,3 +42,4 @@ class PolicyState:
     held_messages: tuple[HeldMessage, ...] = ()
     velocity_request: VelocityRequest | None = None
     last_output: tuple[str, bytes] | None = None
+    last_sent: tuple[Velocity, int] | None = None

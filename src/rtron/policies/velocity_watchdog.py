@@ -1,7 +1,8 @@
 """The stop wave: what moved the robot has fallen silent or may not go on, so it is brought to rest.
 
-A ramp no steeper than the plan's limits, the whole velocity scaled so that the robot stays on its
-curve, then zeros for a while, then nothing: others may drive. A message that goes out ends it.
+A ramp down to zero, then zeros for a while, then nothing: others may drive. A message that goes out
+ends it. The linear part and each turn brake at their own rate, so that a turn that nobody can drive
+does not keep the robot going; no part takes longer than the plan's `within`.
 """
 
 from collections.abc import Callable
@@ -9,9 +10,6 @@ from dataclasses import dataclass
 
 from rtron.policies.state_machine import StateMachine, TableEnum, TransitionEffect, TransitionTable
 from rtron.vocabulary import SECOND, Flow, OnSilence, StopProfile, Velocity
-
-# A velocity that takes longer to brake was never driven: its sender erred, or wants no stop.
-MAX_RAMP_DURATION = 10 * SECOND
 
 
 class WatchdogState(TableEnum):
@@ -106,34 +104,49 @@ TABLE: TransitionTable[WatchdogState, WatchdogInput] = {
 
 @dataclass(frozen=True, slots=True)
 class VelocityRamp:
-    """A velocity on its way to zero: `started_at` (ns), at rest after `duration` (ns)."""
+    """A velocity on its way to zero from `started_at` (ns) on.
+
+    `linear_duration` is the time (ns) until the linear part is at rest, as a whole: its direction
+    stays. `angular_durations` are those of the turns, one for each.
+    """
 
     velocity: Velocity
     started_at: int
-    duration: int
+    linear_duration: int
+    angular_durations: tuple[int, ...] = ()
 
     @classmethod
     def for_stop(cls, velocity: Velocity, stop: StopProfile, now: int) -> "VelocityRamp":
-        """Return the steepest ramp within the limits of `stop`, but none above `MAX_RAMP_DURATION`.
+        """Return the steepest ramp within the limits of `stop`, and at rest after `stop.within`.
 
-        A turn that would take longer does not count: it ends with the linear part.
+        A turn takes at least as long as the linear part: the robot stays on its curve.
         """
-        braking_time = min(velocity.speed / stop.decel * SECOND, MAX_RAMP_DURATION)
-        turning_time = velocity.angular_speed / stop.angular_decel * SECOND
-        return cls(
-            velocity,
-            now,
-            round(
-                max(braking_time, turning_time)
-                if turning_time <= MAX_RAMP_DURATION
-                else braking_time
-            ),
-        )
+        linear = _braking_time(velocity.speed, stop.decel, stop.within)
+        turns = (_braking_time(abs(w), stop.angular_decel, stop.within) for w in velocity.angular)
+        return cls(velocity, now, linear, tuple(max(linear, each) for each in turns))
+
+    @property
+    def duration(self) -> int:
+        """The time (ns) until every part is at rest."""
+        return max(self.linear_duration, *self.angular_durations, 0)
 
     def at(self, now: int) -> Velocity:
         """Return what the velocity is at `now`."""
-        remaining = self.started_at + self.duration - now
-        return self.velocity.scaled(remaining / self.duration if remaining > 0 else 0.0)
+        passed = now - self.started_at
+        linear_share = _remaining_share(self.linear_duration, passed)
+        turns = zip(self.velocity.angular, self.angular_durations, strict=True)
+        return Velocity(
+            tuple(each * linear_share for each in self.velocity.linear),
+            tuple(each * _remaining_share(duration, passed) for each, duration in turns),
+        )
+
+
+def _braking_time(speed: float, decel: float, longest: int) -> int:
+    return round(min(speed / decel * SECOND, longest))
+
+
+def _remaining_share(duration: int, passed: int) -> float:
+    return (duration - passed) / duration if passed < duration else 0.0
 
 
 class VelocityWatchdog:
@@ -202,6 +215,11 @@ class VelocityWatchdog:
         """Let the stop end as any other."""
         self._braked = False
 
+    def forget_flow(self, flow: str, now: int) -> None:
+        """Take a flow for silent at once: nobody speaks for it any more."""
+        if self._machine.state is WatchdogState.MOVING and self._flow.name == flow:
+            self._handle_silence(f"{flow} has lost its publisher", now)
+
     def mark_stopped_elsewhere(self) -> None:
         """Somebody else has stopped the robot: it may be at rest, as after a release."""
         if self._machine.state is WatchdogState.MOVING:
@@ -213,7 +231,8 @@ class VelocityWatchdog:
             self._machine.state is WatchdogState.MOVING
             and now >= self._last_output + self._flow.silent_after
         ):
-            self._handle_silence(now)
+            silent = self._flow.silent_after / SECOND
+            self._handle_silence(f"{self._flow.name} has been silent for {silent:.2f} s", now)
         if self._machine.state is not WatchdogState.STOPPING or now < self._next:
             return None
         return self._next_velocity(now)
@@ -225,13 +244,11 @@ class VelocityWatchdog:
             return self._last_output + self._flow.silent_after
         return self._next if state is WatchdogState.STOPPING else None
 
-    def _handle_silence(self, now: int) -> None:
+    def _handle_silence(self, why: str, now: int) -> None:
         if self._flow.on_silence is OnSilence.RELEASE:
             self._machine.step(WatchdogInput.RELEASED)
         else:
             self._machine.step(WatchdogInput.SILENT)
-            silent = self._flow.silent_after / SECOND
-            why = f"{self._flow.name} has been silent for {silent:.2f} s"
             self._stop_if_moving(why, now, ramped=True)
 
     def _stop_if_moving(self, why: str, now: int, *, ramped: bool) -> None:

@@ -168,7 +168,7 @@ from rtron.vocabulary.topic_access import (
     list_topic_access,
     stage_nodes,
 )
-from rtron.vocabulary.velocity import Velocity
+from rtron.vocabulary.velocity import TWIST_COMPONENTS, Velocity
 from rtron.vocabulary.wiring import WiringFact, WiringFactKind
 
 __all__ = [
@@ -190,6 +190,7 @@ __all__ = [
     "SECOND",
     "SERVER_FLOW",
     "SUPERVISOR_NODE",
+    "TWIST_COMPONENTS",
     "UNAPPROVED",
     "Action",
     "ActionRole",

@@ -1,7 +1,7 @@
 """The Plan (`rtron.yaml`): coordination nodes, their flows and policies (paper section 5).
 
 All durations are integer nanoseconds; the file gives seconds or a number with a unit. All other
-quantities are floats in SI units: m, m/s, m/s2, rad, rad/s2, and metres per frame.
+quantities are floats in SI units: m, m/s, m/s2, rad, rad/s, rad/s2, and metres per frame.
 """
 
 from dataclasses import dataclass
@@ -80,12 +80,17 @@ class EventFlow:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GuardedTopic:
-    """A topic whose flows (`vflow`, `aflow`) the RSRCN or MSRCN lets pass or blocks."""
+    """A topic whose flows (`vflow`, `aflow`) the RSRCN or MSRCN lets pass or blocks.
+
+    `uses` are the components of a Twist that the base obeys: the others are set to 0. Without it
+    the base obeys all.
+    """
 
     topic: str
     type: str
     flows: tuple[Flow, ...]
     successors: tuple[str, ...] = ()
+    uses: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -96,7 +101,8 @@ class GRCN:
     `max_age` (ns): a queued message older than this is dropped. `max_hold` (ns): the longest that
     one action may hold the output. `done`: a topic whose message ends the action in progress, or an
     action of ROS 2 that goals without an id become.
-    `queue_size`: messages kept for a waiting flow or a slow subscriber.
+    `queue_size`: messages kept for a waiting flow or a slow subscriber. `uses` are the components
+    of a Twist that the base obeys: the others are set to 0. Without it the base obeys all.
     """
 
     id: str
@@ -115,6 +121,7 @@ class GRCN:
     queue_size: int = 100
     done: str | None = None
     block_unapproved: bool = True
+    uses: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -140,6 +147,8 @@ class RSRCN:
 
     Safe: the velocity is at most `threshold` (metres per frame) times the least frame rate of the
     fps_monitors, and `lowest` (m/s) where one is silent. Constrain: at most `max_vel_limit` (m/s).
+    Under each of them, where they are set: `max_turn_limit` (rad/s) for turning, `max_side_limit`
+    (m/s) for driving sideways, `max_accel_limit` (m/s2) for how fast the speed rises.
     `mandatory`: a policy that the end user cannot deselect (paper section 6.3); if it limits by
     `max_vel_limit`, that limit can be lowered only.
     """
@@ -149,6 +158,9 @@ class RSRCN:
     policy: PolicyName
     threshold: float | None = None
     max_vel_limit: float | None = None
+    max_turn_limit: float | None = None
+    max_side_limit: float | None = None
+    max_accel_limit: float | None = None
     lowest: float = 0.0
     mandatory: PolicyName | None = None
     vflows: tuple[GuardedTopic, ...] = ()
@@ -222,12 +234,14 @@ class MSRCN:
 class StopProfile:
     """How the guard stops the robot: a ramp down, then zeros for a while, then nothing.
 
-    `decel` (m/s2) and `angular_decel` (rad/s2) are the steepest ramp, `period` (ns) the time
-    between its messages, `repeat` (ns) how long zeros are sent.
+    `decel` (m/s2) and `angular_decel` (rad/s2) are the steepest ramp, unless it would take longer
+    than `within` (ns): then every part is at rest. `period` (ns) is the time between its messages,
+    `repeat` (ns) how long zeros are sent.
     """
 
     decel: float = 2.5
     angular_decel: float = 3.2
+    within: int = SECOND
     period: int = SECOND // 20
     repeat: int = SECOND
 

@@ -34,7 +34,8 @@ class StageRule:
 class PolicySettings:
     """What a policy is built from; `revision` goes into every verdict.
 
-    Durations are in ns, `threshold` in metres per frame, `max_vel_limit` and `lowest` in m/s.
+    Durations are in ns, `threshold` in metres per frame, `max_vel_limit`, `max_side_limit` and
+    `lowest` in m/s, `max_turn_limit` in rad/s, `max_accel_limit` in m/s2.
     """
 
     policy: PolicyName
@@ -46,6 +47,9 @@ class PolicySettings:
     queue_size: int = 100
     threshold: float | None = None
     max_vel_limit: float | None = None
+    max_turn_limit: float | None = None
+    max_side_limit: float | None = None
+    max_accel_limit: float | None = None
     lowest: float = 0.0
     rules: tuple[StageRule, ...] = ()
     revision: int = 0
@@ -73,6 +77,7 @@ class Stream:
     queue_size: int = 100
     done: str | None = None
     block_unapproved: bool = True
+    uses: tuple[str, ...] = ()
     stop: StopProfile = StopProfile()  # noqa: RUF009 - frozen
 
     @property
@@ -129,6 +134,7 @@ def _grcn_stream(grcn: GRCN, revision: int) -> Stream:
         queue_size=grcn.queue_size,
         done=grcn.done,
         block_unapproved=grcn.block_unapproved,
+        uses=grcn.uses,
     )
 
 
@@ -157,6 +163,9 @@ def _with_limits(stage: Stage, rsrcn: RSRCN) -> Stage:
         stage.settings,
         threshold=rsrcn.threshold,
         max_vel_limit=rsrcn.max_vel_limit,
+        max_turn_limit=rsrcn.max_turn_limit,
+        max_side_limit=rsrcn.max_side_limit,
+        max_accel_limit=rsrcn.max_accel_limit,
         lowest=rsrcn.lowest,
     )
     return replace(stage, settings=settings)
@@ -170,6 +179,7 @@ def _empty_stream(guarded: GuardedTopic, mode: Mode) -> Stream:
         flows=guarded.flows,
         stages=(),
         successors=guarded.successors,
+        uses=guarded.uses,
     )
 
 

@@ -1,9 +1,12 @@
 """One stream from its flows to its successors, on the transport in memory."""
 
 from dataclasses import replace
+from functools import partial
 
 import pytest
-from streams import FLOWS, TWIST, peer, stage, stream
+from streams import FLOWS, TWIST, WORDS, stage
+from streams import peer as peer_of
+from streams import stream as stream_of
 from velocity_messages import twist
 
 from rtron.guard.coordinator import Coordinator
@@ -22,6 +25,11 @@ from rtron.vocabulary import (
 
 OUT, NAV, TELEOP = "/rtron/cmd_vel/out", "/rtron/cmd_vel/flow1", "/rtron/cmd_vel/flow2"
 TENTH = SECOND // 10
+stream = partial(stream_of, type=WORDS.type)
+
+
+def peer(node, info=WORDS, **more):
+    return peer_of(node, info, **more)
 
 
 def guarded(*streams):
@@ -106,7 +114,7 @@ def test_a_publisher_of_another_type_is_refused():
     driver = transport.listen(OUT)
     transport.publisher(NAV, peer("/nav"))(b"n1")
     transport.publisher(TELEOP, peer("/teleop", TypeInfo("std_msgs/String", "x")))(b"bad")
-    transport.publisher(NAV, peer("/nav", replace(TWIST, md5sum="changed")))(b"bad")
+    transport.publisher(NAV, peer("/nav", replace(WORDS, md5sum="changed")))(b"bad")
     assert driver == [b"n1"]
 
 
@@ -163,20 +171,20 @@ def test_a_second_stage_has_its_say_and_sees_what_the_first_releases():
     limiting = stage("rsrcn", PolicyName.CONSTRAIN, max_vel_limit=0.5)
     limiting = replace(limiting, coordination_kind=CoordinationKind.RSRCN)
     first = stage(policy=PolicyName.PRIORITY_QUEUE)
-    transport, host = guarded(stream(first, limiting))
+    transport, host = guarded(stream(first, limiting, type=TWIST.type))
     driver, joint = transport.listen(OUT), transport.listen("/rtron/cmd_vel/grcn_cmd_vel")
     nav, teleop = (
-        transport.publisher(NAV, peer("/nav")),
-        transport.publisher(TELEOP, peer("/teleop")),
+        transport.publisher(NAV, peer("/nav", TWIST)),
+        transport.publisher(TELEOP, peer("/teleop", TWIST)),
     )
-    nav(twist(float("nan")))
+    nav(twist(0.25))
     transport.advance(TENTH)
     teleop(twist(2.0))
-    assert driver == []
+    assert driver == [twist(0.25)]
     transport.advance(SECOND)
-    assert driver == joint == [twist(0.5)]
+    assert driver == joint == [twist(0.25), twist(0.5)]
     tallies = host.streams[0].pipeline.tallies
-    assert (tallies["flow1"].dropped, tallies["flow2"].modified) == (1, 1)
+    assert (tallies["flow1"].passed, tallies["flow2"].modified) == (1, 1)
 
 
 def test_what_a_later_stage_blocks_is_not_put_to_the_first():

@@ -4,7 +4,7 @@ from dataclasses import replace
 from time import monotonic_ns, time_ns
 
 import pytest
-from streams import peer, stage, stream
+from streams import WORDS, peer, stage, stream
 
 from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.handover_state import HandoverState
@@ -20,14 +20,14 @@ def guard(left=b"", kind=StreamKind.ACTION, *, left_at=0, dry_run=False):
     written = []
     will = HandoverState(left, written.append)
     will.last_seen_at = left_at
-    made = stream(stage(policy=PolicyName.BLOCK, kind=kind), topic="/goal")
+    made = stream(stage(policy=PolicyName.BLOCK, kind=kind), topic="/goal", type=WORDS.type)
     transport = MemoryTransport()
     Coordinator(transport, [made], handover=will, dry_run=dry_run).open()
     return transport, transport.listen(OUT), written
 
 
 def connect(transport, node="/nav", *, latching=True):
-    return transport.publisher(IN, peer(node, latching=latching))
+    return transport.publisher(IN, peer(node, WORDS, latching=latching))
 
 
 def test_the_next_guard_does_not_act_on_it_again():
@@ -74,7 +74,9 @@ def test_what_a_guard_has_left_may_be_nonsense():
 
 
 def test_what_is_remembered_is_bounded():
-    made = stream(stage(policy=PolicyName.BLOCK, kind=StreamKind.ACTION), topic="/goal")
+    made = stream(
+        stage(policy=PolicyName.BLOCK, kind=StreamKind.ACTION), topic="/goal", type=WORDS.type
+    )
     transport = MemoryTransport()
     host = Coordinator(transport, [made])
     host.open()
@@ -92,7 +94,7 @@ def numbered(*numbers, writer="w1", text="kitchen"):
 
 
 def hear(transport, words, node="/nav", qos=KEPT):
-    say = transport.publisher(IN, replace(peer(node, latching=True), qos=qos))
+    say = transport.publisher(IN, replace(peer(node, WORDS, latching=True), qos=qos))
     for word in words:
         say(word)
 
@@ -160,7 +162,9 @@ def test_a_command_that_was_kept_is_done_once_and_a_state_is_told_again(kind, ti
     ],
 )
 def test_only_commands_are_for_the_moment(kind, done, expected):
-    made = replace(stream(stage(policy=PolicyName.BLOCK, kind=kind), topic="/goal"), done=done)
+    made = replace(
+        stream(stage(policy=PolicyName.BLOCK, kind=kind), topic="/goal", type=WORDS.type), done=done
+    )
     host = Coordinator(MemoryTransport(), [made])
     host.open()
     assert host.streams[0].endpoints._is_momentary(peer("/nav", latching=True)) is expected
@@ -210,7 +214,7 @@ def test_where_no_guard_was_before_all_that_was_kept_is_heard(kind):
 
 def test_a_publisher_whose_clock_is_slow_is_heard_once_its_history_has_come(monkeypatch):
     transport, out, _ = guard(left_at=time_ns())
-    say = transport.publisher(IN, replace(peer("/nav", latching=True), qos=KEPT))
+    say = transport.publisher(IN, replace(peer("/nav", WORDS, latching=True), qos=KEPT))
     one, other = given(3600, 3500)
     say(one)
     later = monotonic_ns() + 10 * SECOND

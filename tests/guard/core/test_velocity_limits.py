@@ -9,6 +9,7 @@ from velocity_messages import FLOAT64, IMAGE, float64, floats, image, speeds, tw
 
 from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.observations import observations_of
+from rtron.guard.core.override_policy import Override
 from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.vocabulary import (
     MSRCN,
@@ -47,7 +48,8 @@ MONITOR = FpsMonitor(id="fps_cam", node="/detector", topic="/detector/image")
 
 def plan(policy, *vflows, **more):
     monitors = more.pop("monitors", (MONITOR,))
-    rsrcn = RSRCN(id="rsrcn", mode=Mode.ENFORCE, policy=policy, vflows=vflows, **more)
+    values = {"max_accel_limit": 1e4, **more}
+    rsrcn = RSRCN(id="rsrcn", mode=Mode.ENFORCE, policy=policy, vflows=vflows, **values)
     return Plan(app="test", rsrcn=rsrcn, fps_monitor=monitors)
 
 
@@ -72,6 +74,7 @@ def test_a_velocity_above_the_user_s_limit_is_scaled_as_a_whole():
     driver = transport.listen(OUT)
     nav = transport.publisher(NAV, peer("/nav"))
     nav(twist(0.5, turn=9.0))
+    transport.advance(SECOND // 10)
     nav(twist(-2.0, turn=1.0))
     assert speeds(driver) == [(0.5, 9.0), (-0.5, 0.25)]
     tally = host.streams[0].pipeline.tallies["vflow1"]
@@ -118,6 +121,7 @@ def test_the_limit_follows_the_frame_rate():
     camera = film(transport, fps=20)
     nav(twist(2.0, turn=1.0))
     film(transport, fps=10, say=camera)
+    transport.advance(SECOND // 100)
     nav(twist(2.0, turn=1.0))
     told = speeds(driver)
     assert (told[0], told[-1]) == ((1.0, 0.5), (0.5, 0.25))
@@ -171,6 +175,7 @@ def test_the_lower_of_two_limits_wins():
     camera = film(transport, fps=20)
     nav(twist(2.0))
     film(transport, fps=10, say=camera)
+    transport.advance(SECOND // 100)
     nav(twist(2.0))
     told = [x for x, _ in speeds(driver)]
     assert (told[0], told[-1]) == pytest.approx((0.7, 0.5))
@@ -319,3 +324,69 @@ def test_what_was_released_is_told_to_rest_when_it_is_above_the_limit():
     assert speeds(driver) == [(0.9, 0.0)]
     film(transport, fps=4, seconds=2, say=camera)
     assert set(speeds(driver)[1:]) == {(0.0, 0.0)}
+
+
+def driven(*wishes, gap=SECOND // 20, **limits):
+    """Let navigation say twists, one each `gap`; return what the driver hears, and the host."""
+    transport, host = guarded(plan(PolicyName.CONSTRAIN, VELOCITY, max_vel_limit=9.0, **limits))
+    driver = transport.listen(OUT)
+    nav = transport.publisher(NAV, peer("/nav"))
+    for wish in wishes:
+        nav(wish)
+        transport.advance(gap)
+    return driver, host
+
+
+def reason_of(host):
+    return host.streams[0].pipeline.tallies["vflow1"].last.reason
+
+
+def test_turning_has_a_limit_of_its_own_and_the_curve_stays():
+    driver, host = driven(twist(1.0, turn=2.0), twist(1.0, turn=4.0), max_turn_limit=2.0)
+    assert speeds(driver) == [(1.0, 2.0), (0.5, 2.0)]
+    assert reason_of(host) == "limited to 2 rad/s (max_turn_limit)"
+
+
+def test_driving_sideways_has_a_limit_of_its_own():
+    driver, host = driven(twist(1.0, y=0.25), twist(1.0, y=-0.5, turn=1.0), max_side_limit=0.25)
+    assert driver == [twist(1.0, y=0.25), twist(0.5, y=-0.25, turn=0.5)]
+    assert reason_of(host) == "limited to 0.25 m/s sideways (max_side_limit)"
+
+
+def test_the_speed_rises_no_faster_than_the_plan_says_and_falls_at_once():
+    wishes = [twist(1.0)] * 5 + [twist(0.1)] + [twist(1.0)] * 2
+    driver, host = driven(*wishes, max_accel_limit=2.0)
+    expected = [0.2, 0.3, 0.4, 0.5, 0.6, 0.1, 0.2, 0.3]
+    assert [x for x, _ in speeds(driver)] == pytest.approx(expected)
+    assert reason_of(host) == "limited to 0.3 m/s (max_accel_limit)"
+
+
+def test_after_a_stop_the_speed_rises_from_rest():
+    """The stop's own messages count: what navigation said last is not what the robot does."""
+    quick = replace(VELOCITY, flows=(replace(VELOCITY.flows[0], silent_after=SECOND // 10),))
+    transport, _ = guarded(
+        plan(PolicyName.CONSTRAIN, quick, max_vel_limit=9.0, max_accel_limit=2.0)
+    )
+    driver = transport.listen(OUT)
+    nav = transport.publisher(NAV, peer("/nav"))
+    for _ in range(10):
+        nav(twist(1.0))
+        transport.advance(SECOND // 20)
+    fast = speeds(driver)[-1][0]
+    transport.advance(SECOND * 3 // 4)
+    assert speeds(driver)[-1] == (0.0, 0.0)
+    nav(twist(1.0))
+    assert fast > 1.0 - 1e-9
+    assert speeds(driver)[-1][0] <= 0.2
+
+
+def test_what_was_overridden_is_turned_down_when_the_override_ends():
+    transport, host = guarded(
+        plan(PolicyName.CONSTRAIN, VELOCITY, max_vel_limit=9.0, max_turn_limit=1.0)
+    )
+    driver = transport.listen(OUT)
+    policy = host.streams[0].override_policies["rsrcn"]
+    policy.grant("local", Override("somebody", "docking", SECOND))
+    transport.publisher(NAV, peer("/nav"))(twist(1.0, turn=2.0))
+    transport.advance(2 * SECOND)
+    assert speeds(driver) == [(1.0, 2.0), (0.5, 1.0)]

@@ -72,7 +72,7 @@ def test_verdicts_that_repeat_are_told_once_and_counted(base, told):
     [
         (flow("flow1", block=True), 1.0, "grcn", Decision.DROP, GuardEventLevel.WARNING),
         (limit(0.5), 1.0, "rsrcn", Decision.MODIFY, GuardEventLevel.WARNING),
-        (limit(0.5), float("nan"), "rsrcn", Decision.DROP, GuardEventLevel.ERROR),
+        (limit(0.5), float("nan"), "grcn", Decision.DROP, GuardEventLevel.ERROR),
     ],
 )
 def test_a_refusal_names_its_coordination_node(base, told, settings, speed, node, decision, level):

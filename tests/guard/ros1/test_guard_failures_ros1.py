@@ -1,9 +1,10 @@
 """Limits, rules and failures between real nodes: what a driver is told when something dies."""
 
+from dataclasses import replace
 from itertools import pairwise
 
 import pytest
-from driven_base import Driven, start_guard
+from driven_base import CMD_VEL_GUARD, Driven, drive_plan, start_guard
 from harness import wait_for
 from rostopic import IMAGE, TWIST, TopicEcho, say
 from traffic_light import MSRCN_NODE, RED, Light
@@ -28,7 +29,7 @@ from rtron.vocabulary import (
 pytestmark = pytest.mark.ros1
 DRIVEN = ("/cmd_vel:=/rtron/cmd_vel/out",)
 SPEED = 0.8
-STOP = StopProfile(decel=0.25, period=SECOND // 20)
+STOP = StopProfile(decel=0.25, within=5 * SECOND, period=SECOND // 20)
 """So slow that a busy machine which leaves out some messages makes no step of the ramp."""
 MOVING = GuardedTopic(
     topic="/cmd_vel",
@@ -269,3 +270,98 @@ def test_a_dead_navigation_brings_the_robot_to_rest(ros1, driven):
     wait_for_speed(driven, 0.0, "rest")
     assert_ramped_to_rest(speeds(driven))
     assert max(speeds(driven)) <= SPEED
+
+
+LONG = 10 * SECOND
+SPINNING = "{linear: {x: 0.2}, angular: {x: 31.0}}"
+FLOW1, FLOW2 = "/cmd_vel:=/rtron/cmd_vel/flow1", "/cmd_vel:=/rtron/cmd_vel/flow2"
+
+
+def test_a_turn_that_no_base_drives_does_not_keep_the_robot_going(ros1):
+    """Each part of a stop ends in its time, and all within the bound of the plan."""
+    plan = limited(PolicyName.SAFE_CONSTRAIN, MOVING, threshold=0.02, max_vel_limit=0.22)
+    rule = MissionRule(name="light", when="red", block=("/cmd_vel",))
+    mission = missioned((MOVING,), (RED,), (rule,)).msrcn
+    stop = StopProfile()
+    start_guard(ros1, replace(plan, msrcn=mission, stop=stop), MSRCN_NODE)
+    heard = TopicEcho(ros1, "driver", "/cmd_vel", *DRIVEN)
+    say(ros1, "detector", "/detector/image", "sensor_msgs/Image", IMAGE, 30)
+    light = Light(ros1, "green")
+    say(ros1, "nav", "/cmd_vel", "geometry_msgs/Twist", SPINNING, 20, FLOW1)
+    full = [0.2, 0.0, 0.0, 31.0, 0.0, 0.0]
+    heard.wait_for(lambda rows: full in rows, "navigation")
+    light.turn("red")
+    rows = heard.wait_for(lambda rows: rows[-1] == [0.0] * 6, "rest")
+    last = max(n for n, row in enumerate(rows) if row == full)
+    wave = rows[last + 1 : rows.index([0.0] * 6, last)]
+    assert len(wave) <= stop.within / stop.period + 2
+    driven = [row[0] for row in wave if row[0]]
+    assert len(driven) <= 0.2 / stop.decel * SECOND / stop.period + 2
+    assert all(one >= other for one, other in pairwise(row[3] for row in wave))
+
+
+def test_what_the_base_does_not_use_never_reaches_it(ros1):
+    plan = drive_plan()
+    (node,) = plan.grcn
+    uses = replace(node, uses=("linear.x", "angular.z"))
+    start_guard(ros1, replace(plan, grcn=(uses,)), CMD_VEL_GUARD)
+    heard = TopicEcho(ros1, "driver", "/cmd_vel", *DRIVEN)
+    say(ros1, "nav", "/cmd_vel", "geometry_msgs/Twist", SPINNING, 20, FLOW1)
+    rows = heard.wait_for(lambda rows: len(rows) > 20, "navigation")
+    assert {tuple(row[1:]) for row in rows} == {(0.0,) * 5}
+
+
+@pytest.mark.parametrize("bad", [".nan", ".inf", "-.inf"])
+def test_what_is_no_number_never_reaches_the_base(ros1, driven, bad):
+    """A GRCN alone never looked into a velocity."""
+    start_guard(ros1, drive_plan(), CMD_VEL_GUARD)
+    nav = navigate(ros1)
+    wait_for_speed(driven, SPEED, "navigation")
+    nav.kill()
+    text = TWIST % bad
+    say(ros1, "nav", "/cmd_vel", "geometry_msgs/Twist", text, 50, FLOW1)
+    reason = "NaN or Inf is no velocity"
+    wait_for(lambda: reason in ros1.run("rostopic", "echo", "-n", "1", "/diagnostics"), what=reason)
+    wait_for_speed(driven, 0.0, "rest")
+    assert all(0.0 <= speed <= SPEED for speed in speeds(driven))
+
+
+def patient_plan(**more):
+    """Return the plan of the driven base in which a silence takes long to count."""
+    plan = drive_plan()
+    (node,) = plan.grcn
+    flows = tuple(replace(flow, silent_after=LONG) for flow in node.flows)
+    patient = replace(node, flows=flows, release_after=LONG, **more)
+    return replace(plan, grcn=(patient,), stop=STOP)
+
+
+def test_a_navigation_whose_connection_closes_is_dead_at_once(ros1, driven):
+    start_guard(ros1, patient_plan(), CMD_VEL_GUARD)
+    active = ros1.spawn("rostopic", "echo", f"{CMD_VEL_GUARD}/cmd_vel/active")
+    nav = navigate(ros1)
+    wait_for_speed(driven, SPEED, "navigation")
+    wait_for(lambda: "flow1" in active.log, what="the owner of the output")
+    nav.kill()
+    wait_for(lambda: "stopping" in active.log, what="the stop")
+    assert "stopping: flow1 has lost its publisher" in active.log
+    wait_for_speed(driven, 0.0, "rest")
+    assert_ramped_to_rest(speeds(driven))
+
+
+@pytest.mark.parametrize("policy", [PolicyName.PREEMPTION, PolicyName.PRIORITY_QUEUE])
+def test_the_next_in_order_drives_when_a_connection_closes(ros1, driven, policy):
+    """It says less to the guard meanwhile than in the time that a silence takes."""
+    start_guard(ros1, patient_plan(policy=policy, max_age=LONG), CMD_VEL_GUARD)
+    nav = navigate(ros1)
+    wait_for_speed(driven, SPEED, "navigation")
+    say(ros1, "rogue", "/cmd_vel", "geometry_msgs/Twist", TWIST % 0.25, 20, FLOW2)
+
+    def said():
+        return ros1.received(CMD_VEL_GUARD, FLOW2.split("=")[1])
+
+    wait_for(lambda: said() > 20, what="the other at the guard")
+    assert 0.25 not in speeds(driven)
+    before = said()
+    nav.kill()
+    wait_for(lambda: 0.25 in speeds(driven), what="the next in order")
+    assert said() - before < 20 * LONG / SECOND / 2

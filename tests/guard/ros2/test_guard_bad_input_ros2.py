@@ -1,5 +1,6 @@
 """The guard on a real ROS 2 among nodes that say what they should not: none of it passes."""
 
+import math
 import os
 import random
 import signal
@@ -116,6 +117,20 @@ def test_garbage_of_approved_nodes_never_passes(guard, outside):
     outside.say_until(nav, twist(0.125), lambda: twist(0.125) in driver, "the navigation after it")
     assert_only_navigation_arrived(driver, 0.5, 0.25, 0.125)
     assert f"{NAV}: /nav a message is dropped: " in guard.log
+
+
+@pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
+def test_what_is_no_number_never_passes(guard, outside, bad):
+    """A GRCN alone never looked into a velocity."""
+    driver = outside.listener("/driver", OUT)
+    nav = outside.publisher("/nav", NAV)
+    outside.say_until(nav, twist(0.5), lambda: twist(0.5) in driver, "the navigation")
+    for at in range(6):
+        values = [0.0] * 6
+        values[at] = bad
+        nav.publish(FRONT + struct.pack("<6d", *values))
+    outside.say_until(nav, twist(0.125), lambda: twist(0.125) in driver, "the navigation after it")
+    assert_only_navigation_arrived(driver, 0.5, 0.125)
 
 
 def test_garbage_in_what_no_policy_reads_never_passes(guard, outside):

@@ -1,6 +1,8 @@
 """A rule over a type of the app's own, on a real ROS 2: the plan need not define it."""
 
 import re
+import struct
+from itertools import pairwise
 
 import pytest
 from harness import wait_for
@@ -10,12 +12,14 @@ from ros2_plans import driving, written
 
 from rtron.vocabulary import (
     MSRCN,
+    SECOND,
     EventFlow,
     Flow,
     GuardedTopic,
     MissionRule,
     Mode,
     PolicyName,
+    StopProfile,
     flow_topic,
     output_topic,
 )
@@ -90,3 +94,33 @@ def test_an_event_of_an_installed_type_blocks(ros2, arm):
     wait_for(lambda: driver.log.rstrip().endswith("speed 0.0"), what="the stop")
     assert heard() <= before + 5
     assert not guard.ended, guard.log
+
+
+def test_a_turn_that_no_base_drives_does_not_keep_the_robot_going(ros2, arm, stand):
+    """Each part of a stop ends in its time, and all within the bound of the plan."""
+    plan, stop = ros2.folder / "rtron.yaml", StopProfile()
+    plan.write_text(written(driving("nav"), msrcn=MISSION))
+    guard = ros2.rtron("guard", "--plan", plan)
+    robot = stand()
+    driver = robot.listener("/driver", output_topic("/cmd_vel"))
+    nav = robot.publisher("/nav", flow_topic("/cmd_vel", "nav"))
+    spinning, rest = spin(0.2, 31.0), spin(0.0, 0.0)
+
+    def says(hours):
+        arm(hours)
+        nav.publish(spinning)
+
+    robot.wait_for(lambda: says(7) or spinning in driver, "the navigation")
+    robot.wait_for(lambda: says(8) or "blocked: rule rest" in guard.log, "the rule")
+    robot.wait_for(lambda: driver[-1] == rest, "the stop")
+    last = max(at for at, message in enumerate(driver) if message == spinning)
+    wave = [
+        struct.unpack("<6d", each[4:52]) for each in driver[last + 1 : driver.index(rest, last)]
+    ]
+    assert len(wave) <= stop.within / stop.period + 2
+    assert sum(six[0] > 0 for six in wave) <= 0.2 / stop.decel * SECOND / stop.period + 2
+    assert all(one[3] >= other[3] for one, other in pairwise(wave))
+
+
+def spin(speed, turn):
+    return b"\0\1\0\0" + struct.pack("<6d", speed, 0.0, 0.0, turn, 0.0, 0.0)

@@ -10,7 +10,7 @@ import pytest
 from harness import wait_for
 
 pytest.importorskip("rclpy", reason="needs ROS 2")
-from rclpy_nodes import kept, twist
+from rclpy_nodes import STRING, kept, twist
 from ros2_plans import driving, written
 
 from rtron.vocabulary import SECOND, Durability, Reliability, flow_topic, output_topic
@@ -133,6 +133,19 @@ def test_a_guard_that_dies_stops_the_robot_and_comes_back(ros2, guard):
     wait_for(lambda: speeds(driver)["0.0"] > stops, what="the stop")
     stopped = speeds(driver)["0.5"]
     wait_for(lambda: speeds(driver)["0.5"] > stopped + 20, what="the navigation, guarded again")
+
+
+def test_a_navigation_that_leaves_is_silent_at_once(ros2, guard, stand):
+    driver = ros2.node("twist_subscriber.py", OUT, name="/driver")
+    guard(written(driving("teleop", "nav", silent_after=10 * SECOND)))
+    robot = stand()
+    active = robot.listener("/looks", "/rtron/grcn_cmd_vel/cmd_vel/active", STRING, kept(10))
+    nav = speaker(ros2, "/nav", NAV, "0.5", "20")
+    wait_for(lambda: speeds(driver)["0.5"] > 5, what="the navigation")
+    nav.stop()
+    robot.wait_for(lambda: any(b"stopping" in each for each in active), "the stop")
+    assert any(b"stopping: nav has lost its publisher" in each for each in active)
+    wait_for(lambda: driver.log.rstrip().endswith("speed 0.0"), what="rest")
 
 
 def test_a_navigation_that_was_killed_is_followed_by_the_next(ros2, guard):

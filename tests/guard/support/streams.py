@@ -14,6 +14,8 @@ from rtron.vocabulary import (
 )
 
 TWIST = TypeInfo("geometry_msgs/Twist", "9f195f881246fdfa2798d1d3eebca84a", "")
+WORDS = TypeInfo("my_msgs/Words", "0123456789abcdef0123456789abcdef", "")
+"""A type that nobody reads: its messages may be any bytes."""
 FLOWS = (
     Flow(name="flow1", publisher="/nav", priority=2, on_silence=OnSilence.RELEASE),
     Flow(name="flow2", publisher="/teleop", priority=1, on_silence=OnSilence.RELEASE),

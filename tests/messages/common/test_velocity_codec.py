@@ -89,6 +89,18 @@ def test_twists_are_read(encoding, values, frame):
         assert not codec(encoding, type).is_limit
 
 
+@given(encoding=encodings, values=SIX, frame=frames)
+def test_whether_all_are_numbers_is_what_reading_them_tells(encoding, values, frame):
+    for type, message in (
+        (TWIST, twist_message(encoding, values)),
+        (STAMPED, stamped_message(encoding, values, frame)),
+    ):
+        found = codec(encoding, type).decode(message)
+        assert codec(encoding, type).is_finite(message) is found.is_finite
+    assert not codec(encoding, TWIST).is_finite(twist_message(encoding, [math.inf, -math.inf] * 3))
+    assert codec(encoding, TWIST).is_finite(twist_message(encoding, [1.7e308] * 6))
+
+
 @given(encoding=encodings, values=SIX, other=SIX, frame=frames)
 def test_twists_are_written(encoding, values, other, frame):
     velocity = Velocity(tuple(other[:3]), tuple(other[3:]))

@@ -63,6 +63,12 @@ def test_a_duration_has_the_bounds_of_the_reader():
     [
         ("RSRCN", "max_vel_limit", [0, 0.22, 1000, "0.22 m/s", "1e-3km/h"], [-1, 1001, "1 m", "x"]),
         ("RSRCN", "threshold", [0.02, "2 cm/frame"], [0, "2 cm/s"]),
+        ("RSRCN", "max_turn_limit", [0, 1.5, "1.5 rad/s", "90 deg/s"], [-1, "1 m/s", "1 rad/s2"]),
+        ("RSRCN", "max_side_limit", [0, 0.1, "10 cm/s"], [-1, "1 rad/s"]),
+        ("RSRCN", "max_accel_limit", [0.01, "0.5 m/s2"], [0, "0.5 m/s"]),
+        ("GRCN", "uses", [[], ["linear.x", "angular.z"]], ["linear.x", ["x"], ["linear.w"]]),
+        ("GuardedTopic", "uses", [["linear.y"]], [["angular"], ["linear.x.y"]]),
+        ("StopProfile", "within", [0.05, 10, "800 ms"], [0.04, 11, "1 m"]),
         ("StopProfile", "decel", [1, "1 m/s2", "1 m/s^2"], [0, "1 m/s"]),
         ("Transform", "yaw", [-6.28, "90 deg", "1 rad"], [90, "90 °"]),
         ("Point", "x", [-5, "-5 m", "5 km"], [1e9, "5 s"]),

@@ -28,6 +28,9 @@ rsrcn:
   policy: Safe+Constrain
   threshold: 2 cm/frame
   max_vel_limit: 0.8 km/h
+  max_turn_limit: 90 deg/s
+  max_side_limit: 10 cm/s
+  max_accel_limit: 0.5 m/s2
   lowest: 2 cm/s
   vflows:
     - topic: /max_vel
@@ -46,6 +49,7 @@ fps_monitor:
 stop:
   decel: 1 m/s2
   angular_decel: 90 deg/s2
+  within: 800 ms
   period: 20 ms
   repeat: 3 s
 """
@@ -71,6 +75,9 @@ def test_everything_about_speed():
             policy=PolicyName.SAFE_CONSTRAIN,
             threshold=0.02,
             max_vel_limit=2 / 9,
+            max_turn_limit=math.pi / 2,
+            max_side_limit=0.1,
+            max_accel_limit=0.5,
             lowest=0.02,
             vflows=(
                 GuardedTopic(
@@ -102,7 +109,11 @@ def test_everything_about_speed():
             ),
         ),
         stop=StopProfile(
-            decel=1.0, angular_decel=math.pi / 2, period=SECOND // 50, repeat=3 * SECOND
+            decel=1.0,
+            angular_decel=math.pi / 2,
+            within=4 * SECOND // 5,
+            period=SECOND // 50,
+            repeat=3 * SECOND,
         ),
     )
 
@@ -131,36 +142,49 @@ def test_it_is_written_as_it_was_read():
         ("0.8 km/h", ".inf", 5, "max_vel_limit: '.inf' is no velocity"),
         ("0.8 km/h", "2000", 5, "max_vel_limit: '2000' is not between 0 and 1000 m/s"),
         ("0.8 km/h", "1e-7", 5, "max_vel_limit: '1e-7' is closer to 0 than 1e-06 m/s"),
-        ("2 cm/s", "-2 cm/s", 6, "lowest: '-2 cm/s' is not between 0 and 1000 m/s"),
+        (
+            "90 deg/s\n",
+            "90 deg/s2\n",
+            6,
+            "max_turn_limit: unknown unit 'deg/s2': did you mean deg/s",
+        ),
+        ("90 deg/s\n", "-1\n", 6, "max_turn_limit: '-1' is not between 0 and 1000 rad/s"),
+        ("10 cm/s", "10 cm", 7, "max_side_limit: unknown unit 'cm'"),
+        ("0.5 m/s2", "0", 8, "max_accel_limit: '0' is not between 0.01 and 1000 m/s2"),
+        ("0.5 m/s2", ".nan", 8, "max_accel_limit: '.nan' is no acceleration"),
+        ("2 cm/s", "-2 cm/s", 9, "lowest: '-2 cm/s' is not between 0 and 1000 m/s"),
         ("Safe+Constrain", "Safe + Constrain", 3, "did you mean Safe+Constrain?"),
         ("Safe+Constrain", "Constrain+Safe", 3, "unknown word 'Constrain+Safe': did you mean"),
         ("Safe+Constrain", "Preemption", 3, "Preemption is not for the RSRCN: choose from Block,"),
         ("  threshold: 2 cm/frame\n", "", 3, "Safe+Constrain needs a threshold"),
         ("  max_vel_limit: 0.8 km/h\n", "", 3, "Safe+Constrain needs a max_vel_limit"),
-        ("std_msgs/Float64", "std_msgs/Int64", 9, "cannot limit a std_msgs/Int64: it knows std_"),
-        ("silent_after: 2 s", "silent_after: 0", 12, "silent_after: '0' is no time at all"),
-        ("silent_after: 2 s", "silent_after: 0 ms", 12, "silent_after: '0 ms' is no time at all"),
-        ("on_silence: release", "on_silence: releas", 12, "did you mean release?"),
-        ("on_silence: release", "on_error: stopp", 12, "did you mean stop?"),
-        ("publisher: /signs}", "publisher: /sign}", 13, "no fps_monitor measures /sign on /signs/"),
-        ("publisher: /signs}", "publisher: /sign}", 15, "no iflow of the RSRCN names /signs on"),
-        ("source: detections", "source: frame", 17, "unknown word 'frame': did you mean frames?"),
-        ("window: 2 s", "window: 99 ms", 18, "window: '99 ms' is not between 0.1 s and 60 s"),
-        ("window: 2 s", "window: 499 ms", 19, "silent_after is longer than the window"),
-        ("window: 2 s", "window: 61", 18, "window: '61' is not between 0.1 s and 60 s"),
-        ("500 ms", "0", 19, "silent_after: '0' is no time at all"),
-        ("topic: /camera/image", "topic: /signs/image", 20, "is what /signs publishes, not what"),
-        ("publisher: /camera}", "publisher: /signs}", 20, "/signs cannot be its own camera"),
-        (", publisher: /camera}", "}", 20, "a watched flow needs publisher"),
-        ("camera: {", "camera: yes #{", 20, "a watched flow is a mapping with name, topic, pub"),
-        ("decel: 1 m/s2", "decel: 0", 22, "decel: '0' is not between 0.01 and 1000 m/s2"),
-        ("decel: 1 m/s2", "decel: 1 m/s", 22, "decel: unknown unit 'm/s': did you mean m/s"),
-        ("decel: 1 m/s2", "decl: 1", 22, "unknown key 'decl' in the stop: did you mean decel?"),
-        ("90 deg/s2", "90 deg", 23, "angular_decel: unknown unit 'deg': did you mean deg/s"),
-        ("period: 20 ms", "period: 999 us", 24, "period: '999 us' is not between 0.001 s and 1 s"),
-        ("period: 20 ms", "period: 1001 ms", 24, "period: '1001 ms' is not between 0.001 s and"),
-        ("repeat: 3 s", "repeat: -3 s", 25, "repeat: '-3 s' is no duration"),
-        ("repeat: 3 s", "repeat: null", 25, "repeat: 'null' is no duration"),
+        ("std_msgs/Float64", "std_msgs/Int64", 12, "cannot limit a std_msgs/Int64: it knows std_"),
+        ("silent_after: 2 s", "silent_after: 0", 15, "silent_after: '0' is no time at all"),
+        ("silent_after: 2 s", "silent_after: 0 ms", 15, "silent_after: '0 ms' is no time at all"),
+        ("on_silence: release", "on_silence: releas", 15, "did you mean release?"),
+        ("on_silence: release", "on_error: stopp", 15, "did you mean stop?"),
+        ("publisher: /signs}", "publisher: /sign}", 16, "no fps_monitor measures /sign on /signs/"),
+        ("publisher: /signs}", "publisher: /sign}", 18, "no iflow of the RSRCN names /signs on"),
+        ("source: detections", "source: frame", 20, "unknown word 'frame': did you mean frames?"),
+        ("window: 2 s", "window: 99 ms", 21, "window: '99 ms' is not between 0.1 s and 60 s"),
+        ("window: 2 s", "window: 499 ms", 22, "silent_after is longer than the window"),
+        ("window: 2 s", "window: 61", 21, "window: '61' is not between 0.1 s and 60 s"),
+        ("500 ms", "0", 22, "silent_after: '0' is no time at all"),
+        ("topic: /camera/image", "topic: /signs/image", 23, "is what /signs publishes, not what"),
+        ("publisher: /camera}", "publisher: /signs}", 23, "/signs cannot be its own camera"),
+        (", publisher: /camera}", "}", 23, "a watched flow needs publisher"),
+        ("camera: {", "camera: yes #{", 23, "a watched flow is a mapping with name, topic, pub"),
+        ("decel: 1 m/s2", "decel: 0", 25, "decel: '0' is not between 0.01 and 1000 m/s2"),
+        ("decel: 1 m/s2", "decel: 1 m/s", 25, "decel: unknown unit 'm/s': did you mean m/s"),
+        ("decel: 1 m/s2", "decl: 1", 25, "unknown key 'decl' in the stop: did you mean decel?"),
+        ("90 deg/s2", "90 deg", 26, "angular_decel: unknown unit 'deg': did you mean deg/s"),
+        ("within: 800 ms", "within: 49 ms", 27, "within: '49 ms' is not between 0.05 s and 10 s"),
+        ("within: 800 ms", "within: 10001 ms", 27, "within: '10001 ms' is not between 0.05 s and"),
+        ("within: 800 ms", "within: 0", 27, "within: '0' is not between 0.05 s and 10 s"),
+        ("period: 20 ms", "period: 999 us", 28, "period: '999 us' is not between 0.001 s and 1 s"),
+        ("period: 20 ms", "period: 1001 ms", 28, "period: '1001 ms' is not between 0.001 s and"),
+        ("repeat: 3 s", "repeat: -3 s", 29, "repeat: '-3 s' is no duration"),
+        ("repeat: 3 s", "repeat: null", 29, "repeat: 'null' is no duration"),
     ],
 )
 def test_a_slip_is_told_with_its_line(old, new, line, fault):
@@ -177,6 +201,12 @@ def test_a_slip_is_told_with_its_line(old, new, line, fault):
         ("period: 20 ms", "period: 1 ms"),
         ("period: 20 ms", "period: 1 s"),
         ("repeat: 3 s", "repeat: 0"),
+        ("within: 800 ms", "within: 50 ms"),
+        ("within: 800 ms", "within: 10 s"),
+        ("  within: 800 ms\n", ""),
+        ("90 deg/s\n", "0\n"),
+        ("10 cm/s", "0"),
+        ("0.5 m/s2", "0.01"),
         ("silent_after: 2 s", "silent_after: 1 ns"),
         ("lowest: 2 cm/s", "lowest: 0"),
         ("camera: {name: camera, topic: /camera/image, publisher: /camera}", "camera: null"),
@@ -204,7 +234,7 @@ def test_vflows_have_one_order_or_none():
     third = "        - {name: v3, publisher: /x, priority: 1}\n"
     told = faults(swap("  iflows", f"{third}  iflows"))
     assert told == [
-        "my.yaml:13: v2 and v3 have the same priority 1: who goes first with Safe+Constrain?"
+        "my.yaml:16: v2 and v3 have the same priority 1: who goes first with Safe+Constrain?"
     ]
     same = swap("  iflows", f"{third}  iflows").replace("priority: 2", "priority: 1")
     assert parse_plan(same)

@@ -17,6 +17,7 @@ from rtron.vocabulary import (
     MSRCN,
     RSRCN,
     SECOND,
+    TWIST_COMPONENTS,
     Area,
     Audit,
     Domain,
@@ -70,8 +71,14 @@ flows = st.builds(
     on_error=st.sampled_from(OnError),
 )
 watched = st.builds(WatchedFlow, name=words, topic=topics, publisher=nodes)
+used = listed(st.sampled_from(TWIST_COMPONENTS))
 guarded = st.builds(
-    GuardedTopic, topic=topics, type=types, flows=listed(flows), successors=listed(nodes)
+    GuardedTopic,
+    topic=topics,
+    type=types,
+    flows=listed(flows),
+    successors=listed(nodes),
+    uses=used,
 )
 grcns = st.builds(
     GRCN,
@@ -91,6 +98,7 @@ grcns = st.builds(
     queue_size=st.integers(1, 1_000_000),
     done=st.none() | topics,
     block_unapproved=st.booleans(),
+    uses=used,
 )
 monitors = st.builds(
     FpsMonitor,
@@ -110,6 +118,9 @@ rsrcns = st.builds(
     policy=st.sampled_from([PolicyName.BLOCK, PolicyName.CONSTRAIN]),
     threshold=st.none() | st.floats(1e-6, 1000),
     max_vel_limit=velocities,
+    max_turn_limit=st.none() | velocities,
+    max_side_limit=st.none() | velocities,
+    max_accel_limit=st.none() | st.floats(0.01, 1000),
     lowest=velocities,
     vflows=listed(guarded),
 )
@@ -159,6 +170,7 @@ stops = st.builds(
     StopProfile,
     decel=st.floats(0.01, 1000),
     angular_decel=st.floats(0.01, 1000),
+    within=st.integers(SECOND // 20, 10 * SECOND),
     period=st.integers(SECOND // 1000, SECOND),
     repeat=durations,
 )

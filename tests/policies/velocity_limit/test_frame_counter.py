@@ -1,5 +1,6 @@
 """The frame rate: a window, stamps that say which frame, and floods that are none."""
 
+from copy import deepcopy
 from itertools import pairwise
 
 import pytest
@@ -39,9 +40,7 @@ def test_it_is_what_a_naive_model_says(frames, window):
 
 def play_copy(rate):
     """Return a copy, since to ask about later forgets what is old then."""
-    copy = FrameCounter(rate._window)
-    copy._frames.extend(rate._frames)
-    return copy
+    return deepcopy(rate)
 
 
 @often
@@ -87,7 +86,7 @@ def test_a_frame_counts_for_the_window(later, fps):
 
 def test_thirty_frames_a_second_are_thirty_fps():
     rate = play([(number * SECOND // 30, number + 1) for number in range(90)], SECOND)
-    assert rate.rate(89 * SECOND // 30) == 30
+    assert rate.rate(89 * SECOND // 30) == pytest.approx(30, rel=1e-6)
 
 
 @pytest.mark.parametrize(("gap", "counts"), [(1, False), (WINDOW - 1, False), (WINDOW, True)])
@@ -144,3 +143,61 @@ def test_the_age_is_that_of_the_last_frame_that_counted():
 
 def test_the_rate_before_the_first_frame_is_none():
     assert FrameCounter(WINDOW).rate(10) == 0
+
+
+def filmed(*parts):
+    """Return a rate after frames, each after its gap, and the time of the last."""
+    rate, now = FrameCounter(SECOND), 0
+    for stamp, gap in enumerate(parts):
+        now += gap
+        rate.add_frame(stamp + 1, now)
+    return rate, now
+
+
+FAST, SLOW = SECOND // 30, SECOND // 2
+
+
+@pytest.mark.parametrize("late", range(1, 6))
+def test_a_late_frame_does_not_bring_the_fast_ones_back(late):
+    """From 30 to 2 fps: the window still holds the fast frames when the first slow one comes."""
+    rate, now = filmed(*[FAST] * 60, *[SLOW] * late)
+    for later in (0, 1, SLOW // 2, SLOW - 1):
+        assert rate.rate(now + later) <= 2
+    assert rate.rate(now) == 2
+
+
+@pytest.mark.parametrize(("after", "fps"), [(0, 2), (1, 2), (29, 2), (30, 2), (31, 30)])
+def test_one_late_frame_counts_until_its_gap_leaves_the_window(after, fps):
+    rate, now = filmed(*[FAST] * 60, SLOW, *[FAST] * after)
+    assert rate.rate(now) == pytest.approx(fps, rel=1e-6)
+
+
+def test_after_a_silence_the_rate_begins_at_one_frame_in_the_window():
+    rate, now = filmed(FAST, FAST, 60 * SECOND, *[FAST] * 10)
+    assert rate.rate(now) == 1
+
+
+@often
+@given(frames, gaps)
+def test_the_rate_is_never_above_one_frame_in_a_gap_of_the_window(frames, later):
+    rate, now, counted = FrameCounter(WINDOW), 0, []
+    for wait, stamp in frames:
+        now += wait
+        if rate.add_frame(stamp, now):
+            counted.append(now)
+    now += later
+    for one, other in pairwise(counted):
+        if now - other < WINDOW and other > one:
+            assert rate.rate(now) <= SECOND / min(other - one, WINDOW)
+
+
+@often
+@given(frames)
+def test_only_the_gaps_that_still_matter_are_kept(frames):
+    rate, now = FrameCounter(WINDOW), 0
+    for wait, stamp in frames:
+        now += wait
+        rate.add_frame(stamp, now)
+        kept = [gap for _, gap in rate._gaps._longest_first]
+        assert kept == sorted(kept, reverse=True)
+        assert len(set(kept)) == len(kept)

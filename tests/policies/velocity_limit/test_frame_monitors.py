@@ -112,7 +112,11 @@ def test_the_least_counts_and_a_silent_one_before_all():
     assert rates.lowest_rate(SILENT) == FrameRateReport("fps_b", 0.0, None)
     other.add_frame(2, SILENT)
     other.add_frame(3, SILENT)
-    assert rates.lowest_rate(SILENT).monitor_id == "fps_c"
+    third.add_frame(2, WINDOW + 1)
+    assert rates.lowest_rate(SILENT).monitor_id == "fps_b"
+    one.add_frame(4, SILENT + WINDOW)
+    third.add_frame(3, SILENT + WINDOW + 1)
+    assert rates.lowest_rate(SILENT + WINDOW + 2).monitor_id == "fps_b"
 
 
 def test_a_silent_one_is_less_than_one_without_frames():

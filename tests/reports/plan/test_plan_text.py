@@ -195,7 +195,7 @@ fps_monitor (2)
     counts frames over 1 s
 
 Stop
-  a ramp of 1 m/s2 and 3.2 rad/s2, every 0.05 s, then zeros for 1 s
+  a ramp of 1 m/s2 and 3.2 rad/s2, every 0.05 s, at rest within 1 s, then zeros for 1 s
 
 Audit
   every 0.05 s; a foreign publisher: alarm

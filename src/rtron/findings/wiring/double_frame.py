@@ -47,16 +47,16 @@ _KINDS = {
 def check(app: AppFacts) -> Iterator[Finding]:
     """Yield a finding for each set of nodes, with the frames that all of them broadcast.
 
-    What is told of a frame is the surest of its facts.
+    What is shown of a frame is the surest of its facts.
     """
-    told: set[str] = set()
+    shown: set[str] = set()
     for kind in _KINDS:
         by_nodes: dict[tuple[str, ...], list[WiringGroup]] = defaultdict(list)
         for group in wiring_groups(app.graph, kind):
-            if group.subject not in told:
+            if group.subject not in shown:
                 by_nodes[tuple(sorted(group.others))].append(group)
         for nodes, groups in by_nodes.items():
-            told.update(group.subject for group in groups)
+            shown.update(group.subject for group in groups)
             yield _finding(nodes, groups, kind)
 
 

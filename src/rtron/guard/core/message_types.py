@@ -2,12 +2,13 @@
 
 from collections.abc import Callable
 
-from rtron.errors import InputError
+from rtron.errors import InputError, WireError
 from rtron.guard.transport.common.protocol import TypeInfo
 from rtron.messages.common.definition import Definition
 from rtron.messages.common.definition_parser import parse_definition
 from rtron.messages.common.definition_registry import DefinitionRegistry, standard_text
 from rtron.messages.common.encoding import Encoding
+from rtron.messages.common.finite_numbers import finite_checker
 from rtron.messages.common.stamp import stamp_reader
 from rtron.messages.common.velocity import VELOCITY_TYPES, VelocityCodec, velocity_codec
 from rtron.policies.velocity_limit.frame_counter import NO_STAMP
@@ -35,6 +36,12 @@ def codec_of(info: TypeInfo, encoding: Encoding) -> VelocityCodec | None:
         return None
     definition = _definition(info, encoding)
     return velocity_codec(definition, encoding) if definition else None
+
+
+def number_checker(info: TypeInfo, encoding: Encoding) -> Callable[[bytes], object]:
+    """Return what refuses (WireError) a publisher's commands with floats that are no numbers."""
+    definition = _definition(info, encoding)
+    return finite_checker(definition, encoding) if definition else _refuse_unknown
 
 
 def stamp_of(info: TypeInfo, encoding: Encoding) -> Callable[[bytes], int]:
@@ -66,6 +73,10 @@ def _stated_definition(info: TypeInfo) -> Definition | None:
         return parse_definition(info.type, info.definition)
     except InputError:
         return None
+
+
+def _refuse_unknown(_message: bytes) -> None:
+    raise WireError("nobody knows the definition")
 
 
 def _no_stamp(_message: bytes) -> int:

@@ -7,7 +7,7 @@ from rtron.guard.core.velocity_adapter import VelocityAdapter
 from rtron.messages.common.velocity import VelocityCodec
 from rtron.policies.policy import ImmediatePolicy, Policy, Release
 from rtron.policies.state_transfer import PolicyState
-from rtron.vocabulary import UNAPPROVED, Decision, Verdict
+from rtron.vocabulary import UNAPPROVED, Decision, Velocity, Verdict
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,10 +61,20 @@ class OverridablePolicy(ImmediatePolicy):
 
     def limit(self, now: int) -> float | None:
         """Return the speed (m/s) that the policy allows now; None if it sets none."""
-        overridden = self.active_override is not None and now < self.active_override.until
-        if overridden or not isinstance(self._policy, VelocityAdapter):
+        if self._is_overridden(now) or not isinstance(self._policy, VelocityAdapter):
             return None
         return self._policy.limit(now)
+
+    def bounded(self, velocity: Velocity, now: int) -> Velocity:
+        """Return what of a velocity in force the policy allows now."""
+        if self._is_overridden(now) or not isinstance(self._policy, VelocityAdapter):
+            return velocity
+        return self._policy.bounded(velocity, now)
+
+    def note_sent(self, velocity: Velocity, now: int) -> None:
+        """Tell the policy what the guard itself has sent."""
+        if isinstance(self._policy, VelocityAdapter):
+            self._policy.note_sent(velocity, now)
 
     def verdict(self, flow: str, message: object, now: int) -> Verdict:
         """Return the policy's verdict, or a pass by the override."""
@@ -85,9 +95,13 @@ class OverridablePolicy(ImmediatePolicy):
         """Tell the policy."""
         self._policy.observe_done(now)
 
+    def forget_flow(self, flow: str, now: int) -> None:
+        """Tell the policy."""
+        self._policy.forget_flow(flow, now)
+
     def tick(self, now: int) -> Sequence[Release]:
         """Return what the policy releases; nothing while it is overridden."""
-        if self.active_override and now < self.active_override.until:
+        if self._is_overridden(now):
             self._policy.tick(now)
             return ()
         if self.active_override:
@@ -122,6 +136,9 @@ class OverridablePolicy(ImmediatePolicy):
     def owner(self) -> str | None:
         """The policy's owner."""
         return self._policy.owner
+
+    def _is_overridden(self, now: int) -> bool:
+        return self.active_override is not None and now < self.active_override.until
 
     def _select_override(self) -> None:
         overrides = self.overrides.values()

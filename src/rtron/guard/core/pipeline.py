@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from rtron.guard.core.velocity_gate import VelocityGate
 from rtron.policies.state_transfer import LeaseState
 from rtron.vocabulary import Decision, PolicyName, Verdict
 
@@ -38,10 +39,18 @@ class Pipeline:
     flow; `on_dropped` with each message that was held and is dropped.
     """
 
-    def __init__(self, policies: Sequence["Policy"], flows: Sequence[str], emit: Emit) -> None:
+    def __init__(
+        self,
+        policies: Sequence["Policy"],
+        flows: Sequence[str],
+        emit: Emit,
+        gate: VelocityGate,
+    ) -> None:
+        """Each message goes through `gate` before a policy sees it."""
         self.policies = tuple(policies)
         self.tallies: dict[str, VerdictTally] = {flow: VerdictTally() for flow in flows}
         self._emit = emit
+        self._gate = gate
         self._policies_from = _policy_suffixes(self.policies)
         self._bars: dict[tuple[str, str], Verdict] = {}
         self._revision = 0
@@ -58,13 +67,16 @@ class Pipeline:
         if self.closed_reason:
             self.tallies[flow].dropped += 1
             return None
-        refusal = self._bar_on(flow)
+        entry = self._bar_on(flow) or self._gate.verdict(flow, message)
+        if entry and entry.decision is Decision.MODIFY:
+            message = entry.message  # type: ignore[assignment]
+        refusal = entry if entry and entry.decision is Decision.DROP else None
         for later in self._policies_from[1]:
             refusal = refusal or later.refusal(flow, now, message)
         if refusal is not None:
             self._count(refusal)
             return refusal
-        return self._run_stages(0, flow, message, now)
+        return self._run_stages(0, flow, message, now, entry)
 
     def replace(self, at: int, policy: "Policy", now: int) -> Sequence["Release"]:
         """Replace the policy of the stage `at`; return held messages that the new one cannot hold.
@@ -87,6 +99,7 @@ class Pipeline:
     def revise(self, revision: int) -> None:
         """Give verdicts with the settings' `revision` from now on."""
         self._revision = revision
+        self._gate.revise(revision)
         for policy in self.policies:
             policy.revise(revision)
         self._bars = {key: replace(bar, revision=revision) for key, bar in self._bars.items()}
@@ -109,6 +122,12 @@ class Pipeline:
         self._last_emitted = (flow, b"", now)
         for policy in self.policies:
             policy.occupy(flow, now)
+
+    def forget_flow(self, flow: str, now: int) -> None:
+        """Learn that nobody speaks for a flow any more; what waited behind it may go."""
+        for policy in self.policies:
+            policy.forget_flow(flow, now)
+        self.tick(now)
 
     def withdraw(self, message: bytes, why: str, now: int) -> None:
         """Drop a message that is held."""

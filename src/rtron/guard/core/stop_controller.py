@@ -32,6 +32,8 @@ class StopController:
         self._stopping = VelocityWatchdog(stream.stop, self._velocity)
         self._codec: VelocityCodec | None = None
         self._last_message = b""
+        self.on_slowed: Callable[[Velocity, int], None] = _ignore_slowed
+        """Called with each velocity that is sent to slow or stop the robot, and the time."""
 
     def learn(self, codec: VelocityCodec) -> None:
         """Take the codec of the stream's messages."""
@@ -81,19 +83,21 @@ class StopController:
         if verdict.error and flow and flow.name == verdict.flow and flow.on_error is OnError.STOP:
             self.stop_motion(verdict.reason, now)
 
-    def slow_down(self, limit: float, now: int) -> None:
-        """Repeat the last command at `limit` (m/s), if it is faster.
+    def slow_down(self, bounded: Callable[[Velocity, int], Velocity], now: int) -> None:
+        """Repeat the last command as `bounded` changes it, if it does.
 
         A flow that has released the output may have stopped the robot: it is stopped, not set in
         motion again.
         """
         velocity = self._velocity()
-        if self._codec is None or velocity is None or velocity.speed <= limit:
+        slower = bounded(velocity, now) if velocity else None
+        if self._codec is None or slower is None or slower is velocity:
             return
         if self._stopping.is_released:
-            self.stop_motion(f"the limit has fallen to {limit:g} m/s", now)
+            self.stop_motion(f"the limit has fallen to {slower.speed:g} m/s", now)
             return
-        self._last_message = self._codec.encode(self._last_message, velocity.at_most(limit))
+        self._last_message = self._codec.encode(self._last_message, slower)
+        self.on_slowed(slower, now)
         self._send(self.stopped_flow, self._last_message)
 
     def stop_motion(self, why: str, now: int) -> None:
@@ -113,6 +117,10 @@ class StopController:
         """Let the stop end as others do."""
         self._stopping.release_brake()
 
+    def forget_flow(self, flow: str, now: int) -> None:
+        """Take a flow for silent at once: nobody speaks for it any more."""
+        self._stopping.forget_flow(flow, now)
+
     def interrupt(self) -> None:
         """Note that the robot was stopped by others."""
         self._stopping.mark_stopped_elsewhere()
@@ -127,6 +135,7 @@ class StopController:
                 if rest
                 else self._codec.encode(self._last_message, velocity)
             )
+            self.on_slowed(velocity, now)
             self._send(self.stopped_flow or UNAPPROVED, message)
 
     def deadline(self) -> int | None:
@@ -141,3 +150,7 @@ class StopController:
         except WireError:
             return None
         return velocity if velocity.is_finite else None
+
+
+def _ignore_slowed(_velocity: Velocity, _now: int) -> None:
+    """Do nothing about a velocity that slows the robot."""

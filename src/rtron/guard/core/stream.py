@@ -20,10 +20,19 @@ from rtron.guard.core.stream_settings import (
     rules_met_by_flow,
     with_defaults,
 )
+from rtron.guard.core.velocity_gate import VelocityGate
 from rtron.guard.transport.common.protocol import MessageHandler, Peer, TypeInfo
 from rtron.policies import Policy, Release
 from rtron.policies.mission.rule_status import RuleStatus
-from rtron.vocabulary import PRIVATE_ROOT, UNAPPROVED, Decision, Stream, Verdict, matches_node
+from rtron.vocabulary import (
+    PRIVATE_ROOT,
+    UNAPPROVED,
+    Decision,
+    Stream,
+    Velocity,
+    Verdict,
+    matches_node,
+)
 
 if TYPE_CHECKING:
     from rtron.guard.measurement.histogram import LatencyStatistics
@@ -53,9 +62,11 @@ class GuardedStream:
         self.override_policies = {
             k: v for k, v in policies.items() if isinstance(v, OverridablePolicy)
         }
-        self.pipeline = Pipeline(tuple(policies.values()), names, self._on_passed)
+        self._gate = VelocityGate(self.spec)
+        self.pipeline = Pipeline(tuple(policies.values()), names, self._on_passed, self._gate)
         self.pipeline.revise(revision_of(stream))
         self.stop_controller = StopController(stream, self._send_message)
+        self.stop_controller.on_slowed = self._on_slowed
         self.on_state_change: Callable[[], None] = lambda: None
         self.measurement: StreamMeasurement | None = None
         self.latencies: LatencyStatistics | None = None
@@ -177,10 +188,13 @@ class GuardedStream:
 
     def _slow_down(self, now: int) -> None:
         """Repeat the last command more slowly, if it is now above a limit."""
-        limits = (policy.limit(now) for policy in self.override_policies.values())
-        limit = min((limit for limit in limits if limit is not None), default=None)
-        if limit is not None and self.stop_controller.moving_flow:
-            self.stop_controller.slow_down(limit, now)
+        for policy in self.override_policies.values():
+            if self.stop_controller.moving_flow:
+                self.stop_controller.slow_down(policy.bounded, now)
+
+    def _on_slowed(self, velocity: Velocity, now: int) -> None:
+        for policy in self.override_policies.values():
+            policy.note_sent(velocity, now)
 
     def on_action_done(self, _message: bytes = b"") -> None:
         """Know that the message in progress is done: the next one may go."""
@@ -201,14 +215,31 @@ class GuardedStream:
         self.stop_controller.brake(why, self._transport.now())
         self.recheck(self._transport.now())
 
-    def learn_codec(self, codec: "VelocityCodec") -> None:
-        """Learn how the velocities in the messages are laid out."""
+    def learn_codec(self, codec: "VelocityCodec | None") -> None:
+        """Learn how the velocities in the messages are laid out; None if nobody can read them."""
+        self._gate.learn(codec)
+        if codec is None:
+            return
         self._codec = codec
         self.stop_controller.learn(codec)
         if self.measurement:
             self.measurement.learn(codec)
         for policy in self.override_policies.values():
             policy.learn(codec)
+
+    def learn_numbers(self, check: Callable[[bytes], object]) -> None:
+        """Learn how to refuse commands whose floats are no numbers."""
+        self._gate.learn_numbers(check)
+
+    def forget_flow(self, flow: str) -> None:
+        """Let others drive, and stop the robot if nobody does: a flow has lost its publisher."""
+        if not self.stop_controller.is_ready:
+            return
+        now = self._transport.now()
+        self.pipeline.forget_flow(flow, now)
+        self.stop_controller.forget_flow(flow, now)
+        self._deadline_timer.run_due(now)
+        self._notify_state_change()
 
     def receive(self, flow: str, message: bytes) -> Verdict | None:
         """Let the pipeline decide about a message of a flow; None after an internal error."""

@@ -1,6 +1,7 @@
 """The endpoints of one stream: which publishers it accepts, and as which flow."""
 
 import logging
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
@@ -8,7 +9,7 @@ from typing import Protocol
 
 from rtron.guard.core.handover_state import HandoverState
 from rtron.guard.core.latched_messages import LatchedMessageFilter
-from rtron.guard.core.message_types import codec_of, standard_info
+from rtron.guard.core.message_types import codec_of, number_checker, standard_info
 from rtron.guard.core.observations import Observations
 from rtron.guard.core.printable import printable
 from rtron.guard.core.stream_outputs import StreamOutputs
@@ -20,7 +21,8 @@ from rtron.guard.transport.common.protocol import (
     Transport,
     TypeInfo,
 )
-from rtron.messages.common.velocity import VelocityCodec
+from rtron.messages.common.finite_numbers import NUMERIC_COMMAND_TYPES
+from rtron.messages.common.velocity import VELOCITY_TYPES, VelocityCodec
 from rtron.vocabulary import (
     UNAPPROVED,
     CoordinationKind,
@@ -30,6 +32,7 @@ from rtron.vocabulary import (
     StreamKind,
     flow_topic,
     matches_node,
+    normalise_type,
 )
 
 log = logging.getLogger(__name__)
@@ -55,8 +58,16 @@ class StreamListener(Protocol):
         """Take a message of a flow."""
         ...
 
-    def learn_codec(self, codec: VelocityCodec) -> None:
-        """Take the codec of the velocities in the stream's messages."""
+    def forget_flow(self, flow: str) -> None:
+        """Learn that a flow has lost its last publisher."""
+        ...
+
+    def learn_codec(self, codec: VelocityCodec | None) -> None:
+        """Take the codec of the velocities in the stream's messages; None if none can read them."""
+        ...
+
+    def learn_numbers(self, check: Callable[[bytes], object]) -> None:
+        """Take what refuses (WireError) messages with floats that are no numbers."""
         ...
 
 
@@ -96,6 +107,7 @@ class StreamEndpoints:
         self._rules = rules
         self._transport = context.transport
         self._dry_run = context.dry_run
+        self._publisher_counts: Counter[str] = Counter()
         self._latch_filter = LatchedMessageFilter(spec.topic, context.handover)
 
     def open(self) -> None:
@@ -104,8 +116,10 @@ class StreamEndpoints:
             self.outputs.open()
             for flow in self.spec.flows:
                 topic = flow_topic(self.spec.topic, flow.name)
-                self._subscribe(topic, partial(self._connect_flow, flow), (flow.publisher,))
-        self._subscribe(self.spec.topic, self._connect_public)
+                where = f"on the private topic of {flow.name}"
+                flow_of = partial(self._private_flow, flow)
+                self._subscribe(topic, flow_of, where, (flow.publisher,))
+        self._subscribe(self.spec.topic, self._public_flow, "under the public name")
 
     def update(self, spec: Stream, md5sum: str) -> None:
         """Go on with other settings, and rules for messages of this MD5 sum."""
@@ -147,36 +161,59 @@ class StreamEndpoints:
             self._learn_type(Peer("", info))
 
     def _subscribe(
-        self, topic: str, connect: ConnectHandler, publishers: tuple[str, ...] = ()
+        self,
+        topic: str,
+        flow_of: Callable[[Peer], Flow | None],
+        where: str,
+        publishers: tuple[str, ...] = (),
     ) -> None:
+        """Subscribe to a topic; `flow_of` returns the planned flow of a publisher, or None."""
         self._transport.subscribe(
             self._node,
             topic,
             self.spec.type,
-            connect,
+            lambda peer: self._connect(flow_of(peer), peer, where),
+            lambda peer: self._lose(flow_of(peer)),
             is_command=self._is_momentary,
             publishers=publishers,
         )
 
+    def _private_flow(self, flow: Flow, peer: Peer) -> Flow | None:
+        return flow if peer.verified and matches_node(flow.publisher, peer.node) else None
+
+    def _public_flow(self, peer: Peer) -> Flow | None:
+        """Return the flow of a publisher that is only watched: nobody was moved elsewhere."""
+        flows = self.spec.flows if self.spec.mode is Mode.OBSERVE else ()
+        return next((f for f in flows if matches_node(f.publisher, peer.node)), None)
+
+    def _connect(self, flow: Flow | None, peer: Peer, where: str) -> MessageHandler | None:
+        receive = self._connect_flow(flow, peer) if flow else self._connect_stranger(peer, where)
+        if receive is not None:
+            self._publisher_counts[_name_of(flow)] += 1
+        return receive
+
+    def _lose(self, flow: Flow | None) -> None:
+        """Look a moment later whether a flow has any publisher left: one may just be renewed."""
+        name = _name_of(flow)
+        self._publisher_counts[name] -= 1
+        if not self._publisher_counts[name]:
+            self._transport.call_at(self._transport.now(), partial(self._forget_if_lost, name))
+
+    def _forget_if_lost(self, name: str) -> None:
+        if not self._publisher_counts[name]:
+            self._listener.forget_flow(name)
+
     def _connect_flow(self, flow: Flow, peer: Peer) -> MessageHandler | None:
-        if not (peer.verified and matches_node(flow.publisher, peer.node)):
-            return self._connect_stranger(peer, f"on the private topic of {flow.name}")
         if not self._learn_type(peer):
             return None
+        if self.spec.mode is Mode.OBSERVE:
+            return self._receiver_for(flow.name, peer)
         self.outputs.set_latching(
             flow.name, latching=peer.latching and self._is_latched_state(peer)
         )
         if peer.qos:
             self.outputs.offer(flow.name, peer.qos)
         return self._receiver_for(flow.name, peer)
-
-    def _connect_public(self, peer: Peer) -> MessageHandler | None:
-        if self.spec.mode is Mode.OBSERVE:
-            known_flows = (f for f in self.spec.flows if matches_node(f.publisher, peer.node))
-            flow = next(known_flows, None)
-            if flow is not None:
-                return self._receiver_for(flow.name, peer) if self._learn_type(peer) else None
-        return self._connect_stranger(peer, "under the public name")
 
     def _connect_stranger(self, peer: Peer, where: str) -> MessageHandler | None:
         if not self.spec.block_unapproved and not self._learn_type(peer):
@@ -232,7 +269,12 @@ class StreamEndpoints:
             log.error(text, self.spec.topic, peer.node, peer.info.type)
             return False
         self.type_info = peer.info
-        codec = codec_of(peer.info, self._transport.encoding)
-        if codec:
-            self._listener.learn_codec(codec)
+        if normalise_type(peer.info.type) in VELOCITY_TYPES:
+            self._listener.learn_codec(codec_of(peer.info, self._transport.encoding))
+        elif normalise_type(peer.info.type) in NUMERIC_COMMAND_TYPES:
+            self._listener.learn_numbers(number_checker(peer.info, self._transport.encoding))
         return True
+
+
+def _name_of(flow: Flow | None) -> str:
+    return flow.name if flow else UNAPPROVED

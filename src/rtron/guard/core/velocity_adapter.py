@@ -33,6 +33,14 @@ class VelocityAdapter(ImmediatePolicy):
         """Return the speed (m/s) that the policy allows now."""
         return self._policy.limit(now)
 
+    def bounded(self, velocity: Velocity, now: int) -> Velocity:
+        """Return what of a velocity in force the policy allows now."""
+        return self._policy.bounded(velocity, now)
+
+    def note_sent(self, velocity: Velocity, now: int) -> None:
+        """Tell the policy what the guard itself has sent."""
+        self._policy.note_sent(velocity, now)
+
     def verdict(self, flow: str, message: object, now: int) -> Verdict:
         """Ask the policy about the velocity in `message`."""
         data: bytes = message  # type: ignore[assignment]
@@ -45,6 +53,10 @@ class VelocityAdapter(ImmediatePolicy):
     def refusal(self, flow: str, now: int, message: object = None) -> Verdict | None:
         """Return the policy's refusal, which does not depend on the message."""
         return self._policy.refusal(flow, now, message)
+
+    def forget_flow(self, flow: str, now: int) -> None:
+        """Tell the policy."""
+        self._policy.forget_flow(flow, now)
 
     def tick(self, now: int) -> Sequence[Release]:
         """Return the messages that go out again."""

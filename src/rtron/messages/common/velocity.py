@@ -16,7 +16,7 @@ from rtron.messages.common.layout import (
     skip_field,
     zero_body_size,
 )
-from rtron.vocabulary import Velocity
+from rtron.vocabulary import TWIST_COMPONENTS, Velocity
 
 _LARGEST: float = struct.unpack("<f", b"\xff\xff\x7f\x7f")[0]
 _SINGLE, _BITS = struct.Struct("<f"), struct.Struct("<I")
@@ -39,7 +39,7 @@ class _VelocityShape:
     is_limit: bool = False
 
 
-_TWIST = tuple(f"{part}.{axis}" for part in ("linear", "angular") for axis in "xyz")
+_TWIST = TWIST_COMPONENTS
 _DRIVE = ("steering_angle", "steering_angle_velocity", "speed", "acceleration", "jerk")
 _LIMIT = _VelocityShape(floats=("data",), is_limit=True)
 _SHAPES = {
@@ -98,6 +98,14 @@ class VelocityCodec:
         if self._has_only_velocity or all(map(math.isfinite, values)):
             return Velocity(values[self._linear], values[self._angular])
         return Velocity((_NAN,))
+
+    def is_finite(self, message: bytes) -> bool:
+        """Return whether all floats are numbers, as `decode` finds; WireError if it is malformed.
+
+        The sum is the quick answer: it is no number if one of them is none, or if they are huge.
+        """
+        values = self._unpack(message, self._find(message))
+        return math.isfinite(sum(values)) or all(map(math.isfinite, values))
 
     def encode(self, message: bytes, velocity: Velocity) -> bytes:
         """Return a copy of the message with this velocity; WireError as in `decode`.

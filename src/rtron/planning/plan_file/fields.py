@@ -11,7 +11,9 @@ from typing import Any, TypeVar, get_args, get_origin, get_type_hints
 
 from rtron.planning.plan_file.durations import MAX_DURATION
 from rtron.planning.plan_file.quantities import (
+    ACCELERATION,
     ANGULAR_DECELERATION,
+    ANGULAR_VELOCITY,
     DECELERATION,
     PER_FRAME,
     POSITION,
@@ -104,6 +106,7 @@ _TEXTS = {
     "source": TextFormat(_FRAME, "a frame like odom"),
     "target": TextFormat(_FRAME, "a frame like map"),
     "block": _FLOW,
+    "uses": TextFormat("(linear|angular)\\.[xyz]", "a component of a Twist like linear.x"),
     "require": TextFormat(rf"{_FLOW.pattern}?", _FLOW.description),
 }
 _ANY_DURATION = (0, MAX_DURATION)
@@ -121,6 +124,7 @@ _DURATIONS = {
     "period": (SECOND // 1000, SECOND),
     "Audit.period": (SECOND // 100, SECOND // 10),
     "repeat": _ANY_DURATION,
+    "within": (SECOND // 20, 10 * SECOND),
 }
 _RANGES = {
     "ros": (1, 2),
@@ -131,6 +135,9 @@ _RANGES = {
 _QUANTITIES = {
     "threshold": PER_FRAME,
     "max_vel_limit": VELOCITY,
+    "max_turn_limit": ANGULAR_VELOCITY,
+    "max_side_limit": VELOCITY,
+    "max_accel_limit": ACCELERATION,
     "lowest": VELOCITY,
     "decel": DECELERATION,
     "angular_decel": ANGULAR_DECELERATION,

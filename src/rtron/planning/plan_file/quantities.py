@@ -80,7 +80,15 @@ VELOCITY = Quantity(
     maximum=1000,
     min_nonzero=1e-6,
 )
+ANGULAR_VELOCITY = Quantity(
+    "angular velocity",
+    {"rad/s": Fraction(1), "deg/s": _DEGREE},
+    minimum=0,
+    maximum=1000,
+    min_nonzero=1e-6,
+)
 PER_FRAME = Quantity("distance per frame", _metric("/frame"), minimum=1e-6, maximum=1000)
+ACCELERATION = Quantity("acceleration", _squared("m", Fraction(1)), minimum=0.01, maximum=1000)
 DECELERATION = Quantity("deceleration", _squared("m", Fraction(1)), minimum=0.01, maximum=1000)
 ANGULAR_DECELERATION = Quantity(
     "angular deceleration",

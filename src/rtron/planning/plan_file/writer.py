@@ -33,6 +33,7 @@ _SECTIONS = {
 # Priority_Queue and FIFO_Queue: one at a time, the others wait. Block: each flow has a bit.
 # A flow that moved the robot and is silent for `silent_after` stops it (`on_silence: release`
 # does not); so does a message that cannot be judged (`on_error: drop` only drops it).
+# `uses: [linear.x, angular.z]`: all that the base obeys of a Twist. The rest is set to 0.
 # The goals of an action (type pkg/NameActionGoal) stand for all five of its topics.
 """,
     "rsrcn": """
@@ -40,6 +41,7 @@ _SECTIONS = {
 # (iflows) and decides about the velocities (vflows).
 # Safe: at most `threshold` (0.02 m/frame) times the least rate, `lowest` where one is silent.
 # Constrain: at most `max_vel_limit` (0.22 m/s). Safe+Constrain: the lower of the two.
+# Beside them: `max_turn_limit` (1.5 rad/s), `max_side_limit` (0.1 m/s), `max_accel_limit` (1 m/s2).
 # `mandatory: Constrain`: the end user can then select what includes it only, and lower the limit.
 """,
     "msrcn": """
@@ -65,8 +67,8 @@ _SECTIONS = {
 # scene then looks like a slow node.
 """,
     "stop": """
-# How the guard stops the robot: a ramp of at most `decel` and `angular_decel`, a message every
-# `period`, zeros for `repeat`, then nothing.
+# How the guard stops the robot: a ramp of at most `decel` and `angular_decel`, but at rest `within`
+# (1 s) in any case, a message every `period`, zeros for `repeat`, then nothing.
 """,
     "audit": """
 # How often the guard asks each guarded node who speaks to it, and whether it only raises an alarm

@@ -120,6 +120,15 @@ class MessageQueue:
         if held:
             self._drop_held(held, why)
 
+    def forget_flow(self, flow: str, now: int) -> None:
+        """End the turn of a flow that gives commands, and drop what it wanted; goals stay."""
+        if not self._is_command:
+            return
+        if held := self._held.latest(flow):
+            self._drop_held(held, f"{flow} has lost its publisher")
+        self._lease.forget(flow, now)
+        self._advance(now)
+
     def tick(self, now: int) -> Sequence[Release]:
         """Let time pass, then let go whose turn it is; return everything that leaves."""
         self._advance(now)

@@ -35,6 +35,10 @@ class OutputLease(Protocol):
         """End what is over by `now`."""
         ...
 
+    def forget(self, flow: str, now: int) -> None:
+        """Take `flow` for silent from `now` on."""
+        ...
+
     def release(self, now: int) -> None:
         """Let the owner's turn be over for the next `expire`: what it had to do is done."""
         ...
@@ -110,6 +114,11 @@ class ExclusiveLease:
         """End the turn if its flow fell silent or is overdue."""
         if self._owner is not None and now >= self._expires_at:
             self._owner = None
+
+    def forget(self, flow: str, now: int) -> None:
+        """End the turn if it is the flow's."""
+        if self._owner is not None and self._owner.name == flow:
+            self._expires_at = now
 
     def release(self, now: int) -> None:  # noqa: ARG002
         """End the turn."""

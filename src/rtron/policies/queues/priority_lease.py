@@ -57,6 +57,10 @@ class PriorityLease:
         if self._owner and now >= self._owner.expires_at:
             self._owner = None
 
+    def forget(self, flow: str, now: int) -> None:
+        """Take the flow for silent."""
+        self._active_flows.forget(flow, now)
+
     def release(self, now: int) -> None:
         """Take the owner for silent."""
         if self._owner:

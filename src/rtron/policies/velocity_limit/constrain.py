@@ -4,7 +4,9 @@
 
 A velocity above `max_vel_limit` is scaled down to it as a whole, angular part included, so that the
 robot follows the same curve more slowly. On the topic of a maximal velocity (`max_vel`), a value
-above the limit is replaced by the limit. What is within the limit passes untouched.
+above the limit is replaced by the limit. What is within the limit passes untouched. The limits of
+turning and of driving sideways scale a velocity in the same way. The limit of acceleration holds
+back a speed that rises, never one that falls.
 
 NaN and Inf are dropped, and so is a negative maximal velocity. A limit of 0 stops the robot: with
 the stop wave, and nothing passes.
@@ -19,6 +21,9 @@ slow, whatever the app believes. The end user selects it and sets the limit.
 | setting | of | meaning |
 |---|---|---|
 | `max_vel_limit` | the RSRCN | the limit, in m/s or with a unit |
+| `max_turn_limit` | the RSRCN | the limit of turning, in rad/s (none) |
+| `max_side_limit` | the RSRCN | the limit of driving sideways, in m/s (none) |
+| `max_accel_limit` | the RSRCN | how fast the speed may rise (m/s2; none) |
 | `priority` | each vflow | the higher goes first; all the same: no order |
 | `block` | each vflow | the flow's messages are dropped |
 | `on_error` | each vflow | what a message that cannot be judged does: `stop` the robot, or `drop` |

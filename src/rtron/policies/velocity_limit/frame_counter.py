@@ -1,6 +1,7 @@
 """How many frames a second an image node processes: a sliding window on a steady clock.
 
-`speed_limits.py` makes a limit of it.
+`speed_limits.py` makes a limit of it. The rate is never above one frame in the longest gap of the
+window: a late frame does not bring back the frames that did not come before it.
 
 A stamp says which frame a message is about: one that was counted within the window is not counted
 again, and the newest never, so that a frozen picture is no frame. A stamp of 0 says nothing; such a
@@ -17,15 +18,46 @@ MAX_FPS = 1000
 NO_STAMP = 0
 
 
+class LongestGap:
+    """The longest time between two frames, of those that ended at most `window` ns before the last.
+
+    None counts as longer than the window: after a silence the rate begins at one frame in it.
+    """
+
+    __slots__ = ("_last", "_longest_first", "_window")
+
+    def __init__(self, window: int) -> None:
+        self._window = window
+        self._last: int | None = None
+        self._longest_first: deque[tuple[int, int]] = deque()
+
+    def add_frame(self, now: int) -> None:
+        """Note a frame at `now`; a gap that is followed by a longer one no longer matters."""
+        if self._last is not None:
+            gap = min(now - self._last, self._window)
+            while self._longest_first and self._longest_first[-1][1] <= gap:
+                self._longest_first.pop()
+            self._longest_first.append((now, gap))
+            while now - self._longest_first[0][0] >= self._window:
+                self._longest_first.popleft()
+        self._last = now
+
+    @property
+    def longest(self) -> int:
+        """The longest gap (ns), 0 if there is none; it changes with a frame only."""
+        return self._longest_first[0][1] if self._longest_first else 0
+
+
 class FrameCounter:
     """The frames of the last `window` ns."""
 
-    __slots__ = ("_frames", "_latest", "_max_frames", "_stamps", "_window")
+    __slots__ = ("_frames", "_gaps", "_latest", "_max_frames", "_stamps", "_window")
 
     def __init__(self, window: int) -> None:
         self._window = window
         self._max_frames = max(1, window * MAX_FPS // SECOND)
         self._frames: deque[tuple[int, int]] = deque()
+        self._gaps = LongestGap(window)
         self._stamps: set[int] = set()
         self._latest = NO_STAMP
 
@@ -37,6 +69,7 @@ class FrameCounter:
         if stamp != NO_STAMP and stamp == self._latest:
             return False
         self._frames.append((now, stamp))
+        self._gaps.add_frame(now)
         self._latest = stamp
         if stamp != NO_STAMP:
             self._stamps.add(stamp)
@@ -45,15 +78,16 @@ class FrameCounter:
     def rate(self, now: int) -> float:
         """Return the rate at `now`, frames a second.
 
-        It is what the window holds, and never more than one frame in the time since the last, so
-        the rate falls as soon as frames stop coming.
+        It is what the window holds, and never more than one frame in the time since the last or in
+        the longest gap, so the rate falls as soon as a frame does not come, and stays there.
         """
         self._remove_expired(now)
         age = self.last_frame_age(now)
         if age is None:
             return 0.0
         counted = len(self._frames) * SECOND / self._window
-        return min(counted, SECOND / age) if age else counted
+        longest = max(age, self._gaps.longest)
+        return min(counted, SECOND / longest) if longest else counted
 
     def last_frame_age(self, now: int) -> int | None:
         """Return the time since the last frame, ns; None if the window holds none."""

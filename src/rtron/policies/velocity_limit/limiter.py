@@ -14,6 +14,7 @@ from rtron.policies.active_flows import ActiveFlows
 from rtron.policies.policy import ImmediatePolicy, Release
 from rtron.policies.state_machine import StateMachine, TableEnum, TransitionEffect, TransitionTable
 from rtron.policies.state_transfer import PolicyState, VelocityRequest
+from rtron.policies.velocity_limit.motion_bounds import AccelerationLimit, MotionBounds
 from rtron.policies.verdicts import (
     FlowFilter,
     VerdictCache,
@@ -102,6 +103,8 @@ class VelocityLimiter(ImmediatePolicy):
     def __init__(self, settings: PolicySettings, source: LimitSource) -> None:
         self._filter = FlowFilter(settings)
         self._source = source
+        self._bounds = MotionBounds(settings)
+        self._acceleration = AccelerationLimit(settings)
         self._pass = VerdictCache(settings, Decision.PASS)
         self._drop = VerdictCache(settings, Decision.DROP)
         self._modify = VerdictCache(settings, Decision.MODIFY)
@@ -141,6 +144,19 @@ class VelocityLimiter(ImmediatePolicy):
         """Return the speed (m/s) that is not to be exceeded at `now`."""
         return self._source.at(now).speed
 
+    def bounded(self, velocity: Velocity, now: int) -> Velocity:
+        """Return what of a velocity in force may go on at `now`."""
+        return self._within_limits(velocity, self._source.at(now))[0]
+
+    def note_sent(self, velocity: Velocity, now: int) -> None:
+        """Note that the guard itself has sent a velocity at `now`, to slow or stop the robot."""
+        self._acceleration.note_sent(velocity, now)
+
+    def forget_flow(self, flow: str, now: int) -> None:
+        """Let the lower flows speak at once."""
+        if self._active_flows:
+            self._active_flows.forget(flow, now)
+
     def tick(self, now: int) -> Sequence[Release]:
         """Let what was asked for last go out again if the limit has changed."""
         self._now = now
@@ -150,15 +166,14 @@ class VelocityLimiter(ImmediatePolicy):
         self._schedule_check(now)
         if not self.reissues:
             return ()
-        limit = self._source.at(now)
-        velocity = request.requested.at_most(limit.speed)
+        velocity, reason = self._within_limits(request.requested, self._source.at(now))
         if velocity == request.sent:
             return ()
         self._machine.step(
             LimitInput.FREED if velocity is request.requested else LimitInput.CHANGED
         )
         restores, request.sent = velocity.speed > request.sent.speed, velocity
-        return (Release(velocity, self._modified_verdict(request, limit), restores),)
+        return (Release(velocity, self._modified_verdict(request, reason), restores),)
 
     def reevaluate(self, now: int) -> None:
         """Look at what was asked for last again, all of which has gone on meanwhile."""
@@ -176,6 +191,7 @@ class VelocityLimiter(ImmediatePolicy):
             velocity_request=VelocityRequest(request.flow, request.requested, request.sent)
             if request
             else None,
+            last_sent=self._acceleration.last_sent,
         )
 
     def restore_state(self, state: PolicyState, now: int) -> Sequence[Release]:
@@ -190,7 +206,10 @@ class VelocityLimiter(ImmediatePolicy):
             self._active_flows.restore(self._last_message_times)
         if state.velocity_request:
             self._adopt_request(state.velocity_request)
+            self._acceleration.note_sent(state.velocity_request.sent, now)
             self._due = now
+        if state.last_sent:
+            self._acceleration.note_sent(*state.last_sent)
         return ()
 
     def revise(self, revision: int) -> None:
@@ -219,14 +238,23 @@ class VelocityLimiter(ImmediatePolicy):
         if self._stops_everything(limit):
             self._machine.step(LimitInput.REST)
             return self._drop.get(flow, _stopped_reason(limit))
-        velocity = requested.at_most(limit.speed)
+        velocity, reason = self._within_limits(requested, limit)
+        if not self.reissues:
+            velocity, slow_reason = self._acceleration.apply(velocity, now)
+            reason = slow_reason or reason
+            self._acceleration.note_sent(velocity, now)
         self._last_request = request = _Request(flow, requested, velocity)
         self._schedule_check(now)
         if velocity is requested:
             self._machine.step(LimitInput.BELOW)
-            return self._pass.get(flow, f"within {limit.reason}")
+            return self._pass.get(flow, f"within {reason}")
         self._machine.step(LimitInput.ABOVE)
-        return self._modified_verdict(request, limit)
+        return self._modified_verdict(request, reason)
+
+    def _within_limits(self, requested: Velocity, limit: SpeedLimit) -> tuple[Velocity, str]:
+        """Return the velocity within all limits but that of acceleration, and the tightest."""
+        velocity, reason = self._bounds.apply(requested.at_most(limit.speed))
+        return velocity, reason or limit.reason
 
     def _schedule_check(self, now: int) -> None:
         self._due = now + REISSUE_PERIOD if self._source.is_variable else None
@@ -235,9 +263,9 @@ class VelocityLimiter(ImmediatePolicy):
         """Tell whether nothing passes: a limit of 0, but for who asks what the limit is."""
         return limit.speed == 0 and not self.reissues
 
-    def _modified_verdict(self, request: _Request, limit: SpeedLimit) -> Verdict:
+    def _modified_verdict(self, request: _Request, reason: str) -> Verdict:
         relation = "within" if request.sent is request.requested else "limited to"
-        return self._modify.create(request.flow, f"{relation} {limit.reason}", request.sent)
+        return self._modify.create(request.flow, f"{relation} {reason}", request.sent)
 
     def _higher_flow_reason(self, flow: str, now: int) -> str:
         """Return why a message of `flow` must not go: a flow of higher priority has spoken."""

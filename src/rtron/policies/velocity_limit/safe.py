@@ -9,9 +9,11 @@ velocity the value asked for last goes out again whenever the limit changes, ten
 most.
 
 The frame rate is measured by the fps_monitors, from what the image nodes publish for each frame:
-the frames of a sliding window, never more than one in the time since the last, never more than the
-camera's own. When an image node falls silent, the limit is `lowest`, not the last one: by default
-0, and the robot is stopped with the stop wave.
+the frames of a sliding window, never more than one in the time since the last or in the longest gap
+of the window, never more than the camera's own. So a late frame lowers the limit at once, and the
+next ones do not lift it again as long as the gap is in the window. After that the limit rises by
+`max_accel_limit`, or by 0.5 m/s2 where the plan has none. When an image node falls silent, the
+limit is `lowest`, not the last one: by default 0, and the robot is stopped with the stop wave.
 
 ## When to use it
 
@@ -24,6 +26,9 @@ slows the robot down instead of blinding it. The developer sets the threshold.
 |---|---|---|
 | `threshold` | the RSRCN | metres per frame |
 | `lowest` | the RSRCN | the limit while an image node is silent, or before it speaks (0 m/s) |
+| `max_turn_limit` | the RSRCN | the limit of turning, in rad/s (none) |
+| `max_side_limit` | the RSRCN | the limit of driving sideways, in m/s (none) |
+| `max_accel_limit` | the RSRCN | how fast the speed may rise, in m/s2 (none), and the limit (0.5) |
 | `window` | each fps_monitor | what the rate is measured over (1 s) |
 | `silent_after` | each fps_monitor | the time without a frame after which it is silent (1 s) |
 | `priority` | each vflow | the higher goes first; all the same: no order |

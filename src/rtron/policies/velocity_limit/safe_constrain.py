@@ -15,6 +15,7 @@ Where the developer's Safe holds at all times and the end user asks for less in 
 | `threshold` | the RSRCN | metres per frame |
 | `lowest` | the RSRCN | the limit while an image node is silent (0 m/s) |
 | `max_vel_limit` | the RSRCN | the end user's limit |
+| `max_turn_limit`, `max_side_limit`, `max_accel_limit` | the RSRCN | as in Safe |
 | `priority`, `block`, `on_error` | each vflow | as in Safe |
 
 ## States

@@ -22,6 +22,13 @@ from rtron.vocabulary import (
 )
 
 _SILENT_AFTER = SECOND // 2
+_LIMIT_UNITS = {
+    "threshold": "m/frame",
+    "max_vel_limit": "m/s",
+    "max_turn_limit": "rad/s",
+    "max_side_limit": "m/s",
+    "max_accel_limit": "m/s2",
+}
 _BY_RATE = (PolicyName.SAFE, PolicyName.SAFE_CONSTRAIN)
 
 
@@ -77,11 +84,11 @@ def describe_rule(rule: MissionRule) -> str:
 
 def describe_limit(rsrcn: RSRCN) -> tuple[str, ...]:
     """Return the limits of an RSRCN that are given, whether its policy uses them or not."""
-    found = []
-    if rsrcn.threshold is not None:
-        found.append(f"threshold {rsrcn.threshold:g} m/frame")
-    if rsrcn.max_vel_limit is not None:
-        found.append(f"max_vel_limit {rsrcn.max_vel_limit:g} m/s")
+    found = [
+        f"{name} {value:g} {unit}"
+        for name, unit in _LIMIT_UNITS.items()
+        if (value := getattr(rsrcn, name)) is not None
+    ]
     if rsrcn.policy in _BY_RATE or rsrcn.lowest:
         found.append(f"{rsrcn.lowest:g} m/s while an image node is silent")
     return tuple(found)
@@ -112,7 +119,8 @@ def describe_transform(one: Transform) -> str:
 def describe_stop(stop: StopProfile) -> str:
     """Return how the robot is stopped."""
     ramp = f"a ramp of {stop.decel:g} m/s2 and {stop.angular_decel:g} rad/s2"
-    return f"{ramp}, every {seconds(stop.period)}, then zeros for {seconds(stop.repeat)}"
+    rest = f"at rest within {seconds(stop.within)}, then zeros for {seconds(stop.repeat)}"
+    return f"{ramp}, every {seconds(stop.period)}, {rest}"
 
 
 def describe_audit(audit: Audit) -> str:
