@@ -28,6 +28,9 @@ if TYPE_CHECKING:
 
 log = logging.getLogger(__name__)
 
+_MAX_BYTES = 1 << 20
+"""What is taken at a time: more of it would keep commands waiting."""
+
 
 class DataReader:
     """Reads publishers of one QoS; `on_message` takes the reader, the GID and the message.
@@ -73,15 +76,18 @@ class DataReader:
         self._node.destroy_subscription(self._subscription)
         self._event_fd.stop()
 
-    def _on_count(self, count: int) -> None:
-        for _ in range(count):
+    def _on_count(self, count: int) -> int:
+        """Take some messages, fewer of large ones; return how many are left to take."""
+        size = 0
+        while count and size < _MAX_BYTES:
             message_and_gid = self._rcl.take(self._pointer) if self._pointer else None
             if message_and_gid is None:
-                return
+                return 0
             message, gid = message_and_gid
-            if self._lateness and self._is_late(self._lateness, gid):
-                continue
-            self._deliver(gid, self._numbered(gid, message) if self._adds_numbers else message)
+            count, size = count - 1, size + len(message)
+            if not (self._lateness and self._is_late(self._lateness, gid)):
+                self._deliver(gid, self._numbered(gid, message) if self._adds_numbers else message)
+        return count
 
     def _numbered(self, gid: bytes, message: bytes) -> bytes:
         number = self._rcl.sequence_number

@@ -17,9 +17,12 @@ _MAX_COUNT = 64
 
 
 class EventFd:
-    """Calls `on_count(count)`, at most 64 at a time, so that a flood does not block the loop."""
+    """Calls `on_count(count)`, at most 64 at a time, so that a flood does not block the loop.
 
-    def __init__(self, loop: EventLoop, on_count: Callable[[int], None]) -> None:
+    It may return how many it left for later, behind other events of the loop.
+    """
+
+    def __init__(self, loop: EventLoop, on_count: Callable[[int], int | None]) -> None:
         self._loop = loop
         self._on_count = on_count
         self.fd = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
@@ -42,14 +45,14 @@ class EventFd:
     def _on_readable(self) -> None:
         """Pass on the count; after a failure count the rest again, so that no message stays."""
         count = os.eventfd_read(self.fd)
-        if count > _MAX_COUNT:
-            os.eventfd_write(self.fd, count - _MAX_COUNT)
+        now = min(count, _MAX_COUNT)
+        left = now - 1
         try:
-            self._on_count(min(count, _MAX_COUNT))
-        except Exception:
-            if count > 1 and self.fd >= 0:
-                os.eventfd_write(self.fd, min(count, _MAX_COUNT) - 1)
-            raise
+            left = self._on_count(now) or 0
+        finally:
+            left += count - now
+            if left and self.fd >= 0:
+                os.eventfd_write(self.fd, left)
 
     def _on_error(self, error: Exception) -> None:
         log.error("an event of ROS 2 could not be handled: %s", error)
