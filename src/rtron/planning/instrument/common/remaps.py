@@ -109,6 +109,13 @@ def stream_role(node: LaunchNode, stream: Stream) -> StreamRole | None:
     return _role_by_name(node.name, stream) or (_role_by_name(manager, stream) if manager else None)
 
 
+def planned_nodes(enforced: tuple[Stream, ...]) -> tuple[str, ...]:
+    """Return the nodes that have a side in an enforced stream, as the plan names them, each once."""
+    publishers = [flow.publisher for stream in enforced for flow in stream.flows]
+    successors = [node for stream in enforced for node in stream.successors]
+    return tuple(dict.fromkeys((*publishers, *successors)))
+
+
 def private_names(name: str, enforced: tuple[Stream, ...]) -> Mapping[str, str]:
     """Return all private names of a node by the public ones; `name` is as in a plan."""
     roles = filter(None, (_role_by_name(name, stream) for stream in enforced))
