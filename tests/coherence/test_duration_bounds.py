@@ -105,9 +105,7 @@ def doubts(plan):
 @pytest.mark.parametrize("key", ["release_after", "max_age"])
 def test_long_waits_of_commands_are_doubted(key):
     def plan(value, **more):
-        return plan_of(
-            grcn("/t", ["/a"], [], policy=PolicyName.PREEMPTION, **{key: value}, **more)
-        )
+        return plan_of(grcn("/t", ["/a"], [], policy=PolicyName.PREEMPTION, **{key: value}, **more))
 
     assert doubts(plan(LONG_SILENCE)) == []
     (doubt,) = doubts(plan(LONG_SILENCE + SECOND))

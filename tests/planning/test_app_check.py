@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 from home import HOME
 
-from rtron.planning import ProblemLevel, check_plan, propose_plan
+from rtron.planning import check_plan, propose_plan
 from rtron.risks import discover_risks
 from rtron.vocabulary import (
     EventFlow,

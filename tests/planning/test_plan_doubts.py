@@ -14,7 +14,6 @@ from rtron.vocabulary import (
     Mode,
     Node,
     PolicyName,
-    StreamKind,
 )
 
 

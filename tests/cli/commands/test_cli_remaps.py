@@ -84,6 +84,8 @@ def test_they_are_those_of_the_guarded_launch(rtron, plan_file, tmp_path):
     out = tmp_path / "guarded.launch"
     words = ("instrument", tmp_path / "app.launch", "--plan", plan_file, "-o", out)
     instrumented = json.loads(rtron(*words, "--format", "json").out)
-    placed = {each["node"]: [f"{each['topic']}:={each['target']}"] for each in instrumented["remaps"]}
+    placed = {
+        each["node"]: [f"{each['topic']}:={each['target']}"] for each in instrumented["remaps"]
+    }
     assert placed
     assert listed(rtron, "--plan", plan_file) == placed

@@ -17,7 +17,6 @@ from rtron.vocabulary import (
     GRCN,
     MSRCN,
     RSRCN,
-    SECOND,
     Area,
     Audit,
     Domain,

@@ -1,7 +1,7 @@
 """The endpoints of one stream: which publishers it accepts, and as which flow."""
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Protocol
@@ -11,11 +11,12 @@ from rtron.guard.core.latched_messages import LatchedMessageFilter
 from rtron.guard.core.message_types import codec_of, standard_info
 from rtron.guard.core.observations import Observations
 from rtron.guard.core.printable import printable
-from rtron.guard.core.stream_outputs import StreamOutputs
+from rtron.guard.core.stream_outputs import StreamOutputs, keeps_all
 from rtron.guard.core.stream_settings import rules_md5sum
 from rtron.guard.transport.common.protocol import (
     ConnectHandler,
     MessageHandler,
+    MissedHandler,
     Peer,
     Transport,
     TypeInfo,
@@ -53,6 +54,10 @@ class StreamListener(Protocol):
 
     def receive(self, flow: str, message: bytes) -> object:
         """Take a message of a flow."""
+        ...
+
+    def count_lost(self, flow: str, number: int) -> None:
+        """Count messages of a flow that were lost before the guard."""
         ...
 
     def learn_codec(self, codec: VelocityCodec) -> None:
@@ -104,8 +109,11 @@ class StreamEndpoints:
             self.outputs.open()
             for flow in self.spec.flows:
                 topic = flow_topic(self.spec.topic, flow.name)
-                self._subscribe(topic, partial(self._connect_flow, flow), (flow.publisher,))
-        self._subscribe(self.spec.topic, self._connect_public)
+                missed = partial(self._on_missed, (flow,))
+                connect = partial(self._connect_flow, flow)
+                self._subscribe(topic, connect, missed, (flow.publisher,))
+        flows = self.spec.flows if self.spec.mode is Mode.OBSERVE else ()
+        self._subscribe(self.spec.topic, self._connect_public, partial(self._on_missed, flows))
 
     def update(self, spec: Stream, md5sum: str) -> None:
         """Go on with other settings, and rules for messages of this MD5 sum."""
@@ -147,7 +155,11 @@ class StreamEndpoints:
             self._learn_type(Peer("", info))
 
     def _subscribe(
-        self, topic: str, connect: ConnectHandler, publishers: tuple[str, ...] = ()
+        self,
+        topic: str,
+        connect: ConnectHandler,
+        on_missed: MissedHandler,
+        publishers: tuple[str, ...] = (),
     ) -> None:
         self._transport.subscribe(
             self._node,
@@ -156,7 +168,16 @@ class StreamEndpoints:
             connect,
             is_command=self._is_momentary,
             publishers=publishers,
+            queue_size=self.spec.queue_size,
+            keep_all=keeps_all(self.spec),
+            on_missed=on_missed,
         )
+
+    def _on_missed(self, flows: Sequence[Flow], peer: Peer, number: int) -> None:
+        """Count lost messages for the flow of their publisher, which is one of `flows`."""
+        approved = (flow.name for flow in flows if matches_node(flow.publisher, peer.node))
+        name = next(approved, UNAPPROVED) if peer.verified else UNAPPROVED
+        self._listener.count_lost(name, number)
 
     def _connect_flow(self, flow: Flow, peer: Peer) -> MessageHandler | None:
         if not (peer.verified and matches_node(flow.publisher, peer.node)):

@@ -10,11 +10,13 @@ from rtron.guard.transport.common.protocol import (
     IsCommand,
     LostHandler,
     MessageHandler,
+    MissedHandler,
     Output,
     Peer,
     TypeInfo,
     accept_any_age,
     ignore_lost,
+    ignore_missed,
 )
 from rtron.messages.common.encoding import Encoding
 from rtron.vocabulary import QoS, normalise_type
@@ -32,6 +34,7 @@ class MemoryTransport:
         self._sequence = count()
         self._timers: list[tuple[int, int, Callable[[], None]]] = []
         self._subscribers: dict[str, list[tuple[ConnectHandler, LostHandler]]] = defaultdict(list)
+        self._missed_handlers: dict[str, list[MissedHandler]] = defaultdict(list)
         self._lost_handlers: dict[tuple[str, Peer], list[LostHandler]] = defaultdict(list)
         self._listeners: dict[str, list[list[bytes]]] = defaultdict(list)
         self.outputs: dict[str, MemoryOutput] = {}
@@ -67,10 +70,11 @@ class MemoryTransport:
         type: str,
         *,
         queue_size: int = 100,
+        keep_all: bool = False,
         successors: tuple[str, ...] = (),
     ) -> Output:
         """Publish `topic` as `node`; messages never wait here, so `queue_size` has no effect."""
-        del node, queue_size, successors
+        del node, queue_size, keep_all, successors
         listeners = self._listeners[topic]
         self.outputs[topic] = MemoryOutput(
             type, listeners, lambda node: node not in self.unreachable
@@ -87,10 +91,14 @@ class MemoryTransport:
         *,
         is_command: IsCommand = accept_any_age,
         publishers: tuple[str, ...] = (),
+        queue_size: int = 100,
+        keep_all: bool = False,
+        on_missed: MissedHandler = ignore_missed,
     ) -> None:
         """Subscribe `topic`; outside publishers that come later are offered to `on_connect`."""
-        del node, type, is_command, publishers
+        del node, type, is_command, publishers, queue_size, keep_all
         self._subscribers[topic].append((on_connect, on_lost))
+        self._missed_handlers[topic].append(on_missed)
 
     def link_nodes(self, publisher: str, subscriber: str, topic: str, type: str) -> Output:
         """Connect two nodes of the guard; `listen` shows the messages between them."""
@@ -111,6 +119,11 @@ class MemoryTransport:
                 receive(message)
 
         return publish
+
+    def miss(self, topic: str, peer: Peer, count: int) -> None:
+        """Lose messages of an outside publisher."""
+        for on_missed in self._missed_handlers[topic]:
+            on_missed(peer, count)
 
     def leave(self, topic: str, peer: Peer) -> None:
         """End an outside publisher's connections."""
@@ -133,6 +146,7 @@ class MemoryOutput:
         self.type = normalise_type(type)
         self.is_subscribed_by = is_subscribed_by
         self.info: TypeInfo | None = None
+        self.lost = 0
         self.latched: dict[str, bytes] = {}
         self.offered_qos: dict[str, QoS] = {}
         self._listeners = listeners

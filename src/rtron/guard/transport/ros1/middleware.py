@@ -10,10 +10,12 @@ from rtron.guard.transport.common.protocol import (
     ConnectHandler,
     IsCommand,
     LostHandler,
+    MissedHandler,
     Output,
     TypeInfo,
     accept_any_age,
     ignore_lost,
+    ignore_missed,
 )
 from rtron.guard.transport.ros1.handshake import TopicRequest
 from rtron.guard.transport.ros1.node import Ros1Node
@@ -62,9 +64,11 @@ class Ros1Transport:
         type: str,
         *,
         queue_size: int = 100,
+        keep_all: bool = False,
         successors: tuple[str, ...] = (),
     ) -> Output:
-        """Publish `topic` as `node`; see `Transport`."""
+        """Publish `topic` as `node`; see `Transport`. In ROS 1 nobody is reliable but TCP."""
+        del keep_all
         publication = _TypedPublication(
             node, topic, type, self.now, queue_size=queue_size, successors=successors
         )
@@ -84,9 +88,15 @@ class Ros1Transport:
         *,
         is_command: IsCommand = accept_any_age,
         publishers: tuple[str, ...] = (),
+        queue_size: int = 100,
+        keep_all: bool = False,
+        on_missed: MissedHandler = ignore_missed,
     ) -> None:
-        """Subscribe `topic` as `node`; see `Transport`. ROS 1 does not know the age of messages."""
-        del is_command, publishers
+        """Subscribe `topic` as `node`; see `Transport`.
+
+        ROS 1 knows neither the age of messages nor what a publisher's queue has dropped.
+        """
+        del is_command, publishers, queue_size, keep_all, on_missed
         request = TopicRequest(node, topic, type, self.master)
         link = link_factory(self._loop, self._create_workers(topic), request, on_connect, on_lost)
         self._subscribe(node, Subscription(topic, type, link))

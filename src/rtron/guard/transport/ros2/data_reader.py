@@ -7,31 +7,33 @@ from time import time_ns
 from typing import TYPE_CHECKING
 
 from rclpy.event_handler import SubscriptionEventCallbacks
+from rclpy.qos import DurabilityPolicy
 
 from rtron.guard.core.log_throttle import LogThrottle
 from rtron.guard.core.out_of_memory import exit_out_of_memory
 from rtron.guard.transport.common.protocol import NumberedMessage
 from rtron.guard.transport.ros2.event_fd import EventFd
 from rtron.guard.transport.ros2.lateness import LatenessDetector
-from rtron.guard.transport.ros2.qos import requested_profile
-from rtron.vocabulary import Durability
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from rclpy.node import Node
+    from rclpy.qos import QoSProfile
 
     from rtron.guard.transport.ros2.context import TransportContext
-    from rtron.vocabulary import QoS
 
-    DataHandler = Callable[["DataReader", bytes, bytes], None]
+    DataHandler = Callable[["DataReader", bytes, bytes, int | None], None]
 
 log = logging.getLogger(__name__)
 
 
 class DataReader:
-    """Reads publishers of one QoS; `on_message` takes the reader, the GID and the message.
+    """Reads publishers of one QoS, with `profile`.
 
+    `on_message` takes the reader, the GID, the message, and its DDS sequence number if there is one.
+    `on_replaced` takes how many messages arrived, and were replaced by newer ones before they were
+    taken.
     Transient-local messages get their numbers, since DDS sends them again to every new reader.
     Messages of an `is_command` reader are dropped if they are late.
     """
@@ -41,25 +43,27 @@ class DataReader:
         node: Node,
         cls: type,
         topic: str,
-        qos: QoS,
+        profile: QoSProfile,
         context: TransportContext,
         on_message: DataHandler,
+        on_replaced: Callable[[int], None],
         *,
         is_command: bool,
     ) -> None:
         self._node = node
         self._rcl = context.rcl
         self._on_message = on_message
+        self._on_replaced = on_replaced
         self._topic = topic
         self._now = context.loop.now
         self._lateness = LatenessDetector() if is_command else None
         self._log_throttle = LogThrottle()
-        self._adds_numbers = qos.durability is Durability.TRANSIENT_LOCAL
+        self._adds_numbers = profile.durability is DurabilityPolicy.TRANSIENT_LOCAL
         self._subscription = node.create_subscription(
             cls,
             topic,
             lambda _message: None,
-            requested_profile(qos),
+            profile,
             raw=True,
             event_callbacks=SubscriptionEventCallbacks(use_default_callbacks=False),
         )
@@ -74,9 +78,10 @@ class DataReader:
         self._event_fd.stop()
 
     def _on_count(self, count: int) -> None:
-        for _ in range(count):
+        for left in range(count, 0, -1):
             message_and_gid = self._rcl.take(self._pointer) if self._pointer else None
             if message_and_gid is None:
+                self._on_replaced(left)
                 return
             message, gid = message_and_gid
             if self._lateness and self._is_late(self._lateness, gid):
@@ -99,7 +104,7 @@ class DataReader:
     def _deliver(self, gid: bytes, message: bytes) -> None:
         """Pass on a message; one that fails must not leave those behind it unread."""
         try:
-            self._on_message(self, gid, message)
+            self._on_message(self, gid, message, self._rcl.sequence_number)
         except MemoryError:
             exit_out_of_memory()
         except Exception:

@@ -10,9 +10,11 @@ from rtron.guard.transport.common.protocol import (
     ConnectHandler,
     IsCommand,
     LostHandler,
+    MissedHandler,
     Output,
     accept_any_age,
     ignore_lost,
+    ignore_missed,
 )
 from rtron.guard.transport.ros2.action_client import GoalCanceller
 from rtron.guard.transport.ros2.action_relay import ActionRelay
@@ -25,6 +27,7 @@ from rtron.guard.transport.ros2.rcl import Rcl
 from rtron.guard.transport.ros2.subscription import Subscription, SubscriptionOptions
 from rtron.messages.common.encoding import Encoding
 from rtron.vocabulary import SECOND
+from rtron.wire.ros2.discovery_tuning import publishes_without_waiting
 from rtron.wire.ros2.interfaces import find_interface
 
 if TYPE_CHECKING:
@@ -85,10 +88,12 @@ class Ros2Transport:
         type: str,
         *,
         queue_size: int = 100,
+        keep_all: bool = False,
         successors: tuple[str, ...] = (),
     ) -> Output:
         """Publish `topic` as `node`; see `Transport`."""
-        return self._publication(node, topic, type, queue_size, successors)
+        keep_all = keep_all and publishes_without_waiting()
+        return self._publication(node, topic, type, queue_size, successors, keep_all=keep_all)
 
     def subscribe(
         self,
@@ -100,10 +105,15 @@ class Ros2Transport:
         *,
         is_command: IsCommand = accept_any_age,
         publishers: tuple[str, ...] = (),
+        queue_size: int = 100,
+        keep_all: bool = False,
+        on_missed: MissedHandler = ignore_missed,
     ) -> None:
         """Subscribe `topic` as `node`; see `Transport`."""
         ros_node = self.session.node(node)
-        options = SubscriptionOptions(on_connect, on_lost, is_command, publishers)
+        options = SubscriptionOptions(
+            on_connect, on_lost, is_command, publishers, queue_size, keep_all, on_missed
+        )
         subscription = Subscription(ros_node, topic, type, options, self._context)
         self._subscriptions.append(subscription)
 
@@ -144,6 +154,8 @@ class Ros2Transport:
         type: str,
         queue_size: int = 100,
         successors: tuple[str, ...] = (),
+        *,
+        keep_all: bool = False,
     ) -> Publication:
         publication = Publication(
             self.session.node(node),
@@ -151,6 +163,7 @@ class Ros2Transport:
             type,
             self._context,
             queue_size=queue_size,
+            keep_all=keep_all,
             successors=successors,
         )
         self._publications.append(publication)
