@@ -129,9 +129,9 @@ def test_flows_that_are_long_silent_are_doubted_wherever_they_are():
         )
     )
     silent = "silent_after is 3 s: so long the robot goes on without a command"
+    waiting = "so long nobody else drives when this flow falls silent"
     assert found == [
-        "GRCN grcn_t: flow9: timeout is 3 s: so long nobody else drives when this flow falls "
-        "silent",
+        f"GRCN grcn_t: flow9: timeout is 3 s: {waiting}",
         f"GRCN grcn_t, flow9: {silent}",
         f"RSRCN, flow9: {silent}",
         f"MSRCN, flow9: {silent}",

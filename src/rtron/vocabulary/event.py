@@ -70,8 +70,8 @@ class GuardEvent:
     node. `values` has, as JSON, what only some kinds have. Of `counts`, told for each second in
     which there was something: `{"streams": {topic: {"flows": {flow: [passed, held, dropped,
     modified]}, "speed": m/s or null, "limit": m/s or null, "latency": [mean, worst] in us or
-    null, "lost": [before, behind the guard]}}, "fps": {fps_monitor: rate}}`. Of `alarm` and `settled` the alarm itself; of `lost`
-    `{"events": n}`, the number of those that were dropped.
+    null, "lost": [before, behind the guard]}}, "fps": {fps_monitor: rate}}`. Of `alarm` and
+    `settled` the alarm itself; of `lost` `{"events": n}`, the number of those that were dropped.
     """
 
     run: str

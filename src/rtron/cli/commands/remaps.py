@@ -6,9 +6,9 @@ import typer
 
 from rtron.cli.support.options import PlanOption, TextOrJson
 from rtron.cli.support.outcome import FINDINGS, OK, Outcome, as_json
+from rtron.planning.instrument.common.remaps import planned_remaps
 from rtron.planning.plan_file.loader import read_plan
 from rtron.reports.plan.remaps import remaps_text, remaps_to_json
-from rtron.workflows.remaps import list_remaps
 
 
 def remaps(
@@ -34,7 +34,7 @@ def remaps(
     Exit code: 0 listed, 1 the plan enforces nothing, 2 bad plan or node.
     """
     read = read_plan(plan)
-    listed = list_remaps(read, node)
+    listed = planned_remaps(read, node)
     report = (
         as_json(remaps_to_json(read.ros, listed))
         if format is TextOrJson.JSON

@@ -1,4 +1,4 @@
-"""How a log line of a long-running process looks: the time in UTC, the level, the process, the text.
+"""How a log line of a long-running process looks: time in UTC, level, process, text.
 
 `2026-11-26T08:29:46.123Z WARNING supervisor: the guard stands still`
 """

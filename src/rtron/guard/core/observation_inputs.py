@@ -9,7 +9,7 @@ from rtron.errors import WireError
 from rtron.guard.core.log_throttle import LogThrottle
 from rtron.guard.core.message_types import stamp_of
 from rtron.guard.core.observations import EventSource, Observations
-from rtron.guard.transport.common.protocol import MessageHandler, Peer, Transport
+from rtron.guard.transport.common.protocol import InputOptions, MessageHandler, Peer, Transport
 from rtron.policies.velocity_limit.frame_counter import NO_STAMP
 from rtron.vocabulary import PRIVATE_ROOT, FpsMonitor, WatchedFlow, matches_node
 
@@ -92,9 +92,11 @@ class ObservationInputs:
                 source.type,
                 connect,
                 lost,
-                publishers=(source.publisher,),
-                keep_all=True,
-                on_missed=partial(self._on_event_missed, source),
+                InputOptions(
+                    publishers=(source.publisher,),
+                    keep_all=True,
+                    on_missed=partial(self._on_event_missed, source),
+                ),
             )
 
     def _open_monitor(self, plan: FpsMonitor) -> None:
@@ -108,7 +110,8 @@ class ObservationInputs:
         connect = partial(self._connect_frames, flow, on_frame)
         for topic in self._publisher_topics.topics_of(flow.topic, flow.publisher):
             node, awaited = f"{PRIVATE_ROOT}/{plan.id}", (flow.publisher,)
-            self._transport.subscribe(node, topic, "", connect, publishers=awaited)
+            options = InputOptions(publishers=awaited)
+            self._transport.subscribe(node, topic, "", connect, options=options)
 
     def _connect_event(self, source: EventSource, peer: Peer) -> MessageHandler | None:
         if not _is_planned_publisher(source.publisher, peer, source.topic):

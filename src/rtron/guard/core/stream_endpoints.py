@@ -15,6 +15,7 @@ from rtron.guard.core.stream_outputs import StreamOutputs, keeps_all
 from rtron.guard.core.stream_settings import rules_md5sum
 from rtron.guard.transport.common.protocol import (
     ConnectHandler,
+    InputOptions,
     MessageHandler,
     MissedHandler,
     Peer,
@@ -125,9 +126,8 @@ class StreamEndpoints:
         def connect_successor(peer: Peer) -> MessageHandler | None:
             return connect(peer) if self.is_successor(peer) else None
 
-        self._transport.subscribe(
-            self._node, topic, type, connect_successor, publishers=self.spec.successors
-        )
+        options = InputOptions(publishers=self.spec.successors)
+        self._transport.subscribe(self._node, topic, type, connect_successor, options=options)
 
     def is_successor(self, peer: Peer) -> bool:
         """Tell whether a publisher is one of the planned successors."""
@@ -166,11 +166,13 @@ class StreamEndpoints:
             topic,
             self.spec.type,
             connect,
-            is_command=self._is_momentary,
-            publishers=publishers,
-            queue_size=self.spec.queue_size,
-            keep_all=keeps_all(self.spec),
-            on_missed=on_missed,
+            options=InputOptions(
+                is_command=self._is_momentary,
+                publishers=publishers,
+                queue_size=self.spec.queue_size,
+                keep_all=keeps_all(self.spec),
+                on_missed=on_missed,
+            ),
         )
 
     def _on_missed(self, flows: Sequence[Flow], peer: Peer, number: int) -> None:

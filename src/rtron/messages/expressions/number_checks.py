@@ -46,7 +46,7 @@ class _Part:
 
 
 @dataclass(slots=True)
-class _Comparison:
+class _Relation:
     """The operands between two separators, and the operators between them."""
 
     operands: list[_Part] = field(default_factory=lambda: [_Part()])
@@ -71,14 +71,14 @@ class _Rewriter:
 
         `is_extreme`: these are the numbers of which the greatest or least is taken.
         """
-        found, comparison = _Part(), _Comparison()
+        found, comparison = _Part(), _Relation()
         for word in self._tokens:
             if word in CLOSING:
                 break
             if word in _SEPARATORS:
                 found.append(_argument(comparison.written_out(), is_extreme=is_extreme))
                 found.text += word
-                comparison = _Comparison()
+                comparison = _Relation()
             elif word in _RELATIONS:
                 comparison.operators.append(word)
                 comparison.operands.append(_Part())

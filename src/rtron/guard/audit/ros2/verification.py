@@ -10,7 +10,6 @@ from collections import Counter
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from rtron.guard.audit.common.guard_inputs import GuardInput
 from rtron.guard.audit.ros2.endpoint_checks import (
     Participants,
     display_name,
@@ -31,6 +30,7 @@ from rtron.vocabulary.verification import GuardedPath, PathState, Verification
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from rtron.guard.audit.common.guard_inputs import GuardInput
     from rtron.guard.audit.ros2.observed_graph import ObservedGraph
     from rtron.vocabulary import Plan, TopicAccess
     from rtron.wire.ros2.endpoints import Ros2Endpoint

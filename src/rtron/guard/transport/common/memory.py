@@ -6,17 +6,16 @@ from collections.abc import Callable
 from itertools import count
 
 from rtron.guard.transport.common.protocol import (
+    DEFAULT_INPUT,
     ConnectHandler,
-    IsCommand,
+    InputOptions,
     LostHandler,
     MessageHandler,
     MissedHandler,
     Output,
     Peer,
     TypeInfo,
-    accept_any_age,
     ignore_lost,
-    ignore_missed,
 )
 from rtron.messages.common.encoding import Encoding
 from rtron.vocabulary import QoS, normalise_type
@@ -88,17 +87,12 @@ class MemoryTransport:
         type: str,
         on_connect: ConnectHandler,
         on_lost: LostHandler = ignore_lost,
-        *,
-        is_command: IsCommand = accept_any_age,
-        publishers: tuple[str, ...] = (),
-        queue_size: int = 100,
-        keep_all: bool = False,
-        on_missed: MissedHandler = ignore_missed,
+        options: InputOptions = DEFAULT_INPUT,
     ) -> None:
         """Subscribe `topic`; outside publishers that come later are offered to `on_connect`."""
-        del node, type, is_command, publishers, queue_size, keep_all
+        del node, type
         self._subscribers[topic].append((on_connect, on_lost))
-        self._missed_handlers[topic].append(on_missed)
+        self._missed_handlers[topic].append(options.on_missed)
 
     def link_nodes(self, publisher: str, subscriber: str, topic: str, type: str) -> Output:
         """Connect two nodes of the guard; `listen` shows the messages between them."""

@@ -67,6 +67,27 @@ def accept_any_age(peer: Peer) -> bool:
     return False
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class InputOptions:
+    """How a subscription treats its publishers and their messages, beside connecting them.
+
+    ROS 2 tells the age of messages: those of an `is_command` publisher are dropped if late, unless
+    they are latched. In ROS 2 anybody can announce another name for a publisher: one that was known
+    by one of the names in `publishers`, as its owner, keeps that name. `queue_size` bounds the
+    messages that wait for the guard; with `keep_all` all of a reliable publisher wait, unless they
+    are commands. `on_missed` is told of each loss that the middleware's numbers show: TCP has none.
+    """
+
+    is_command: IsCommand = accept_any_age
+    publishers: tuple[str, ...] = ()
+    queue_size: int = 100
+    keep_all: bool = False
+    on_missed: MissedHandler = ignore_missed
+
+
+DEFAULT_INPUT = InputOptions()
+
+
 class Output(Protocol):
     """A topic that a node of the guard publishes."""
 
@@ -125,10 +146,10 @@ class Transport(Protocol):
     ) -> Output:
         """Publish `topic` as `node`.
 
-        `queue_size` bounds the messages that wait for a slow subscriber; with `keep_all` no reliable
-        one loses any as long as the middleware has room, and the guard need not wait. Messages before the first
-        of the expected `successors` wait a moment for it, and publishers must have the message type
-        that `successors` request.
+        `queue_size` bounds the messages that wait for a slow subscriber; with `keep_all` a reliable
+        one loses none while the middleware has room and the guard need not wait. Messages before
+        the first of the expected `successors` wait a moment for it, and publishers must have the
+        message type that `successors` request.
         """
         ...
 
@@ -139,23 +160,9 @@ class Transport(Protocol):
         type: str,
         on_connect: ConnectHandler,
         on_lost: LostHandler = ignore_lost,
-        *,
-        is_command: IsCommand = accept_any_age,
-        publishers: tuple[str, ...] = (),
-        queue_size: int = 100,
-        keep_all: bool = False,
-        on_missed: MissedHandler = ignore_missed,
+        options: InputOptions = DEFAULT_INPUT,
     ) -> None:
-        """Subscribe `topic` as `node`, without messages that this transport publishes.
-
-        `queue_size` bounds the messages that wait for the guard; with `keep_all` all of a reliable
-        publisher wait, unless they are commands. `on_missed` is told of each loss that the
-        middleware's numbers show (ROS 2; TCP loses none).
-
-        ROS 2 tells the age of messages: those of an `is_command` publisher are dropped if late,
-        unless they are latched. In ROS 2 anybody can announce another name for a publisher: one
-        that was known by one of the names in `publishers`, as its owner, keeps that name.
-        """
+        """Subscribe `topic` as `node`, without messages that this transport publishes."""
         ...
 
     def link_nodes(self, publisher: str, subscriber: str, topic: str, type: str) -> Output:

@@ -7,15 +7,13 @@ from concurrent.futures import ThreadPoolExecutor
 
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.transport.common.protocol import (
+    DEFAULT_INPUT,
     ConnectHandler,
-    IsCommand,
+    InputOptions,
     LostHandler,
-    MissedHandler,
     Output,
     TypeInfo,
-    accept_any_age,
     ignore_lost,
-    ignore_missed,
 )
 from rtron.guard.transport.ros1.handshake import TopicRequest
 from rtron.guard.transport.ros1.node import Ros1Node
@@ -85,18 +83,13 @@ class Ros1Transport:
         type: str,
         on_connect: ConnectHandler,
         on_lost: LostHandler = ignore_lost,
-        *,
-        is_command: IsCommand = accept_any_age,
-        publishers: tuple[str, ...] = (),
-        queue_size: int = 100,
-        keep_all: bool = False,
-        on_missed: MissedHandler = ignore_missed,
+        options: InputOptions = DEFAULT_INPUT,
     ) -> None:
         """Subscribe `topic` as `node`; see `Transport`.
 
         ROS 1 knows neither the age of messages nor what a publisher's queue has dropped.
         """
-        del is_command, publishers, queue_size, keep_all, on_missed
+        del options
         request = TopicRequest(node, topic, type, self.master)
         link = link_factory(self._loop, self._create_workers(topic), request, on_connect, on_lost)
         self._subscribe(node, Subscription(topic, type, link))

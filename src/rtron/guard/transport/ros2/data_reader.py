@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from time import time_ns
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.qos import DurabilityPolicy
@@ -12,28 +12,33 @@ from rclpy.qos import DurabilityPolicy
 from rtron.guard.core.log_throttle import LogThrottle
 from rtron.guard.core.out_of_memory import exit_out_of_memory
 from rtron.guard.transport.common.protocol import NumberedMessage
+from rtron.guard.transport.ros2.delivery import LatenessDetector
 from rtron.guard.transport.ros2.event_fd import EventFd
-from rtron.guard.transport.ros2.lateness import LatenessDetector
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from rclpy.node import Node
     from rclpy.qos import QoSProfile
 
     from rtron.guard.transport.ros2.context import TransportContext
 
-    DataHandler = Callable[["DataReader", bytes, bytes, int | None], None]
-
 log = logging.getLogger(__name__)
+
+
+class DataListener(Protocol):
+    """Whom a reader's messages are for."""
+
+    def take(self, reader: DataReader, gid: bytes, message: bytes, number: int | None) -> None:
+        """Take a message, its publisher's GID, and its DDS sequence number if there is one."""
+        ...
+
+    def note_replaced(self, count: int) -> None:
+        """Note how many messages newer ones replaced in the reader before they were taken."""
+        ...
 
 
 class DataReader:
     """Reads publishers of one QoS, with `profile`.
 
-    `on_message` takes the reader, the GID, the message, and its DDS sequence number if there is one.
-    `on_replaced` takes how many messages arrived, and were replaced by newer ones before they were
-    taken.
     Transient-local messages get their numbers, since DDS sends them again to every new reader.
     Messages of an `is_command` reader are dropped if they are late.
     """
@@ -45,15 +50,13 @@ class DataReader:
         topic: str,
         profile: QoSProfile,
         context: TransportContext,
-        on_message: DataHandler,
-        on_replaced: Callable[[int], None],
+        listener: DataListener,
         *,
         is_command: bool,
     ) -> None:
         self._node = node
         self._rcl = context.rcl
-        self._on_message = on_message
-        self._on_replaced = on_replaced
+        self._listener = listener
         self._topic = topic
         self._now = context.loop.now
         self._lateness = LatenessDetector() if is_command else None
@@ -81,7 +84,7 @@ class DataReader:
         for left in range(count, 0, -1):
             message_and_gid = self._rcl.take(self._pointer) if self._pointer else None
             if message_and_gid is None:
-                self._on_replaced(left)
+                self._listener.note_replaced(left)
                 return
             message, gid = message_and_gid
             if self._lateness and self._is_late(self._lateness, gid):
@@ -104,7 +107,7 @@ class DataReader:
     def _deliver(self, gid: bytes, message: bytes) -> None:
         """Pass on a message; one that fails must not leave those behind it unread."""
         try:
-            self._on_message(self, gid, message, self._rcl.sequence_number)
+            self._listener.take(self, gid, message, self._rcl.sequence_number)
         except MemoryError:
             exit_out_of_memory()
         except Exception:

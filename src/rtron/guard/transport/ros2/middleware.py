@@ -7,14 +7,12 @@ from collections import defaultdict
 from typing import TYPE_CHECKING
 
 from rtron.guard.transport.common.protocol import (
+    DEFAULT_INPUT,
     ConnectHandler,
-    IsCommand,
+    InputOptions,
     LostHandler,
-    MissedHandler,
     Output,
-    accept_any_age,
     ignore_lost,
-    ignore_missed,
 )
 from rtron.guard.transport.ros2.action_client import GoalCanceller
 from rtron.guard.transport.ros2.action_relay import ActionRelay
@@ -24,7 +22,7 @@ from rtron.guard.transport.ros2.participants import NameOwners, ParticipantLiven
 from rtron.guard.transport.ros2.process_table import ProcessTable
 from rtron.guard.transport.ros2.publication import Publication
 from rtron.guard.transport.ros2.rcl import Rcl
-from rtron.guard.transport.ros2.subscription import Subscription, SubscriptionOptions
+from rtron.guard.transport.ros2.subscription import Subscription, SubscriptionHandlers
 from rtron.messages.common.encoding import Encoding
 from rtron.vocabulary import SECOND
 from rtron.wire.ros2.discovery_tuning import publishes_without_waiting
@@ -102,19 +100,12 @@ class Ros2Transport:
         type: str,
         on_connect: ConnectHandler,
         on_lost: LostHandler = ignore_lost,
-        *,
-        is_command: IsCommand = accept_any_age,
-        publishers: tuple[str, ...] = (),
-        queue_size: int = 100,
-        keep_all: bool = False,
-        on_missed: MissedHandler = ignore_missed,
+        options: InputOptions = DEFAULT_INPUT,
     ) -> None:
         """Subscribe `topic` as `node`; see `Transport`."""
         ros_node = self.session.node(node)
-        options = SubscriptionOptions(
-            on_connect, on_lost, is_command, publishers, queue_size, keep_all, on_missed
-        )
-        subscription = Subscription(ros_node, topic, type, options, self._context)
+        handlers = SubscriptionHandlers(on_connect, on_lost, options)
+        subscription = Subscription(ros_node, topic, type, handlers, self._context)
         self._subscriptions.append(subscription)
 
     def action_endpoints(self, stream: Stream, node: str, listener: ActionListener) -> ActionRelay:

@@ -17,8 +17,8 @@ from rtron.errors import SourceError, WireError
 from rtron.guard.core.log_throttle import LogThrottle
 from rtron.guard.transport.common.protocol import Peer, TypeInfo
 from rtron.guard.transport.ros2.data_reader import DataReader
+from rtron.guard.transport.ros2.delivery import SequenceGaps
 from rtron.guard.transport.ros2.qos import may_keep_all, requested_profile
-from rtron.guard.transport.ros2.sequence_gaps import SequenceGaps
 from rtron.messages.common.definition_parser import parse_definition
 from rtron.messages.ros2.cdr_validator import cdr_validator
 from rtron.vocabulary import SECOND, Durability, QoS, Reliability, matches_node, normalise_type
@@ -32,10 +32,9 @@ if TYPE_CHECKING:
 
     from rtron.guard.transport.common.protocol import (
         ConnectHandler,
-        IsCommand,
+        InputOptions,
         LostHandler,
         MessageHandler,
-        MissedHandler,
     )
     from rtron.guard.transport.ros2.context import TransportContext
     from rtron.wire.ros2.endpoints import Ros2Endpoint
@@ -57,16 +56,12 @@ _Kind = tuple[type, Reliability, Durability]
 
 
 @dataclass(frozen=True, slots=True)
-class SubscriptionOptions:
-    """The arguments of `Transport.subscribe`."""
+class SubscriptionHandlers:
+    """What `Transport.subscribe` is given beside the topic."""
 
     on_connect: ConnectHandler
     on_lost: LostHandler
-    is_command: IsCommand
-    publishers: tuple[str, ...]
-    queue_size: int
-    keep_all: bool
-    on_missed: MissedHandler
+    options: InputOptions
 
 
 @dataclass(slots=True)
@@ -108,14 +103,14 @@ class Subscription:
         node: Node,
         topic: str,
         type: str,
-        options: SubscriptionOptions,
+        handlers: SubscriptionHandlers,
         context: TransportContext,
     ) -> None:
         """Subscribe to publishers of one type, "" for any."""
         self.topic = topic
         self._type = normalise_type(type)
         self._node = node
-        self._options = options
+        self._handlers, self._options = handlers, handlers.options
         self._context = context
         self._senders: dict[bytes, _PublisherState] = {}
         self._readers: dict[_Kind, DataReader] = {}
@@ -189,7 +184,7 @@ class Subscription:
         if interface_type is None:
             self._log_problem(peer, why)
             return _PublisherState(peer, None, now)
-        receive = self._options.on_connect(peer)
+        receive = self._handlers.on_connect(peer)
         if receive is None:
             return _PublisherState(peer, None, now)
         reader = self._reader_for(interface_type, endpoint.qos, peer)
@@ -227,15 +222,13 @@ class Subscription:
                     keep_all=keep_all and may_keep_all(interface_type.name),
                 ),
                 self._context,
-                self._on_message,
-                self._on_replaced,
+                self,
                 is_command=is_command,
             )
         return self._readers[kind]
 
-    def _on_message(
-        self, reader: DataReader, gid: bytes, message: bytes, number: int | None
-    ) -> None:
+    def take(self, reader: DataReader, gid: bytes, message: bytes, number: int | None) -> None:
+        """Pass on a message of a publisher that was accepted."""
         sender = self._senders.get(gid)
         if sender is None:
             self._queue_unresolved(_Unresolved(reader, gid, message, number))
@@ -249,7 +242,7 @@ class Subscription:
             else:
                 sender.receive(message)
 
-    def _on_replaced(self, count: int) -> None:
+    def note_replaced(self, count: int) -> None:
         """Count the messages that the first one of a publisher has replaced in its queue."""
         gid, number = self._gaps.replaced(count)
         sender = self._senders.get(gid) if gid else None
@@ -283,13 +276,13 @@ class Subscription:
     def _deliver_late(self, late: _Unresolved, waited: int) -> None:
         """Deliver a message that has waited, unless it is an old one that was not latched."""
         if waited < _FRESH or self._senders[late.gid].peer.latching:
-            self._on_message(late.reader, late.gid, late.message, late.number)
+            self.take(late.reader, late.gid, late.message, late.number)
 
     def _remove_publisher(self, gid: bytes) -> None:
         sender = self._senders.pop(gid)
         self._gaps.forget(gid)
         if sender.receive is not None:
-            self._options.on_lost(sender.peer)
+            self._handlers.on_lost(sender.peer)
 
     def _log_problem(self, peer: Peer, why: str) -> None:
         """Report an unreadable message or publisher, at most once a second for each."""

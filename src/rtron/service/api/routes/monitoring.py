@@ -98,10 +98,10 @@ class ServiceMetrics(Collector):
             lost.add_metric([name], hub.lost_event_count(name))
         yield alarms
         yield lost
-        yield _lost_messages({name: hub.state(name) for name in names})
+        yield lost_messages({name: hub.state(name) for name in names})
 
 
-def _lost_messages(states: Mapping[str, GuardState | None]) -> Metric:
+def lost_messages(states: Mapping[str, GuardState | None]) -> Metric:
     """Return the messages that guards know lost, since each began, as their last states say."""
     labels = ["robot", "topic", "side"]
     found = CounterMetricFamily("rtron_messages_lost", "Messages lost by a guard.", labels=labels)
