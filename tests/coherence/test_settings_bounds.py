@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rtron.coherence import EffectivePlan, SettingsMismatchError, grcn, msrcn, rsrcn
+from rtron.coherence.duration_bounds import LONGEST_SILENCE
 from rtron.coherence.settings_bounds import (
     MAX_BLOCKED_FLOWS,
     MAX_CONDITION_LENGTH,
@@ -21,7 +22,7 @@ from rtron.coherence.settings_bounds import (
     MIN_NONZERO_VELOCITY,
     PRIORITY_RANGE,
 )
-from rtron.planning.plan_file import durations, fields, quantities
+from rtron.planning.plan_file import fields, quantities
 from rtron.vocabulary import (
     GRCN,
     MSRCN,
@@ -45,6 +46,7 @@ from rtron.vocabulary import (
     TimedOverride,
 )
 
+DAY = 24 * 3600 * SECOND
 FLOWS = (
     Flow(name="flow1", publisher="/nav", priority=2),
     Flow(name="flow2", publisher="/teleop", priority=1),
@@ -113,9 +115,9 @@ def test_settings_within_their_bounds_are_in_force():
     "settings",
     [
         Settings(revision=MAX_INT64),
-        of("grcn", release_after=0, max_age=MAX_INT64, max_hold=MAX_INT64),
+        of("grcn", release_after=SECOND // 100, max_age=LONGEST_SILENCE, max_hold=DAY),
         flow("grcn", "flow1", priority=PRIORITY_RANGE[0], timeout=0),
-        flow("grcn", "flow1", priority=PRIORITY_RANGE[1], timeout=MAX_INT64),
+        flow("grcn", "flow1", priority=PRIORITY_RANGE[1], timeout=LONGEST_SILENCE),
         of("rsrcn", policy=PolicyName.CONSTRAIN, max_vel_limit=0.0),
         of("rsrcn", policy=PolicyName.CONSTRAIN, max_vel_limit=MIN_NONZERO_VELOCITY),
         of("rsrcn", policy=PolicyName.CONSTRAIN, max_vel_limit=MAX_VELOCITY),
@@ -143,7 +145,11 @@ def test_the_bounds_themselves_are_within(settings):
         (Settings(revision=-1), "revision is not between"),
         (Settings(revision=MAX_INT64 + 1), "revision is not between"),
         (of("grcn", release_after=-1), "'grcn': release_after is not between"),
-        (of("grcn", max_age=MAX_INT64 + 1), "'grcn': max_age is not between"),
+        (of("grcn", release_after=0), "'grcn': release_after is not between 0.01 s and 3600 s"),
+        (of("grcn", max_age=DAY + 1), "'grcn': max_age is not between"),
+        (of("grcn", max_age=LONGEST_SILENCE + SECOND), "grcn: max_age is 11 s: for commands 10 s"),
+        (of("grcn", release_after=3600 * SECOND), "release_after is 3600 s: for commands 10 s"),
+        (flow("grcn", "flow1", timeout=DAY), "timeout is 86400 s: for commands 10 s"),
         (of("grcn", max_hold=-(10**400)), "'grcn': max_hold is not between"),
         (of("rsrcn", threshold=0.0), "threshold is not between"),
         (of("rsrcn", threshold=math.nan), "threshold is not between"),
@@ -231,7 +237,6 @@ def test_a_stop_of_no_time_is_refused():
 
 
 def test_plans_are_read_within_the_same_bounds():
-    assert durations.MAX_DURATION == MAX_INT64
     assert fields._RANGES["revision"] == (0, MAX_INT64)
     assert fields._RANGES["priority"] == PRIORITY_RANGE
     assert quantities.VELOCITY.maximum == quantities.PER_FRAME.maximum == MAX_VELOCITY
@@ -288,6 +293,7 @@ nodes = st.builds(
     NodeSettings,
     policy=st.none() | st.sampled_from(PolicyName),
     release_after=st.none() | numbers,
+    max_age=st.none() | numbers,
     threshold=st.none() | floats,
     max_vel_limit=st.none() | floats,
     flows=st.dictionaries(

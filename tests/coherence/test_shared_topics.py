@@ -376,3 +376,33 @@ def test_only_a_twist_has_components(part):
 def test_goals_have_no_components():
     (found,) = faults(made(using(GRCN, USED[2:])).replace("Preemption", "FIFO_Queue"))
     assert found.endswith("`uses` is for commands, and /cmd_vel has none")
+
+
+PRIVATE = "/rtron/cmd_vel/out"
+FLOWS = "flows: [{name: f, publisher: /nav}]"
+NAMING = {
+    "grcn": f"grcn: [{{topic: {PRIVATE}, mode: enforce, policy: Block, {FLOWS}}}]",
+    "done": "grcn: [{topic: /goal, mode: enforce, policy: FIFO_Queue, "
+    f"done: {PRIVATE}, {FLOWS}}}]",
+    "vflow": "rsrcn: {mode: enforce, policy: Block, vflows: "
+    f"[{{topic: {PRIVATE}, type: a/B, {FLOWS}}}]}}",
+    "iflow": "rsrcn: {mode: enforce, policy: Block, vflows: [], iflows: "
+    f"[{{name: i, topic: {PRIVATE}, publisher: /d}}]}}",
+    "aflow": f"msrcn: {{mode: enforce, aflows: [{{topic: {PRIVATE}, type: a/B, {FLOWS}}}]}}",
+    "eflow": "msrcn: {mode: enforce, eflows: "
+    f"[{{name: e, topic: {PRIVATE}, publisher: /d, present: 1 s}}]}}",
+    "monitor": f"fps_monitor: [{{node: /d, topic: {PRIVATE}}}]",
+    "camera": "fps_monitor: [{node: /d, topic: /t, camera: "
+    f"{{name: c, topic: {PRIVATE}, publisher: /c}}}}]",
+}
+
+
+@pytest.mark.parametrize("text", NAMING.values(), ids=NAMING)
+def test_the_guards_own_topic_is_refused_wherever_a_plan_names_it(text):
+    told = f"{PRIVATE} is the guard's private topic: the guard's own output would come back to it"
+    with pytest.raises(PlanError) as refused:
+        parse_plan(text)
+    assert told in str(refused.value)
+    with pytest.raises(PlanError) as refused:
+        parse_plan(text.replace("/rtron/", "/rtrons/") + "\nx: 1\n")
+    assert "private topic" not in str(refused.value)

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 from home import HOME
 
-from rtron.planning import ProblemLevel, check_plan, propose_plan
+from rtron.planning import check_plan, propose_plan
 from rtron.risks import discover_risks
 from rtron.vocabulary import (
     EventFlow,
@@ -92,12 +92,6 @@ def test_a_subscriber_that_the_plan_forgets_hears_the_public_name():
         "warning: GRCN grcn_cmd_vel: /gazebo is no successor: it hears the public"
     )
     assert told(with_grcn(successors=(), mode=Mode.OBSERVE)) == []
-
-
-def test_a_private_topic_would_feed_the_guard_with_its_own_output():
-    problems = check_plan(with_grcn(topic="/rtron/cmd_vel/out"), HOME)
-    assert [problem.level for problem in problems] == [ProblemLevel.ERROR]
-    assert "would come back to it" in problems[0].message
 
 
 def test_the_end_of_an_action_must_be_a_topic_of_the_app():

@@ -19,6 +19,7 @@ COMMANDS = {
         "plan",
         "check",
         "instrument",
+        "remaps",
         "replay",
         "verify",
     ),

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from itertools import product
 
+from rtron.coherence.duration_bounds import command_duration_problems
 from rtron.coherence.flows import (
     MAX_FLOWS,
     CoherenceProblem,
@@ -40,10 +41,11 @@ def grcn_problems(grcn: GRCN) -> Iterator[CoherenceProblem]:
 
 
 def grcn_policy_problems(grcn: GRCN) -> Iterator[CoherenceProblem]:
-    """Yield what is wrong with the policy of a GRCN and its priorities."""
+    """Yield what is wrong with the policy of a GRCN, its priorities and its durations."""
     yield from policy_problems(grcn, "a GRCN", grcn.policy, POLICIES)
     if grcn.policy in PRIORITY_POLICIES:
         yield from priority_problems(grcn.flows, grcn.policy)
+    yield from command_duration_problems(grcn)
     if grcn.sharing is Sharing.MERGE and grcn.policy is not PolicyName.BLOCK:
         why = f"the publishers of {grcn.topic} each own a part (merge), they take no turns"
         yield grcn, "policy", f"{grcn.policy} is not for {grcn.topic}: {why}; choose Block"

@@ -7,7 +7,11 @@ from rtron.coherence.flows import CoherenceProblem, duplicate_topic_problems, du
 from rtron.coherence.grcn import grcn_policy_problems, grcn_problems
 from rtron.coherence.msrcn import msrcn_policy_problems, msrcn_problems
 from rtron.coherence.rsrcn import rsrcn_policy_problems, rsrcn_problems
-from rtron.coherence.shared_topics import action_topic_problems, shared_topic_problems
+from rtron.coherence.shared_topics import (
+    action_topic_problems,
+    private_topic_problems,
+    shared_topic_problems,
+)
 from rtron.vocabulary import (
     GRCN,
     MSRCN,
@@ -29,6 +33,7 @@ def coherence_problems(plan: Plan) -> Iterator[CoherenceProblem]:
     yield from msrcn_problems(plan.msrcn) if plan.msrcn else ()
     yield from shared_topic_problems(plan)
     yield from action_topic_problems(plan)
+    yield from private_topic_problems(plan)
     yield from _type_problems(plan)
     for message in duplicates(plan.messages, lambda message: normalise_type(message.type)):
         yield message, "type", f"{message.type} has two definitions"

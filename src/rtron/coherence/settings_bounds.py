@@ -4,7 +4,9 @@ import math
 import re
 from collections.abc import Iterator
 
+from rtron.coherence.duration_bounds import DURATION_RANGES
 from rtron.vocabulary import (
+    SECOND,
     EmergencyStop,
     FlowSettings,
     NodeSettings,
@@ -14,7 +16,7 @@ from rtron.vocabulary import (
 )
 
 MAX_INT64 = 2**63 - 1
-"""The longest duration, ns, and the greatest revision."""
+"""The greatest revision, and the last moment, ns."""
 PRIORITY_RANGE = (-(2**31), 2**31 - 1)
 MAX_VELOCITY = 1000.0
 """The greatest `max_vel_limit`, m/s, and `threshold`, metres per frame."""
@@ -43,7 +45,7 @@ def bound_problems(settings: Settings) -> Iterator[str]:
 
 def _node(node: NodeSettings) -> Iterator[str]:
     for name in ("release_after", "max_age", "max_hold"):
-        yield from _integer_bounds(name, getattr(node, name), 0, MAX_INT64)
+        yield from _duration_bounds(name, getattr(node, name))
     yield from _quantity_bounds("threshold", node.threshold, MIN_NONZERO_VELOCITY)
     if node.max_vel_limit != 0:
         yield from _quantity_bounds("max_vel_limit", node.max_vel_limit, MIN_NONZERO_VELOCITY)
@@ -59,7 +61,7 @@ def _node(node: NodeSettings) -> Iterator[str]:
 
 def _flow(flow: FlowSettings) -> Iterator[str]:
     yield from _integer_bounds("priority", flow.priority, *PRIORITY_RANGE)
-    yield from _integer_bounds("timeout", flow.timeout, 0, MAX_INT64)
+    yield from _duration_bounds("timeout", flow.timeout)
 
 
 def _rule(name: str, rule: RuleSettings) -> Iterator[str]:
@@ -85,6 +87,12 @@ def _author_text(entry: TimedOverride | EmergencyStop) -> Iterator[str]:
     for text in (entry.by, entry.reason):
         if len(text) > MAX_TEXT_LENGTH:
             yield f"a text is longer than {MAX_TEXT_LENGTH} characters"
+
+
+def _duration_bounds(name: str, value: int | None) -> Iterator[str]:
+    least, greatest = DURATION_RANGES[name]
+    if value is not None and not least <= value <= greatest:
+        yield f"{name} is not between {least / SECOND:g} s and {greatest / SECOND:g} s"
 
 
 def _integer_bounds(name: str, value: int | None, least: int, greatest: int) -> Iterator[str]:

@@ -10,12 +10,16 @@ from dataclasses import dataclass
 from rtron.coherence.flows import MAX_FLOWS, CoherenceProblem
 from rtron.vocabulary import (
     GRCN,
+    PRIVATE_ROOT,
     ROS2_ACTION_TOPICS,
+    EventFlow,
     Flow,
+    FpsMonitor,
     GuardedTopic,
     Mode,
     Plan,
     Ros1ActionTopic,
+    WatchedFlow,
     action_name,
     is_action_type,
     matches_node,
@@ -33,6 +37,27 @@ class _FirstNode:
 
     label: str
     part: GRCN | GuardedTopic
+
+
+def private_topic_problems(plan: Plan) -> Iterator[CoherenceProblem]:
+    """Refuse the guard's own topics: its output would come back to it."""
+    for part, key, topic in _named_topics(plan):
+        if topic.startswith(PRIVATE_ROOT + "/"):
+            why = "the guard's own output would come back to it"
+            yield part, key, f"{topic} is the guard's private topic: {why}"
+
+
+def _named_topics(plan: Plan) -> Iterator[tuple[object, str, str]]:
+    """Yield each topic of a plan, and the part and the key that name it."""
+    guarded: list[GRCN | GuardedTopic] = list(plan.grcn)
+    watched: list[FpsMonitor | WatchedFlow | EventFlow] = list(plan.fps_monitor)
+    watched += [monitor.camera for monitor in plan.fps_monitor if monitor.camera]
+    if plan.rsrcn:
+        guarded, watched = [*guarded, *plan.rsrcn.vflows], [*watched, *plan.rsrcn.iflows]
+    if plan.msrcn:
+        guarded, watched = [*guarded, *plan.msrcn.aflows], [*watched, *plan.msrcn.eflows]
+    yield from ((part, "topic", part.topic) for part in (*guarded, *watched))
+    yield from ((grcn, "done", grcn.done) for grcn in plan.grcn if grcn.done)
 
 
 def action_topic_problems(plan: Plan) -> Iterator[CoherenceProblem]:

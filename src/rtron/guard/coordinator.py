@@ -237,7 +237,10 @@ class Coordinator:
         self._transport.call_at(now + _FPS_PERIOD, partial(self._publish_rate, monitor, output))
 
     def _publish_diagnostics(self) -> None:
-        self._transport.call_at(self._transport.now() + SECOND, self._publish_diagnostics)
+        now = self._transport.now()
+        self._transport.call_at(now + SECOND, self._publish_diagnostics)
+        for stream in self.streams:
+            stream.losses.update(stream.lost_behind, now)
         if self._diagnostics is not None:
             self._report_number += 1
             fields = (self._report_number, time.time_ns(), self.statuses())

@@ -10,7 +10,6 @@ from rtron.planning.plan_file.fields import TYPE_NAME
 from rtron.planning.problem import PlanProblem, ProblemLevel
 from rtron.vocabulary import (
     GRCN,
-    PRIVATE_ROOT,
     EventFlow,
     Flow,
     FpsMonitor,
@@ -219,10 +218,7 @@ def _check_source(monitor: FpsMonitor, app: _AppGraph) -> Iterator[PlanProblem]:
 
 
 def _check_topic(where: str, topic: str, app: _AppGraph) -> Iterator[PlanProblem]:
-    if topic.startswith(PRIVATE_ROOT + "/"):
-        why = "the guard's own output would come back to it"
-        yield PlanProblem(ProblemLevel.ERROR, where, f"{topic} is the guard's private topic: {why}")
-    elif topic not in app.topics:
+    if topic not in app.topics:
         yield PlanProblem(
             ProblemLevel.ERROR,
             where,

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator
 
+from rtron.coherence.duration_bounds import duration_doubts
 from rtron.planning.problem import PlanProblem, ProblemLevel
 from rtron.vocabulary import (
     GRCN,
@@ -13,12 +14,9 @@ from rtron.vocabulary import (
     Plan,
     PolicyName,
     StopProfile,
-    StreamKind,
     matches_node,
 )
 
-LONGEST_SILENCE = 10 * SECOND
-"""A velocity that is older than this says nothing of where the robot should go now."""
 _BY_PRIORITY = (PolicyName.PREEMPTION, PolicyName.PRIORITY_QUEUE)
 
 
@@ -31,20 +29,13 @@ def void_value_warnings(plan: Plan) -> Iterator[PlanProblem]:
         for topic in plan.rsrcn.vflows:
             yield from _blocked(f"RSRCN on {topic.topic}", topic.flows)
         yield from _steeper_stop(plan.rsrcn, plan.stop)
+    yield from (_warning(where, message) for where, message in duration_doubts(plan))
     modes = [node.mode for node in (*plan.grcn, plan.rsrcn, plan.msrcn) if node]
     if Mode.ENFORCE not in modes:
         yield _warning("plan", "nothing enforces: the guard only watches; set `mode: enforce`")
 
 
 def _void_values(grcn: GRCN) -> Iterator[str]:
-    is_preemptive = grcn.policy is PolicyName.PREEMPTION
-    if is_preemptive and grcn.release_after == 0:
-        yield "release_after is 0: nobody keeps the output between two messages, no priority holds"
-    if is_preemptive and grcn.release_after > LONGEST_SILENCE:
-        seconds = grcn.release_after // SECOND
-        yield f"release_after is {seconds} s: so long nobody else drives when a node falls silent"
-    if grcn.kind is StreamKind.COMMAND and grcn.max_age > LONGEST_SILENCE:
-        yield f"max_age is {grcn.max_age // SECOND} s: commands of then still pass"
     if grcn.flows and all(flow.block for flow in grcn.flows):
         yield "every flow is blocked: nothing passes"
 

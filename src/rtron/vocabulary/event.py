@@ -70,8 +70,8 @@ class GuardEvent:
     node. `values` has, as JSON, what only some kinds have. Of `counts`, told for each second in
     which there was something: `{"streams": {topic: {"flows": {flow: [passed, held, dropped,
     modified]}, "speed": m/s or null, "limit": m/s or null, "latency": [mean, worst] in us or
-    null}}, "fps": {fps_monitor: rate}}`. Of `alarm` and `settled` the alarm itself; of `lost`
-    `{"events": n}`, the number of those that were dropped.
+    null, "lost": [before, behind the guard]}}, "fps": {fps_monitor: rate}}`. Of `alarm` and
+    `settled` the alarm itself; of `lost` `{"events": n}`, the number of those that were dropped.
     """
 
     run: str
@@ -92,12 +92,16 @@ class GuardEvent:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class VerdictCounts:
-    """How many messages of a flow met which verdict since the guard began."""
+    """How many messages of a flow met which verdict since the guard began.
+
+    `lost` were sent and never met one: they did not reach the guard, or came too late.
+    """
 
     passed: int = 0
     held: int = 0
     dropped: int = 0
     modified: int = 0
+    lost: int = 0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -106,7 +110,8 @@ class StreamState:
 
     `owner` is a flow, "" while idle; `stopping` says why the robot is being stopped. `speed` is of
     the last velocity that went out and `limit` what it may be, m/s. `latency` is how long messages
-    took through the guard in the last second: mean and worst, us.
+    took through the guard in the last second: mean and worst, us. `lost_behind` counts the messages
+    that left the guard and did not reach a subscriber, as far as the middleware tells.
     """
 
     topic: str
@@ -120,6 +125,7 @@ class StreamState:
     speed: float | None = None
     limit: float | None = None
     latency: tuple[float, float] | None = None
+    lost_behind: int = 0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -1,9 +1,10 @@
 """One audit as a result: every planned path, whether it is closed, and who is there beside it."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass, replace
 
 from rtron.vocabulary.enums import Mode, StringEnum
+from rtron.vocabulary.names import matches_node
 from rtron.vocabulary.plan import Plan
 from rtron.vocabulary.streams import build_streams
 
@@ -15,7 +16,8 @@ class PathState(StringEnum):
     OPEN = "open"
     DRIFT = "drift"
     UNKNOWN = "unknown"
-    NOT_RUNNING = "not running"
+    NOT_SEEN = "not seen"
+    ABSENT = "absent"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -44,7 +46,11 @@ class UnguardedPath:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Verification:
-    """The paths, what is wrong beside them, and what no path leads through."""
+    """The paths, what is wrong beside them, and what no path leads through.
+
+    What was not seen is not closed: it may run where nobody looked. `without` takes out what is
+    known to be switched off.
+    """
 
     paths: tuple[GuardedPath, ...]
     problems: tuple[str, ...]
@@ -52,16 +58,34 @@ class Verification:
 
     @property
     def is_closed(self) -> bool:
-        """Tell whether the guard is in the way of everything that runs."""
-        fine = (PathState.CLOSED, PathState.NOT_RUNNING)
+        """Tell whether the guard is in the way of everything that the plan names."""
+        fine = (PathState.CLOSED, PathState.ABSENT)
         return not self.problems and all(path.state in fine for path in self.paths)
 
     @property
     def is_conclusive(self) -> bool:
-        """Tell whether every path that runs could be looked at, or another one is known open."""
+        """Tell whether every path could be looked at, or another one is known open."""
         states = {path.state for path in self.paths}
         wrong = bool(self.problems) or bool(states & {PathState.OPEN, PathState.DRIFT})
-        return wrong or PathState.UNKNOWN not in states
+        return wrong or not states & {PathState.UNKNOWN, PathState.NOT_SEEN}
+
+    @property
+    def not_seen(self) -> tuple[str, ...]:
+        """The nodes of the plan of which nobody knows whether they run."""
+        unseen = (path.node for path in self.paths if path.state is PathState.NOT_SEEN)
+        return tuple(dict.fromkeys(unseen))
+
+    def without(self, absent: Collection[str]) -> "Verification":
+        """Return the same where nodes, or patterns, are known not to run; one that runs counts."""
+        paths = (_as_absent(path, absent) for path in self.paths)
+        return replace(self, paths=tuple(paths))
+
+
+def _as_absent(path: GuardedPath, absent: Collection[str]) -> GuardedPath:
+    is_absent = any(matches_node(name, path.node) for name in absent)
+    if path.state is PathState.NOT_SEEN and is_absent:
+        return replace(path, state=PathState.ABSENT)
+    return path
 
 
 def accepted_paths(plan: Plan) -> Iterator[UnguardedPath]:

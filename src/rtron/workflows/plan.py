@@ -1,18 +1,17 @@
 """Make a plan: propose one for an app, or fit one to what a run measured."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from rtron.planning.app_check import check_plan
-from rtron.planning.plan_doubts import order_doubts, void_value_warnings
 from rtron.planning.plan_file.loader import read_plan
 from rtron.planning.problem import PlanProblem
 from rtron.planning.proposal.policy_defaults import propose_plan, unguardable_topics
 from rtron.planning.tuning import tune_plan
 from rtron.sources.bag.file_type import is_bag
 from rtron.sources.run_json import read_run
-from rtron.vocabulary import InteractionGraph, MeasuredRun, Plan, TuningProposal
+from rtron.vocabulary import MeasuredRun, Plan, TuningProposal
+from rtron.workflows.check_plan import plan_doubts
 from rtron.workflows.scan import ScanResult
 
 
@@ -29,18 +28,7 @@ def propose(scan: ScanResult) -> ProposedPlan:
     """Return the plan that the risks of an app ask for."""
     plan = propose_plan(scan.graph, scan.report)
     omitted = unguardable_topics(scan.graph, scan.report)
-    return ProposedPlan(plan, omitted, tuple(_doubts(plan, scan.graph)))
-
-
-def check(plan: Plan, graph: InteractionGraph | None = None) -> tuple[PlanProblem, ...]:
-    """Return what is wrong with a plan, alone and for an app; then what is a guess in it."""
-    doubts = _doubts(plan, graph or InteractionGraph(app=plan.app))
-    return (*check_plan(plan, graph), *doubts)
-
-
-def _doubts(plan: Plan, graph: InteractionGraph) -> Iterator[PlanProblem]:
-    yield from order_doubts(plan, graph) if graph.nodes else ()
-    yield from void_value_warnings(plan)
+    return ProposedPlan(plan, omitted, tuple(plan_doubts(plan, scan.graph)))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

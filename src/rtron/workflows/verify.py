@@ -1,20 +1,38 @@
 """Verify that a running app sends all guarded traffic through the guard."""
 
+from collections.abc import Collection
 from typing import TYPE_CHECKING
 
-from rtron.vocabulary import Plan
+from rtron.errors import InputError, suggestion
+from rtron.vocabulary import Mode, Plan, build_streams, matches_node
 
 if TYPE_CHECKING:
     from rtron.vocabulary.verification import Verification
 
 
 def verify_running_app(
-    plan: Plan, master: str, domain: int | None, timeout: float
+    plan: Plan, master: str, domain: int | None, timeout: float, absent: Collection[str] = ()
 ) -> "Verification":
     """Return the state of each path of the plan, in its ROS; `timeout` is in seconds.
 
-    Raise SourceError if the running app cannot be read.
+    `absent` are nodes of the plan that are switched off, names or patterns. Raise SourceError if
+    the running app cannot be read, InputError if the plan has no such node.
     """
+    _check_absent(plan, absent)
+    return _verify(plan, master, domain, timeout).without(absent)
+
+
+def _check_absent(plan: Plan, absent: Collection[str]) -> None:
+    """Refuse a name that no node of the plan has: a slip would go unnoticed."""
+    enforced = [stream for stream in build_streams(plan) if stream.mode is Mode.ENFORCE]
+    known = {node for stream in enforced for node in stream.successors}
+    known |= {flow.publisher for stream in enforced for flow in stream.flows}
+    for name in absent:
+        if not any(matches_node(name, node) for node in known):
+            raise InputError(f"the plan has no node {name}", help=suggestion(name, sorted(known)))
+
+
+def _verify(plan: Plan, master: str, domain: int | None, timeout: float) -> "Verification":
     if plan.ros != 1:
         from rtron.guard.audit.ros2.live_verification import verify_domain  # noqa: PLC0415 - needs a ROS 2
 

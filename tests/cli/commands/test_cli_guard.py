@@ -37,6 +37,30 @@ def test_a_dry_run_and_another_door_are_handed_on(rtron, plan_file, started, tmp
     assert started[0][3:5] == (True, tmp_path / "door.sock")
 
 
+def test_a_plan_that_does_not_fit_the_app_is_refused(rtron, plan_file, started, quiet_file):
+    checked = rtron("check", plan_file, "--graph", quiet_file)
+    ran = rtron("guard", "--plan", plan_file, "--graph", quiet_file)
+    assert (checked.code, ran.code, started) == (1, 2, [])
+    assert "error: the plan does not fit the app" in ran.err
+    assert "no topic /cmd_vel in the app" in ran.err
+
+
+def test_a_plan_that_fits_the_app_is_guarded(rtron, plan_file, started, graph_file, caplog):
+    assert rtron("guard", "--plan", plan_file, "--graph", graph_file).code == 0
+    assert started == [STARTED]
+    assert "not checked" not in caplog.text
+
+
+def test_what_check_warns_of_is_logged_and_what_is_not_checked(rtron, plan_file, started, caplog):
+    plan = plan_file.read_text()
+    plan_file.write_text(plan.replace("mode: enforce", "mode: observe"))
+    with caplog.at_level("INFO"):
+        assert rtron("guard", "--plan", plan_file).code == 0
+    assert "plan: nothing enforces: the guard only watches" in caplog.text
+    assert "not checked: whether the plan's topics, nodes and types are the app's" in caplog.text
+    assert started == [STARTED]
+
+
 @pytest.fixture
 def linked(tmp_path, monkeypatch):
     """Name a service in the environment, as before a roslaunch."""

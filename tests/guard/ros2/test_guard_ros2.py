@@ -19,7 +19,7 @@ from rtron.wire.ros2.session import Ros2Session
 
 pytestmark = pytest.mark.ros2
 PLAN = written(driving("nav", "teleop"))
-PATIENT = written(driving("teleop", "nav", silent_after=60 * SECOND))
+PATIENT = written(driving("teleop", "nav", silent_after=10 * SECOND))
 """What one word sets in motion is not stopped while the driver, on a busy machine, is awaited."""
 TOPIC = "/cmd_vel"
 NAV, OUT = flow_topic(TOPIC, "nav"), output_topic(TOPIC)

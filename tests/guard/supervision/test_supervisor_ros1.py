@@ -1,6 +1,7 @@
 """The guard dies, hangs and starves between real nodes, and so does its supervisor."""
 
 import os
+import re
 import resource
 import signal
 import sys
@@ -168,6 +169,15 @@ def test_a_spare_guard_that_stands_still_is_soon_replaced(supervised):
 
 
 @pytest.mark.long
+def test_guard_and_supervisor_log_with_times(ros1):
+    process = start_guard(ros1, drive_plan(), CMD_VEL_GUARD)
+    wait_for(lambda: "supervisor: the guard guards" in process.log, what="the supervisor's word")
+    time = r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{3}Z "
+    assert re.search(time + "INFO guarding 1 topics", process.log)
+    assert re.search(time + "INFO supervisor: the guard guards", process.log)
+    assert [line for line in process.log.splitlines() if not re.match(time, line)] == []
+
+
 def test_a_python_driver_is_stopped_too(ros1):
     start_guard(ros1, plan_with_a_blocked_flow(), CMD_VEL_GUARD)
     ros1.wait_for_nodes(GUARD_NODE, SUPERVISOR_NODE)

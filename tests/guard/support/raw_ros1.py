@@ -44,8 +44,11 @@ class RawSubscriber:
     def __exit__(self, *_: object) -> None:
         self.socket.close()
 
-    def subscribe(self, topic: str, **fields: str) -> dict[str, str]:
+    def ask(self, topic: str, **fields: str) -> None:
         self.socket.sendall(encode_header(subscriber_header(topic, **fields)))
+
+    def subscribe(self, topic: str, **fields: str) -> dict[str, str]:
+        self.ask(topic, **fields)
         return decode_header(self.frame()[4:])
 
     def frame(self) -> bytes:

@@ -68,6 +68,11 @@ class Ros2Publisher:
     def __init__(self, node, publisher):
         self._node, self._publisher = node, publisher
 
+    @property
+    def readers(self):
+        """How many readers DDS has matched."""
+        return self._publisher.get_subscription_count()
+
     def say(self, message):
         self._publisher.publish(message)
 

@@ -8,6 +8,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from rtron.coherence import coherence_problems
+from rtron.coherence.duration_bounds import DURATION_RANGES
 from rtron.planning import parse_plan, propose_plan, write_plan
 from rtron.planning.expressions import expression_problems
 from rtron.planning.plan_file.fields import plan_fields
@@ -49,10 +50,13 @@ topics = st.from_regex(r"(/[A-Za-z0-9_]{1,4}){1,3}", fullmatch=True)
 nodes = st.from_regex(r"(/[A-Za-z0-9_]{1,4}){1,2}\*?", fullmatch=True)
 frames = st.from_regex(r"/?[A-Za-z0-9_.-]{1,8}", fullmatch=True)
 types = st.sampled_from(["", "std_msgs/String", "std_msgs/msg/String"])
-durations = st.integers(0, 2**63 - 1)
-whiles = st.integers(1, 2**63 - 1)
 metres = st.floats(-1e8, 1e8)
 texts = st.text(max_size=20)
+
+
+def within(key):
+    """Return the durations that a plan may have under a key."""
+    return st.integers(*DURATION_RANGES[key])
 
 
 def listed(strategy, least=0, most=3):
@@ -65,8 +69,8 @@ flows = st.builds(
     publisher=nodes,
     priority=st.integers(-(2**31), 2**31 - 1),
     block=st.booleans(),
-    timeout=st.none() | durations,
-    silent_after=whiles,
+    timeout=st.none() | within("timeout"),
+    silent_after=within("silent_after"),
     on_silence=st.sampled_from(OnSilence),
     on_error=st.sampled_from(OnError),
 )
@@ -92,9 +96,9 @@ grcns = st.builds(
     policy=st.sampled_from(PolicyName),
     flows=listed(flows),
     successors=listed(nodes),
-    release_after=durations,
-    max_age=durations,
-    max_hold=durations,
+    release_after=within("release_after"),
+    max_age=within("max_age"),
+    max_hold=within("max_hold"),
     queue_size=st.integers(1, 1_000_000),
     done=st.none() | topics,
     block_unapproved=st.booleans(),
@@ -106,8 +110,8 @@ monitors = st.builds(
     node=nodes,
     topic=topics,
     source=st.sampled_from(FrameSource),
-    window=st.integers(SECOND // 10, 60 * SECOND),
-    silent_after=whiles,
+    window=within("window"),
+    silent_after=within("FpsMonitor.silent_after"),
     camera=st.none() | watched,
 )
 velocities = st.just(0.0) | st.floats(1e-6, 1000)
@@ -133,8 +137,8 @@ unjudged = st.builds(
     topic=topics,
     publisher=nodes,
     type=types,
-    present=whiles,
-    max_age=whiles,
+    present=within("present"),
+    max_age=within("EventFlow.max_age"),
     frame=st.just("") | frames,
     on_silence=st.sampled_from(WhenUnknown),
     on_error=st.sampled_from(WhenUnknown),
@@ -146,7 +150,7 @@ judged = st.builds(
     publisher=nodes,
     type=st.sampled_from(["std_msgs/String", "std_msgs/msg/String"]),
     when=comparisons,
-    silent=st.none() | whiles,
+    silent=st.none() | within("silent"),
 )
 polygons = st.tuples(
     st.floats(-1e7, 1e7), st.floats(-1e7, 1e7), st.floats(0.1, 9), st.floats(0.1, 9)
@@ -171,12 +175,12 @@ stops = st.builds(
     decel=st.floats(0.01, 1000),
     angular_decel=st.floats(0.01, 1000),
     within=st.integers(SECOND // 20, 10 * SECOND),
-    period=st.integers(SECOND // 1000, SECOND),
-    repeat=durations,
+    period=within("period"),
+    repeat=within("repeat"),
 )
 audits = st.builds(
     Audit,
-    period=st.integers(SECOND // 100, SECOND // 10),
+    period=within("Audit.period"),
     on_foreign=st.sampled_from(OnForeign),
 )
 definitions = st.builds(

@@ -17,6 +17,7 @@ from test_tuner import (
 )
 
 from rtron.coherence import coherence_problems
+from rtron.coherence.duration_bounds import DURATION_RANGES, LONGEST_SILENCE
 from rtron.planning.plan_file.loader import parse_plan
 from rtron.planning.tuning import tune_plan, tuned_yaml
 from rtron.planning.tuning.duration_fit import MAX_SILENCE, MIN_SAMPLES
@@ -45,6 +46,12 @@ class Dice(Random):
     def length(self):
         largest = self.choice([0, 100, SECOND // 2, 2 * SECOND, 20 * SECOND, 2**63 - 1])
         return self.randint(0, largest)
+
+    def within(self, key):
+        """Return a duration that a plan may have, of commands as well as of goals."""
+        least, most = DURATION_RANGES[key]
+        longest = most if key == "max_hold" else min(most, LONGEST_SILENCE)
+        return min(max(self.length(), least), longest)
 
     def durations(self):
         lengths = sorted(self.length() for _ in FOUR)
@@ -81,8 +88,8 @@ class Dice(Random):
                 name=f"flow{n}",
                 publisher=publisher,
                 priority=rank,
-                timeout=self.choice([None, self.length()]),
-                silent_after=1 + self.length() // 2,
+                timeout=self.choice([None, self.within("timeout")]),
+                silent_after=self.within("silent_after"),
                 block=self.random() < 0.1,
             )
             for n, (publisher, rank) in enumerate(zip(publishers, ranks, strict=True), start=1)
@@ -91,9 +98,9 @@ class Dice(Random):
     def plan(self):
         common = {
             "flows": self.flows(),
-            "release_after": self.length(),
-            "max_hold": self.length(),
-            "max_age": self.length(),
+            "release_after": self.within("release_after"),
+            "max_hold": self.within("max_hold"),
+            "max_age": self.within("max_age"),
         }
         heard = any(each.publisher == "/nav" for each in common["flows"])
         asked = {"type": "test/WalkActionGoal", "id": "grcn_goal", "topic": "/goal"}
@@ -107,7 +114,7 @@ class Dice(Random):
                 threshold=self.choice([1e-6, 0.02, 1000.0]),
                 vflows=limited().vflows if heard else (),
             ),
-            msrcn=mission(max_age=1 + self.length() // 2),
+            msrcn=mission(max_age=self.within("EventFlow.max_age")),
             fps_monitor=(monitor,),
         )
 

@@ -19,6 +19,7 @@ from rtron.vocabulary import (
 )
 
 PLAN = plan()
+DAY = 24 * 3600 * SECOND
 TOPIC_OR_FLOW = "a full topic name like /cmd_vel or the name of a flow"
 
 
@@ -151,12 +152,12 @@ def test_what_is_unknown_is_refused_with_the_nearest_word(nodes, told, help):
 
 GOOD = {
     "priority": {value: value for value in (-(2**31), 0, 2**31 - 1)},
-    "timeout": {0: 0, 1: 1, 2**63 - 1: 2**63 - 1, "0": 0, "1 ns": 1, "0.2 s": SECOND // 5},
+    "timeout": {0: 0, 1: 1, DAY: DAY, "0": 0, "1 ns": 1, "0.2 s": SECOND // 5, "24 h": DAY},
     "block": {True: True, False: False},
 }
 BAD = {
     "priority": [-(2**31) - 1, 2**31, 1.0, "1", True, [], 10**400],
-    "timeout": [-1, 2**63, 0.5, True, "-1", "1 parsec", "nan", {}, "0.1 ns"],
+    "timeout": [-1, DAY + 1, 2**63, 0.5, True, "-1", "1 parsec", "nan", {}, "0.1 ns"],
     "block": [0, 1, "true", "", []],
 }
 

@@ -3,7 +3,7 @@
 import pytest
 from defusedxml.ElementTree import parse
 
-from rtron.wire.ros2.discovery_tuning import enable_fast_announcements
+from rtron.wire.ros2.discovery_tuning import enable_fast_announcements, publishes_without_waiting
 
 NAMES = ("FASTDDS_DEFAULT_PROFILES_FILE", "FASTRTPS_DEFAULT_PROFILES_FILE")
 SPACE = "{http://www.eprosima.com}"
@@ -19,8 +19,12 @@ def test_fast_dds_is_given_a_profile_with_a_short_period(distribution, name):
     found = parse(environ[name]).getroot()
     (period,) = found.iter(f"{SPACE}leaseAnnouncement")
     assert [each.text for each in period] == ["0", "100000000"]
-    (profile,) = found.iter(f"{SPACE}participant")
-    assert profile.get("is_default_profile") == "true"
+    for kind in ("participant", "data_writer"):
+        (profile,) = found.iter(f"{SPACE}{kind}")
+        assert profile.get("is_default_profile") == "true"
+    (longest_wait,) = found.iter(f"{SPACE}max_blocking_time")
+    assert [each.text for each in longest_wait] == ["0", "0"]
+    assert publishes_without_waiting(environ) is (name == NAMES[0])
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -28,6 +32,7 @@ def test_the_users_own_profiles_count(name):
     environ = {name: "/etc/dds.xml"}
     assert not enable_fast_announcements(environ)
     assert environ == {name: "/etc/dds.xml"}
+    assert not publishes_without_waiting(environ)
 
 
 def test_a_process_that_the_guard_has_started_has_its_profile_and_no_user_s(caplog):

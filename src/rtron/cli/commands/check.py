@@ -10,7 +10,7 @@ from rtron.planning.plan_file.loader import read_plan
 from rtron.planning.problem import ProblemLevel
 from rtron.reports.plan.problems import problems_text
 from rtron.sources.graph_json import read_graph
-from rtron.workflows.plan import check as check_plan
+from rtron.workflows.check_plan import check as check_plan
 
 
 def check(

@@ -1,5 +1,6 @@
 """`rtron guard`."""
 
+import logging
 import socket
 from collections.abc import Callable
 from enum import Enum
@@ -17,11 +18,15 @@ from rtron.cli.support.service_options import (
 )
 from rtron.errors import InputError
 from rtron.guard.link.options import LinkOptions, state_folder
+from rtron.guard.log_format import start_logging
 from rtron.planning.plan_file.loader import read_plan
-from rtron.vocabulary import MeasuredRun
+from rtron.planning.problem import ProblemLevel
+from rtron.vocabulary import InteractionGraph, MeasuredRun, Plan
+from rtron.workflows.check_plan import check
 from rtron.workflows.launch_arguments import parse_assignments
 from rtron.workflows.live_app import app_address
 
+log = logging.getLogger(__name__)
 Robot = Annotated[
     str,
     typer.Option(metavar="NAME", envvar="RTRON_ROBOT", help="This robot's name in the service."),
@@ -74,6 +79,10 @@ def guard(  # noqa: PLR0913 - one for each option
     ] = None,
     *,
     plan: PlanOption,
+    graph: Annotated[
+        Path | None,
+        typer.Option(metavar="GRAPH.json", help="Refuse a plan that does not fit this app."),
+    ] = None,
     master: Master = DEFAULT_MASTER,
     domain: Domain = None,
     dry_run: Annotated[
@@ -92,7 +101,9 @@ def guard(  # noqa: PLR0913 - one for each option
     robot: Robot = "",
     state_dir: StateFolder = None,
     ca: CaOption = None,
-    log_level: Annotated[LogLevel, typer.Option(help="How much to log.")] = LogLevel.INFO,
+    log_level: Annotated[
+        LogLevel, typer.Option(help="How much to log; each line has its time, in UTC.")
+    ] = LogLevel.INFO,
 ) -> None:
     """Run the guard: enforce a plan between the nodes of an app, until stopped.
 
@@ -100,11 +111,16 @@ def guard(  # noqa: PLR0913 - one for each option
     monitor with a plan whose coordination nodes all observe.
 
     $ rtron guard --plan rtron.yaml
+    $ rtron guard --plan rtron.yaml --graph graph.json
     $ rtron guard --plan rtron.yaml --dry-run
     $ rtron guard --plan rtron.yaml --dry-run --measurements run.json
     $ rtron guard --plan rtron.yaml --master http://robot:11311 --log-level debug
     $ rtron guard --plan rtron.yaml --domain 7       a plan with `ros: 2`
     $ rtron guard --plan rtron.yaml --service https://host:8600 --token-file F
+
+    The guard logs what `rtron check` warns of, and refuses what it refuses.
+    Without --graph it cannot know whether the plan's topics, nodes and types
+    are those of the app: it waits for them.
 
     The guard waits for a ROS master that does not answer. In ROS 2 the
     environment sets the discovery range and the RMW. A dry run forwards every
@@ -119,7 +135,7 @@ def guard(  # noqa: PLR0913 - one for each option
     A supervisor process starts the guard. If the guard crashes or hangs, the
     supervisor stops the robot and restarts the guard.
 
-    Exit code: 0 stopped, 2 bad plan.
+    Exit code: 0 stopped, 2 bad plan, or one that does not fit the app.
     """
     from rtron.guard.supervision.programs import supervise  # noqa: PLC0415 - no other needs a guard
 
@@ -129,6 +145,8 @@ def guard(  # noqa: PLR0913 - one for each option
         raise InputError("--measurements without --dry-run", help=help)
     run_writer = _run_file_writer(measurements) if measurements else None
     guard_plan = read_plan(plan)
+    start_logging(log_level.value.upper())
+    _check_plan(guard_plan, graph)
     link = (
         build_link_options(guard_plan.app, service, token_file, robot, state_dir, ca)
         if service
@@ -143,6 +161,25 @@ def guard(  # noqa: PLR0913 - one for each option
         figures=run_writer,
         link=link,
     )
+
+
+def _check_plan(plan: Plan, graph: Path | None) -> None:
+    """Log what is odd in a plan; InputError if it does not fit the app, where one is given."""
+    problems = check(plan, _read_graph(graph) if graph else None)
+    errors = [str(each) for each in problems if each.level is ProblemLevel.ERROR]
+    if errors:
+        help = "correct the plan, or make a new graph of the app"
+        raise InputError("\n".join(("the plan does not fit the app", *errors)), help=help)
+    for problem in problems:
+        log.warning("%s: %s", problem.location, problem.message)
+    if not graph:
+        log.info("not checked: whether the plan's topics, nodes and types are the app's (--graph)")
+
+
+def _read_graph(path: Path) -> InteractionGraph:
+    from rtron.sources.graph_json import read_graph  # noqa: PLC0415 - few guards get a graph
+
+    return read_graph(path)
 
 
 def _run_file_writer(path: Path) -> Callable[[MeasuredRun], None]:

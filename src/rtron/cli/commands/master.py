@@ -1,6 +1,5 @@
 """`rtron master`."""
 
-import logging
 from typing import Annotated
 
 import typer
@@ -9,6 +8,7 @@ from rtron.cli.commands.guard import LogLevel
 from rtron.cli.support.options import PlanOption
 from rtron.cli.support.outcome import Outcome
 from rtron.errors import InputError, WireError
+from rtron.guard.log_format import start_logging
 from rtron.planning.plan_file.loader import read_plan
 from rtron.wire.ros1.host_address import advertised_host, master_uri
 from rtron.wire.ros1.xmlrpc import split_uri
@@ -62,7 +62,7 @@ def master(
     """
     from rtron.guard.master_proxy.process import run_master  # noqa: PLC0415 - no other command needs it
 
-    logging.basicConfig(level=log_level.value.upper(), format="%(levelname)s %(message)s")
+    start_logging(log_level.value.upper())
     known = read_plan(plan)
     at = port or _master_port()
     return Outcome("", run_master(known, host or advertised_host(), at, private_port=private_port))

@@ -15,6 +15,7 @@ from rtron.cli.support.service_database import (
     require_service_packages,
 )
 from rtron.errors import InputError
+from rtron.guard.log_format import start_logging
 
 if TYPE_CHECKING:
     from rtron.service.config import ServiceConfig, Tls
@@ -93,7 +94,7 @@ def serve(  # noqa: PLR0913 - one for each option
 
 def _configure_logging(level: LogLevel) -> None:
     """Log to standard error; httpx would tell whole URLs, and a webhook's may hold a secret."""
-    logging.basicConfig(level=level.value.upper(), format="%(levelname)s %(message)s")
+    start_logging(level.value.upper())
     for name in ("httpx", "httpcore", "alembic"):
         logging.getLogger(name).setLevel(logging.WARNING)
 

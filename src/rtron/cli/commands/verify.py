@@ -31,6 +31,13 @@ def verify(
     master: Master = DEFAULT_MASTER,
     domain: Domain = None,
     timeout: Timeout = DEFAULT_TIMEOUT,
+    absent: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME",
+            help="A node of the plan that is switched off, `*` for what changes; can be repeated.",
+        ),
+    ] = None,
     format: Annotated[TextOrJson, typer.Option(help="A table, or JSON.")] = TextOrJson.TEXT,
 ) -> Outcome:
     """Check that all guarded traffic of the running app passes through the guard.
@@ -43,24 +50,26 @@ def verify(
     closed        the node receives from the guard only, on the private topic
     open          the node also receives from another publisher, which is named
     drift         the node uses the public name: its remap is missing
-    unknown       the node runs and does not answer
-    not running   the node is not there
+    unknown       the node runs, and does not answer or is not connected
+    not seen      the node was not found: it may run where nobody looked
+    absent        the same, and you said so with --absent
 
     $ rtron verify --live
     $ rtron verify --live --plan rtron.yaml --master http://robot:11311
     $ rtron verify --live --domain 7                a plan that says `ros: 2`
+    $ rtron verify --live --absent /teleop          teleop is switched off
     $ rtron verify --live --format json | jq .verdict
 
     It changes nothing; in ROS 2 it joins the domain as /rtron_verify. The
     running guard checks the same continuously; see `audit` in the plan.
 
-    Exit code: 0 closed, 1 open or drifted, 2 unknown.
+    Exit code: 0 closed, 1 open or drifted, 2 unknown or not seen.
     """
     if not live:
         help = "add --live; before the app runs, `rtron check` compares the plan with its graph"
         raise InputError("`rtron verify` needs --live", help=help)
     guard_plan = read_plan(plan)
-    verification = verify_running_app(guard_plan, master, domain, timeout)
+    verification = verify_running_app(guard_plan, master, domain, timeout, absent or ())
     code = OK if verification.is_closed else FINDINGS if verification.is_conclusive else BAD_INPUT
     if format is TextOrJson.JSON:
         return Outcome(as_json(verification_to_json(verification)), code)

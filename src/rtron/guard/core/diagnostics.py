@@ -56,6 +56,7 @@ def alarm_statuses(alarms: Alarms, now: int) -> Iterator[Status]:
 def _stream_status(stream: GuardedStream, now: int) -> Status:
     pipeline = stream.pipeline
     values = {flow: _counts(tally) for flow, tally in pipeline.tallies.items()}
+    values |= _lost(stream)
     values |= {f"unapproved {node}": f"connected {n}" for node, n in stream.strangers.items()}
     values |= stream.details
     if stream.stop_controller.stop_count:
@@ -63,9 +64,17 @@ def _stream_status(stream: GuardedStream, now: int) -> Status:
     overrides = dict(_overrides(stream, now))
     values |= overrides
     level, message = _level(stream)
-    level = max(level, WARN) if overrides else level
+    if overrides or stream.losses.are_recent(now):
+        level = max(level, WARN)
     name = f"{stream.spec.topic} ({', '.join(stage.id for stage in stream.spec.stages)})"
     return Status(level, f"rtron: {name}", message, values)
+
+
+def _lost(stream: GuardedStream) -> dict[str, str]:
+    """Return what was lost without a verdict, if anything was."""
+    before = {f"lost before the guard, {f}": str(n) for f, n in stream.losses.before.items()}
+    behind = {f"lost behind the guard, {t}": str(n) for t, n in stream.lost_behind.items()}
+    return before | behind
 
 
 def _level(stream: GuardedStream) -> tuple[int, str]:

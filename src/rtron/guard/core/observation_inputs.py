@@ -9,7 +9,7 @@ from rtron.errors import WireError
 from rtron.guard.core.log_throttle import LogThrottle
 from rtron.guard.core.message_types import stamp_of
 from rtron.guard.core.observations import EventSource, Observations
-from rtron.guard.transport.common.protocol import MessageHandler, Peer, Transport
+from rtron.guard.transport.common.protocol import InputOptions, MessageHandler, Peer, Transport
 from rtron.policies.velocity_limit.frame_counter import NO_STAMP
 from rtron.vocabulary import PRIVATE_ROOT, FpsMonitor, WatchedFlow, matches_node
 
@@ -73,6 +73,7 @@ class ObservationInputs:
         self._publisher_topics = publisher_topics
         self._on_change = on_change
         self._log_throttle = LogThrottle()
+        self._missed: dict[str, int] = {}
 
     def open(self) -> None:
         """Join the graph."""
@@ -85,8 +86,18 @@ class ObservationInputs:
         node = f"{PRIVATE_ROOT}/{self._observations.node}"
         connect, lost = partial(self._connect_event, source), partial(self._on_event_lost, source)
         for topic in self._publisher_topics.topics_of(source.topic, source.publisher):
-            awaited = (source.publisher,)
-            self._transport.subscribe(node, topic, source.type, connect, lost, publishers=awaited)
+            self._transport.subscribe(
+                node,
+                topic,
+                source.type,
+                connect,
+                lost,
+                InputOptions(
+                    publishers=(source.publisher,),
+                    keep_all=True,
+                    on_missed=partial(self._on_event_missed, source),
+                ),
+            )
 
     def _open_monitor(self, plan: FpsMonitor) -> None:
         monitor = self._observations.rates.monitors[plan.id]
@@ -99,7 +110,8 @@ class ObservationInputs:
         connect = partial(self._connect_frames, flow, on_frame)
         for topic in self._publisher_topics.topics_of(flow.topic, flow.publisher):
             node, awaited = f"{PRIVATE_ROOT}/{plan.id}", (flow.publisher,)
-            self._transport.subscribe(node, topic, "", connect, publishers=awaited)
+            options = InputOptions(publishers=awaited)
+            self._transport.subscribe(node, topic, "", connect, options=options)
 
     def _connect_event(self, source: EventSource, peer: Peer) -> MessageHandler | None:
         if not _is_planned_publisher(source.publisher, peer, source.topic):
@@ -132,6 +144,13 @@ class ObservationInputs:
         for bit in source.bits:
             bit.remove_publisher()
         self._update_mission()
+
+    def _on_event_missed(self, source: EventSource, peer: Peer, count: int) -> None:
+        """Tell of events that were lost: a rule may have needed them."""
+        self._missed[source.topic] = self._missed.get(source.topic, 0) + count
+        if self._log_throttle.allows(f"missed {source.topic}", self._transport.now()):
+            text = "%s: events of %s were lost, %d until now"
+            log.warning(text, source.topic, peer.node, self._missed[source.topic])
 
     def _update_mission(self) -> None:
         self._observations.mission.update(self._transport.now())

@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from rtron.guard.core.deadline_timer import DeadlineTimer
+from rtron.guard.core.losses import Losses
 from rtron.guard.core.observations import Observations
 from rtron.guard.core.out_of_memory import exit_out_of_memory
 from rtron.guard.core.override_policy import OverridablePolicy
@@ -56,6 +57,7 @@ class GuardedStream:
             self.spec, self.nodes, self, rules or InputRules(), context
         )
         self.strangers = self.endpoints.strangers
+        self.losses = Losses(stream.topic)
         self._transport = context.transport
         names = [*(flow.name for flow in stream.flows), UNAPPROVED]
         policies = create_policies(self.spec, observations)
@@ -240,6 +242,15 @@ class GuardedStream:
         self.stop_controller.forget_flow(flow, now)
         self._deadline_timer.run_due(now)
         self._notify_state_change()
+
+    def count_lost(self, flow: str, number: int) -> None:
+        """Count messages of a flow that were lost before the guard."""
+        self.losses.count(flow, number)
+
+    @property
+    def lost_behind(self) -> Mapping[str, int]:
+        """How many messages that left the guard did not reach a subscriber, by topic."""
+        return self.endpoints.outputs.lost
 
     def receive(self, flow: str, message: bytes) -> Verdict | None:
         """Let the pipeline decide about a message of a flow; None after an internal error."""

@@ -12,10 +12,11 @@ from rtron.guard.core.latched_messages import LatchedMessageFilter
 from rtron.guard.core.message_types import codec_of, number_checker, standard_info
 from rtron.guard.core.observations import Observations
 from rtron.guard.core.printable import printable
-from rtron.guard.core.stream_outputs import StreamOutputs
+from rtron.guard.core.stream_outputs import StreamOutputs, keeps_all
 from rtron.guard.core.stream_settings import rules_md5sum
 from rtron.guard.transport.common.protocol import (
     ConnectHandler,
+    InputOptions,
     MessageHandler,
     Peer,
     Transport,
@@ -56,6 +57,10 @@ class StreamListener(Protocol):
 
     def receive(self, flow: str, message: bytes) -> object:
         """Take a message of a flow."""
+        ...
+
+    def count_lost(self, flow: str, number: int) -> None:
+        """Count messages of a flow that were lost before the guard."""
         ...
 
     def forget_flow(self, flow: str) -> None:
@@ -131,9 +136,8 @@ class StreamEndpoints:
         def connect_successor(peer: Peer) -> MessageHandler | None:
             return connect(peer) if self.is_successor(peer) else None
 
-        self._transport.subscribe(
-            self._node, topic, type, connect_successor, publishers=self.spec.successors
-        )
+        options = InputOptions(publishers=self.spec.successors)
+        self._transport.subscribe(self._node, topic, type, connect_successor, options=options)
 
     def is_successor(self, peer: Peer) -> bool:
         """Tell whether a publisher is one of the planned successors."""
@@ -174,9 +178,18 @@ class StreamEndpoints:
             self.spec.type,
             lambda peer: self._connect(flow_of(peer), peer, where),
             lambda peer: self._lose(flow_of(peer)),
-            is_command=self._is_momentary,
-            publishers=publishers,
+            InputOptions(
+                is_command=self._is_momentary,
+                publishers=publishers,
+                queue_size=self.spec.queue_size,
+                keep_all=keeps_all(self.spec),
+                on_missed=lambda peer, number: self._count_missed(flow_of(peer), peer, number),
+            ),
         )
+
+    def _count_missed(self, flow: Flow | None, peer: Peer, number: int) -> None:
+        name = _name_of(flow) if peer.verified else UNAPPROVED
+        self._listener.count_lost(name, number)
 
     def _private_flow(self, flow: Flow, peer: Peer) -> Flow | None:
         return flow if peer.verified and matches_node(flow.publisher, peer.node) else None

@@ -9,6 +9,7 @@ from rtron.vocabulary import (
     PolicyName,
     QoS,
     Stream,
+    StreamKind,
     flow_topic,
     matches_node,
     output_topic,
@@ -25,6 +26,7 @@ class StreamOutputs:
         self._type_info: TypeInfo | None = None
         self._latching_flows: set[str] = set()
         self._takes_turns = _takes_turns(stream)
+        self._topics: dict[str, Output] = {}
         self._outputs: list[Output] = []
         self._mirrors: dict[str, Output] = {}
         self._node_links: list[Output] = []
@@ -91,6 +93,11 @@ class StreamOutputs:
         private = (*self._outputs[:1], *self._mirrors.values())
         return any(output.is_subscribed_by(node) for output in private)
 
+    @property
+    def lost(self) -> dict[str, int]:
+        """How many messages did not reach a subscriber, by the topic where any was lost."""
+        return {topic: output.lost for topic, output in self._topics.items() if output.lost}
+
     def clear_latched(self) -> None:
         """Keep nothing for late subscribers any more."""
         for output in (*self._outputs, *self._mirrors.values()):
@@ -110,8 +117,10 @@ class StreamOutputs:
                 topic,
                 stream.type,
                 queue_size=stream.queue_size,
+                keep_all=keeps_all(stream),
                 successors=() if topic == stream.topic else stream.successors,
             )
+            self._topics[topic] = output
             self._outputs.append(output)
 
     def _open_mirrors(self) -> None:
@@ -119,11 +128,12 @@ class StreamOutputs:
         for flow in stream.flows:
             if any(matches_node(flow.publisher, node) for node in stream.successors):
                 topic = flow_topic(stream.topic, flow.name)
-                self._mirrors[flow.name] = self._transport.advertise(
+                self._mirrors[flow.name] = self._topics[topic] = self._transport.advertise(
                     self._nodes[-1],
                     topic,
                     stream.type,
                     queue_size=stream.queue_size,
+                    keep_all=keeps_all(stream),
                     successors=(flow.publisher,),
                 )
 
@@ -134,6 +144,13 @@ class StreamOutputs:
             self._node_links.append(
                 self._transport.link_nodes(before, after, topic, self._stream.type)
             )
+
+
+def keeps_all(stream: Stream) -> bool:
+    """Return whether each message of a stream counts: of commands only the newest does."""
+    first = stream.stages[0]
+    is_grcn = first.coordination_kind is CoordinationKind.GRCN
+    return is_grcn and first.settings.kind is not StreamKind.COMMAND
 
 
 def _takes_turns(stream: Stream) -> bool:

@@ -19,6 +19,7 @@ class StreamMonitor:
         self.guarded = guarded
         self._delays = guarded.latencies = LatencyStatistics()
         self._former_tallies: Mapping[str, VerdictCounts] = {}
+        self._former_lost = (0, 0)
         self._latency: tuple[float, float] | None = None
 
     def state(self, now: int) -> StreamState:
@@ -38,6 +39,7 @@ class StreamMonitor:
             speed=guarded.stop_controller.speed,
             limit=_limit(guarded, now),
             latency=self._latency,
+            lost_behind=sum(guarded.lost_behind.values()),
         )
 
     def figures(self, now: int) -> dict[str, Any] | None:
@@ -48,15 +50,31 @@ class StreamMonitor:
             name: _difference(tally, before.get(name, _NONE)) for name, tally in tallies.items()
         }
         active = {name: counts for name, counts in flows.items() if any(counts)}
-        if not active:
+        lost = self._lost_since()
+        if not active and not any(lost):
             return None
         speed, limit = self.guarded.stop_controller.speed, _limit(self.guarded, now)
-        return {"flows": active, "speed": speed, "limit": limit, "latency": self._latency}
+        found = {"flows": active, "speed": speed, "limit": limit, "latency": self._latency}
+        return {**found, "lost": lost} if any(lost) else found
+
+    def _lost_since(self) -> list[int]:
+        """Return how many messages were lost before and behind the guard since the last call."""
+        lost = (
+            sum(self.guarded.losses.before.values()),
+            sum(self.guarded.lost_behind.values()),
+        )
+        before, self._former_lost = self._former_lost, lost
+        return [new - old for new, old in zip(lost, before, strict=True)]
 
     def _tallies(self) -> dict[str, VerdictCounts]:
+        lost = self.guarded.losses.before
         return {
             name: VerdictCounts(
-                passed=each.passed, held=each.held, dropped=each.dropped, modified=each.modified
+                passed=each.passed,
+                held=each.held,
+                dropped=each.dropped,
+                modified=each.modified,
+                lost=lost.get(name, 0),
             )
             for name, each in self.guarded.pipeline.tallies.items()
         }

@@ -1,11 +1,11 @@
 """The guard as a program that a supervisor starts."""
 
-import logging
 import signal
 import socket
 import sys
 
 from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.log_format import start_logging
 from rtron.guard.runner import run_guard
 from rtron.guard.supervision.guard_config import read_config, stopped_streams
 from rtron.guard.supervision.programs import open_descriptors, run_program
@@ -25,7 +25,7 @@ def main(numbers: str) -> None:
     config_file, memory_file, number = open_descriptors(numbers)
     connection = socket.socket(fileno=number)
     config = read_config(config_file)
-    logging.basicConfig(level=config.log_level, format="%(levelname)s %(message)s")
+    start_logging(config.log_level)
     memory = GuardMemory(memory_file, len(stopped_streams(config.plan)))
     load_middleware(config.plan.ros)
     memory[StatusWord.READY] = EventLoop.now()

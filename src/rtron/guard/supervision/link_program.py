@@ -1,9 +1,9 @@
 """The link process as a program that a supervisor starts."""
 
-import logging
 import sys
 
 from rtron.guard.link.relay import run_relay
+from rtron.guard.log_format import start_logging
 from rtron.guard.supervision.guard_config import read_config
 from rtron.guard.supervision.programs import open_descriptors, run_program
 
@@ -12,7 +12,7 @@ def main(numbers: str) -> None:
     """Relay as the configuration in an open file says; end with the exit code."""
     (config_file,) = open_descriptors(numbers)
     config = read_config(config_file)
-    logging.basicConfig(level=config.log_level, format="%(levelname)s link: %(message)s")
+    start_logging(config.log_level, "link")
 
     def relay() -> int:
         run_relay(config.options["link"])

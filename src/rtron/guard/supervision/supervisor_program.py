@@ -1,9 +1,9 @@
 """The supervisor as a program."""
 
-import logging
 import sys
 
 from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.log_format import start_logging
 from rtron.guard.supervision.guard_config import read_config
 from rtron.guard.supervision.programs import open_descriptors, run_program
 from rtron.guard.supervision.supervisor import Supervisor
@@ -22,7 +22,7 @@ def run_backup(numbers: str) -> None:
 def _supervise(numbers: str, *, is_backup: bool) -> None:
     (config_file,) = open_descriptors(numbers)
     config = read_config(config_file)
-    logging.basicConfig(level=config.log_level, format="%(levelname)s supervisor: %(message)s")
+    start_logging(config.log_level, "supervisor")
     sys.exit(
         run_program(lambda: Supervisor(config, config_file, EventLoop(), is_backup=is_backup).run())
     )

@@ -21,6 +21,7 @@ from rtron.messages.expressions.functions import (
     declarations,
     expand_functions,
 )
+from rtron.messages.expressions.number_checks import NOT_A_NUMBER, check_numbers
 from rtron.messages.expressions.protobuf_types import (
     AREA,
     area_value,
@@ -80,7 +81,7 @@ class ExpressionCompiler:
                 f"the expression {_short(text)} gives {compiled.return_type().name()}, not a truth",
                 help="compare it with something: == != < <= > >=",
             )
-        expanded = expand_functions(text, self._areas)
+        expanded = expand_functions(check_numbers(text), self._areas)
         return compiled if expanded == text else self._compile_expanded(expanded)
 
     def _compile_expanded(self, expanded: str) -> Any:  # noqa: ANN401 - CEL's expression has no types
@@ -88,8 +89,8 @@ class ExpressionCompiler:
             return self._env.compile(expanded)
         except RuntimeError as error:
             raise InputError(
-                f"the positions are compared in too deep a way: {str(error)[:_MAX_MESSAGE]}",
-                help="name areas directly in inside() and distance()",
+                f"the expression compares in too deep a way: {str(error)[:_MAX_MESSAGE]}",
+                help="name areas directly in inside() and distance(), and nest fewer brackets",
             ) from error
 
     def activate(self, message: Any, areas: Mapping[str, Any]) -> Any:  # noqa: ANN401 - CEL's
@@ -148,8 +149,9 @@ def evaluate(expression: Any, activation: Any) -> bool | str:  # noqa: ANN401 - 
         value = str(error)
     if value is True or value is False:
         return value
-    if NOT_FINITE in str(value):
-        return NOT_FINITE
+    for known in (NOT_FINITE, NOT_A_NUMBER):
+        if known in str(value):
+            return known
     return re.sub(r"^[A-Z_]+: | \[[A-Z_]+\]$", "", str(value)[:_MAX_MESSAGE]) or "no value"
 
 

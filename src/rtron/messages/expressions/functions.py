@@ -16,7 +16,7 @@ NOT_FINITE = "a position is not finite"
 """What the evaluation of a position that is NaN or Inf ends with."""
 
 _QUOTED = r'"{3}(?:E|.)*?"{3}|\'{3}(?:E|.)*?\'{3}|"(?:E|[^"])*?"|\'(?:E|[^\'])*?\''
-_TOKEN = re.compile(
+TOKEN = re.compile(
     f"(?:[bB]?[rR]|[rR][bB])(?:{_QUOTED.replace('E|', '')})"
     f"|[bB]?(?:{_QUOTED.replace('E', chr(92) * 2 + '.')})" + r"|//[^\n]*|\s+|`[^`]*`|\w+|.",
     re.DOTALL | re.ASCII,
@@ -96,7 +96,7 @@ def expand_functions(text: str, areas: Collection[str]) -> str:
 
     The area of a `distance` must be called by its name, one of `areas`.
     """
-    return ",".join(_Expander(_TOKEN.findall(text), areas).parts())
+    return ",".join(_Expander(TOKEN.findall(text), areas).parts())
 
 
 class _Expander:
@@ -111,13 +111,13 @@ class _Expander:
         """Return what stands between the commas up to the bracket that closes, written out."""
         found = [""]
         before = "("
-        while (word := self._next()) and word not in _CLOSING:
+        while (word := self._next()) and word not in CLOSING:
             if word == ",":
                 found.append("")
             elif word in FUNCTIONS and before != "." and self._enter_bracket():
                 found[-1] += self._call(word)
             else:
-                found[-1] += self._bracket(word) if word in _BRACKETS else word
+                found[-1] += self._bracket(word) if word in BRACKETS else word
             before = before if _SPACE.match(word) else word
         return found
 
@@ -127,7 +127,7 @@ class _Expander:
         return token
 
     def _bracket(self, token: str) -> str:
-        return token + ",".join(self.parts()) + _BRACKETS[token]
+        return token + ",".join(self.parts()) + BRACKETS[token]
 
     def _enter_bracket(self) -> bool:
         """Go behind a bracket that opens, if it is the next token but spaces and comments."""
@@ -150,6 +150,6 @@ class _Expander:
         return _DISTANCE_TO_POINT.substitute(point=one, other=other)
 
 
-_BRACKETS = {"(": ")", "[": "]", "{": "}"}
-_CLOSING = frozenset(_BRACKETS.values())
+BRACKETS = {"(": ")", "[": "]", "{": "}"}
+CLOSING = frozenset(BRACKETS.values())
 _SPACE = re.compile(r"\s|//")

@@ -9,7 +9,7 @@ from dataclasses import MISSING, Field, dataclass, fields
 from types import UnionType
 from typing import Any, TypeVar, get_args, get_origin, get_type_hints
 
-from rtron.planning.plan_file.durations import MAX_DURATION
+from rtron.coherence.duration_bounds import DURATION_RANGES
 from rtron.planning.plan_file.quantities import (
     ACCELERATION,
     ANGULAR_DECELERATION,
@@ -26,7 +26,6 @@ from rtron.vocabulary import (
     MSRCN,
     PLAN_SCHEMA,
     RSRCN,
-    SECOND,
     Area,
     Audit,
     EventFlow,
@@ -108,23 +107,6 @@ _TEXTS = {
     "block": _FLOW,
     "uses": TextFormat("(linear|angular)\\.[xyz]", "a component of a Twist like linear.x"),
     "require": TextFormat(rf"{_FLOW.pattern}?", _FLOW.description),
-}
-_ANY_DURATION = (0, MAX_DURATION)
-_POSITIVE_DURATION = (1, MAX_DURATION)
-_DURATIONS = {
-    "timeout": _ANY_DURATION,
-    "release_after": _ANY_DURATION,
-    "max_age": _ANY_DURATION,
-    "EventFlow.max_age": _POSITIVE_DURATION,
-    "max_hold": _ANY_DURATION,
-    "silent_after": _POSITIVE_DURATION,
-    "present": _POSITIVE_DURATION,
-    "silent": _POSITIVE_DURATION,
-    "window": (SECOND // 10, 60 * SECOND),
-    "period": (SECOND // 1000, SECOND),
-    "Audit.period": (SECOND // 100, SECOND // 10),
-    "repeat": _ANY_DURATION,
-    "within": (SECOND // 20, 10 * SECOND),
 }
 _RANGES = {
     "ros": (1, 2),
@@ -217,7 +199,7 @@ def _make_field(plan_type: type, field: Field[Any], hint: Any) -> PlanField:  # 
     has_no_default = field.default is MISSING and field.default_factory is MISSING
     item = get_args(hint)[0] if is_list or is_optional else hint
     full_name = f"{plan_type.__name__}.{field.name}"
-    duration_range = _look_up(_DURATIONS, full_name) if item is int else None
+    duration_range = _look_up(DURATION_RANGES, full_name) if item is int else None
     return PlanField(
         name=field.name,
         item_type=item,

@@ -47,9 +47,9 @@ _SECTIONS = {
     "msrcn": """
 # MSRCN: the one before the actuators. It knows the events (eflows) and blocks the actions
 # (aflows) that the rules of the mission forbid. What sets the bit of an eflow:
-#   when: "!(event.percentage >= 0.2)"   the newest message says so, also with NaN (it needs `type`)
-#   present: 2 s                         a message came, with `when` one that says so
-#   silent: 1 s                          none came
+#   when: event.percentage < 0.2   the newest message says so (it needs `type`); NaN: unknown
+#   present: 2 s                   a message came, with `when` one that says so
+#   silent: 1 s                    none came
 # A rule, with any combination of eflows (&&, ||, !), here with a goal inside a named area:
 #   rules:
 #     - name: keep_out

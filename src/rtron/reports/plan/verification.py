@@ -13,7 +13,8 @@ _STYLES = {
     PathState.OPEN: "bold red",
     PathState.DRIFT: "bold red",
     PathState.UNKNOWN: "yellow",
-    PathState.NOT_RUNNING: "dim",
+    PathState.NOT_SEEN: "yellow",
+    PathState.ABSENT: "dim",
 }
 
 
@@ -38,6 +39,7 @@ def verification_to_json(verification: Verification) -> Mapping[str, object]:
             }
             for path in verification.paths
         ],
+        "not_seen": list(verification.not_seen),
         "problems": list(verification.problems),
         "unguarded": [{"what": each.what, "why": each.why} for each in verification.unguarded],
     }
@@ -59,6 +61,8 @@ def _lines(title: str, verification: Verification, page: TextPage) -> Iterator[T
     )
     for problem in verification.problems:
         yield from paragraph(problem, page, indent=2, style="red")
+    if verification.not_seen:
+        yield from paragraph(_unseen_text(verification), page, indent=2, style="yellow")
     yield from heading(counted(len(verification.paths), "planned path"))
     rows = [(str(path.state), path.node, path.private) for path in verification.paths]
     for path, row in zip(verification.paths, columns(rows, indent=2) if rows else [], strict=True):
@@ -69,6 +73,11 @@ def _lines(title: str, verification: Verification, page: TextPage) -> Iterator[T
         yield from heading("Not guarded")
         for each in verification.unguarded:
             yield line((each.what, "cyan"), f"  {each.why}", indent=2)
+
+
+def _unseen_text(verification: Verification) -> str:
+    names = ", ".join(verification.not_seen)
+    return f"not seen: {names}; start them, or say --absent NAME for those that are off"
 
 
 def _why(path: GuardedPath, page: TextPage) -> Iterator[Text]:

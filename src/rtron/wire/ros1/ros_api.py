@@ -7,7 +7,7 @@ answers within `timeout` seconds, or says no, and WireError if the answer has an
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 from rtron.errors import WireError
 from rtron.wire.ros1.xmlrpc import ros_call
@@ -95,9 +95,19 @@ def parse_bus_info(reply: object, *, connected_only: bool = False) -> tuple[BusC
     A row is `[id, source, direction, transport, topic, connected, info]`. rospy shows one before
     the connection stands. Where messages go out, `source` is only what the subscriber calls itself.
     """
-    if not isinstance(reply, list):
-        raise WireError("the bus info is not a list")
-    return tuple(_incoming_connections(reply, connected_only=connected_only))
+    rows = _connection_rows(reply)
+    return tuple(_incoming_connections(rows, connected_only=connected_only))
+
+
+def parse_bus_peers(reply: object) -> frozenset[NamedNode]:
+    """Read whom one of the guard's nodes is connected to: topics, and names that are only claimed.
+
+    The guard's own nodes give the publisher's name as the info of an incoming connection. WireError
+    if the answer has another shape.
+    """
+    rows = _connection_rows(reply)
+    named = ((row, row[1] if row[2] != _INCOMING else _info(row)) for row in rows)
+    return frozenset((row[4], name) for row, name in named if _is_name(name))
 
 
 def parse_process_id(reply: object) -> int:
@@ -129,19 +139,32 @@ def _parse_row(row: object) -> list[NamedNode | None]:
     return [(name, node) if _is_name(node) else None for node in nodes]
 
 
-def _incoming_connections(rows: list[object], *, connected_only: bool) -> Iterator[BusConnection]:
-    for row in rows:
+def _connection_rows(reply: object) -> list[list[Any]]:
+    if not isinstance(reply, list):
+        raise WireError("the bus info is not a list")
+    for row in reply:
         if not isinstance(row, list) or not _are_texts(row[1:_TOPIC_END], _TOPIC_END - 1):
             raise WireError("the bus info has a malformed entry")
+    return reply
+
+
+def _incoming_connections(
+    rows: list[list[Any]], *, connected_only: bool
+) -> Iterator[BusConnection]:
+    for row in rows:
         _, source, direction, _, topic, *_ = row
         is_connected = all(row[_CONNECTED_COLUMN:_INFO_COLUMN])
         if direction == _INCOMING and (is_connected or not connected_only):
             yield BusConnection(topic, source, _port(row))
 
 
-def _port(row: list[object]) -> int | None:
+def _info(row: list[Any]) -> str:
     info = row[_INFO_COLUMN] if len(row) > _INFO_COLUMN else ""
-    found = _PORT.search(info) if isinstance(info, str) else None
+    return info if isinstance(info, str) else ""
+
+
+def _port(row: list[Any]) -> int | None:
+    found = _PORT.search(_info(row))
     return int(found[1]) if found else None
 
 

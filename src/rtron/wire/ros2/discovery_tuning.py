@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, MutableMapping
+    from collections.abc import Iterator, Mapping, MutableMapping
 
 
 log = logging.getLogger(__name__)
@@ -41,6 +41,14 @@ def enable_fast_announcements(environ: MutableMapping[str, str] = os.environ) ->
     name = _FASTDDS_2_FILE if environ.get("ROS_DISTRO") in _FASTDDS_2_DISTRIBUTIONS else _FILE
     environ[name] = str(_PROFILE)
     return True
+
+
+def publishes_without_waiting(environ: Mapping[str, str] = os.environ) -> bool:
+    """Tell whether a writer with a full history refuses a message at once, and does not wait.
+
+    The profile says so. It counts where the user has none, in Fast DDS 3.
+    """
+    return environ.get(_FILE) == str(_PROFILE)
 
 
 RECEIVE_BUFFER_BYTES = 1 << 22

@@ -22,7 +22,7 @@ from rtron.guard.audit.ros1.registrations import (
 from rtron.guard.audit.ros1.verification import ApiAnswers, verify
 from rtron.vocabulary import AlarmKind, Mode, StreamKind
 from rtron.vocabulary.verification import PathState
-from rtron.wire.ros1.ros_api import BusConnection, parse_system_state
+from rtron.wire.ros1.ros_api import BusConnection, parse_bus_peers, parse_system_state
 
 GUARD, PORT = "/rtron/grcn_cmd_vel", 4000
 OURS, THEIRS = "http://here:1", "http://there:2"
@@ -265,7 +265,7 @@ def answers(rows, publishers=(), subscribers=((OUT, "/driver"),), **more):
         "state": listed([(OUT, GUARD), *publishers], subscribers),
         "uris": uris,
         "connections": {"/driver": parse_connections(rows)},
-        "pids": {"/rtron_guard": 9, GUARD: 9},
+        "pids": {"/rtron_guard": 9, GUARD: 9, "/nav": 7},
     }
     return ApiAnswers(**given | more)
 
@@ -275,13 +275,47 @@ def state_of(verification, node="/driver"):
     return path.state, path.foreign
 
 
-def test_a_closed_app_is_verified_and_what_does_not_run_is_no_fault():
+def test_a_closed_app_is_verified_if_all_of_it_was_seen():
     found = verify(PLAN, answers([row()], [(FLOW, "/nav")]))
     assert state_of(found) == (PathState.CLOSED, ())
     assert state_of(found, "/nav") == (PathState.CLOSED, ())
-    assert state_of(found, "/wheel_*") == (PathState.NOT_RUNNING, ())
-    assert found.is_closed
-    assert found.is_conclusive
+    assert state_of(found, "/wheel_*") == (PathState.NOT_SEEN, ())
+    assert (found.is_closed, found.is_conclusive) == (False, False)
+    assert found.without(["/wheel_*", "/teleop_*"]).is_closed
+
+
+def test_a_publisher_that_the_master_still_lists_must_answer():
+    found = verify(PLAN, answers([row()], [(FLOW, "/nav")], pids={"/rtron_guard": 9, GUARD: 9}))
+    assert state_of(found, "/nav") == (PathState.UNKNOWN, ())
+
+
+@pytest.mark.parametrize(
+    ("given", "node", "reason"),
+    [
+        ({"guard_peers": frozenset({(OUT, "/driver")})}, "/driver", "the master does not list it"),
+        ({"guard_peers": frozenset({(FLOW, "/nav")})}, "/nav", "the master does not list it"),
+        ({"nodes": frozenset({"/driver"})}, "/driver", "uses neither /cmd_vel nor"),
+        ({"nodes": frozenset({"/nav"})}, "/nav", "uses neither /cmd_vel nor"),
+    ],
+)
+def test_a_node_that_was_seen_elsewhere_is_unknown_and_not_absent(given, node, reason):
+    found = verify(PLAN, answers([], subscribers=(), connections={}, **given)).without(["*"])
+    (path,) = (path for path in found.paths if path.node == node)
+    assert path.state is PathState.UNKNOWN
+    assert reason in path.reason
+
+
+def test_whom_the_guards_nodes_are_connected_to():
+    rows = [
+        [1, "/driver", "o", "TCPROS", OUT, True, "1.2.3.4"],
+        [2, "http://nav:1/", "i", "TCPROS", FLOW, True, "/nav"],
+        [3, "http://x:1/", "i", "TCPROS", FLOW, True],
+        [4, "", "o", "TCPROS", OUT, True, "/lies"],
+    ]
+    assert parse_bus_peers(rows) == {(OUT, "/driver"), (FLOW, "/nav")}
+    for malformed in (None, [7], [[1, 2, "i", "TCPROS", OUT]]):
+        with pytest.raises(WireError):
+            parse_bus_peers(malformed)
 
 
 @pytest.mark.parametrize(

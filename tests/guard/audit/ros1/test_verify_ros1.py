@@ -12,6 +12,7 @@ from bench.ros1.intruder import Intruder
 from rtron.vocabulary import Audit, OnForeign
 
 pytestmark = pytest.mark.ros1
+OFF = ("--absent", "/nav", "--absent", "/rogue")
 ALARM = replace(drive_plan(), audit=Audit(on_foreign=OnForeign.ALARM))
 
 
@@ -36,11 +37,37 @@ def states(report):
 
 
 def test_a_closed_app_is_0(ros1, scene):
-    found = verified(ros1, 0, "--format", "json")
+    found = verified(ros1, 0, *OFF, "--format", "json")
     assert (found["verdict"], found["problems"]) == ("closed", [])
-    assert states(found) == {"/driver": "closed", "/nav": "not running", "/rogue": "not running"}
-    said = verified(ros1, 0)
+    assert states(found) == {"/driver": "closed", "/nav": "absent", "/rogue": "absent"}
+    said = verified(ros1, 0, *OFF)
     assert "closed" in said.splitlines()[0]
+    scene.navigate()
+    wait_for(scene.driven.navigation, what="what navigation sends to the driver")
+    found = verified(ros1, 0, *OFF, "--format", "json")
+    assert states(found) == {"/driver": "closed", "/nav": "closed", "/rogue": "absent"}
+
+
+def test_what_does_not_run_is_not_closed(ros1):
+    with Scene(ros1, "driver.py", ALARM, drives=False):
+        found = verified(ros1, 2, "--format", "json")
+        assert (found["verdict"], found["problems"]) == ("unknown", [])
+        assert sorted(found["not_seen"]) == ["/driver", "/nav", "/rogue"]
+        said = verified(ros1, 2, *OFF)
+        assert "unknown" in said.splitlines()[0]
+        assert "not seen: /driver;" in said
+        assert "the plan has no node /nva" in verified(ros1, 2, "--absent", "/nva")
+
+
+def test_what_a_new_master_does_not_list_is_not_closed(ros1, scene):
+    """No client library registers again; the guard does, and knows whom it is connected to."""
+    ros1.master.kill()
+    ros1.start_master()
+    wait_for(lambda: ros1.uri_of(CMD_VEL_GUARD), what="the guard at the new master")
+    found = verified(ros1, 2, *OFF, "--format", "json")
+    (path,) = (path for path in found["paths"] if path["node"] == "/driver")
+    assert path["state"] == "unknown"
+    assert "the master does not list it" in path["reason"]
 
 
 def test_a_ghost_is_1_and_named(ros1, scene):

@@ -22,8 +22,11 @@ class GuardedBase2:
         audit = Audit(on_foreign=OnForeign(on_foreign))
         self.plan.write_text(written(driving("nav"), audit=audit))
 
-    def start(self):
+    def start_guard(self):
         self.guard = self._ros2.rtron("guard", "--plan", self.plan)
+
+    def start(self):
+        self.start_guard()
         self.driver = self._ros2.node("twist_subscriber.py", OUT, name="/driver")
         self.nav = self.start_nav()
         wait_for(lambda: self.speeds("0.5") > 5, what="the navigation's words")

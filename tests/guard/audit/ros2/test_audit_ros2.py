@@ -58,6 +58,14 @@ def test_verify_and_the_audit_tell_what_comes_and_goes(base):
     wait_for(lambda: len(base.alarms("no more:")) >= len(intruders), what="the end of the alarms")
 
 
+def test_what_does_not_run_is_not_closed(base):
+    base.start_guard()
+    wait_for(lambda: "guarding 1 topics" in base.guard.log, what="the guard")
+    found = base.verified(2)
+    assert (found["verdict"], found["problems"]) == ("unknown", [])
+    assert found["not_seen"] == ["/driver", "/nav"]
+
+
 @pytest.mark.long
 def test_a_publisher_that_was_killed_and_started_anew_is_no_impostor(base):
     base.start()

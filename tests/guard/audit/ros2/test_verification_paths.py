@@ -58,7 +58,7 @@ def test_a_closed_app():
     assert states(found) == {
         "/driver": PathState.CLOSED,
         "/nav": PathState.CLOSED,
-        "/teleop_*": PathState.NOT_RUNNING,
+        "/teleop_*": PathState.ABSENT,
     }
     assert (found.is_closed, found.is_conclusive, found.problems) == (True, True, ())
     assert {(path.topic, path.private) for path in found.paths} == {
@@ -66,6 +66,15 @@ def test_a_closed_app():
         (CMD_VEL, FLOW1),
         (CMD_VEL, FLOW2),
     }
+
+
+def test_what_was_not_seen_is_not_closed():
+    found = verified(absent=())
+    assert found.not_seen == ("/teleop_*",)
+    assert (found.is_closed, found.is_conclusive) == (False, False)
+    found = verified(GUARDS, NODES[:2], absent=())
+    assert found.not_seen == ("/driver", "/nav", "/teleop_*")
+    assert (found.is_closed, found.is_conclusive, found.problems) == (False, False, ())
 
 
 def test_a_guard_that_has_not_spoken_yet_is_closed():
@@ -165,7 +174,7 @@ def test_a_publisher_on_the_public_name_has_drifted():
     assert states(found) == {
         "/driver": PathState.CLOSED,
         "/nav": DRIFT,
-        "/teleop_*": PathState.NOT_RUNNING,
+        "/teleop_*": PathState.ABSENT,
     }
 
 
@@ -208,7 +217,12 @@ def test_a_node_that_runs_and_has_nothing_of_the_plan_is_told_so():
         "/nav": "it runs, and speaks on neither name",
         "/teleop_*": "",
     }
-    assert {path.state for path in found.paths} == {PathState.NOT_RUNNING}
+    assert states(found) == {
+        "/driver": PathState.UNKNOWN,
+        "/nav": PathState.UNKNOWN,
+        "/teleop_*": PathState.ABSENT,
+    }
+    assert not found.is_conclusive
 
 
 @pytest.mark.parametrize(
@@ -251,7 +265,7 @@ def test_a_successor_that_asks_for_less_is_served(offered, opened_sources):
         replace(GUARDS[0], qos=offered),
         replace(DRIVER_SUBSCRIBES, qos=opened_sources),
     ]
-    assert verified(ends).is_closed
+    assert path_of(verified(ends), "/driver").state is PathState.CLOSED
 
 
 def test_another_type_is_drift_on_both_sides():

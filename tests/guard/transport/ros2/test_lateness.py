@@ -2,7 +2,7 @@
 
 import pytest
 
-from rtron.guard.transport.ros2.lateness import LatenessDetector
+from rtron.guard.transport.ros2.delivery import LatenessDetector
 from rtron.vocabulary import SECOND
 
 MS = SECOND // 1000

@@ -6,8 +6,10 @@ import pytest
 from service_app import PASSWORD, AccountFactory, serve_in_thread
 from sqlalchemy import create_engine, text
 
+from rtron.service.api.routes.monitoring import lost_messages
 from rtron.service.config import ServiceConfig
 from rtron.service.server.app import create_app
+from rtron.vocabulary import GuardState, Mode, StreamState, VerdictCounts
 
 DAY = 86_400
 USERS, TOKENS = "/api/v1/users", "/api/v1/tokens"
@@ -291,6 +293,24 @@ def test_metrics_are_what_prometheus_reads(app, client, people):
     assert "\nrtron_guards_connected 0.0\n" in answer.text
     assert "\nrtron_settings_pending 0.0\n" in answer.text
     assert "rtron_database_bytes " in answer.text
+
+
+def test_what_guards_lose_is_in_the_metrics(app):
+    streams = (
+        StreamState(
+            topic="/cmd_vel",
+            nodes=("grcn",),
+            mode=Mode.ENFORCE,
+            flows={"nav": VerdictCounts(lost=3), "teleop": VerdictCounts(lost=4)},
+            lost_behind=2,
+        ),
+    )
+    found = lost_messages({"car1": GuardState(at=1, revision=1, streams=streams), "car2": None})
+    assert found.name == "rtron_messages_lost"
+    assert {(*sample.labels.values(), sample.value) for sample in found.samples} == {
+        ("car1", "/cmd_vel", "before", 7),
+        ("car1", "/cmd_vel", "behind", 2),
+    }
 
 
 def test_it_is_not_ready_without_its_database(app, client, monkeypatch):

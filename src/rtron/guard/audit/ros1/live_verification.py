@@ -1,6 +1,6 @@
 """Asking what `verify` compares, once and from outside: without joining the graph."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from concurrent.futures import TimeoutError as LateError
 from contextlib import suppress
@@ -10,10 +10,11 @@ from rtron.errors import RTronError, SourceError
 from rtron.guard.audit.ros1.expected_graph import ExpectedGraph
 from rtron.guard.audit.ros1.foreign_connections import parse_connections
 from rtron.guard.audit.ros1.registrations import guarded_subscribers, select_registrations
-from rtron.guard.audit.ros1.verification import ApiAnswers, queried_nodes, verify
+from rtron.guard.audit.ros1.verification import ApiAnswers, pinged_nodes, queried_nodes, verify
 from rtron.vocabulary import Plan
 from rtron.vocabulary.verification import Verification
 from rtron.wire.ros1.ros_api import (
+    parse_bus_peers,
     query_bus_info,
     query_node_uri,
     query_process_id,
@@ -31,7 +32,10 @@ def verify_live(plan: Plan, master: str, timeout: float) -> Verification:
 
     SourceError if the master does not answer, or not as a master.
     """
-    expected = ExpectedGraph(plan)
+    return verify(plan, _query_app(ExpectedGraph(plan), master, timeout))
+
+
+def _query_app(expected: ExpectedGraph, master: str, timeout: float) -> ApiAnswers:
     try:
         state = query_system_state(master, _CALLER, timeout)
     except RTronError as error:
@@ -42,23 +46,31 @@ def verify_live(plan: Plan, master: str, timeout: float) -> Verification:
         lambda node: query_node_uri(master, _CALLER, node, timeout),
         timeout,
     )
-    guarded = guarded_subscribers(listed, expected)
-    answers = ApiAnswers(
+    guards = _select(uris, expected.guard_nodes)
+    peers = _query_all(
+        guards, lambda uri: parse_bus_peers(query_bus_info(uri, _CALLER, timeout)), timeout
+    )
+    return ApiAnswers(
         state=listed,
+        nodes=frozenset(state.nodes()),
+        guard_peers=frozenset().union(*peers.values()),
         services=state.services,
         uris=uris,
         connections=_query_all(
-            {node: uri for node, uri in uris.items() if node in guarded},
+            _select(uris, guarded_subscribers(listed, expected)),
             lambda uri: parse_connections(query_bus_info(uri, _CALLER, timeout)),
             timeout,
         ),
         pids=_query_all(
-            {node: uri for node, uri in uris.items() if node in expected.guard_nodes},
+            _select(uris, pinged_nodes(expected, listed)),
             lambda uri: query_process_id(uri, _CALLER, timeout),
             timeout,
         ),
     )
-    return verify(plan, answers)
+
+
+def _select(uris: Mapping[str, str], nodes: Collection[str]) -> dict[str, str]:
+    return {node: uri for node, uri in uris.items() if node in nodes}
 
 
 def _query_all(

@@ -6,7 +6,7 @@ Pure: what the master and the nodes have answered comes in as `ApiAnswers`.
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
-from rtron.guard.audit.common.guard_inputs import GuardInput, matches_any
+from rtron.guard.audit.common.guard_inputs import GuardInput
 from rtron.guard.audit.ros1.expected_graph import ExpectedGraph
 from rtron.guard.audit.ros1.foreign_connections import (
     NodeAddresses,
@@ -15,7 +15,7 @@ from rtron.guard.audit.ros1.foreign_connections import (
     planned_sources,
 )
 from rtron.guard.audit.ros1.registrations import MasterRegistrations, foreign_publisher_alarms
-from rtron.vocabulary import GUARD_NODE, Plan, TopicAccess
+from rtron.vocabulary import GUARD_NODE, Plan, TopicAccess, matches_node
 from rtron.vocabulary.verification import (
     GuardedPath,
     PathState,
@@ -23,7 +23,7 @@ from rtron.vocabulary.verification import (
     Verification,
     accepted_paths,
 )
-from rtron.wire.ros1.ros_api import BusConnection
+from rtron.wire.ros1.ros_api import BusConnection, NamedNode
 
 _LOGGERS = ("/get_loggers", "/set_logger_level")
 _PARAMETERS = "/set_parameters"
@@ -34,10 +34,14 @@ class ApiAnswers:
     """What was answered: the master's list, addresses by node, connections and process ids.
 
     `connections` and `pids` lack a node that does not answer, `uris` one that the master does not
-    know.
+    know. `nodes` are all that the master lists, `guard_peers` are topics and whom the guard's nodes
+    are connected to on them, as these call themselves: only the guard knows of them after a restart
+    of the master.
     """
 
     state: MasterRegistrations
+    nodes: frozenset[str] = frozenset()
+    guard_peers: frozenset[NamedNode] = frozenset()
     services: tuple[tuple[str, str], ...] = ()
     uris: Mapping[str, str] = field(default_factory=dict)
     connections: Mapping[str, frozenset[BusConnection]] = field(default_factory=dict)
@@ -61,6 +65,15 @@ def queried_nodes(expected: ExpectedGraph, state: MasterRegistrations) -> frozen
     return expected.guard_nodes.union(*listed)
 
 
+def pinged_nodes(expected: ExpectedGraph, state: MasterRegistrations) -> frozenset[str]:
+    """Return the nodes whose process has to answer: the guard's, and those that publish to it.
+
+    The master goes on to list a node that was killed.
+    """
+    inputs = (state.publishers.get(each.private, frozenset()) for each in expected.inputs)
+    return expected.guard_nodes.union(*inputs)
+
+
 def _addresses(expected: ExpectedGraph, answers: ApiAnswers) -> NodeAddresses:
     guard_uris = {node: uri for node, uri in answers.uris.items() if node in expected.guard_nodes}
     addresses = NodeAddresses(guard_uris)
@@ -78,11 +91,10 @@ def _output_paths(
             if pattern in expected.guard_nodes:
                 continue
             nodes = [
-                n for n in _candidate_nodes(answers, public, private) if matches_any((pattern,), n)
+                n for n in _candidate_nodes(answers, public, private) if matches_node(pattern, n)
             ]
             if not nodes:
-                state = PathState.NOT_RUNNING
-                yield GuardedPath(topic=public, private=private, node=pattern, state=state)
+                yield from _unlisted_paths(answers, public, private, pattern)
             for node in nodes:
                 yield _output_path(expected, answers, addresses, public, node)
 
@@ -124,6 +136,24 @@ def _output_state(
     return PathState.OPEN, f"hears {', '.join(names)} past the guard", names
 
 
+def _unlisted_paths(
+    answers: ApiAnswers, public: str, private: str, pattern: str
+) -> Iterator[GuardedPath]:
+    """Yield what is known of a node whose end of a stream the master does not list."""
+    connected = {node for topic, node in answers.guard_peers if topic == private}
+    if found := sorted(node for node in connected if matches_node(pattern, node)):
+        reason = "is connected to the guard, but the master does not list it: restart the node"
+    elif found := sorted(node for node in answers.nodes if matches_node(pattern, node)):
+        reason = f"is listed by the master, but uses neither {public} nor {private}"
+    else:
+        yield GuardedPath(topic=public, private=private, node=pattern, state=PathState.NOT_SEEN)
+        return
+    for node in found:
+        yield GuardedPath(
+            topic=public, private=private, node=node, state=PathState.UNKNOWN, reason=reason
+        )
+
+
 def _input_paths(expected: ExpectedGraph, answers: ApiAnswers) -> Iterator[GuardedPath]:
     for guard_input in expected.inputs:
         for pattern in guard_input.publishers:
@@ -140,18 +170,20 @@ def _input_path(
     inside = [
         n for n in sorted(publishers.get(guard_input.private, ())) if n not in expected.guard_nodes
     ]
-    found = {n: PathState.CLOSED for n in inside if matches_any((pattern,), n)}
-    found |= {n: PathState.DRIFT for n in outside if matches_any((pattern,), n)}
-    for node, state in (found or {pattern: PathState.NOT_RUNNING}).items():
-        is_drift = state is PathState.DRIFT
-        reason = f"publishes {guard_input.public}: its remap is missing" if is_drift else ""
-        yield GuardedPath(
-            topic=guard_input.public,
-            private=guard_input.private,
-            node=node,
-            state=state,
-            reason=reason,
-        )
+    found = {n: _publisher_state(answers, n) for n in inside if matches_node(pattern, n)}
+    drift = (PathState.DRIFT, f"publishes {guard_input.public}: its remap is missing")
+    found |= {n: drift for n in outside if matches_node(pattern, n)}
+    public, private = guard_input.public, guard_input.private
+    if not found:
+        yield from _unlisted_paths(answers, public, private, pattern)
+    for node, (state, reason) in found.items():
+        yield GuardedPath(topic=public, private=private, node=node, state=state, reason=reason)
+
+
+def _publisher_state(answers: ApiAnswers, node: str) -> tuple[PathState, str]:
+    if node in answers.pids:
+        return PathState.CLOSED, ""
+    return PathState.UNKNOWN, "is listed by the master, but does not answer"
 
 
 def _problems(expected: ExpectedGraph, answers: ApiAnswers) -> Iterator[str]:

@@ -10,7 +10,6 @@ from collections import Counter
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from rtron.guard.audit.common.guard_inputs import GuardInput, matches_any
 from rtron.guard.audit.ros2.endpoint_checks import (
     Participants,
     display_name,
@@ -25,12 +24,13 @@ from rtron.guard.audit.ros2.endpoint_checks import (
 from rtron.guard.audit.ros2.expected_graph import ExpectedGraph
 from rtron.guard.audit.ros2.unguarded_interfaces import unguarded_interfaces
 from rtron.guard.supervision.guard_config import stopped_streams
-from rtron.vocabulary import GUARD_NODE, SUPERVISOR_NODE
+from rtron.vocabulary import GUARD_NODE, SUPERVISOR_NODE, matches_node
 from rtron.vocabulary.verification import GuardedPath, PathState, Verification
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from rtron.guard.audit.common.guard_inputs import GuardInput
     from rtron.guard.audit.ros2.observed_graph import ObservedGraph
     from rtron.vocabulary import Plan, TopicAccess
     from rtron.wire.ros2.endpoints import Ros2Endpoint
@@ -112,8 +112,8 @@ def _output_path(
     if any(not endpoint.node for endpoint in comparison.observed.subscribers(private)):
         yield _guarded_path(public, private, pattern, PathState.UNKNOWN, _NO_NAME)
     else:
-        reason = "it runs, and listens to neither name" if _is_running(comparison, pattern) else ""
-        yield _guarded_path(public, private, pattern, PathState.NOT_RUNNING, reason)
+        state, reason = _unseen_state(comparison, pattern, "listens to neither name")
+        yield _guarded_path(public, private, pattern, state, reason)
 
 
 def _output_state(
@@ -197,8 +197,7 @@ def _input_state(
             (),
         )
     if not publishers:
-        reason = "it runs, and speaks on neither name" if _is_running(comparison, node) else ""
-        return PathState.NOT_RUNNING, reason, ()
+        return *_unseen_state(comparison, node, "speaks on neither name"), ()
     problem = next(
         filter(
             None,
@@ -272,8 +271,11 @@ def _hex_ids(participants: set[bytes] | frozenset[bytes]) -> tuple[str, ...]:
     return tuple(each.hex() for each in sorted(participants))
 
 
-def _is_running(comparison: _Comparison, pattern: str) -> bool:
-    return any(matches_any((pattern,), node) for node in comparison.observed.nodes)
+def _unseen_state(comparison: _Comparison, pattern: str, what: str) -> tuple[PathState, str]:
+    """Return what is known of a node that has none of the endpoints that the plan gives it."""
+    if any(matches_node(pattern, node) for node in comparison.observed.nodes):
+        return PathState.UNKNOWN, f"it runs, and {what}"
+    return PathState.NOT_SEEN, ""
 
 
 def _guarded_path(

@@ -6,14 +6,15 @@ from collections.abc import Callable
 from itertools import count
 
 from rtron.guard.transport.common.protocol import (
+    DEFAULT_INPUT,
     ConnectHandler,
-    IsCommand,
+    InputOptions,
     LostHandler,
     MessageHandler,
+    MissedHandler,
     Output,
     Peer,
     TypeInfo,
-    accept_any_age,
     ignore_lost,
 )
 from rtron.messages.common.encoding import Encoding
@@ -32,6 +33,7 @@ class MemoryTransport:
         self._sequence = count()
         self._timers: list[tuple[int, int, Callable[[], None]]] = []
         self._subscribers: dict[str, list[tuple[ConnectHandler, LostHandler]]] = defaultdict(list)
+        self._missed_handlers: dict[str, list[MissedHandler]] = defaultdict(list)
         self._lost_handlers: dict[tuple[str, Peer], list[LostHandler]] = defaultdict(list)
         self._listeners: dict[str, list[list[bytes]]] = defaultdict(list)
         self.outputs: dict[str, MemoryOutput] = {}
@@ -67,10 +69,11 @@ class MemoryTransport:
         type: str,
         *,
         queue_size: int = 100,
+        keep_all: bool = False,
         successors: tuple[str, ...] = (),
     ) -> Output:
         """Publish `topic` as `node`; messages never wait here, so `queue_size` has no effect."""
-        del node, queue_size, successors
+        del node, queue_size, keep_all, successors
         listeners = self._listeners[topic]
         self.outputs[topic] = MemoryOutput(
             type, listeners, lambda node: node not in self.unreachable
@@ -84,13 +87,12 @@ class MemoryTransport:
         type: str,
         on_connect: ConnectHandler,
         on_lost: LostHandler = ignore_lost,
-        *,
-        is_command: IsCommand = accept_any_age,
-        publishers: tuple[str, ...] = (),
+        options: InputOptions = DEFAULT_INPUT,
     ) -> None:
         """Subscribe `topic`; outside publishers that come later are offered to `on_connect`."""
-        del node, type, is_command, publishers
+        del node, type
         self._subscribers[topic].append((on_connect, on_lost))
+        self._missed_handlers[topic].append(options.on_missed)
 
     def link_nodes(self, publisher: str, subscriber: str, topic: str, type: str) -> Output:
         """Connect two nodes of the guard; `listen` shows the messages between them."""
@@ -111,6 +113,11 @@ class MemoryTransport:
                 receive(message)
 
         return publish
+
+    def miss(self, topic: str, peer: Peer, count: int) -> None:
+        """Lose messages of an outside publisher."""
+        for on_missed in self._missed_handlers[topic]:
+            on_missed(peer, count)
 
     def leave(self, topic: str, peer: Peer) -> None:
         """End an outside publisher's connections."""
@@ -133,6 +140,7 @@ class MemoryOutput:
         self.type = normalise_type(type)
         self.is_subscribed_by = is_subscribed_by
         self.info: TypeInfo | None = None
+        self.lost = 0
         self.latched: dict[str, bytes] = {}
         self.offered_qos: dict[str, QoS] = {}
         self._listeners = listeners

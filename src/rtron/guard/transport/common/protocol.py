@@ -49,6 +49,14 @@ def ignore_lost(peer: Peer) -> None:
     """Do nothing about a lost connection."""
 
 
+MissedHandler = Callable[[Peer, int], None]
+"""Called with an accepted publisher and how many of its messages were lost before the next one."""
+
+
+def ignore_missed(peer: Peer, count: int) -> None:
+    """Do nothing about lost messages."""
+
+
 IsCommand = Callable[[Peer], bool]
 """Returns whether a publisher's messages are commands, which are dropped if late."""
 
@@ -57,6 +65,27 @@ def accept_any_age(peer: Peer) -> bool:
     """Accept all messages, however old they are."""
     del peer
     return False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class InputOptions:
+    """How a subscription treats its publishers and their messages, beside connecting them.
+
+    ROS 2 tells the age of messages: those of an `is_command` publisher are dropped if late, unless
+    they are latched. In ROS 2 anybody can announce another name for a publisher: one that was known
+    by one of the names in `publishers`, as its owner, keeps that name. `queue_size` bounds the
+    messages that wait for the guard; with `keep_all` all of a reliable publisher wait, unless they
+    are commands. `on_missed` is told of each loss that the middleware's numbers show: TCP has none.
+    """
+
+    is_command: IsCommand = accept_any_age
+    publishers: tuple[str, ...] = ()
+    queue_size: int = 100
+    keep_all: bool = False
+    on_missed: MissedHandler = ignore_missed
+
+
+DEFAULT_INPUT = InputOptions()
 
 
 class Output(Protocol):
@@ -86,6 +115,11 @@ class Output(Protocol):
         """Latch no message for late subscribers any more."""
         ...
 
+    @property
+    def lost(self) -> int:
+        """How many messages did not reach a subscriber, as far as the middleware tells."""
+        ...
+
 
 class Transport(Protocol):
     """A middleware, seen from the guard; `encoding` is that of its messages."""
@@ -107,13 +141,15 @@ class Transport(Protocol):
         type: str,
         *,
         queue_size: int = 100,
+        keep_all: bool = False,
         successors: tuple[str, ...] = (),
     ) -> Output:
         """Publish `topic` as `node`.
 
-        `queue_size` bounds the messages that wait for a slow subscriber. Messages before the first
-        of the expected `successors` wait a moment for it, and publishers must have the message type
-        that `successors` request.
+        `queue_size` bounds the messages that wait for a slow subscriber; with `keep_all` a reliable
+        one loses none while the middleware has room and the guard need not wait. Messages before
+        the first of the expected `successors` wait a moment for it, and publishers must have the
+        message type that `successors` request.
         """
         ...
 
@@ -124,16 +160,9 @@ class Transport(Protocol):
         type: str,
         on_connect: ConnectHandler,
         on_lost: LostHandler = ignore_lost,
-        *,
-        is_command: IsCommand = accept_any_age,
-        publishers: tuple[str, ...] = (),
+        options: InputOptions = DEFAULT_INPUT,
     ) -> None:
-        """Subscribe `topic` as `node`, without messages that this transport publishes.
-
-        ROS 2 tells the age of messages: those of an `is_command` publisher are dropped if late,
-        unless they are latched. In ROS 2 anybody can announce another name for a publisher: one
-        that was known by one of the names in `publishers`, as its owner, keeps that name.
-        """
+        """Subscribe `topic` as `node`, without messages that this transport publishes."""
         ...
 
     def link_nodes(self, publisher: str, subscriber: str, topic: str, type: str) -> Output:

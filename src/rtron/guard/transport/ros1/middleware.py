@@ -7,12 +7,12 @@ from concurrent.futures import ThreadPoolExecutor
 
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.transport.common.protocol import (
+    DEFAULT_INPUT,
     ConnectHandler,
-    IsCommand,
+    InputOptions,
     LostHandler,
     Output,
     TypeInfo,
-    accept_any_age,
     ignore_lost,
 )
 from rtron.guard.transport.ros1.handshake import TopicRequest
@@ -62,9 +62,11 @@ class Ros1Transport:
         type: str,
         *,
         queue_size: int = 100,
+        keep_all: bool = False,
         successors: tuple[str, ...] = (),
     ) -> Output:
-        """Publish `topic` as `node`; see `Transport`."""
+        """Publish `topic` as `node`; see `Transport`. In ROS 1 nobody is reliable but TCP."""
+        del keep_all
         publication = _TypedPublication(
             node, topic, type, self.now, queue_size=queue_size, successors=successors
         )
@@ -81,12 +83,13 @@ class Ros1Transport:
         type: str,
         on_connect: ConnectHandler,
         on_lost: LostHandler = ignore_lost,
-        *,
-        is_command: IsCommand = accept_any_age,
-        publishers: tuple[str, ...] = (),
+        options: InputOptions = DEFAULT_INPUT,
     ) -> None:
-        """Subscribe `topic` as `node`; see `Transport`. ROS 1 does not know the age of messages."""
-        del is_command, publishers
+        """Subscribe `topic` as `node`; see `Transport`.
+
+        ROS 1 knows neither the age of messages nor what a publisher's queue has dropped.
+        """
+        del options
         request = TopicRequest(node, topic, type, self.master)
         link = link_factory(self._loop, self._create_workers(topic), request, on_connect, on_lost)
         self._subscribe(node, Subscription(topic, type, link))

@@ -41,6 +41,12 @@ class Publication:
         self._successors = successors
         self._early_messages = Backlog(queue_size, _EARLY_BYTES) if successors else None
         self._early_since = 0
+        self._lost = 0
+
+    @property
+    def lost(self) -> int:
+        """How many messages a subscriber was too slow for, or had not taken when it left."""
+        return self._lost + sum(link.dropped for link in self.links)
 
     def learn_type(self, info: TypeInfo) -> bool:
         """Take the type from a publisher; False if another is known or the name differs."""
@@ -145,6 +151,7 @@ class Publication:
         early, self._early_messages = self._early_messages, None
         if not early or self._now() - self._early_since > _EARLY_TIMEOUT_NS:
             return []
+        self._lost += early.dropped
         latched = set(self._latched.values())
         messages = [early.pop() for _ in range(len(early))]
         return [message for message in messages if message not in latched]
@@ -158,3 +165,4 @@ class Publication:
         for group in (self.links, self._undecided):
             if link in group:
                 group.remove(link)
+                self._lost += link.dropped

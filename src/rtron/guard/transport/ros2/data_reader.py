@@ -4,27 +4,22 @@ from __future__ import annotations
 
 import logging
 from time import time_ns
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from rclpy.event_handler import SubscriptionEventCallbacks
+from rclpy.qos import DurabilityPolicy
 
 from rtron.guard.core.log_throttle import LogThrottle
 from rtron.guard.core.out_of_memory import exit_out_of_memory
 from rtron.guard.transport.common.protocol import NumberedMessage
+from rtron.guard.transport.ros2.delivery import LatenessDetector
 from rtron.guard.transport.ros2.event_fd import EventFd
-from rtron.guard.transport.ros2.lateness import LatenessDetector
-from rtron.guard.transport.ros2.qos import requested_profile
-from rtron.vocabulary import Durability
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from rclpy.node import Node
+    from rclpy.qos import QoSProfile
 
     from rtron.guard.transport.ros2.context import TransportContext
-    from rtron.vocabulary import QoS
-
-    DataHandler = Callable[["DataReader", bytes, bytes], None]
 
 log = logging.getLogger(__name__)
 
@@ -32,8 +27,20 @@ _MAX_BYTES = 1 << 20
 """What is taken at a time: more of it would keep commands waiting."""
 
 
+class DataListener(Protocol):
+    """Whom a reader's messages are for."""
+
+    def take(self, reader: DataReader, gid: bytes, message: bytes, number: int | None) -> None:
+        """Take a message, its publisher's GID, and its DDS sequence number if there is one."""
+        ...
+
+    def note_replaced(self, count: int) -> None:
+        """Note how many messages newer ones replaced in the reader before they were taken."""
+        ...
+
+
 class DataReader:
-    """Reads publishers of one QoS; `on_message` takes the reader, the GID and the message.
+    """Reads publishers of one QoS, with `profile`.
 
     Transient-local messages get their numbers, since DDS sends them again to every new reader.
     Messages of an `is_command` reader are dropped if they are late.
@@ -44,25 +51,25 @@ class DataReader:
         node: Node,
         cls: type,
         topic: str,
-        qos: QoS,
+        profile: QoSProfile,
         context: TransportContext,
-        on_message: DataHandler,
+        listener: DataListener,
         *,
         is_command: bool,
     ) -> None:
         self._node = node
         self._rcl = context.rcl
-        self._on_message = on_message
+        self._listener = listener
         self._topic = topic
         self._now = context.loop.now
         self._lateness = LatenessDetector() if is_command else None
         self._log_throttle = LogThrottle()
-        self._adds_numbers = qos.durability is Durability.TRANSIENT_LOCAL
+        self._adds_numbers = profile.durability is DurabilityPolicy.TRANSIENT_LOCAL
         self._subscription = node.create_subscription(
             cls,
             topic,
             lambda _message: None,
-            requested_profile(qos),
+            profile,
             raw=True,
             event_callbacks=SubscriptionEventCallbacks(use_default_callbacks=False),
         )
@@ -82,6 +89,7 @@ class DataReader:
         while count and size < _MAX_BYTES:
             message_and_gid = self._rcl.take(self._pointer) if self._pointer else None
             if message_and_gid is None:
+                self._listener.note_replaced(count)
                 return 0
             message, gid = message_and_gid
             count, size = count - 1, size + len(message)
@@ -105,7 +113,7 @@ class DataReader:
     def _deliver(self, gid: bytes, message: bytes) -> None:
         """Pass on a message; one that fails must not leave those behind it unread."""
         try:
-            self._on_message(self, gid, message)
+            self._listener.take(self, gid, message, self._rcl.sequence_number)
         except MemoryError:
             exit_out_of_memory()
         except Exception:

@@ -7,11 +7,11 @@ from collections import defaultdict
 from typing import TYPE_CHECKING
 
 from rtron.guard.transport.common.protocol import (
+    DEFAULT_INPUT,
     ConnectHandler,
-    IsCommand,
+    InputOptions,
     LostHandler,
     Output,
-    accept_any_age,
     ignore_lost,
 )
 from rtron.guard.transport.ros2.action_client import GoalCanceller
@@ -22,9 +22,10 @@ from rtron.guard.transport.ros2.participants import NameOwners, ParticipantLiven
 from rtron.guard.transport.ros2.process_table import ProcessTable
 from rtron.guard.transport.ros2.publication import Publication
 from rtron.guard.transport.ros2.rcl import Rcl
-from rtron.guard.transport.ros2.subscription import Subscription, SubscriptionOptions
+from rtron.guard.transport.ros2.subscription import Subscription, SubscriptionHandlers
 from rtron.messages.common.encoding import Encoding
 from rtron.vocabulary import SECOND
+from rtron.wire.ros2.discovery_tuning import publishes_without_waiting
 from rtron.wire.ros2.interfaces import find_interface
 
 if TYPE_CHECKING:
@@ -85,10 +86,12 @@ class Ros2Transport:
         type: str,
         *,
         queue_size: int = 100,
+        keep_all: bool = False,
         successors: tuple[str, ...] = (),
     ) -> Output:
         """Publish `topic` as `node`; see `Transport`."""
-        return self._publication(node, topic, type, queue_size, successors)
+        keep_all = keep_all and publishes_without_waiting()
+        return self._publication(node, topic, type, queue_size, successors, keep_all=keep_all)
 
     def subscribe(
         self,
@@ -97,14 +100,12 @@ class Ros2Transport:
         type: str,
         on_connect: ConnectHandler,
         on_lost: LostHandler = ignore_lost,
-        *,
-        is_command: IsCommand = accept_any_age,
-        publishers: tuple[str, ...] = (),
+        options: InputOptions = DEFAULT_INPUT,
     ) -> None:
         """Subscribe `topic` as `node`; see `Transport`."""
         ros_node = self.session.node(node)
-        options = SubscriptionOptions(on_connect, on_lost, is_command, publishers)
-        subscription = Subscription(ros_node, topic, type, options, self._context)
+        handlers = SubscriptionHandlers(on_connect, on_lost, options)
+        subscription = Subscription(ros_node, topic, type, handlers, self._context)
         self._subscriptions.append(subscription)
 
     def action_endpoints(self, stream: Stream, node: str, listener: ActionListener) -> ActionRelay:
@@ -144,6 +145,8 @@ class Ros2Transport:
         type: str,
         queue_size: int = 100,
         successors: tuple[str, ...] = (),
+        *,
+        keep_all: bool = False,
     ) -> Publication:
         publication = Publication(
             self.session.node(node),
@@ -151,6 +154,7 @@ class Ros2Transport:
             type,
             self._context,
             queue_size=queue_size,
+            keep_all=keep_all,
             successors=successors,
         )
         self._publications.append(publication)

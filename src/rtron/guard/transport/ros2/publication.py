@@ -12,9 +12,18 @@ import logging
 from functools import partial
 from typing import TYPE_CHECKING
 
-from rtron.guard.transport.common.backlog import Backlog
-from rtron.guard.transport.ros2.qos import command_qos, latched, profile, strongest
-from rtron.vocabulary import SECOND, Durability, QoS, matches_node, normalise_type
+from rclpy.duration import Duration
+
+from rtron.errors import WireError
+from rtron.guard.transport.common.backlog import MAX_BYTES, Backlog
+from rtron.guard.transport.ros2.qos import (
+    command_qos,
+    latched,
+    may_keep_all,
+    profile,
+    strongest,
+)
+from rtron.vocabulary import SECOND, Durability, QoS, Reliability, matches_node, normalise_type
 from rtron.wire.ros2.interfaces import find_interface
 
 if TYPE_CHECKING:
@@ -30,7 +39,10 @@ if TYPE_CHECKING:
 
 
 class Writer:
-    """A DDS writer: `publish` sends a message, `count` returns the number of matched readers."""
+    """A DDS writer: `publish` sends a message, `count` returns the number of matched readers.
+
+    `lost` counts what was not sent. DDS does not tell what a newer message has replaced.
+    """
 
     def __init__(self, node: Node, cls: type, topic: str, offered: QoSProfile, rcl: Rcl) -> None:
         self._node = node
@@ -38,10 +50,42 @@ class Writer:
         handle = self._publisher.handle
         self.publish: Callable[[bytes], None] = partial(rcl.publish, handle.pointer)
         self.count: Callable[[], int] = handle.get_subscription_count
+        self.lost = 0
 
     def close(self) -> None:
         """Leave the topic; the messages that DDS keeps go too."""
         self._node.destroy_publisher(self._publisher)
+
+
+class LosslessWriter(Writer):
+    """A DDS writer that keeps all messages until the reliable readers have them.
+
+    What a slow reader leaves no room for is not sent, and counted. A publisher with a full history
+    refuses a message at once; see `publishes_without_waiting`.
+    """
+
+    def __init__(self, node: Node, cls: type, topic: str, offered: QoSProfile, rcl: Rcl) -> None:
+        super().__init__(node, cls, topic, offered, rcl)
+        self._send = self.publish
+        self.publish = self._publish
+        self._unacknowledged = 0
+
+    def _publish(self, message: bytes) -> None:
+        if self._unacknowledged > MAX_BYTES and not self._is_acknowledged():
+            self.lost += 1
+            return
+        try:
+            self._send(message)
+        except WireError:
+            self.lost += 1
+        else:
+            self._unacknowledged += len(message)
+
+    def _is_acknowledged(self) -> bool:
+        """Tell whether the readers have all messages; asked only where these are many bytes."""
+        if self._publisher.wait_for_all_acked(Duration()):
+            self._unacknowledged = 0
+        return not self._unacknowledged
 
 
 log = logging.getLogger(__name__)
@@ -67,6 +111,7 @@ class Publication:
         context: TransportContext,
         *,
         queue_size: int,
+        keep_all: bool = False,
         successors: tuple[str, ...] = (),
     ) -> None:
         self.topic = topic
@@ -78,6 +123,8 @@ class Publication:
         self._graph = context.graph
         self._rcl = context.rcl
         self._depth = queue_size
+        self._keep_all = keep_all
+        self._lost = 0
         self._successors = successors
         self._matched_successors: tuple[str, ...] = ()
         self._owners = context.owners
@@ -91,6 +138,11 @@ class Publication:
         self._now = context.loop.now
         self._graph.watch(topic)
         self._graph.listeners.append(self._flush)
+
+    @property
+    def lost(self) -> int:
+        """How many messages a reliable subscriber was too slow for."""
+        return self._lost + (self._writer.lost if self._writer else 0)
 
     def learn_type(self, info: TypeInfo) -> bool:
         """Take the type from a publisher; False if another is known or the name differs."""
@@ -142,6 +194,7 @@ class Publication:
         """Stop publishing."""
         self._close_latched_writers()
         if self._writer is not None:
+            self._lost += self._writer.lost
             self._writer.close()
             self._writer = None
 
@@ -169,12 +222,22 @@ class Publication:
         """Create the writers, and publish the latched messages with them."""
         self.close()
         self._qos = qos
-        self._writer = self._create_writer(command_qos(qos), self._depth)
+        self._writer = self._create_main_writer(command_qos(qos))
         if self._successors and self._early is None:
             self._early, self._early_since = Backlog(self._depth, _EARLY_BYTES), 0
         for latched_by, message in self._latched.items():
             self._latched_writer(latched_by).publish(message)
         return self._writer
+
+    def _create_main_writer(self, qos: QoS) -> Writer:
+        """Return the writer of what is not latched; one that is transient local would fill up."""
+        is_reliable = qos.reliability is Reliability.RELIABLE
+        is_volatile = qos.durability is Durability.VOLATILE
+        type = self.info.type if self.info else self.type
+        if not (self._keep_all and is_reliable and is_volatile and may_keep_all(type)):
+            return self._create_writer(qos, self._depth)
+        offered = profile(qos, self._depth, keep_all=True)
+        return LosslessWriter(self._node, find_interface(type).cls, self.topic, offered, self._rcl)
 
     def _create_writer(self, qos: QoS, depth: int) -> Writer:
         cls = find_interface(self.info.type if self.info else self.type).cls
@@ -217,6 +280,7 @@ class Publication:
         if self._early is None or self._writer is None or not self._has_successor(self._writer):
             return
         early, self._early = self._early, None
+        self._lost += early.dropped
         for _ in range(len(early) if self._is_fresh() else 0):
             self._writer.publish(early.pop())
 

@@ -6,27 +6,47 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from rclpy.duration import Duration
-from rclpy.qos import DurabilityPolicy, LivelinessPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos import (
+    DurabilityPolicy,
+    HistoryPolicy,
+    LivelinessPolicy,
+    QoSProfile,
+    ReliabilityPolicy,
+)
 
-from rtron.vocabulary import SECOND, Durability, Liveliness, QoS, Reliability
+from rtron.vocabulary import SECOND, Durability, Liveliness, QoS, Reliability, normalise_type
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-_QUEUE_DEPTH = 100
-"""The number of messages of all publishers that wait in a reader; the oldest make room."""
+_LARGE_TYPES = frozenset(
+    {
+        "sensor_msgs/Image",
+        "sensor_msgs/CompressedImage",
+        "sensor_msgs/PointCloud",
+        "sensor_msgs/PointCloud2",
+        "nav_msgs/OccupancyGrid",
+    }
+)
+"""Of these the newest counts, and all that wait could take the machine's memory."""
 _COMMAND_LIFESPAN = SECOND
 """How long a writer keeps commands: a reader on a busy machine may need them (ns)."""
 
 
-def requested_profile(offered: QoS) -> QoSProfile:
+def requested_profile(offered: QoS, queue_size: int, *, keep_all: bool = False) -> QoSProfile:
     """Return the profile that gets all messages of a publisher, transient-local ones included.
 
-    It requests nothing of the publisher's deadline, lifespan or liveliness.
+    It requests nothing of the publisher's deadline, lifespan or liveliness. Discovery does not tell
+    whether a publisher keeps all: `keep_all` loses nothing of one that does, nor of others.
     """
-    return profile(
-        QoS(reliability=offered.reliability, durability=offered.durability), _QUEUE_DEPTH
-    )
+    requested = QoS(reliability=offered.reliability, durability=offered.durability)
+    is_reliable = offered.reliability is Reliability.RELIABLE
+    return profile(requested, queue_size, keep_all=keep_all and is_reliable)
+
+
+def may_keep_all(type: str) -> bool:
+    """Return whether all messages of a type may wait: they are not large."""
+    return normalise_type(type) not in _LARGE_TYPES
 
 
 def strongest(profiles: Iterable[QoS]) -> QoS:
@@ -66,12 +86,13 @@ def latched(qos: QoS) -> QoS:
     return replace(qos, durability=Durability.TRANSIENT_LOCAL)
 
 
-def profile(qos: QoS, depth: int) -> QoSProfile:
-    """Return a profile as rclpy takes it, which keeps the last `depth` messages."""
+def profile(qos: QoS, depth: int, *, keep_all: bool = False) -> QoSProfile:
+    """Return a profile as rclpy takes it, which keeps the last `depth` messages, or all."""
     best_effort = qos.reliability is Reliability.BEST_EFFORT
     is_transient_local = qos.durability is Durability.TRANSIENT_LOCAL
     manual = qos.liveliness is Liveliness.MANUAL_BY_TOPIC
     return QoSProfile(
+        history=HistoryPolicy.KEEP_ALL if keep_all else HistoryPolicy.KEEP_LAST,
         depth=depth,
         reliability=ReliabilityPolicy.BEST_EFFORT if best_effort else ReliabilityPolicy.RELIABLE,
         durability=DurabilityPolicy.TRANSIENT_LOCAL

@@ -17,6 +17,8 @@ from rtron.errors import SourceError, WireError
 from rtron.guard.core.log_throttle import LogThrottle
 from rtron.guard.transport.common.protocol import Peer, TypeInfo
 from rtron.guard.transport.ros2.data_reader import DataReader
+from rtron.guard.transport.ros2.delivery import SequenceGaps
+from rtron.guard.transport.ros2.qos import may_keep_all, requested_profile
 from rtron.messages.common.definition_parser import parse_definition
 from rtron.messages.ros2.cdr_validator import cdr_validator
 from rtron.vocabulary import SECOND, Durability, QoS, Reliability, matches_node, normalise_type
@@ -30,7 +32,7 @@ if TYPE_CHECKING:
 
     from rtron.guard.transport.common.protocol import (
         ConnectHandler,
-        IsCommand,
+        InputOptions,
         LostHandler,
         MessageHandler,
     )
@@ -54,13 +56,12 @@ _Kind = tuple[type, Reliability, Durability]
 
 
 @dataclass(frozen=True, slots=True)
-class SubscriptionOptions:
-    """The arguments of `Transport.subscribe`."""
+class SubscriptionHandlers:
+    """What `Transport.subscribe` is given beside the topic."""
 
     on_connect: ConnectHandler
     on_lost: LostHandler
-    is_command: IsCommand
-    publishers: tuple[str, ...]
+    options: InputOptions
 
 
 @dataclass(slots=True)
@@ -79,6 +80,21 @@ class _PublisherState:
         return self.peer == peer and not refused_long_ago
 
 
+@dataclass(slots=True)
+class _Unresolved:
+    """A message that waits for its publisher's name, with its number and when it came."""
+
+    reader: DataReader
+    gid: bytes
+    message: bytes
+    number: int | None
+    since: int = 0
+
+    @property
+    def participant(self) -> bytes:
+        return self.gid[:PARTICIPANT_SIZE]
+
+
 class Subscription:
     """Passes each publisher's messages to its handler, and reports publishers that leave."""
 
@@ -87,20 +103,19 @@ class Subscription:
         node: Node,
         topic: str,
         type: str,
-        options: SubscriptionOptions,
+        handlers: SubscriptionHandlers,
         context: TransportContext,
     ) -> None:
         """Subscribe to publishers of one type, "" for any."""
         self.topic = topic
         self._type = normalise_type(type)
         self._node = node
-        self._options = options
+        self._handlers, self._options = handlers, handlers.options
         self._context = context
         self._senders: dict[bytes, _PublisherState] = {}
         self._readers: dict[_Kind, DataReader] = {}
-        self._unresolved: deque[tuple[int, DataReader, bytes, bytes]] = deque(
-            maxlen=_MAX_UNRESOLVED
-        )
+        self._unresolved: deque[_Unresolved] = deque(maxlen=_MAX_UNRESOLVED)
+        self._gaps = SequenceGaps()
         self._first_seen: dict[bytes, int] = {}
         self._log_throttle = LogThrottle()
         context.graph.watch(topic)
@@ -169,7 +184,7 @@ class Subscription:
         if interface_type is None:
             self._log_problem(peer, why)
             return _PublisherState(peer, None, now)
-        receive = self._options.on_connect(peer)
+        receive = self._handlers.on_connect(peer)
         if receive is None:
             return _PublisherState(peer, None, now)
         reader = self._reader_for(interface_type, endpoint.qos, peer)
@@ -196,22 +211,30 @@ class Subscription:
             if self._readers:
                 text = "%s: its publishers differ in QoS or type; %s has its own reader, %s, %s"
                 log.warning(text, self.topic, peer.node, qos.reliability, qos.durability)
+            keep_all = self._options.keep_all and not is_command
             self._readers[kind] = DataReader(
                 self._node,
                 interface_type.cls,
                 self.topic,
-                qos,
+                requested_profile(
+                    qos,
+                    self._options.queue_size,
+                    keep_all=keep_all and may_keep_all(interface_type.name),
+                ),
                 self._context,
-                self._on_message,
+                self,
                 is_command=is_command,
             )
         return self._readers[kind]
 
-    def _on_message(self, reader: DataReader, gid: bytes, message: bytes) -> None:
+    def take(self, reader: DataReader, gid: bytes, message: bytes, number: int | None) -> None:
+        """Pass on a message of a publisher that was accepted."""
         sender = self._senders.get(gid)
         if sender is None:
-            self._queue_unresolved(reader, gid, message)
+            self._queue_unresolved(_Unresolved(reader, gid, message, number))
         elif sender.reader is reader and sender.receive and sender.validate:
+            if missing := self._gaps.missing_before(gid, number):
+                self._options.on_missed(sender.peer, missing)
             try:
                 sender.validate(message)
             except WireError as error:
@@ -219,39 +242,47 @@ class Subscription:
             else:
                 sender.receive(message)
 
-    def _queue_unresolved(self, reader: DataReader, gid: bytes, message: bytes) -> None:
+    def note_replaced(self, count: int) -> None:
+        """Count the messages that the first one of a publisher has replaced in its queue."""
+        gid, number = self._gaps.replaced(count)
+        sender = self._senders.get(gid) if gid else None
+        if number and sender and sender.receive:
+            self._options.on_missed(sender.peer, number)
+
+    def _queue_unresolved(self, new: _Unresolved) -> None:
         """Let a message wait until the graph names its publisher; drop our own messages."""
-        if self._context.graph.is_own(gid):
+        if self._context.graph.is_own(new.gid):
             return
-        own_count = sum(
-            each[2][:PARTICIPANT_SIZE] == gid[:PARTICIPANT_SIZE] for each in self._unresolved
-        )
-        waiting = sum(len(each[-1]) for each in self._unresolved)
-        if own_count < _MAX_PER_PARTICIPANT and waiting + len(message) <= _MAX_WAITING_BYTES:
-            self._unresolved.append((self._context.loop.now(), reader, gid, message))
+        new.since = self._context.loop.now()
+        self._gaps.see(new.gid, new.number)
+        own_count = sum(each.participant == new.participant for each in self._unresolved)
+        waiting = sum(len(each.message) for each in self._unresolved)
+        if own_count < _MAX_PER_PARTICIPANT and waiting + len(new.message) <= _MAX_WAITING_BYTES:
+            self._unresolved.append(new)
         self._context.graph.query_if_due(self.topic)
 
     def _deliver_unresolved(self) -> None:
         """Deliver messages whose publisher has a name now; drop those that have waited too long."""
         now, unresolved = self._context.loop.now(), list(self._unresolved)
         self._unresolved.clear()
-        for since, reader, gid, message in unresolved:
-            if gid in self._senders:
-                self._deliver_late(reader, gid, message, now - since)
-            elif now - since < 2 * _NAME_TIMEOUT:
-                self._unresolved.append((since, reader, gid, message))
+        for each in unresolved:
+            if each.gid in self._senders:
+                self._deliver_late(each, now - each.since)
+            elif now - each.since < 2 * _NAME_TIMEOUT:
+                self._unresolved.append(each)
             elif self._log_throttle.allows("unnamed", now):
                 log.warning("%s: messages of an unknown publisher are dropped", self.topic)
 
-    def _deliver_late(self, reader: DataReader, gid: bytes, message: bytes, waited: int) -> None:
+    def _deliver_late(self, late: _Unresolved, waited: int) -> None:
         """Deliver a message that has waited, unless it is an old one that was not latched."""
-        if waited < _FRESH or self._senders[gid].peer.latching:
-            self._on_message(reader, gid, message)
+        if waited < _FRESH or self._senders[late.gid].peer.latching:
+            self.take(late.reader, late.gid, late.message, late.number)
 
     def _remove_publisher(self, gid: bytes) -> None:
         sender = self._senders.pop(gid)
+        self._gaps.forget(gid)
         if sender.receive is not None:
-            self._options.on_lost(sender.peer)
+            self._handlers.on_lost(sender.peer)
 
     def _log_problem(self, peer: Peer, why: str) -> None:
         """Report an unreadable message or publisher, at most once a second for each."""

@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from rtron.errors import PlanError
+from rtron.errors import InputError, PlanError, suggestion
 from rtron.planning.instrument.common.guarded_launch import PlacedRemap
 from rtron.planning.instrument.common.nodelets import manager_of
 from rtron.vocabulary import (
@@ -107,6 +107,30 @@ def stream_role(node: LaunchNode, stream: Stream) -> StreamRole | None:
     """
     manager = manager_of(node)
     return _role_by_name(node.name, stream) or (_role_by_name(manager, stream) if manager else None)
+
+
+def planned_remaps(plan: Plan, node: str = "") -> tuple[tuple[str, str, str], ...]:
+    """Return (node, public name, private name) without a launch, for all nodes or for one.
+
+    `node` may be a name that a pattern of the plan means. InputError if the plan has no such node.
+    """
+    enforced = enforced_streams(plan)
+    planned = _planned_nodes(enforced)
+    if node and not any(matches_node(each, node) for each in planned):
+        help = suggestion(node, planned) if planned else "no coordination node enforces"
+        raise InputError(f"the plan has no node {node}", help=help)
+    return tuple(
+        (name, public, private)
+        for name in ([node] if node else planned)
+        for public, private in private_names(name, enforced).items()
+    )
+
+
+def _planned_nodes(enforced: tuple[Stream, ...]) -> tuple[str, ...]:
+    """Return the nodes that have a side in an enforced stream, each once, as in the plan."""
+    publishers = [flow.publisher for stream in enforced for flow in stream.flows]
+    successors = [node for stream in enforced for node in stream.successors]
+    return tuple(dict.fromkeys((*publishers, *successors)))
 
 
 def private_names(name: str, enforced: tuple[Stream, ...]) -> Mapping[str, str]:

@@ -1,6 +1,6 @@
 """Figures for Prometheus, looked up when they are asked for."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from fastapi import APIRouter, Request
 from prometheus_client import CONTENT_TYPE_LATEST, CollectorRegistry, generate_latest
@@ -20,6 +20,7 @@ from rtron.service.store.accounts.last_use import short_transaction
 from rtron.service.store.retention import used_bytes
 from rtron.service.store.robots import list_robots
 from rtron.service.store.tables import AuditRow, EventRow, SettingsRow
+from rtron.vocabulary import GuardState
 
 router = APIRouter()
 
@@ -97,6 +98,19 @@ class ServiceMetrics(Collector):
             lost.add_metric([name], hub.lost_event_count(name))
         yield alarms
         yield lost
+        yield lost_messages({name: hub.state(name) for name in names})
+
+
+def lost_messages(states: Mapping[str, GuardState | None]) -> Metric:
+    """Return the messages that guards know lost, since each began, as their last states say."""
+    labels = ["robot", "topic", "side"]
+    found = CounterMetricFamily("rtron_messages_lost", "Messages lost by a guard.", labels=labels)
+    for robot, state in states.items():
+        for stream in state.streams if state else ():
+            before = sum(counts.lost for counts in stream.flows.values())
+            found.add_metric([robot, stream.topic, "before"], before)
+            found.add_metric([robot, stream.topic, "behind"], stream.lost_behind)
+    return found
 
 
 def _stored_metrics(session: Session) -> Iterator[Metric]:

@@ -1,0 +1,103 @@
+"""The least and greatest durations: the one place that decides, for plans and for settings.
+
+The plan file, its JSON Schema, the API and the settings of a guard are read within
+`DURATION_RANGES`. A GRCN on commands may do less, `command_duration_problems`: a command tells the
+robot where to go now, and a node that falls silent must not hold the robot's controls for long.
+What is allowed and still odd is a doubt, for `rtron check`.
+"""
+
+from collections.abc import Iterator, Mapping
+
+from rtron.coherence.flows import CoherenceProblem
+from rtron.vocabulary import GRCN, SECOND, EventFlow, Flow, Mode, Plan, StreamKind
+
+_MINUTE, _HOUR, _DAY = 60 * SECOND, 3600 * SECOND, 24 * 3600 * SECOND
+LONGEST_SILENCE = 10 * SECOND
+"""A velocity that is older than this says nothing of where the robot should go now."""
+LONG_SILENCE = 2 * SECOND
+LONG_EVENT_AGE = _MINUTE
+_SHORTEST_HOLD = SECOND // 100
+"""With less, nobody keeps the output between two messages, and no priority holds."""
+
+DURATION_RANGES: Mapping[str, tuple[int, int]] = {
+    "timeout": (0, _DAY),
+    "release_after": (_SHORTEST_HOLD, _HOUR),
+    "max_age": (0, _DAY),
+    "EventFlow.max_age": (1, _DAY),
+    "max_hold": (_SHORTEST_HOLD, _DAY),
+    "silent_after": (1, LONGEST_SILENCE),
+    "FpsMonitor.silent_after": (1, _MINUTE),
+    "present": (1, _DAY),
+    "silent": (1, _DAY),
+    "window": (SECOND // 10, _MINUTE),
+    "period": (SECOND // 1000, SECOND),
+    "Audit.period": (SECOND // 100, SECOND // 10),
+    "repeat": (0, _HOUR),
+    "within": (SECOND // 20, 10 * SECOND),
+}
+"""The least and the greatest duration (ns) under a key, or under one noun's key."""
+
+
+def command_duration_problems(grcn: GRCN) -> Iterator[CoherenceProblem]:
+    """Yield the durations that are too long for commands."""
+    if grcn.kind is not StreamKind.COMMAND:
+        return
+    for part, key, duration in _command_durations(grcn):
+        if duration > LONGEST_SILENCE:
+            yield part, key, f"{key} is {_seconds(duration)}: for commands {_LONGEST} at most"
+
+
+def duration_doubts(plan: Plan) -> Iterator[tuple[str, str]]:
+    """Yield the durations that are allowed and longer than most robots can bear: where, and why."""
+    for grcn in plan.grcn:
+        if grcn.mode is Mode.ENFORCE and grcn.kind is StreamKind.COMMAND:
+            yield from ((f"GRCN {grcn.id}", message) for message in _long_waits(grcn))
+    for where, flow in _velocity_flows(plan):
+        if flow.silent_after > LONG_SILENCE:
+            how_long = _seconds(flow.silent_after)
+            yield where, f"silent_after is {how_long}: so long the robot goes on without a command"
+    for event in plan.msrcn.eflows if plan.msrcn else ():
+        yield from ((f"MSRCN, {event.name}", message) for message in _long_events(event))
+
+
+def _command_durations(grcn: GRCN) -> Iterator[tuple[GRCN | Flow, str, int]]:
+    yield grcn, "release_after", grcn.release_after
+    yield grcn, "max_age", grcn.max_age
+    for flow in grcn.flows:
+        if flow.timeout is not None:
+            yield flow, "timeout", flow.timeout
+
+
+def _long_waits(grcn: GRCN) -> Iterator[str]:
+    for part, key, duration in _command_durations(grcn):
+        if duration > LONG_SILENCE:
+            whose = f"{part.name}: " if isinstance(part, Flow) else ""
+            yield f"{whose}{key} is {_seconds(duration)}: {_CONSEQUENCES[key]}"
+
+
+def _velocity_flows(plan: Plan) -> Iterator[tuple[str, Flow]]:
+    for grcn in plan.grcn:
+        yield from ((f"GRCN {grcn.id}, {flow.name}", flow) for flow in grcn.flows)
+    for topic in plan.rsrcn.vflows if plan.rsrcn else ():
+        yield from ((f"RSRCN, {flow.name}", flow) for flow in topic.flows)
+    for topic in plan.msrcn.aflows if plan.msrcn else ():
+        yield from ((f"MSRCN, {flow.name}", flow) for flow in topic.flows)
+
+
+def _long_events(event: EventFlow) -> Iterator[str]:
+    if event.present is None and event.silent is None and event.max_age > LONG_EVENT_AGE:
+        yield f"max_age is {_seconds(event.max_age)}: an event of then still counts as true now"
+    if (event.silent or 0) > LONG_EVENT_AGE:
+        yield f"silent is {_seconds(event.silent or 0)}: so long nobody notices that it is gone"
+
+
+def _seconds(duration: int) -> str:
+    return f"{duration / SECOND:g} s"
+
+
+_LONGEST = _seconds(LONGEST_SILENCE)
+_CONSEQUENCES = {
+    "release_after": "so long nobody else drives when a node falls silent",
+    "timeout": "so long nobody else drives when this flow falls silent",
+    "max_age": "commands of then still pass",
+}
