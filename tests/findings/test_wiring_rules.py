@@ -548,6 +548,14 @@ class TestDuplicateNode:
             ("z", 3),
         ]
 
+    def test_different_programs_are_named(self):
+        (one,), (other,) = (self.graph(("/a", "x", "y")).wiring for _ in range(2))
+        facts = (replace(one, others=("p/a",)), replace(other, others=("p/b",)))
+        finding = the_finding("duplicate_node", small_graph(BASE, wiring=facts))
+        assert finding.summary == "p/a and p/b both have the name /a"
+        finding = the_finding("duplicate_node", small_graph(BASE, wiring=(facts[0],)))
+        assert finding.summary == "/a starts more than once"
+
     def test_a_viewer_s_is_for_the_pedantic(self):
         graph = self.graph(("/rviz", "x", "y"), ("/a", "x", "y"))
         viewer = Node(name="/rviz", package="rviz2", executable="rviz2")

@@ -10,7 +10,7 @@ class WiringFactKind(StringEnum):
     """What a fact is about; each says what its subject, value and others are."""
 
     DUPLICATE_NODE = "duplicate_node"
-    """A node's name that is started more than once."""
+    """A node's name that is started more than once; others are the programs."""
     IDLE_REMAP = "idle_remap"
     """A remap from the subject to the value, which changes nothing; others use the subject."""
     SHARED_OUTPUT = "shared_output"

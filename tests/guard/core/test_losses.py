@@ -125,9 +125,9 @@ class Depths(MemoryTransport):
         self.kept["out", topic] = (queue_size, keep_all)
         return super().advertise(node, topic, type, **more)
 
-    def subscribe(self, node, topic, type, *handlers, options=DEFAULT_INPUT):
+    def subscribe(self, node, topic, type, connect, lose, options=DEFAULT_INPUT):
         self.kept["in", topic] = (options.queue_size, options.keep_all)
-        super().subscribe(node, topic, type, *handlers, options)
+        super().subscribe(node, topic, type, connect, lose, options)
 
 
 @pytest.mark.parametrize(

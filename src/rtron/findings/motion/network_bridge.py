@@ -82,7 +82,7 @@ def _link(app: AppFacts, node: Node) -> Iterator[Finding]:
         node.name,
         summary=f"{node.name} opens the app to the network: {effect}",
         cause=f"its {name} is {url}" if is_known else f"its {name} is not known",
-        remedy=f"leave {name} empty, or sign the link (MAVLink 2 signing)",
+        remedy=f"leave {name} empty, or give the link a network of its own",
         consequence=Consequence.MOTION,
         certainty=Certainty.LIKELY if is_known else Certainty.POSSIBLE,
         level=None if is_known else FindingLevel.PEDANTIC,

@@ -24,6 +24,7 @@ from collections.abc import Iterator
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.rule import FindingRule, make_finding
 from rtron.findings.wiring_groups import WiringGroup, wiring_groups
+from rtron.risks.wording import both_or_all, join_names
 from rtron.vocabulary import Certainty, Consequence, Finding, FindingLevel, WiringFactKind
 
 _TOOL = "_ros2cli"
@@ -43,12 +44,17 @@ def check(app: AppFacts) -> Iterator[Finding]:
 
 
 def _finding(group: WiringGroup, ros: int, *, is_viewer: bool) -> Finding:
+    summary, programs = f"{group.subject} starts more than once", group.others
+    remedy = "start it in one launch file only, or give each its own name"
+    if programs[1:]:
+        summary = f"{join_names(programs)} {both_or_all(programs)} have the name {group.subject}"
+        remedy = "give each a name of its own"
     return make_finding(
         RULE.name,
         group.subject,
-        summary=f"{group.subject} starts more than once",
+        summary=summary,
         cause=_CAUSES[ros],
-        remedy="start it in one launch file only, or give each its own name",
+        remedy=remedy,
         consequence=Consequence.FAILURE,
         certainty=Certainty.LIKELY,
         level=FindingLevel.PEDANTIC if is_viewer else None,

@@ -39,6 +39,11 @@ class AppNode:
         return self.site.name
 
     @property
+    def program(self) -> str:
+        """What it runs: PACKAGE/PROGRAM."""
+        return f"{self.package}/{self.type}"
+
+    @property
     def origin(self) -> str:
         """Where the node comes from: the place, and the node that starts it if one does."""
         location = f"{self.evidence.file}:{self.evidence.line}"

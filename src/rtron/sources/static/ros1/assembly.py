@@ -53,8 +53,14 @@ class Assembly(GraphBuilder):
                 trust=self.workspace.trust(node.package),
             )
         elif self._is_second(first, node):
-            kind, places = WiringFactKind.DUPLICATE_NODE, (first.evidence, node.evidence)
-            self.add_wiring(WiringFact(kind=kind, subject=node.name, evidence=places))
+            self.add_wiring(
+                WiringFact(
+                    kind=WiringFactKind.DUPLICATE_NODE,
+                    subject=node.name,
+                    others=(first.program, node.program),
+                    evidence=(first.evidence, node.evidence),
+                )
+            )
 
     def _is_second(self, first: AppNode, node: AppNode) -> bool:
         """Return whether a node takes the name of another; a shell script has none of its own."""

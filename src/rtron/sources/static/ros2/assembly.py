@@ -107,8 +107,15 @@ class Ros2Assembly(GraphBuilder):
                 unread=part.is_unread,
             )
         elif "{" not in name and first != node.evidence:
-            kind, places = WiringFactKind.DUPLICATE_NODE, (first, node.evidence)
-            self.add_wiring(WiringFact(kind=kind, subject=name, evidence=places))
+            other = self.nodes[name]
+            self.add_wiring(
+                WiringFact(
+                    kind=WiringFactKind.DUPLICATE_NODE,
+                    subject=name,
+                    others=(f"{other.package}/{other.executable}", node.program),
+                    evidence=(first, node.evidence),
+                )
+            )
 
 
 def _remap_rules(created: CreatedNode, part: NodePart) -> RemapRules:
