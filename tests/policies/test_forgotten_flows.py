@@ -91,6 +91,16 @@ def test_what_it_wanted_is_dropped_with_the_reason(policy):
 
 
 @pytest.mark.parametrize("policy", QUEUES)
+def test_who_had_the_turn_gives_it_to_who_waits(policy):
+    run = Run(settings(policy))
+    run.say(HIGH)
+    assert run.say(LOW) is HOLD
+    run.policy.forget_flow(HIGH, run.now)
+    assert [each.verdict.decision for each in run.policy.tick(run.now)] == [PASS]
+    assert run.policy.owner == LOW
+
+
+@pytest.mark.parametrize("policy", QUEUES)
 @pytest.mark.parametrize("kind", [StreamKind.ACTION, StreamKind.STATE])
 def test_goals_stay_in_progress_and_in_the_queue(policy, kind):
     run = Run(settings(policy, kind, max_age=100))

@@ -6,6 +6,7 @@ from hypothesis import strategies as st
 
 from rtron.vocabulary import (
     PRIVATE_ROOT,
+    fits_open_name,
     flow_topic,
     matches_node,
     normalise_type,
@@ -82,3 +83,18 @@ def test_a_canonical_name_stays_what_it_is(name):
     once = canonical_name(name)
     assert canonical_name(once) == once
     assert "//" not in once
+
+
+@pytest.mark.parametrize(
+    ("name", "open_name", "fits"),
+    [
+        ("/a/image", "/{side}/image", True),
+        ("/a/b/image", "/{?}/image", True),
+        ("/a/scan", "/{side}/image", False),
+        ("/image", "/image", False),
+        ("/a_1/x_2", "/a_{n}/x_{m}", True),
+        ("/a", "/{", True),
+    ],
+)
+def test_a_name_may_be_one_that_is_known_in_part(name, open_name, fits):
+    assert fits_open_name(name, ["/other", open_name]) is fits
