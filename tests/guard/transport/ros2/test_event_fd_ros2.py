@@ -26,3 +26,20 @@ def test_what_is_left_behind_a_failure_is_taken(told, calls):
     assert counts[: len(calls)] == calls
     loop.close()
     bell.close()
+
+
+def test_what_is_left_for_later_is_taken_behind_the_other_events():
+    loop, taken = EventLoop(), []
+    bells = []
+    for name in "ab":
+        bells.append(
+            EventFd(loop, lambda count, name=name: taken.append((name, count)) or count - 1)
+        )
+        os.eventfd_write(bells[-1].fd, 2)
+    for _ in range(3):
+        loop.step(0.0)
+    assert sorted(taken[:2]) == [("a", 2), ("b", 2)]
+    assert sorted(taken[2:]) == [("a", 1), ("b", 1)]
+    loop.close()
+    for bell in bells:
+        bell.close()
