@@ -10,15 +10,22 @@ SPACE = "{http://www.eprosima.com}"
 
 
 @pytest.mark.parametrize(
-    ("distribution", "name"), [("", NAMES[0]), ("kilted", NAMES[0]), ("jazzy", NAMES[1])]
+    ("distribution", "name", "heartbeat"),
+    [
+        ("", NAMES[0], "heartbeat_period"),
+        ("kilted", NAMES[0], "heartbeat_period"),
+        ("jazzy", NAMES[1], "heartbeatPeriod"),
+    ],
 )
-def test_fast_dds_is_given_a_profile_with_a_short_period(distribution, name):
+def test_fast_dds_is_given_a_profile_with_a_short_period(distribution, name, heartbeat):
     environ = {"ROS_DISTRO": distribution}
     assert enable_fast_announcements(environ)
     assert set(environ) == {"ROS_DISTRO", name}
     found = parse(environ[name]).getroot()
     (period,) = found.iter(f"{SPACE}leaseAnnouncement")
     assert [each.text for each in period] == ["0", "100000000"]
+    (period,) = found.iter(f"{SPACE}{heartbeat}")
+    assert [each.text for each in period] == ["0", "20000000"]
     for kind in ("participant", "data_writer"):
         (profile,) = found.iter(f"{SPACE}{kind}")
         assert profile.get("is_default_profile") == "true"

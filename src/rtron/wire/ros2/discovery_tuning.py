@@ -24,7 +24,11 @@ _FILE = "FASTDDS_DEFAULT_PROFILES_FILE"
 _FASTDDS_2_FILE = "FASTRTPS_DEFAULT_PROFILES_FILE"
 _FASTDDS_2_DISTRIBUTIONS = ("humble", "iron", "jazzy")
 """The distributions with Fast DDS 2, which reads the former variable."""
-_PROFILE = Path(__file__).with_name("announce.xml")
+_PROFILES = {
+    _FILE: str(Path(__file__).with_name("announce.xml")),
+    _FASTDDS_2_FILE: str(Path(__file__).with_name("announce_fastdds2.xml")),
+}
+"""Both say the same; Fast DDS 3 spells the heartbeat's period otherwise, and refuses other words."""
 
 
 def enable_fast_announcements(environ: MutableMapping[str, str] = os.environ) -> bool:
@@ -33,13 +37,13 @@ def enable_fast_announcements(environ: MutableMapping[str, str] = os.environ) ->
     Where the user has profiles of their own, these count: then intruders may be found later.
     """
     profile = environ.get(_FILE) or environ.get(_FASTDDS_2_FILE)
-    if profile == str(_PROFILE):
+    if profile in _PROFILES.values():
         return True
     if profile:
         log.info("your profiles of Fast DDS count: intruders may be found up to 3 s later")
         return False
     name = _FASTDDS_2_FILE if environ.get("ROS_DISTRO") in _FASTDDS_2_DISTRIBUTIONS else _FILE
-    environ[name] = str(_PROFILE)
+    environ[name] = _PROFILES[name]
     return True
 
 
@@ -48,7 +52,7 @@ def publishes_without_waiting(environ: Mapping[str, str] = os.environ) -> bool:
 
     The profile says so. It counts where the user has none, in Fast DDS 3.
     """
-    return environ.get(_FILE) == str(_PROFILE)
+    return environ.get(_FILE) == _PROFILES[_FILE]
 
 
 RECEIVE_BUFFER_BYTES = 1 << 22
