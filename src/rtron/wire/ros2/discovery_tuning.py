@@ -28,7 +28,7 @@ _PROFILES = {
     _FILE: str(Path(__file__).with_name("announce.xml")),
     _FASTDDS_2_FILE: str(Path(__file__).with_name("announce_fastdds2.xml")),
 }
-"""Both say the same; Fast DDS 3 spells the heartbeat's period otherwise, and refuses other words."""
+"""Both say the same: each version refuses the other's spelling of the heartbeat's period."""
 
 
 def enable_fast_announcements(environ: MutableMapping[str, str] = os.environ) -> bool:
