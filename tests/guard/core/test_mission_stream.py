@@ -376,7 +376,7 @@ def test_a_twist_may_be_judged_by_its_own_fields():
     nav(twist(-1.0))
     nav(twist(float("nan")))
     assert speeds(driver)[0] == (-1.0, 0.0)
-    assert driver[1:] in ([], [twist(float("nan"))])
+    assert twist(float("nan")) not in driver
 
 
 def test_a_flow_that_a_rule_blocks_does_not_take_the_output_from_others():
