@@ -9,6 +9,7 @@ from rtron.vocabulary import QoS
 pytest.importorskip("rclpy", reason="needs ROS 2")
 from rtron.guard.transport.common.protocol import InputOptions
 from rtron.guard.transport.ros2 import middleware, publication
+from rtron.guard.transport.ros2.delivery import LatenessDetector
 from rtron.guard.transport.ros2.publication import LosslessWriter
 
 pytestmark = [
@@ -62,6 +63,17 @@ def test_what_a_queue_has_no_room_for_is_counted_to_the_last_message(world, opti
     world.until(lambda: len(reader.heard) + reader.lost == COUNT)
     assert reader.heard[-1] == said[-1]
     assert reader.lost
+
+
+def test_what_comes_late_counts_although_nothing_follows_it(world, monkeypatch):
+    taken = []
+    monkeypatch.setattr(
+        LatenessDetector, "is_late", lambda *_: taken.append(1) or len(taken) > QUEUE // 2
+    )
+    reader = Reader(world, is_command=lambda _peer: True)
+    burst(world, reader)
+    world.until(lambda: len(reader.heard) + reader.lost == COUNT)
+    assert len(reader.heard) == QUEUE // 2
 
 
 def test_what_a_subscriber_is_too_slow_for_is_counted_and_the_guard_does_not_wait(

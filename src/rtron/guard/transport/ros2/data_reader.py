@@ -34,6 +34,10 @@ class DataListener(Protocol):
         """Take a message, its publisher's GID, and its DDS sequence number if there is one."""
         ...
 
+    def note_late(self, reader: DataReader, gid: bytes, number: int | None) -> None:
+        """Note a message that is dropped since it is late."""
+        ...
+
     def note_replaced(self, count: int) -> None:
         """Note how many messages newer ones replaced in the reader before they were taken."""
         ...
@@ -93,7 +97,9 @@ class DataReader:
                 return 0
             message, gid = message_and_gid
             count, size = count - 1, size + len(message)
-            if not (self._lateness and self._is_late(self._lateness, gid)):
+            if self._lateness and self._is_late(self._lateness, gid):
+                self._listener.note_late(self, gid, self._rcl.sequence_number)
+            else:
                 self._deliver(gid, self._numbered(gid, message) if self._adds_numbers else message)
         return count
 

@@ -242,6 +242,13 @@ class Subscription:
             else:
                 sender.receive(message)
 
+    def note_late(self, reader: DataReader, gid: bytes, number: int | None) -> None:
+        """Count a late message as lost, with those that are missing before it."""
+        sender = self._senders.get(gid)
+        if sender and sender.reader is reader and sender.receive:
+            missing = self._gaps.missing_before(gid, number)
+            self._options.on_missed(sender.peer, missing + 1)
+
     def note_replaced(self, count: int) -> None:
         """Count the messages that the first one of a publisher has replaced in its queue."""
         gid, number = self._gaps.replaced(count)
