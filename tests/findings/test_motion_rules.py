@@ -327,6 +327,18 @@ class TestLostCommand:
         assert not found("lost_command", unread)
 
     @pytest.mark.parametrize(
+        ("lost", "obeyed"),
+        [
+            ("/robot2/cmd_vel", "/robot1/cmd_vel"),
+            ("/right_arm/command", "/left_arm/command"),
+            ("/cmd_vel_2", "/cmd_vel_1"),
+        ],
+    )
+    def test_another_robot_s_or_arm_s_command_is_not_meant(self, lost, obeyed):
+        text = f"/base driver own\n sub {obeyed} {TWIST}\n/nav nav own\n pub {lost} {TWIST}\n"
+        assert not found("lost_command", small_graph(text))
+
+    @pytest.mark.parametrize(
         ("base", "level"), [("/base_cmd_vel", "pedantic"), ("/chassis", "regular")]
     )
     def test_who_commands_nobody_does_not_drive_the_robot(self, base, level):

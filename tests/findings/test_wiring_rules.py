@@ -404,18 +404,36 @@ class TestMissingProgram:
         finding = the_finding("missing_program", self.graph(*places))
         assert finding.id == "missing_program:/slam"
         assert finding.summary == "/slam does not start"
-        assert (
-            finding.cause
-            == "its package makes no slam/slam, nor has an executable file of this name"
-        )
+        assert finding.cause == "no build file of its package makes or installs slam/slam"
         assert finding.evidence == places
 
-    def test_an_included_launch_file_that_is_not_there(self):
+    def test_the_nodes_of_one_program_are_one_finding(self):
+        graph = self.graph(Evidence(file="a", line=1), Evidence(file="a", line=2))
+        twin = replace(graph.nodes[0], name="/twin")
+        finding = the_finding("missing_program", replace(graph, nodes=(*graph.nodes, twin)))
+        assert finding.summary == "/slam and /twin do not start"
+        assert finding.nodes == ("/slam", "/twin")
+
+    @pytest.mark.parametrize(
+        ("what", "shown"),
+        [("include", "base/launch/joy.launch.py"), ("include $(find base)/x", "$(find base)/x")],
+    )
+    def test_an_included_launch_file_that_is_not_there(self, what, shown):
         place, missing = Evidence(file="a.launch.py", line=18), "/ws/src/base/launch/joy.launch.py"
-        finding = the_finding("missing_program", self.graph(place, place, missing=missing))
-        assert finding.subject == "joy.launch.py"
-        assert finding.cause == f"it includes {missing}, which is not there"
+        graph = self.graph(place, place, what=what, missing=missing)
+        finding = the_finding("missing_program", graph)
+        assert finding.subject == "base/launch/joy.launch.py"
+        assert finding.summary == "the launch ends, or leaves out what joy.launch.py starts"
+        assert finding.cause == f"it includes {shown}, which is not there"
         assert finding.evidence == (place,)
+
+    def test_files_of_one_name_in_two_packages_are_two(self):
+        one, other = (
+            self.graph(Evidence(file="a"), missing=f"/ws/{name}/launch/bringup.launch")
+            for name in "pq"
+        )
+        both = replace(one, unresolved=(*one.unresolved, *other.unresolved))
+        assert len(found("missing_program", both)) == 2
 
 
 class TestBypassedNode:

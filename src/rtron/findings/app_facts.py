@@ -114,6 +114,12 @@ class AppFacts:
         """The topics that command motion: velocities, setpoints, trajectories and their kin."""
         return tuple(name for name in self.explicit_topics if self.is_motion(name))
 
+    @cached_property
+    def obeyed_topics(self) -> tuple[str, ...]:
+        """The motion topics that somebody reads; none where many make names tell little."""
+        obeyed = tuple(topic for topic in self.motion_topics if self.readers(topic))
+        return obeyed if len(obeyed) <= _MOST_COMPARED else ()
+
     def is_motion(self, topic: str) -> bool:
         """Return whether a topic commands motion, by its type and its name."""
         is_indirect = self.facts.topic(topic).type in _INDIRECT_TYPES
@@ -226,7 +232,7 @@ def is_near(one: str, other: str) -> bool:
         one, other = name, other_name
         if name == other_name:
             return False
-        if _is_qualified(name, other_name) or _is_qualified(other_name, name):
+        if says_more(name, other_name):
             return True
     elif name == other_name and _is_within(namespace, other_namespace):
         return True
@@ -245,6 +251,11 @@ def _is_within(one: str, other: str) -> bool:
 def _without_transport(name: str) -> str:
     ending = next((each for each in _TRANSPORTS if name.endswith(each)), "")
     return name.removesuffix(ending)
+
+
+def says_more(one: str, other: str) -> bool:
+    """Return whether one of two names is the other with words before or behind it."""
+    return _is_qualified(one, other) or _is_qualified(other, one)
 
 
 def _is_qualified(longer: str, shorter: str) -> bool:

@@ -4,9 +4,9 @@
 
 A topic that commands motion, that nobody subscribes, while a topic of the same name and type is
 obeyed in a namespace above or below: one of the two was left out of a remap. Where every node was
-read, a topic with a near name counts, too. Who obeys the one and
-publishes the other forwards it, and does not count. Where the autopilot PX4 reads it (`/fmu/in/…`),
-the level is `pedantic`.
+read, a topic beside it whose name says more or less (`control_mode`, `offboard_control_mode`)
+counts, too. Who obeys the one and publishes the other forwards it, and does not count. What may be
+an input of the autopilot PX4 (`/fmu/in/…`) is `pedantic`.
 
 ## Why it matters
 
@@ -24,7 +24,7 @@ Remap the topic to the one that is obeyed.
 
 from collections.abc import Iterator
 
-from rtron.findings.app_facts import AppFacts, is_near
+from rtron.findings.app_facts import AppFacts, says_more
 from rtron.findings.rule import FindingRule, make_finding
 from rtron.risks.wording import conjugate, join_names
 from rtron.vocabulary import Certainty, Consequence, Direction, Finding, FindingLevel
@@ -41,24 +41,26 @@ def obeyed_instead(app: AppFacts, topic: str) -> str:
     """Return the obeyed topic that one without a subscriber likely means; nothing if none."""
     if app.graph.subscribers(topic) or not app.publishers(topic) or "{" in topic:
         return ""
-    obeyed = (other for other in app.motion_topics if app.readers(other))
-    return next((other for other in obeyed if _is_meant(app, topic, other)), "")
+    return next((other for other in app.obeyed_topics if _is_meant(app, topic, other)), "")
 
 
 def _is_meant(app: AppFacts, lost: str, obeyed: str) -> bool:
-    """Return whether two topics differ in a namespace alone, or little where all was read."""
+    """Return whether two topics differ in a namespace alone, or in a word where all was read."""
     (namespace, _, name), (other_namespace, _, other_name) = (
         each.rpartition("/") for each in (lost, obeyed)
     )
-    outer, inner = sorted((f"{namespace}/", f"{other_namespace}/"), key=len)
-    is_namesake = name == other_name and outer != inner and inner.startswith(outer)
-    is_namesake |= app.is_whole and is_near(lost, obeyed)
+    if name == other_name:
+        outer, inner = sorted((f"{namespace}/", f"{other_namespace}/"), key=len)
+        is_namesake = outer != inner and inner.startswith(outer)
+    else:
+        is_namesake = namespace == other_namespace and says_more(name, other_name) and app.is_whole
+    if not is_namesake:
+        return False
     sent, expected = app.types(lost, Direction.PUBLISH), app.types(obeyed, Direction.SUBSCRIBE)
     publishers = set(app.publishers(lost))
     publishes_both = publishers <= set(app.publishers(obeyed))
     forwards = publishers <= set(app.readers(obeyed))
-    is_other = is_namesake and not publishes_both and not forwards
-    return is_other and bool(sent.keys() & expected.keys())
+    return not publishes_both and not forwards and bool(sent.keys() & expected.keys())
 
 
 def _finding(app: AppFacts, topic: str, obeyed: str) -> Finding:

@@ -1,4 +1,4 @@
-"""A launch file starts what its own package does not have.
+"""A launch file starts or includes what is not there.
 
 ## What it finds
 
@@ -26,30 +26,47 @@ from pathlib import PurePath
 
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.rule import FindingRule, make_finding
+from rtron.risks.wording import join_names
 from rtron.vocabulary import Certainty, Consequence, Finding, UnresolvedItem
+
+_CAUSES = {
+    1: "its package makes no {}, nor has an executable file of this name",
+    2: "no build file of its package makes or installs {}",
+}
+_REMEDIES = {
+    1: "correct the name, or build and install the program (a script: chmod +x)",
+    2: "correct the name, or build and install the program",
+}
 
 
 def check(app: AppFacts) -> Iterator[Finding]:
-    """Yield a finding for each node whose program, and each include whose file, is not there."""
+    """Yield a finding for each program, and each included file, that is not there."""
     nodes: dict[str, list[str]] = defaultdict(list)
     for node in app.graph.nodes:
         nodes[f"{node.package}/{node.executable}"].append(node.name)
     notes: dict[str, list[UnresolvedItem]] = defaultdict(list)
     for note in app.graph.unresolved:
         if note.missing:
-            for subject in nodes.get(note.missing, [PurePath(note.missing).name]):
-                notes[subject].append(note)
-    for subject, of_subject in notes.items():
-        make = _program if subject in app.nodes else _launch_file
-        yield make(subject, of_subject)
+            is_program = note.missing in nodes
+            notes[note.missing if is_program else _ending(note.missing)].append(note)
+    for missing, of_missing in notes.items():
+        if missing in nodes:
+            yield _program(missing, nodes[missing], of_missing, app.graph.ros)
+        else:
+            yield _launch_file(missing, of_missing)
+
+
+def _ending(path: str) -> str:
+    return "/".join(PurePath(path).parts[-3:])
 
 
 def _launch_file(name: str, notes: list[UnresolvedItem]) -> Finding:
+    written = notes[0].what.removeprefix("include").strip()
     return make_finding(
         RULE.name,
         name,
-        summary=f"the launch ends, or leaves out what {name} starts",
-        cause=f"it includes {notes[0].missing}, which is not there",
+        summary=f"the launch ends, or leaves out what {PurePath(name).name} starts",
+        cause=f"it includes {written or name}, which is not there",
         remedy="correct the path in the include, or add the file to its package",
         consequence=Consequence.FAILURE,
         certainty=Certainty.LIKELY,
@@ -57,23 +74,23 @@ def _launch_file(name: str, notes: list[UnresolvedItem]) -> Finding:
     )
 
 
-def _program(node: str, notes: list[UnresolvedItem]) -> Finding:
+def _program(program: str, nodes: list[str], notes: list[UnresolvedItem], ros: int) -> Finding:
     return make_finding(
         RULE.name,
-        node,
-        summary=f"{node} does not start",
-        cause=f"its package makes no {notes[0].missing}, nor has an executable file of this name",
-        remedy="correct the name, or build and install the program (a script: chmod +x)",
+        nodes[0],
+        summary=f"{join_names(nodes)} {'do' if nodes[1:] else 'does'} not start",
+        cause=_CAUSES[ros].format(program),
+        remedy=_REMEDIES[ros],
         consequence=Consequence.FAILURE,
         certainty=Certainty.LIKELY,
-        nodes=(node,),
+        nodes=nodes,
         evidence=[place for note in notes for place in note.evidence],
     )
 
 
 RULE = FindingRule(
     name="missing_program",
-    title="A launch file starts what its own package does not have",
+    title="A launch file starts or includes what is not there",
     consequence="failure: likely",
     since="0.2.0",
     check=check,

@@ -101,6 +101,12 @@ def test_a_missing_file_is_named_with_where_it_is_included(launch, tmp_path):
     assert unresolved.missing == str(tmp_path / "no.launch")
 
 
+@pytest.mark.parametrize("name", ["no.urdf.xacro", "no"])
+def test_only_a_launch_file_is_missed(launch, name):
+    (unresolved,) = launch(f'<include file="$(dirname)/{name}"/>').unresolved
+    assert unresolved.missing == ""
+
+
 def test_what_was_read_before_a_fault_in_an_include_stays(launch, tmp_path):
     broken = included(NODE.format("n") + "\n<node/>" + NODE.format("m"))
     tree = launch('<include file="$(dirname)/sub.launch"/>' + NODE.format("o"), sub=broken)

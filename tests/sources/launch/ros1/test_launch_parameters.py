@@ -414,3 +414,4 @@ def test_files_outside_of_the_roots_are_not_read(tmp_path):
     assert "shadow" not in repr(tree)
     assert len(tree.unresolved) == 5
     assert all("lies outside" in note.why for note in tree.unresolved)
+    assert not any(note.missing for note in tree.unresolved)

@@ -94,12 +94,17 @@ def test_a_group_that_is_read_as_one_is_read(unread):
 
 
 def test_what_is_set_for_nodes_is_in_the_graph(scanned):
-    given = param("max_vel", "2") + "<rosparam>wheel: {sizes: [1, 2], bad: [[1]]}</rosparam>"
+    given = (
+        param("max_vel", "2")
+        + "<rosparam>wheel: {sizes: [1, 2], bad: [[1]], far: .inf, all: [1.5, .nan]}</rosparam>"
+    )
     values = {(p.node, p.name): p.value for p in scanned(given).parameters}
     assert values == {
         ("/base", "max_vel"): 2,
         ("/base", "wheel.sizes"): (1, 2),
         ("/base", "wheel.bad"): None,
+        ("/base", "wheel.far"): None,
+        ("/base", "wheel.all"): None,
     }
 
 

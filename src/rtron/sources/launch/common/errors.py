@@ -1,9 +1,6 @@
 """Why a text of a launch file has no value, or a file is not there."""
 
-from pathlib import Path
-
 from rtron.errors import InputError
-from rtron.folders import path_exists
 
 
 class UnresolvableError(Exception):
@@ -18,6 +15,11 @@ class MissingArgumentError(Exception):
         self.name = name
 
 
+_ABSENT = ("no such file", "No such file or directory", "is no file")
+_LAUNCH_FILES = (".launch", ".py", ".xml", ".yaml", ".yml")
+
+
 def missing_file(error: InputError) -> str:
-    """Return the path of the file that an error is about if there is none, else nothing."""
-    return "" if not error.path or path_exists(Path(error.path)) else error.path
+    """Return the path of the launch file that was looked for and is not there, else nothing."""
+    is_absent = error.reason.startswith(_ABSENT) and error.path.endswith(_LAUNCH_FILES)
+    return error.path if is_absent else ""

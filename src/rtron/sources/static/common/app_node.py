@@ -54,6 +54,11 @@ class AppNode:
         return f"started by {self.started_by} ({location})" if self.started_by else location
 
 
+def may_both_start(one: AppNode, other: AppNode) -> bool:
+    """Return whether two places start nodes for sure: of conditions, one may exclude the other."""
+    return one.evidence != other.evidence and not (one.is_uncertain or other.is_uncertain)
+
+
 def node_of_launch(
     node: LaunchNode, file: str, parameters: ParameterTree, environ: Mapping[str, str]
 ) -> AppNode:
@@ -75,7 +80,13 @@ def node_of_launch(
         environ=tuple({**environ, **dict(node.environ)}.items()),
     )
     evidence = Evidence(file=file, line=node.line)
-    return AppNode(site=site, package=node.package, type=node.type, evidence=evidence)
+    return AppNode(
+        site=site,
+        package=node.package,
+        type=node.type,
+        evidence=evidence,
+        is_uncertain=node.conditional,
+    )
 
 
 def _name_with_namespace(name: str, words: Iterable[str]) -> str:

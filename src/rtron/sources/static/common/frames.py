@@ -53,11 +53,12 @@ class FrameBroadcasters:
 
     def facts(self) -> Iterator[WiringFact]:
         """Yield facts for each frame that several nodes broadcast, one for each of its parents."""
-        for (_, child), nodes in sorted(self._nodes.items()):
+        for (topic, child), nodes in sorted(self._nodes.items()):
             certain = [node for node in nodes.values() if self._is_certain(node)]
             counted = certain if certain[1:] else list(nodes.values())
             if counted[1:]:
-                yield from _facts(_kind(certain), child, counted)
+                frame = child if topic == TRANSFORMS else f"{child} on {topic}"
+                yield from _facts(_kind(certain), frame, counted)
 
     def _is_certain(self, node: _Broadcaster) -> bool:
         return node.frame.is_certain and (not node.is_managed or node.node in self.activated)

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 
-from rtron.sources.static.common.app_node import AppNode
+from rtron.sources.static.common.app_node import AppNode, may_both_start
 from rtron.sources.static.common.endpoints import (
     ProcessRemaps,
     clock_subscription,
@@ -66,7 +66,7 @@ class Assembly(GraphBuilder):
         """Return whether a node takes the name of another; a shell script has none of its own."""
         programs = (self.workspace.executable(n.package, n.type) for n in (first, node))
         is_shell = any(p is not None and p.language is ProgramLanguage.SHELL for p in programs)
-        return not is_shell and "*" not in node.name and first.evidence != node.evidence
+        return not is_shell and "*" not in node.name and may_both_start(first, node)
 
     def add_part(self, part: NodePart) -> None:
         """Add what a part declares to the node whose process it runs in."""

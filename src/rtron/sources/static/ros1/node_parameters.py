@@ -2,6 +2,7 @@
 
 from collections import defaultdict
 from collections.abc import Collection, Iterable, Iterator
+from math import isfinite
 
 from rtron.sources.static.common.near_parameters import near_parameters, unread_parameter
 from rtron.sources.static.common.node_part import NodePart
@@ -39,9 +40,11 @@ def _namespaces(name: str) -> Iterator[str]:
 def _plain(value: ParameterValue) -> NodeParameterValue | None:
     """Return a value that a node of ROS 2 may have too, None for another."""
     if isinstance(value, list):
-        items = tuple(item for item in value if isinstance(item, (bool, int, float, str)))
-        return items if len(items) == len(value) else None
-    return value if isinstance(value, (bool, int, float, str)) else None
+        items = [None if isinstance(item, list) else _plain(item) for item in value]
+        found = tuple(item for item in items if isinstance(item, (bool, int, float, str)))
+        return found if len(found) == len(value) else None
+    is_endless = isinstance(value, float) and not isfinite(value)
+    return value if isinstance(value, (bool, int, float, str)) and not is_endless else None
 
 
 def unread_parameters(parts: Iterable[NodePart], parameters: ParameterTree) -> Iterator[WiringFact]:
@@ -57,16 +60,25 @@ def unread_parameters(parts: Iterable[NodePart], parameters: ParameterTree) -> I
     read = {node: _read_names(of_node) for node, of_node in parts_by_node.items()}
     read_by_any = set().union(*read.values())
     private = set().union(*(_below(node, names) for node, names in read.items()))
+    set_for = _set_for(parts_by_node, parameters)
     for node, of_node in parts_by_node.items():
-        own = _below(node, read[node])
+        own, given = _below(node, read[node]), set_for[node]
         if own and all(map(_is_read_whole, of_node)) and "{" not in "".join(read[node]):
-            given = _below(node, parameters.leaves.keys())
             others = (name for name in given if not _is_read(f"{node}/{name}", read_by_any))
             unread = [name for name in others if name not in private]
             near = near_parameters(unread, own - given)
             for name in sorted(unread):
                 place = parameters.leaves[f"{node}/{name}"].evidence
                 yield unread_parameter(node, name, near.get(name), place)
+
+
+def _set_for(nodes: Collection[str], parameters: ParameterTree) -> dict[str, set[str]]:
+    """Return the names below each node that the launch sets."""
+    found: dict[str, set[str]] = defaultdict(set)
+    for leaf in parameters.leaves:
+        for owner in filter(nodes.__contains__, _namespaces(leaf)):
+            found[owner].add(leaf.removeprefix(f"{owner}/"))
+    return found
 
 
 def _read_names(parts: Iterable[NodePart]) -> set[str]:

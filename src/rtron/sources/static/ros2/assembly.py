@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from itertools import islice
 
 from rtron.sources.declaration import CreatedNode, Declaration
+from rtron.sources.static.common.app_node import AppNode, may_both_start
 from rtron.sources.static.common.frames import TRANSFORMS, FrameBroadcasters, node_name
 from rtron.sources.static.common.graph_builder import GraphBuilder
 from rtron.sources.static.common.node_part import NodePart
@@ -20,7 +21,6 @@ from rtron.sources.workspace import Workspace
 from rtron.vocabulary import (
     Direction,
     Endpoint,
-    Evidence,
     Node,
     UnresolvedItem,
     WiringFact,
@@ -40,7 +40,7 @@ class Ros2Assembly(GraphBuilder):
     remap_uses: RemapUses = field(default_factory=RemapUses)
     program_outputs: ProgramOutputs = field(default_factory=ProgramOutputs)
     frames: FrameBroadcasters = field(default_factory=FrameBroadcasters)
-    _started: dict[str, Evidence] = field(default_factory=dict)
+    _started: dict[str, AppNode] = field(default_factory=dict)
 
     def add_part(self, part: NodePart) -> None:
         """Add the nodes of a process or component, and what they declare."""
@@ -87,7 +87,7 @@ class Ros2Assembly(GraphBuilder):
         self.add_wiring(*self.program_outputs.shared())
         self.add_wiring(*self.frames.facts())
         values = (
-            (f"{each.node}/{each.name}", each.value, self._started[each.node])
+            (f"{each.node}/{each.name}", each.value, self._started[each.node].evidence)
             for each in self.parameters.values()
             if each.node in self._started
         )
@@ -96,7 +96,7 @@ class Ros2Assembly(GraphBuilder):
 
     def _add_node(self, name: str, part: NodePart) -> None:
         node = part.node
-        first = self._started.setdefault(name, node.evidence)
+        first = self._started.setdefault(name, node)
         if name not in self.nodes:
             self.nodes[name] = Node(
                 name=name,
@@ -106,14 +106,13 @@ class Ros2Assembly(GraphBuilder):
                 trust=self.workspace.trust(node.package),
                 unread=part.is_unread,
             )
-        elif "{" not in name and first != node.evidence:
-            other = self.nodes[name]
+        elif "{" not in name and may_both_start(first, node):
             self.add_wiring(
                 WiringFact(
                     kind=WiringFactKind.DUPLICATE_NODE,
                     subject=name,
-                    others=(f"{other.package}/{other.executable}", node.program),
-                    evidence=(first, node.evidence),
+                    others=(first.program, node.program),
+                    evidence=(first.evidence, node.evidence),
                 )
             )
 
