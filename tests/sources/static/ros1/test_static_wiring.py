@@ -332,6 +332,8 @@ def test_transforms_on_other_topics_are_other_frames(folder):
     one, other = (FIXED.format("tf2_ros", name, "base laser") for name in ("a", "b"))
     assert doubled_frames(folder, one, other)
     assert doubled_frames(folder, one, group.format(other)) == []
+    (fact,) = doubled_frames(folder, group.format(one), group.format(other))
+    assert fact[1] == "laser on /other/tf"
 
 
 def test_a_robot_s_joints_are_frames_too(folder):

@@ -62,7 +62,7 @@ def test_what_it_calls_itself_is_said_and_remaps_tell_it_apart(repeated_nodes):
 
 def test_nodes_on_conditions_that_are_not_known_may_exclude_each_other(repeated_nodes):
     either = '<let name="sim" value="$(command date)"/>'
-    nodes = "".join(f'<node pkg="{name}" exec="x" name="base" {{}}/>' for name in "ab")
+    nodes = "\n".join(f'<node pkg="{name}" exec="x" name="base" {{}}/>' for name in "ab")
     assert repeated_nodes(NODE.format(""), nodes.format("", "")).count("/base") == 1
     conditions = ('if="$(var sim)"', 'unless="$(var sim)"')
     assert "/base" not in repeated_nodes(NODE.format(""), either + nodes.format(*conditions))
