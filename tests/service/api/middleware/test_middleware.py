@@ -577,7 +577,7 @@ def test_websockets_are_not_of_the_crowd(own_app, monkeypatch):
         options = {"additional_headers": headers, "proxy": None}
         url = f"ws://127.0.0.1:{port}/api/v1/live"
         with connect(url, **options), connect(url, **options):
-            assert len(own_app.state.sockets) == 2
+            wait_for(lambda: len(own_app.state.sockets) == 2, what="both sockets")
 
 
 @pytest.mark.parametrize(
