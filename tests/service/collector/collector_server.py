@@ -104,7 +104,13 @@ class CollectorServer:
         """Connect as a guard's link process does."""
         headers = {"Authorization": f"Bearer {token}"} if token else {}
         url = f"ws://127.0.0.1:{self.port}/link/v1"
-        options = {"compression": None, "max_size": 1 << 24, "proxy": None, **options}
+        options = {
+            "compression": None,
+            "max_size": 1 << 24,
+            "proxy": None,
+            "open_timeout": LIMIT_S,
+            **options,
+        }
         return connect(url, additional_headers=headers, **options)
 
     @contextmanager

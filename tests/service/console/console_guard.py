@@ -5,6 +5,7 @@ from contextlib import ExitStack
 from dataclasses import replace
 
 from console_robot import GuardModel
+from harness import LIMIT_S
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
@@ -32,7 +33,7 @@ class SimulatedGuard:
         self._interval, self._stopping, self._lock = every, threading.Event(), threading.Lock()
         address = f"ws://127.0.0.1:{port}/link/v1"
         self._open = ExitStack()
-        opening = connect(address, additional_headers=headers, max_size=None)
+        opening = connect(address, additional_headers=headers, max_size=None, open_timeout=LIMIT_S)
         self._socket = self._open.enter_context(opening)
         self.send(Hello(app=plan.app, plan=plan, run=self.guard.run, began=1, version="1"))
         self._threads = [

@@ -6,13 +6,16 @@ from importlib.resources import files
 
 import httpx
 import pytest
+from harness import LIMIT_S
 
 from rtron.service.console.routes import digest, static_files
 
 
 @pytest.fixture
 def get(console):
-    with httpx.Client(base_url=console.base, headers={"Accept-Encoding": "identity"}) as client:
+    with httpx.Client(
+        base_url=console.base, headers={"Accept-Encoding": "identity"}, timeout=LIMIT_S
+    ) as client:
         yield client.get
 
 
@@ -54,7 +57,7 @@ def test_files_are_kept_for_ever_and_their_types_are_told(get):
 
 
 def test_files_are_packed_for_who_can_unpack(console):
-    with httpx.Client(base_url=console.base) as client:
+    with httpx.Client(base_url=console.base, timeout=LIMIT_S) as client:
         path = f"/console/{digest()}/main.js"
         with client.stream("GET", path, headers={"Accept-Encoding": "gzip"}) as answer:
             assert answer.headers["content-encoding"] == "gzip"

@@ -4,6 +4,7 @@ import stat
 
 import httpx
 import pytest
+from harness import LIMIT_S
 from service_app import serve_in_thread
 
 from rtron.errors import InputError
@@ -71,7 +72,9 @@ def test_with_tls_the_cookie_is_bound_to_the_host_and_https(tmp_path, certificat
     trusted = ssl.create_default_context(cafile=certificate[0])
     with (
         serve_in_thread(app, config) as port,
-        httpx.Client(base_url=f"https://localhost:{port}", verify=trusted) as client,
+        httpx.Client(
+            base_url=f"https://localhost:{port}", verify=trusted, timeout=LIMIT_S
+        ) as client,
     ):
         answer = client.post("/api/v1/login", json={"name": "admin", "password": password})
         cookie = answer.headers["set-cookie"]

@@ -4,6 +4,7 @@ import re
 
 import httpx
 import pytest
+from harness import LIMIT_S
 from service_app import AccountFactory, ManualClock, serve_in_thread
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
@@ -70,7 +71,10 @@ NOT_IN_THE_API = {"/openapi.json", "/", "/console/{version}/{name:path}"}
 def site(tmp_path_factory):
     config = ServiceConfig(database=tmp_path_factory.mktemp("matrix") / "rtron.db")
     app = create_app(config, ManualClock())
-    with serve_in_thread(app) as port, httpx.Client(base_url=f"http://127.0.0.1:{port}") as client:
+    with (
+        serve_in_thread(app) as port,
+        httpx.Client(base_url=f"http://127.0.0.1:{port}", timeout=LIMIT_S) as client,
+    ):
         yield client, AccountFactory(app.state.service), app
 
 
@@ -144,6 +148,7 @@ def test_no_change_without_the_csrf_token(site, headers, operation, given):
 def test_who_may_open_which_socket(site, headers, path, who):
     place = site[0].base_url.netloc.decode()
     given = {"origin": f"http://{place}", "additional_headers": headers(who), "proxy": None}
+    given["open_timeout"] = LIMIT_S
     if who in SOCKETS[path]:
         with connect(f"ws://{place}{path}", **given):
             return

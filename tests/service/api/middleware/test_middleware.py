@@ -4,7 +4,7 @@ import socket
 from itertools import accumulate
 
 import pytest
-from harness import wait_for
+from harness import LIMIT_S, wait_for
 from service_app import AccountFactory, serve_in_thread
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
@@ -115,10 +115,11 @@ def test_a_request_without_a_host_and_with_two(raw):
 
 def test_a_socket_needs_a_known_host_too(port, people):
     headers = people.token_headers("t", "read")
+    url = "ws://evil.example/api/v1/live"
     with (
         socket.create_connection(("127.0.0.1", port)) as sock,
         pytest.raises(InvalidStatus) as refused,
-        connect("ws://evil.example/api/v1/live", sock=sock, additional_headers=headers),
+        connect(url, sock=sock, additional_headers=headers, open_timeout=LIMIT_S),
     ):
         pass
     assert refused.value.response.status_code == 403
@@ -197,7 +198,12 @@ def test_a_login_from_another_page_is_refused(client):
 @pytest.mark.parametrize("origin", ["http://evil.example", "null", "http://127.0.0.1:1", None])
 def test_a_socket_from_another_page_is_refused(port, people, origin):
     headers = people.session_headers("mary", "end_user")
-    given = {"origin": origin, "additional_headers": headers, "proxy": None}
+    given = {
+        "origin": origin,
+        "additional_headers": headers,
+        "proxy": None,
+        "open_timeout": LIMIT_S,
+    }
     url = f"ws://127.0.0.1:{port}/api/v1/live"
     with pytest.raises(InvalidStatus) as refused, connect(url, **given):
         pass
@@ -574,7 +580,7 @@ def test_websockets_are_not_of_the_crowd(own_app, monkeypatch):
     monkeypatch.setattr("rtron.service.server.http_protocol.MAX_PER_TRUSTED_ADDRESS", 1)
     headers = AccountFactory(own_app.state.service).token_headers("t", "read")
     with serve_in_thread(own_app) as port:
-        options = {"additional_headers": headers, "proxy": None}
+        options = {"additional_headers": headers, "proxy": None, "open_timeout": LIMIT_S}
         url = f"ws://127.0.0.1:{port}/api/v1/live"
         with connect(url, **options), connect(url, **options):
             wait_for(lambda: len(own_app.state.sockets) == 2, what="both sockets")

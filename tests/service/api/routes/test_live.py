@@ -1,7 +1,7 @@
 import json
 
 import pytest
-from harness import wait_for
+from harness import LIMIT_S, wait_for
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
@@ -19,7 +19,9 @@ def listening(port, app):
     def opened(headers):
         url = f"ws://127.0.0.1:{port}/api/v1/live"
         origin = f"http://127.0.0.1:{port}"
-        return connect(url, origin=origin, additional_headers=headers, proxy=None)
+        return connect(
+            url, origin=origin, additional_headers=headers, proxy=None, open_timeout=LIMIT_S
+        )
 
     return opened
 

@@ -3,6 +3,7 @@
 import httpx
 import pytest
 from controller_setup import hello, plan
+from harness import LIMIT_S
 from service_app import serve_in_thread
 
 from rtron.service.config import ServiceConfig
@@ -55,7 +56,7 @@ def call(service, tokens):
 
     with (
         serve_in_thread(service[1]) as port,
-        httpx.Client(base_url=f"http://127.0.0.1:{port}") as client,
+        httpx.Client(base_url=f"http://127.0.0.1:{port}", timeout=LIMIT_S) as client,
     ):
         yield call
 
