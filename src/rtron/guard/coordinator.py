@@ -2,7 +2,7 @@
 
 import logging
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 
 from rtron.guard.action.common.simple_goals import SimpleGoalStream
@@ -12,10 +12,16 @@ from rtron.guard.action.ros2.endpoints import ActionTransport
 from rtron.guard.action.ros2.simple_goals import ActionStatusObserver
 from rtron.guard.action.ros2.stream import ObservedActionStream, Ros2ActionStream
 from rtron.guard.core.alarms import Alarms
-from rtron.guard.core.diagnostics import active_text, alarm_statuses, emergency_statuses, statuses
+from rtron.guard.core.diagnostics import (
+    active_text,
+    alarm_statuses,
+    emergency_statuses,
+    rate_statuses,
+    stream_statuses,
+)
 from rtron.guard.core.handover_state import HandoverState
 from rtron.guard.core.log_throttle import PERIOD, LogThrottle
-from rtron.guard.core.observation_inputs import ObservationInputs, PublisherTopics
+from rtron.guard.core.observation_inputs import ObservationInputs
 from rtron.guard.core.observations import Observations
 from rtron.guard.core.report_messages import (
     DIAGNOSTICS,
@@ -32,7 +38,7 @@ from rtron.guard.core.stream_settings import StreamUpdate
 from rtron.guard.transport.common.protocol import Output, Transport
 from rtron.messages.common.encoding import Encoding
 from rtron.policies.mission.rule_status import RuleStatus
-from rtron.vocabulary import GUARD_NODE, PRIVATE_ROOT, SECOND, Mode, Stream, flow_topic
+from rtron.vocabulary import GUARD_NODE, PRIVATE_ROOT, SECOND, Mode, Stream
 
 log = logging.getLogger(__name__)
 
@@ -59,14 +65,14 @@ class Coordinator:
         self.alarms = Alarms()
         self.emergency = ""
         """The reason of the emergency stop in force, "" if there is none."""
+        self.other_statuses: Callable[[], list[Status]] = list
+        """Tells the state of the streams that another process of the guard carries."""
         self._transport = transport
         self._dry_run = dry_run
         self._handover = handover or HandoverState()
         self.streams = [self._create_stream(stream) for stream in streams]
         self._connect_simple_goals()
-        self._inputs = ObservationInputs(
-            transport, self.observations, _publisher_topics(streams), self._schedule_deadline
-        )
+        self._inputs = ObservationInputs(transport, self.observations, self.schedule_deadline)
         self._recheck_scheduled = False
         self._log_throttle = LogThrottle()
         self._unsettled_rules: set[str] = set()
@@ -77,9 +83,16 @@ class Coordinator:
 
     def open(self) -> None:
         """Join the graph with every coordination node, and start to report."""
+        self.open_nodes()
+        self._open_reports()
+
+    def open_nodes(self) -> None:
+        """Join the graph with every coordination node; each tells who is in control."""
         self.open_streams()
         for stream in self.streams:
             self._publish_owner(stream)
+
+    def _open_reports(self) -> None:
         for monitor in self.observations.monitors:
             self._advertise_rate(monitor.id)
         diagnostics = DIAGNOSTICS[self._transport.encoding]
@@ -104,10 +117,19 @@ class Coordinator:
         """Return the state of every stream, image node and rule."""
         now = self._transport.now()
         return [
-            *statuses(self.streams, self.observations, now),
+            *self.other_statuses(),
+            *self.stream_statuses(),
+            *rate_statuses(self.observations, now),
             *emergency_statuses(self.emergency, dry_run=self._dry_run),
             *alarm_statuses(self.alarms, now),
         ]
+
+    def stream_statuses(self) -> list[Status]:
+        """Return the state of the streams and rules here, with what was lost until now."""
+        now = self._transport.now()
+        for stream in self.streams:
+            stream.losses.update(stream.lost_behind, now)
+        return list(stream_statuses(self.streams, self.observations, now))
 
     def apply_updates(self, observations: Observations, updates: Sequence[StreamUpdate]) -> None:
         """Put other settings of the streams in force; call `recheck` afterwards.
@@ -120,7 +142,7 @@ class Coordinator:
         dropped = [(stream, stream.apply_update(each, now)) for stream, each in pairs]
         for stream, releases in dropped:
             stream.pipeline.drop_held(releases)
-        self._schedule_deadline()
+        self.schedule_deadline()
 
     def _create_stream(self, stream: Stream) -> GuardedStream:
         context = StreamContext(self._transport, self.observations, self._handover, self._dry_run)
@@ -171,7 +193,7 @@ class Coordinator:
             else:
                 stream.release(action.name)
 
-    def _schedule_deadline(self) -> None:
+    def schedule_deadline(self) -> None:
         """Be called when something changes by time alone, if not before."""
         due = self.observations.deadline(self._transport.now())
         if due is not None and (self._armed_deadline is None or due < self._armed_deadline):
@@ -185,7 +207,7 @@ class Coordinator:
         self._armed_deadline = None
         self.observations.update_time(self._transport.now())
         self.recheck()
-        self._schedule_deadline()
+        self.schedule_deadline()
 
     def _on_rule_change(self, rule_status: RuleStatus) -> None:
         self._log_rule_change(rule_status)
@@ -239,8 +261,6 @@ class Coordinator:
     def _publish_diagnostics(self) -> None:
         now = self._transport.now()
         self._transport.call_at(now + SECOND, self._publish_diagnostics)
-        for stream in self.streams:
-            stream.losses.update(stream.lost_behind, now)
         if self._diagnostics is not None:
             self._report_number += 1
             fields = (self._report_number, time.time_ns(), self.statuses())
@@ -249,18 +269,6 @@ class Coordinator:
 
 def _log_rule_status(rule_status: RuleStatus) -> None:
     log.warning("blocked: %s" if rule_status.is_blocking else "free: %s", rule_status.reason)
-
-
-def _publisher_topics(streams: Sequence[Stream]) -> PublisherTopics:
-    """Return the private topics of the publishers that enforced streams have remapped."""
-    return PublisherTopics(
-        {
-            (stream.topic, flow.publisher): flow_topic(stream.topic, flow.name)
-            for stream in streams
-            if stream.mode is Mode.ENFORCE
-            for flow in stream.flows
-        }
-    )
 
 
 def _publish_active(stream: GuardedStream, active: Output, encoding: Encoding) -> None:

@@ -23,16 +23,18 @@ def active_text(stream: GuardedStream) -> str:
     return f"{owner} {publishers.get(owner, '')}".strip() if owner else _IDLE
 
 
-def statuses(
+def stream_statuses(
     streams: Sequence[GuardedStream], observations: Observations, now: int
-) -> list[Status]:
-    """Return the state of every stream, image node and rule at `now`."""
-    rates = (monitor.rate(now) for monitor in observations.rates.monitors.values())
-    return [
-        *(_stream_status(each, now) for each in streams),
-        *map(_rate_status, rates),
-        *map(_rule_status, observations.mission.statuses.values()),
-    ]
+) -> Iterator[Status]:
+    """Yield the state of every stream and rule at `now`."""
+    yield from (_stream_status(each, now) for each in streams)
+    yield from map(_rule_status, observations.mission.statuses.values())
+
+
+def rate_statuses(observations: Observations, now: int) -> Iterator[Status]:
+    """Yield the state of every image node at `now`."""
+    for monitor in observations.rates.monitors.values():
+        yield _rate_status(monitor.rate(now))
 
 
 def emergency_statuses(why: str, *, dry_run: bool) -> Iterator[Status]:

@@ -1,8 +1,7 @@
 """Subscriptions to events and frames, which update the observations."""
 
 import logging
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from collections.abc import Callable
 from functools import partial
 
 from rtron.errors import WireError
@@ -42,22 +41,6 @@ FrameHandler = Callable[[int, int], None]
 """Takes a frame's stamp and its arrival, ns."""
 
 
-@dataclass(frozen=True, slots=True)
-class PublisherTopics:
-    """The topics of a publisher: an approved one of an enforced topic uses a private topic."""
-
-    private_topics: dict[tuple[str, str], str]
-
-    def topics_of(self, topic: str, publisher: str) -> Iterable[str]:
-        """Yield the topics on which a publisher of `topic` may publish."""
-        yield topic
-        for (guarded_topic, approved), private in self.private_topics.items():
-            if guarded_topic == topic and (
-                matches_node(approved, publisher) or matches_node(publisher, approved)
-            ):
-                yield private
-
-
 class ObservationInputs:
     """Subscribes to the sources of observations; calls `on_change` when these may have changed."""
 
@@ -65,12 +48,10 @@ class ObservationInputs:
         self,
         transport: Transport,
         observations: Observations,
-        publisher_topics: PublisherTopics,
         on_change: Callable[[], None],
     ) -> None:
         self._transport = transport
         self._observations = observations
-        self._publisher_topics = publisher_topics
         self._on_change = on_change
         self._log_throttle = LogThrottle()
         self._missed: dict[str, int] = {}
@@ -85,7 +66,7 @@ class ObservationInputs:
     def _open_event(self, source: EventSource) -> None:
         node = f"{PRIVATE_ROOT}/{self._observations.node}"
         connect, lost = partial(self._connect_event, source), partial(self._on_event_lost, source)
-        for topic in self._publisher_topics.topics_of(source.topic, source.publisher):
+        for topic in self._observations.publisher_topics.topics_of(source.topic, source.publisher):
             self._transport.subscribe(
                 node,
                 topic,
@@ -108,7 +89,7 @@ class ObservationInputs:
 
     def _open_frames(self, plan: FpsMonitor, flow: WatchedFlow, on_frame: FrameHandler) -> None:
         connect = partial(self._connect_frames, flow, on_frame)
-        for topic in self._publisher_topics.topics_of(flow.topic, flow.publisher):
+        for topic in self._observations.publisher_topics.topics_of(flow.topic, flow.publisher):
             node, awaited = f"{PRIVATE_ROOT}/{plan.id}", (flow.publisher,)
             options = InputOptions(publishers=awaited)
             self._transport.subscribe(node, topic, "", connect, options=options)

@@ -1,7 +1,7 @@
 """The app's events and frame rates that the plan's policies depend on."""
 
 from collections import defaultdict
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from rtron.errors import PlanError
@@ -19,7 +19,12 @@ from rtron.vocabulary import (
     FpsMonitor,
     GuardedTopic,
     MissionRule,
+    Mode,
     Plan,
+    Stream,
+    build_streams,
+    flow_topic,
+    matches_node,
     normalise_type,
 )
 
@@ -93,6 +98,22 @@ class ActionEvaluator:
         return dict(zip(self.rules, self.evaluate(message), strict=True))  # type: ignore[arg-type]
 
 
+@dataclass(frozen=True, slots=True)
+class PublisherTopics:
+    """The topics of a publisher: an approved one of an enforced topic uses a private topic."""
+
+    private_topics: Mapping[tuple[str, str], str] = field(default_factory=dict)
+
+    def topics_of(self, topic: str, publisher: str) -> Iterable[str]:
+        """Yield the topics on which a publisher of `topic` may publish."""
+        yield topic
+        for (guarded_topic, approved), private in self.private_topics.items():
+            if guarded_topic == topic and (
+                matches_node(approved, publisher) or matches_node(publisher, approved)
+            ):
+                yield private
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Observations:
     """The state that the policies of all streams share, and its sources."""
@@ -103,6 +124,7 @@ class Observations:
     events: tuple[EventSource, ...] = ()
     actions: Mapping[str, ActionEvaluator] = field(default_factory=dict)
     node: str = "msrcn"
+    publisher_topics: PublisherTopics = field(default_factory=PublisherTopics)
 
     def update_time(self, now: int) -> None:
         """Apply changes that come by time alone, as of `now` (ns)."""
@@ -116,10 +138,10 @@ class Observations:
 
 def observations_of(plan: Plan) -> Observations:
     """Return what a plan's RSRCN and MSRCN need; PlanError if an expression cannot be used."""
-    rates = FrameMonitors(plan.fps_monitor)
+    rates, topics = FrameMonitors(plan.fps_monitor), _publisher_topics(build_streams(plan))
     msrcn = plan.msrcn
     if msrcn is None:
-        return Observations(rates=rates, monitors=plan.fps_monitor)
+        return Observations(rates=rates, monitors=plan.fps_monitor, publisher_topics=topics)
     bits, evaluators = EventBits(msrcn.eflows), EvaluatorFactory(plan, msrcn)
     rules = [(rule, Condition(rule.when, bits.by_name)) for rule in msrcn.rules]
     return Observations(
@@ -129,6 +151,19 @@ def observations_of(plan: Plan) -> Observations:
         events=_event_sources(msrcn, bits, evaluators),
         actions=_action_evaluators(msrcn, evaluators),
         node=msrcn.id,
+        publisher_topics=topics,
+    )
+
+
+def _publisher_topics(streams: Sequence[Stream]) -> PublisherTopics:
+    """Return the private topics of the publishers that enforced streams have remapped."""
+    return PublisherTopics(
+        {
+            (stream.topic, flow.publisher): flow_topic(stream.topic, flow.name)
+            for stream in streams
+            if stream.mode is Mode.ENFORCE
+            for flow in stream.flows
+        }
     )
 
 
