@@ -21,7 +21,7 @@ from bench.common.testbed import ReportProgress, Testbed
 from bench.ros1 import rule_load
 from figures.figure import Figure
 from rtron.guard.coordinator import Coordinator
-from rtron.guard.core.observation_inputs import ObservationInputs, PublisherTopics
+from rtron.guard.core.observation_inputs import ObservationInputs
 from rtron.guard.core.observations import observations_of
 from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.vocabulary import MissionRule, build_streams, flow_topic
@@ -70,9 +70,7 @@ def _decision() -> Work:
     """Return what takes an event as the guard does."""
     rule_plan = plan([MissionRule(name="rule1", when="eflow1", block=(GOAL,))], [EXPRESSION])
     transport = MemoryTransport()
-    ObservationInputs(
-        transport, observations_of(rule_plan), PublisherTopics({}), lambda: None
-    ).open()
+    ObservationInputs(transport, observations_of(rule_plan), lambda: None).open()
     return transport.publisher(EVENT, peer(EVENT_NODE))
 
 

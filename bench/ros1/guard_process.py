@@ -12,7 +12,7 @@ from rtron.guard.audit.ros1.auditor import Ros1Auditor
 from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.observations import observations_of
-from rtron.guard.runner import run_coordinator
+from rtron.guard.runner import audit_response, run_coordinator
 from rtron.guard.transport.ros1.middleware import Ros1Transport
 from rtron.planning.plan_file.loader import read_plan
 from rtron.vocabulary import CoordinationKind, Mode, PolicySettings, Stage, Stream, build_streams
@@ -33,7 +33,8 @@ def main() -> None:
         return
     plan = read_plan(args.plan)
     coordinator = Coordinator(transport, build_streams(plan), observations_of(plan))
-    auditor = Ros1Auditor(plan, master_uri(), coordinator, transport, loop) if args.audit else None
+    response = audit_response(plan, coordinator, transport, dry_run=False)
+    auditor = Ros1Auditor(plan, master_uri(), transport, response, loop) if args.audit else None
     run_coordinator(coordinator, transport, loop, auditor)
 
 

@@ -12,7 +12,7 @@ from bench.ros2.audit import DRIVER, FLOW, OPEN, OUT
 from rtron.guard.audit.ros2.auditor import Ros2Auditor
 from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.event_loop import EventLoop
-from rtron.guard.runner import run_coordinator
+from rtron.guard.runner import audit_response, run_coordinator
 from rtron.guard.transport.ros2.middleware import Ros2Transport
 from rtron.planning.plan_file.loader import read_plan
 from rtron.vocabulary import build_streams
@@ -43,7 +43,8 @@ def _guard(path: Path) -> None:
     plan, loop = read_plan(path), EventLoop()
     transport = Ros2Transport(loop, Ros2Session())
     host = Coordinator(transport, build_streams(plan))
-    run_coordinator(host, transport, loop, Ros2Auditor(plan, host, transport, loop))
+    response = audit_response(plan, host, transport, dry_run=False)
+    run_coordinator(host, transport, loop, Ros2Auditor(plan, transport, response, loop))
 
 
 def _app(session: Ros2Session) -> None:

@@ -67,6 +67,7 @@ def main():
         return {"applied": applying.revision}
 
     control = ControlSocket(loop, Path(door), answer)
+    control.open()
     run_coordinator(host, transport, loop)
     control.close()
 

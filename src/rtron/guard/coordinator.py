@@ -65,6 +65,8 @@ class Coordinator:
         self.alarms = Alarms()
         self.emergency = ""
         """The reason of the emergency stop in force, "" if there is none."""
+        self.on_observed: Callable[[], None] = lambda: None
+        """Called when an event or a frame was observed."""
         self.other_statuses: Callable[[], list[Status]] = list
         """Tells the state of the streams that another process of the guard carries."""
         self._transport = transport
@@ -72,7 +74,7 @@ class Coordinator:
         self._handover = handover or HandoverState()
         self.streams = [self._create_stream(stream) for stream in streams]
         self._connect_simple_goals()
-        self._inputs = ObservationInputs(transport, self.observations, self.schedule_deadline)
+        self._inputs = ObservationInputs(transport, self.observations, self._on_observed)
         self._recheck_scheduled = False
         self._log_throttle = LogThrottle()
         self._unsettled_rules: set[str] = set()
@@ -192,6 +194,10 @@ class Coordinator:
                 stream.bar(action.name, node, why)
             else:
                 stream.release(action.name)
+
+    def _on_observed(self) -> None:
+        self.schedule_deadline()
+        self.on_observed()
 
     def schedule_deadline(self) -> None:
         """Be called when something changes by time alone, if not before."""

@@ -1,55 +1,105 @@
-"""The middleware of a guard: its transport, and the audit of its graph."""
+"""The middleware of a guard: its transport, its nodes in the graph, and the audit of the graph."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 from rtron.guard.audit.ros1.auditor import Ros1Auditor
+from rtron.guard.lanes.joined_nodes import JoinedNodes
+from rtron.guard.lanes.messages import NodesReport
 from rtron.guard.transport.factory import open_ros1_transport, open_ros2_transport
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from rtron.guard.coordinator import Coordinator
+    from rtron.guard.audit.common.alarm_response import AlarmResponse
     from rtron.guard.core.event_loop import EventLoop
+    from rtron.guard.lanes.command_lane import CommandLane
+    from rtron.guard.runner import Part
     from rtron.guard.transport.common.protocol import LiveTransport
+    from rtron.guard.transport.ros1.middleware import Ros1Transport
+    from rtron.guard.transport.ros2.middleware import Ros2Transport
     from rtron.vocabulary import Plan
 
 
-class Auditor(Protocol):
-    """Checks the running graph against the plan."""
+class Middleware(Protocol):
+    """The place of one process of the guard in the graph."""
 
-    def start(self) -> None:
-        """Start the audit; the coordinator is open."""
+    @property
+    def transport(self) -> LiveTransport:
+        """Its topics and nodes."""
         ...
 
-    def close(self) -> None:
-        """Stop the audit."""
+    def report_nodes(self) -> NodesReport:
+        """Return its nodes, for the audit in another process."""
+        ...
+
+    def register_node(self, name: str) -> None:
+        """Take a name back that somebody else has taken."""
+        ...
+
+    def set_listener_handler(self, handler: Callable[[str, str], None]) -> None:
+        """Call `handler` with a topic and a node that begins to hear it, where only we see that."""
+        ...
+
+    def create_auditor(self, response: AlarmResponse, lane: CommandLane | None) -> Part:
+        """Return an audit of the graph; it knows the nodes of a command process beside this one."""
         ...
 
 
-@dataclass(frozen=True, slots=True)
-class Middleware:
-    """A transport, and a function that creates the auditor of a coordinator on it."""
+class Ros1Middleware:
+    """See `Middleware`."""
 
-    transport: LiveTransport
-    create_auditor: Callable[[Coordinator], Auditor]
+    def __init__(self, plan: Plan, transport: Ros1Transport, loop: EventLoop) -> None:
+        self.transport = transport
+        self._plan, self._loop = plan, loop
+
+    def report_nodes(self) -> NodesReport:
+        """Return the URIs, the port and the subscribers of each topic."""
+        (port,), subscribers = self.transport.ports, self.transport.all_subscribers()
+        return NodesReport(uris=self.transport.node_uris(), port=port, subscribers=subscribers)
+
+    def register_node(self, name: str) -> None:
+        """Register a node again."""
+        self.transport.register_node(name)
+
+    def set_listener_handler(self, handler: Callable[[str, str], None]) -> None:
+        """Call `handler` with each node that has connected."""
+        self.transport.on_subscriber = handler
+
+    def create_auditor(self, response: AlarmResponse, lane: CommandLane | None) -> Part:
+        """Return an audit that asks the nodes and the master."""
+        nodes = JoinedNodes(self.transport, lane) if lane else self.transport
+        return Ros1Auditor(self._plan, self.transport.master, nodes, response, self._loop)
 
 
-def open_middleware(plan: Plan, address: str, loop: EventLoop, *, dry_run: bool) -> Middleware:
+class Ros2Middleware:
+    """See `Middleware`; whoever has joined the domain sees who listens, and names are shared."""
+
+    def __init__(self, plan: Plan, transport: Ros2Transport, loop: EventLoop) -> None:
+        self.transport = transport
+        self._plan, self._loop = plan, loop
+
+    def report_nodes(self) -> NodesReport:
+        """Return the participant."""
+        return NodesReport(participant=self.transport.graph.participant)
+
+    def register_node(self, name: str) -> None:
+        """Do nothing: nobody can take a name away."""
+
+    def set_listener_handler(self, handler: Callable[[str, str], None]) -> None:
+        """Do nothing: the audit sees it in the graph."""
+
+    def create_auditor(self, response: AlarmResponse, lane: CommandLane | None) -> Part:
+        """Return an audit that looks at the graph."""
+        from rtron.guard.audit.ros2.auditor import Ros2Auditor  # noqa: PLC0415 - it needs rclpy
+
+        others = lane.participants if lane else frozenset
+        return Ros2Auditor(self._plan, self.transport, response, self._loop, others)
+
+
+def open_middleware(plan: Plan, address: str, loop: EventLoop) -> Middleware:
     """Return the middleware of a plan, at a master or in a domain; see `open_transport`."""
     if plan.ros == 1:
-        ros1 = open_ros1_transport(address, loop)
-        return Middleware(
-            ros1,
-            lambda coordinator: Ros1Auditor(
-                plan, ros1.master, coordinator, ros1, loop, dry_run=dry_run
-            ),
-        )
-    ros2 = open_ros2_transport(address, loop)
-    from rtron.guard.audit.ros2.auditor import Ros2Auditor  # noqa: PLC0415 - it needs rclpy
-
-    return Middleware(
-        ros2, lambda coordinator: Ros2Auditor(plan, coordinator, ros2, loop, dry_run=dry_run)
-    )
+        return Ros1Middleware(plan, open_ros1_transport(address, loop), loop)
+    return Ros2Middleware(plan, open_ros2_transport(address, loop), loop)

@@ -156,6 +156,7 @@ def door(tmp_path):
     loop = EventLoop()
     path = tmp_path / "door" / "guard.sock"
     control = ControlSocket(loop, path, lambda who, request: {"who": who, **request})
+    control.open()
     thread = threading.Thread(target=loop.run)
     thread.start()
     yield path

@@ -5,6 +5,7 @@ from settings_app import GENERAL, WALL, Base, flow, limit
 
 from rtron.guard.link.event_counter import EventCounter
 from rtron.guard.link.event_recorder import EventRecorder
+from rtron.guard.link.host_events import HostEvents
 from rtron.vocabulary import Alarm, AlarmKind, Decision, EventKind, GuardEventLevel, PolicyName
 
 
@@ -28,11 +29,18 @@ def base():
 @pytest.fixture
 def told(base, tmp_path):
     told = Told()
-    base.recorder = EventRecorder(
-        base.host, EventCounter(tmp_path, "run"), "run", told.append, told.has_place, lambda: WALL
-    )
-    base.recorder.start()
+    base.recorded = listened(base, told, tmp_path)
     return told
+
+
+def listened(base, told, folder):
+    """Record what a host does."""
+    counter = EventCounter(folder, "run")
+    recorder = EventRecorder(counter, "run", told.append, told.has_place, lambda: WALL)
+    events = HostEvents(base.host, recorder.record)
+    events.start()
+    events.listen_to_alarms()
+    return events
 
 
 def verdicts(told):
@@ -62,9 +70,9 @@ def test_verdicts_that_repeat_are_told_once_and_counted(base, told):
     told_of = verdicts(told)
     assert len(told_of) == 2
     assert told_of[1] == ("grcn", "flow2", Decision.DROP)
-    figures = base.recorder.stream_monitors["enforce /cmd_vel"].figures(base.transport.now())
+    figures = base.recorded.stream_monitors["enforce /cmd_vel"].figures(base.transport.now())
     assert figures["flows"] == {"flow1": [5, 0, 0, 0], "flow2": [0, 0, 5, 0]}
-    assert base.recorder.stream_monitors["enforce /cmd_vel"].figures(base.transport.now()) is None
+    assert base.recorded.stream_monitors["enforce /cmd_vel"].figures(base.transport.now()) is None
 
 
 @pytest.mark.parametrize(
@@ -134,7 +142,7 @@ def test_reasons_of_strangers_are_cut(base, told):
 def test_the_state_tells_owner_speed_limit_and_delay(base, told):
     base.apply(limit(0.5))
     base.drive(1.0)
-    watch = base.recorder.stream_monitors["enforce /cmd_vel"]
+    watch = base.recorded.stream_monitors["enforce /cmd_vel"]
     watch.figures(base.transport.now())
     state = watch.state(base.transport.now())
     assert (state.owner, state.publisher, state.speed, state.limit) == ("flow1", "/nav", 0.5, 0.5)
@@ -146,6 +154,5 @@ def test_the_state_tells_owner_speed_limit_and_delay(base, told):
 def test_an_alarm_that_stands_already_is_told_when_the_watch_begins(base, tmp_path):
     base.host.alarms.raise_(Alarm(kind=AlarmKind.DRIFT, reason="drift"), 0)
     told = Told()
-    counter = EventCounter(tmp_path, "run")
-    EventRecorder(base.host, counter, "run", told.append, told.has_place, lambda: WALL).start()
+    listened(base, told, tmp_path)
     assert [each.reason for each in told] == ["drift"]

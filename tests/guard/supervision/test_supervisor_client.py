@@ -47,7 +47,8 @@ class ConnectedGuard:
         self.supervisor, self.life = socket.socketpair()
         order = GuardConfig(plan=Plan(app="none", ros=1), master=master)
         self.tie = SupervisorClient(order, self.page, self.life, NO_FILE)
-        self.tie.open(loop, Coordinator(MemoryTransport(), ()))
+        self.tie.attach(loop, Coordinator(MemoryTransport(), ()))
+        self.tie.open()
 
     def give_another(self):
         """Let another supervisor take over."""

@@ -68,6 +68,15 @@ class Alarms:
             log.warning("no more: %s: %s", alarm.kind, alarm.reason)
             self.listener(alarm, active=False)
 
+    def mirror(self, alarm: Alarm, now: int, *, active: bool) -> None:
+        """Take over an alarm of another process of the guard, which has logged it."""
+        if active and alarm not in self._active and len(self._active) < _MAX_ALARMS:
+            self._active[alarm] = now
+            self.raised += 1
+            self.listener(alarm, active=True)
+        elif not active and self._active.pop(alarm, None) is not None:
+            self.listener(alarm, active=False)
+
 
 class UnreadableInputAlarms:
     """Raises an alarm for each topic and node; clears it after 10 s without a new report."""

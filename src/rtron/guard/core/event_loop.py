@@ -85,6 +85,10 @@ class EventLoop:
 
         self.call_later(duration, resume)
 
+    def unwatch(self, sock: Pollable) -> None:
+        """Serve a socket no more; it stays open."""
+        self._selector.unregister(sock)
+
     def forget(self, sock: Pollable) -> None:
         """Stop watching a socket and close it; a second call does nothing."""
         with suppress(KeyError, ValueError):  # it is not watched, or closed already

@@ -1,5 +1,7 @@
 """New settings for the running guard: all of them at once, or none."""
 
+from collections.abc import Callable
+
 from rtron.coherence import EffectivePlan
 from rtron.guard.coordinator import Coordinator
 from rtron.guard.settings.emergency_stop import EmergencyBrake
@@ -16,13 +18,20 @@ class SettingsApplier:
     ones and take over their state.
     """
 
-    def __init__(self, plan: Plan, coordinator: Coordinator, transport: Transport) -> None:
+    def __init__(
+        self,
+        plan: Plan,
+        coordinator: Coordinator,
+        transport: Transport,
+        part: Callable[[Plan], Plan] = lambda plan: plan,
+    ) -> None:
+        """`part` returns what the coordinator carries of a plan."""
         self.revision = plan.revision
         """The revision in force."""
-        self._plan = plan
+        self._plan, self._part = plan, part
         self._coordinator = coordinator
         self._transport = transport
-        self._rules = MissionRules(plan, coordinator.observations)
+        self._rules = MissionRules(part(plan), coordinator.observations)
         self._overrides = SettingsOverrides(coordinator, transport)
         self._emergency_stop = EmergencyBrake(coordinator, transport)
 
@@ -39,7 +48,7 @@ class SettingsApplier:
 
         RTronError if they cannot be used; then nothing has changed.
         """
-        plan = EffectivePlan(self._plan, settings).check()
+        plan = self._part(EffectivePlan(self._plan, settings).check())
         rules = self._rules.prepare(plan)
         pairs = zip(self._coordinator.streams, build_streams(plan), strict=True)
         adaptations = [

@@ -5,8 +5,9 @@ import socket
 import sys
 
 from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.dry_run import run_dry
+from rtron.guard.lanes.command_process import run_command_process
 from rtron.guard.log_format import start_logging
-from rtron.guard.runner import run_guard
 from rtron.guard.supervision.guard_config import read_config, stopped_streams
 from rtron.guard.supervision.programs import open_descriptors, run_program
 from rtron.guard.supervision.shared_memory import GuardMemory, StatusWord
@@ -34,6 +35,12 @@ def main(numbers: str) -> None:
 
     def guard() -> int:
         client = SupervisorClient(config, memory, connection, config_file)
-        return run_guard(config.plan, config.master, supervisor_client=client, **config.options)
+        options = dict(config.options)
+        if options.pop("dry_run"):
+            run_dry(config.plan, config.master, client, **options)
+        else:
+            del options["figures"]  # a dry run's
+            run_command_process(config.plan, config.master, client, **options)
+        return 0
 
     sys.exit(run_program(guard))

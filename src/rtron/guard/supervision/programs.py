@@ -24,6 +24,7 @@ _CODE = (
 GUARD = "guard_program:main"
 SUPERVISOR = "supervisor_program:main"
 BACKUP_SUPERVISOR = "supervisor_program:run_backup"
+BULK = "bulk_program:main"
 LINK = "link_program:main"
 
 

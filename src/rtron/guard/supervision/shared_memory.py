@@ -1,23 +1,20 @@
 """What the guard and its supervisor share: a few pages of memory that outlive either of them.
 
-Each number is one aligned word. Each document is written to the older of two halves, with a count
-and a CRC: a writer that dies in the middle leaves the document before readable, whatever order the
-other processor sees the bytes in.
+Each number is one aligned word; documents are double buffers.
 """
 
 import json
 import mmap
 import os
 import struct
-import zlib
 from dataclasses import asdict, dataclass
 from enum import IntEnum
 
 from rtron.guard.core.handover_state import MOST_BYTES
+from rtron.guard.supervision.double_buffer import DoubleBuffer
 from rtron.guard.transport.common.protocol import TypeInfo
 
 _WORD = 8
-_HEAD = struct.Struct("=QII")
 _FAILURE_REPORT_BYTES = 1 << 12
 _TYPE_INFO_BYTES = 1 << 16
 _LAST_MESSAGE_BYTES = 1 << 12
@@ -40,48 +37,6 @@ class StatusWord(IntEnum):
     """The process that started the supervisor, roslaunch or a shell. The supervisor's."""
     READY = 6
     """When the guard had loaded what it needs to begin (ns), 0 before. The guard's."""
-
-
-class DoubleBuffer:
-    """A document of at most `capacity` bytes; one process writes it."""
-
-    def __init__(self, memory: mmap.mmap, start: int, capacity: int) -> None:
-        self._memory = memory
-        self._capacity = capacity
-        self._halves = (start, start + _HEAD.size + capacity)
-        self._write_count = self.write_count()
-
-    @staticmethod
-    def size(capacity: int) -> int:
-        """Return how much memory a cell needs."""
-        return 2 * (_HEAD.size + capacity)
-
-    def write(self, document: bytes) -> bool:
-        """Write a document; False, and nothing is there any more, if it is too long."""
-        is_within_capacity = len(document) <= self._capacity
-        body = document if is_within_capacity else b""
-        self._write_count += 1
-        at = self._halves[self._write_count % 2] + _HEAD.size
-        self._memory[at : at + len(body)] = body
-        head = (self._write_count, len(body), zlib.crc32(body))
-        _HEAD.pack_into(self._memory, at - _HEAD.size, *head)
-        return is_within_capacity
-
-    def read(self) -> tuple[int, bytes]:
-        """Return how often was written, and the newest document that is whole; (0, empty) if none.
-
-        While this is read the writer may write twice; then the count is that of an older one.
-        """
-        return max(map(self._read_half, self._halves))
-
-    def write_count(self) -> int:
-        """Return how often was written, as far as the heads say."""
-        return max(int(_HEAD.unpack_from(self._memory, at)[0]) for at in self._halves)
-
-    def _read_half(self, at: int) -> tuple[int, bytes]:
-        count, length, crc = _HEAD.unpack_from(self._memory, at)
-        body = self._memory[at + _HEAD.size : at + _HEAD.size + min(length, self._capacity)]
-        return (count, body) if zlib.crc32(body) == crc else (0, b"")
 
 
 class GuardMemory:

@@ -4,8 +4,8 @@ import logging
 
 from rtron.guard.core.message_types import codec_of, standard_info
 from rtron.guard.core.stop_controller import StopController
+from rtron.guard.supervision.double_buffer import DoubleBuffer
 from rtron.guard.supervision.shared_memory import (
-    DoubleBuffer,
     GuardMemory,
     StatusWord,
     decode_last_message,

@@ -12,7 +12,8 @@ from rtron.guard.core.log_throttle import LogThrottle
 from rtron.guard.core.printable import printable
 from rtron.guard.supervision.guard_config import GuardConfig, stopped_streams
 from rtron.guard.supervision.guard_process import GuardProcess, adopt_guard, spawn_guard
-from rtron.guard.supervision.link_process import LinkProcess
+from rtron.guard.supervision.helper_process import HelperProcess
+from rtron.guard.supervision.programs import BULK, LINK
 from rtron.guard.supervision.shared_memory import GuardMemory, StatusWord
 from rtron.guard.supervision.stream_brakes import StreamBrakes
 from rtron.guard.supervision.supervisor_fsm import (
@@ -59,7 +60,7 @@ class Supervisor:
         self._brakes = StreamBrakes(streams, self._transport, memory)
         self._watchdog = Watchdog(loop.now())
         self._fsm = SupervisorFsm(loop.now(), is_adopted=self._guard is not None)
-        self._link_process = LinkProcess(config_file) if config.options.get("link") else None
+        self._helpers = [HelperProcess(config_file, each) for each in _helper_programs(config)]
         self._spare: GuardProcess | None = None
         self._spare_due = 0
         self._failure = self._failure_report = ""
@@ -80,8 +81,8 @@ class Supervisor:
         self._loop.run()
         if self._spare:
             self._spare.discard()
-        if self._link_process:
-            self._link_process.stop()
+        for helper in self._helpers:
+            helper.stop()
         self._transport.close()
         self._loop.close()
         return self._fsm.code
@@ -106,8 +107,12 @@ class Supervisor:
         self._perform(self._fsm.tick(now, GuardObservation(silence, is_serving, is_leaving)), now)
         self._reap(now)
         self._prepare_spare(now)
-        if self._link_process and not self._is_leaving:
-            self._link_process.tick(now)
+        if self._memory[StatusWord.SERVING] and not self._is_leaving:
+            self._tick_helpers(now)
+
+    def _tick_helpers(self, now: int) -> None:
+        for helper in self._helpers:
+            helper.tick(now)
 
     def _owner(self) -> int:
         """Return who has started this, or the first supervisor if a guard has started this."""
@@ -256,6 +261,12 @@ class Supervisor:
         """Go on: what stops the robot is not ended over the network."""
         if self._log_throttle.allows(node, self._loop.now()):
             log.error("%s was told to shut down and does not: %s", node, printable(reason))
+
+
+def _helper_programs(config: GuardConfig) -> list[str]:
+    """Return what runs beside the guard: a dry run is one process."""
+    link = [LINK] if config.options.get("link") else []
+    return link if config.options.get("dry_run") else [BULK, *link]
 
 
 def _exit_text(code: int) -> str:

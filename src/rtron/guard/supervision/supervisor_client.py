@@ -15,10 +15,10 @@ from rtron.guard.core.handover_state import HandoverState
 from rtron.guard.core.out_of_memory import exit_if_out_of_memory
 from rtron.guard.core.stream import GuardedStream
 from rtron.guard.core.unix_socket import peer_credentials
+from rtron.guard.supervision.double_buffer import DoubleBuffer
 from rtron.guard.supervision.guard_config import GuardConfig, is_stoppable
 from rtron.guard.supervision.programs import BACKUP_SUPERVISOR, command
 from rtron.guard.supervision.shared_memory import (
-    DoubleBuffer,
     GuardMemory,
     LastMessage,
     StatusWord,
@@ -76,8 +76,8 @@ class SupervisorClient:
         self._disconnected_at = 0
         self._is_ending = False
 
-    def open(self, loop: EventLoop, host: Coordinator) -> None:
-        """Keep what the streams of a host say, and beat as soon as the loop runs."""
+    def attach(self, loop: EventLoop, host: Coordinator) -> None:
+        """Keep what the streams of a host say."""
         self._loop = loop
         self._host = host
         self._watchdog = Watchdog(loop.now())
@@ -85,15 +85,18 @@ class SupervisorClient:
         buffers = zip(self._memory.type_infos, self._memory.last_messages, strict=True)
         for guarded, (info, last_message) in zip(self._stoppable, buffers, strict=True):
             _record_messages(guarded, info, last_message, loop)
+
+    def open(self) -> None:
+        """Beat as soon as the loop runs."""
         if self._guard_socket:
             self._handover_socket = HandoverSocket(
-                loop, self._guard_socket, self._on_offer, self._on_accept
+                self._loop, self._guard_socket, self._on_offer, self._on_accept
             )
         else:
             log.warning("somebody else has the name of this guard: it cannot be found")
         self._use_connection(self._first_connection)
         self._report_failure()
-        loop.call_at(loop.now(), self._beat)
+        self._loop.call_at(self._loop.now(), self._beat)
 
     def close(self) -> None:
         """Let the supervisor know that the guard ends in order, and be found no more."""

@@ -7,11 +7,27 @@ counts as.
 """
 
 from collections.abc import Iterable, Mapping
+from typing import NamedTuple
 
 from rtron.vocabulary import EventFlow, WhenUnknown
 
 Truth = bool | None
 """1, 0, or None: nobody knows."""
+
+
+class EventState(NamedTuple):
+    """All that an eflow's bit depends on, beside the plan; times in ns.
+
+    `publishers` are connected; the `newest` message was `judged`, and the last one for which `when`
+    held came at `triggered`; there were `true_count` of these.
+    """
+
+    publishers: int = 0
+    newest: int | None = None
+    judged: Truth = None
+    triggered: int | None = None
+    true_count: int = 0
+
 
 _COUNTS: Mapping[WhenUnknown, Truth] = {
     WhenUnknown.BLOCK: None,
@@ -33,6 +49,7 @@ class EventBit:
         self._newest: int | None = None
         self._judged: Truth = None
         self._triggered: int | None = None
+        self._true_count = 0
         self._last_known: Truth = None
 
     def add_publisher(self) -> None:
@@ -50,6 +67,20 @@ class EventBit:
         self._newest, self._judged = now, judged
         if judged:
             self._triggered = now
+            self._true_count += 1
+
+    @property
+    def state(self) -> EventState:
+        """What was heard until now, for `restore`."""
+        return EventState(
+            self._publishers, self._newest, self._judged, self._triggered, self._true_count
+        )
+
+    def restore(self, state: EventState) -> bool:
+        """Take what another process has heard; tell whether `when` held for a message since."""
+        before = self._true_count
+        self._publishers, self._newest, self._judged, self._triggered, self._true_count = state
+        return self._true_count > before
 
     def value(self, now: int) -> Truth:
         """Return the bit at `now`, with what the plan says that an unknown one counts as."""

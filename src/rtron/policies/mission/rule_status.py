@@ -9,7 +9,7 @@ from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
-from rtron.policies.mission.event_bits import EventBits, Truth
+from rtron.policies.mission.event_bits import EventBits, EventState, Truth
 from rtron.vocabulary import MissionRule
 
 
@@ -157,9 +157,13 @@ class MissionMonitor:
         bit = self.bits.by_name[flow]
         bit.observe(judged, now)
         if judged:
-            self.mark_met(
-                (*self._by_requirement.get(flow, ()), *self._by_requirement.get(bit.flow.topic, ()))
-            )
+            self._mark_required(flow, bit.flow.topic)
+
+    def restore(self, flow: str, state: EventState) -> None:
+        """Take what another process has heard of an eflow; `update` looks at the bits."""
+        bit = self.bits.by_name[flow]
+        if bit.restore(state):
+            self._mark_required(flow, bit.flow.topic)
 
     def update(self, now: int) -> None:
         """Look at the bits again: an event was heard, or time has passed."""
@@ -180,6 +184,10 @@ class MissionMonitor:
     def mark_met(self, rules: Iterable[str]) -> None:
         """Note that what these rules require was seen."""
         self._notify([each for name in rules if (each := self.statuses[name]).mark_met()])
+
+    def _mark_required(self, *names: str) -> None:
+        """Note that a flow or topic was heard, which rules may require."""
+        self.mark_met(rule for name in names for rule in self._by_requirement.get(name, ()))
 
     def _build_index(self) -> None:
         """Know which rules ask for which bit, and which require what."""

@@ -24,6 +24,7 @@ from ros2_action_app import (
 
 from rtron.guard.audit.ros2.auditor import Ros2Auditor
 from rtron.guard.core.handover_state import HandoverState
+from rtron.guard.runner import audit_response
 from rtron.policies.goals.status_list import LOST_TIMEOUT
 from rtron.vocabulary import (
     MSRCN,
@@ -308,8 +309,9 @@ def test_who_only_tells_a_status_does_not_keep_a_goal_from_being_cancelled(start
 def test_a_second_server_is_an_alarm_that_stops_the_goal_in_progress(start_action_app):
     app = start_action_app()
     guard = app.guard
-    auditor = Ros2Auditor(app.plan, guard.coordinator, guard.transport, guard.loop)
-    guard.call(auditor.start)
+    response = audit_response(app.plan, guard.coordinator, guard.transport, dry_run=False)
+    auditor = Ros2Auditor(app.plan, guard.transport, response, guard.loop)
+    guard.call(auditor.open)
     app.one.send_goal(1)
     wait_for(lambda: app.server.started, what="the goal")
     assert guard.call(lambda: guard.coordinator.alarms.active) == ()

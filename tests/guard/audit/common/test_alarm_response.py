@@ -1,14 +1,15 @@
 """How long the audit's stop is told, and to whom: the guard as it is, on a clock of the test's."""
 
 import struct
+from dataclasses import replace
 
 import pytest
 from plans import grcn, plan_of
 
 from bench.ros1.intruder import TWIST
-from rtron.guard.audit.common.alarm_response import AlarmResponse
 from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.message_types import standard_info
+from rtron.guard.runner import audit_response
 from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.guard.transport.common.protocol import Peer
 from rtron.messages.common.encoding import Encoding
@@ -16,6 +17,7 @@ from rtron.vocabulary import (
     SECOND,
     Alarm,
     AlarmKind,
+    Audit,
     OnForeign,
     StopProfile,
     StreamKind,
@@ -50,7 +52,12 @@ class BrakedStream:
         self.transport = MemoryTransport()
         self.host = Coordinator(self.transport, build_streams(plan))
         self.host.open()
-        self.response = AlarmResponse(self.host, self.transport, on_foreign, dry_run=False)
+        self.response = audit_response(
+            replace(plan, audit=Audit(on_foreign=on_foreign)),
+            self.host,
+            self.transport,
+            dry_run=False,
+        )
 
     def find(self, alarm=GHOST, topic=TOPIC):
         self.response.raise_(alarm, self.transport.now(), topic)

@@ -38,7 +38,7 @@ def row(source=OURS, topic=OUT, direction="i", info=ROSCPP % PORT, transport="TC
 
 
 def known(**others):
-    found = NodeAddresses({GUARD: f"{OURS}/"}, PORT)
+    found = NodeAddresses({GUARD: f"{OURS}/"}, frozenset({PORT}))
     for node, uri in others.items():
         found.learn(uri, f"/{node}")
     return found

@@ -10,14 +10,16 @@ from xmlrpc.server import SimpleXMLRPCServer
 import pytest
 from plans import grcn, plan_of
 
-from rtron.guard.audit.common.alarm_response import AlarmResponse
+from rtron.guard.audit.common.alarm_response import AlarmResponse, AuditBrakes
 from rtron.guard.audit.ros1 import intrusions, master_queries
 from rtron.guard.audit.ros1.audited_nodes import AuditedNodes
 from rtron.guard.audit.ros1.expected_graph import ExpectedGraph
 from rtron.guard.audit.ros1.intrusions import Intrusions
 from rtron.guard.audit.ros1.poll_schedule import PollSchedule
+from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.alarms import Alarms
 from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.vocabulary import SECOND, OnForeign
 from rtron.wire.ros1.xmlrpc import encode_response
 
@@ -64,14 +66,14 @@ class AuditedDriver:
     def __init__(self, master, stack):
         self._loop = EventLoop()
         stack.callback(self._loop.close)
-        host = SimpleNamespace(alarms=Alarms(), streams=[])
-        transport = SimpleNamespace(node_uris=dict, port=0)
+        alarms, guard = Alarms(), SimpleNamespace(node_uris=dict, ports=frozenset())
+        brakes = AuditBrakes(Coordinator(MemoryTransport(), ()), MemoryTransport())
         nodes = AuditedNodes(self._loop, master, EXPECTED, PollSchedule(self._loop, SECOND))
-        response = AlarmResponse(host, transport, OnForeign.ALARM, dry_run=False)
-        intruders = Intrusions(self._loop, master, transport, EXPECTED, nodes, response, {})
+        response = AlarmResponse(alarms, brakes, OnForeign.ALARM, dry_run=False)
+        intruders = Intrusions(self._loop, master, guard, EXPECTED, nodes, response, {})
         nodes.on_change = intruders.update
         nodes.watch([DRIVER])
-        self._nodes, self._alarms = nodes, host.alarms
+        self._nodes, self._alarms = nodes, alarms
         for part in (nodes, intruders):
             stack.callback(part.close)
 

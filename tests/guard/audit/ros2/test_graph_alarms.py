@@ -4,7 +4,6 @@ from dataclasses import replace
 from itertools import chain
 from pathlib import Path
 from tempfile import mkdtemp
-from types import SimpleNamespace
 
 import pytest
 from domain_scene import (
@@ -31,7 +30,7 @@ from domain_scene import (
 )
 from proc_folder import ProcFolder
 
-from rtron.guard.audit.common.alarm_response import AlarmResponse
+from rtron.guard.audit.common.alarm_response import AlarmResponse, AuditBrakes
 from rtron.guard.audit.common.debounced_alarms import BrakingAlarms
 from rtron.guard.audit.ros2.expected_graph import ExpectedGraph
 from rtron.guard.audit.ros2.graph_alarms import (
@@ -41,6 +40,7 @@ from rtron.guard.audit.ros2.graph_alarms import (
     foreign_endpoint_alarms,
 )
 from rtron.guard.audit.ros2.observed_graph import ObservedGraph
+from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.alarms import Alarms
 from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.guard.transport.ros2.participants import MAX_LEASE, ParticipantLiveness
@@ -310,8 +310,8 @@ class TestCases:
 
     @pytest.fixture
     def cases(self, alarms):
-        host = SimpleNamespace(alarms=alarms, streams=[])
-        return BrakingAlarms(AlarmResponse(host, MemoryTransport(), OnForeign.STOP, dry_run=False))
+        brakes = AuditBrakes(Coordinator(MemoryTransport(), ()), MemoryTransport())
+        return BrakingAlarms(AlarmResponse(alarms, brakes, OnForeign.STOP, dry_run=False))
 
     def test_what_is_found_stands_until_it_is_found_no_more(self, cases, alarms):
         one, other = (Alarm(kind=AlarmKind.UNREGISTERED_PUBLISHER, reason=text) for text in "ab")

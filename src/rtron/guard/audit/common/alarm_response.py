@@ -2,12 +2,13 @@
 
 from collections import defaultdict
 from collections.abc import Iterator
+from typing import Protocol
 
 from rtron.guard.coordinator import Coordinator
+from rtron.guard.core.alarms import Alarms
 from rtron.guard.core.message_types import standard_info
 from rtron.guard.core.stream import GuardedStream
 from rtron.guard.transport.common.protocol import Transport
-from rtron.messages.common.encoding import Encoding
 from rtron.vocabulary import Alarm, Mode, OnForeign
 
 _SOURCE = "the audit"
@@ -69,6 +70,55 @@ class AuditBrake:
             self._guarded.release(_SOURCE)
 
 
+class Brakes(Protocol):
+    """The brakes of enforced streams, by their public names."""
+
+    def hold(self, topic: str, why: str) -> None:
+        """Let nothing of a stream pass and keep the robot stopped."""
+        ...
+
+    def release(self, topic: str) -> None:
+        """Let pass again what the policies let pass."""
+        ...
+
+    def repeat_stop(self, topic: str) -> None:
+        """Tell a stop to a node that has just begun to listen."""
+        ...
+
+
+class AuditBrakes:
+    """The brakes of a host's enforced streams."""
+
+    def __init__(self, host: Coordinator, transport: Transport) -> None:
+        self._encoding = transport.encoding
+        enforced = [each for each in host.streams if each.spec.mode is Mode.ENFORCE]
+        self._types = {each.spec.type for each in enforced}
+        self._brakes = [(each.spec.topic, AuditBrake(each, transport)) for each in enforced]
+
+    def prepare(self) -> None:
+        """Read the definitions that a brake needs: the first of them takes a third of a second."""
+        for type in self._types:
+            standard_info(type, self._encoding)
+
+    def hold(self, topic: str, why: str) -> None:
+        """Let nothing of a stream pass and keep the robot stopped."""
+        for brake in self._of(topic):
+            brake.hold(why)
+
+    def release(self, topic: str) -> None:
+        """Let pass again what the policies let pass."""
+        for brake in self._of(topic):
+            brake.release()
+
+    def repeat_stop(self, topic: str) -> None:
+        """Tell a stop to a node that has just begun to listen."""
+        for brake in self._of(topic):
+            brake.repeat_stop()
+
+    def _of(self, topic: str) -> Iterator[AuditBrake]:
+        return (brake for name, brake in self._brakes if name == topic)
+
+
 class AlarmResponse:
     """Raises and settles alarms; a stream is braked for as long as one that brakes it stands.
 
@@ -76,41 +126,31 @@ class AlarmResponse:
     """
 
     def __init__(
-        self, host: Coordinator, transport: Transport, on_foreign: OnForeign, *, dry_run: bool
+        self, alarms: Alarms, brakes: Brakes, on_foreign: OnForeign, *, dry_run: bool
     ) -> None:
         self.stops_streams = on_foreign is OnForeign.STOP and not dry_run
-        self._host = host
+        self._alarms = alarms
+        self._brakes = brakes
         self._braking: dict[str, set[Alarm]] = defaultdict(set)
-        enforced = [each for each in host.streams if each.spec.mode is Mode.ENFORCE]
-        self._brakes = [(each.spec.topic, AuditBrake(each, transport)) for each in enforced]
-
-    def prepare(self, encoding: Encoding) -> None:
-        """Read the definitions that a brake needs: the first of them takes a third of a second."""
-        for guarded in self._host.streams if self.stops_streams else ():
-            standard_info(guarded.spec.type, encoding)
 
     def raise_(self, alarm: Alarm, now: int, *guarded: str) -> None:
         """Raise an alarm; brake the streams of these topics until it is settled."""
-        self._host.alarms.raise_(alarm, now)
+        self._alarms.raise_(alarm, now)
         for topic in guarded if self.stops_streams else ():
             is_first = not self._braking[topic]
             self._braking[topic].add(alarm)
-            for brake in self._brakes_of(topic) if is_first else ():
-                brake.hold(alarm.reason)
+            if is_first:
+                self._brakes.hold(topic, alarm.reason)
 
     def settle(self, alarm: Alarm) -> None:
         """Take an alarm back, and release what only it has braked."""
-        self._host.alarms.clear(alarm)
+        self._alarms.clear(alarm)
         for topic, alarms in self._braking.items():
             if alarm in alarms:
                 alarms.remove(alarm)
-                for brake in () if alarms else self._brakes_of(topic):
-                    brake.release()
+                if not alarms:
+                    self._brakes.release(topic)
 
     def on_new_listener(self, topic: str) -> None:
         """Take note that a node has begun to hear what the guard lets go of a stream."""
-        for brake in self._brakes_of(topic):
-            brake.repeat_stop()
-
-    def _brakes_of(self, topic: str) -> Iterator[AuditBrake]:
-        return (brake for name, brake in self._brakes if name == topic)
+        self._brakes.repeat_stop(topic)

@@ -14,6 +14,7 @@ from rtron.guard.audit.ros1.audited_nodes import AuditedNode, AuditedNodes
 from rtron.guard.audit.ros1.expected_graph import ExpectedGraph
 from rtron.guard.audit.ros1.foreign_connections import normalise_uri, planned_sources
 from rtron.guard.audit.ros1.guard_names import GuardNames
+from rtron.guard.audit.ros1.guard_nodes import GuardNodes
 from rtron.guard.audit.ros1.intrusions import Intrusions
 from rtron.guard.audit.ros1.master_queries import WorkerThreads, look_up_uri, resolve_uri
 from rtron.guard.audit.ros1.poll_schedule import PollSchedule, PollTarget
@@ -25,9 +26,7 @@ from rtron.guard.audit.ros1.registrations import (
     select_registrations,
 )
 from rtron.guard.audit.ros1.xmlrpc_poller import ServerAddress, XmlRpcPoller, encode_call
-from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.event_loop import EventLoop
-from rtron.guard.transport.ros1.middleware import Ros1Transport
 from rtron.vocabulary import GUARD_NODE, SECOND, Alarm, AlarmKind, Plan
 from rtron.wire.ros1.ros_api import parse_system_state
 from rtron.wire.ros1.xmlrpc import decode_ros_reply
@@ -48,14 +47,13 @@ class Ros1Auditor:
         self,
         plan: Plan,
         master: str,
-        host: Coordinator,
-        transport: Ros1Transport,
+        guard: GuardNodes,
+        response: AlarmResponse,
         loop: EventLoop,
-        *,
-        dry_run: bool = False,
     ) -> None:
         self._loop = loop
-        self._transport = transport
+        self._guard = guard
+        self._response = response
         self._master = master
         self._expected = ExpectedGraph(plan)
         self._state: MasterRegistrations | None = None
@@ -63,14 +61,12 @@ class Ros1Auditor:
         self._tick_count = 0
         self._first_reasons: dict[str, str] = {}
         self._named_nodes = frozenset(n for n in self._expected.listener_patterns() if "*" not in n)
-        on_foreign = plan.audit.on_foreign
-        response = self._response = AlarmResponse(host, transport, on_foreign, dry_run=dry_run)
         self._schedule = PollSchedule(loop, plan.audit.period)
         self._audited_nodes = AuditedNodes(loop, master, self._expected, self._schedule)
         claimed: dict[str, str] = {}
         expected, nodes = self._expected, self._audited_nodes
-        self._intrusions = Intrusions(loop, master, transport, expected, nodes, response, claimed)
-        self._guard_names = GuardNames(loop, master, transport, expected, response, claimed)
+        self._intrusions = Intrusions(loop, master, guard, expected, nodes, response, claimed)
+        self._guard_names = GuardNames(loop, master, guard, expected, response, claimed)
         self._parser_threads = WorkerThreads(loop, "audit-state")
         self._lookup_threads = WorkerThreads(loop, "audit-meet")
         self._foreign_registrations = DebouncedAlarms(response, 0)
@@ -83,12 +79,11 @@ class Ros1Auditor:
             on_failure=self._on_state_failure,
         )
 
-    def start(self) -> None:
+    def open(self) -> None:
         """Audit from now on, if anything is enforced."""
         if not self._expected.topics:
             return
-        self._response.prepare(self._transport.encoding)
-        self._transport.on_subscriber = self._on_new_listener
+        self._guard.on_subscriber = self._on_new_listener
         self._intercept_shutdowns()
         self._audited_nodes.watch(sorted(self._named_nodes))
         self._schedule.add(self._state_poll)
@@ -110,8 +105,8 @@ class Ros1Auditor:
 
     def _intercept_shutdowns(self) -> None:
         """Handle requests to shut down our nodes first: a master sends one to a replaced node."""
-        shut_down = self._transport.on_shutdown_request
-        self._transport.set_shutdown_handler(
+        shut_down = self._guard.on_shutdown_request
+        self._guard.set_shutdown_handler(
             lambda node, reason: self._guard_names.handle_shutdown(
                 node, reason, partial(shut_down, node, reason)
             )
@@ -203,7 +198,7 @@ class Ros1Auditor:
         return listed or self._is_listening(node)
 
     def _is_listening(self, node: AuditedNode) -> bool:
-        return any(node.name in self._transport.subscribers(topic) for topic in node.audited_topics)
+        return any(node.name in self._guard.subscribers(topic) for topic in node.audited_topics)
 
     def _unseen_node_alarms(self) -> Iterator[Alarm]:
         """Yield an alarm for each node that is there and does not say who speaks to it."""

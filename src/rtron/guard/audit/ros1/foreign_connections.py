@@ -26,12 +26,13 @@ def parse_connections(reply: object) -> frozenset[BusConnection]:
 class NodeAddresses:
     """The URIs of the guard's nodes and of planned publishers, compared as `normalise_uri` gives.
 
-    `port` is the guard's TCPROS port: nobody else's messages can come from there. 0 if not known.
+    `ports` are the guard's TCPROS ports: nobody else's messages can come from there. None if they
+    are not known.
     """
 
-    def __init__(self, guard_uris: Mapping[str, str], port: int = 0) -> None:
+    def __init__(self, guard_uris: Mapping[str, str], ports: frozenset[int] = frozenset()) -> None:
         self.guard_addresses = {normalise_uri(uri): node for node, uri in guard_uris.items()}
-        self.port = port
+        self.ports = ports
         self._publishers: dict[str, str] = {}
         self._former_publishers: dict[str, str] = {}
 
@@ -44,7 +45,7 @@ class NodeAddresses:
         node = self.guard_addresses.get(connection.source)
         if node is None:
             return self._publishers.get(connection.source, "")
-        return node if connection.port in (None, 0, self.port) or not self.port else ""
+        return node if connection.port in (None, 0, *self.ports) or not self.ports else ""
 
     def learn(self, uri: str, node: str) -> None:
         """Take a planned publisher's address from the master; a name of our own is not learned."""

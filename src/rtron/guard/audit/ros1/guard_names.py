@@ -11,11 +11,11 @@ from functools import partial
 from rtron.guard.audit.common.alarm_response import AlarmResponse
 from rtron.guard.audit.ros1.expected_graph import ExpectedGraph
 from rtron.guard.audit.ros1.foreign_connections import normalise_uri
+from rtron.guard.audit.ros1.guard_nodes import GuardNodes
 from rtron.guard.audit.ros1.master_queries import WorkerThreads, look_up_uri, refuses_connections
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.log_throttle import LogThrottle
 from rtron.guard.core.printable import printable
-from rtron.guard.transport.ros1.middleware import Ros1Transport
 from rtron.vocabulary import Alarm, AlarmKind
 
 log = logging.getLogger(__name__)
@@ -31,7 +31,7 @@ class GuardNames:
         self,
         loop: EventLoop,
         master: str,
-        transport: Ros1Transport,
+        guard: GuardNodes,
         expected: ExpectedGraph,
         response: AlarmResponse,
         takeover_uris: dict[str, str],
@@ -39,7 +39,7 @@ class GuardNames:
         """`takeover_uris` is filled with the addresses that had one of the names, and which."""
         self._loop = loop
         self._master = master
-        self._transport = transport
+        self._guard = guard
         self._expected = expected
         self._response = response
         self._takeover_uris = takeover_uris
@@ -56,7 +56,7 @@ class GuardNames:
     def check(self) -> None:
         """Ask for all names, unless that is being done."""
         if not self._is_checking:
-            work = partial(_impostors, self._master, self._transport.node_uris())
+            work = partial(_impostors, self._master, self._guard.node_uris())
             self._is_checking = self._threads.submit(work, self._on_checked)
 
     def handle_shutdown(self, node: str, reason: str, shut_down: Callable[[], None]) -> None:
@@ -66,12 +66,12 @@ class GuardNames:
             return
         if self._log_throttle.allows(node, self._loop.now()):
             log.error("%s is not shut down: its name was taken", node)
-        addresses = {name: uri for name, uri in self._transport.node_uris().items() if name == node}
+        addresses = {name: uri for name, uri in self._guard.node_uris().items() if name == node}
 
         def found(impostors: Mapping[str, str]) -> None:
             self._report(impostors)
             if self._response.stops_streams:
-                self._transport.register_node(node)
+                self._guard.register_node(node)
 
         self._threads.submit(partial(_impostors, self._master, addresses), found)
 
@@ -96,7 +96,7 @@ class GuardNames:
             if before and before != alarm:
                 self._response.settle(before)
             if self._response.stops_streams:
-                self._transport.register_node(node)
+                self._guard.register_node(node)
 
     def _guarded(self, node: str) -> tuple[str, ...]:
         topics = self._expected.topics.values()

@@ -17,6 +17,7 @@ from rtron.guard.audit.ros1.foreign_connections import (
     foreign_connections,
     planned_sources,
 )
+from rtron.guard.audit.ros1.guard_nodes import GuardNodes
 from rtron.guard.audit.ros1.master_queries import (
     WorkerThreads,
     identify_peer,
@@ -24,7 +25,6 @@ from rtron.guard.audit.ros1.master_queries import (
     send_call,
 )
 from rtron.guard.core.event_loop import EventLoop
-from rtron.guard.transport.ros1.middleware import Ros1Transport
 from rtron.vocabulary import SECOND, Alarm
 
 _PATIENCE_S = 0.03
@@ -59,7 +59,7 @@ class Intrusions:
         self,
         loop: EventLoop,
         master: str,
-        transport: Ros1Transport,
+        guard: GuardNodes,
         expected: ExpectedGraph,
         audited_nodes: AuditedNodes,
         response: AlarmResponse,
@@ -68,7 +68,7 @@ class Intrusions:
         """Take `takeover_uris`: the name of the guard's that the node at each address had."""
         self._loop = loop
         self._master = master
-        self._transport = transport
+        self._guard = guard
         self._expected = expected
         self._audited_nodes = audited_nodes
         self._response = response
@@ -84,9 +84,9 @@ class Intrusions:
     def addresses(self) -> NodeAddresses:
         """Whose an address is; the guard's own are what they are at this moment."""
         self._addresses.guard_addresses = {
-            uri.rstrip("/"): node for node, uri in self._transport.node_uris().items()
+            uri.rstrip("/"): node for node, uri in self._guard.node_uris().items()
         }
-        self._addresses.port = self._transport.port
+        self._addresses.ports = self._guard.ports
         return self._addresses
 
     def update(self, node: AuditedNode) -> None:
@@ -247,7 +247,7 @@ class Intrusions:
         """Return the addresses from which a node may hear a topic."""
         planned = self._expected.topics[topic]
         guard_uris = [
-            uri for name, uri in self._transport.node_uris().items() if planned.may_publish(name)
+            uri for name, uri in self._guard.node_uris().items() if planned.may_publish(name)
         ]
         connected = planned_sources(planned, node.connections, self.addresses)
         return [*guard_uris, *(f"{uri}/" for uri in connected if f"{uri}/" not in guard_uris)]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rtron.guard.audit.common.alarm_response import AlarmResponse
 from rtron.guard.audit.common.debounced_alarms import BrakingAlarms, DebouncedAlarms
 from rtron.guard.audit.ros2.expected_graph import ExpectedGraph
 from rtron.guard.audit.ros2.graph_alarms import (
@@ -19,10 +18,10 @@ from rtron.vocabulary import GUARD_NODE, SECOND, Plan
 from rtron.wire.ros2.service_names import is_service_topic
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
+    from rtron.guard.audit.common.alarm_response import AlarmResponse
     from rtron.guard.audit.ros2.endpoint_checks import Participants
-    from rtron.guard.coordinator import Coordinator
     from rtron.guard.core.event_loop import EventLoop
     from rtron.guard.transport.ros2.middleware import Ros2Transport
     from rtron.wire.ros2.endpoints import Ros2Endpoint
@@ -39,17 +38,18 @@ class Ros2Auditor:
     def __init__(
         self,
         plan: Plan,
-        host: Coordinator,
         transport: Ros2Transport,
+        response: AlarmResponse,
         loop: EventLoop,
-        *,
-        dry_run: bool = False,
+        other_participants: Callable[[], frozenset[bytes]] = frozenset,
     ) -> None:
+        """`other_participants` tells those of the guard's other processes."""
         self._loop = loop
         self._transport = transport
         self._graph = transport.graph
         self._expected = ExpectedGraph(plan)
-        self._response = AlarmResponse(host, transport, plan.audit.on_foreign, dry_run=dry_run)
+        self._response = response
+        self._other_participants = other_participants
         self._liveness = ParticipantLiveness(self._graph.participant, transport.processes)
         self._supervisors = SupervisorParticipants(self._liveness, transport.processes)
         self._braking_alarms = BrakingAlarms(self._response)
@@ -57,11 +57,10 @@ class Ros2Auditor:
         self._graph_reader: GraphReader | None = None
         self._listeners: dict[bytes, str] | None = None
 
-    def start(self) -> None:
+    def open(self) -> None:
         """Audit from now on, if anything is enforced."""
         if not self._expected.topics:
             return
-        self._response.prepare(self._transport.encoding)
         self._graph_reader = GraphReader(self._transport.session.node(GUARD_NODE))
         for topic in (*self._expected.topics, ROSOUT_TOPIC):
             if not is_service_topic(topic):
@@ -104,8 +103,9 @@ class Ros2Auditor:
             )
 
     def _guard_participants(self, observed: ObservedGraph) -> Participants:
-        """Return our participant and the supervisors'."""
-        return self._supervisors.update(observed) | {self._graph.participant}
+        """Return our participants and the supervisors'."""
+        own = {self._graph.participant, *self._other_participants()}
+        return self._supervisors.update(observed) | own
 
     def _repeat_stops(self, observed: ObservedGraph) -> None:
         """Tell a stop that has just been said to who begins to listen after it."""

@@ -115,9 +115,9 @@ class Ros1Transport:
         """Do nothing: the supervisor's nodes are known by their names."""
 
     @property
-    def port(self) -> int:
+    def ports(self) -> frozenset[int]:
         """The TCPROS port of all our nodes."""
-        return self._server.port
+        return frozenset({self._server.port})
 
     def node_uris(self) -> dict[str, str]:
         """Return the URI of each node of ours."""
@@ -127,6 +127,10 @@ class Ros1Transport:
         """Return the names that the connected subscribers of a topic give themselves."""
         publication = self._publications.get(topic)
         return {link.node for link in publication.links} if publication else set()
+
+    def all_subscribers(self) -> dict[str, frozenset[str]]:
+        """Return the connected subscribers of each topic, by the names they give themselves."""
+        return {topic: frozenset(self.subscribers(topic)) for topic in self._publications}
 
     def register_node(self, name: str) -> None:
         """Register a node again: the master gives a name to the last one that registers it."""

@@ -1,28 +1,29 @@
-"""The link process beside the guard: started, started again when it ends, ended at the end."""
+"""A process beside the guard: started, started again when it ends, ended at the end."""
 
 import logging
 import signal
 import subprocess
 
-from rtron.guard.supervision.programs import LINK, command
+from rtron.guard.supervision.programs import command
 from rtron.vocabulary import SECOND
 
 log = logging.getLogger(__name__)
 
 MIN_RESTART_DELAY = SECOND
-"""The shortest time between two starts, ns; it doubles while each ends soon."""
+"""The time before the next start of one that ended soon, ns; it doubles while each does."""
 MAX_RESTART_DELAY = 30 * SECOND
 _STOP_TIMEOUT_S = 4.0
 
 
-class LinkProcess:
-    """Keeps one process running; the robot's safety does not hang on it.
+class HelperProcess:
+    """Keeps one process running; the robot is stopped or slowed while it is away, at most.
 
     One that ends at once, for instance since another supervisor's still runs, is tried more seldom.
     """
 
-    def __init__(self, config_file: int, program: str = LINK) -> None:
+    def __init__(self, config_file: int, program: str) -> None:
         self.process: subprocess.Popen[bytes] | None = None
+        self._program = program
         self._command = command(program, [config_file])
         self._config_file = config_file
         self._started_at = 0
@@ -40,13 +41,14 @@ class LinkProcess:
 
     def _wait(self, life: int) -> int:
         """Return how long to wait after one that has lived for `life`."""
-        wait = self._restart_delay
-        self._restart_delay = (
-            MIN_RESTART_DELAY
-            if life >= MAX_RESTART_DELAY
-            else min(2 * self._restart_delay, MAX_RESTART_DELAY)
+        if life >= MAX_RESTART_DELAY:
+            self._restart_delay = MIN_RESTART_DELAY
+            return 0
+        wait, self._restart_delay = (
+            self._restart_delay,
+            min(2 * self._restart_delay, MAX_RESTART_DELAY),
         )
-        return MIN_RESTART_DELAY if life >= MAX_RESTART_DELAY else wait
+        return wait
 
     def _start(self, now: int) -> None:
         self._started_at, self._start_due = now, None
@@ -54,7 +56,8 @@ class LinkProcess:
             self.process = subprocess.Popen(self._command, pass_fds=[self._config_file])  # noqa: S603
         except OSError as error:
             self.process = None
-            log.warning("the link process cannot be started, tried again soon: %s", error)
+            text = "%s cannot be started, tried again soon: %s"
+            log.warning(text, self._program.partition(":")[0], error)
 
     def stop(self) -> None:
         """End it; it has a moment to deliver what waits."""

@@ -1,0 +1,81 @@
+"""The guard as a dry run: one process, which forwards everything and reports what it would do."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rtron.guard.coordinator import Coordinator
+from rtron.guard.core.alarms import UnreadableInputAlarms
+from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.core.observations import observations_of
+from rtron.guard.link.service_link import ServiceLink
+from rtron.guard.measurement.run import RunMeasurement, WriteFigures
+from rtron.guard.middleware import open_middleware
+from rtron.guard.node_shutdown import ShutdownRefusal
+from rtron.guard.runner import (
+    GraphPart,
+    Part,
+    audit_response,
+    open_control_socket,
+    raise_file_limit,
+    run_parts,
+)
+from rtron.guard.settings.applier import SettingsApplier
+from rtron.guard.settings.in_force import SettingsInForce, settings_at_start
+from rtron.guard.settings.local_overrides import OverrideCommands
+from rtron.vocabulary import Plan, build_streams
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from rtron.guard.link.options import LinkOptions
+    from rtron.guard.supervision.supervisor_client import SupervisorClient
+
+
+def run_dry(
+    plan: Plan,
+    master: str,
+    supervisor: SupervisorClient,
+    *,
+    control: Path | None = None,
+    figures: WriteFigures | None = None,
+    link: LinkOptions | None = None,
+) -> None:
+    """Observe a plan's streams on the master or in the domain at `master`, until stopped.
+
+    `control` is the socket for overrides, by default in the user's runtime folder. `figures` writes
+    what is measured. `link` leads to the security service. SourceError if the plan is for ROS 2,
+    which is not installed here, or if `control` cannot be used.
+    """
+    raise_file_limit()
+    loop = EventLoop()
+    middleware = open_middleware(plan, master, loop)
+    transport = middleware.transport
+    measuring = RunMeasurement(plan, transport) if figures else None
+    observations = measuring.observations if measuring else observations_of(plan)
+    coordinator = Coordinator(
+        transport,
+        build_streams(plan),
+        observations,
+        dry_run=True,
+        handover=supervisor.handover_state,
+    )
+    parts: list[Part] = [GraphPart(coordinator.open, transport)]
+    if link:
+        settings = SettingsInForce(SettingsApplier(plan, coordinator, transport))
+        settings_at_start(settings, link)
+        parts.append(ServiceLink(plan, coordinator, settings, loop, link))
+    response = audit_response(plan, coordinator, transport, dry_run=True)
+    parts.append(middleware.create_auditor(response, None))
+    supervisor.attach(loop, coordinator)
+    transport.set_unreadable_handler(UnreadableInputAlarms(coordinator.alarms, transport).report)
+    transport.set_shutdown_handler(ShutdownRefusal(loop).handle)
+    overrides = OverrideCommands(coordinator, transport)
+    if socket := open_control_socket(loop, plan, control, overrides.handle):
+        parts.append(socket)
+    if measuring and figures:
+        measuring.measure(coordinator.streams)
+        measuring.write_periodically(figures)
+    run_parts(loop, [*parts, supervisor])
+    if measuring and figures:
+        figures(measuring.figures())

@@ -1,0 +1,40 @@
+"""Which process of the guard carries a stream: what can move the robot has one of its own."""
+
+from dataclasses import replace
+
+from rtron.vocabulary import (
+    GRCN,
+    CoordinationKind,
+    Plan,
+    Stream,
+    StreamKind,
+    build_streams,
+)
+
+
+def command_part(plan: Plan) -> Plan:
+    """Return what the command process carries of a plan: all that can move the robot.
+
+    A coordination node lives in one process, so this has every topic of the RSRCN and the MSRCN.
+    """
+    return replace(plan, grcn=tuple(each for each in plan.grcn if not _is_bulk(plan, each)))
+
+
+def bulk_part(plan: Plan) -> Plan:
+    """Return what the bulk process carries: states and sensor data, frames and events."""
+    msrcn = plan.msrcn and replace(plan.msrcn, aflows=(), rules=())
+    grcn = tuple(each for each in plan.grcn if _is_bulk(plan, each))
+    return replace(plan, grcn=grcn, msrcn=msrcn, rsrcn=None)
+
+
+def _is_bulk(plan: Plan, grcn: GRCN) -> bool:
+    streams = (each for each in build_streams(plan) if each.topic == grcn.topic)
+    return not any(map(_moves_robot, streams))
+
+
+def _moves_robot(stream: Stream) -> bool:
+    return bool(stream.action or stream.done) or any(
+        stage.coordination_kind is not CoordinationKind.GRCN
+        or stage.settings.kind is not StreamKind.STATE
+        for stage in stream.stages
+    )

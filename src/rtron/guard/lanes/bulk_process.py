@@ -1,0 +1,104 @@
+"""The bulk process: it carries states and sensor data, counts frames, reads events and reports.
+
+The audit, the diagnostics and the link to the security service are here, too: nothing of theirs
+delays a command.
+"""
+
+from __future__ import annotations
+
+import logging
+import os
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from rtron.guard.audit.common.alarm_response import AlarmResponse, AuditBrakes
+from rtron.guard.coordinator import Coordinator
+from rtron.guard.core.alarms import UnreadableInputAlarms
+from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.core.observations import observations_of
+from rtron.guard.lanes.assignment import bulk_part
+from rtron.guard.lanes.board_writer import BoardWriter
+from rtron.guard.lanes.command_lane import CommandLane
+from rtron.guard.lanes.joined_brakes import JoinedBrakes
+from rtron.guard.link.service_link import ServiceLink
+from rtron.guard.middleware import open_middleware
+from rtron.guard.node_shutdown import ShutdownRefusal
+from rtron.guard.runner import GraphPart, Part, raise_file_limit, run_parts
+from rtron.guard.settings.applier import SettingsApplier
+from rtron.guard.settings.in_force import SettingsInForce, settings_at_start
+from rtron.vocabulary import Plan, build_streams
+
+if TYPE_CHECKING:
+    from rtron.guard.core.observations import Observations
+    from rtron.guard.link.options import LinkOptions
+
+log = logging.getLogger(__name__)
+
+_NICE = 5
+"""Commands go before what is carried here (nice(2))."""
+_CHECK_S = 1.0
+_UNUSED_S = 3.0
+
+
+def run_bulk_process(plan: Plan, master: str, *, link: LinkOptions | None = None) -> None:
+    """Serve the command process at a ROS 1 master or in a ROS 2 domain, until stopped.
+
+    SourceError if the guard there has a bulk process already.
+    """
+    os.nice(_NICE)
+    raise_file_limit()
+    loop = EventLoop()
+    middleware = open_middleware(plan, master, loop)
+    transport = middleware.transport
+    observations = _observations(plan)
+    coordinator = Coordinator(transport, build_streams(bulk_part(plan)), observations)
+    writer = BoardWriter(observations, loop)
+    lane = CommandLane(loop, master, writer, coordinator.alarms)
+    coordinator.on_observed = writer.refresh
+    coordinator.other_statuses = lane.statuses
+    transport.set_supervisor(os.getppid)
+    transport.set_unreadable_handler(UnreadableInputAlarms(coordinator.alarms, transport).report)
+    transport.set_shutdown_handler(ShutdownRefusal(loop).handle)
+    brakes = JoinedBrakes(AuditBrakes(coordinator, transport), lane)
+    response = AlarmResponse(coordinator.alarms, brakes, plan.audit.on_foreign, dry_run=False)
+    parts: list[Part] = [GraphPart(coordinator.open, transport), writer]
+    if link:
+        settings = SettingsInForce(SettingsApplier(plan, coordinator, transport, bulk_part))
+        settings_at_start(settings, link)
+        parts.append(ServiceLink(plan, coordinator, settings, loop, link, lane))
+    auditor = middleware.create_auditor(response, lane)
+    run_parts(loop, [*parts, auditor, lane, UnusedEnd(lane, loop)])
+
+
+def _observations(plan: Plan) -> Observations:
+    """Return what the plan observes; the node of the MSRCN is one of the command process."""
+    bulk = observations_of(bulk_part(plan))
+    topics = observations_of(plan).publisher_topics
+    return replace(bulk, node=f"{bulk.node}_events", publisher_topics=topics)
+
+
+class UnusedEnd:
+    """Ends the process when its supervisor is gone and no command process has come for a while.
+
+    A command process goes on without its supervisor, and so does this one; the next supervisor's
+    bulk process begins when this one has ended.
+    """
+
+    def __init__(self, lane: CommandLane, loop: EventLoop) -> None:
+        self._lane = lane
+        self._loop = loop
+        self._parent = os.getppid()
+        self._used_at = loop.now()
+
+    def open(self) -> None:
+        """Look from now on."""
+        self._loop.call_later(_CHECK_S, self.open)
+        now = self._loop.now()
+        if self._lane.is_connected:
+            self._used_at = now
+        elif os.getppid() != self._parent and now - self._used_at > _UNUSED_S * 1e9:
+            log.warning("the guard is gone: its bulk process ends")
+            self._loop.stop()
+
+    def close(self) -> None:
+        """Look no more."""

@@ -1,0 +1,79 @@
+"""What the command process tells the bulk process for the diagnostics and the audit."""
+
+import logging
+
+from rtron.guard.coordinator import Coordinator
+from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.lanes.bulk_connection import BulkConnection
+from rtron.guard.lanes.messages import (
+    AlarmChange,
+    NewListener,
+    ShutdownRequest,
+    StatusReport,
+)
+from rtron.guard.middleware import Middleware
+from rtron.guard.node_shutdown import ShutdownRefusal
+from rtron.vocabulary import SECOND, Alarm
+
+log = logging.getLogger(__name__)
+
+
+class LaneReports:
+    """Tells the state of the streams once a second, and what changes at once."""
+
+    def __init__(
+        self,
+        connection: BulkConnection,
+        host: Coordinator,
+        loop: EventLoop,
+        middleware: Middleware,
+        topics: int,
+    ) -> None:
+        """`topics` is how many the guard has in all of its processes."""
+        self._connection = connection
+        self._host = host
+        self._loop = loop
+        self._middleware = middleware
+        self._topics = topics
+        self._refusal = ShutdownRefusal(loop)
+        self._has_connected = False
+        connection.connect_listeners.append(self._on_connect)
+
+    def open(self) -> None:
+        """Report from now on."""
+        self._host.alarms.listener = self._send_alarm
+        self._middleware.set_listener_handler(
+            lambda topic, node: self._connection.send(NewListener(topic, node))
+        )
+        self._middleware.transport.set_shutdown_handler(self._on_shutdown_request)
+        self._report_periodically()
+
+    def close(self) -> None:
+        """Report no more; the connection ends with the process."""
+
+    def _report_periodically(self) -> None:
+        self._loop.call_at(self._loop.now() + SECOND, self._report_periodically)
+        self._report()
+
+    def _report(self) -> None:
+        if self._connection.is_connected:
+            statuses = tuple(self._host.stream_statuses())
+            self._connection.send(StatusReport(statuses, self._middleware.report_nodes()))
+
+    def _on_connect(self) -> None:
+        if not self._has_connected:
+            self._has_connected = True
+            log.info("guarding %d topics", self._topics)
+        self._report()
+        for alarm in self._host.alarms.active:
+            self._send_alarm(alarm, active=True)
+
+    def _on_shutdown_request(self, node: str, reason: str) -> None:
+        """Let the audit deal with it; nobody ends this process over the network."""
+        if self._connection.is_connected:
+            self._connection.send(ShutdownRequest(node, reason))
+        else:
+            self._refusal.handle(node, reason)
+
+    def _send_alarm(self, alarm: Alarm, *, active: bool) -> None:
+        self._connection.send(AlarmChange(alarm, active=active))

@@ -1,0 +1,127 @@
+"""What the two processes of the guard say to each other."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from rtron.guard.core.report_messages import Status
+from rtron.guard.lanes.lane_state import LaneState
+from rtron.vocabulary import Alarm, EventKind, GuardEventLevel, Settings
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NodesReport:
+    """The nodes of the command process in the graph.
+
+    ROS 1: the `uris` of its nodes, their TCPROS `port`, and who has subscribed each private
+    output. ROS 2: its `participant`, the first bytes of the GIDs.
+    """
+
+    uris: Mapping[str, str] = field(default_factory=dict)
+    port: int = 0
+    subscribers: Mapping[str, frozenset[str]] = field(default_factory=dict)
+    participant: bytes = b""
+
+
+@dataclass(frozen=True, slots=True)
+class StatusReport:
+    """The state of the streams for the diagnostics, and of the nodes, once a second."""
+
+    statuses: tuple[Status, ...]
+    nodes: NodesReport
+
+
+@dataclass(frozen=True, slots=True)
+class StateChange:
+    """The state of the streams for the service."""
+
+    state: LaneState
+
+
+@dataclass(frozen=True, slots=True)
+class Figures:
+    """What became of the messages since the last figures, by topic."""
+
+    by_topic: Mapping[str, Mapping[str, Any]]
+
+
+@dataclass(frozen=True, slots=True)
+class RecordedEvent:
+    """An event to be told to the service: `values` are the fields of a GuardEvent."""
+
+    kind: EventKind
+    level: GuardEventLevel
+    values: Mapping[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class AlarmChange:
+    """An alarm was raised in the command process, or cleared there."""
+
+    alarm: Alarm
+    active: bool
+
+
+@dataclass(frozen=True, slots=True)
+class NewListener:
+    """A node has begun to hear a private output."""
+
+    topic: str
+    node: str
+
+
+@dataclass(frozen=True, slots=True)
+class ShutdownRequest:
+    """Somebody told a node of the command process to shut down (ROS 1)."""
+
+    node: str
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class SettingsAnswer:
+    """Why settings could not be put in force, or nothing."""
+
+    revision: int
+    error: str
+
+
+@dataclass(frozen=True, slots=True)
+class BoardChanged:
+    """An event's record on the board has changed."""
+
+
+@dataclass(frozen=True, slots=True)
+class ApplySettings:
+    """Put settings in force, and answer."""
+
+    settings: Settings
+
+
+@dataclass(frozen=True, slots=True)
+class HoldStream:
+    """Let nothing of a stream pass and keep the robot stopped."""
+
+    topic: str
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class ReleaseStream:
+    """Let pass again what the policies let pass."""
+
+    topic: str
+
+
+@dataclass(frozen=True, slots=True)
+class RepeatStop:
+    """Tell a stop to a node that has just begun to listen."""
+
+    topic: str
+
+
+@dataclass(frozen=True, slots=True)
+class RegisterNode:
+    """Register a node again: somebody else has taken its name (ROS 1)."""
+
+    name: str

@@ -1,0 +1,68 @@
+"""The settings that one process of the guard has in force, and why it has refused others."""
+
+import logging
+import time
+from dataclasses import replace
+
+from rtron.errors import InputError, RTronError
+from rtron.guard.link.options import LinkOptions
+from rtron.guard.link.settings_file import read_settings
+from rtron.guard.settings.applier import SettingsApplier
+from rtron.vocabulary import Settings
+
+log = logging.getLogger(__name__)
+
+
+class SettingsInForce:
+    """Puts settings in force or refuses them; an emergency stop is never refused."""
+
+    def __init__(self, applier: SettingsApplier) -> None:
+        self.current = Settings(revision=applier.revision)
+        self.refusal = ""
+        """Why settings were refused last, with their revision."""
+        self._applier = applier
+
+    @property
+    def revision(self) -> int:
+        """The revision in force."""
+        return self._applier.revision
+
+    @property
+    def is_stopped(self) -> bool:
+        """Whether the emergency stop keeps the robot from moving."""
+        return self._applier.is_stopped
+
+    def apply(self, settings: Settings) -> str:
+        """Put settings in force; return why that is not possible, or nothing."""
+        try:
+            self._applier.apply(settings, time.time_ns())
+        except RTronError as error:
+            self.refuse(settings, str(error))
+            return str(error)
+        self.current = settings
+        log.info("settings: revision %d is in force", settings.revision)
+        return ""
+
+    def refuse(self, settings: Settings, why: str) -> None:
+        """Put nothing of settings in force but their stop, beside what is in force."""
+        self.refusal = f"revision {settings.revision} is refused: {why}"
+        log.error("settings: %s", self.refusal)
+        if settings.stop:
+            self.current = replace(self.current, stop=settings.stop)
+            self._applier.apply(self.current, time.time_ns())
+
+
+def settings_at_start(settings: SettingsInForce, options: LinkOptions) -> None:
+    """Put the last settings in force that the service has sent, before the guard opens."""
+    _prepare_folders(options)
+    saved = read_settings(options.settings_file, time.time_ns())
+    if saved:
+        settings.apply(saved)
+
+
+def _prepare_folders(options: LinkOptions) -> None:
+    """Make the folders; a guard whose disk is full guards all the same."""
+    try:
+        options.prepare()
+    except InputError as error:
+        log.error("the link to the service will not work: %s", error)  # noqa: TRY400

@@ -1,0 +1,53 @@
+"""A document in memory that two processes share: one writes it, the other reads it at any time.
+
+It is written to the older of two halves, with a count and a CRC: a writer that dies in the middle
+leaves the document before readable, whatever order the other processor sees the bytes in.
+"""
+
+import mmap
+import struct
+import zlib
+
+_HEAD = struct.Struct("=QII")
+
+
+class DoubleBuffer:
+    """A document of at most `capacity` bytes; one process writes it."""
+
+    def __init__(self, memory: mmap.mmap, start: int, capacity: int) -> None:
+        self._memory = memory
+        self._capacity = capacity
+        self._halves = (start, start + _HEAD.size + capacity)
+        self._write_count = self.write_count()
+
+    @staticmethod
+    def size(capacity: int) -> int:
+        """Return how much memory a cell needs."""
+        return 2 * (_HEAD.size + capacity)
+
+    def write(self, document: bytes) -> bool:
+        """Write a document; False, and nothing is there any more, if it is too long."""
+        is_within_capacity = len(document) <= self._capacity
+        body = document if is_within_capacity else b""
+        self._write_count += 1
+        at = self._halves[self._write_count % 2] + _HEAD.size
+        self._memory[at : at + len(body)] = body
+        head = (self._write_count, len(body), zlib.crc32(body))
+        _HEAD.pack_into(self._memory, at - _HEAD.size, *head)
+        return is_within_capacity
+
+    def read(self) -> tuple[int, bytes]:
+        """Return how often was written, and the newest document that is whole; (0, empty) if none.
+
+        While this is read the writer may write twice; then the count is that of an older one.
+        """
+        return max(map(self._read_half, self._halves))
+
+    def write_count(self) -> int:
+        """Return how often was written, as far as the heads say."""
+        return max(int(_HEAD.unpack_from(self._memory, at)[0]) for at in self._halves)
+
+    def _read_half(self, at: int) -> tuple[int, bytes]:
+        count, length, crc = _HEAD.unpack_from(self._memory, at)
+        body = self._memory[at + _HEAD.size : at + _HEAD.size + min(length, self._capacity)]
+        return (count, body) if zlib.crc32(body) == crc else (0, b"")
