@@ -40,11 +40,11 @@ class ControlSocket:
         self._handler = handler
         self._sock = _listen(path)
         self._inode = _inode_of(path)
+        log.info("listening for overrides at %s", path)
 
     def open(self) -> None:
         """Serve from now on."""
         self._loop.watch(self._sock, self._accept, lambda error: None)
-        log.info("listening for overrides at %s", self._path)
 
     def close(self) -> None:
         """Stop listening; a socket that another process has put at the path stays."""

@@ -56,7 +56,8 @@ def run_bulk_process(plan: Plan, master: str, *, link: LinkOptions | None = None
     lane = CommandLane(loop, master, writer, coordinator.alarms)
     coordinator.on_observed = writer.refresh
     coordinator.other_statuses = lane.statuses
-    transport.set_supervisor(os.getppid)
+    parent = os.getppid()
+    transport.set_supervisor(lambda: lane.nodes.supervisor or parent)
     transport.set_unreadable_handler(UnreadableInputAlarms(coordinator.alarms, transport).report)
     transport.set_shutdown_handler(ShutdownRefusal(loop).handle)
     brakes = JoinedBrakes(AuditBrakes(coordinator, transport), lane)
@@ -67,7 +68,7 @@ def run_bulk_process(plan: Plan, master: str, *, link: LinkOptions | None = None
         settings_at_start(settings, link)
         parts.append(ServiceLink(plan, coordinator, settings, loop, link, lane))
     auditor = middleware.create_auditor(response, lane)
-    run_parts(loop, [*parts, auditor, lane, UnusedEnd(lane, loop)])
+    run_parts(loop, [*parts, AuditOfLanes(auditor, lane), lane, UnusedEnd(lane, loop)])
 
 
 def _observations(plan: Plan) -> Observations:
@@ -75,6 +76,22 @@ def _observations(plan: Plan) -> Observations:
     bulk = observations_of(bulk_part(plan))
     topics = observations_of(plan).publisher_topics
     return replace(bulk, node=f"{bulk.node}_events", publisher_topics=topics)
+
+
+class AuditOfLanes:
+    """Begins the audit when it can know the nodes of the command process, so none looks foreign."""
+
+    def __init__(self, auditor: Part, lane: CommandLane) -> None:
+        self._lane = lane
+        self._auditor = auditor
+
+    def open(self) -> None:
+        """Wait for the command process."""
+        self._lane.on_first_report = self._auditor.open
+
+    def close(self) -> None:
+        """End the audit."""
+        self._auditor.close()
 
 
 class UnusedEnd:

@@ -47,6 +47,9 @@ class CommandLane:
         """SourceError if the guard on `master` has another bulk process."""
         self.state = LaneState()
         self.nodes = NodesReport()
+        self.former_uris: frozenset[str] = frozenset()
+        """The URIs that the nodes of the command process before had (ROS 1)."""
+        self.on_first_report: Callable[[], None] = _do_nothing
         self.on_subscriber: Callable[[str, str], None] = lambda topic, node: None
         self.on_shutdown_request: Callable[[str, str], None] = lambda node, reason: None
         self._loop = loop
@@ -145,6 +148,7 @@ class CommandLane:
     def _on_lost(self) -> None:
         log.warning("the command process is gone")
         self._channel = None
+        self.former_uris = frozenset(self.nodes.uris.values())
         self.nodes, self.state = NodesReport(), LaneState()
         for change in self._alarms_there:
             self._alarms.mirror(change.alarm, self._loop.now(), active=False)
@@ -154,6 +158,8 @@ class CommandLane:
         match message:
             case StatusReport(statuses, nodes):
                 self._statuses, self.nodes = statuses, nodes
+                on_first_report, self.on_first_report = self.on_first_report, _do_nothing
+                on_first_report()
             case StateChange(state):
                 self.state = state
                 self._on_change()
@@ -199,6 +205,10 @@ def _bind(master: str) -> socket.socket:
     sock.listen()
     sock.settimeout(0)
     return sock
+
+
+def _do_nothing() -> None:
+    """Do nothing."""
 
 
 def _ignore(_error: str) -> None:

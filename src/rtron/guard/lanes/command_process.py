@@ -66,7 +66,8 @@ def run_command_process(
         handover=_handover_state(supervisor, heartbeat),
     )
     connection = BulkConnection(loop, master, board, coordinator)
-    reports = LaneReports(connection, coordinator, loop, middleware, len(build_streams(plan)))
+    topics = len(build_streams(plan))
+    reports = LaneReports(connection, coordinator, loop, middleware, supervisor, topics)
     orders = Orders(AuditBrakes(coordinator, transport), middleware.register_node)
     parts: list[Part] = [GraphPart(coordinator.open_nodes, transport), reports]
     if link:
@@ -82,7 +83,7 @@ def run_command_process(
     connection.on_order = orders.obey
     supervisor.attach(loop, coordinator)
     transport.set_unreadable_handler(UnreadableInputAlarms(coordinator.alarms, transport).report)
-    run_parts(loop, [*parts, connection, supervisor])
+    run_parts(loop, [connection, *parts, supervisor])
 
 
 def _handover_state(supervisor: SupervisorClient, heartbeat: HeartbeatFile) -> HandoverState:

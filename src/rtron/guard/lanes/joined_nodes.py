@@ -36,6 +36,10 @@ class JoinedNodes:
         """Return the URI of each node."""
         return self._own.node_uris() | dict(self._lane.nodes.uris)
 
+    def former_uris(self) -> frozenset[str]:
+        """Return the URIs of the nodes of the command process before this one."""
+        return self._lane.former_uris
+
     def subscribers(self, topic: str) -> set[str]:
         """Return the names that the connected subscribers of a topic give themselves."""
         return self._own.subscribers(topic) | self._lane.nodes.subscribers.get(topic, frozenset())

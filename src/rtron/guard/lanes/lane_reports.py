@@ -1,6 +1,7 @@
 """What the command process tells the bulk process for the diagnostics and the audit."""
 
 import logging
+from dataclasses import replace
 
 from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.event_loop import EventLoop
@@ -13,6 +14,7 @@ from rtron.guard.lanes.messages import (
 )
 from rtron.guard.middleware import Middleware
 from rtron.guard.node_shutdown import ShutdownRefusal
+from rtron.guard.supervision.supervisor_client import SupervisorClient
 from rtron.vocabulary import SECOND, Alarm
 
 log = logging.getLogger(__name__)
@@ -27,6 +29,7 @@ class LaneReports:
         host: Coordinator,
         loop: EventLoop,
         middleware: Middleware,
+        supervisor: SupervisorClient,
         topics: int,
     ) -> None:
         """`topics` is how many the guard has in all of its processes."""
@@ -34,6 +37,7 @@ class LaneReports:
         self._host = host
         self._loop = loop
         self._middleware = middleware
+        self._supervisor = supervisor
         self._topics = topics
         self._refusal = ShutdownRefusal(loop)
         self._has_connected = False
@@ -58,7 +62,8 @@ class LaneReports:
     def _report(self) -> None:
         if self._connection.is_connected:
             statuses = tuple(self._host.stream_statuses())
-            self._connection.send(StatusReport(statuses, self._middleware.report_nodes()))
+            nodes = replace(self._middleware.report_nodes(), supervisor=self._supervisor.supervisor)
+            self._connection.send(StatusReport(statuses, nodes))
 
     def _on_connect(self) -> None:
         if not self._has_connected:

@@ -14,13 +14,15 @@ class NodesReport:
     """The nodes of the command process in the graph.
 
     ROS 1: the `uris` of its nodes, their TCPROS `port`, and who has subscribed each private
-    output. ROS 2: its `participant`, the first bytes of the GIDs.
+    output. ROS 2: its `participant`, the first bytes of the GIDs. `supervisor` is the process id of
+    the guard's supervisor, 0 if there is none.
     """
 
     uris: Mapping[str, str] = field(default_factory=dict)
     port: int = 0
     subscribers: Mapping[str, frozenset[str]] = field(default_factory=dict)
     participant: bytes = b""
+    supervisor: int = 0
 
 
 @dataclass(frozen=True, slots=True)

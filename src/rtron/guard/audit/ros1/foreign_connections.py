@@ -35,6 +35,7 @@ class NodeAddresses:
         self.ports = ports
         self._publishers: dict[str, str] = {}
         self._former_publishers: dict[str, str] = {}
+        self.former_guard_uris: frozenset[str] = frozenset()
 
     def node_of(self, connection: BusConnection) -> str:
         """Return whose connection it is, empty if nobody's who is known.
@@ -61,8 +62,8 @@ class NodeAddresses:
         return next((uri for uri, name in self._publishers.items() if name == node), "")
 
     def is_former(self, uri: str) -> bool:
-        """Tell whether a planned publisher has had this address before."""
-        return uri in self._former_publishers
+        """Tell whether a planned publisher, or a guard that has ended, had this address before."""
+        return uri in self._former_publishers or uri in self.former_guard_uris
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

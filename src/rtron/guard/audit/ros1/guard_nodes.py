@@ -24,6 +24,10 @@ class GuardNodes(Protocol):
         """Return the URI of each node."""
         ...
 
+    def former_uris(self) -> frozenset[str]:
+        """Return the URIs of nodes of ours that have ended; subscribers may still have them."""
+        ...
+
     def subscribers(self, topic: str) -> set[str]:
         """Return the names that the connected subscribers of a topic give themselves."""
         ...

@@ -15,6 +15,7 @@ from rtron.guard.audit.ros1.foreign_connections import (
     PeerIdentity,
     foreign_connection_alarm,
     foreign_connections,
+    normalise_uri,
     planned_sources,
 )
 from rtron.guard.audit.ros1.guard_nodes import GuardNodes
@@ -87,6 +88,7 @@ class Intrusions:
             uri.rstrip("/"): node for node, uri in self._guard.node_uris().items()
         }
         self._addresses.ports = self._guard.ports
+        self._addresses.former_guard_uris = frozenset(map(normalise_uri, self._guard.former_uris()))
         return self._addresses
 
     def update(self, node: AuditedNode) -> None:

@@ -123,6 +123,10 @@ class Ros1Transport:
         """Return the URI of each node of ours."""
         return {name: node.uri for name, node in self._nodes.items()}
 
+    def former_uris(self) -> frozenset[str]:
+        """Return nothing: this process and its nodes end together."""
+        return frozenset()
+
     def subscribers(self, topic: str) -> set[str]:
         """Return the names that the connected subscribers of a topic give themselves."""
         publication = self._publications.get(topic)

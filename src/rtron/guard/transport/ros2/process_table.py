@@ -104,10 +104,11 @@ class ProcessTable:
         return None if ended else (pid, int(stat[_START_TIME]))
 
     def is_related(self, pid: int) -> bool:
-        """Return whether a process supervises this one, has started it, or was started by it."""
+        """Return whether a process is our supervisor or our parent, or a child of ours or of it."""
         with suppress(OSError):  # the process has ended
-            near = (self.supervisor(), os.getppid())
-            return pid in near or int(self._stat(pid)[_PARENT]) == os.getpid()
+            supervisor = self.supervisor()
+            parents = {os.getpid(), supervisor} - {0}
+            return pid in (supervisor, os.getppid()) or int(self._stat(pid)[_PARENT]) in parents
         return False
 
     def _running(self, known: dict[int, int | None]) -> Iterator[tuple[int, int | None]]:
