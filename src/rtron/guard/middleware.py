@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from rtron.guard.audit.common.alarm_response import AlarmResponse
+    from rtron.guard.audit.ros1.guard_nodes import GuardNodes
     from rtron.guard.core.event_loop import EventLoop
     from rtron.guard.lanes.command_lane import CommandLane
     from rtron.guard.runner import Part
@@ -69,7 +70,10 @@ class Ros1Middleware:
 
     def create_auditor(self, response: AlarmResponse, lane: CommandLane | None) -> Part:
         """Return an audit that asks the nodes and the master."""
-        nodes = JoinedNodes(self.transport, lane) if lane else self.transport
+        nodes: GuardNodes = self.transport
+        if lane:
+            nodes = JoinedNodes(self.transport, lane)
+            self.transport.other_pids = lane.pids
         return Ros1Auditor(self._plan, self.transport.master, nodes, response, self._loop)
 
 

@@ -4,11 +4,13 @@ from dataclasses import replace
 
 from rtron.vocabulary import (
     GRCN,
+    GUARD_NODE,
     CoordinationKind,
     Plan,
     Stream,
     StreamKind,
     build_streams,
+    stage_nodes,
 )
 
 
@@ -38,3 +40,12 @@ def _moves_robot(stream: Stream) -> bool:
         or stage.settings.kind is not StreamKind.STATE
         for stage in stream.stages
     )
+
+
+def lane_nodes(plan: Plan) -> tuple[frozenset[str], frozenset[str]]:
+    """Return the nodes of the command process and those of the bulk process, without monitors'."""
+    command, bulk = (
+        {node for stream in build_streams(part) for node in stage_nodes(stream)}
+        for part in (command_part(plan), bulk_part(plan))
+    )
+    return frozenset(command), frozenset(bulk | {GUARD_NODE})

@@ -63,6 +63,11 @@ def query_process_id(uri: str, caller: str, timeout: float) -> int:
     return parse_process_id(ros_call(uri, "getPid", caller, timeout=timeout))
 
 
+def query_guard_pids(uri: str, caller: str, timeout: float) -> frozenset[int]:
+    """Ask the guard's own node for the ids of all processes of the guard."""
+    return parse_process_ids(ros_call(uri, "getGuardPids", caller, timeout=timeout))
+
+
 def query_bus_info(uri: str, caller: str, timeout: float) -> object:
     """Ask a node for its connections; `parse_bus_info` reads the answer."""
     return ros_call(uri, "getBusInfo", caller, timeout=timeout)
@@ -115,6 +120,13 @@ def parse_process_id(reply: object) -> int:
     if isinstance(reply, bool) or not isinstance(reply, int) or reply <= 0:
         raise WireError("the process id is not a positive number")
     return reply
+
+
+def parse_process_ids(reply: object) -> frozenset[int]:
+    """Read the answer of getGuardPids; WireError if it is no list of process ids."""
+    if not isinstance(reply, list):
+        raise WireError("the process ids are no list")
+    return frozenset(map(parse_process_id, reply))
 
 
 def parse_text(reply: object) -> str:

@@ -346,7 +346,7 @@ def test_a_node_that_does_not_answer_cannot_be_told():
     [
         ({"uris": {}}, "is not running"),
         ({"pids": {"/rtron_guard": 9}}, "does not answer"),
-        ({"pids": {"/rtron_guard": 9, GUARD: 8}}, "taken its name"),
+        ({"pids": {"/rtron_guard": 9, GUARD: 8}, "guard_pids": {9, 7}}, "taken its name"),
         ({"publishers": [(OUT, "/rogue")]}, "/rogue registered"),
     ],
 )

@@ -11,11 +11,12 @@ from rtron.guard.audit.ros1.expected_graph import ExpectedGraph
 from rtron.guard.audit.ros1.foreign_connections import parse_connections
 from rtron.guard.audit.ros1.registrations import guarded_subscribers, select_registrations
 from rtron.guard.audit.ros1.verification import ApiAnswers, pinged_nodes, queried_nodes, verify
-from rtron.vocabulary import Plan
+from rtron.vocabulary import GUARD_NODE, Plan
 from rtron.vocabulary.verification import Verification
 from rtron.wire.ros1.ros_api import (
     parse_bus_peers,
     query_bus_info,
+    query_guard_pids,
     query_node_uri,
     query_process_id,
     query_system_state,
@@ -65,6 +66,13 @@ def _query_app(expected: ExpectedGraph, master: str, timeout: float) -> ApiAnswe
             _select(uris, pinged_nodes(expected, listed)),
             lambda uri: query_process_id(uri, _CALLER, timeout),
             timeout,
+        ),
+        guard_pids=frozenset().union(
+            *_query_all(
+                _select(uris, frozenset({GUARD_NODE})),
+                lambda uri: query_guard_pids(uri, _CALLER, timeout),
+                timeout,
+            ).values()
         ),
     )
 

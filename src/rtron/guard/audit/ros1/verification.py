@@ -15,7 +15,7 @@ from rtron.guard.audit.ros1.foreign_connections import (
     planned_sources,
 )
 from rtron.guard.audit.ros1.registrations import MasterRegistrations, foreign_publisher_alarms
-from rtron.vocabulary import GUARD_NODE, Plan, TopicAccess, matches_node
+from rtron.vocabulary import Plan, TopicAccess, matches_node
 from rtron.vocabulary.verification import (
     GuardedPath,
     PathState,
@@ -36,7 +36,7 @@ class ApiAnswers:
     `connections` and `pids` lack a node that does not answer, `uris` one that the master does not
     know. `nodes` are all that the master lists, `guard_peers` are topics and whom the guard's nodes
     are connected to on them, as these call themselves: only the guard knows of them after a restart
-    of the master.
+    of the master. `guard_pids` are the guard's processes.
     """
 
     state: MasterRegistrations
@@ -46,6 +46,7 @@ class ApiAnswers:
     uris: Mapping[str, str] = field(default_factory=dict)
     connections: Mapping[str, frozenset[BusConnection]] = field(default_factory=dict)
     pids: Mapping[str, int] = field(default_factory=dict)
+    guard_pids: frozenset[int] = frozenset()
 
 
 def verify(plan: Plan, answers: ApiAnswers) -> Verification:
@@ -192,9 +193,8 @@ def _problems(expected: ExpectedGraph, answers: ApiAnswers) -> Iterator[str]:
             yield f"the guard's node {node} is not running"
         elif node not in answers.pids:
             yield f"the guard's node {node} does not answer"
-    guard = answers.pids.get(GUARD_NODE)
     for node in sorted(answers.pids.keys() & expected.guard_nodes):
-        if guard is not None and answers.pids[node] != guard:
+        if answers.guard_pids and answers.pids[node] not in answers.guard_pids:
             yield f"{node} is no node of the guard: another process has taken its name"
     yield from (alarm.reason for alarm in foreign_publisher_alarms(answers.state, expected))
 

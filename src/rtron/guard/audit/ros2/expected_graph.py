@@ -7,6 +7,7 @@ like (design.ros2.org: Topic and Service name mapping to DDS); they are kept by 
 from collections.abc import Iterator
 
 from rtron.guard.audit.common.guard_inputs import GuardInput, allows_anybody, matches_any
+from rtron.guard.lanes.assignment import lane_nodes
 from rtron.vocabulary import (
     GUARD_NODE,
     PRIVATE_ROOT,
@@ -38,6 +39,7 @@ class ExpectedGraph:
     `enforcing_nodes` are the guard's nodes on these streams, `guard_nodes` all of its nodes and the
     supervisor's.
     `outputs` are the private outputs by their public names, `types` the streams' types by theirs.
+    `lanes` are the nodes of the command process and of the bulk process.
     """
 
     def __init__(self, plan: Plan) -> None:
@@ -56,6 +58,7 @@ class ExpectedGraph:
         self.guard_nodes = self.enforcing_nodes.union(
             {SUPERVISOR_NODE}, *map(stage_nodes, build_streams(plan))
         )
+        self.lanes = lane_nodes(plan)
         named = {name for t in self.topics.values() for name in (*t.publishers, *t.subscribers)}
         self._planned_nodes = tuple(sorted(named - self.guard_nodes - {ANY_NODE}))
 

@@ -37,6 +37,9 @@ if TYPE_CHECKING:
 
 _NO_NAME = "somebody listens whose node the domain does not name"
 
+_PROCESSES = 3
+"""The command process, the bulk process and the supervisor."""
+
 
 @dataclass(frozen=True, slots=True)
 class _Comparison:
@@ -71,16 +74,15 @@ def verify_ros2(plan: Plan, observed: ObservedGraph) -> Verification:
 
 
 def find_guard_participants(expected: ExpectedGraph, observed: ObservedGraph) -> Participants:
-    """Return the participant with most endpoints of the guard's nodes, and the one supervisor's."""
-    found = observed.participants
-    counts = Counter(
-        endpoint.participant
-        for endpoint in observed.endpoints
-        if endpoint.node in expected.guard_nodes and endpoint.node != SUPERVISOR_NODE
-    )
-    guard = {max(counts, key=lambda each: (counts[each], each))} if counts else set()
-    supervisors = found.get(SUPERVISOR_NODE, set())
+    """Return the participant with most endpoints of each process's nodes, and the supervisor's."""
+    guard = {found for nodes in expected.lanes if (found := _main_participant(nodes, observed))}
+    supervisors = observed.participants.get(SUPERVISOR_NODE, set())
     return frozenset(guard | (supervisors if len(supervisors) == 1 else set()))
+
+
+def _main_participant(nodes: frozenset[str], observed: ObservedGraph) -> bytes | None:
+    counts = Counter(each.participant for each in observed.endpoints if each.node in nodes)
+    return max(counts, key=lambda each: (counts[each], each), default=None)
 
 
 def find_duplicate_names(observed: ObservedGraph) -> dict[str, frozenset[bytes]]:
@@ -262,9 +264,9 @@ def _name_problems(comparison: _Comparison) -> Iterator[str]:
 
 
 def _max_nodes(comparison: _Comparison, node: str) -> int:
-    """Return how many nodes may have a name: the supervisor, too, sees the graph as the guard."""
+    """Return how many nodes may have a name: each process of the guard sees the graph as one."""
     supervised = SUPERVISOR_NODE in comparison.observed.nodes or not comparison.has_supervisor_node
-    return 2 if node == GUARD_NODE and supervised else 1
+    return _PROCESSES if node == GUARD_NODE and supervised else 1
 
 
 def _hex_ids(participants: set[bytes] | frozenset[bytes]) -> tuple[str, ...]:
