@@ -59,8 +59,9 @@ class Coordinator:
         *,
         dry_run: bool = False,
         handover: HandoverState | None = None,
+        node: str = GUARD_NODE,
     ) -> None:
-        """`handover` is the state that the guard before has left."""
+        """`handover` is the state that the guard before has left; `node` publishes the reports."""
         self.observations = observations or Observations()
         self.alarms = Alarms()
         self.emergency = ""
@@ -71,6 +72,7 @@ class Coordinator:
         """Tells the state of the streams that another process of the guard carries."""
         self._transport = transport
         self._dry_run = dry_run
+        self._node = node
         self._handover = handover or HandoverState()
         self.streams = [self._create_stream(stream) for stream in streams]
         self._connect_simple_goals()
@@ -86,21 +88,18 @@ class Coordinator:
     def open(self) -> None:
         """Join the graph with every coordination node, and start to report."""
         self.open_nodes()
-        self._open_reports()
+        for monitor in self.observations.monitors:
+            self._advertise_rate(monitor.id)
+        self._report_periodically()
 
     def open_nodes(self) -> None:
         """Join the graph with every coordination node; each tells who is in control."""
         self.open_streams()
+        diagnostics = DIAGNOSTICS[self._transport.encoding]
+        self._diagnostics = self._advertise(self._node, "/diagnostics", diagnostics.type)
+        self._diagnostics.learn_type(diagnostics)
         for stream in self.streams:
             self._publish_owner(stream)
-
-    def _open_reports(self) -> None:
-        for monitor in self.observations.monitors:
-            self._advertise_rate(monitor.id)
-        diagnostics = DIAGNOSTICS[self._transport.encoding]
-        self._diagnostics = self._advertise(GUARD_NODE, "/diagnostics", diagnostics.type)
-        self._diagnostics.learn_type(diagnostics)
-        self._publish_diagnostics()
 
     def open_streams(self) -> None:
         """Join the graph without reports: a recording has no reader of them."""
@@ -264,12 +263,15 @@ class Coordinator:
         output.publish(float64_message(self._transport.encoding, fps))
         self._transport.call_at(now + _FPS_PERIOD, partial(self._publish_rate, monitor, output))
 
-    def _publish_diagnostics(self) -> None:
-        now = self._transport.now()
-        self._transport.call_at(now + SECOND, self._publish_diagnostics)
+    def _report_periodically(self) -> None:
+        self._transport.call_at(self._transport.now() + SECOND, self._report_periodically)
+        self.publish_diagnostics(self.statuses())
+
+    def publish_diagnostics(self, statuses: Sequence[Status]) -> None:
+        """Publish the state of the guard, or of a part of it."""
         if self._diagnostics is not None:
             self._report_number += 1
-            fields = (self._report_number, time.time_ns(), self.statuses())
+            fields = (self._report_number, time.time_ns(), statuses)
             self._diagnostics.publish(diagnostics_message(self._transport.encoding, *fields))
 
 

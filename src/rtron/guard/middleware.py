@@ -10,10 +10,9 @@ from rtron.guard.lanes.messages import NodesReport
 from rtron.guard.transport.factory import open_ros1_transport, open_ros2_transport
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterable
 
     from rtron.guard.audit.common.alarm_response import AlarmResponse
-    from rtron.guard.audit.ros1.guard_nodes import GuardNodes
     from rtron.guard.core.event_loop import EventLoop
     from rtron.guard.lanes.command_lane import CommandLane
     from rtron.guard.runner import Part
@@ -43,6 +42,10 @@ class Middleware(Protocol):
         """Call `handler` with a topic and a node that begins to hear it, where only we see that."""
         ...
 
+    def set_other_pids(self, pids: Callable[[], Iterable[int]]) -> None:
+        """Take the ids of the guard's other processes, for who asks our nodes."""
+        ...
+
     def create_auditor(self, response: AlarmResponse, lane: CommandLane | None) -> Part:
         """Return an audit of the graph; it knows the nodes of a command process beside this one."""
         ...
@@ -68,12 +71,13 @@ class Ros1Middleware:
         """Call `handler` with each node that has connected."""
         self.transport.on_subscriber = handler
 
+    def set_other_pids(self, pids: Callable[[], Iterable[int]]) -> None:
+        """Let our nodes tell them to `rtron verify`."""
+        self.transport.other_pids = pids
+
     def create_auditor(self, response: AlarmResponse, lane: CommandLane | None) -> Part:
         """Return an audit that asks the nodes and the master."""
-        nodes: GuardNodes = self.transport
-        if lane:
-            nodes = JoinedNodes(self.transport, lane)
-            self.transport.other_pids = lane.pids
+        nodes = JoinedNodes(self.transport, lane) if lane else self.transport
         return Ros1Auditor(self._plan, self.transport.master, nodes, response, self._loop)
 
 
@@ -93,6 +97,9 @@ class Ros2Middleware:
 
     def set_listener_handler(self, handler: Callable[[str, str], None]) -> None:
         """Do nothing: the audit sees it in the graph."""
+
+    def set_other_pids(self, pids: Callable[[], Iterable[int]]) -> None:
+        """Do nothing: a participant tells its process."""
 
     def create_auditor(self, response: AlarmResponse, lane: CommandLane | None) -> Part:
         """Return an audit that looks at the graph."""

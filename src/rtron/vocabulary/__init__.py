@@ -86,6 +86,7 @@ from rtron.vocabulary.launch import (
     Remap,
 )
 from rtron.vocabulary.names import (
+    BULK_NODE,
     GUARD_NODE,
     PRIVATE_ROOT,
     SUPERVISOR_NODE,
@@ -172,6 +173,7 @@ from rtron.vocabulary.velocity import TWIST_COMPONENTS, Velocity
 from rtron.vocabulary.wiring import WiringFact, WiringFactKind
 
 __all__ = [
+    "BULK_NODE",
     "GRAPH_SCHEMA",
     "GRCN",
     "GUARD_NODE",

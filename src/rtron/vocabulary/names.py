@@ -5,6 +5,7 @@ from fnmatch import fnmatchcase
 
 PRIVATE_ROOT = "/rtron"
 GUARD_NODE = "/rtron_guard"
+BULK_NODE = "/rtron_bulk"
 SUPERVISOR_NODE = "/rtron_supervisor"
 
 

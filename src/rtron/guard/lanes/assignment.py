@@ -3,8 +3,8 @@
 from dataclasses import replace
 
 from rtron.vocabulary import (
+    BULK_NODE,
     GRCN,
-    GUARD_NODE,
     CoordinationKind,
     Plan,
     Stream,
@@ -48,4 +48,4 @@ def lane_nodes(plan: Plan) -> tuple[frozenset[str], frozenset[str]]:
         {node for stream in build_streams(part) for node in stage_nodes(stream)}
         for part in (command_part(plan), bulk_part(plan))
     )
-    return frozenset(command), frozenset(bulk | {GUARD_NODE})
+    return frozenset(command), frozenset(bulk | {BULK_NODE})

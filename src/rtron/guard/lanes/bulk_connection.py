@@ -53,6 +53,10 @@ class BulkConnection:
         """Whether a bulk process is there."""
         return self._channel is not None
 
+    def pids(self) -> list[int]:
+        """Return the id of the bulk process, while it is connected."""
+        return [self._pid] if self._channel else []
+
     def open(self) -> None:
         """Connect, now or as soon as a bulk process listens, and look at its board."""
         self._connect()

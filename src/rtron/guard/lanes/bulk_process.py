@@ -26,7 +26,7 @@ from rtron.guard.node_shutdown import ShutdownRefusal
 from rtron.guard.runner import GraphPart, Part, raise_file_limit, run_parts
 from rtron.guard.settings.applier import SettingsApplier
 from rtron.guard.settings.in_force import SettingsInForce, settings_at_start
-from rtron.vocabulary import Plan, build_streams
+from rtron.vocabulary import BULK_NODE, Plan, build_streams
 
 if TYPE_CHECKING:
     from rtron.guard.core.observations import Observations
@@ -51,7 +51,8 @@ def run_bulk_process(plan: Plan, master: str, *, link: LinkOptions | None = None
     middleware = open_middleware(plan, master, loop)
     transport = middleware.transport
     observations = _observations(plan)
-    coordinator = Coordinator(transport, build_streams(bulk_part(plan)), observations)
+    streams = build_streams(bulk_part(plan))
+    coordinator = Coordinator(transport, streams, observations, node=BULK_NODE)
     writer = BoardWriter(observations, loop)
     lane = CommandLane(loop, master, writer, coordinator.alarms)
     coordinator.on_observed = writer.refresh

@@ -64,7 +64,6 @@ class CommandLane:
         self._record: RecordEvent | None = None
         self._on_change: Callable[[], None] = lambda: None
         self._channel: MessageChannel | None = None
-        self._pid = 0
         self._server = _bind(master)
 
     @property
@@ -90,10 +89,6 @@ class CommandLane:
             text = "the command process is not connected: nothing that moves the robot passes"
             return [Status(ERROR, "rtron: command process", text, {})]
         return list(self._statuses)
-
-    def pids(self) -> list[int]:
-        """Return its process id, while it is connected."""
-        return [self._pid] if self._channel else []
 
     def participants(self) -> frozenset[bytes]:
         """Return its participant in the graph of ROS 2."""
@@ -137,13 +132,11 @@ class CommandLane:
 
     def _accept(self) -> None:
         sock, _ = self._server.accept()
-        pid, uid = peer_credentials(sock)
-        if uid != os.getuid():
+        if peer_credentials(sock)[1] != os.getuid():
             sock.close()
             return
         if self._channel:
             self._channel.close()
-        self._pid = pid
         with suppress(OSError):  # it has ended at once, which the channel sees
             socket.send_fds(sock, [GREETING], [self._writer.board.descriptor])
         self._channel = MessageChannel(self._loop, sock, self._on_message, self._on_lost)

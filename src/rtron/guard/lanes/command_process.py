@@ -81,6 +81,7 @@ def run_command_process(
         parts.append(socket)
         heartbeat.beat(loop)
     connection.on_order = orders.obey
+    middleware.set_other_pids(connection.pids)
     supervisor.attach(loop, coordinator)
     transport.set_unreadable_handler(UnreadableInputAlarms(coordinator.alarms, transport).report)
     run_parts(loop, [connection, *parts, supervisor])

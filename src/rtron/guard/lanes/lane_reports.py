@@ -5,6 +5,7 @@ from dataclasses import replace
 
 from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.core.report_messages import ERROR, Status
 from rtron.guard.lanes.bulk_connection import BulkConnection
 from rtron.guard.lanes.messages import (
     AlarmChange,
@@ -18,6 +19,13 @@ from rtron.guard.supervision.supervisor_client import SupervisorClient
 from rtron.vocabulary import SECOND, Alarm
 
 log = logging.getLogger(__name__)
+
+_ALONE = Status(
+    ERROR,
+    "rtron: bulk process",
+    "not connected: frame rates and events are not known, states do not pass, nothing is audited",
+    {},
+)
 
 
 class LaneReports:
@@ -60,8 +68,10 @@ class LaneReports:
         self._report()
 
     def _report(self) -> None:
-        if self._connection.is_connected:
-            statuses = tuple(self._host.stream_statuses())
+        statuses = tuple(self._host.stream_statuses())
+        if not self._connection.is_connected:
+            self._host.publish_diagnostics([_ALONE, *statuses])
+        else:
             nodes = replace(self._middleware.report_nodes(), supervisor=self._supervisor.supervisor)
             self._connection.send(StatusReport(statuses, nodes))
 

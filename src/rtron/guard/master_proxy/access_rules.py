@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from rtron.errors import WireError
-from rtron.vocabulary import GUARD_NODE, PRIVATE_ROOT, SUPERVISOR_NODE, TopicAccess
+from rtron.vocabulary import BULK_NODE, GUARD_NODE, PRIVATE_ROOT, SUPERVISOR_NODE, TopicAccess
 from rtron.vocabulary.names import matches_node
 from rtron.wire.ros1.xmlrpc import split_uri
 
@@ -51,7 +51,7 @@ def denial_reason(topics: Topics, method: str, params: Sequence[Any]) -> str:
 
 def is_guard_name(node: str) -> bool:
     """Tell whether a node name is one that only the guard goes by."""
-    return node in (GUARD_NODE, SUPERVISOR_NODE) or is_private_name(node)
+    return node in (GUARD_NODE, BULK_NODE, SUPERVISOR_NODE) or is_private_name(node)
 
 
 def is_private_name(name: str) -> bool:

@@ -16,7 +16,7 @@ from ipaddress import ip_address
 from rtron.errors import RTronError, SourceError, WireError
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.master_proxy.access_rules import ROSOUT, is_guard_name
-from rtron.vocabulary import GUARD_NODE, SUPERVISOR_NODE, TopicAccess
+from rtron.vocabulary import BULK_NODE, GUARD_NODE, SUPERVISOR_NODE, TopicAccess
 from rtron.vocabulary.names import matches_node
 from rtron.vocabulary.topic_access import ANY_NODE
 from rtron.wire.ros1.ros_api import query_node_uri, query_process_id
@@ -55,7 +55,7 @@ class NameRegistry:
         self._loop = loop
         self._private = private
         named = {name for each in topics for name in (*each.publishers, *each.subscribers)}
-        guards = {GUARD_NODE, SUPERVISOR_NODE} if topics else set()
+        guards = {GUARD_NODE, BULK_NODE, SUPERVISOR_NODE} if topics else set()
         self._guard_names = sorted(guards.union(filter(is_guard_name, named)))
         self._planned_names = (
             sorted((named | {ROSOUT}) - {ANY_NODE, *self._guard_names}) if topics else []

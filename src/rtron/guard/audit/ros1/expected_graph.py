@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 from rtron.guard.audit.common.guard_inputs import GuardInput
 from rtron.vocabulary import (
+    BULK_NODE,
     GUARD_NODE,
     PRIVATE_ROOT,
     Mode,
@@ -32,7 +33,7 @@ class ExpectedGraph:
         enforced = [stream for stream in build_streams(plan) if stream.mode is Mode.ENFORCE]
         self.inputs = tuple(way for stream in enforced for way in _inputs(stream))
         self.enforcing_nodes = frozenset(
-            {GUARD_NODE, *(n for each in enforced for n in stage_nodes(each))}
+            {GUARD_NODE, BULK_NODE, *(n for each in enforced for n in stage_nodes(each))}
         )
         self.guard_nodes = self.enforcing_nodes.union(*map(stage_nodes, build_streams(plan)))
         self.outputs = {

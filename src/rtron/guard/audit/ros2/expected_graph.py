@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from rtron.guard.audit.common.guard_inputs import GuardInput, allows_anybody, matches_any
 from rtron.guard.lanes.assignment import lane_nodes
 from rtron.vocabulary import (
+    BULK_NODE,
     GUARD_NODE,
     PRIVATE_ROOT,
     SUPERVISOR_NODE,
@@ -53,7 +54,7 @@ class ExpectedGraph:
         self.outputs = dict(pair for stream in enforced for pair in _outputs(stream))
         self.types = {each.topic: normalise_type(each.type) for each in enforced}
         self.enforcing_nodes = frozenset(
-            {GUARD_NODE, *(node for stream in enforced for node in stage_nodes(stream))}
+            {GUARD_NODE, BULK_NODE, *(node for stream in enforced for node in stage_nodes(stream))}
         )
         self.guard_nodes = self.enforcing_nodes.union(
             {SUPERVISOR_NODE}, *map(stage_nodes, build_streams(plan))
