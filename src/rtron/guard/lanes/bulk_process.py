@@ -26,7 +26,7 @@ from rtron.guard.node_shutdown import ShutdownRefusal
 from rtron.guard.runner import GraphPart, Part, raise_file_limit, run_parts
 from rtron.guard.settings.applier import SettingsApplier
 from rtron.guard.settings.in_force import SettingsInForce, settings_at_start
-from rtron.vocabulary import BULK_NODE, Plan, build_streams
+from rtron.vocabulary import BULK_NODE, SECOND, Plan, build_streams
 
 if TYPE_CHECKING:
     from rtron.guard.core.observations import Observations
@@ -37,7 +37,8 @@ log = logging.getLogger(__name__)
 _NICE = 5
 """Commands go before what is carried here (nice(2))."""
 _CHECK_S = 1.0
-_UNUSED_S = 3.0
+_UNSUPERVISED = 3 * SECOND
+_UNUSED = 30 * SECOND
 
 
 def run_bulk_process(plan: Plan, master: str, *, link: LinkOptions | None = None) -> None:
@@ -96,7 +97,7 @@ class AuditOfLanes:
 
 
 class UnusedEnd:
-    """Ends the process when its supervisor is gone and no command process has come for a while.
+    """Ends the process when no command process has come for a while, sooner without a supervisor.
 
     A command process goes on without its supervisor, and so does this one; the next supervisor's
     bulk process begins when this one has ended.
@@ -114,9 +115,13 @@ class UnusedEnd:
         now = self._loop.now()
         if self._lane.is_connected:
             self._used_at = now
-        elif os.getppid() != self._parent and now - self._used_at > _UNUSED_S * 1e9:
+        elif now - self._used_at > self._longest():
             log.warning("the guard is gone: its bulk process ends")
             self._loop.stop()
+
+    def _longest(self) -> int:
+        """Return how long nobody may need this process, ns."""
+        return _UNUSED if os.getppid() == self._parent else _UNSUPERVISED
 
     def close(self) -> None:
         """Look no more."""

@@ -66,7 +66,8 @@ class AuditedDriver:
     def __init__(self, master, stack):
         self._loop = EventLoop()
         stack.callback(self._loop.close)
-        alarms, guard = Alarms(), SimpleNamespace(node_uris=dict, ports=frozenset())
+        alarms = Alarms()
+        guard = SimpleNamespace(node_uris=dict, ports=frozenset(), former_uris=frozenset)
         brakes = AuditBrakes(Coordinator(MemoryTransport(), ()), MemoryTransport())
         nodes = AuditedNodes(self._loop, master, EXPECTED, PollSchedule(self._loop, SECOND))
         response = AlarmResponse(alarms, brakes, OnForeign.ALARM, dry_run=False)
