@@ -225,3 +225,17 @@ def test_what_does_not_trigger_changes_nothing_later(kind, what):
     bits = EventBits([event(**kind)])
     bits.by_name["eflow"].observe(what, 5)
     assert bits.deadline(5) is None
+
+
+@often
+@given(flows, happenings)
+def test_a_bit_that_takes_over_what_another_heard_is_the_same_at_every_moment(flow, steps):
+    heard, taken = (EventBits([flow]).by_name["eflow"] for _ in range(2))
+    now = 0
+    for gap, what in possible(steps):
+        now += gap
+        if what != WAIT:
+            tell(heard, what, now)
+        assert taken.restore(heard.state) is (what is True)
+        assert taken.value(now) is heard.value(now)
+        assert taken.next_change() == heard.next_change()

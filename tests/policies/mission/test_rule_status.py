@@ -10,7 +10,7 @@ from policy_runs import often
 from test_event_bits import WAIT, event, happenings, possible, tell
 
 from rtron.messages.expressions.condition import Condition
-from rtron.policies.mission.event_bits import EventBits
+from rtron.policies.mission.event_bits import EventBits, EventState
 from rtron.policies.mission.rule_status import MissionMonitor
 from rtron.vocabulary import MissionRule, WhenUnknown
 
@@ -436,3 +436,16 @@ def test_an_event_of_the_topic_that_is_required_meets_it():
     assert alarm.is_blocking
     say(made, 2, call=True)
     assert not alarm.is_blocking
+
+
+@pytest.mark.parametrize("required", ["b", "/t"])
+def test_an_obligation_may_be_met_by_an_event_that_another_process_has_heard(required):
+    made, standing, _ = one(Asked("a"), require=required)
+    made.restore("a", EventState(publishers=1, newest=1, judged=True, triggered=1, true_count=0))
+    made.update(1)
+    assert standing.is_blocking
+    heard = EventState(publishers=1, newest=2, judged=True, triggered=2, true_count=1)
+    made.restore("a", heard)
+    assert standing.is_blocking is (required == "b")
+    made.restore("a", heard)
+    assert standing.is_blocking is (required == "b")

@@ -90,6 +90,7 @@ class BulkConnection:
         if greeting != GREETING or not descriptors:
             raise WireError("the bulk process does not greet")
         self._pid = peer_credentials(sock)[0]
+        log.info("the bulk process is there, process %d", self._pid)
         self._loop.unwatch(sock)
         self._channel = MessageChannel(self._loop, sock, self._on_message, self._on_lost)
         observations = self._board.observations

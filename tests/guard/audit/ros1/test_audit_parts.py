@@ -260,7 +260,12 @@ def test_those_who_listen_are_guarded_and_others_are_not():
 
 
 def answers(rows, publishers=(), subscribers=((OUT, "/driver"),), **more):
-    uris = {"/rtron_guard": f"{OURS}0/", "/rtron_bulk": f"{OURS}1/", GUARD: f"{OURS}/", "/rogue": f"{THEIRS}/"}
+    uris = {
+        "/rtron_guard": f"{OURS}0/",
+        "/rtron_bulk": f"{OURS}1/",
+        GUARD: f"{OURS}/",
+        "/rogue": f"{THEIRS}/",
+    }
     given = {
         "state": listed([(OUT, GUARD), *publishers], subscribers),
         "uris": uris,
@@ -285,7 +290,10 @@ def test_a_closed_app_is_verified_if_all_of_it_was_seen():
 
 
 def test_a_publisher_that_the_master_still_lists_must_answer():
-    found = verify(PLAN, answers([row()], [(FLOW, "/nav")], pids={"/rtron_guard": 9, "/rtron_bulk": 7, GUARD: 9}))
+    found = verify(
+        PLAN,
+        answers([row()], [(FLOW, "/nav")], pids={"/rtron_guard": 9, "/rtron_bulk": 7, GUARD: 9}),
+    )
     assert state_of(found, "/nav") == (PathState.UNKNOWN, ())
 
 

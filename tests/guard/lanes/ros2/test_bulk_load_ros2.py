@@ -1,0 +1,79 @@
+"""Pictures of megabytes through the guard, and commands beside them that must not wait."""
+
+import os
+import re
+import signal
+
+import pytest
+from harness import lives, wait_for
+from ros2_plans import driving, telling, written
+
+from rtron.vocabulary import SECOND, flow_topic, output_topic
+
+pytestmark = pytest.mark.ros2
+PICTURE_BYTES, PICTURE_RATE = 10_000_000, 10
+COMMANDS = 300
+MOST_DELAY_S = 0.1
+PLAN = written(
+    driving("nav", silent_after=8 * SECOND),
+    telling("/image", "sensor_msgs/msg/Image", "/viewer", "camera"),
+)
+NAV, OUT = flow_topic("/cmd_vel", "nav"), output_topic("/cmd_vel")
+PICTURE, SEEN = flow_topic("/image", "camera"), output_topic("/image")
+
+
+def last_count(log, topic):
+    """Return how many messages of a topic were heard, and the longest gap between two, s."""
+    found = re.findall(rf"heard {re.escape(topic)} (\d+) (\S+)", log)
+    return (int(found[-1][0]), float(found[-1][1])) if found else (0, 0.0)
+
+
+@pytest.fixture
+def guard(ros2):
+    plan = ros2.folder / "rtron.yaml"
+    plan.write_text(PLAN)
+    guard = ros2.rtron("guard", "--plan", plan)
+    wait_for(lambda: "guarding 2 topics" in guard.log or guard.ended, what="the guard")
+    assert not guard.ended, guard.log
+    return guard
+
+
+@pytest.fixture
+def base(ros2, guard):
+    """Return the driver, which hears the navigation before and behind the guard."""
+    ends = (f"{NAV}=geometry_msgs/Twist", f"{OUT}=geometry_msgs/Twist")
+    driver = ros2.node("gap_meter.py", *ends, name="/driver")
+    ros2.node("twist_publisher.py", NAV, "0.5", "20", name="/nav")
+    wait_for(lambda: last_count(driver.log, OUT)[0] > 50, what="the navigation")
+    return driver
+
+
+def test_commands_do_not_wait_for_pictures(ros2, base):
+    viewer = ros2.node("gap_meter.py", f"{SEEN}=sensor_msgs/Image", name="/viewer")
+    ros2.node("image_publisher.py", PICTURE, PICTURE_BYTES, PICTURE_RATE, name="/camera")
+    wait_for(lambda: last_count(viewer.log, SEEN)[0] > 3, what="pictures behind the guard")
+    before = last_count(base.log, OUT)[0]
+    wait_for(lambda: last_count(base.log, OUT)[0] > before + COMMANDS, what="commands", limit_s=120)
+    heard, gap_before = last_count(base.log, NAV)
+    passed, gap_behind = last_count(base.log, OUT)
+    assert abs(heard - passed) <= 2
+    assert gap_behind <= gap_before + MOST_DELAY_S
+
+
+def bulk_process(guard):
+    """Return the process that carries pictures, as the log says."""
+    return int(re.findall(r"the bulk process is there, process (\d+)", guard.log)[-1])
+
+
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP])
+def test_commands_go_on_without_the_process_of_the_pictures(ros2, guard, base, number):
+    pid = bulk_process(guard)
+    before = last_count(base.log, OUT)[0]
+    os.kill(pid, number)
+    wait_for(lambda: not lives(pid), what="the end of the bulk process")
+    wait_for(lambda: bulk_process(guard) != pid, what="the next bulk process")
+    assert last_count(base.log, OUT)[0] > before
+    viewer = ros2.node("gap_meter.py", f"{SEEN}=sensor_msgs/Image", name="/viewer")
+    ros2.node("image_publisher.py", PICTURE, 1000, PICTURE_RATE, name="/camera")
+    wait_for(lambda: last_count(viewer.log, SEEN)[0] > 3, what="pictures behind the next one")
+    assert guard.log.count("the guard begins") == 1
