@@ -112,6 +112,8 @@ class SupervisorClient:
         exit_if_out_of_memory()
         self._memory[StatusWord.GUARD_BEAT] = now
         self._memory[StatusWord.SERVING] = self._memory[StatusWord.SERVING] or now
+        for guarded in self._stoppable:
+            guarded.store_order()
         self._notice_stop()
         self._check_supervisor(now)
 
