@@ -10,7 +10,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
-from driven_base import CMD_VEL_GUARD, Driven, drive_plan, start_guard
+from driven_base import CMD_VEL_GUARD, PATIENCE, Driven, drive_plan, start_guard
 from harness import free_port, lives, named, wait_for
 from rostopic import TWIST, say
 
@@ -33,19 +33,20 @@ def plan_with_a_blocked_flow():
 class Supervised:
     """A guard under supervision, and the driver behind it; a forbidden velocity flows too."""
 
-    def __init__(self, ros1, driver):
+    def __init__(self, ros1, driver, plan=None, lower=FORBIDDEN):
         self.ros1 = ros1
-        self.process = start_guard(ros1, plan_with_a_blocked_flow(), CMD_VEL_GUARD)
+        self.process = start_guard(ros1, plan or plan_with_a_blocked_flow(), CMD_VEL_GUARD)
         self.plan = ros1.folder / "rtron.yaml"
         ros1.wait_for_nodes(GUARD_NODE, SUPERVISOR_NODE)
         self.driven = Driven(ros1.folder / "driven.txt")
         ros1.spawn(driver, self.driven.path, f"/cmd_vel:={OUT}", "__name:=driver")
         wait_for(self.is_wired, what="the driver's connections")
         twist = "geometry_msgs/Twist"
-        say(ros1, "nav", "/cmd_vel", twist, TWIST % SPEED, 50, "/cmd_vel:=/rtron/cmd_vel/flow1")
-        forbidden = TWIST % FORBIDDEN
-        say(ros1, "rogue", "/cmd_vel", twist, forbidden, 50, "/cmd_vel:=/rtron/cmd_vel/flow2")
-        say(ros1, "by_hand", "/cmd_vel", twist, forbidden, 50)
+        flow1, flow2 = (f"/cmd_vel:=/rtron/cmd_vel/{flow}" for flow in ("flow1", "flow2"))
+        self.nav = say(ros1, "nav", "/cmd_vel", twist, TWIST % SPEED, 50, flow1)
+        self.wait_for_speed("the navigation")
+        say(ros1, "rogue", "/cmd_vel", twist, TWIST % lower, 50, flow2)
+        say(ros1, "by_hand", "/cmd_vel", twist, TWIST % FORBIDDEN, 50)
         self.wait_for_speed("the velocity")
 
     def is_wired(self):
@@ -133,6 +134,24 @@ def test_the_robot_is_stopped_and_the_guard_comes_back(supervised, cause):
     supervised.assert_nothing_unchecked()
     diagnostics = supervised.ros1.run("rostopic", "echo", "-n", "1", "/diagnostics")
     assert "guard: the guard before" in diagnostics
+
+
+def test_the_lower_flow_does_not_go_first_after_a_restart(ros1, driver):
+    plan = drive_plan()
+    (node,) = plan.grcn
+    patient = replace(plan, grcn=(replace(node, release_after=3 * PATIENCE),))
+    supervised = Supervised(ros1, driver, patient, lower=0.3)
+    high, told = supervised.nav, len(supervised.speeds())
+    high.tell(signal.SIGSTOP)
+    supervised.tell_guard(signal.SIGKILL)
+    supervised.wait_for_stop(told)
+    flow2 = "/rtron/cmd_vel/flow2"
+    wait_for(lambda: ros1.received(CMD_VEL_GUARD, flow2) > 20, what="the lower flow at the guard")
+    high.tell(signal.SIGCONT)
+    supervised.wait_for_speed("the velocity through the next guard", told)
+    assert 0.3 not in supervised.speeds()
+    high.kill()
+    wait_for(lambda: 0.3 in supervised.speeds(), what="the lower flow, now that nobody is higher")
 
 
 def spare_of(supervised):
