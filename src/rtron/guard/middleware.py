@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from rtron.guard.core.event_loop import EventLoop
     from rtron.guard.transport.common.protocol import LiveTransport
     from rtron.vocabulary import Plan
+    from rtron.wire.ros2.session import Ros2Session
 
 
 class Auditor(Protocol):
@@ -37,8 +38,18 @@ class Middleware:
     create_auditor: Callable[[Coordinator], Auditor]
 
 
-def open_middleware(plan: Plan, address: str, loop: EventLoop, *, dry_run: bool) -> Middleware:
-    """Return the middleware of a plan, at a master or in a domain; see `open_transport`."""
+def open_middleware(
+    plan: Plan,
+    address: str,
+    loop: EventLoop,
+    *,
+    dry_run: bool,
+    session: Ros2Session | None = None,
+) -> Middleware:
+    """Return the middleware of a plan, at a master or in a domain; see `open_transport`.
+
+    `session` is in the domain already.
+    """
     if plan.ros == 1:
         ros1 = open_ros1_transport(address, loop)
         return Middleware(
@@ -47,7 +58,7 @@ def open_middleware(plan: Plan, address: str, loop: EventLoop, *, dry_run: bool)
                 plan, ros1.master, coordinator, ros1, loop, dry_run=dry_run
             ),
         )
-    ros2 = open_ros2_transport(address, loop)
+    ros2 = open_ros2_transport(address, loop, session)
     from rtron.guard.audit.ros2.auditor import Ros2Auditor  # noqa: PLC0415 - it needs rclpy
 
     return Middleware(

@@ -21,6 +21,7 @@ from rtron.guard.supervision.supervisor_handover import (
 )
 
 _PAUSE_S = 0.02
+_LEAVE_S = 1.0
 
 
 class GuardProcess:
@@ -48,11 +49,13 @@ class GuardProcess:
             self.connection.send(BEGIN)
 
     def discard(self) -> None:
-        """Do without a guard that has not begun."""
-        self.send_signal(signal.SIGKILL)
-        if self._process:
-            self._process.wait()
+        """Do without a guard that has not begun; it has a moment to leave the graph."""
         self.connection.close()
+        if self._process:
+            with suppress(subprocess.TimeoutExpired):
+                self._process.wait(_LEAVE_S)
+            self.send_signal(signal.SIGKILL)
+            self._process.wait()
         self.memory.close()
 
     def send_signal(self, number: int) -> None:
