@@ -16,6 +16,8 @@ LONGEST_SILENCE = 10 * SECOND
 """A velocity that is older than this says nothing of where the robot should go now."""
 LONG_SILENCE = 2 * SECOND
 LONG_EVENT_AGE = _MINUTE
+LONGEST_STALL = SECOND // 10
+"""The supervisor stops the robot within this time (ns) of the guard's last sign of life."""
 _SHORTEST_HOLD = SECOND // 100
 """With less, nobody keeps the output between two messages, and no priority holds."""
 
@@ -33,6 +35,9 @@ DURATION_RANGES: Mapping[str, tuple[int, int]] = {
     "period": (SECOND // 1000, SECOND),
     "Audit.period": (SECOND // 100, SECOND // 10),
     "repeat": (0, _HOUR),
+    "stall_after": (SECOND // 50, SECOND // 5),
+    "kill_after": (SECOND // 2, 10 * SECOND),
+    "start_within": (2 * SECOND, 2 * _MINUTE),
     "within": (SECOND // 20, 10 * SECOND),
 }
 """The least and the greatest duration (ns) under a key, or under one noun's key."""
@@ -56,6 +61,9 @@ def duration_doubts(plan: Plan) -> Iterator[tuple[str, str]]:
         if flow.silent_after > LONG_SILENCE:
             how_long = _seconds(flow.silent_after)
             yield where, f"silent_after is {how_long}: so long the robot goes on without a command"
+    if plan.supervision.stall_after > LONGEST_STALL:
+        how_long = _seconds(plan.supervision.stall_after)
+        yield "supervision", f"stall_after is {how_long}: so long the robot goes on without a guard"
     for event in plan.msrcn.eflows if plan.msrcn else ():
         yield from ((f"MSRCN, {event.name}", message) for message in _long_events(event))
 

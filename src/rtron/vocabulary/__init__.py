@@ -115,6 +115,7 @@ from rtron.vocabulary.plan import (
     Plan,
     Point,
     StopProfile,
+    Supervision,
     Transform,
     WatchedFlow,
 )
@@ -282,6 +283,7 @@ __all__ = [
     "Stage",
     "StageRule",
     "StopProfile",
+    "Supervision",
     "Stream",
     "StreamKind",
     "StreamState",

@@ -22,8 +22,12 @@ from rtron.guard.supervision.supervisor_fsm import (
     SupervisorAction,
     SupervisorFsm,
 )
-from rtron.guard.supervision.supervisor_handover import HAND_OVER_MESSAGE, is_running
-from rtron.guard.supervision.watchdog import BEAT_PERIOD, Watchdog
+from rtron.guard.supervision.supervisor_handover import (
+    DISMISS_MESSAGE,
+    HAND_OVER_MESSAGE,
+    is_running,
+)
+from rtron.guard.supervision.watchdog import BEAT_PERIOD, SchedulingDelay, Watchdog
 from rtron.guard.transport.factory import open_transport
 from rtron.vocabulary import SECOND
 
@@ -49,7 +53,7 @@ class Supervisor:
         self._guard = adopt_guard(config, self._stream_count)
         if is_backup and self._guard is None:
             raise SourceError(f"the guard on {config.master} is gone")
-        self._config_file = config_file
+        self._config_file, self._master = config_file, config.master
         self._loop = loop
         self._transport = open_transport(config.plan.ros, config.master, loop)
         self._transport.set_shutdown_handler(self._refuse_shutdown)
@@ -58,12 +62,16 @@ class Supervisor:
         self._memory = memory
         self._brakes = StreamBrakes(streams, self._transport, memory)
         self._watchdog = Watchdog(loop.now())
-        self._fsm = SupervisorFsm(loop.now(), is_adopted=self._guard is not None)
+        self._delay = SchedulingDelay(loop.now())
+        self._fsm = SupervisorFsm(
+            loop.now(), config.plan.supervision, is_adopted=self._guard is not None
+        )
         self._link_process = LinkProcess(config_file) if config.options.get("link") else None
         self._spare: GuardProcess | None = None
         self._spare_due = 0
         self._failure = self._failure_report = ""
         self._is_leaving = self._is_end_requested = self._skips_final_stop = False
+        self._is_dismissed = False
         self._first_owner = 0
         if self._guard:
             log.warning("taking over the guard, process %d", self._guard.pid)
@@ -73,7 +81,10 @@ class Supervisor:
                 self._watch_owner()
 
     def run(self) -> int:
-        """Supervise until told to end, or until the guard ends in order; return the exit code."""
+        """Supervise until told to end, or until the guard ends in order; return the exit code.
+
+        SourceError if the guard has not waited for this supervisor.
+        """
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, lambda *_: self._loop.post(self._end))
         self._tick()
@@ -84,6 +95,9 @@ class Supervisor:
             self._link_process.stop()
         self._transport.close()
         self._loop.close()
+        if self._is_dismissed:
+            message = f"the guard on {self._master} has not waited for this supervisor"
+            raise SourceError(message, help="start rtron guard again: the machine is too busy")
         return self._fsm.code
 
     def _tick(self) -> None:
@@ -103,7 +117,9 @@ class Supervisor:
         is_serving, is_leaving = (
             bool(self._memory[word]) for word in (StatusWord.SERVING, StatusWord.LEAVING)
         )
-        self._perform(self._fsm.tick(now, GuardObservation(silence, is_serving, is_leaving)), now)
+        delay = self._delay.update(now)
+        observation = GuardObservation(silence, is_serving, is_leaving, delay)
+        self._perform(self._fsm.tick(now, observation), now)
         self._reap(now)
         self._prepare_spare(now)
         if self._link_process and not self._is_leaving:
@@ -201,7 +217,8 @@ class Supervisor:
         received = guard.connection.recv(len(HAND_OVER_MESSAGE))
         if not received:
             self._on_connection_lost(guard, "its connection has ended")
-        elif received == HAND_OVER_MESSAGE:
+        elif received in (HAND_OVER_MESSAGE, DISMISS_MESSAGE):
+            self._is_dismissed = received == DISMISS_MESSAGE
             log.warning("another supervisor takes over")
             self._loop.forget(guard.connection)
             self._guard = None

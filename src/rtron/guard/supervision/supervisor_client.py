@@ -26,6 +26,7 @@ from rtron.guard.supervision.shared_memory import (
     encode_type_info,
 )
 from rtron.guard.supervision.supervisor_handover import (
+    DISMISS_MESSAGE,
     HAND_OVER_MESSAGE,
     HandoverAnswer,
     HandoverSocket,
@@ -46,7 +47,9 @@ from rtron.vocabulary import (
 log = logging.getLogger(__name__)
 
 SUPERVISOR_HANG_TIMEOUT = 2 * SECOND
-"""Silence after which a supervisor is killed, ns."""
+"""Silence after which a supervisor is dismissed, ns; one that starts may take `start_within`."""
+_DISMISS_TIMEOUT = SECOND
+"""How long a supervisor that is dismissed may take to end before it is killed, ns."""
 UNSUPERVISED_LIMIT = 2 * SECOND
 """How long the guard waits for a supervisor to come before it starts one, ns."""
 _ALARM_DURATION = 30 * SECOND
@@ -72,7 +75,8 @@ class SupervisorClient:
         self._first_connection = connection
         self._guard_socket = bind_guard_socket(config.master)
         self._backup: subprocess.Popen[bytes] | None = None
-        self._last_stop = 0
+        self._beat_before = self._last_stop = 0
+        self._is_dismissed = False
         self._disconnected_at = 0
         self._is_ending = False
 
@@ -139,13 +143,18 @@ class SupervisorClient:
             self._watch_supervisor(self._connection, now)
 
     def _watch_supervisor(self, connection: socket.socket, now: int) -> None:
-        """Kill the supervisor if it does not beat for SUPERVISOR_HANG_TIMEOUT."""
-        silence = self._watchdog.update(now, self._memory[StatusWord.SUPERVISOR_BEAT])
-        if silence < SUPERVISOR_HANG_TIMEOUT:
-            return
-        log.error("the supervisor stands still: it is killed")
-        self._watchdog = Watchdog(self._loop.now())
-        os.kill(peer_credentials(connection)[0], signal.SIGKILL)
+        """Dismiss the supervisor if it does not beat, and kill it if it does not leave then."""
+        beat = self._memory[StatusWord.SUPERVISOR_BEAT]
+        is_starting = beat == self._beat_before
+        limit = self._config.plan.supervision.start_within if is_starting else SUPERVISOR_HANG_TIMEOUT
+        silence = self._watchdog.update(now, beat)
+        if silence >= limit + _DISMISS_TIMEOUT:
+            os.kill(peer_credentials(connection)[0], signal.SIGKILL)
+        elif silence >= limit and not self._is_dismissed:
+            log.error("the supervisor stands still: it is ended")
+            self._is_dismissed = True
+            with suppress(OSError):  # it may have just died
+                connection.send(DISMISS_MESSAGE)
 
     def _run_unsupervised(self, now: int) -> None:
         """Wait for a supervisor, then start one, unless nobody is left who would end the guard."""
@@ -200,6 +209,7 @@ class SupervisorClient:
     def _use_connection(self, connection: socket.socket) -> None:
         self._connection = connection
         self._watchdog = Watchdog(self._loop.now())
+        self._beat_before, self._is_dismissed = self._memory[StatusWord.SUPERVISOR_BEAT], False
         connection.settimeout(0)
         self._loop.watch(
             connection, partial(self._on_readable, connection), partial(self._on_error, connection)
