@@ -30,7 +30,6 @@ if TYPE_CHECKING:
     from rtron.guard.middleware import Auditor
     from rtron.guard.supervision.supervisor_client import SupervisorClient
     from rtron.guard.transport.common.protocol import LiveTransport
-    from rtron.wire.ros2.session import Ros2Session
 
 log = logging.getLogger(__name__)
 
@@ -46,18 +45,18 @@ def run_guard(
     figures: WriteFigures | None = None,
     supervisor_client: SupervisorClient | None = None,
     link: LinkOptions | None = None,
-    session: Ros2Session | None = None,
 ) -> int:
     """Guard a plan's streams on the master or in the domain at `master`; return the exit code.
 
     A dry run forwards everything and reports what it would have decided. `control` is the socket
     for overrides, by default in the user's runtime folder. `figures` writes what is measured.
     `supervisor_client` connects the guard to its supervisor, `link` to the security service, whose
-    last settings are put in force first. `session` was prepared in the domain. SourceError if the plan is for ROS 2, which is not
+    last settings are put in force first. SourceError if the plan is for ROS 2, which is not
     installed here, or if `control` cannot be used.
     """
     _raise_file_limit()
     loop = EventLoop()
+    session = supervisor_client.session if supervisor_client else None
     middleware = open_middleware(plan, master, loop, dry_run=dry_run, session=session)
     transport = middleware.transport
     measuring = RunMeasurement(plan, transport) if figures else None

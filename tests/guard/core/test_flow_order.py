@@ -48,9 +48,7 @@ class Guards:
             each.store_order()
 
     def connect(self, flow):
-        return self.transport.publisher(
-            f"/rtron/cmd_vel/{flow.name}", peer(flow.publisher, WORDS)
-        )
+        return self.transport.publisher(f"/rtron/cmd_vel/{flow.name}", peer(flow.publisher, WORDS))
 
     def kill(self, *speakers):
         """Let flows speak, then kill the guard; the next one has no publisher yet."""

@@ -28,6 +28,7 @@ from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.vocabulary import SECOND, Plan, Supervision
 
 NO_FILE = 1 << 14
+BOUNDS = Supervision()
 
 
 @pytest.fixture
@@ -45,7 +46,7 @@ def master(tmp_path):
 class ConnectedGuard:
     """A guard that moves nothing, tied to a supervisor; another one cannot be started."""
 
-    def __init__(self, loop, master, bounds=Supervision()):
+    def __init__(self, loop, master, bounds=BOUNDS):
         self.loop = loop
         self.page = GuardMemory.create(0)
         self.page[StatusWord.OWNER] = os.getpid()
@@ -131,7 +132,12 @@ def test_a_guard_beats_and_tries_again_when_no_supervisor_can_be_started(tied, c
 def killed(monkeypatch):
     """Take the signals that the guard sends: the supervisor is this very process."""
     sent = []
-    monkeypatch.setattr("os.kill", lambda pid, number: sent.append((pid, number)) if number else None)
+
+    def kill(pid, number):
+        if number:
+            sent.append((pid, number))
+
+    monkeypatch.setattr("os.kill", kill)
     return sent
 
 

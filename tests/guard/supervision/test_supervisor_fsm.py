@@ -43,7 +43,7 @@ def dead(fsm, now, code=KILLED):
 
 
 def test_a_guard_is_started_at_once_and_left_alone_while_it_is_well():
-    fsm = SupervisorFsm(5)
+    fsm = SupervisorFsm(5, BOUNDS)
     assert fsm.tick(5, ABSENT) == (SupervisorAction.SPAWN,)
     assert fsm.tick(6, ABSENT) == ()
     assert fsm.tick(7, WELL) == (SupervisorAction.RELEASE,)
@@ -51,7 +51,7 @@ def test_a_guard_is_started_at_once_and_left_alone_while_it_is_well():
 
 
 def test_an_adopted_guard_is_not_started():
-    fsm = SupervisorFsm(0, is_adopted=True)
+    fsm = SupervisorFsm(0, BOUNDS, is_adopted=True)
     assert fsm.tick(0, WELL) == ()
     assert fsm.connection_lost(1) == (SupervisorAction.BRAKE,)
 
@@ -82,20 +82,20 @@ def test_a_dead_guard_stops_the_robot_and_is_followed_by_another():
 
 
 def test_a_guard_that_never_served_has_moved_nothing():
-    fsm = SupervisorFsm(0)
+    fsm = SupervisorFsm(0, BOUNDS)
     fsm.tick(0, ABSENT)
     assert fsm.connection_lost(1) == ()
 
 
 def test_a_guard_that_takes_too_long_to_start_is_killed():
-    fsm = SupervisorFsm(0)
+    fsm = SupervisorFsm(0, BOUNDS)
     fsm.tick(0, ABSENT)
     assert fsm.tick(START_TIMEOUT, ABSENT) == ()
     assert fsm.tick(START_TIMEOUT + 1, ABSENT) == (SupervisorAction.KILL,)
 
 
 def test_a_guard_that_was_ready_is_given_less_time_to_begin_than_the_next():
-    fsm = SupervisorFsm(0)
+    fsm = SupervisorFsm(0, BOUNDS)
     fsm.tick(0, ABSENT)
     fsm.spare_taken()
     assert fsm.tick(WARM_START_TIMEOUT, ABSENT) == ()
@@ -121,7 +121,7 @@ def test_a_guard_that_cannot_be_started_is_tried_again_later_and_later():
 
 
 def test_nobody_waits_for_a_guard_that_could_not_be_started():
-    fsm = SupervisorFsm(0)
+    fsm = SupervisorFsm(0, BOUNDS)
     fsm.tick(0, ABSENT)
     fsm.start_failed(0)
     assert fsm.shut_down(1) == (SupervisorAction.LEAVE,)
@@ -216,7 +216,7 @@ def test_what_becomes_of_the_supervisor_when_the_guard_ends(code, ends_with):
 
 
 def test_a_guard_that_is_refused_at_once_is_not_started_again():
-    fsm = SupervisorFsm(0)
+    fsm = SupervisorFsm(0, BOUNDS)
     fsm.tick(0, ABSENT)
     assert dead(fsm, 1, 2) == (SupervisorAction.LEAVE,)
     assert fsm.code == 2

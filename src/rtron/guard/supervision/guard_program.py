@@ -39,10 +39,8 @@ def main(numbers: str) -> None:
         return
 
     def guard() -> int:
-        client = SupervisorClient(config, memory, connection, config_file)
-        return run_guard(
-            config.plan, config.master, supervisor_client=client, session=session, **config.options
-        )
+        client = SupervisorClient(config, memory, connection, config_file, session)
+        return run_guard(config.plan, config.master, supervisor_client=client, **config.options)
 
     sys.exit(run_program(guard))
 

@@ -69,6 +69,7 @@ class Supervisor:
         self._link_process = LinkProcess(config_file) if config.options.get("link") else None
         self._spare: GuardProcess | None = None
         self._spare_due = 0
+        self._is_spare_ready = False
         self._failure = self._failure_report = ""
         self._is_leaving = self._is_end_requested = self._skips_final_stop = False
         self._is_dismissed = False
@@ -205,6 +206,10 @@ class Supervisor:
         if is_stable and self._spare is None and now >= self._spare_due:
             self._spare_due = now + _SPARE_RETRY
             self._spare = self._try_spawn("the next guard cannot be made ready")
+            self._is_spare_ready = False
+        elif self._spare and not self._is_spare_ready and self._spare.memory[StatusWord.READY]:
+            self._is_spare_ready = True
+            log.info("the next guard is ready, process %d", self._spare.pid)
 
     def _watch_connection(self, guard: GuardProcess) -> None:
         self._loop.watch(

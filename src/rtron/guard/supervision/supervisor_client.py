@@ -8,6 +8,7 @@ import socket
 import subprocess
 from contextlib import suppress
 from functools import partial
+from typing import TYPE_CHECKING
 
 from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.event_loop import EventLoop
@@ -44,6 +45,9 @@ from rtron.vocabulary import (
     AlarmKind,
 )
 
+if TYPE_CHECKING:
+    from rtron.wire.ros2.session import Ros2Session
+
 log = logging.getLogger(__name__)
 
 SUPERVISOR_HANG_TIMEOUT = 2 * SECOND
@@ -59,15 +63,23 @@ class SupervisorClient:
     """Beats, keeps what the supervisor has to know, and sees to it that there is a supervisor."""
 
     def __init__(
-        self, config: GuardConfig, memory: GuardMemory, connection: socket.socket, config_file: int
+        self,
+        config: GuardConfig,
+        memory: GuardMemory,
+        connection: socket.socket,
+        config_file: int,
+        session: "Ros2Session | None" = None,
     ) -> None:
         """Take the connection to the supervisor, and the configuration for a backup supervisor.
+
+        `session` was opened while the guard waited to begin.
 
         SourceError if there is another guard on the master.
         """
         self.handover_state = HandoverState(
             memory.handover_state.read()[1], memory.handover_state.write
         )
+        self.session = session
         self._config = config
         self._config_file = config_file
         self._memory = memory
@@ -146,7 +158,9 @@ class SupervisorClient:
         """Dismiss the supervisor if it does not beat, and kill it if it does not leave then."""
         beat = self._memory[StatusWord.SUPERVISOR_BEAT]
         is_starting = beat == self._beat_before
-        limit = self._config.plan.supervision.start_within if is_starting else SUPERVISOR_HANG_TIMEOUT
+        limit = (
+            self._config.plan.supervision.start_within if is_starting else SUPERVISOR_HANG_TIMEOUT
+        )
         silence = self._watchdog.update(now, beat)
         if silence >= limit + _DISMISS_TIMEOUT:
             os.kill(peer_credentials(connection)[0], signal.SIGKILL)

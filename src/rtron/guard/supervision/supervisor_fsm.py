@@ -69,9 +69,7 @@ class GuardObservation:
 class SupervisorFsm:
     """Turns what is seen into what is to be done; `code` is what the supervisor ends with."""
 
-    def __init__(
-        self, now: int, bounds: Supervision = Supervision(), *, is_adopted: bool = False
-    ) -> None:
+    def __init__(self, now: int, bounds: Supervision, *, is_adopted: bool = False) -> None:
         self._bounds = bounds
         self.phase = GuardPhase.SERVING if is_adopted else GuardPhase.WAITING
         self.code = OK

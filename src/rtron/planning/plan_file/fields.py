@@ -37,8 +37,8 @@ from rtron.vocabulary import (
     Plan,
     Point,
     StopProfile,
-    Supervision,
     StringEnum,
+    Supervision,
     Transform,
     WatchedFlow,
 )

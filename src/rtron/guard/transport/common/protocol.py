@@ -183,7 +183,7 @@ class LiveTransport(Transport, Protocol):
         ...
 
     def succeed(self, handover: HandoverState) -> None:
-        """Take over from the guard before, and leave to the next one what it has to know (ROS 2)."""
+        """Take over from the guard before, and leave to the next one what it must know (ROS 2)."""
         ...
 
     def set_supervisor(self, process_id: Callable[[], int]) -> None:
