@@ -1,5 +1,6 @@
 """The guard as a program that a supervisor starts."""
 
+import select
 import signal
 import socket
 import sys
@@ -17,6 +18,9 @@ from rtron.guard.transport.factory import prepare_session
 from rtron.messages.common.encoding import Encoding
 from rtron.vocabulary import Plan, build_streams
 
+_DISCOVERY_S = 4.0
+"""How long it takes to know a domain: Fast DDS asks after what was lost every 3 s."""
+
 
 def main(numbers: str) -> None:
     """Guard with the configuration, the memory and the connection in open files; end with the code.
@@ -32,6 +36,8 @@ def main(numbers: str) -> None:
     memory = GuardMemory(memory_file, len(stopped_streams(config.plan)))
     session = prepare_session(config.plan.ros, config.master)
     _load_types(config.plan)
+    if session:
+        select.select([connection], (), (), _DISCOVERY_S)
     memory[StatusWord.READY] = EventLoop.now()
     if connection.recv(len(BEGIN)) != BEGIN:
         if session:
