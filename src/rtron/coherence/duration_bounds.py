@@ -10,14 +10,13 @@ from collections.abc import Iterator, Mapping
 
 from rtron.coherence.flows import CoherenceProblem
 from rtron.vocabulary import GRCN, SECOND, EventFlow, Flow, Mode, Plan, StreamKind
+from rtron.vocabulary.plan import LONGEST_STALL
 
 _MINUTE, _HOUR, _DAY = 60 * SECOND, 3600 * SECOND, 24 * 3600 * SECOND
 LONGEST_SILENCE = 10 * SECOND
 """A velocity that is older than this says nothing of where the robot should go now."""
 LONG_SILENCE = 2 * SECOND
 LONG_EVENT_AGE = _MINUTE
-LONGEST_STALL = SECOND // 10
-"""The supervisor stops the robot within this time (ns) of the guard's last sign of life."""
 _SHORTEST_HOLD = SECOND // 100
 """With less, nobody keeps the output between two messages, and no priority holds."""
 

@@ -22,6 +22,8 @@ from rtron.vocabulary.enums import (
 PLAN_SCHEMA = "rtron.plan/1"
 SECOND = 1_000_000_000
 UNAPPROVED = "unapproved"
+LONGEST_STALL = SECOND // 10
+"""How long (ns) a guard may give no sign of life on a busy machine, unless the plan allows more."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -7,7 +7,6 @@ import pytest
 from rtron.guard.supervision.supervisor_fsm import (
     END_TIMEOUT,
     GUARD_EXISTS,
-    LONGEST_STALL,
     LOST_TIMEOUT,
     OUT_OF_MEMORY,
     WARM_START_TIMEOUT,
@@ -18,6 +17,7 @@ from rtron.guard.supervision.supervisor_fsm import (
 )
 from rtron.guard.supervision.watchdog import BEAT_PERIOD, SchedulingDelay, Watchdog
 from rtron.vocabulary import SECOND, Supervision
+from rtron.vocabulary.plan import LONGEST_STALL
 
 KILLED = -signal.SIGKILL
 BOUNDS = Supervision()

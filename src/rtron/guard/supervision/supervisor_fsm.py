@@ -10,9 +10,8 @@ from enum import Enum
 
 from rtron.guard.supervision.watchdog import BEAT_PERIOD
 from rtron.vocabulary import SECOND, Supervision
+from rtron.vocabulary.plan import LONGEST_STALL
 
-LONGEST_STALL = SECOND // 10
-"""Silence after which the robot is stopped in any case, ns, unless the plan allows more."""
 WARM_START_TIMEOUT = 2 * SECOND
 """The same for a guard that had started up before and only waited to begin, ns."""
 END_TIMEOUT = 8 * SECOND

@@ -132,9 +132,9 @@ def describe_audit(audit: Audit) -> str:
 
 def describe_supervision(bounds: Supervision) -> str:
     """Return when the supervisor stops the robot, and when it kills the guard."""
-    stop = f"the robot is stopped after {seconds(bounds.stall_after)} without a sign of the guard"
-    kill = f"the guard is killed after {seconds(bounds.kill_after)}"
-    return f"{stop}, {kill}; a start within {seconds(bounds.start_within)}"
+    stop = f"a guard without a sign of life: stop after {seconds(bounds.stall_after)}"
+    kill, start = seconds(bounds.kill_after), seconds(bounds.start_within)
+    return f"{stop}, kill after {kill}, start within {start}"
 
 
 def one_line(expression: str) -> str:
