@@ -14,6 +14,8 @@ from rtron.vocabulary import GUARD_NODE, PRIVATE_ROOT
 from rtron.wire.ros2.domain_id import domain_at
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from rtron.guard.core.event_loop import EventLoop
     from rtron.guard.transport.common.protocol import LiveTransport
     from rtron.guard.transport.ros2.middleware import Ros2Transport
@@ -37,6 +39,15 @@ def prepare_session(ros: int, address: str) -> Ros2Session | None:
     except Exception as error:  # noqa: BLE001 - rclpy's kinds differ
         log.debug("the domain is not joined yet: %s", error)
         return None
+
+
+def load_types(ros: int, types: Iterable[str]) -> None:
+    """Import the messages of some types, where that takes time. SourceError if one is unknown."""
+    if ros != 1:
+        from rtron.wire.ros2.interfaces import find_interface  # noqa: PLC0415
+
+        for type in types:
+            find_interface(type)
 
 
 def open_transport(ros: int, address: str, loop: EventLoop) -> LiveTransport:
