@@ -15,6 +15,7 @@ from rtron.guard.supervision.shared_memory import GuardMemory, StatusWord
 from rtron.guard.supervision.supervisor_fsm import END_TIMEOUT, OK
 from rtron.guard.supervision.supervisor_handover import (
     BEGIN,
+    WATCHING_MESSAGE,
     HandoverAnswer,
     is_running,
     request_handover,
@@ -47,6 +48,11 @@ class GuardProcess:
         self.memory.failure_report.write(failure_report)
         with suppress(OSError):  # it has ended: the supervisor sees that as well
             self.connection.send(BEGIN)
+
+    def notify_watching(self) -> None:
+        """Let a guard that was taken over know that it is watched from now on."""
+        with suppress(OSError):  # it has ended: the supervisor sees that as well
+            self.connection.send(WATCHING_MESSAGE)
 
     def discard(self) -> None:
         """Do without a guard that has not begun; it has a moment to leave the graph."""

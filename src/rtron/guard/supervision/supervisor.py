@@ -89,6 +89,8 @@ class Supervisor:
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, lambda *_: self._loop.post(self._end))
         self._tick()
+        if self._guard:
+            self._guard.notify_watching()
         self._loop.run()
         if self._spare:
             self._spare.discard()

@@ -29,6 +29,7 @@ from rtron.guard.supervision.shared_memory import (
 from rtron.guard.supervision.supervisor_handover import (
     DISMISS_MESSAGE,
     HAND_OVER_MESSAGE,
+    WATCHING_MESSAGE,
     HandoverAnswer,
     HandoverSocket,
     bind_guard_socket,
@@ -87,8 +88,8 @@ class SupervisorClient:
         self._first_connection = connection
         self._guard_socket = bind_guard_socket(config.master)
         self._backup: subprocess.Popen[bytes] | None = None
-        self._beat_before = self._last_stop = 0
-        self._is_dismissed = False
+        self._last_stop = 0
+        self._is_starting = self._is_dismissed = False
         self._disconnected_at = 0
         self._is_ending = False
 
@@ -156,12 +157,9 @@ class SupervisorClient:
 
     def _watch_supervisor(self, connection: socket.socket, now: int) -> None:
         """Dismiss the supervisor if it does not beat, and kill it if it does not leave then."""
-        beat = self._memory[StatusWord.SUPERVISOR_BEAT]
-        is_starting = beat == self._beat_before
-        limit = (
-            self._config.plan.supervision.start_within if is_starting else SUPERVISOR_HANG_TIMEOUT
-        )
-        silence = self._watchdog.update(now, beat)
+        start_within = self._config.plan.supervision.start_within
+        limit = start_within if self._is_starting else SUPERVISOR_HANG_TIMEOUT
+        silence = self._watchdog.update(now, self._memory[StatusWord.SUPERVISOR_BEAT])
         if silence >= limit + _DISMISS_TIMEOUT:
             os.kill(peer_credentials(connection)[0], signal.SIGKILL)
         elif silence >= limit and not self._is_dismissed:
@@ -223,15 +221,18 @@ class SupervisorClient:
     def _use_connection(self, connection: socket.socket) -> None:
         self._connection = connection
         self._watchdog = Watchdog(self._loop.now())
-        self._beat_before, self._is_dismissed = self._memory[StatusWord.SUPERVISOR_BEAT], False
+        self._is_starting, self._is_dismissed = connection is not self._first_connection, False
         connection.settimeout(0)
         self._loop.watch(
             connection, partial(self._on_readable, connection), partial(self._on_error, connection)
         )
 
     def _on_readable(self, connection: socket.socket) -> None:
-        if not connection.recv(1):
+        received = connection.recv(len(WATCHING_MESSAGE))
+        if not received:
             self._on_connection_lost(connection)
+        elif received == WATCHING_MESSAGE:
+            self._is_starting = False
 
     def _on_error(self, connection: socket.socket, error: Exception) -> None:
         log.debug("%s", error)
