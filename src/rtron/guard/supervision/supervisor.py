@@ -89,6 +89,7 @@ class Supervisor:
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, lambda *_: self._loop.post(self._end))
         self._tick()
+        self._brakes.prepare()  # the guard is starting, or waits for the word that follows
         if self._guard:
             self._guard.notify_watching()
         self._loop.run()
