@@ -33,7 +33,9 @@ from rtron.vocabulary import (
     PolicyName,
     Settings,
     StreamKind,
+    Supervision,
 )
+from rtron.vocabulary.plan import LONGEST_STALL
 
 HOUR = 3600 * SECOND
 GOALS = plan_of(grcn("/act/goal", ["/a"], ["/b"], kind=StreamKind.ACTION))
@@ -160,3 +162,10 @@ def test_settings_are_not_blamed_for_what_the_plan_has():
     assert EffectivePlan(old, changed).check() == replace(
         old, grcn=(replace(old.grcn[0], release_after=SECOND),), revision=2
     )
+
+
+def test_a_stall_of_over_a_tenth_of_a_second_is_a_doubt():
+    assert doubts(Plan(app="x", supervision=Supervision(stall_after=LONGEST_STALL))) == []
+    (doubt,) = doubts(Plan(app="x", supervision=Supervision(stall_after=2 * LONGEST_STALL)))
+    text = "supervision: stall_after is 0.2 s: so long the robot goes on without a guard"
+    assert doubt == text

@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping
 
 from rtron.coherence.flows import CoherenceProblem
 from rtron.vocabulary import GRCN, SECOND, EventFlow, Flow, Mode, Plan, StreamKind
+from rtron.vocabulary.plan import LONGEST_STALL
 
 _MINUTE, _HOUR, _DAY = 60 * SECOND, 3600 * SECOND, 24 * 3600 * SECOND
 LONGEST_SILENCE = 10 * SECOND
@@ -33,6 +34,9 @@ DURATION_RANGES: Mapping[str, tuple[int, int]] = {
     "period": (SECOND // 1000, SECOND),
     "Audit.period": (SECOND // 100, SECOND // 10),
     "repeat": (0, _HOUR),
+    "stall_after": (SECOND // 50, SECOND // 5),
+    "kill_after": (SECOND // 2, 10 * SECOND),
+    "start_within": (2 * SECOND, 2 * _MINUTE),
     "within": (SECOND // 20, 10 * SECOND),
 }
 """The least and the greatest duration (ns) under a key, or under one noun's key."""
@@ -56,6 +60,9 @@ def duration_doubts(plan: Plan) -> Iterator[tuple[str, str]]:
         if flow.silent_after > LONG_SILENCE:
             how_long = _seconds(flow.silent_after)
             yield where, f"silent_after is {how_long}: so long the robot goes on without a command"
+    if plan.supervision.stall_after > LONGEST_STALL:
+        how_long = _seconds(plan.supervision.stall_after)
+        yield "supervision", f"stall_after is {how_long}: so long the robot goes on without a guard"
     for event in plan.msrcn.eflows if plan.msrcn else ():
         yield from ((f"MSRCN, {event.name}", message) for message in _long_events(event))
 

@@ -49,7 +49,7 @@ def run_dry(
     """
     raise_file_limit()
     loop = EventLoop()
-    middleware = open_middleware(plan, master, loop)
+    middleware = open_middleware(plan, master, loop, supervisor.session)
     transport = middleware.transport
     measuring = RunMeasurement(plan, transport) if figures else None
     observations = measuring.observations if measuring else observations_of(plan)

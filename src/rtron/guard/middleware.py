@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from rtron.guard.transport.ros1.middleware import Ros1Transport
     from rtron.guard.transport.ros2.middleware import Ros2Transport
     from rtron.vocabulary import Plan
+    from rtron.wire.ros2.session import Ros2Session
 
 
 class Middleware(Protocol):
@@ -109,8 +110,13 @@ class Ros2Middleware:
         return Ros2Auditor(self._plan, self.transport, response, self._loop, others)
 
 
-def open_middleware(plan: Plan, address: str, loop: EventLoop) -> Middleware:
-    """Return the middleware of a plan, at a master or in a domain; see `open_transport`."""
+def open_middleware(
+    plan: Plan, address: str, loop: EventLoop, session: Ros2Session | None = None
+) -> Middleware:
+    """Return the middleware of a plan, at a master or in a domain; see `open_transport`.
+
+    `session` is in the domain already.
+    """
     if plan.ros == 1:
         return Ros1Middleware(plan, open_ros1_transport(address, loop), loop)
-    return Ros2Middleware(plan, open_ros2_transport(address, loop), loop)
+    return Ros2Middleware(plan, open_ros2_transport(address, loop, session), loop)

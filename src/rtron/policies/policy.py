@@ -6,7 +6,7 @@ something due, `deadline` says so with a time that has come: tick after each cal
 `deadline() <= now`.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -69,6 +69,10 @@ class Policy(Protocol):
         """Give up every held message, because the end follows."""
         ...
 
+    def last_message_times(self, now: int) -> Mapping[str, int]:
+        """Return when each flow spoke last (ns) that others still wait for at `now`."""
+        ...
+
     def export_state(self, now: int) -> PolicyState:
         """Return what the policy that takes the place of this one must know; this one is done."""
         ...
@@ -118,6 +122,10 @@ class ImmediatePolicy:
     def close(self) -> Sequence[Release]:
         """Nothing is ever held."""
         return ()
+
+    def last_message_times(self, now: int) -> Mapping[str, int]:  # noqa: ARG002
+        """Nobody waits for anybody."""
+        return {}
 
     def export_state(self, now: int) -> PolicyState:  # noqa: ARG002
         """Nothing is remembered."""

@@ -51,7 +51,7 @@ drop because flow1 has the output (priority 3)
 pass
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from rtron.policies.active_flows import ActiveFlows, FlowActivity
 from rtron.policies.policy import ImmediatePolicy, Release
@@ -161,9 +161,13 @@ class Preemption(ImmediatePolicy):
         """Return when the owner falls silent if it says nothing more."""
         return self._owner.expires_at if self._owner else None
 
+    def last_message_times(self, now: int) -> Mapping[str, int]:
+        """Return when each fresh flow spoke last."""
+        return self._active_flows.last_message_times(now)
+
     def export_state(self, now: int) -> PolicyState:
         """Return who is fresh."""
-        return PolicyState(last_message_times=self._active_flows.last_message_times(now))
+        return PolicyState(last_message_times=self.last_message_times(now))
 
     def restore_state(self, state: PolicyState, now: int) -> Sequence[Release]:
         """Know who is fresh, and who of them owns the output; let go what waited."""

@@ -116,6 +116,7 @@ from rtron.vocabulary.plan import (
     Plan,
     Point,
     StopProfile,
+    Supervision,
     Transform,
     WatchedFlow,
 )
@@ -289,6 +290,7 @@ __all__ = [
     "StreamState",
     "StreamStatistics",
     "StringEnum",
+    "Supervision",
     "TimedOverride",
     "Topic",
     "TopicAccess",

@@ -22,6 +22,8 @@ from rtron.vocabulary.enums import (
 PLAN_SCHEMA = "rtron.plan/1"
 SECOND = 1_000_000_000
 UNAPPROVED = "unapproved"
+LONGEST_STALL = SECOND // 10
+"""How long (ns) a guard may give no sign of life on a busy machine, unless the plan allows more."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -259,6 +261,20 @@ class Audit:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Supervision:
+    """How long the guard may give no sign of life before its supervisor acts.
+
+    After `stall_after` (ns) the robot is stopped, after `kill_after` (ns) the guard is killed and
+    the next one begins. A guard may take `start_within` (ns) until its topics are open, and a
+    supervisor that takes over a running guard until it watches.
+    """
+
+    stall_after: int = 55 * SECOND // 1000
+    kill_after: int = SECOND
+    start_within: int = 20 * SECOND
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class MessageDefinition:
     """A message type that RTron does not know: its definition, as `rosmsg show -r` writes it.
 
@@ -287,5 +303,6 @@ class Plan:
     fps_monitor: tuple[FpsMonitor, ...] = ()
     stop: StopProfile = StopProfile()
     audit: Audit = Audit()
+    supervision: Supervision = Supervision()
     messages: tuple[MessageDefinition, ...] = ()
     accept_unenforceable: tuple[str, ...] = ()

@@ -5,6 +5,8 @@ import re
 import signal
 import time
 from collections import Counter
+from dataclasses import replace
+from itertools import pairwise
 
 import pytest
 from harness import wait_for
@@ -122,17 +124,83 @@ def test_what_was_latched_before_the_guard_came_arrives_but_moves_no_driver_that
     assert twist(0.5) not in late
 
 
+def stops(driver):
+    """Return how often the driver was told a speed that nobody has said: a stop's."""
+    said = ("0.5", "0.4")
+    return sum(
+        count
+        for speed, count in speeds(driver).items()
+        if speed not in said and not (float(speed) >= 1 and float(speed).is_integer())
+    )
+
+
+def guard_of(supervisor):
+    """Return the process that guards now."""
+    return int(re.findall(r"the guard begins, process (\d+)", supervisor.log)[-1])
+
+
+def wait_for_spare(supervisor):
+    """Wait until the guard that begins next is ready."""
+    guards = "the guard begins"
+    wait_for(
+        lambda: "the next guard is ready" in supervisor.log.rpartition(guards)[2], what="a spare"
+    )
+
+
+def kill_guard(supervisor, driver):
+    """Kill the guard; return when the robot is being stopped and the next one begins."""
+    guard, before = guard_of(supervisor), stops(driver)
+    os.kill(guard, signal.SIGKILL)
+    wait_for(lambda: stops(driver) > before, what="the stop")
+    wait_for(lambda: guard_of(supervisor) != guard, what="the next guard")
+
+
 def test_a_guard_that_dies_stops_the_robot_and_comes_back(ros2, guard):
     driver = ros2.node("twist_subscriber.py", OUT, name="/driver")
     supervisor = guard()
     speaker(ros2, "/nav", NAV, "0.5", "50")
     wait_for(lambda: speeds(driver)["0.5"] > 50, what="the navigation")
-    (pid,) = re.findall(r"the guard begins, process (\d+)", supervisor.log)
-    os.kill(int(pid), signal.SIGKILL)
-    stops = speeds(driver)["0.0"]
-    wait_for(lambda: speeds(driver)["0.0"] > stops, what="the stop")
+    kill_guard(supervisor, driver)
     stopped = speeds(driver)["0.5"]
     wait_for(lambda: speeds(driver)["0.5"] > stopped + 20, what="the navigation, guarded again")
+
+
+def test_a_guard_that_has_a_spare_is_back_within_a_second_and_no_relic_stops_the_robot(ros2, guard):
+    """The commands are numbered by their time: what is missing between two is how long it took."""
+    driver = ros2.node("twist_subscriber.py", OUT, name="/driver")
+    supervisor = guard()
+    ros2.node("counting_publisher.py", NAV, "50", name="/nav")
+    lost = []
+    for _ in range(3):
+        wait_for_spare(supervisor)
+        before = len(numbers(driver))
+        kill_guard(supervisor, driver)
+        wait_for(lambda before=before: len(numbers(driver)) > before + 50, what="the navigation")
+        lost.append(max(b - a for a, b in pairwise(numbers(driver)[before - 50 :])))
+    assert min(lost) <= 50, "commands that were lost at 50 a second"
+    assert "impostor" not in supervisor.log
+    assert "unapproved" not in supervisor.log
+
+
+def numbers(driver):
+    """Return the numbers of the commands of `counting_publisher` that the driver was told."""
+    told = (float(speed) for speed in re.findall(r"speed (\S+)", driver.log))
+    return [round(speed) for speed in told if speed >= 1]
+
+
+def test_the_lower_flow_does_not_go_first_after_a_restart(ros2, guard):
+    driver = ros2.node("twist_subscriber.py", OUT, name="/driver")
+    supervisor = guard(written(replace(driving("nav", "teleop"), release_after=5 * SECOND)))
+    nav = speaker(ros2, "/nav", NAV, "0.5", "50")
+    wait_for(lambda: speeds(driver)["0.5"] > 50, what="the navigation")
+    speaker(ros2, "/teleop", flow_topic(TOPIC, "teleop"), "0.4", "50")
+    for _ in range(2):
+        kill_guard(supervisor, driver)
+        back = speeds(driver)["0.5"]
+        wait_for(lambda back=back: speeds(driver)["0.5"] > back + 100, what="the navigation")
+    assert speeds(driver)["0.4"] == 0
+    nav.kill()
+    wait_for(lambda: speeds(driver)["0.4"], what="the lower flow, now that nobody is higher")
 
 
 def test_a_navigation_that_leaves_is_silent_at_once(ros2, guard, stand):

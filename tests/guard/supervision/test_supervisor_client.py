@@ -6,23 +6,30 @@ import socket
 from pathlib import Path
 
 import pytest
+from harness import wait_for
 
 from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.supervision.guard_config import GuardConfig
 from rtron.guard.supervision.guard_process import spawn_guard
 from rtron.guard.supervision.shared_memory import GuardMemory, StatusWord
-from rtron.guard.supervision.supervisor_client import UNSUPERVISED_LIMIT, SupervisorClient
+from rtron.guard.supervision.supervisor_client import (
+    SUPERVISOR_HANG_TIMEOUT,
+    UNSUPERVISED_LIMIT,
+    SupervisorClient,
+)
 from rtron.guard.supervision.supervisor_handover import (
     HAND_OVER_MESSAGE,
+    WATCHING_MESSAGE,
     HandoverAnswer,
     HandoverSocket,
     bind_guard_socket,
 )
 from rtron.guard.transport.common.memory import MemoryTransport
-from rtron.vocabulary import SECOND, Plan
+from rtron.vocabulary import SECOND, Plan, Supervision
 
 NO_FILE = 1 << 14
+BOUNDS = Supervision()
 
 
 @pytest.fixture
@@ -40,12 +47,12 @@ def master(tmp_path):
 class ConnectedGuard:
     """A guard that moves nothing, tied to a supervisor; another one cannot be started."""
 
-    def __init__(self, loop, master):
+    def __init__(self, loop, master, bounds=BOUNDS):
         self.loop = loop
         self.page = GuardMemory.create(0)
         self.page[StatusWord.OWNER] = os.getpid()
         self.supervisor, self.life = socket.socketpair()
-        order = GuardConfig(plan=Plan(app="none", ros=1), master=master)
+        order = GuardConfig(plan=Plan(app="none", ros=1, supervision=bounds), master=master)
         self.tie = SupervisorClient(order, self.page, self.life, NO_FILE)
         self.tie.attach(loop, Coordinator(MemoryTransport(), ()))
         self.tie.open()
@@ -55,6 +62,14 @@ class ConnectedGuard:
         self.supervisor.close()
         self.supervisor, self.life = socket.socketpair()
         self.tie._on_accept(self.life)
+
+    def received(self):
+        """Return what the supervisor was told."""
+        self.supervisor.settimeout(0)
+        try:
+            return self.supervisor.recv(100)
+        except BlockingIOError:
+            return b""
 
     def run(self, duration):
         until = self.loop.now() + duration
@@ -113,6 +128,40 @@ def test_a_guard_beats_and_tries_again_when_no_supervisor_can_be_started(tied, c
     beat = tied.page[StatusWord.GUARD_BEAT]
     tied.run(SECOND // 10)
     assert tied.page[StatusWord.GUARD_BEAT] > beat
+
+
+@pytest.fixture
+def killed(monkeypatch):
+    """Take the signals that the guard sends: the supervisor is this very process."""
+    sent = []
+
+    def kill(pid, number):
+        if number:
+            sent.append((pid, number))
+
+    monkeypatch.setattr("os.kill", kill)
+    return sent
+
+
+def test_a_supervisor_that_starts_has_more_time_than_one_that_watches(tied, killed):
+    tied.give_another()
+    tied.page[StatusWord.SUPERVISOR_BEAT] = 1  # of the one before, which has not ended yet
+    tied.run(SUPERVISOR_HANG_TIMEOUT + SECOND // 2)
+    assert tied.received() == b""
+    tied.supervisor.send(WATCHING_MESSAGE)
+    wait_for(lambda: tied.run(SECOND // 10) or tied.received(), what="the dismissal")
+    assert killed == []
+
+
+def test_a_supervisor_that_does_not_leave_when_it_is_dismissed_is_killed(loop, master, killed):
+    guard = ConnectedGuard(loop, master, Supervision(start_within=SECOND // 5))
+    guard.give_another()
+    wait_for(lambda: guard.run(SECOND // 10) or guard.received(), what="the dismissal")
+    assert killed == []
+    wait_for(lambda: guard.run(SECOND // 10) or killed, what="the end")
+    assert set(killed) == {(os.getpid(), signal.SIGKILL)}
+    assert guard.received() == b""
+    guard.close()
 
 
 def open_files():

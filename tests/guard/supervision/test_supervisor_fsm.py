@@ -7,30 +7,31 @@ import pytest
 from rtron.guard.supervision.supervisor_fsm import (
     END_TIMEOUT,
     GUARD_EXISTS,
-    GUARD_HANG_TIMEOUT,
     LOST_TIMEOUT,
     OUT_OF_MEMORY,
-    STALL_TIMEOUT,
-    START_TIMEOUT,
     WARM_START_TIMEOUT,
     GuardObservation,
     GuardPhase,
     SupervisorAction,
     SupervisorFsm,
 )
-from rtron.guard.supervision.watchdog import BEAT_PERIOD, Watchdog
-from rtron.vocabulary import SECOND
+from rtron.guard.supervision.watchdog import BEAT_PERIOD, SchedulingDelay, Watchdog
+from rtron.vocabulary import SECOND, Supervision
+from rtron.vocabulary.plan import LONGEST_STALL
 
 KILLED = -signal.SIGKILL
+BOUNDS = Supervision()
+STALL_TIMEOUT, GUARD_HANG_TIMEOUT = BOUNDS.stall_after, BOUNDS.kill_after
+START_TIMEOUT = BOUNDS.start_within
 WELL, ABSENT = GuardObservation(0, is_serving=True), GuardObservation(0, is_serving=False)
 
 
-def silent(duration):
-    return GuardObservation(duration, is_serving=True)
+def silent(duration, delay=0):
+    return GuardObservation(duration, is_serving=True, delay=delay)
 
 
-def serving(now=0):
-    fsm = SupervisorFsm(now)
+def serving(now=0, bounds=BOUNDS):
+    fsm = SupervisorFsm(now, bounds)
     assert fsm.tick(now, ABSENT) == (SupervisorAction.SPAWN,)
     assert fsm.tick(now, WELL) == (SupervisorAction.RELEASE,)
     return fsm
@@ -42,7 +43,7 @@ def dead(fsm, now, code=KILLED):
 
 
 def test_a_guard_is_started_at_once_and_left_alone_while_it_is_well():
-    fsm = SupervisorFsm(5)
+    fsm = SupervisorFsm(5, BOUNDS)
     assert fsm.tick(5, ABSENT) == (SupervisorAction.SPAWN,)
     assert fsm.tick(6, ABSENT) == ()
     assert fsm.tick(7, WELL) == (SupervisorAction.RELEASE,)
@@ -50,7 +51,7 @@ def test_a_guard_is_started_at_once_and_left_alone_while_it_is_well():
 
 
 def test_an_adopted_guard_is_not_started():
-    fsm = SupervisorFsm(0, is_adopted=True)
+    fsm = SupervisorFsm(0, BOUNDS, is_adopted=True)
     assert fsm.tick(0, WELL) == ()
     assert fsm.connection_lost(1) == (SupervisorAction.BRAKE,)
 
@@ -81,20 +82,20 @@ def test_a_dead_guard_stops_the_robot_and_is_followed_by_another():
 
 
 def test_a_guard_that_never_served_has_moved_nothing():
-    fsm = SupervisorFsm(0)
+    fsm = SupervisorFsm(0, BOUNDS)
     fsm.tick(0, ABSENT)
     assert fsm.connection_lost(1) == ()
 
 
 def test_a_guard_that_takes_too_long_to_start_is_killed():
-    fsm = SupervisorFsm(0)
+    fsm = SupervisorFsm(0, BOUNDS)
     fsm.tick(0, ABSENT)
     assert fsm.tick(START_TIMEOUT, ABSENT) == ()
     assert fsm.tick(START_TIMEOUT + 1, ABSENT) == (SupervisorAction.KILL,)
 
 
 def test_a_guard_that_was_ready_is_given_less_time_to_begin_than_the_next():
-    fsm = SupervisorFsm(0)
+    fsm = SupervisorFsm(0, BOUNDS)
     fsm.tick(0, ABSENT)
     fsm.spare_taken()
     assert fsm.tick(WARM_START_TIMEOUT, ABSENT) == ()
@@ -120,7 +121,7 @@ def test_a_guard_that_cannot_be_started_is_tried_again_later_and_later():
 
 
 def test_nobody_waits_for_a_guard_that_could_not_be_started():
-    fsm = SupervisorFsm(0)
+    fsm = SupervisorFsm(0, BOUNDS)
     fsm.tick(0, ABSENT)
     fsm.start_failed(0)
     assert fsm.shut_down(1) == (SupervisorAction.LEAVE,)
@@ -215,7 +216,7 @@ def test_what_becomes_of_the_supervisor_when_the_guard_ends(code, ends_with):
 
 
 def test_a_guard_that_is_refused_at_once_is_not_started_again():
-    fsm = SupervisorFsm(0)
+    fsm = SupervisorFsm(0, BOUNDS)
     fsm.tick(0, ABSENT)
     assert dead(fsm, 1, 2) == (SupervisorAction.LEAVE,)
     assert fsm.code == 2
@@ -240,3 +241,52 @@ def test_time_in_which_nobody_looked_is_not_the_silence_of_the_other():
     watchdog = Watchdog(0)
     watchdog.update(BEAT_PERIOD, 7)
     assert watchdog.update(BEAT_PERIOD + 60 * SECOND, 7) < STALL_TIMEOUT
+
+
+def test_the_bounds_are_those_of_the_plan():
+    stall, kill, start = SECOND // 20, 2 * SECOND, 5 * SECOND
+    bounds = Supervision(stall_after=stall, kill_after=kill, start_within=start)
+    fsm = serving(bounds=bounds)
+    assert fsm.tick(1, silent(stall - 1)) == ()
+    assert fsm.tick(2, silent(stall)) == (SupervisorAction.BRAKE,)
+    assert fsm.tick(3, silent(kill - 1)) == ()
+    assert fsm.tick(4, silent(kill)) == (SupervisorAction.KILL,)
+    fsm = SupervisorFsm(0, bounds)
+    fsm.tick(0, ABSENT)
+    assert fsm.tick(start, ABSENT) == ()
+    assert fsm.tick(start + 1, ABSENT) == (SupervisorAction.KILL,)
+
+
+def test_a_guard_is_as_late_as_the_machine_and_no_later_than_the_longest_stall():
+    late = 20 * SECOND // 1000
+    explained = 3 * late + 2 * BEAT_PERIOD
+    fsm = serving()
+    assert fsm.tick(1, silent(explained - 1, late)) == ()
+    assert fsm.tick(2, silent(explained, late)) == (SupervisorAction.BRAKE,)
+    fsm = serving()
+    assert fsm.tick(1, silent(LONGEST_STALL - 1, SECOND)) == ()
+    assert fsm.tick(2, silent(LONGEST_STALL, SECOND)) == (SupervisorAction.BRAKE,)
+
+
+def test_a_plan_may_allow_a_longer_stall():
+    longer = 2 * LONGEST_STALL
+    fsm = serving(bounds=Supervision(stall_after=longer))
+    assert fsm.tick(1, silent(longer - 1, SECOND)) == ()
+    assert fsm.tick(2, silent(longer)) == (SupervisorAction.BRAKE,)
+
+
+def test_the_worst_delay_is_known_for_a_second_and_forgotten_after_two():
+    delay, now = SchedulingDelay(0), BEAT_PERIOD
+    assert delay.update(now) == 0
+    now += BEAT_PERIOD + 7
+    assert delay.update(now) == 7
+    seen = []
+    for _ in range(2 * SECOND // BEAT_PERIOD + 1):
+        now += BEAT_PERIOD
+        seen.append(delay.update(now))
+    assert set(seen[: SECOND // BEAT_PERIOD]) == {7}
+    assert seen[-1] == 0
+
+
+def test_a_tick_that_comes_early_is_not_late():
+    assert SchedulingDelay(0).update(1) == 0

@@ -1,22 +1,30 @@
 """The guard dies, hangs and starves between real nodes, and so does its supervisor."""
 
+import json
 import os
 import re
 import resource
 import signal
+import socket
 import sys
 from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
-from driven_base import CMD_VEL_GUARD, Driven, drive_plan, start_guard
+from driven_base import CMD_VEL_GUARD, PATIENCE, Driven, drive_plan, start_guard
 from harness import free_port, lives, named, wait_for
 from rostopic import TWIST, say
 
-from rtron.guard.supervision.supervisor_fsm import START_TIMEOUT
+from rtron.guard.supervision.shared_memory import GuardMemory
+from rtron.guard.supervision.supervisor_client import SUPERVISOR_HANG_TIMEOUT
+from rtron.guard.supervision.supervisor_handover import (
+    DISMISS_MESSAGE,
+    HandoverAnswer,
+    bind_guard_socket,
+)
 from rtron.planning.plan_file.writer import write_plan
-from rtron.vocabulary import GUARD_NODE, SECOND, SUPERVISOR_NODE, Plan
+from rtron.vocabulary import GUARD_NODE, SECOND, SUPERVISOR_NODE, Plan, Supervision
 
 pytestmark = pytest.mark.ros1
 SPEED, FORBIDDEN = 0.8, 9.0
@@ -33,19 +41,20 @@ def plan_with_a_blocked_flow():
 class Supervised:
     """A guard under supervision, and the driver behind it; a forbidden velocity flows too."""
 
-    def __init__(self, ros1, driver):
+    def __init__(self, ros1, driver, plan=None, lower=FORBIDDEN):
         self.ros1 = ros1
-        self.process = start_guard(ros1, plan_with_a_blocked_flow(), CMD_VEL_GUARD)
+        self.process = start_guard(ros1, plan or plan_with_a_blocked_flow(), CMD_VEL_GUARD)
         self.plan = ros1.folder / "rtron.yaml"
         ros1.wait_for_nodes(GUARD_NODE, SUPERVISOR_NODE)
         self.driven = Driven(ros1.folder / "driven.txt")
         ros1.spawn(driver, self.driven.path, f"/cmd_vel:={OUT}", "__name:=driver")
         wait_for(self.is_wired, what="the driver's connections")
         twist = "geometry_msgs/Twist"
-        say(ros1, "nav", "/cmd_vel", twist, TWIST % SPEED, 50, "/cmd_vel:=/rtron/cmd_vel/flow1")
-        forbidden = TWIST % FORBIDDEN
-        say(ros1, "rogue", "/cmd_vel", twist, forbidden, 50, "/cmd_vel:=/rtron/cmd_vel/flow2")
-        say(ros1, "by_hand", "/cmd_vel", twist, forbidden, 50)
+        flow1, flow2 = (f"/cmd_vel:=/rtron/cmd_vel/{flow}" for flow in ("flow1", "flow2"))
+        self.nav = say(ros1, "nav", "/cmd_vel", twist, TWIST % SPEED, 50, flow1)
+        self.wait_for_speed("the navigation")
+        say(ros1, "rogue", "/cmd_vel", twist, TWIST % lower, 50, flow2)
+        say(ros1, "by_hand", "/cmd_vel", twist, TWIST % FORBIDDEN, 50)
         self.wait_for_speed("the velocity")
 
     def is_wired(self):
@@ -135,6 +144,24 @@ def test_the_robot_is_stopped_and_the_guard_comes_back(supervised, cause):
     assert "guard: the guard before" in diagnostics
 
 
+def test_the_lower_flow_does_not_go_first_after_a_restart(ros1, driver):
+    plan = drive_plan()
+    (node,) = plan.grcn
+    patient = replace(plan, grcn=(replace(node, release_after=3 * PATIENCE),))
+    supervised = Supervised(ros1, driver, patient, lower=0.3)
+    high, told = supervised.nav, len(supervised.speeds())
+    high.tell(signal.SIGSTOP)
+    supervised.tell_guard(signal.SIGKILL)
+    supervised.wait_for_stop(told)
+    flow2 = "/rtron/cmd_vel/flow2"
+    wait_for(lambda: ros1.received(CMD_VEL_GUARD, flow2) > 20, what="the lower flow at the guard")
+    high.tell(signal.SIGCONT)
+    supervised.wait_for_speed("the velocity through the next guard", told)
+    assert 0.3 not in supervised.speeds()
+    high.kill()
+    wait_for(lambda: 0.3 in supervised.speeds(), what="the lower flow, now that nobody is higher")
+
+
 def spare_of(supervised):
     """Return the guard that waits, once there is one."""
     known = {supervised.guard, supervised.supervisor}
@@ -163,7 +190,7 @@ def test_a_spare_guard_that_stands_still_is_soon_replaced(supervised):
     os.kill(spare, signal.SIGSTOP)
     os.kill(supervised.guard, signal.SIGKILL)
     stopped = supervised.wait_for_stop(told)
-    sooner_than_a_start_s = START_TIMEOUT / SECOND * 0.9
+    sooner_than_a_start_s = Supervision().start_within / SECOND * 0.9
     wait_for(lambda: not lives(spare), sooner_than_a_start_s, what="the end of the spare guard")
     supervised.wait_for_speed("the velocity through the next guard", stopped)
 
@@ -253,6 +280,63 @@ def test_a_new_command_takes_over_the_guard_that_runs(supervised):
     again.stop()
     assert again.code == 0
     assert not lives(guard)
+
+
+SLOW = """
+import sys, time
+from pathlib import Path
+from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.supervision import supervisor
+from rtron.guard.supervision.guard_config import GuardConfig
+from rtron.guard.supervision.programs import run_program
+from rtron.planning import read_plan
+
+def open_slowly(*arguments):
+    time.sleep(float(sys.argv[3]))
+    return open_transport(*arguments)
+
+open_transport, supervisor.open_transport = supervisor.open_transport, open_slowly
+plan = read_plan(Path(sys.argv[1]))
+options = {"dry_run": False, "control": None, "figures": None, "link": None}
+config = GuardConfig(plan=plan, master=sys.argv[2], options=options)
+made = lambda: supervisor.Supervisor(config, config.write_to_memory(), EventLoop())
+sys.exit(run_program(lambda: made().run()))
+"""
+"""A supervisor that takes long to start, as on a busy machine."""
+
+
+def test_a_supervisor_that_is_still_starting_is_not_killed(supervised):
+    guard, supervisor = supervised.guard, supervised.supervisor
+    longer_s = 2 * SUPERVISOR_HANG_TIMEOUT / SECOND
+    os.kill(supervisor, signal.SIGKILL)
+    words = (sys.executable, "-c", SLOW, supervised.plan, supervised.ros1.uri, longer_s)
+    again = supervised.ros1.spawn(*words)
+    wait_for(lambda: supervised.supervisor == again.pid or again.ended, what="the supervisor")
+    assert not again.ended, again.log
+    assert supervised.guard == guard
+    assert "the supervisor stands still" not in supervised.process.log
+    again.stop()
+    assert again.code == 0
+
+
+def test_a_supervisor_that_the_guard_does_not_wait_for_says_so_and_ends_with_2(ros1):
+    path = ros1.folder / "rtron.yaml"
+    path.write_text(write_plan(drive_plan()))
+    guard = bind_guard_socket(ros1.uri)
+    guard.settimeout(None)
+    starting = ros1.rtron("guard", "--plan", path)
+    connection, _ = guard.accept()
+    assert b"config" in connection.recv(1000)
+    memory = GuardMemory.create(1)
+    answer = json.dumps({"answer": HandoverAnswer.YES.value}).encode() + b"\n"
+    socket.send_fds(connection, [answer], [memory.descriptor])
+    connection.send(DISMISS_MESSAGE)
+    wait_for(lambda: starting.ended, what="the end")
+    assert starting.code == 2
+    assert f"error: the guard on {ros1.uri} has not waited for this supervisor" in starting.log
+    assert "help: " in starting.log
+    for each in (guard, connection, memory):
+        each.close()
 
 
 @pytest.mark.long

@@ -39,6 +39,7 @@ from rtron.vocabulary import (
     Sharing,
     StopProfile,
     StreamKind,
+    Supervision,
     Transform,
     WatchedFlow,
     WhenUnknown,
@@ -183,6 +184,12 @@ audits = st.builds(
     period=within("Audit.period"),
     on_foreign=st.sampled_from(OnForeign),
 )
+bounds = st.builds(
+    Supervision,
+    stall_after=within("stall_after"),
+    kill_after=within("kill_after"),
+    start_within=within("start_within"),
+)
 definitions = st.builds(
     MessageDefinition,
     type=st.from_regex(r"my_msgs/(msg/)?[A-Z][a-z]{1,4}", fullmatch=True),
@@ -234,6 +241,7 @@ plans = st.builds(
     fps_monitor=listed(monitors, most=2),
     stop=st.just(StopProfile()) | stops,
     audit=audits,
+    supervision=st.just(Supervision()) | bounds,
     messages=listed(definitions, most=2),
     accept_unenforceable=listed(texts),
 )

@@ -24,6 +24,7 @@ from rtron.vocabulary import (
     Sharing,
     StopProfile,
     StreamKind,
+    Supervision,
     Transform,
     WatchedFlow,
     WhenUnknown,
@@ -145,6 +146,7 @@ PLAN = Plan(
     ),
     stop=StopProfile(decel=1.0),
     audit=Audit(period=SECOND // 20, on_foreign=OnForeign.ALARM),
+    supervision=Supervision(kill_after=2 * SECOND),
 )
 
 AT_80_COLUMNS = """\
@@ -199,6 +201,9 @@ Stop
 
 Audit
   every 0.05 s; a foreign publisher: alarm
+
+Supervision
+  a guard without a sign of life: stop after 0.055 s, kill after 2 s, start within 20 s
 
 Left out (1)
   warning  /odd

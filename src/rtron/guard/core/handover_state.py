@@ -7,12 +7,14 @@ the next instruction.
 import json
 import logging
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 from rtron.guard.core.event_loop import EventLoop
+from rtron.policies.policy import Policy
+from rtron.policies.state_transfer import LeaseState, PolicyState
 
 log = logging.getLogger(__name__)
 
@@ -77,6 +79,40 @@ def _values(document: bytes) -> dict[str, Any]:
         return values
     log.warning("the state of the guard before cannot be read")
     return {}
+
+
+class FlowOrder:
+    """Who comes first on a stream, for the next guard: the fresh flows and the owner of each stage.
+
+    Without it the first publisher that comes back would have the output, whatever its priority. A
+    fresh flow counts as if it spoke when the first publisher is back: lower ones wait until it is
+    there too, or its time is over.
+    """
+
+    def __init__(self, topic: str, handover: HandoverState) -> None:
+        self._key = f"order {topic}"
+        self._handover = handover
+        self._order: Any = handover.inherited(self._key) or []
+        self._is_resumed = False
+
+    def resume(self, policies: Sequence[Policy], now: int) -> None:
+        """Let the policies go on where the guard before has ended; they have seen nothing yet."""
+        if self._is_resumed:
+            return
+        self._is_resumed = True
+        for policy, (flows, owner) in zip(policies, self._order, strict=False):
+            lease = LeaseState(owner, now, now) if owner in flows else None
+            times = dict.fromkeys(flows, now)
+            policy.restore_state(
+                PolicyState(last_message_times=times, has_lease=True, lease=lease), now
+            )
+
+    def store(self, policies: Sequence[Policy], now: int) -> None:
+        """Store the order, if it has changed; not before the one that was inherited is in force."""
+        order = [[sorted(each.last_message_times(now)), each.owner] for each in policies]
+        if self._is_resumed and order != self._order:
+            self._order = order
+            self._handover.store(self._key, order)
 
 
 _PERIOD_S = 1.0

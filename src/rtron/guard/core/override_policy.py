@@ -113,6 +113,10 @@ class OverridablePolicy(ImmediatePolicy):
         """Return what the policy drops."""
         return self._policy.close()
 
+    def last_message_times(self, now: int) -> Mapping[str, int]:
+        """Return the policy's."""
+        return self._policy.last_message_times(now)
+
     def export_state(self, now: int) -> PolicyState:
         """Return the policy's state."""
         return self._policy.export_state(now)

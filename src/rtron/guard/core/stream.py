@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from rtron.guard.core.deadline_timer import DeadlineTimer
+from rtron.guard.core.handover_state import FlowOrder
 from rtron.guard.core.losses import Losses
 from rtron.guard.core.observations import Observations
 from rtron.guard.core.out_of_memory import exit_out_of_memory
@@ -65,6 +66,7 @@ class GuardedStream:
             k: v for k, v in policies.items() if isinstance(v, OverridablePolicy)
         }
         self._gate = VelocityGate(self.spec)
+        self._order = FlowOrder(stream.topic, context.handover)
         self.pipeline = Pipeline(tuple(policies.values()), names, self._on_passed, self._gate)
         self.pipeline.revise(revision_of(stream))
         self.stop_controller = StopController(stream, self._send_message)
@@ -232,6 +234,14 @@ class GuardedStream:
     def learn_numbers(self, check: Callable[[bytes], object]) -> None:
         """Learn how to refuse commands whose floats are no numbers."""
         self._gate.learn_numbers(check)
+
+    def resume_order(self) -> None:
+        """Let the flows have the order that the guard before has left: the first is back."""
+        self._order.resume(self.pipeline.policies, self._transport.now())
+
+    def store_order(self) -> None:
+        """Store the order of the flows for the next guard, if it has changed."""
+        self._order.store(self.pipeline.policies, self._transport.now())
 
     def forget_flow(self, flow: str) -> None:
         """Let others drive, and stop the robot if nobody does: a flow has lost its publisher."""

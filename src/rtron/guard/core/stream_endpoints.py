@@ -63,6 +63,10 @@ class StreamListener(Protocol):
         """Count messages of a flow that were lost before the guard."""
         ...
 
+    def resume_order(self) -> None:
+        """Learn that a publisher whose messages may pass is there."""
+        ...
+
     def forget_flow(self, flow: str) -> None:
         """Learn that a flow has lost its last publisher."""
         ...
@@ -203,6 +207,8 @@ class StreamEndpoints:
         receive = self._connect_flow(flow, peer) if flow else self._connect_stranger(peer, where)
         if receive is not None:
             self._publisher_counts[_name_of(flow)] += 1
+            if flow or not self.spec.block_unapproved:
+                self._listener.resume_order()
         return receive
 
     def _lose(self, flow: Flow | None) -> None:

@@ -1,6 +1,6 @@
 """Applies a velocity policy to messages: decodes each once, encodes it again if changed."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from rtron.errors import WireError
@@ -68,6 +68,10 @@ class VelocityAdapter(ImmediatePolicy):
     def reevaluate(self, now: int) -> None:
         """Let the policy evaluate the last request again."""
         self._policy.reevaluate(now)
+
+    def last_message_times(self, now: int) -> Mapping[str, int]:
+        """Return the policy's."""
+        return self._policy.last_message_times(now)
 
     def export_state(self, now: int) -> PolicyState:
         """Return the policy's state, with the message that was asked for last."""

@@ -3,6 +3,7 @@
 import logging
 import os
 import socket
+from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
 
@@ -38,6 +39,7 @@ log = logging.getLogger(__name__)
 
 GREETING = b"B"
 _PAUSE_S = 0.5
+_MAX_FORMER = 8
 
 
 class CommandLane:
@@ -58,6 +60,7 @@ class CommandLane:
         self._alarms_there: set[AlarmChange] = set()
         self._statuses: tuple[Status, ...] = ()
         self._figures: dict[str, dict[str, object]] = {}
+        self._former_participants: deque[bytes] = deque(maxlen=_MAX_FORMER)
         self._held: dict[str, str] = {}
         self._settings: Settings | None = None
         self._on_answer: Callable[[str], None] = _ignore
@@ -91,8 +94,8 @@ class CommandLane:
         return list(self._statuses)
 
     def participants(self) -> frozenset[bytes]:
-        """Return its participant in the graph of ROS 2."""
-        return frozenset({self.nodes.participant}) if self.nodes.participant else frozenset()
+        """Return its participant in the graph of ROS 2, and those of the ones before it."""
+        return frozenset(filter(None, (self.nodes.participant, *self._former_participants)))
 
     def take_figures(self) -> dict[str, dict[str, object]]:
         """Return what became of the messages since the last call, by topic."""
@@ -149,6 +152,7 @@ class CommandLane:
         log.warning("the command process is gone")
         self._channel = None
         self.former_uris = frozenset(self.nodes.uris.values())
+        self._former_participants.append(self.nodes.participant)
         self.nodes, self.state = NodesReport(), LaneState()
         for change in self._alarms_there:
             self._alarms.mirror(change.alarm, self._loop.now(), active=False)

@@ -55,16 +55,14 @@ def run_command_process(
     """
     raise_file_limit()
     loop = EventLoop()
-    middleware = open_middleware(plan, master, loop)
+    middleware = open_middleware(plan, master, loop, supervisor.session)
     transport = middleware.transport
     board = BoardObservations(command_part(plan))
     heartbeat = HeartbeatFile(heartbeat_path(control or control_path(plan.app), master))
-    coordinator = Coordinator(
-        transport,
-        build_streams(command_part(plan)),
-        board.observations,
-        handover=_handover_state(supervisor, heartbeat),
-    )
+    handover = _handover_state(supervisor, heartbeat)
+    transport.succeed(handover)
+    streams = build_streams(command_part(plan))
+    coordinator = Coordinator(transport, streams, board.observations, handover=handover)
     connection = BulkConnection(loop, master, board, coordinator)
     topics = len(build_streams(plan))
     reports = LaneReports(connection, coordinator, loop, middleware, supervisor, topics)

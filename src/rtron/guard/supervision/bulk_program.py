@@ -7,7 +7,6 @@ from rtron.guard.lanes.bulk_process import run_bulk_process
 from rtron.guard.log_format import start_logging
 from rtron.guard.supervision.guard_config import read_config
 from rtron.guard.supervision.programs import open_descriptors, run_program
-from rtron.guard.transport.factory import load_middleware
 
 
 def main(numbers: str) -> None:
@@ -16,7 +15,6 @@ def main(numbers: str) -> None:
     (config_file,) = open_descriptors(numbers)
     config = read_config(config_file)
     start_logging(config.log_level, "bulk")
-    load_middleware(config.plan.ros)
 
     def carry() -> int:
         run_bulk_process(config.plan, config.master, link=config.options.get("link"))

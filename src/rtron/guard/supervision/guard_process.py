@@ -15,12 +15,14 @@ from rtron.guard.supervision.shared_memory import GuardMemory, StatusWord
 from rtron.guard.supervision.supervisor_fsm import END_TIMEOUT, OK
 from rtron.guard.supervision.supervisor_handover import (
     BEGIN,
+    WATCHING_MESSAGE,
     HandoverAnswer,
     is_running,
     request_handover,
 )
 
 _PAUSE_S = 0.02
+_LEAVE_S = 1.0
 
 
 class GuardProcess:
@@ -47,12 +49,19 @@ class GuardProcess:
         with suppress(OSError):  # it has ended: the supervisor sees that as well
             self.connection.send(BEGIN)
 
+    def notify_watching(self) -> None:
+        """Let a guard that was taken over know that it is watched from now on."""
+        with suppress(OSError):  # it has ended: the supervisor sees that as well
+            self.connection.send(WATCHING_MESSAGE)
+
     def discard(self) -> None:
-        """Do without a guard that has not begun."""
-        self.send_signal(signal.SIGKILL)
-        if self._process:
-            self._process.wait()
+        """Do without a guard that has not begun; it has a moment to leave the graph."""
         self.connection.close()
+        if self._process:
+            with suppress(subprocess.TimeoutExpired):
+                self._process.wait(_LEAVE_S)
+            self.send_signal(signal.SIGKILL)
+            self._process.wait()
         self.memory.close()
 
     def send_signal(self, number: int) -> None:

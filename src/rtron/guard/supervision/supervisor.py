@@ -23,8 +23,12 @@ from rtron.guard.supervision.supervisor_fsm import (
     SupervisorAction,
     SupervisorFsm,
 )
-from rtron.guard.supervision.supervisor_handover import HAND_OVER_MESSAGE, is_running
-from rtron.guard.supervision.watchdog import BEAT_PERIOD, Watchdog
+from rtron.guard.supervision.supervisor_handover import (
+    DISMISS_MESSAGE,
+    HAND_OVER_MESSAGE,
+    is_running,
+)
+from rtron.guard.supervision.watchdog import BEAT_PERIOD, SchedulingDelay, Watchdog
 from rtron.guard.transport.factory import open_transport
 from rtron.vocabulary import SECOND
 
@@ -50,7 +54,7 @@ class Supervisor:
         self._guard = adopt_guard(config, self._stream_count)
         if is_backup and self._guard is None:
             raise SourceError(f"the guard on {config.master} is gone")
-        self._config_file = config_file
+        self._config_file, self._master = config_file, config.master
         self._loop = loop
         self._transport = open_transport(config.plan.ros, config.master, loop)
         self._transport.set_shutdown_handler(self._refuse_shutdown)
@@ -59,12 +63,17 @@ class Supervisor:
         self._memory = memory
         self._brakes = StreamBrakes(streams, self._transport, memory)
         self._watchdog = Watchdog(loop.now())
-        self._fsm = SupervisorFsm(loop.now(), is_adopted=self._guard is not None)
+        self._delay = SchedulingDelay(loop.now())
+        self._fsm = SupervisorFsm(
+            loop.now(), config.plan.supervision, is_adopted=self._guard is not None
+        )
         self._helpers = [HelperProcess(config_file, each) for each in _helper_programs(config)]
         self._spare: GuardProcess | None = None
         self._spare_due = 0
+        self._is_spare_ready = False
         self._failure = self._failure_report = ""
         self._is_leaving = self._is_end_requested = self._skips_final_stop = False
+        self._is_dismissed = False
         self._first_owner = 0
         if self._guard:
             log.warning("taking over the guard, process %d", self._guard.pid)
@@ -74,10 +83,16 @@ class Supervisor:
                 self._watch_owner()
 
     def run(self) -> int:
-        """Supervise until told to end, or until the guard ends in order; return the exit code."""
+        """Supervise until told to end, or until the guard ends in order; return the exit code.
+
+        SourceError if the guard has not waited for this supervisor.
+        """
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, lambda *_: self._loop.post(self._end))
         self._tick()
+        self._brakes.prepare()  # the guard is starting, or waits for the word that follows
+        if self._guard:
+            self._guard.notify_watching()
         self._loop.run()
         if self._spare:
             self._spare.discard()
@@ -85,6 +100,9 @@ class Supervisor:
             helper.stop()
         self._transport.close()
         self._loop.close()
+        if self._is_dismissed:
+            message = f"the guard on {self._master} has not waited for this supervisor"
+            raise SourceError(message, help="start rtron guard again: the machine is too busy")
         return self._fsm.code
 
     def _tick(self) -> None:
@@ -104,7 +122,9 @@ class Supervisor:
         is_serving, is_leaving = (
             bool(self._memory[word]) for word in (StatusWord.SERVING, StatusWord.LEAVING)
         )
-        self._perform(self._fsm.tick(now, GuardObservation(silence, is_serving, is_leaving)), now)
+        delay = self._delay.update(now)
+        observation = GuardObservation(silence, is_serving, is_leaving, delay)
+        self._perform(self._fsm.tick(now, observation), now)
         self._reap(now)
         self._prepare_spare(now)
         if self._memory[StatusWord.SERVING] and not self._is_leaving:
@@ -194,6 +214,10 @@ class Supervisor:
         if is_stable and self._spare is None and now >= self._spare_due:
             self._spare_due = now + _SPARE_RETRY
             self._spare = self._try_spawn("the next guard cannot be made ready")
+            self._is_spare_ready = False
+        elif self._spare and not self._is_spare_ready and self._spare.memory[StatusWord.READY]:
+            self._is_spare_ready = True
+            log.info("the next guard is ready, process %d", self._spare.pid)
 
     def _watch_connection(self, guard: GuardProcess) -> None:
         self._loop.watch(
@@ -206,7 +230,8 @@ class Supervisor:
         received = guard.connection.recv(len(HAND_OVER_MESSAGE))
         if not received:
             self._on_connection_lost(guard, "its connection has ended")
-        elif received == HAND_OVER_MESSAGE:
+        elif received in (HAND_OVER_MESSAGE, DISMISS_MESSAGE):
+            self._is_dismissed = received == DISMISS_MESSAGE
             log.warning("another supervisor takes over")
             self._loop.forget(guard.connection)
             self._guard = None

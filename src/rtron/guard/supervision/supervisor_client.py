@@ -8,6 +8,7 @@ import socket
 import subprocess
 from contextlib import suppress
 from functools import partial
+from typing import TYPE_CHECKING
 
 from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.event_loop import EventLoop
@@ -26,7 +27,9 @@ from rtron.guard.supervision.shared_memory import (
     encode_type_info,
 )
 from rtron.guard.supervision.supervisor_handover import (
+    DISMISS_MESSAGE,
     HAND_OVER_MESSAGE,
+    WATCHING_MESSAGE,
     HandoverAnswer,
     HandoverSocket,
     bind_guard_socket,
@@ -43,10 +46,15 @@ from rtron.vocabulary import (
     AlarmKind,
 )
 
+if TYPE_CHECKING:
+    from rtron.wire.ros2.session import Ros2Session
+
 log = logging.getLogger(__name__)
 
 SUPERVISOR_HANG_TIMEOUT = 2 * SECOND
-"""Silence after which a supervisor is killed, ns."""
+"""Silence after which a supervisor is dismissed, ns; one that starts may take `start_within`."""
+_DISMISS_TIMEOUT = SECOND
+"""How long a supervisor that is dismissed may take to end before it is killed, ns."""
 UNSUPERVISED_LIMIT = 2 * SECOND
 """How long the guard waits for a supervisor to come before it starts one, ns."""
 _ALARM_DURATION = 30 * SECOND
@@ -56,15 +64,23 @@ class SupervisorClient:
     """Beats, keeps what the supervisor has to know, and sees to it that there is a supervisor."""
 
     def __init__(
-        self, config: GuardConfig, memory: GuardMemory, connection: socket.socket, config_file: int
+        self,
+        config: GuardConfig,
+        memory: GuardMemory,
+        connection: socket.socket,
+        config_file: int,
+        session: "Ros2Session | None" = None,
     ) -> None:
         """Take the connection to the supervisor, and the configuration for a backup supervisor.
+
+        `session` was opened while the guard waited to begin.
 
         SourceError if there is another guard on the master.
         """
         self.handover_state = HandoverState(
             memory.handover_state.read()[1], memory.handover_state.write
         )
+        self.session = session
         self._config = config
         self._config_file = config_file
         self._memory = memory
@@ -73,6 +89,7 @@ class SupervisorClient:
         self._guard_socket = bind_guard_socket(config.master)
         self._backup: subprocess.Popen[bytes] | None = None
         self._last_stop = 0
+        self._is_starting = self._is_dismissed = False
         self._disconnected_at = 0
         self._is_ending = False
 
@@ -115,6 +132,8 @@ class SupervisorClient:
         exit_if_out_of_memory()
         self._memory[StatusWord.GUARD_BEAT] = now
         self._memory[StatusWord.SERVING] = self._memory[StatusWord.SERVING] or now
+        for guarded in self._stoppable:
+            guarded.store_order()
         self._notice_stop()
         self._check_supervisor(now)
 
@@ -140,13 +159,17 @@ class SupervisorClient:
             self._watch_supervisor(self._connection, now)
 
     def _watch_supervisor(self, connection: socket.socket, now: int) -> None:
-        """Kill the supervisor if it does not beat for SUPERVISOR_HANG_TIMEOUT."""
+        """Dismiss the supervisor if it does not beat, and kill it if it does not leave then."""
+        start_within = self._config.plan.supervision.start_within
+        limit = start_within if self._is_starting else SUPERVISOR_HANG_TIMEOUT
         silence = self._watchdog.update(now, self._memory[StatusWord.SUPERVISOR_BEAT])
-        if silence < SUPERVISOR_HANG_TIMEOUT:
-            return
-        log.error("the supervisor stands still: it is killed")
-        self._watchdog = Watchdog(self._loop.now())
-        os.kill(peer_credentials(connection)[0], signal.SIGKILL)
+        if silence >= limit + _DISMISS_TIMEOUT:
+            os.kill(peer_credentials(connection)[0], signal.SIGKILL)
+        elif silence >= limit and not self._is_dismissed:
+            log.error("the supervisor stands still: it is ended")
+            self._is_dismissed = True
+            with suppress(OSError):  # it may have just died
+                connection.send(DISMISS_MESSAGE)
 
     def _run_unsupervised(self, now: int) -> None:
         """Wait for a supervisor, then start one, unless nobody is left who would end the guard."""
@@ -201,14 +224,18 @@ class SupervisorClient:
     def _use_connection(self, connection: socket.socket) -> None:
         self._connection = connection
         self._watchdog = Watchdog(self._loop.now())
+        self._is_starting, self._is_dismissed = connection is not self._first_connection, False
         connection.settimeout(0)
         self._loop.watch(
             connection, partial(self._on_readable, connection), partial(self._on_error, connection)
         )
 
     def _on_readable(self, connection: socket.socket) -> None:
-        if not connection.recv(1):
+        received = connection.recv(len(WATCHING_MESSAGE))
+        if not received:
             self._on_connection_lost(connection)
+        elif received == WATCHING_MESSAGE:
+            self._is_starting = False
 
     def _on_error(self, connection: socket.socket, error: Exception) -> None:
         log.debug("%s", error)

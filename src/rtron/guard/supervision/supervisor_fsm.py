@@ -1,21 +1,17 @@
 """What the supervisor does about the guard, whatever happens to it; sans-I/O.
 
-When the guard stalls, the supervisor stops the robot at once; it kills the guard after
-GUARD_HANG_TIMEOUT. A stall ends with the next beat, a restart takes a while.
+When the guard stalls, the supervisor stops the robot at once; it kills the guard later, since a
+stall ends with the next beat and a restart takes a while. The plan has the bounds (`Supervision`).
 """
 
 import os
 from dataclasses import dataclass
 from enum import Enum
 
-from rtron.vocabulary import SECOND
+from rtron.guard.supervision.watchdog import BEAT_PERIOD
+from rtron.vocabulary import SECOND, Supervision
+from rtron.vocabulary.plan import LONGEST_STALL
 
-STALL_TIMEOUT = 55 * SECOND // 1000
-"""Silence after which the robot is stopped, ns: a few beats more than a busy machine delays."""
-GUARD_HANG_TIMEOUT = SECOND
-"""Silence after which the guard is killed, ns."""
-START_TIMEOUT = 20 * SECOND
-"""How long a guard may take until its topics are open, ns."""
 WARM_START_TIMEOUT = 2 * SECOND
 """The same for a guard that had started up before and only waited to begin, ns."""
 END_TIMEOUT = 8 * SECOND
@@ -58,17 +54,22 @@ class SupervisorAction(Enum):
 
 @dataclass(frozen=True, slots=True)
 class GuardObservation:
-    """What is seen of the guard: how long it has not beaten (ns), and what it says of itself."""
+    """What is seen of the guard: how long it has not beaten (ns), and what it says of itself.
+
+    `delay` is how late processes are on this machine now (ns).
+    """
 
     silence: int
     is_serving: bool
     is_leaving: bool = False
+    delay: int = 0
 
 
 class SupervisorFsm:
     """Turns what is seen into what is to be done; `code` is what the supervisor ends with."""
 
-    def __init__(self, now: int, *, is_adopted: bool = False) -> None:
+    def __init__(self, now: int, bounds: Supervision, *, is_adopted: bool = False) -> None:
+        self._bounds = bounds
         self.phase = GuardPhase.SERVING if is_adopted else GuardPhase.WAITING
         self.code = OK
         self._phase_since = now
@@ -77,7 +78,7 @@ class SupervisorFsm:
         self._has_served = is_adopted
         self._failures = 0
         self._is_ending = False
-        self._start_timeout = START_TIMEOUT
+        self._start_timeout = bounds.start_within
 
     def tick(self, now: int, observation: GuardObservation) -> tuple[SupervisorAction, ...]:
         """Look at the guard, every few milliseconds."""
@@ -138,7 +139,8 @@ class SupervisorFsm:
     def _wait(self, now: int) -> tuple[SupervisorAction, ...]:
         if now < self._restart_due:
             return ()
-        self.phase, self._phase_since, self._start_timeout = GuardPhase.STARTING, now, START_TIMEOUT
+        self.phase, self._phase_since = GuardPhase.STARTING, now
+        self._start_timeout = self._bounds.start_within
         return (SupervisorAction.SPAWN,)
 
     def _start(self, now: int, observation: GuardObservation) -> tuple[SupervisorAction, ...]:
@@ -153,14 +155,19 @@ class SupervisorFsm:
         if observation.is_leaving and not self._is_ending:
             self._is_ending, self._phase_since = True, now
         if self._is_overdue(now) or (
-            observation.silence >= GUARD_HANG_TIMEOUT and not observation.is_leaving
+            observation.silence >= self._bounds.kill_after and not observation.is_leaving
         ):
             return self._kill()
-        is_stalled = observation.is_leaving or observation.silence >= STALL_TIMEOUT
+        is_stalled = observation.is_leaving or self._is_silent(observation)
         if is_stalled == (self.phase is GuardPhase.STALLED):
             return ()
         self.phase = GuardPhase.STALLED if is_stalled else GuardPhase.SERVING
         return (SupervisorAction.BRAKE,) if is_stalled else (SupervisorAction.RELEASE,)
+
+    def _is_silent(self, observation: GuardObservation) -> bool:
+        """Tell whether the guard is silent for longer than the machine explains."""
+        usual = min(3 * observation.delay + 2 * BEAT_PERIOD, LONGEST_STALL)
+        return observation.silence >= max(self._bounds.stall_after, usual)
 
     def _is_overdue(self, now: int) -> bool:
         return self._is_ending and now - self._phase_since > END_TIMEOUT

@@ -38,6 +38,10 @@ def is_running(pid: int) -> bool:
 
 HAND_OVER_MESSAGE = b"L"
 """What a guard sends to a supervisor that another one replaces."""
+DISMISS_MESSAGE = b"D"
+"""What a guard sends to a supervisor that it will not wait for any longer."""
+WATCHING_MESSAGE = b"W"
+"""What a supervisor sends to a guard that it has taken over, once it watches it."""
 BEGIN = b"B"
 """What a supervisor sends to a guard that it has started, when it is to guard."""
 _MAX_LINE_BYTES = 1 << 10

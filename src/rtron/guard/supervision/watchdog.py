@@ -1,4 +1,4 @@
-"""How long another process has given no sign of life; sans-I/O."""
+"""How long another process has given no sign of life, and how late this machine is; sans-I/O."""
 
 from rtron.vocabulary import SECOND
 
@@ -25,3 +25,27 @@ class Watchdog:
         self.silence = 0 if beat != self._beat else self.silence + min(since, _MAX_PERIOD)
         self._beat = beat
         return self.silence
+
+
+_DELAY_WINDOW = SECOND
+
+
+class SchedulingDelay:
+    """The worst lateness of our own ticks in the last one to two seconds.
+
+    Where we are late because others have the processor, so can be the process that we watch.
+    """
+
+    def __init__(self, now: int) -> None:
+        self._updated_at = self._window_began_at = now
+        self._worst = self._worst_before = 0
+
+    def update(self, now: int) -> int:
+        """Return the worst lateness (ns) after a tick at `now`."""
+        late = now - self._updated_at - BEAT_PERIOD
+        self._updated_at = now
+        if now - self._window_began_at >= _DELAY_WINDOW:
+            self._window_began_at = now
+            self._worst_before, self._worst = self._worst, 0
+        self._worst = max(self._worst, late)
+        return max(self._worst, self._worst_before)

@@ -38,6 +38,7 @@ from rtron.vocabulary import (
     Point,
     StopProfile,
     StringEnum,
+    Supervision,
     Transform,
     WatchedFlow,
 )
@@ -151,6 +152,7 @@ PLAN_TYPES: Mapping[type, str] = {
     FpsMonitor: "an fps_monitor",
     StopProfile: "the stop",
     Audit: "the audit",
+    Supervision: "the supervision",
     MessageDefinition: "a message definition",
 }
 

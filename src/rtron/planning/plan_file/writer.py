@@ -74,6 +74,11 @@ _SECTIONS = {
 # How often the guard asks each guarded node who speaks to it, and whether it only raises an alarm
 # when that is somebody else (`on_foreign: alarm`) or stops the robot too (`stop`).
 """,
+    "supervision": """
+# When the supervisor acts: it stops the robot when the guard gives no sign of life for
+# `stall_after` (55 ms; on a busy machine up to 100 ms), and kills it after `kill_after` (1 s). A
+# start may take `start_within` (20 s).
+""",
     "messages": """
 # Message types that RTron does not know, as `rosmsg show -r TYPE` prints them, or as their files in
 # ROS 2 say.

@@ -8,7 +8,7 @@ the same flow takes an older one's place, and under Priority_Queue a higher flow
 waits for a lower one.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 from rtron.policies.policy import Release
@@ -143,17 +143,19 @@ class MessageQueue:
             self._drop_held(held, "the queue was closed")
         return self._take_released()
 
+    def last_message_times(self, now: int) -> Mapping[str, int]:
+        """Return when each fresh flow spoke last, and each whose command waits."""
+        times = dict(self._lease.last_message_times(now))
+        for each in self._held.messages() if self._is_command else ():
+            times[each.flow.name] = max(each.arrived_at, times.get(each.flow.name, 0))
+        return times
+
     def export_state(self, now: int) -> PolicyState:
         """Return who waits, whose turn it is, and who is fresh; `close` has what does not wait."""
         self._advance(now)
-        held = self._held.messages()
+        held, last_message_times = self._held.messages(), self.last_message_times(now)
         for each in held:
             self._held.remove(each)
-        last_message_times = dict(self._lease.last_message_times(now))
-        for each in held if self._is_command else ():
-            last_message_times[each.flow.name] = max(
-                each.arrived_at, last_message_times.get(each.flow.name, each.arrived_at)
-            )
         return PolicyState(
             last_message_times=last_message_times,
             has_lease=True,

@@ -6,7 +6,7 @@ of a maximal velocity (`reissues`), where nobody need speak again, what was aske
 once more when the limit changes.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -181,11 +181,15 @@ class VelocityLimiter(ImmediatePolicy):
             self._last_request.sent = self._last_request.requested
             self._due = now
 
+    def last_message_times(self, now: int) -> Mapping[str, int]:
+        """Return when each fresh flow spoke last, where the flows have an order."""
+        return self._active_flows.last_message_times(now) if self._active_flows else {}
+
     def export_state(self, now: int) -> PolicyState:
         """Return what was asked for last, and who is fresh."""
         request = self._last_request
         return PolicyState(
-            last_message_times=self._active_flows.last_message_times(now)
+            last_message_times=self.last_message_times(now)
             if self._active_flows
             else self._last_message_times,
             velocity_request=VelocityRequest(request.flow, request.requested, request.sent)

@@ -17,6 +17,7 @@ from rtron.vocabulary import (
     OnSilence,
     PolicyName,
     StopProfile,
+    Supervision,
     Transform,
     WhenUnknown,
 )
@@ -127,6 +128,13 @@ def describe_audit(audit: Audit) -> str:
     """Return how often the guarded nodes are asked who speaks to them, and what follows."""
     also = " and stop" if audit.on_foreign is OnForeign.STOP else ""
     return f"every {seconds(audit.period)}; a foreign publisher: alarm{also}"
+
+
+def describe_supervision(bounds: Supervision) -> str:
+    """Return when the supervisor stops the robot, and when it kills the guard."""
+    stop = f"a guard without a sign of life: stop after {seconds(bounds.stall_after)}"
+    kill, start = seconds(bounds.kill_after), seconds(bounds.start_within)
+    return f"{stop}, kill after {kill}, start within {start}"
 
 
 def one_line(expression: str) -> str:

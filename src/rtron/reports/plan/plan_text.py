@@ -15,6 +15,7 @@ from rtron.reports.plan.descriptions import (
     describe_monitor,
     describe_rule,
     describe_stop,
+    describe_supervision,
     describe_transform,
     one_line,
 )
@@ -34,6 +35,7 @@ from rtron.vocabulary import (
     Plan,
     Ros1ActionTopic,
     StopProfile,
+    Supervision,
     action_name,
     is_action_type,
 )
@@ -97,6 +99,7 @@ def _lines(plan: Plan, page: TextPage) -> Iterator[Text]:
     yield from _fps_monitors(plan.fps_monitor)
     yield from _stop(plan.stop)
     yield from _audit(plan.audit)
+    yield from _supervision(plan.supervision)
 
 
 def _summary(plan: Plan) -> str:
@@ -167,6 +170,12 @@ def _audit(audit: Audit) -> Iterator[Text]:
     if audit != Audit():
         yield from heading("Audit")
         yield line(describe_audit(audit), indent=2)
+
+
+def _supervision(bounds: Supervision) -> Iterator[Text]:
+    if bounds != Supervision():
+        yield from heading("Supervision")
+        yield line(describe_supervision(bounds), indent=2)
 
 
 def _title(kind: str, node: GRCN | RSRCN | MSRCN) -> Iterable[Text]:

@@ -93,7 +93,11 @@ class Ros2Auditor:
                 yield from endpoints.subscribers
         if self._graph_reader:
             service_topics = (topic for topic in self._expected.topics if is_service_topic(topic))
-            yield from self._graph_reader.endpoints(service_topics)
+            yield from (
+                endpoint
+                for endpoint in self._graph_reader.endpoints(service_topics)
+                if endpoint.participant not in self._graph.ended
+            )
             outputs = [
                 each for each in self._expected.outputs.values() if not is_service_topic(each)
             ]

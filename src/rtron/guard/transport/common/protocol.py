@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
+from rtron.guard.core.handover_state import HandoverState
 from rtron.messages.common.encoding import Encoding
 from rtron.vocabulary import QoS
 
@@ -179,6 +180,10 @@ class LiveTransport(Transport, Protocol):
 
     def set_unreadable_handler(self, handler: Callable[[str, str, str], None]) -> None:
         """Call `handler` with a topic, a node, and why its message is unreadable (ROS 2 only)."""
+        ...
+
+    def succeed(self, handover: HandoverState) -> None:
+        """Take over from the guard before, and leave to the next one what it must know (ROS 2)."""
         ...
 
     def set_supervisor(self, process_id: Callable[[], int]) -> None:

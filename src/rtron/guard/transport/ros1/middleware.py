@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 
 from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.core.handover_state import HandoverState
 from rtron.guard.transport.common.protocol import (
     DEFAULT_INPUT,
     ConnectHandler,
@@ -112,6 +113,9 @@ class Ros1Transport:
 
     def set_unreadable_handler(self, handler: Callable[[str, str, str], None]) -> None:
         """Do nothing: each connection logs its own errors."""
+
+    def succeed(self, handover: HandoverState) -> None:
+        """Do nothing: a node that registers again takes the place of the one before."""
 
     def set_supervisor(self, process_id: Callable[[], int]) -> None:
         """Do nothing: the supervisor's nodes are known by their names."""

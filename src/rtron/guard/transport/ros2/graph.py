@@ -41,7 +41,7 @@ _MAX_IDLE = 2 * SECOND
 
 @dataclass(frozen=True, slots=True)
 class TopicEndpoints:
-    """The publishers and subscribers of a topic, without our own."""
+    """The publishers and subscribers of a topic, without our own and those of guards before."""
 
     publishers: tuple[Ros2Endpoint, ...] = ()
     subscribers: tuple[Ros2Endpoint, ...] = ()
@@ -69,6 +69,8 @@ class RosGraph:
         self.listeners: list[Callable[[], None]] = []
         self.participant = session.participant(GUARD_NODE)
         """The guard's own participant."""
+        self.ended: frozenset[bytes] = frozenset()
+        """The participants of the guards before: killed, they stay in the graph for a while."""
         self._is_refresh_due = False
         self._is_closing = False
         self._last_queries: dict[str, int] = {}
@@ -170,7 +172,7 @@ class RosGraph:
         self, topic: str, direction: Direction, known: tuple[Ros2Endpoint, ...]
     ) -> tuple[Ros2Endpoint, ...]:
         listing = self._graph_query if topic.startswith("/") else self._raw_graph_query
-        return listing.endpoints(topic, direction, known, self.participant)
+        return listing.endpoints(topic, direction, known, {self.participant, *self.ended})
 
     def _refresh_soon(self) -> None:
         """Refresh in a moment: changes come in groups."""

@@ -34,7 +34,7 @@ from rtron.wire.ros2.c_structures import (
 from rtron.wire.ros2.endpoints import PARTICIPANT_SIZE, Ros2Endpoint, node_name
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Collection, Iterator, Sequence
 
     from rclpy.node import Node
 
@@ -71,16 +71,18 @@ class GraphQuery:
         topic: str,
         direction: Direction,
         known: Sequence[Ros2Endpoint],
-        excluded: bytes | None = None,
+        excluded: Collection[bytes] = (),
     ) -> tuple[Ros2Endpoint, ...]:
         """Return the publishers or subscribers of a topic, at most 256, sorted by their GIDs.
 
-        `known` are those of the query before, `excluded` is a participant to leave out. WireError
-        if the query fails.
+        `known` are those of the query before, `excluded` are participants to leave out.
+        WireError if the query fails.
         """
         with self._infos(topic, direction) as infos:
             index_by_gid = {
-                gid: at for at, gid in enumerate(_gids(infos)) if gid[:PARTICIPANT_SIZE] != excluded
+                gid: at
+                for at, gid in enumerate(_gids(infos))
+                if gid[:PARTICIPANT_SIZE] not in excluded
             }
             chosen = select_endpoints(index_by_gid, {each.gid for each in known})
             return tuple(

@@ -33,11 +33,15 @@ if TYPE_CHECKING:
 
     from rtron.guard.action.ros2.endpoints import ActionListener
     from rtron.guard.core.event_loop import EventLoop
+    from rtron.guard.core.handover_state import HandoverState
     from rtron.vocabulary import Stream
     from rtron.wire.ros2.session import Ros2Session
 
 log = logging.getLogger(__name__)
 
+_PARTICIPANTS = "participants"
+_MAX_PARTICIPANTS = 32
+"""More guards do not end within a lease."""
 _SETTLING_TIME = 4 * SECOND
 """Fast DDS repeats its announcements every 3 s."""
 
@@ -71,6 +75,12 @@ class Ros2Transport:
     def set_unreadable_handler(self, handler: Callable[[str, str, str], None]) -> None:
         """Call `handler` with a topic, a node, and why its message is unreadable; do not log it."""
         self._context.report_unreadable = handler
+
+    def succeed(self, handover: HandoverState) -> None:
+        """Know the participants of the guards before, and leave ours to the next one."""
+        ended: list[str] = handover.inherited(_PARTICIPANTS) or []
+        self.graph.ended = frozenset(map(bytes.fromhex, ended))
+        handover.store(_PARTICIPANTS, [*ended, self.graph.participant.hex()][-_MAX_PARTICIPANTS:])
 
     def set_supervisor(self, process_id: Callable[[], int]) -> None:
         """Take the process whose participants count as the guard's."""
