@@ -23,7 +23,7 @@ COMMANDS = {
         "replay",
         "verify",
     ),
-    "On the robot": ("guard", "master", "override"),
+    "On the robot": ("guard", "master", "override", "clear"),
     "Security service": ("serve", "events", "upload-graph"),
     "Study": ("classify", "explain-function", "survey"),
     "Reference": ("explain", "mission-rules", "schema"),

@@ -19,7 +19,7 @@ from rtron.guard.core.observations import observations_of
 from rtron.guard.measurement.run import RunMeasurement, WriteFigures
 from rtron.guard.middleware import open_middleware
 from rtron.guard.node_shutdown import ShutdownRefusal, ShutdownSequence
-from rtron.guard.settings.local_overrides import OverrideCommands
+from rtron.guard.settings.intrusion_clearing import create_request_handler
 from rtron.vocabulary import Plan, build_streams
 
 if TYPE_CHECKING:
@@ -49,7 +49,7 @@ def run_guard(
     """Guard a plan's streams on the master or in the domain at `master`; return the exit code.
 
     A dry run forwards everything and reports what it would have decided. `control` is the socket
-    for overrides, by default in the user's runtime folder. `figures` writes what is measured.
+    for requests, by default in the user's runtime folder. `figures` writes what is measured.
     `supervisor_client` connects the guard to its supervisor, `link` to the security service, whose
     last settings are put in force first. SourceError if the plan is for ROS 2, which is not
     installed here, or if `control` cannot be used.
@@ -73,7 +73,7 @@ def run_guard(
         measuring.measure(coordinator.streams)
         measuring.write_periodically(figures)
     control_socket = _open_control_socket(
-        loop, plan, control, OverrideCommands(coordinator, transport).handle
+        loop, plan, control, create_request_handler(coordinator, transport)
     )
     if control_socket and not dry_run:
         heartbeat.beat(loop)

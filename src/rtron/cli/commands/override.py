@@ -1,20 +1,15 @@
 """`rtron override`."""
 
-import json
-import socket
-from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from rtron.cli.support.guard_socket import ControlSocketOption, send_request
 from rtron.cli.support.options import PlanOption
 from rtron.cli.support.outcome import Outcome
-from rtron.errors import InputError, SourceError
+from rtron.errors import InputError
 from rtron.planning.plan_file.durations import parse_duration, write_duration
 from rtron.planning.plan_file.loader import read_plan
-
-_PATIENCE_S = 5.0
-_LONGEST = 1 << 16
 
 
 def override(
@@ -26,10 +21,7 @@ def override(
         typer.Option("--for", metavar="TIME", help="Duration: 30 s, 2 min; 0 cancels it."),
     ],
     reason: Annotated[str, typer.Option(metavar="TEXT", help="The reason, for the log.")] = "",
-    control_socket: Annotated[
-        Path | None,
-        typer.Option(metavar="SOCKET", help="The control socket of the guard, as in its log."),
-    ] = None,
+    control_socket: ControlSocketOption = None,
 ) -> Outcome:
     """Suspend an RSRCN or MSRCN for a limited time.
 
@@ -50,21 +42,6 @@ def override(
     except ValueError as error:
         raise InputError(f"--for: {error}") from None
     request = {"override": id, "duration": nanoseconds, "reason": reason}
-    answer = _send_request(control_socket or control_path(read_plan(plan).app), request)
-    if "error" in answer:
-        raise InputError(str(answer["error"]))
+    send_request(control_socket or control_path(read_plan(plan).app), request)
     left = f"overridden for {write_duration(nanoseconds)}" if nanoseconds else "active again"
     return Outcome(f"{id} is {left}\n")
-
-
-def _send_request(path: Path, request: dict[str, object]) -> dict[str, object]:
-    try:
-        with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as sock:
-            sock.settimeout(_PATIENCE_S)
-            sock.connect(str(path))
-            sock.sendall(json.dumps(request).encode() + b"\n")
-            answer = json.loads(sock.makefile("rb").readline(_LONGEST))
-    except (OSError, ValueError) as error:
-        help = "is the guard running, as your user? `rtron guard` says where it listens"
-        raise SourceError(f"no guard answers at {path}: {error}", help=help) from None
-    return answer if isinstance(answer, dict) else {"error": "not an answer"}

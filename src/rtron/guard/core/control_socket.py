@@ -41,7 +41,7 @@ class ControlSocket:
         self._sock = _listen(path)
         self._inode = _inode_of(path)
         loop.watch(self._sock, self._accept, lambda error: None)
-        log.info("listening for overrides at %s", path)
+        log.info("listening for requests at %s", path)
 
     def close(self) -> None:
         """Stop listening; a socket that another process has put at the path stays."""

@@ -87,6 +87,7 @@ class EventRecorder:
         mission = self._host.observations.mission
         mission.on_change = partial(self._record_rule, mission.on_change)
         self._host.alarms.listener = self._record_alarm
+        self._host.intrusions.on_clear = self._record_clearing
         for alarm in self._host.alarms.active:
             self._record_alarm(alarm, active=True)
 
@@ -178,6 +179,10 @@ class EventRecorder:
         node = self._host.observations.node
         self.record(EventKind.RULE, level, node=node, reason=status.reason, values=values)
         self.on_change()
+
+    def _record_clearing(self, topic: str, by: str) -> None:
+        reason = f"the intrusion was cleared {by}"
+        self.record(EventKind.STOP, GuardEventLevel.WARNING, topic=topic, reason=reason)
 
     def _record_alarm(self, alarm: Alarm, *, active: bool) -> None:
         kind, level = EventKind.ALARM_CLEARED, GuardEventLevel.INFO

@@ -7,6 +7,8 @@ import pytest
 from rtron.guard.audit.common.alarm_response import AlarmResponse
 from rtron.guard.audit.common.debounced_alarms import DebouncedAlarms
 from rtron.guard.core.alarms import Alarms
+from rtron.guard.core.handover_state import HandoverState
+from rtron.guard.intrusion_latch import IntrusionLatch
 from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.vocabulary import SECOND, Alarm, AlarmKind, OnForeign
 
@@ -20,7 +22,8 @@ class DebouncedScene:
 
     def __init__(self, patience=PATIENCE):
         self.alarms = Alarms()
-        host = SimpleNamespace(alarms=self.alarms, streams=[])
+        intrusions = IntrusionLatch(HandoverState())
+        host = SimpleNamespace(alarms=self.alarms, streams=[], intrusions=intrusions)
         response = AlarmResponse(host, MemoryTransport(), OnForeign.STOP, dry_run=False)
         self._standing = DebouncedAlarms(response, patience)
 

@@ -18,6 +18,8 @@ from rtron.guard.audit.ros1.intrusions import Intrusions
 from rtron.guard.audit.ros1.poll_schedule import PollSchedule
 from rtron.guard.core.alarms import Alarms
 from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.core.handover_state import HandoverState
+from rtron.guard.intrusion_latch import IntrusionLatch
 from rtron.vocabulary import SECOND, OnForeign
 from rtron.wire.ros1.xmlrpc import encode_response
 
@@ -64,7 +66,8 @@ class AuditedDriver:
     def __init__(self, master, stack):
         self._loop = EventLoop()
         stack.callback(self._loop.close)
-        host = SimpleNamespace(alarms=Alarms(), streams=[])
+        intrusions = IntrusionLatch(HandoverState())
+        host = SimpleNamespace(alarms=Alarms(), streams=[], intrusions=intrusions)
         transport = SimpleNamespace(node_uris=dict, port=0)
         nodes = AuditedNodes(self._loop, master, EXPECTED, PollSchedule(self._loop, SECOND))
         response = AlarmResponse(host, transport, OnForeign.ALARM, dry_run=False)

@@ -52,6 +52,7 @@ class Ros1Transport:
         self._registrar = Registrar(loop, master, lambda: list(self._nodes.values()))
         self.on_shutdown_request: Callable[[str, str], None] = lambda node, reason: None
         self.on_subscriber: Callable[[str, str], None] = lambda topic, node: None
+        self.on_subscriber_lost: Callable[[str, str], None] = lambda topic, node: None
         self.now = loop.now
         self.call_at = loop.call_at
 
@@ -73,6 +74,7 @@ class Ros1Transport:
         owner = self._node(node)
         owner.publications[topic] = self._publications[topic] = publication
         publication.on_type = lambda: self._registrar.publish(owner, topic)
+        publication.on_subscriber_lost = lambda name: self.on_subscriber_lost(topic, name)
         self._registrar.publish(owner, topic)
         return publication
 
