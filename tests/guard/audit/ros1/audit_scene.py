@@ -1,18 +1,21 @@
 """A guarded base under attack: a driver of either client library, navigation, and the guard."""
 
+from contextlib import suppress
+from threading import Event, Thread
+
 from driven_base import CMD_VEL, CMD_VEL_GUARD, Driven, drive_plan, start_guard
 from harness import NODES, ROS_PYTHON, wait_for
 
 from bench.common.log_watcher import LogWatcher
 from bench.ros1.intruder import Intruder
+from rtron.errors import RTronError
 from rtron.vocabulary import AlarmKind
 
 OUT = f"/rtron{CMD_VEL}/out"
 ROGUE = "/intruder"
 STOP = ("0", "0")
-KINDS = tuple(
-    f": {kind}:" for kind in AlarmKind if kind not in (AlarmKind.GUARD, AlarmKind.SUPERVISOR)
-)
+NOT_OF_THE_AUDIT = (AlarmKind.GUARD, AlarmKind.SUPERVISOR, AlarmKind.INTRUSION)
+KINDS = tuple(f": {kind}:" for kind in AlarmKind if kind not in NOT_OF_THE_AUDIT)
 
 
 class Scene:
@@ -21,7 +24,8 @@ class Scene:
     def __init__(self, ros1, program, plan=None, *, drives=True):
         self.ros1, self._program = ros1, program
         self.driven = Driven(ros1.folder / "driven.txt")
-        self.guard = start_guard(ros1, plan or drive_plan(), CMD_VEL_GUARD)
+        self._socket = ("--control-socket", ros1.folder / "guard.sock")
+        self.guard = start_guard(ros1, plan or drive_plan(), CMD_VEL_GUARD, *self._socket)
         self.log = LogWatcher(self.guard.log_path)
         if drives:
             self.drive()
@@ -58,6 +62,16 @@ class Scene:
     def navigate(self):
         return self.ros1.node("nav.py", "/nav", f"{CMD_VEL}:=/rtron{CMD_VEL}/flow1")
 
+    def clear(self):
+        """Clear what intruders have stopped; return the command, which has ended."""
+        words = ("clear", CMD_VEL, "--reason", "the test has seen to it", *self._socket)
+        command = self.ros1.rtron(*words, "--plan", self.ros1.folder / "rtron.yaml")
+        wait_for(lambda: command.ended, what="the end of rtron clear")
+        return command
+
+    def is_cleared(self):
+        return self.clear().code == 0
+
     def stops(self):
         """Return how many messages told the driver to rest."""
         return self.driven.messages().count(STOP)
@@ -77,6 +91,32 @@ class Scene:
     def of_the_audit(self, word="alarm:"):
         """Return the alarms that are not the supervisor's, about a machine that is too slow."""
         return [text for text in self.alarms(word) if any(kind in text for kind in KINDS)]
+
+
+class RepeatingGhost(Intruder):
+    """A ghost that tells a node again and again that it alone publishes, every 20 ms."""
+
+    def __init__(self, node, *others):
+        super().__init__(ROGUE, OUT)
+        self._tells = Thread(target=self._repeat, args=(node, *others))
+        self._left = Event()
+
+    def __enter__(self):
+        self._tells.start()
+        return self
+
+    def insist(self):
+        """Do nothing: it does so all the time."""
+
+    def leave(self):
+        self._left.set()
+        self._tells.join()
+        super().leave()
+
+    def _repeat(self, node, *others):
+        while not self._left.wait(0.02):
+            with suppress(RTronError):
+                self.announce_to(node, *others)
 
 
 class ReturningIntruder(Intruder):
