@@ -11,7 +11,18 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from bench.common import discovery, policies, replay, rules, violations
 from bench.common.testbed import ROOT, Part, Testbed, open_testbed
-from bench.ros1 import actions, audit, audit_cost, churn, hop, load, memory, silence, supervisor
+from bench.ros1 import (
+    actions,
+    audit,
+    audit_cost,
+    churn,
+    hop,
+    intrusion,
+    load,
+    memory,
+    silence,
+    supervisor,
+)
 from bench.ros2 import audit as ros2_audit
 from bench.ros2 import discovery as ros2_discovery
 from bench.ros2 import hop as ros2_hop
@@ -34,6 +45,7 @@ PARTS: dict[str, Part] = {
     "actions": actions.figures,
     "audit": audit.figures,
     "audit_cost": audit_cost.figures,
+    "intrusion": intrusion.figures,
     "churn": churn.figures,
     "ingest": ingest.figures,
     "link": link.figures,

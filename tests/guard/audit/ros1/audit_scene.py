@@ -1,14 +1,10 @@
 """A guarded base under attack: a driver of either client library, navigation, and the guard."""
 
-from contextlib import suppress
-from threading import Event, Thread
-
 from driven_base import CMD_VEL, CMD_VEL_GUARD, Driven, drive_plan, start_guard
 from harness import NODES, ROS_PYTHON, wait_for
 
 from bench.common.log_watcher import LogWatcher
-from bench.ros1.intruder import Intruder
-from rtron.errors import RTronError
+from bench.ros1.intruder import Intruder, RepeatingGhost
 from rtron.vocabulary import AlarmKind
 
 OUT = f"/rtron{CMD_VEL}/out"
@@ -93,30 +89,14 @@ class Scene:
         return [text for text in self.alarms(word) if any(kind in text for kind in KINDS)]
 
 
-class RepeatingGhost(Intruder):
-    """A ghost that tells a node again and again that it alone publishes, every 20 ms."""
+class ReturningGhost(RepeatingGhost):
+    """A ghost that comes again every 20 ms, whoever sends it away."""
 
     def __init__(self, node, *others):
-        super().__init__(ROGUE, OUT)
-        self._tells = Thread(target=self._repeat, args=(node, *others))
-        self._left = Event()
-
-    def __enter__(self):
-        self._tells.start()
-        return self
+        super().__init__(ROGUE, OUT, 200, node, *others)
 
     def insist(self):
         """Do nothing: it does so all the time."""
-
-    def leave(self):
-        self._left.set()
-        self._tells.join()
-        super().leave()
-
-    def _repeat(self, node, *others):
-        while not self._left.wait(0.02):
-            with suppress(RTronError):
-                self.announce_to(node, *others)
 
 
 class ReturningIntruder(Intruder):

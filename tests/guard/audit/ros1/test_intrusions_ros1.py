@@ -11,7 +11,7 @@ import pytest
 from audit_scene import (
     OUT,
     STOP,
-    RepeatingGhost,
+    ReturningGhost,
     ReturningIntruder,
     Scene,
     ghost,
@@ -206,7 +206,7 @@ def test_an_intrusion_outlives_the_guard(ros1, program):
 
 def test_each_message_of_an_intruder_is_answered(ros1, program):
     with Scene(ros1, program) as scene:
-        with RepeatingGhost(scene.driver_uri(), ros1.uri_of(CMD_VEL_GUARD)) as intruder:
+        with ReturningGhost(scene.driver_uri(), ros1.uri_of(CMD_VEL_GUARD)) as intruder:
             wait_until_found(scene, intruder, "ghost publisher")
             heard, turns = len(scene.driven.messages()), scene.driven.turns()
             wait_for(lambda: scene.driven.turns() > turns + 200, what="the ghost's messages")
@@ -217,7 +217,7 @@ def test_each_message_of_an_intruder_is_answered(ros1, program):
 def test_a_ghost_that_keeps_sending_the_guard_away_is_answered_and_the_driver_kept(ros1, program):
     with Scene(ros1, program) as scene:
         stops = scene.stops()
-        with RepeatingGhost(scene.driver_uri()) as intruder:
+        with ReturningGhost(scene.driver_uri()) as intruder:
             wait_until_found(scene, intruder, "ghost publisher")
             wait_for(lambda: scene.stops() > stops + 50, what="stops between its words")
         wait_for(scene.driver_hears_guard, what="the guard at the driver again")

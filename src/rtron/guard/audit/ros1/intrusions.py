@@ -36,7 +36,7 @@ _SILENCE = SECOND
 """How long no intruder must have been heard before a person may clear what it has stopped (ns)."""
 _RETRY_S = 0.2
 _DISCONNECT_PERIOD_S = 1.0
-_KEEP_PERIOD = SECOND // 100
+_KEEP_PERIOD, _KEEP_DURATION = SECOND // 100, SECOND
 _MAX_DUPLICATES = 64
 _MAX_PER_NODE = 16
 """How many strangers at one node are dealt with at a time; the others when these are gone."""
@@ -81,7 +81,7 @@ class Intrusions:
         self._intrusions: dict[ForeignConnection, _Intrusion] = {}
         self._duplicate_uris: set[str] = set()
         self._links = IntruderLinks(loop, master, response.answer)
-        self._next_updates: dict[tuple[str, str], int] = {}
+        self._kept_until: dict[tuple[str, str], int] = {}
         self._started_at = loop.now()
         self._query_threads = WorkerThreads(loop, "audit-ask", 2)
         self._call_threads = WorkerThreads(loop, "audit-tell", 2)
@@ -111,22 +111,30 @@ class Intrusions:
             self._close_intrusion(foreign, is_planned=foreign.connection in connections)
         for foreign in new:
             self._open_intrusion(foreign)
+        for topic in {foreign.connection.topic for foreign in found}:
+            self.keep_listener(node.name, topic)
 
     def keep_listener(self, name: str, topic: str) -> None:
         """Tell a node that has left us whom it may hear: an intruder may have sent it away.
 
-        roscpp obeys whoever calls it last, so it is called at once, at most 100 times a second.
+        roscpp obeys whoever calls it last, so it is called at once, and for a second every 10 ms
+        until it hears us.
         """
-        node, stream = self._audited_nodes.by_name.get(name), self._stream_of(topic)
-        if node is None or stream not in self._response.stopped_streams:
+        if self._stream_of(topic) not in self._response.stopped_streams:
             return
-        now, due = self._loop.now(), self._next_updates.get((name, topic), 0)
-        if due <= now:
-            self._next_updates[name, topic] = now + _KEEP_PERIOD
-            self._send_publishers(node, topic)
-        elif due <= now + _KEEP_PERIOD:
-            self._next_updates[name, topic] = due + _KEEP_PERIOD
-            self._loop.call_at(due, partial(self._send_publishers, node, topic))
+        is_new = (name, topic) not in self._kept_until
+        self._kept_until[name, topic] = self._loop.now() + _KEEP_DURATION
+        if is_new:
+            self._keep(name, topic)
+
+    def _keep(self, name: str, topic: str) -> None:
+        node, now = self._audited_nodes.by_name.get(name), self._loop.now()
+        is_heard = name in self._transport.subscribers(topic)
+        if node is None or is_heard or now >= self._kept_until[name, topic]:
+            del self._kept_until[name, topic]
+            return
+        self._loop.call_at(now + _KEEP_PERIOD, partial(self._keep, name, topic))
+        self._send_publishers(node, topic)
 
     def dismiss(self, stream: str) -> str:
         """Return why a person may not clear a stream: who is heard or connected is not gone."""
