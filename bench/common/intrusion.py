@@ -6,6 +6,7 @@ The time begins with the guard's alarm. The base obeys what it heard last.
 import statistics
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from pathlib import Path
 
 from bench.common.plans import grcn
@@ -48,8 +49,7 @@ class BaseLog:
         before = [each for each in self.messages if each[0] <= begin][-1:]
         inside = [each for each in self.messages if begin < each[0] < end]
         changes = [*((begin, each[1]) for each in before), *inside, (end, 0.0)]
-        pairs = zip(changes, changes[1:], strict=False)
-        commanded = sum(after[0] - now[0] for now, after in pairs if now[1] == turn)
+        commanded = sum(after[0] - now[0] for now, after in pairwise(changes) if now[1] == turn)
         return commanded / (end - begin)
 
     def stops(self, begin: int, end: int) -> int:

@@ -201,7 +201,7 @@ def test_it_is_not_cleared_while_the_audit_still_hears_the_intruder(braked):
 )
 def test_a_request_that_is_wrong_clears_nothing(braked, request_, why):
     braked.intrude(0)
-    with pytest.raises(WireError, match="no intruder has stopped anything|needs|a re"):
+    with pytest.raises(WireError, match=r"no intruder has stopped anything|needs|a re"):
         ClearCommands(braked.host).handle("ann", request_)
     braked.find()
     braked.lose()
