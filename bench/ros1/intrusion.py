@@ -78,7 +78,7 @@ def _start_app(testbed: Testbed, library: str, stack: ExitStack) -> LogWatcher:
     socket = Path(mkdtemp(dir=testbed.folder)) / "guard.sock"
     guard = python("rtron", "guard", "--plan", str(plan), "--control-socket", str(socket))
     name = f"__name:={DRIVER[1:]}"
-    base = [_SYSTEM_PYTHON, "bench/ros1/base.py", str(told)]
+    base = [_SYSTEM_PYTHON, "tests/ros1/nodes/timed_driver.py", str(told)]
     nodes = [[*base, name, f"{TOPIC}:={OUT}"]]
     if library == "roscpp":
         nodes = [

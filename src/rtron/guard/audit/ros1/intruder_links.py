@@ -19,7 +19,7 @@ _THREADS = 2
 class _IntruderLink:
     stream: str
     link: PublisherLink
-    heard_at: int | None = None
+    last_message_at: int | None = None
 
 
 class IntruderLinks:
@@ -59,9 +59,9 @@ class IntruderLinks:
 
     def silence(self, stream: str) -> int | None:
         """Return for how long (ns) no intruder was heard on a stream; None if none ever was."""
-        times = (each.heard_at for each in self._links.values() if each.stream == stream)
-        heard = [each for each in times if each is not None]
-        return self._loop.now() - max(heard) if heard else None
+        times = (each.last_message_at for each in self._links.values() if each.stream == stream)
+        known = [each for each in times if each is not None]
+        return self._loop.now() - max(known) if known else None
 
     def close(self) -> None:
         """Listen to nobody any more."""
@@ -73,7 +73,7 @@ class IntruderLinks:
         return partial(self._receive, self._links[key]) if key in self._links else None
 
     def _receive(self, link: _IntruderLink, message: bytes) -> None:
-        link.heard_at = self._loop.now()
+        link.last_message_at = self._loop.now()
         self._on_message(link.stream, message)
 
     def _close(self, key: tuple[str, str]) -> None:

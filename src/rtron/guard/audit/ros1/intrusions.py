@@ -81,7 +81,7 @@ class Intrusions:
         self._intrusions: dict[ForeignConnection, _Intrusion] = {}
         self._duplicate_uris: set[str] = set()
         self._links = IntruderLinks(loop, master, response.answer)
-        self._kept_until: dict[tuple[str, str], int] = {}
+        self._calls_until: dict[tuple[str, str], int] = {}
         self._started_at = loop.now()
         self._query_threads = WorkerThreads(loop, "audit-ask", 2)
         self._call_threads = WorkerThreads(loop, "audit-tell", 2)
@@ -122,16 +122,16 @@ class Intrusions:
         """
         if self._stream_of(topic) not in self._response.stopped_streams:
             return
-        is_new = (name, topic) not in self._kept_until
-        self._kept_until[name, topic] = self._loop.now() + _KEEP_DURATION
+        is_new = (name, topic) not in self._calls_until
+        self._calls_until[name, topic] = self._loop.now() + _KEEP_DURATION
         if is_new:
             self._keep(name, topic)
 
     def _keep(self, name: str, topic: str) -> None:
         node, now = self._audited_nodes.by_name.get(name), self._loop.now()
-        is_heard = name in self._transport.subscribers(topic)
-        if node is None or is_heard or now >= self._kept_until[name, topic]:
-            del self._kept_until[name, topic]
+        is_connected = name in self._transport.subscribers(topic)
+        if node is None or is_connected or now >= self._calls_until[name, topic]:
+            del self._calls_until[name, topic]
             return
         self._loop.call_at(now + _KEEP_PERIOD, partial(self._keep, name, topic))
         self._send_publishers(node, topic)

@@ -34,10 +34,10 @@ class IntruderReaders:
 
     def read(self, streams: Iterable[str]) -> None:
         """Read the outputs of these streams from now on, and no others."""
-        wanted = self._types.keys() & set(streams)
-        for stream in self._readers.keys() - wanted:
+        needed = self._types.keys() & set(streams)
+        for stream in self._readers.keys() - needed:
             self._readers.pop(stream).close()
-        for stream in wanted - self._readers.keys():
+        for stream in needed - self._readers.keys():
             self._readers[stream] = _StreamReader(
                 self._transport, stream, self._types[stream], self._on_message
             )
@@ -45,12 +45,12 @@ class IntruderReaders:
     def silence(self, stream: str) -> int | None:
         """Return for how long (ns) no intruder was heard on a stream, None if it is not read."""
         reader = self._readers.get(stream)
-        return self._transport.now() - reader.heard_at if reader else None
+        return self._transport.now() - reader.last_message_at if reader else None
 
     def note_intruder(self, stream: str) -> None:
         """Note that an intruder has spoken now."""
         if stream in self._readers:
-            self._readers[stream].heard_at = self._transport.now()
+            self._readers[stream].last_message_at = self._transport.now()
 
     def close(self) -> None:
         """Read nothing any more."""
@@ -58,7 +58,7 @@ class IntruderReaders:
 
 
 class _StreamReader:
-    """The reader of one output; a `DataListener`. `heard_at` begins with the reader."""
+    """The reader of one output; a `DataListener`. `last_message_at` begins with the reader."""
 
     def __init__(
         self, transport: Ros2Transport, stream: str, type: str, on_message: OnMessage
@@ -66,7 +66,7 @@ class _StreamReader:
         self._transport = transport
         self._stream = stream
         self._on_message = on_message
-        self.heard_at = transport.now()
+        self.last_message_at = transport.now()
         self._reader = transport.create_reader(output_topic(stream), type, self)
         self.close = self._reader.close
 

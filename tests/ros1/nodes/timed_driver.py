@@ -1,3 +1,4 @@
+#!/usr/bin/python3
 """A base of rospy: writes the time (ns of the steady clock) and angular.z of every message.
 
 FILE is the only argument; the topic is /cmd_vel, remapped.
