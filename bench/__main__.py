@@ -11,10 +11,22 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from bench.common import discovery, policies, replay, rules, violations
 from bench.common.testbed import ROOT, Part, Testbed, open_testbed
-from bench.ros1 import actions, audit, audit_cost, churn, hop, load, memory, silence, supervisor
+from bench.ros1 import (
+    actions,
+    audit,
+    audit_cost,
+    churn,
+    hop,
+    intrusion,
+    load,
+    memory,
+    silence,
+    supervisor,
+)
 from bench.ros2 import audit as ros2_audit
 from bench.ros2 import discovery as ros2_discovery
 from bench.ros2 import hop as ros2_hop
+from bench.ros2 import intrusion as ros2_intrusion
 from bench.service import faults, ingest, link
 from figures.figure import Figure
 from figures.table import number, table, write
@@ -34,6 +46,7 @@ PARTS: dict[str, Part] = {
     "actions": actions.figures,
     "audit": audit.figures,
     "audit_cost": audit_cost.figures,
+    "intrusion": intrusion.figures,
     "churn": churn.figures,
     "ingest": ingest.figures,
     "link": link.figures,
@@ -43,6 +56,7 @@ ROS2_PARTS: dict[str, Part] = {
     "ros2_discovery": ros2_discovery.figures,
     "ros2_hop": ros2_hop.figures,
     "ros2_audit": ros2_audit.figures,
+    "ros2_intrusion": ros2_intrusion.figures,
 }
 """Need rclpy: these run where it is installed, the others where it is not."""
 AVAILABLE_PARTS = ROS2_PARTS if find_spec("rclpy") else PARTS

@@ -29,6 +29,8 @@ REPLAYED = _number("REPLAYED", 200_000)
 """Messages of a bag that is replayed."""
 AUDIT_RUNS = _number("AUDIT_RUNS", 20)
 """How often each intrusion is tried."""
+INTRUSIONS = _number("INTRUSIONS", 10)
+"""How often an intruder is watched that commands the base."""
 AUDIT_SECONDS = _number("AUDIT_SECONDS", 20)
 """How long the audit's processor time is measured, s."""
 CHURN_SECONDS = _number("CHURN_SECONDS", 60)

@@ -8,11 +8,12 @@ from pathlib import Path
 
 from bench.common.plans import grcn
 from bench.common.pubsub import PUBLISHER
+from rtron.guard.audit.common.alarm_response import AlarmResponse
 from rtron.guard.audit.ros1.auditor import Ros1Auditor
 from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.observations import observations_of
-from rtron.guard.runner import audit_response, run_coordinator
+from rtron.guard.runner import run_coordinator
 from rtron.guard.transport.ros1.middleware import Ros1Transport
 from rtron.planning.plan_file.loader import read_plan
 from rtron.vocabulary import CoordinationKind, Mode, PolicySettings, Stage, Stream, build_streams
@@ -33,7 +34,7 @@ def main() -> None:
         return
     plan = read_plan(args.plan)
     coordinator = Coordinator(transport, build_streams(plan), observations_of(plan))
-    response = audit_response(plan, coordinator, transport, dry_run=False)
+    response = AlarmResponse(coordinator, transport, plan.audit.on_foreign, dry_run=False)
     auditor = Ros1Auditor(plan, master_uri(), transport, response, loop) if args.audit else None
     run_coordinator(coordinator, transport, loop, auditor)
 

@@ -6,6 +6,7 @@
 import socket
 import struct
 import time
+from contextlib import suppress
 from threading import Event, Thread
 from typing import Any
 from xmlrpc.server import SimpleXMLRPCServer
@@ -20,16 +21,20 @@ from rtron.wire.ros1.xmlrpc import ros_call
 TWIST = "geometry_msgs/Twist"
 TWIST_MD5 = "9f195f881246fdfa2798d1d3eebca84a"
 FASTEST = struct.pack("<I6d", 48, 0, 0, 0, 0, 0, -0.2)
-_PERIOD_S = 0.005
+_RATE = 200
+_REPEAT_S = 0.02
 _CALL_S = 5.0
 
 
 class Intruder:
     """Serves a topic at an address of its own and says one velocity to whoever connects."""
 
-    def __init__(self, name: str, topic: str) -> None:
+    def __init__(self, name: str, topic: str, rate: int = _RATE) -> None:
+        """Say it `rate` times a second."""
         self.name, self.topic = name, topic
         self.first_connection = 0
+        self.connection_count = 0
+        self._period_s = 1 / rate
         self.shut_down = Event()
         self._connections: list[socket.socket] = []
         self._listener = socket.create_server((HOST, 0))
@@ -101,12 +106,14 @@ class Intruder:
             except OSError:
                 return
             self.first_connection = self.first_connection or time.monotonic_ns()
+            self.connection_count += 1
             try:
                 self._welcome(sock)
             except (OSError, RTronError):
                 sock.close()
 
     def _welcome(self, sock: socket.socket) -> None:
+        sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         read_header(sock)
         header = {"callerid": self.name, "topic": self.topic, "type": TWIST, "md5sum": TWIST_MD5}
         sock.sendall(encode_header({**header, "message_definition": "", "latching": "0"}))
@@ -114,9 +121,34 @@ class Intruder:
 
     def _publish(self) -> None:
         while self._listener.fileno() >= 0:
-            time.sleep(_PERIOD_S)
+            time.sleep(self._period_s)
             for sock in [each for each in self._connections if not _spoken(each)]:
                 self._connections.remove(sock)
+
+
+class RepeatingGhost(Intruder):
+    """Tells a node every 20 ms that it and `others`, nobody else, publish the topic."""
+
+    def __init__(self, name: str, topic: str, rate: int, node: str, *others: str) -> None:
+        super().__init__(name, topic, rate)
+        self._uris = (node, *others)
+        self._has_left = Event()
+        self._repeating = Thread(target=self._repeat)
+
+    def __enter__(self) -> Self:
+        self._repeating.start()
+        return self
+
+    def leave(self) -> None:
+        """Tell it no more, and end every connection."""
+        self._has_left.set()
+        self._repeating.join()
+        super().leave()
+
+    def _repeat(self) -> None:
+        while not self._has_left.wait(_REPEAT_S):
+            with suppress(RTronError):
+                self.announce_to(*self._uris)
 
 
 def _spoken(sock: socket.socket) -> bool:

@@ -9,10 +9,11 @@ from geometry_msgs.msg import Twist
 
 from bench.common.pubsub import PUBLISHER
 from bench.ros2.audit import DRIVER, FLOW, OPEN, OUT
+from rtron.guard.audit.common.alarm_response import AlarmResponse
 from rtron.guard.audit.ros2.auditor import Ros2Auditor
 from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.event_loop import EventLoop
-from rtron.guard.runner import audit_response, run_coordinator
+from rtron.guard.runner import run_coordinator
 from rtron.guard.transport.ros2.middleware import Ros2Transport
 from rtron.planning.plan_file.loader import read_plan
 from rtron.vocabulary import build_streams
@@ -43,7 +44,7 @@ def _guard(path: Path) -> None:
     plan, loop = read_plan(path), EventLoop()
     transport = Ros2Transport(loop, Ros2Session())
     host = Coordinator(transport, build_streams(plan))
-    response = audit_response(plan, host, transport, dry_run=False)
+    response = AlarmResponse(host, transport, plan.audit.on_foreign, dry_run=False)
     run_coordinator(host, transport, loop, Ros2Auditor(plan, transport, response, loop))
 
 

@@ -23,7 +23,7 @@ COMMANDS = {
         "replay",
         "verify",
     ),
-    "On the robot": ("guard", "master", "override"),
+    "On the robot": ("guard", "master", "override", "clear"),
     "Security service": ("serve", "events", "upload-graph"),
     "Study": ("classify", "explain-function", "survey"),
     "Reference": ("explain", "mission-rules", "schema"),
@@ -33,6 +33,8 @@ GROUPS = {
     "Study": ("functions",),
     "Reference": ("model",),
 }
+_MODULES = {"clear": "override"}
+"""The modules that do not have the name of their command."""
 _PANELS = {
     name: panel for table in (COMMANDS, GROUPS) for panel, names in table.items() for name in names
 }
@@ -40,8 +42,8 @@ _PANELS = {
 
 def load_command(name: str) -> Any:  # noqa: ANN401 - a function with options of its own, or a group
     """Return what the module of a command defines under the command's name."""
-    module_name = name.replace("-", "_")
-    return getattr(import_module(f"rtron.cli.commands.{module_name}"), module_name)
+    module_name = _MODULES.get(name, name.replace("-", "_"))
+    return getattr(import_module(f"rtron.cli.commands.{module_name}"), name.replace("-", "_"))
 
 
 @cache

@@ -35,6 +35,7 @@ from rtron.guard.core.report_messages import (
 from rtron.guard.core.stream import GuardedStream
 from rtron.guard.core.stream_endpoints import StreamContext
 from rtron.guard.core.stream_settings import StreamUpdate
+from rtron.guard.intrusion_latch import IntrusionLatch
 from rtron.guard.transport.common.protocol import Output, Transport
 from rtron.messages.common.encoding import Encoding
 from rtron.policies.mission.rule_status import RuleStatus
@@ -74,6 +75,7 @@ class Coordinator:
         self._dry_run = dry_run
         self._node = node
         self._handover = handover or HandoverState()
+        self.intrusions = IntrusionLatch(self._handover)
         self.streams = [self._create_stream(stream) for stream in streams]
         self._connect_simple_goals()
         self._inputs = ObservationInputs(transport, self.observations, self._on_observed)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from rtron.guard.audit.common.alarm_response import AlarmResponse
 from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.alarms import UnreadableInputAlarms
 from rtron.guard.core.event_loop import EventLoop
@@ -15,14 +16,13 @@ from rtron.guard.node_shutdown import ShutdownRefusal
 from rtron.guard.runner import (
     GraphPart,
     Part,
-    audit_response,
     open_control_socket,
     raise_file_limit,
     run_parts,
 )
 from rtron.guard.settings.applier import SettingsApplier
 from rtron.guard.settings.in_force import SettingsInForce, settings_at_start
-from rtron.guard.settings.local_overrides import OverrideCommands
+from rtron.guard.settings.intrusion_clearing import create_request_handler
 from rtron.vocabulary import Plan, build_streams
 
 if TYPE_CHECKING:
@@ -65,13 +65,13 @@ def run_dry(
         settings = SettingsInForce(SettingsApplier(plan, coordinator, transport))
         settings_at_start(settings, link)
         parts.append(ServiceLink(plan, coordinator, settings, loop, link))
-    response = audit_response(plan, coordinator, transport, dry_run=True)
+    response = AlarmResponse(coordinator, transport, plan.audit.on_foreign, dry_run=True)
     parts.append(middleware.create_auditor(response, None))
     supervisor.attach(loop, coordinator)
     transport.set_unreadable_handler(UnreadableInputAlarms(coordinator.alarms, transport).report)
     transport.set_shutdown_handler(ShutdownRefusal(loop).handle)
-    overrides = OverrideCommands(coordinator, transport)
-    if socket := open_control_socket(loop, plan, control, overrides.handle):
+    handler = create_request_handler(coordinator, transport)
+    if socket := open_control_socket(loop, plan, control, handler):
         parts.append(socket)
     if measuring and figures:
         measuring.measure(coordinator.streams)

@@ -14,13 +14,15 @@ if TYPE_CHECKING:
 
     from rtron.guard.audit.common.alarm_response import AlarmResponse
     from rtron.guard.core.event_loop import EventLoop
-    from rtron.guard.lanes.command_lane import CommandLane
+    from rtron.guard.lanes.bulk_connection import BulkConnection
     from rtron.guard.runner import Part
     from rtron.guard.transport.common.protocol import LiveTransport
     from rtron.guard.transport.ros1.middleware import Ros1Transport
     from rtron.guard.transport.ros2.middleware import Ros2Transport
     from rtron.vocabulary import Plan
     from rtron.wire.ros2.session import Ros2Session
+
+    OnListener = Callable[[str, str], None]
 
 
 class Middleware(Protocol):
@@ -39,16 +41,16 @@ class Middleware(Protocol):
         """Take a name back that somebody else has taken."""
         ...
 
-    def set_listener_handler(self, handler: Callable[[str, str], None]) -> None:
-        """Call `handler` with a topic and a node that begins to hear it, where only we see that."""
+    def set_listener_handlers(self, on_new: OnListener, on_lost: OnListener) -> None:
+        """Call these with a topic and who begins or ceases to hear it, where only we see that."""
         ...
 
     def set_other_pids(self, pids: Callable[[], Iterable[int]]) -> None:
         """Take the ids of the guard's other processes, for who asks our nodes."""
         ...
 
-    def create_auditor(self, response: AlarmResponse, lane: CommandLane | None) -> Part:
-        """Return an audit of the graph; it knows the nodes of a command process beside this one."""
+    def create_auditor(self, response: AlarmResponse, bulk: BulkConnection | None) -> Part:
+        """Return an audit of the graph; it knows the nodes of a bulk process beside this one."""
         ...
 
 
@@ -68,17 +70,17 @@ class Ros1Middleware:
         """Register a node again."""
         self.transport.register_node(name)
 
-    def set_listener_handler(self, handler: Callable[[str, str], None]) -> None:
-        """Call `handler` with each node that has connected."""
-        self.transport.on_subscriber = handler
+    def set_listener_handlers(self, on_new: OnListener, on_lost: OnListener) -> None:
+        """Call these with each node that has connected, or is connected no more."""
+        self.transport.on_subscriber, self.transport.on_subscriber_lost = on_new, on_lost
 
     def set_other_pids(self, pids: Callable[[], Iterable[int]]) -> None:
         """Let our nodes tell them to `rtron verify`."""
         self.transport.other_pids = pids
 
-    def create_auditor(self, response: AlarmResponse, lane: CommandLane | None) -> Part:
+    def create_auditor(self, response: AlarmResponse, bulk: BulkConnection | None) -> Part:
         """Return an audit that asks the nodes and the master."""
-        nodes = JoinedNodes(self.transport, lane) if lane else self.transport
+        nodes = JoinedNodes(self.transport, bulk) if bulk else self.transport
         return Ros1Auditor(self._plan, self.transport.master, nodes, response, self._loop)
 
 
@@ -96,18 +98,18 @@ class Ros2Middleware:
     def register_node(self, name: str) -> None:
         """Do nothing: nobody can take a name away."""
 
-    def set_listener_handler(self, handler: Callable[[str, str], None]) -> None:
+    def set_listener_handlers(self, on_new: OnListener, on_lost: OnListener) -> None:
         """Do nothing: the audit sees it in the graph."""
 
     def set_other_pids(self, pids: Callable[[], Iterable[int]]) -> None:
         """Do nothing: a participant tells its process."""
 
-    def create_auditor(self, response: AlarmResponse, lane: CommandLane | None) -> Part:
+    def create_auditor(self, response: AlarmResponse, bulk: BulkConnection | None) -> Part:
         """Return an audit that looks at the graph."""
         from rtron.guard.audit.ros2.auditor import Ros2Auditor  # noqa: PLC0415 - it needs rclpy
 
-        others = lane.participants if lane else frozenset
-        return Ros2Auditor(self._plan, self.transport, response, self._loop, others)
+        others = (bulk.participants, bulk.unknown_streams) if bulk else ()
+        return Ros2Auditor(self._plan, self.transport, response, self._loop, *others)
 
 
 def open_middleware(

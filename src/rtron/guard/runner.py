@@ -10,7 +10,6 @@ import sys
 from typing import TYPE_CHECKING, Protocol
 
 from rtron.errors import SourceError
-from rtron.guard.audit.common.alarm_response import AlarmResponse, AuditBrakes
 from rtron.guard.core.control_socket import ControlSocket, RequestHandler, control_path
 from rtron.guard.node_shutdown import ShutdownSequence
 
@@ -20,7 +19,7 @@ if TYPE_CHECKING:
 
     from rtron.guard.coordinator import Coordinator
     from rtron.guard.core.event_loop import EventLoop
-    from rtron.guard.transport.common.protocol import LiveTransport, Transport
+    from rtron.guard.transport.common.protocol import LiveTransport
     from rtron.vocabulary import Plan
 
 log = logging.getLogger(__name__)
@@ -71,14 +70,6 @@ def run_coordinator(
     transport.set_shutdown_handler(ShutdownSequence(coordinator, transport, loop).handle)
     graph = GraphPart(coordinator.open, transport)
     run_parts(loop, [graph, *([auditor] if auditor else [])])
-
-
-def audit_response(
-    plan: Plan, coordinator: Coordinator, transport: Transport, *, dry_run: bool
-) -> AlarmResponse:
-    """Return what the audit's alarms do to a coordinator's streams."""
-    brakes = AuditBrakes(coordinator, transport)
-    return AlarmResponse(coordinator.alarms, brakes, plan.audit.on_foreign, dry_run=dry_run)
 
 
 def open_control_socket(

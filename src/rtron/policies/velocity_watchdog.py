@@ -237,6 +237,11 @@ class VelocityWatchdog:
             return None
         return self._next_velocity(now)
 
+    def current(self, now: int) -> Velocity | None:
+        """Return the velocity of the stop that is in force at `now`, None if there is no stop."""
+        is_stopping = self._machine.state is WatchdogState.STOPPING
+        return self._ramp.at(max(now, self._next)) if is_stopping else None
+
     def deadline(self) -> int | None:
         """Return when `tick` next has something to do."""
         state = self._machine.state

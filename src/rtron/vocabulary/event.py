@@ -17,6 +17,7 @@ class AlarmKind(StringEnum):
     FOREIGN_PUBLISHER = "foreign publisher"
     UNREGISTERED_PUBLISHER = "ghost publisher"
     IMPOSTOR = "impostor"
+    INTRUSION = "intrusion"
     DRIFT = "drift"
     UNREACHABLE = "unseen"
     UNREADABLE = "unreadable"

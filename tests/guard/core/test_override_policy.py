@@ -297,7 +297,7 @@ def test_a_guard_tells_where_it_listens(open_control_socket, caplog):
     control, path = open_control_socket
     with caplog.at_level(logging.INFO):
         control().close()
-    assert caplog.messages == [f"listening for overrides at {path}"]
+    assert caplog.messages == [f"listening for requests at {path}"]
 
 
 def test_the_door_of_an_app_lies_in_the_user_s_own_folder(monkeypatch, tmp_path):

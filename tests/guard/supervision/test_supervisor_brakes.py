@@ -1,9 +1,12 @@
 """The stop that the supervisor sends in the place of a guard that cannot."""
 
+import json
+
 import pytest
 from streams import stage, stream
 from velocity_messages import FLOAT64, float64, speeds, twist
 
+from rtron.guard.core.message_types import standard_info
 from rtron.guard.supervision.guard_config import is_stoppable
 from rtron.guard.supervision.shared_memory import (
     GuardMemory,
@@ -14,6 +17,7 @@ from rtron.guard.supervision.shared_memory import (
 from rtron.guard.supervision.stream_brakes import StreamBrakes
 from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.guard.transport.common.protocol import TypeInfo
+from rtron.messages.common.encoding import Encoding
 from rtron.vocabulary import SECOND, Mode, StopProfile, StreamKind
 
 OUT = "/rtron/cmd_vel/out"
@@ -170,3 +174,20 @@ def test_only_what_moves_the_robot_and_is_enforced_is_stopped():
     assert is_stoppable(stream(stage()))
     assert not is_stoppable(stream(stage(kind=StreamKind.STATE)))
     assert not is_stoppable(stream(stage(), mode=Mode.OBSERVE))
+
+
+@pytest.mark.parametrize("is_stopped", [True, False])
+def test_who_comes_hears_first_to_rest_while_an_intruder_has_stopped_the_robot(braked, is_stopped):
+    topic = "/cmd_vel" if is_stopped else "/other"
+    braked.page.handover_state.write(json.dumps({"intrusions": {topic: "a ghost"}}).encode())
+    braked.page.type_infos[0].write(
+        encode_type_info(standard_info("geometry_msgs/Twist", Encoding.ROS1))
+    )
+    braked.advance(LOOK)
+    assert speeds(braked.transport.listen(OUT)) == [(0.0, 0.0)] * is_stopped
+
+
+def test_who_comes_hears_the_stop_first(braked):
+    braked.says(twist(1.0))
+    braked.brake()
+    assert speeds(braked.transport.listen(OUT)) == [(pytest.approx(0.8), 0.0)]

@@ -1,4 +1,4 @@
-"""`rtron override`."""
+"""`rtron override` and `rtron clear`: what a person asks of a guard on this machine."""
 
 import json
 import socket
@@ -16,6 +16,11 @@ from rtron.planning.plan_file.loader import read_plan
 _PATIENCE_S = 5.0
 _LONGEST = 1 << 16
 
+ControlSocketOption = Annotated[
+    Path | None,
+    typer.Option(metavar="SOCKET", help="The control socket of the guard, as in its log."),
+]
+
 
 def override(
     id: Annotated[str, typer.Argument(metavar="ID", help="The coordination node: its plan `id`.")],
@@ -26,10 +31,7 @@ def override(
         typer.Option("--for", metavar="TIME", help="Duration: 30 s, 2 min; 0 cancels it."),
     ],
     reason: Annotated[str, typer.Option(metavar="TEXT", help="The reason, for the log.")] = "",
-    control_socket: Annotated[
-        Path | None,
-        typer.Option(metavar="SOCKET", help="The control socket of the guard, as in its log."),
-    ] = None,
+    control_socket: ControlSocketOption = None,
 ) -> Outcome:
     """Suspend an RSRCN or MSRCN for a limited time.
 
@@ -50,14 +52,42 @@ def override(
     except ValueError as error:
         raise InputError(f"--for: {error}") from None
     request = {"override": id, "duration": nanoseconds, "reason": reason}
-    answer = _send_request(control_socket or control_path(read_plan(plan).app), request)
-    if "error" in answer:
-        raise InputError(str(answer["error"]))
+    _send_request(control_socket or control_path(read_plan(plan).app), request)
     left = f"overridden for {write_duration(nanoseconds)}" if nanoseconds else "active again"
     return Outcome(f"{id} is {left}\n")
 
 
+def clear(
+    topic: Annotated[
+        str, typer.Argument(metavar="TOPIC", help="The guarded topic; without it, all of them.")
+    ] = "",
+    *,
+    plan: PlanOption,
+    reason: Annotated[str, typer.Option(metavar="TEXT", help="The reason, for the log.")],
+    control_socket: ControlSocketOption = None,
+) -> Outcome:
+    """Let the robot drive again after an intrusion.
+
+    A guard with `on_foreign: stop` stops what an intruder can move, and keeps
+    it stopped when the intruder is gone, until a person clears it. Find out
+    first who it was: the guard's log and diagnostics name it. The guard logs
+    your user name and the reason. It refuses while the intruder is there.
+
+    $ rtron clear /cmd_vel --reason "a forgotten rostopic pub" --plan rtron.yaml
+
+    Exit code: 0 cleared, 2 not.
+    """
+    from rtron.guard.core.control_socket import control_path  # noqa: PLC0415 - no other command needs a guard
+
+    request: dict[str, object] = {"clear": topic, "reason": reason}
+    answer = _send_request(control_socket or control_path(read_plan(plan).app), request)
+    cleared = answer.get("cleared")
+    names = ", ".join(map(str, cleared)) if isinstance(cleared, list) else ""
+    return Outcome(f"{names}: cleared, the robot may drive again\n")
+
+
 def _send_request(path: Path, request: dict[str, object]) -> dict[str, object]:
+    """Return the guard's answer; InputError if it refuses, SourceError if no guard answers."""
     try:
         with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as sock:
             sock.settimeout(_PATIENCE_S)
@@ -67,4 +97,6 @@ def _send_request(path: Path, request: dict[str, object]) -> dict[str, object]:
     except (OSError, ValueError) as error:
         help = "is the guard running, as your user? `rtron guard` says where it listens"
         raise SourceError(f"no guard answers at {path}: {error}", help=help) from None
-    return answer if isinstance(answer, dict) else {"error": "not an answer"}
+    if not isinstance(answer, dict) or "error" in answer:
+        raise InputError(str(answer["error"]) if isinstance(answer, dict) else "not an answer")
+    return answer

@@ -40,7 +40,7 @@ class ControlSocket:
         self._handler = handler
         self._sock = _listen(path)
         self._inode = _inode_of(path)
-        log.info("listening for overrides at %s", path)
+        log.info("listening for requests at %s", path)
 
     def open(self) -> None:
         """Serve from now on."""

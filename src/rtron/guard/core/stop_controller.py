@@ -129,18 +129,39 @@ class StopController:
         """Send the stop message that is due."""
         velocity = self._stopping.tick(now)
         if velocity is not None and self._codec is not None:
-            rest = not velocity.linear
-            message = (
-                self._codec.zero_message
-                if rest
-                else self._codec.encode(self._last_message, velocity)
-            )
             self.on_slowed(velocity, now)
-            self._send(self.stopped_flow or UNAPPROVED, message)
+            self._send_stop(self._encode(self._codec, velocity))
+
+    def repeat(self, now: int) -> None:
+        """Send the stop message of this moment once more, if a stop is under way."""
+        message = self.stop_message(now)
+        if message is not None:
+            self._send_stop(message)
+
+    def stop_message(self, now: int) -> bytes | None:
+        """Return the stop message of this moment, None if no stop is under way."""
+        velocity = self._stopping.current(now)
+        if velocity is None or self._codec is None:
+            return None
+        return self._encode(self._codec, velocity)
+
+    def is_moving(self, message: bytes) -> bool:
+        """Return whether a message sets the robot in motion; one that nobody can read may."""
+        try:
+            return self._codec is None or self._codec.decode(message).is_moving
+        except WireError:
+            return True
 
     def deadline(self) -> int | None:
         """Return when (ns) `tick` next has something to do."""
         return self._stopping.deadline()
+
+    def _encode(self, codec: VelocityCodec, velocity: Velocity) -> bytes:
+        is_rest = not velocity.linear
+        return codec.zero_message if is_rest else codec.encode(self._last_message, velocity)
+
+    def _send_stop(self, message: bytes) -> None:
+        self._send(self.stopped_flow or UNAPPROVED, message)
 
     def _velocity(self) -> Velocity | None:
         if self._codec is None:

@@ -93,6 +93,7 @@ class GuardedStream:
 
     def _join_graph(self) -> None:
         self.endpoints.open()
+        self.endpoints.outputs.greet(self._greeting)
         self._subscribe_done()
 
     def _subscribe_done(self) -> None:
@@ -134,6 +135,12 @@ class GuardedStream:
     def brake_reason(self) -> str:
         """Why the robot is kept stopped, "" if it is not."""
         return next(iter(self._brake_reasons.values()), "")
+
+    def _greeting(self) -> bytes | None:
+        """Return what a new subscriber hears first while the robot is kept stopped."""
+        if not self._brake_reasons:
+            return None
+        return self.stop_controller.stop_message(self._transport.now())
 
     def bar(self, by: str, publisher: str, why: str) -> None:
         """Block a publisher until `release(by)`; stop the robot if that publisher moves it."""

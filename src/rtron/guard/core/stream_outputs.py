@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 
-from rtron.guard.transport.common.protocol import Output, Transport, TypeInfo
+from rtron.guard.transport.common.protocol import Greeting, Output, Transport, TypeInfo
 from rtron.vocabulary import (
     PRIVATE_ROOT,
     CoordinationKind,
@@ -92,6 +92,11 @@ class StreamOutputs:
         """Return whether a node subscribes to the private output, or to a mirror for its flow."""
         private = (*self._outputs[:1], *self._mirrors.values())
         return any(output.is_subscribed_by(node) for output in private)
+
+    def greet(self, greeting: Greeting) -> None:
+        """Send what `greeting` gives to each new subscriber of the private output first."""
+        for output in self._outputs[:1]:
+            output.greet(greeting)
 
     @property
     def lost(self) -> dict[str, int]:

@@ -1,4 +1,4 @@
-"""The command process's connection to the bulk process: its board and its orders.
+"""The command process's connection to the bulk process: its board, and what its nodes see.
 
 Nothing waits for the bulk process. While it is away, or hangs, frame rates and events count as the
 worst, and the streams go on under what is in force.
@@ -8,6 +8,7 @@ import logging
 import os
 import signal
 import socket
+from collections import deque
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
@@ -19,26 +20,48 @@ from rtron.guard.lanes.board import REFRESH_PERIOD, Board
 from rtron.guard.lanes.board_observations import BoardObservations
 from rtron.guard.lanes.channel import MessageChannel, bulk_address
 from rtron.guard.lanes.command_lane import GREETING
-from rtron.guard.lanes.messages import BoardChanged
+from rtron.guard.lanes.messages import (
+    ApplySettings,
+    BoardChanged,
+    LostListener,
+    NewListener,
+    NodesReport,
+    ShutdownRequest,
+)
 from rtron.vocabulary import SECOND
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from rtron.vocabulary import Settings
+
 log = logging.getLogger(__name__)
 
 _RETRY_S = 0.1
+_MAX_FORMER = 8
 HANG_TIMEOUT = 2 * SECOND
 """Silence after which the bulk process is killed, ns."""
 
 
 class BulkConnection:
-    """Connects again whenever the bulk process goes; `on_order` takes what it asks for."""
+    """Connects again whenever the bulk process goes."""
 
     def __init__(
-        self, loop: EventLoop, master: str, board: BoardObservations, host: Coordinator
+        self,
+        loop: EventLoop,
+        master: str,
+        board: BoardObservations,
+        host: Coordinator,
+        streams: frozenset[str],
     ) -> None:
-        self.on_order: Callable[[object], None] = lambda message: None
+        """`streams` are the public names of those that the bulk process carries."""
+        self.nodes = NodesReport()
+        self.former_uris: frozenset[str] = frozenset()
+        """The URIs that the nodes of the bulk process before had (ROS 1)."""
+        self.on_subscriber: Callable[[str, str], None] = _ignore
+        self.on_subscriber_lost: Callable[[str, str], None] = _ignore
+        self.on_shutdown_request: Callable[[str, str], None] = _ignore
+        self.on_settings: Callable[[Settings], None] = lambda settings: None
         self.connect_listeners: list[Callable[[], None]] = []
         self._loop = loop
         self._address = bulk_address(master)
@@ -46,6 +69,9 @@ class BulkConnection:
         self._host = host
         self._channel: MessageChannel | None = None
         self._pid = 0
+        self._streams = streams
+        self._has_reported = False
+        self._former_participants: deque[bytes] = deque(maxlen=_MAX_FORMER)
         self._is_closed = False
 
     @property
@@ -56,6 +82,14 @@ class BulkConnection:
     def pids(self) -> list[int]:
         """Return the id of the bulk process, while it is connected."""
         return [self._pid] if self._channel else []
+
+    def participants(self) -> frozenset[bytes]:
+        """Return its participant in the graph of ROS 2, and those of the ones before it."""
+        return frozenset(filter(None, (self.nodes.participant, *self._former_participants)))
+
+    def unknown_streams(self) -> frozenset[str]:
+        """Return its streams, until it has told its nodes."""
+        return frozenset() if self._has_reported else self._streams
 
     def open(self) -> None:
         """Connect, now or as soon as a bulk process listens, and look at its board."""
@@ -104,7 +138,10 @@ class BulkConnection:
         self._loop.call_later(_RETRY_S, self._connect)
 
     def _on_lost(self) -> None:
-        self._channel = None
+        self._channel, self._has_reported = None, False
+        self.former_uris = frozenset(self.nodes.uris.values())
+        self._former_participants.append(self.nodes.participant)
+        self.nodes = NodesReport()
         if not self._is_closed:
             log.error("the bulk process is gone: frame rates and events are not known")
             self._use(None)
@@ -116,10 +153,19 @@ class BulkConnection:
         self._host.schedule_deadline()
 
     def _on_message(self, message: object) -> None:
-        if isinstance(message, BoardChanged):
-            self._update()
-        else:
-            self.on_order(message)
+        match message:
+            case BoardChanged():
+                self._update()
+            case NodesReport():
+                self.nodes, self._has_reported = message, True
+            case NewListener(topic, node):
+                self.on_subscriber(topic, node)
+            case LostListener(topic, node):
+                self.on_subscriber_lost(topic, node)
+            case ShutdownRequest(node, reason):
+                self.on_shutdown_request(node, reason)
+            case ApplySettings(settings):
+                self.on_settings(settings)
 
     def _look(self) -> None:
         """Look at the board now and then: what stands there may be stale."""
@@ -140,3 +186,7 @@ class BulkConnection:
             with suppress(ProcessLookupError):
                 os.kill(self._pid, signal.SIGKILL)
             self._channel.close()
+
+
+def _ignore(_topic: str, _node: str) -> None:
+    """Do nothing."""

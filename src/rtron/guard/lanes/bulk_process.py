@@ -1,7 +1,7 @@
 """The bulk process: it carries states and sensor data, counts frames, reads events and reports.
 
-The audit, the diagnostics and the link to the security service are here, too: nothing of theirs
-delays a command.
+The diagnostics and the link to the security service are here, too: nothing of theirs delays a
+command.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ import os
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from rtron.guard.audit.common.alarm_response import AlarmResponse, AuditBrakes
+from rtron.guard.audit.common.alarm_response import AuditBrake
 from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.alarms import UnreadableInputAlarms
 from rtron.guard.core.event_loop import EventLoop
@@ -19,14 +19,14 @@ from rtron.guard.core.observations import observations_of
 from rtron.guard.lanes.assignment import bulk_part
 from rtron.guard.lanes.board_writer import BoardWriter
 from rtron.guard.lanes.command_lane import CommandLane
-from rtron.guard.lanes.joined_brakes import JoinedBrakes
+from rtron.guard.lanes.node_reports import NodeReports
+from rtron.guard.lanes.orders import Orders
 from rtron.guard.link.service_link import ServiceLink
 from rtron.guard.middleware import open_middleware
-from rtron.guard.node_shutdown import ShutdownRefusal
 from rtron.guard.runner import GraphPart, Part, raise_file_limit, run_parts
 from rtron.guard.settings.applier import SettingsApplier
 from rtron.guard.settings.in_force import SettingsInForce, settings_at_start
-from rtron.vocabulary import BULK_NODE, SECOND, Plan, build_streams
+from rtron.vocabulary import BULK_NODE, SECOND, Mode, Plan, build_streams
 
 if TYPE_CHECKING:
     from rtron.guard.core.observations import Observations
@@ -58,19 +58,17 @@ def run_bulk_process(plan: Plan, master: str, *, link: LinkOptions | None = None
     lane = CommandLane(loop, master, writer, coordinator.alarms)
     coordinator.on_observed = writer.refresh
     coordinator.other_statuses = lane.statuses
-    parent = os.getppid()
-    transport.set_supervisor(lambda: lane.nodes.supervisor or parent)
     transport.set_unreadable_handler(UnreadableInputAlarms(coordinator.alarms, transport).report)
-    transport.set_shutdown_handler(ShutdownRefusal(loop).handle)
-    brakes = JoinedBrakes(AuditBrakes(coordinator, transport), lane)
-    response = AlarmResponse(coordinator.alarms, brakes, plan.audit.on_foreign, dry_run=False)
+    enforced = [each for each in coordinator.streams if each.spec.mode is Mode.ENFORCE]
+    brakes = {each.spec.topic: AuditBrake(each, transport) for each in enforced}
+    lane.on_order = Orders(brakes, middleware.register_node).obey
     parts: list[Part] = [GraphPart(coordinator.open, transport), writer]
     if link:
         settings = SettingsInForce(SettingsApplier(plan, coordinator, transport, bulk_part))
         settings_at_start(settings, link)
         parts.append(ServiceLink(plan, coordinator, settings, loop, link, lane))
-    auditor = middleware.create_auditor(response, lane)
-    run_parts(loop, [*parts, AuditOfLanes(auditor, lane), lane, UnusedEnd(lane, loop)])
+    reports = NodeReports(lane, middleware, loop)
+    run_parts(loop, [*parts, reports, lane, UnusedEnd(lane, loop)])
 
 
 def _observations(plan: Plan) -> Observations:
@@ -78,22 +76,6 @@ def _observations(plan: Plan) -> Observations:
     bulk = observations_of(bulk_part(plan))
     topics = observations_of(plan).publisher_topics
     return replace(bulk, node=f"{bulk.node}_events", publisher_topics=topics)
-
-
-class AuditOfLanes:
-    """Begins the audit when it can know the nodes of the command process, so none looks foreign."""
-
-    def __init__(self, auditor: Part, lane: CommandLane) -> None:
-        self._lane = lane
-        self._auditor = auditor
-
-    def open(self) -> None:
-        """Wait for the command process."""
-        self._lane.on_first_report = self._auditor.open
-
-    def close(self) -> None:
-        """End the audit."""
-        self._auditor.close()
 
 
 class UnusedEnd:

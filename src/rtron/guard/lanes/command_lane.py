@@ -3,7 +3,6 @@
 import logging
 import os
 import socket
-from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
 
@@ -20,15 +19,8 @@ from rtron.guard.lanes.messages import (
     ApplySettings,
     BoardChanged,
     Figures,
-    HoldStream,
-    NewListener,
-    NodesReport,
     RecordedEvent,
-    RegisterNode,
-    ReleaseStream,
-    RepeatStop,
     SettingsAnswer,
-    ShutdownRequest,
     StateChange,
     StatusReport,
 )
@@ -39,7 +31,6 @@ log = logging.getLogger(__name__)
 
 GREETING = b"B"
 _PAUSE_S = 0.5
-_MAX_FORMER = 8
 
 
 class CommandLane:
@@ -48,20 +39,15 @@ class CommandLane:
     def __init__(self, loop: EventLoop, master: str, writer: BoardWriter, alarms: Alarms) -> None:
         """SourceError if the guard on `master` has another bulk process."""
         self.state = LaneState()
-        self.nodes = NodesReport()
-        self.former_uris: frozenset[str] = frozenset()
-        """The URIs that the nodes of the command process before had (ROS 1)."""
-        self.on_first_report: Callable[[], None] = _do_nothing
-        self.on_subscriber: Callable[[str, str], None] = lambda topic, node: None
-        self.on_shutdown_request: Callable[[str, str], None] = lambda node, reason: None
+        self.on_order: Callable[[object], None] = _ignore
+        """Takes what the command process asks for."""
+        self.connect_listeners: list[Callable[[], None]] = []
         self._loop = loop
         self._writer = writer
         self._alarms = alarms
         self._alarms_there: set[AlarmChange] = set()
         self._statuses: tuple[Status, ...] = ()
         self._figures: dict[str, dict[str, object]] = {}
-        self._former_participants: deque[bytes] = deque(maxlen=_MAX_FORMER)
-        self._held: dict[str, str] = {}
         self._settings: Settings | None = None
         self._on_answer: Callable[[str], None] = _ignore
         self._record: RecordEvent | None = None
@@ -76,7 +62,7 @@ class CommandLane:
 
     def open(self) -> None:
         """Let the command process connect from now on."""
-        self._writer.on_event_change = lambda: self._send(BoardChanged())
+        self._writer.on_event_change = lambda: self.send(BoardChanged())
         pause = self._loop.suspend
         self._loop.watch(self._server, self._accept, lambda _: pause(self._server, _PAUSE_S))
 
@@ -93,10 +79,6 @@ class CommandLane:
             return [Status(ERROR, "rtron: command process", text, {})]
         return list(self._statuses)
 
-    def participants(self) -> frozenset[bytes]:
-        """Return its participant in the graph of ROS 2, and those of the ones before it."""
-        return frozenset(filter(None, (self.nodes.participant, *self._former_participants)))
-
     def take_figures(self) -> dict[str, dict[str, object]]:
         """Return what became of the messages since the last call, by topic."""
         figures, self._figures = self._figures, {}
@@ -109,27 +91,10 @@ class CommandLane:
     def apply(self, settings: Settings, on_answer: Callable[[str], None]) -> None:
         """Put settings in force there, at the latest when it connects again."""
         self._settings, self._on_answer = settings, on_answer
-        self._send(ApplySettings(settings))
+        self.send(ApplySettings(settings))
 
-    def hold(self, topic: str, why: str) -> None:
-        """Let nothing of a stream pass and keep the robot stopped."""
-        self._held[topic] = why
-        self._send(HoldStream(topic, why))
-
-    def release(self, topic: str) -> None:
-        """Let pass again what the policies let pass."""
-        self._held.pop(topic, None)
-        self._send(ReleaseStream(topic))
-
-    def repeat_stop(self, topic: str) -> None:
-        """Tell a stop to a node that has just begun to listen."""
-        self._send(RepeatStop(topic))
-
-    def register_node(self, name: str) -> None:
-        """Register one of its nodes again (ROS 1)."""
-        self._send(RegisterNode(name))
-
-    def _send(self, message: object) -> None:
+    def send(self, message: object) -> None:
+        """Tell something; without a command process it is lost."""
         if self._channel:
             self._channel.send(message)
 
@@ -143,27 +108,23 @@ class CommandLane:
         with suppress(OSError):  # it has ended at once, which the channel sees
             socket.send_fds(sock, [GREETING], [self._writer.board.descriptor])
         self._channel = MessageChannel(self._loop, sock, self._on_message, self._on_lost)
-        for topic, why in self._held.items():
-            self._send(HoldStream(topic, why))
         if self._settings:
-            self._send(ApplySettings(self._settings))
+            self.send(ApplySettings(self._settings))
+        for listener in self.connect_listeners:
+            listener()
 
     def _on_lost(self) -> None:
         log.warning("the command process is gone")
         self._channel = None
-        self.former_uris = frozenset(self.nodes.uris.values())
-        self._former_participants.append(self.nodes.participant)
-        self.nodes, self.state = NodesReport(), LaneState()
+        self.state = LaneState()
         for change in self._alarms_there:
             self._alarms.mirror(change.alarm, self._loop.now(), active=False)
         self._alarms_there.clear()
 
     def _on_message(self, message: object) -> None:
         match message:
-            case StatusReport(statuses, nodes):
-                self._statuses, self.nodes = statuses, nodes
-                on_first_report, self.on_first_report = self.on_first_report, _do_nothing
-                on_first_report()
+            case StatusReport(statuses):
+                self._statuses = statuses
             case StateChange(state):
                 self.state = state
                 self._on_change()
@@ -173,12 +134,10 @@ class CommandLane:
                 self._record_event(message)
             case AlarmChange():
                 self._mirror_alarm(message)
-            case NewListener(topic, node):
-                self.on_subscriber(topic, node)
-            case ShutdownRequest(node, reason):
-                self.on_shutdown_request(node, reason)
             case SettingsAnswer():
                 self._take_answer(message)
+            case _:
+                self.on_order(message)
 
     def _record_event(self, message: RecordedEvent) -> None:
         if self._record:
@@ -211,9 +170,5 @@ def _bind(master: str) -> socket.socket:
     return sock
 
 
-def _do_nothing() -> None:
+def _ignore(_message: object) -> None:
     """Do nothing."""
-
-
-def _ignore(_error: str) -> None:
-    """Do nothing about an answer."""

@@ -1,23 +1,24 @@
-"""The command process: it carries what can move the robot, and does nothing else."""
+"""The command process: it carries what can move the robot, and audits the graph."""
 
 from __future__ import annotations
 
 import logging
 from typing import TYPE_CHECKING
 
-from rtron.guard.audit.common.alarm_response import AuditBrakes
+from rtron.guard.audit.common.alarm_response import AlarmResponse
 from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.alarms import UnreadableInputAlarms
 from rtron.guard.core.control_socket import control_path
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.handover_state import HandoverState, HeartbeatFile, heartbeat_path
-from rtron.guard.lanes.assignment import command_part
+from rtron.guard.lanes.assignment import bulk_part, command_part
 from rtron.guard.lanes.board_observations import BoardObservations
 from rtron.guard.lanes.bulk_connection import BulkConnection
 from rtron.guard.lanes.lane_reports import LaneReports
-from rtron.guard.lanes.orders import Orders
+from rtron.guard.lanes.orders import RemoteBrake
 from rtron.guard.lanes.service_reports import ServiceReports
 from rtron.guard.middleware import open_middleware
+from rtron.guard.node_shutdown import ShutdownRefusal
 from rtron.guard.runner import (
     GraphPart,
     Part,
@@ -27,14 +28,15 @@ from rtron.guard.runner import (
 )
 from rtron.guard.settings.applier import SettingsApplier
 from rtron.guard.settings.in_force import SettingsInForce, settings_at_start
-from rtron.guard.settings.local_overrides import OverrideCommands
-from rtron.vocabulary import Plan, build_streams
+from rtron.guard.settings.intrusion_clearing import create_request_handler
+from rtron.vocabulary import Mode, Plan, build_streams
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from rtron.guard.link.options import LinkOptions
     from rtron.guard.supervision.supervisor_client import SupervisorClient
+    from rtron.guard.transport.common.protocol import LiveTransport
 
 log = logging.getLogger(__name__)
 
@@ -63,26 +65,33 @@ def run_command_process(
     transport.succeed(handover)
     streams = build_streams(command_part(plan))
     coordinator = Coordinator(transport, streams, board.observations, handover=handover)
-    connection = BulkConnection(loop, master, board, coordinator)
-    topics = len(build_streams(plan))
-    reports = LaneReports(connection, coordinator, loop, middleware, supervisor, topics)
-    orders = Orders(AuditBrakes(coordinator, transport), middleware.register_node)
-    parts: list[Part] = [GraphPart(coordinator.open_nodes, transport), reports]
+    bulk = build_streams(bulk_part(plan))
+    connection = BulkConnection(
+        loop, master, board, coordinator, frozenset(each.topic for each in bulk)
+    )
+    middleware.set_other_pids(connection.pids)
+    response = _alarm_response(plan, coordinator, transport, connection)
+    parts: list[Part] = [
+        connection,
+        GraphPart(coordinator.open_nodes, transport),
+        LaneReports(connection, coordinator, loop, len(streams) + len(bulk)),
+        middleware.create_auditor(response, connection),
+    ]
     if link:
         settings = SettingsInForce(SettingsApplier(plan, coordinator, transport, command_part))
         settings_at_start(settings, link)
         service_reports = ServiceReports(connection, coordinator, loop, settings)
-        orders.apply = service_reports.apply
+        connection.on_settings = service_reports.apply
         parts.append(service_reports)
-    overrides = OverrideCommands(coordinator, transport)
-    if socket := open_control_socket(loop, plan, control, overrides.handle):
+    handler = create_request_handler(coordinator, transport)
+    if socket := open_control_socket(loop, plan, control, handler):
         parts.append(socket)
         heartbeat.beat(loop)
-    connection.on_order = orders.obey
-    middleware.set_other_pids(connection.pids)
     supervisor.attach(loop, coordinator)
     transport.set_unreadable_handler(UnreadableInputAlarms(coordinator.alarms, transport).report)
-    run_parts(loop, [connection, *parts, supervisor])
+    transport.set_shutdown_handler(ShutdownRefusal(loop).handle)
+    transport.set_supervisor(lambda: supervisor.supervisor)
+    run_parts(loop, [*parts, supervisor])
 
 
 def _handover_state(supervisor: SupervisorClient, heartbeat: HeartbeatFile) -> HandoverState:
@@ -90,3 +99,13 @@ def _handover_state(supervisor: SupervisorClient, heartbeat: HeartbeatFile) -> H
     handover = supervisor.handover_state
     handover.last_seen_at = heartbeat.previous_time
     return handover
+
+
+def _alarm_response(
+    plan: Plan, coordinator: Coordinator, transport: LiveTransport, connection: BulkConnection
+) -> AlarmResponse:
+    """Return what the audit's alarms do to the streams of both processes."""
+    enforced = [each for each in build_streams(bulk_part(plan)) if each.mode is Mode.ENFORCE]
+    others = {each.topic: RemoteBrake(each.topic, connection) for each in enforced}
+    on_foreign = plan.audit.on_foreign
+    return AlarmResponse(coordinator, transport, on_foreign, dry_run=False, others=others)

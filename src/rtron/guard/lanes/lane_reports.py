@@ -1,21 +1,12 @@
-"""What the command process tells the bulk process for the diagnostics and the audit."""
+"""What the command process tells the bulk process for the diagnostics."""
 
 import logging
-from dataclasses import replace
 
 from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.report_messages import ERROR, Status
 from rtron.guard.lanes.bulk_connection import BulkConnection
-from rtron.guard.lanes.messages import (
-    AlarmChange,
-    NewListener,
-    ShutdownRequest,
-    StatusReport,
-)
-from rtron.guard.middleware import Middleware
-from rtron.guard.node_shutdown import ShutdownRefusal
-from rtron.guard.supervision.supervisor_client import SupervisorClient
+from rtron.guard.lanes.messages import AlarmChange, StatusReport
 from rtron.vocabulary import SECOND, Alarm
 
 log = logging.getLogger(__name__)
@@ -23,7 +14,7 @@ log = logging.getLogger(__name__)
 _ALONE = Status(
     ERROR,
     "rtron: bulk process",
-    "not connected: frame rates and events are not known, states do not pass, nothing is audited",
+    "not connected: frame rates and events are not known, states do not pass",
     {},
 )
 
@@ -36,28 +27,19 @@ class LaneReports:
         connection: BulkConnection,
         host: Coordinator,
         loop: EventLoop,
-        middleware: Middleware,
-        supervisor: SupervisorClient,
         topics: int,
     ) -> None:
         """`topics` is how many the guard has in all of its processes."""
         self._connection = connection
         self._host = host
         self._loop = loop
-        self._middleware = middleware
-        self._supervisor = supervisor
         self._topics = topics
-        self._refusal = ShutdownRefusal(loop)
         self._has_connected = False
         connection.connect_listeners.append(self._on_connect)
 
     def open(self) -> None:
         """Report from now on."""
         self._host.alarms.listener = self._send_alarm
-        self._middleware.set_listener_handler(
-            lambda topic, node: self._connection.send(NewListener(topic, node))
-        )
-        self._middleware.transport.set_shutdown_handler(self._on_shutdown_request)
         self._report_periodically()
 
     def close(self) -> None:
@@ -72,8 +54,7 @@ class LaneReports:
         if not self._connection.is_connected:
             self._host.publish_diagnostics([_ALONE, *statuses])
         else:
-            nodes = replace(self._middleware.report_nodes(), supervisor=self._supervisor.supervisor)
-            self._connection.send(StatusReport(statuses, nodes))
+            self._connection.send(StatusReport(statuses))
 
     def _on_connect(self) -> None:
         if not self._has_connected:
@@ -82,13 +63,6 @@ class LaneReports:
         self._report()
         for alarm in self._host.alarms.active:
             self._send_alarm(alarm, active=True)
-
-    def _on_shutdown_request(self, node: str, reason: str) -> None:
-        """Let the audit deal with it; nobody ends this process over the network."""
-        if self._connection.is_connected:
-            self._connection.send(ShutdownRequest(node, reason))
-        else:
-            self._refusal.handle(node, reason)
 
     def _send_alarm(self, alarm: Alarm, *, active: bool) -> None:
         self._connection.send(AlarmChange(alarm, active=active))

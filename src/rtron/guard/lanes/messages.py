@@ -11,26 +11,23 @@ from rtron.vocabulary import Alarm, EventKind, GuardEventLevel, Settings
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NodesReport:
-    """The nodes of the command process in the graph.
+    """The nodes of the bulk process in the graph.
 
     ROS 1: the `uris` of its nodes, their TCPROS `port`, and who has subscribed each private
-    output. ROS 2: its `participant`, the first bytes of the GIDs. `supervisor` is the process id of
-    the guard's supervisor, 0 if there is none.
+    output. ROS 2: its `participant`, the first bytes of the GIDs.
     """
 
     uris: Mapping[str, str] = field(default_factory=dict)
     port: int = 0
     subscribers: Mapping[str, frozenset[str]] = field(default_factory=dict)
     participant: bytes = b""
-    supervisor: int = 0
 
 
 @dataclass(frozen=True, slots=True)
 class StatusReport:
-    """The state of the streams for the diagnostics, and of the nodes, once a second."""
+    """The state of the streams for the diagnostics, once a second."""
 
     statuses: tuple[Status, ...]
-    nodes: NodesReport
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,8 +70,16 @@ class NewListener:
 
 
 @dataclass(frozen=True, slots=True)
+class LostListener:
+    """A node hears a private output no more."""
+
+    topic: str
+    node: str
+
+
+@dataclass(frozen=True, slots=True)
 class ShutdownRequest:
-    """Somebody told a node of the command process to shut down (ROS 1)."""
+    """Somebody told a node of the bulk process to shut down (ROS 1)."""
 
     node: str
     reason: str

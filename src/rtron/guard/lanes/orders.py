@@ -1,44 +1,62 @@
-"""What the command process does for the bulk process."""
+"""What the audit in the command process lets the bulk process do."""
 
-from collections.abc import Callable
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Mapping
 
-from rtron.guard.audit.common.alarm_response import Brakes
-from rtron.guard.lanes.messages import (
-    ApplySettings,
-    HoldStream,
-    RegisterNode,
-    ReleaseStream,
-    RepeatStop,
-)
+from rtron.guard.audit.common.alarm_response import Brake
+from rtron.guard.lanes.bulk_connection import BulkConnection
+from rtron.guard.lanes.messages import HoldStream, RegisterNode, ReleaseStream, RepeatStop
 
-if TYPE_CHECKING:
-    from rtron.vocabulary import Settings
+
+class RemoteBrake:
+    """The brake of a stream in the bulk process; a new one is told, too. See `Brake`."""
+
+    is_ready = False
+    """What an intruder says on such a stream is not answered: it moves no robot."""
+
+    def __init__(self, topic: str, connection: BulkConnection) -> None:
+        self._topic = topic
+        self._connection = connection
+        self._why = ""
+        connection.connect_listeners.append(self._hold_again)
+
+    def hold(self, why: str) -> None:
+        """Let nothing pass."""
+        self._why = why
+        self._connection.send(HoldStream(self._topic, why))
+
+    def release(self) -> None:
+        """Let pass again what the policies let pass."""
+        self._why = ""
+        self._connection.send(ReleaseStream(self._topic))
+
+    def answer(self, message: bytes) -> None:
+        """Do nothing."""
+
+    def repeat_stop(self) -> None:
+        """Tell the stop to a node that has just begun to listen."""
+        self._connection.send(RepeatStop(self._topic))
+
+    def _hold_again(self) -> None:
+        if self._why:
+            self.hold(self._why)
 
 
 class Orders:
-    """Does what the bulk process asks for."""
+    """Does in the bulk process what the audit asks for."""
 
-    def __init__(
-        self,
-        brakes: Brakes,
-        register_node: Callable[[str], None],
-    ) -> None:
-        self.apply: Callable[[Settings], None] = lambda settings: None
-        """Puts settings in force, where there is a security service."""
+    def __init__(self, brakes: Mapping[str, Brake], register_node: Callable[[str], None]) -> None:
+        """`brakes` are by the streams' public names."""
         self._brakes = brakes
         self._register_node = register_node
 
     def obey(self, message: object) -> None:
         """Do what one message says."""
         match message:
-            case HoldStream(topic, reason):
-                self._brakes.hold(topic, reason)
-            case ReleaseStream(topic):
-                self._brakes.release(topic)
-            case RepeatStop(topic):
-                self._brakes.repeat_stop(topic)
+            case HoldStream(topic, reason) if topic in self._brakes:
+                self._brakes[topic].hold(reason)
+            case ReleaseStream(topic) if topic in self._brakes:
+                self._brakes[topic].release()
+            case RepeatStop(topic) if topic in self._brakes:
+                self._brakes[topic].repeat_stop()
             case RegisterNode(name):
                 self._register_node(name)
-            case ApplySettings(settings):
-                self.apply(settings)

@@ -65,6 +65,7 @@ class HostEvents:
             self._observe_owner(guarded)
         mission = self._host.observations.mission
         mission.on_change = partial(self._record_rule, mission.on_change)
+        self._host.intrusions.on_clear = self._record_clearing
 
     def listen_to_alarms(self) -> None:
         """Record the host's alarms, too, first those that stand already."""
@@ -126,6 +127,10 @@ class HostEvents:
         node = self._host.observations.node
         self._record(EventKind.RULE, level, node=node, reason=status.reason, values=values)
         self.on_change()
+
+    def _record_clearing(self, topic: str, by: str) -> None:
+        reason = f"the intrusion was cleared {by}"
+        self._record(EventKind.STOP, GuardEventLevel.WARNING, topic=topic, reason=reason)
 
     def _record_alarm(self, alarm: Alarm, *, active: bool) -> None:
         kind, level = EventKind.ALARM_CLEARED, GuardEventLevel.INFO

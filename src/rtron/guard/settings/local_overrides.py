@@ -35,7 +35,7 @@ class OverrideCommands:
             raise WireError(f"a request has {', '.join(sorted(_KEYS))}")
         policies = self._policies(request["override"])
         duration = _duration(request["duration"])
-        reason = _reason(request["reason"])
+        reason = read_reason(request["reason"])
         if not reason and duration:
             raise WireError("an override needs a reason")
         self._grant(policies, Override(user, reason, self._transport.now() + duration))
@@ -69,7 +69,8 @@ def _duration(value: object) -> int:
     return value
 
 
-def _reason(value: object) -> str:
+def read_reason(value: object) -> str:
+    """Return the reason of a request as a single line; WireError if it is no text."""
     if not isinstance(value, str):
         raise WireError("a reason is a text")
     return single_line(value)

@@ -1,9 +1,11 @@
 """The supervisor's connections to what moves the robot, and the stop that it sends there."""
 
 import logging
+from collections.abc import Callable
 
 from rtron.guard.core.message_types import codec_of, standard_info
 from rtron.guard.core.stop_controller import StopController
+from rtron.guard.intrusion_latch import stopped_by_intruders
 from rtron.guard.supervision.double_buffer import DoubleBuffer
 from rtron.guard.supervision.shared_memory import (
     GuardMemory,
@@ -21,14 +23,19 @@ log = logging.getLogger(__name__)
 class StreamBrake:
     """One stream's private output; every successor is connected before anything happens."""
 
-    def __init__(self, stream: Stream, transport: Transport) -> None:
+    def __init__(
+        self, stream: Stream, transport: Transport, stopped: Callable[[], frozenset[str]]
+    ) -> None:
+        """Take what returns the streams that intruders have stopped."""
         self._stream = stream
+        self._stopped = stopped
         self._transport = transport
         self._output: Output = transport.advertise(
             SUPERVISOR_NODE, output_topic(stream.topic), stream.type, queue_size=stream.queue_size
         )
         self._output.match_subscribers(stream.successors)
         self._output.offer(UNAPPROVED, QoS())
+        self._output.greet(self._greeting)
         self._codec: VelocityCodec | None = None
         self._type_count = 0
         self._stopper: StopController | None = None
@@ -84,6 +91,13 @@ class StreamBrake:
                 self._stopper = None
         return self._stopper is not None
 
+    def _greeting(self) -> bytes | None:
+        """Return what a new subscriber hears first while the robot is to be at rest."""
+        if self._stopper:
+            return self._stopper.stop_message(self._transport.now())
+        is_stopped = self._codec and self._stream.topic in self._stopped()
+        return self._codec.zero_message if self._codec and is_stopped else None
+
     def _send(self, _flow: str, message: bytes) -> None:
         self._output.publish(message)
 
@@ -105,8 +119,8 @@ class StreamBrakes:
     def __init__(
         self, streams: tuple[Stream, ...], transport: Transport, memory: GuardMemory
     ) -> None:
-        self._brakes = [StreamBrake(stream, transport) for stream in streams]
         self._memory = memory
+        self._brakes = [StreamBrake(stream, transport, self._stopped) for stream in streams]
         self._is_released = True
 
     def prepare(self) -> None:
@@ -119,6 +133,9 @@ class StreamBrakes:
         self._memory = memory
         for brake in self._brakes:
             brake.forget_type()
+
+    def _stopped(self) -> frozenset[str]:
+        return stopped_by_intruders(self._memory.handover_state.read()[1])
 
     def brake(self, reason: str, now: int) -> None:
         """Stop the robot and keep it stopped."""

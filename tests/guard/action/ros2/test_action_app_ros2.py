@@ -22,9 +22,9 @@ from ros2_action_app import (
     Server,
 )
 
+from rtron.guard.audit.common.alarm_response import AlarmResponse
 from rtron.guard.audit.ros2.auditor import Ros2Auditor
 from rtron.guard.core.handover_state import HandoverState
-from rtron.guard.runner import audit_response
 from rtron.policies.goals.status_list import LOST_TIMEOUT
 from rtron.vocabulary import (
     MSRCN,
@@ -34,6 +34,7 @@ from rtron.vocabulary import (
     MessageDefinition,
     MissionRule,
     Mode,
+    OnForeign,
     PolicyName,
     Ros2ActionEntity,
     output_topic,
@@ -309,7 +310,7 @@ def test_who_only_tells_a_status_does_not_keep_a_goal_from_being_cancelled(start
 def test_a_second_server_is_an_alarm_that_stops_the_goal_in_progress(start_action_app):
     app = start_action_app()
     guard = app.guard
-    response = audit_response(app.plan, guard.coordinator, guard.transport, dry_run=False)
+    response = AlarmResponse(guard.coordinator, guard.transport, OnForeign.STOP, dry_run=False)
     auditor = Ros2Auditor(app.plan, guard.transport, response, guard.loop)
     guard.call(auditor.open)
     app.one.send_goal(1)

@@ -1,15 +1,18 @@
 """How long the audit's stop is told, and to whom: the guard as it is, on a clock of the test's."""
 
 import struct
-from dataclasses import replace
 
 import pytest
 from plans import grcn, plan_of
 
 from bench.ros1.intruder import TWIST
+from rtron.errors import WireError
+from rtron.guard.audit.common.alarm_response import AlarmResponse
 from rtron.guard.coordinator import Coordinator
+from rtron.guard.core.handover_state import HandoverState
 from rtron.guard.core.message_types import standard_info
-from rtron.guard.runner import audit_response
+from rtron.guard.intrusion_latch import stopped_by_intruders
+from rtron.guard.settings.intrusion_clearing import ClearCommands
 from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.guard.transport.common.protocol import Peer
 from rtron.messages.common.encoding import Encoding
@@ -17,7 +20,6 @@ from rtron.vocabulary import (
     SECOND,
     Alarm,
     AlarmKind,
-    Audit,
     OnForeign,
     StopProfile,
     StreamKind,
@@ -31,6 +33,7 @@ TOLD = STOP.repeat // STOP.period
 GHOST = Alarm(kind=AlarmKind.UNREGISTERED_PUBLISHER, reason="a ghost", node="/driver")
 ROGUE = Alarm(kind=AlarmKind.FOREIGN_PUBLISHER, reason="a rogue", node="/driver")
 LONG = 10 * SECOND
+MILLISECOND = SECOND // 1000
 GOAL = "actionlib/TestActionGoal"
 
 
@@ -48,16 +51,11 @@ REST = twist(0)
 class BrakedStream:
     """A guard whose audit finds what the test says."""
 
-    def __init__(self, plan=PLAN, on_foreign=OnForeign.STOP):
+    def __init__(self, plan=PLAN, on_foreign=OnForeign.STOP, handover=None):
         self.transport = MemoryTransport()
-        self.host = Coordinator(self.transport, build_streams(plan))
+        self.host = Coordinator(self.transport, build_streams(plan), handover=handover)
+        self.response = AlarmResponse(self.host, self.transport, on_foreign, dry_run=False)
         self.host.open()
-        self.response = audit_response(
-            replace(plan, audit=Audit(on_foreign=on_foreign)),
-            self.host,
-            self.transport,
-            dry_run=False,
-        )
 
     def find(self, alarm=GHOST, topic=TOPIC):
         self.response.raise_(alarm, self.transport.now(), topic)
@@ -65,10 +63,15 @@ class BrakedStream:
     def lose(self, alarm=GHOST):
         self.response.settle(alarm)
 
+    def clear(self, topic=TOPIC, reason="seen to"):
+        return ClearCommands(self.host).handle("ann", {"clear": topic, "reason": reason})
+
     def intrude(self, lasts=LONG, topic=TOPIC):
         self.find(topic=topic)
         self.transport.advance(lasts)
         self.lose()
+        if self.response.stops_streams:
+            self.clear(topic)
 
     def come(self, topic=TOPIC):
         """Let a node come that listens from now on; return what it hears."""
@@ -132,7 +135,7 @@ def test_what_is_found_anew_is_stopped_for_as_long_as_it_stays(braked):
     braked.advance()
     heard = braked.transport.listen(OUT)
     braked.advance()
-    assert len(heard) == LONG // STOP.period
+    assert len(heard) == 1 + LONG // STOP.period
 
 
 def test_one_of_two_alarms_that_is_settled_ends_nothing(braked):
@@ -144,7 +147,7 @@ def test_one_of_two_alarms_that_is_settled_ends_nothing(braked):
     nav(twist(1.0))
     braked.advance()
     assert set(heard) == {REST}
-    assert len(heard) == LONG // STOP.period
+    assert len(heard) == 1 + LONG // STOP.period
 
 
 def test_who_comes_while_the_intruder_is_there_opens_nothing(braked):
@@ -153,7 +156,172 @@ def test_who_comes_while_the_intruder_is_there_opens_nothing(braked):
     nav(twist(1.0))
     braked.advance()
     assert set(heard) == {REST}
-    assert len(heard) == LONG // STOP.period
+    assert len(heard) == 1 + LONG // STOP.period
+
+
+def test_the_robot_stays_at_rest_when_the_intruder_is_gone_until_a_person_clears_it(braked):
+    braked.find()
+    braked.lose()
+    nav, heard = braked.nav(), braked.transport.listen(OUT)
+    nav(twist(1.0))
+    braked.advance()
+    assert set(heard) == {REST}
+    (alarm,) = braked.host.alarms.active
+    assert (alarm.kind, alarm.topic) == (AlarmKind.INTRUSION, TOPIC)
+    assert braked.clear("") == {"cleared": [TOPIC]}
+    assert braked.host.alarms.active == ()
+    nav(twist(1.0))
+    assert heard[-1] == twist(1.0)
+
+
+def test_it_is_not_cleared_while_the_intruder_is_there(braked):
+    braked.find()
+    with pytest.raises(WireError, match="/cmd_vel stays stopped: a ghost"):
+        braked.clear()
+    assert braked.host.streams[0].brake_reason == "a ghost"
+
+
+def test_it_is_not_cleared_while_the_audit_still_hears_the_intruder(braked):
+    braked.find()
+    braked.lose()
+    braked.response.dismiss = {TOPIC: "it has just spoken"}.get
+    with pytest.raises(WireError, match="it has just spoken"):
+        braked.clear()
+
+
+@pytest.mark.parametrize(
+    ("request_", "why"),
+    [
+        ({"clear": TOPIC}, "a request has clear, reason"),
+        ({"clear": TOPIC, "reason": " "}, "needs a reason"),
+        ({"clear": TOPIC, "reason": 1}, "a reason is a text"),
+        ({"clear": "/other", "reason": "x"}, "no intruder has stopped '/other'"),
+        ({"clear": ["/cmd_vel"], "reason": "x"}, "no intruder has stopped"),
+    ],
+)
+def test_a_request_that_is_wrong_clears_nothing(braked, request_, why):
+    braked.intrude(0)
+    with pytest.raises(WireError, match=r"no intruder has stopped anything|needs|a re"):
+        ClearCommands(braked.host).handle("ann", request_)
+    braked.find()
+    braked.lose()
+    with pytest.raises(WireError, match=why):
+        ClearCommands(braked.host).handle("ann", request_)
+    assert braked.host.streams[0].brake_reason == "a ghost"
+
+
+def test_who_cleared_it_and_why_is_logged_on_one_line_and_told(braked, caplog):
+    told = []
+    braked.host.intrusions.on_clear = lambda *facts: told.append(facts)
+    braked.find()
+    braked.lose()
+    braked.clear(reason="a forgotten\nrostopic")
+    assert told == [(TOPIC, "by ann: a forgotten rostopic")]
+    assert "/cmd_vel: cleared by ann: a forgotten rostopic" in caplog.messages
+
+
+def test_the_next_guard_goes_on_with_the_stop_before_it_opens():
+    documents = []
+    braked = BrakedStream(handover=HandoverState(write=documents.append))
+    braked.find()
+    braked.lose()
+    following = BrakedStream(handover=HandoverState(documents[-1], documents.append))
+    nav, heard = following.nav(), following.transport.listen(OUT)
+    nav(twist(1.0))
+    following.advance()
+    assert set(heard) == {REST}
+    assert stopped_by_intruders(documents[-1]) == {TOPIC}
+    following.clear()
+    assert stopped_by_intruders(documents[-1]) == set()
+    nav(twist(1.0))
+    assert heard[-1] == twist(1.0)
+
+
+@pytest.mark.parametrize("document", [b"", b"{", b"[]", b'{"intrusions": 1}', b"[" * 100_000])
+def test_a_document_that_is_none_has_no_intrusions(document):
+    assert stopped_by_intruders(document) == set()
+
+
+def test_an_inherited_stop_of_a_topic_that_is_not_guarded_stops_nothing():
+    handover = HandoverState(b'{"intrusions": {"/other": "a ghost", "/cmd_vel": 1}}')
+    braked = BrakedStream(handover=handover)
+    assert braked.host.alarms.active == ()
+
+
+def test_a_mistaken_alarm_stops_nothing_any_more(braked):
+    braked.find()
+    braked.response.withdraw(GHOST)
+    assert braked.host.alarms.active == ()
+    nav, heard = braked.nav(), braked.transport.listen(OUT)
+    nav(twist(1.0))
+    assert heard[-1] == twist(1.0)
+
+
+def test_a_mistaken_alarm_beside_a_true_one_releases_nothing(braked):
+    braked.find(ROGUE)
+    braked.find()
+    braked.lose(ROGUE)
+    braked.response.withdraw(GHOST)
+    assert braked.host.streams[0].brake_reason == "a rogue"
+
+
+def test_each_message_of_an_intruder_is_answered_at_once_with_the_stop(braked):
+    braked.find()
+    braked.advance(STOP.period // 2)
+    heard = braked.transport.listen(OUT)
+    assert heard == [REST]
+    for _ in range(3):
+        braked.response.answer(TOPIC, twist(0.5))
+        braked.advance(2 * MILLISECOND)
+    assert heard == [REST] * 4
+
+
+def test_answers_are_bounded_and_the_last_message_is_answered_all_the_same(braked):
+    braked.find()
+    braked.advance(STOP.period // 2)
+    heard = braked.transport.listen(OUT)
+    for _ in range(100):
+        braked.response.answer(TOPIC, twist(0.5))
+    assert heard == [REST] * 2
+    braked.advance(MILLISECOND)
+    assert heard == [REST] * 3
+    braked.advance(5 * MILLISECOND)
+    assert heard == [REST] * 3
+
+
+def test_a_message_that_moves_nothing_needs_no_answer(braked):
+    braked.find()
+    braked.advance(STOP.period // 2)
+    heard = braked.transport.listen(OUT)
+    braked.response.answer(TOPIC, REST)
+    braked.advance(5 * MILLISECOND)
+    assert heard == [REST]
+
+
+@pytest.mark.parametrize("message", [b"", twist(float("nan")), bytes(3)])
+def test_what_cannot_be_read_is_answered(braked, message):
+    braked.find()
+    braked.advance(STOP.period // 2)
+    heard = braked.transport.listen(OUT)
+    braked.response.answer(TOPIC, message)
+    assert heard == [REST] * 2
+
+
+def test_nobody_is_answered_when_nothing_is_stopped(braked):
+    heard = braked.transport.listen(OUT)
+    braked.response.answer(TOPIC, twist(0.5))
+    braked.advance()
+    assert heard == []
+
+
+def test_an_answer_goes_on_with_the_ramp(braked):
+    braked.nav()(twist(1.0))
+    heard = braked.transport.listen(OUT)
+    braked.find()
+    braked.advance(STOP.period // 2)
+    braked.response.answer(TOPIC, twist(0.5))
+    first, answer = (struct.unpack_from("<d", each, 4)[0] for each in heard[-2:])
+    assert 0 < answer <= first < 1
 
 
 def test_what_may_pass_does_so_at_once_and_ends_the_stop(braked):
@@ -161,9 +329,9 @@ def test_what_may_pass_does_so_at_once_and_ends_the_stop(braked):
     braked.intrude()
     heard = braked.transport.listen(OUT)
     nav(twist(1.0))
-    assert heard == [twist(1.0)]
+    assert heard == [REST, twist(1.0)]
     braked.advance(SECOND // 4)
-    assert heard == [twist(1.0)]
+    assert heard == [REST, twist(1.0)]
 
 
 def test_it_passes_also_while_somebody_who_came_back_is_told(braked):

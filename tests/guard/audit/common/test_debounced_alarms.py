@@ -1,11 +1,14 @@
 """What looks wrong is told when it has lasted, and taken back when it is gone."""
 
+from types import SimpleNamespace
+
 import pytest
 
-from rtron.guard.audit.common.alarm_response import AlarmResponse, AuditBrakes
+from rtron.guard.audit.common.alarm_response import AlarmResponse
 from rtron.guard.audit.common.debounced_alarms import DebouncedAlarms
-from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.alarms import Alarms
+from rtron.guard.core.handover_state import HandoverState
+from rtron.guard.intrusion_latch import IntrusionLatch
 from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.vocabulary import SECOND, Alarm, AlarmKind, OnForeign
 
@@ -19,8 +22,9 @@ class DebouncedScene:
 
     def __init__(self, patience=PATIENCE):
         self.alarms = Alarms()
-        brakes = AuditBrakes(Coordinator(MemoryTransport(), ()), MemoryTransport())
-        response = AlarmResponse(self.alarms, brakes, OnForeign.STOP, dry_run=False)
+        intrusions = IntrusionLatch(HandoverState())
+        host = SimpleNamespace(alarms=self.alarms, streams=[], intrusions=intrusions)
+        response = AlarmResponse(host, MemoryTransport(), OnForeign.STOP, dry_run=False)
         self._standing = DebouncedAlarms(response, patience)
 
     def at(self, now, *alarms):

@@ -4,15 +4,14 @@ from driven_base import CMD_VEL, CMD_VEL_GUARD, Driven, drive_plan, start_guard
 from harness import NODES, ROS_PYTHON, wait_for
 
 from bench.common.log_watcher import LogWatcher
-from bench.ros1.intruder import Intruder
+from bench.ros1.intruder import Intruder, RepeatingGhost
 from rtron.vocabulary import AlarmKind
 
 OUT = f"/rtron{CMD_VEL}/out"
 ROGUE = "/intruder"
 STOP = ("0", "0")
-KINDS = tuple(
-    f": {kind}:" for kind in AlarmKind if kind not in (AlarmKind.GUARD, AlarmKind.SUPERVISOR)
-)
+NOT_OF_THE_AUDIT = (AlarmKind.GUARD, AlarmKind.SUPERVISOR, AlarmKind.INTRUSION)
+KINDS = tuple(f": {kind}:" for kind in AlarmKind if kind not in NOT_OF_THE_AUDIT)
 
 
 class Scene:
@@ -21,7 +20,8 @@ class Scene:
     def __init__(self, ros1, program, plan=None, *, drives=True):
         self.ros1, self._program = ros1, program
         self.driven = Driven(ros1.folder / "driven.txt")
-        self.guard = start_guard(ros1, plan or drive_plan(), CMD_VEL_GUARD)
+        self._socket = ("--control-socket", ros1.folder / "guard.sock")
+        self.guard = start_guard(ros1, plan or drive_plan(), CMD_VEL_GUARD, *self._socket)
         self.log = LogWatcher(self.guard.log_path)
         if drives:
             self.drive()
@@ -58,6 +58,16 @@ class Scene:
     def navigate(self):
         return self.ros1.node("nav.py", "/nav", f"{CMD_VEL}:=/rtron{CMD_VEL}/flow1")
 
+    def clear(self):
+        """Clear what intruders have stopped; return the command, which has ended."""
+        words = ("clear", CMD_VEL, "--reason", "the test has seen to it", *self._socket)
+        command = self.ros1.rtron(*words, "--plan", self.ros1.folder / "rtron.yaml")
+        wait_for(lambda: command.ended, what="the end of rtron clear")
+        return command
+
+    def is_cleared(self):
+        return self.clear().code == 0
+
     def stops(self):
         """Return how many messages told the driver to rest."""
         return self.driven.messages().count(STOP)
@@ -77,6 +87,16 @@ class Scene:
     def of_the_audit(self, word="alarm:"):
         """Return the alarms that are not the supervisor's, about a machine that is too slow."""
         return [text for text in self.alarms(word) if any(kind in text for kind in KINDS)]
+
+
+class ReturningGhost(RepeatingGhost):
+    """A ghost that comes again every 20 ms, whoever sends it away."""
+
+    def __init__(self, node, *others):
+        super().__init__(ROGUE, OUT, 200, node, *others)
+
+    def insist(self):
+        """Do nothing: it does so all the time."""
 
 
 class ReturningIntruder(Intruder):

@@ -4,23 +4,24 @@ import socket
 import threading
 import time
 from contextlib import ExitStack, contextmanager
+from functools import partial
 from types import SimpleNamespace
 from xmlrpc.server import SimpleXMLRPCServer
 
 import pytest
 from plans import grcn, plan_of
 
-from rtron.guard.audit.common.alarm_response import AlarmResponse, AuditBrakes
+from rtron.guard.audit.common.alarm_response import AlarmResponse
 from rtron.guard.audit.ros1 import intrusions, master_queries
 from rtron.guard.audit.ros1.audited_nodes import AuditedNodes
 from rtron.guard.audit.ros1.expected_graph import ExpectedGraph
 from rtron.guard.audit.ros1.intrusions import Intrusions
 from rtron.guard.audit.ros1.poll_schedule import PollSchedule
-from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.alarms import Alarms
 from rtron.guard.core.event_loop import EventLoop
-from rtron.guard.transport.common.memory import MemoryTransport
-from rtron.vocabulary import SECOND, OnForeign
+from rtron.guard.core.handover_state import HandoverState
+from rtron.guard.intrusion_latch import IntrusionLatch
+from rtron.vocabulary import SECOND, Alarm, AlarmKind, OnForeign
 from rtron.wire.ros1.xmlrpc import encode_response
 
 OUT, DRIVER = "/rtron/cmd_vel/out", "/driver"
@@ -28,6 +29,8 @@ EXPECTED = ExpectedGraph(plan_of(grcn("/cmd_vel", ["/nav"], [DRIVER])))
 LIMIT_S = 10
 PATIENT_S = 0.6
 NEVER_S = 60
+UPDATE = "publisherUpdate"
+GHOST = Alarm(kind=AlarmKind.UNREGISTERED_PUBLISHER, reason="a ghost")
 
 
 class EmptyMaster:
@@ -49,6 +52,19 @@ def empty_master():
 
 
 @contextmanager
+def recorded_calls():
+    """Serve as a node; yield its address and the methods that it was called with."""
+    calls = []
+    with SimpleXMLRPCServer(("127.0.0.1", 0), logRequests=False) as server:
+        server.register_function(lambda *params: calls.append(params) or [1, "", 0], UPDATE)
+        thread = threading.Thread(target=server.serve_forever, args=(0.02,))
+        thread.start()
+        yield f"http://127.0.0.1:{server.server_address[1]}/", calls
+        server.shutdown()
+        thread.join()
+
+
+@contextmanager
 def hanging_master():
     with socket.create_server(("127.0.0.1", 0)) as server:
         yield f"http://127.0.0.1:{server.getsockname()[1]}/"
@@ -63,18 +79,27 @@ def closed():
 class AuditedDriver:
     """The driver, whose answers the tests give; `alarms` are those that stand."""
 
-    def __init__(self, master, stack):
+    def __init__(self, master, stack, on_foreign=OnForeign.ALARM):
         self._loop = EventLoop()
+        self.listeners = set()
         stack.callback(self._loop.close)
-        alarms = Alarms()
-        guard = SimpleNamespace(node_uris=dict, ports=frozenset(), former_uris=frozenset)
-        brakes = AuditBrakes(Coordinator(MemoryTransport(), ()), MemoryTransport())
+        intrusions = IntrusionLatch(HandoverState())
+        host = SimpleNamespace(alarms=Alarms(), streams=[], intrusions=intrusions)
+        transport = SimpleNamespace(
+            node_uris=dict,
+            ports=frozenset(),
+            former_uris=frozenset,
+            unknown_streams=frozenset,
+            now=self._loop.now,
+            subscribers=lambda _topic: self.listeners,
+        )
         nodes = AuditedNodes(self._loop, master, EXPECTED, PollSchedule(self._loop, SECOND))
-        response = AlarmResponse(alarms, brakes, OnForeign.ALARM, dry_run=False)
-        intruders = Intrusions(self._loop, master, guard, EXPECTED, nodes, response, {})
+        self.response = AlarmResponse(host, transport, on_foreign, dry_run=False)
+        intruders = Intrusions(self._loop, master, transport, EXPECTED, nodes, self.response, {})
+        self.keep_listener = partial(intruders.keep_listener, DRIVER, OUT)
         nodes.on_change = intruders.update
         nodes.watch([DRIVER])
-        self._nodes, self._alarms = nodes, alarms
+        self._nodes, self._alarms = nodes, host.alarms
         for part in (nodes, intruders):
             stack.callback(part.close)
 
@@ -87,13 +112,13 @@ class AuditedDriver:
         rows = [[n, uri, "i", "TCPROS", OUT, True, ""] for n, uri in enumerate(sources)]
         body = encode_response([1, "", rows])
         self.node.poll_target.on_response(body)
-        self._run(lambda: self.node.last_body == body, 5)
+        self.run(lambda: self.node.last_body == body, 5)
 
     def told_within(self, limit_s):
-        self._run(lambda: self._alarms.active, limit_s)
+        self.run(lambda: self._alarms.active, limit_s)
         return bool(self._alarms.active)
 
-    def _run(self, until, limit_s):
+    def run(self, until, limit_s=LIMIT_S):
         end = time.monotonic() + limit_s
 
         def look():
@@ -104,6 +129,7 @@ class AuditedDriver:
 
         self._loop.post(look)
         self._loop.run()
+        return until()
 
 
 @pytest.fixture
@@ -156,3 +182,40 @@ def test_a_node_that_has_moved_answers_for_the_first_time_again(audited):
     audited.node.reset_address()
     audited.answer(closed())
     assert not audited.told_within(PATIENT_S)
+
+
+@pytest.fixture
+def stopped(stack):
+    """Audit a driver whose stream an intruder has stopped, and record the calls to the driver."""
+    audited = AuditedDriver(stack.enter_context(empty_master()), stack, OnForeign.STOP)
+    uri, audited.calls = stack.enter_context(recorded_calls())
+    audited.node.poll_target.server = master_queries.resolve_uri(uri)
+    audited.response.raise_(GHOST, 0, "/cmd_vel")
+    audited.response.settle(GHOST)
+    return audited
+
+
+def test_a_driver_that_leaves_is_called_back_until_it_hears_the_guard(stopped):
+    stopped.keep_listener()
+    assert stopped.run(lambda: len(stopped.calls) > 3)
+    assert stopped.calls[0] == ("/rtron_guard", OUT, [])
+    stopped.listeners.add(DRIVER)
+    number = len(stopped.calls)
+    stopped.run(lambda: False, 0.3)
+    assert len(stopped.calls) <= number + 2
+
+
+def test_a_driver_that_leaves_is_called_a_bounded_number_of_times(stopped):
+    began = time.monotonic()
+    for _ in range(100):
+        stopped.keep_listener()
+    assert stopped.run(lambda: len(stopped.calls) > 10)
+    assert len(stopped.calls) <= 1 + (time.monotonic() - began) / 0.01
+
+
+def test_a_driver_that_leaves_while_nothing_is_stopped_is_left_alone(stopped):
+    assert stopped.response.dismiss("/cmd_vel") == ""
+    stopped.response._clear("/cmd_vel")
+    stopped.keep_listener()
+    stopped.run(lambda: False, 0.1)
+    assert stopped.calls == []

@@ -3,15 +3,25 @@
 How soon it is found is measured by `python -m bench audit`, on a machine with nothing else to do.
 """
 
+import os
+import signal
 from dataclasses import replace
 
 import pytest
-from audit_scene import OUT, ReturningIntruder, Scene, ghost, wait_until_found
-from driven_base import CMD_VEL_GUARD, drive_plan
+from audit_scene import (
+    OUT,
+    STOP,
+    ReturningGhost,
+    ReturningIntruder,
+    Scene,
+    ghost,
+    wait_until_found,
+)
+from driven_base import CMD_VEL_GUARD, TURN_RIGHT, drive_plan
 from harness import Ros1, wait_for
 
 from rtron.vocabulary import Audit, OnForeign
-from rtron.vocabulary.names import SUPERVISOR_NODE
+from rtron.vocabulary.names import GUARD_NODE, SUPERVISOR_NODE
 
 pytestmark = pytest.mark.ros1
 RUNS = 2
@@ -36,8 +46,9 @@ def wait_until_settled(scene):
 
 
 def wait_until_released(scene):
-    """Wait until the guard stops nothing any more: who stops later does so anew."""
+    """Clear the intrusion once it is over; who stops later does so anew."""
     wait_until_settled(scene)
+    wait_for(scene.is_cleared, what="the guard's leave to drive again")
     wait_for(scene.released, what="the end of the stop")
 
 
@@ -155,3 +166,67 @@ def test_an_impostor_with_the_supervisors_name(ros1, program):
             wait_until_found(scene, impostor, "impostor")
             wait_for_stop(scene, stops)
         wait_until_released(scene)
+
+
+def test_the_robot_stays_stopped_until_a_person_clears_it(ros1, program):
+    with Scene(ros1, program) as scene:
+        nav = scene.navigate()
+        wait_for(lambda: len(scene.driven.navigation()) > 1, what="navigation at the driver")
+        with ghost(scene.driver_uri(), ros1.uri_of(CMD_VEL_GUARD)) as intruder:
+            wait_until_found(scene, intruder, "ghost publisher")
+            refused = scene.clear()
+            assert refused.code == 2
+            assert "stays stopped" in refused.log
+        wait_until_settled(scene)
+        passed, stops = len(scene.driven.navigation()), scene.stops()
+        wait_for(lambda: scene.stops() > stops + 20, what="the stop that goes on")
+        assert len(scene.driven.navigation()) == passed
+        wait_for(scene.is_cleared, what="the guard's leave to drive again")
+        wait_for(lambda: len(scene.driven.navigation()) > passed, what="navigation again")
+        assert not nav.ended
+
+
+def test_an_intrusion_outlives_the_guard(ros1, program):
+    with Scene(ros1, program) as scene:
+        scene.navigate()
+        wait_for(lambda: len(scene.driven.navigation()) > 1, what="navigation at the driver")
+        with ghost(scene.driver_uri(), ros1.uri_of(CMD_VEL_GUARD)) as intruder:
+            wait_until_found(scene, intruder, "ghost publisher")
+        wait_until_settled(scene)
+        passed = len(scene.driven.navigation())
+        os.kill(ros1.ask(ros1.uri_of(GUARD_NODE), "getPid"), signal.SIGKILL)
+        wait_for(lambda: scene.alarms("alarm: intrusion")[1:], what="the next guard's alarm")
+        wait_for(scene.driver_hears_guard, what="the driver's connection to the next guard")
+        stops = scene.stops()
+        wait_for(lambda: scene.stops() > stops + 20, what="the next guard's stop")
+        assert len(scene.driven.navigation()) == passed
+        wait_for(scene.is_cleared, what="the next guard's leave to drive again")
+        wait_for(lambda: len(scene.driven.navigation()) > passed, what="navigation again")
+
+
+def test_each_message_of_an_intruder_is_answered(ros1, program):
+    with Scene(ros1, program) as scene:
+        with ReturningGhost(scene.driver_uri(), ros1.uri_of(CMD_VEL_GUARD)) as intruder:
+            wait_until_found(scene, intruder, "ghost publisher")
+            heard, turns = len(scene.driven.messages()), scene.driven.turns()
+            wait_for(lambda: scene.driven.turns() > turns + 200, what="the ghost's messages")
+        assert answered_share(scene.driven.messages()[heard:]) > 0.8
+        wait_until_released(scene)
+
+
+def test_a_ghost_that_keeps_sending_the_guard_away_is_answered_and_the_driver_kept(ros1, program):
+    with Scene(ros1, program) as scene:
+        stops = scene.stops()
+        with ReturningGhost(scene.driver_uri()) as intruder:
+            wait_until_found(scene, intruder, "ghost publisher")
+            wait_for(lambda: scene.stops() > stops + 50, what="stops between its words")
+        wait_for(scene.driver_hears_guard, what="the guard at the driver again")
+        wait_until_released(scene)
+
+
+def answered_share(messages):
+    """Return the share of an intruder's messages that a stop follows before its next but one."""
+    turns = [at for at, (_, turn) in enumerate(messages) if turn == TURN_RIGHT][:-2]
+    assert len(turns) > 50
+    answered = sum(STOP in messages[at + 1 : at + 3] for at in turns)
+    return answered / len(turns)

@@ -19,11 +19,12 @@ class GuardedBase2:
     def __init__(self, ros2, on_foreign="alarm"):
         self._ros2 = ros2
         self.plan = ros2.folder / "rtron.yaml"
+        self._socket = ("--control-socket", ros2.folder / "guard.sock")
         audit = Audit(on_foreign=OnForeign(on_foreign))
         self.plan.write_text(written(driving("nav"), audit=audit))
 
     def start_guard(self):
-        self.guard = self._ros2.rtron("guard", "--plan", self.plan)
+        self.guard = self._ros2.rtron("guard", "--plan", self.plan, *self._socket)
 
     def start(self):
         self.start_guard()
@@ -40,6 +41,20 @@ class GuardedBase2:
     def speeds(self, speed):
         """Return how many messages of a speed the driver has heard."""
         return len(re.findall(rf"speed {re.escape(speed)}$", self.driver.log, re.MULTILINE))
+
+    def heard(self):
+        """Return the speeds that the driver has heard, in order."""
+        return re.findall(r"speed (\S+)$", self.driver.log, re.MULTILINE)
+
+    def clear(self):
+        """Clear what intruders have stopped; return the command, which has ended."""
+        words = ("clear", CMD_VEL, "--reason", "the test has seen to it", *self._socket)
+        command = self._ros2.rtron(*words, "--plan", self.plan)
+        wait_for(lambda: command.ended, what="the end of rtron clear")
+        return command
+
+    def is_cleared(self):
+        return self.clear().code == 0
 
     def alarms(self, word="alarm:"):
         return [line for line in self.guard.log.splitlines() if word in line]

@@ -1,6 +1,7 @@
 """`rtron verify --live` and the guard's audit on a real ROS 2: closed, disturbed, and restarted."""
 
 import os
+import re
 import signal
 
 import pytest
@@ -82,9 +83,62 @@ def test_a_stranger_brakes_where_the_plan_says_so(ros2):
     base.start()
     rogue = base.speaker("/rogue", OUT, "7.0")
     wait_for(lambda: base.speeds("0.0") > 3, what="the stop")
-    passed = base.speeds("0.5")
+    refused = base.clear()
+    assert refused.code == 2
+    assert "/cmd_vel stays stopped: " in refused.log
     rogue.stop()
     wait_for(lambda: base.alarms("no more:"), what="the end of the alarm")
+    passed, stops = base.speeds("0.5"), base.speeds("0.0")
+    wait_for(lambda: base.speeds("0.0") > stops + 20, what="the stop that goes on")
+    assert base.speeds("0.5") == passed
+    wait_for(base.is_cleared, what="the guard's leave to drive again")
+    wait_for(lambda: base.speeds("0.5") > passed + 5, what="navigation again")
+
+
+@pytest.mark.parametrize("rate", ["50", "200"])
+def test_each_message_of_a_stranger_is_answered(ros2, rate):
+    base = GuardedBase2(ros2, "stop")
+    base.start()
+    base.speaker("/rogue", OUT, "7.0", rate)
+    wait_for(lambda: base.alarms("alarm: intrusion"), what="the alarm")
+    before = len(base.heard())
+    wait_for(lambda: base.heard()[before:].count("7.0") > 200, what="the stranger's messages")
+    heard = base.heard()[before:]
+    sevens = [at for at, speed in enumerate(heard) if speed == "7.0"][:-2]
+    answered = sum("0.0" in heard[at + 1 : at + 3] for at in sevens)
+    assert answered / len(sevens) > 0.9
+
+
+def test_a_stranger_that_died_without_a_word_holds_the_robot_no_longer_than_a_person_does(ros2):
+    base = GuardedBase2(ros2, "stop")
+    base.start()
+    rogue = base.speaker("/rogue", OUT, "7.0")
+    wait_for(lambda: base.alarms("alarm: intrusion"), what="the alarm")
+    rogue.kill()
+    wait_for(base.is_cleared, LEASE_S / 6, what="the guard's leave to drive again")
+    passed = base.speeds("0.5")
+    wait_for(lambda: base.speeds("0.5") > passed + 5, what="navigation again")
+    stops = base.speeds("0.0")
+    base.speaker("/rogue", OUT, "7.0")
+    wait_for(lambda: len(base.alarms("alarm: intrusion")) > 1, what="the next alarm")
+    wait_for(lambda: base.speeds("0.0") > stops + 5, what="the next stop")
+
+
+def test_an_intrusion_outlives_the_guard(ros2):
+    base = GuardedBase2(ros2, "stop")
+    base.start()
+    rogue = base.speaker("/rogue", OUT, "7.0")
+    wait_for(lambda: base.alarms("alarm: intrusion"), what="the alarm")
+    rogue.stop()
+    wait_for(lambda: base.alarms("no more:"), what="the end of the alarm")
+    passed = base.speeds("0.5")
+    (guard,) = map(int, re.findall(r"the guard begins, process (\d+)", base.guard.log))
+    os.kill(guard, signal.SIGKILL)
+    wait_for(lambda: len(base.alarms("alarm: intrusion")) > 1, what="the next guard's alarm")
+    stops = base.speeds("0.0")
+    wait_for(lambda: base.speeds("0.0") > stops + 100, what="the next guard's stop")
+    assert base.speeds("0.5") == passed
+    wait_for(base.is_cleared, what="the next guard's leave to drive again")
     wait_for(lambda: base.speeds("0.5") > passed + 5, what="navigation again")
 
 

@@ -4,6 +4,7 @@ from dataclasses import replace
 from itertools import chain
 from pathlib import Path
 from tempfile import mkdtemp
+from types import SimpleNamespace
 
 import pytest
 from domain_scene import (
@@ -30,8 +31,9 @@ from domain_scene import (
 )
 from proc_folder import ProcFolder
 
-from rtron.guard.audit.common.alarm_response import AlarmResponse, AuditBrakes
-from rtron.guard.audit.common.debounced_alarms import BrakingAlarms
+from rtron.guard.audit.common.alarm_response import AlarmResponse
+from rtron.guard.audit.common.debounced_alarms import BrakingAlarm, BrakingAlarms
+from rtron.guard.audit.ros2.endpoint_checks import planned_publishers
 from rtron.guard.audit.ros2.expected_graph import ExpectedGraph
 from rtron.guard.audit.ros2.graph_alarms import (
     NAME_TIMEOUT,
@@ -42,6 +44,8 @@ from rtron.guard.audit.ros2.graph_alarms import (
 from rtron.guard.audit.ros2.observed_graph import ObservedGraph
 from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.alarms import Alarms
+from rtron.guard.core.handover_state import HandoverState
+from rtron.guard.intrusion_latch import IntrusionLatch
 from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.guard.transport.ros2.participants import MAX_LEASE, ParticipantLiveness
 from rtron.vocabulary import (
@@ -52,6 +56,7 @@ from rtron.vocabulary import (
     OnForeign,
     QoS,
     Reliability,
+    build_streams,
 )
 
 OURS = frozenset({GUARD})
@@ -76,7 +81,8 @@ class GraphAudit:
         seen = ObservedGraph(ends)
         self.lives.update((end.participant for end in ends), now)
         found = foreign_endpoint_alarms(self.wanted, seen, OURS, self.lives, now)
-        return [*found, *duplicate_name_alarms(self.wanted, seen, self.lives, now)]
+        found += duplicate_name_alarms(self.wanted, seen, self.lives, now)
+        return [(each.alarm, each.streams) for each in found]
 
 
 @pytest.fixture(autouse=True)
@@ -310,22 +316,58 @@ class TestCases:
 
     @pytest.fixture
     def cases(self, alarms):
-        brakes = AuditBrakes(Coordinator(MemoryTransport(), ()), MemoryTransport())
-        return BrakingAlarms(AlarmResponse(alarms, brakes, OnForeign.STOP, dry_run=False))
+        intrusions = IntrusionLatch(HandoverState())
+        host = SimpleNamespace(alarms=alarms, streams=[], intrusions=intrusions)
+        return BrakingAlarms(AlarmResponse(host, MemoryTransport(), OnForeign.STOP, dry_run=False))
 
     def test_what_is_found_stands_until_it_is_found_no_more(self, cases, alarms):
-        one, other = (Alarm(kind=AlarmKind.UNREGISTERED_PUBLISHER, reason=text) for text in "ab")
-        cases.update([(one, ()), (other, (CMD_VEL,))], 1)
-        assert alarms.active == (one, other)
-        cases.update([(other, (CMD_VEL,))], 2)
-        assert alarms.active == (other,)
-        cases.update([], 3)
+        one, other = ghost("a"), ghost("b")
+        cases.update([BrakingAlarm(one, ()), BrakingAlarm(other, (CMD_VEL,))], 1, frozenset())
+        assert told(alarms) == (one, other)
+        cases.update([BrakingAlarm(other, (CMD_VEL,))], 2, frozenset())
+        assert told(alarms) == (other,)
+        cases.update([], 3, frozenset())
+        assert told(alarms) == ()
+        assert [alarm.kind for alarm in alarms.active] == [AlarmKind.INTRUSION]
+
+    def test_who_turns_out_to_be_planned_has_stopped_nothing(self, cases, alarms):
+        gid = frozenset({ROGUE + b"abcd"})
+        cases.update([BrakingAlarm(ghost("a"), (CMD_VEL,), gid)], 1, frozenset())
+        assert cases.intruders(CMD_VEL) == gid
+        cases.update([], 2, gid)
         assert alarms.active == ()
-        assert alarms.raised == 2
+
+    def test_what_an_inherited_intrusion_has_stopped_no_mistake_releases(self, alarms):
+        latch = IntrusionLatch(HandoverState(b'{"intrusions": {"/cmd_vel": "a ghost"}}'))
+        (guarded,) = Coordinator(MemoryTransport(), build_streams(base_plan())).streams
+        host = SimpleNamespace(alarms=alarms, streams=[guarded], intrusions=latch)
+        response = AlarmResponse(host, MemoryTransport(), OnForeign.STOP, dry_run=False)
+        response.raise_(ghost("a"), 1, CMD_VEL)
+        response.withdraw(ghost("a"))
+        assert guarded.brake_reason == "a ghost"
+
+
+def ghost(reason):
+    return Alarm(kind=AlarmKind.UNREGISTERED_PUBLISHER, reason=reason)
+
+
+def told(alarms):
+    return tuple(each for each in alarms.active if each.kind is not AlarmKind.INTRUSION)
+
+
+def test_who_publishes_what_the_plan_lets_it_is_planned_whoever_has_a_name_of_ours_is_not():
+    ends = [*CLOSED, publisher(OUT, GRCN, ROGUE), publisher(OUT, "/rogue", ROGUE)]
+    planned = planned_publishers(ExpectedGraph(base_plan()), ObservedGraph(ends), OURS)
+    assert planned == {NAV_PUBLISHES.gid, *(each.gid for each in GUARDS)}
+
+
+def test_a_participant_that_was_dismissed_is_not_looked_at():
+    seen = ObservedGraph([*CLOSED, publisher(OUT, "/rogue", ROGUE)])
+    assert seen.without({ROGUE}).endpoints == ObservedGraph(CLOSED).endpoints
 
 
 def test_every_alarm_says_where_and_is_told_once():
     rogues = [publisher(topic, "/rogue", ROGUE) for topic in (OUT, FLOW1)]
-    told = [alarm for alarm, _ in chain(found(*CLOSED, *rogues), found(*CLOSED, *rogues))]
-    assert len(set(told)) == 2
-    assert all(alarm.topic for alarm in told)
+    found_alarms = [alarm for alarm, _ in chain(found(*CLOSED, *rogues), found(*CLOSED, *rogues))]
+    assert len(set(found_alarms)) == 2
+    assert all(alarm.topic for alarm in found_alarms)

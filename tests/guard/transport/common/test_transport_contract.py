@@ -305,3 +305,17 @@ def test_first_words_wait_for_an_expected_successor(world):
         output.publish(message)
     world.until(lambda: len(heard) >= len(words))
     assert heard == words
+
+
+def test_who_begins_to_listen_is_greeted_and_gets_nothing_latched(world):
+    output = world.transport.advertise(A, TOPIC, STRING)
+    assert output.learn_type(world.info())
+    greetings = []
+    output.greet(lambda: world.text("stop") if greetings else None)
+    first = world.listener(LISTENER, TOPIC)
+    publish_until(world, output.publish, lambda: first)
+    assert set(first) == {world.text("hello")}
+    greetings.append("stop")
+    late = world.listener("/late", TOPIC)
+    world.until(lambda: late)
+    assert late[0] == world.text("stop")

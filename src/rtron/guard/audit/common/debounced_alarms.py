@@ -4,6 +4,7 @@ What nodes do while they come and go looks wrong for a moment; only what lasts i
 """
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 
 from rtron.guard.audit.common.alarm_response import AlarmResponse
 from rtron.vocabulary import Alarm
@@ -33,19 +34,39 @@ class DebouncedAlarms:
                 self._response.raise_(alarm, now)
 
 
+@dataclass(frozen=True, slots=True)
+class BrakingAlarm:
+    """An alarm, the public names of the streams that are gone past, and who goes past them.
+
+    `endpoints` are GIDs.
+    """
+
+    alarm: Alarm
+    streams: tuple[str, ...]
+    endpoints: frozenset[bytes] = frozenset()
+
+
 class BrakingAlarms:
     """Raises what is found at each look, and settles what is found no more."""
 
     def __init__(self, response: AlarmResponse) -> None:
         self._response = response
-        self._active: dict[Alarm, tuple[str, ...]] = {}
+        self._active: dict[Alarm, BrakingAlarm] = {}
 
-    def update(self, alarms: Iterable[tuple[Alarm, tuple[str, ...]]], now: int) -> None:
-        """Take all that is wrong at `now`, each with the public names of what it brakes."""
-        active = dict(alarms)
+    def update(self, found: Iterable[BrakingAlarm], now: int, planned: frozenset[bytes]) -> None:
+        """Take all that is wrong at `now`; an alarm about a `planned` endpoint was mistaken."""
+        active = {each.alarm: each for each in found}
         before, self._active = self._active, active
-        for alarm, guarded in active.items():
-            if before.get(alarm) != guarded:
-                self._response.raise_(alarm, now, *guarded)
+        for alarm, each in active.items():
+            if alarm not in before or before[alarm].streams != each.streams:
+                self._response.raise_(alarm, now, *each.streams)
         for alarm in before.keys() - active.keys():
-            self._response.settle(alarm)
+            if before[alarm].endpoints & planned:
+                self._response.withdraw(alarm)
+            else:
+                self._response.settle(alarm)
+
+    def intruders(self, stream: str) -> frozenset[bytes]:
+        """Return the GIDs of the endpoints that go past a stream."""
+        found = (each.endpoints for each in self._active.values() if stream in each.streams)
+        return frozenset().union(*found)

@@ -73,6 +73,7 @@ class Ros1Auditor:
         self._drift_alarms = DebouncedAlarms(response, _DRIFT_DELAY)
         self._unseen_alarms = DebouncedAlarms(response, 0)
         self._audited_nodes.on_change = self._intrusions.update
+        response.dismiss = self._intrusions.dismiss
         self._state_poll = PollTarget(
             poller=XmlRpcPoller(_STATE, _MAX_STATE_BYTES),
             on_response=self._on_state,
@@ -84,6 +85,7 @@ class Ros1Auditor:
         if not self._expected.topics:
             return
         self._guard.on_subscriber = self._on_new_listener
+        self._guard.on_subscriber_lost = self._on_lost_listener
         self._intercept_shutdowns()
         self._audited_nodes.watch(sorted(self._named_nodes))
         self._schedule.add(self._state_poll)
@@ -93,6 +95,7 @@ class Ros1Auditor:
 
     def close(self) -> None:
         """Audit no more."""
+        self._guard.on_subscriber_lost = lambda topic, name: None
         self._schedule.close()
         for part in (
             self._audited_nodes,
@@ -121,6 +124,10 @@ class Ros1Auditor:
         if name in self._audited_nodes.by_name:
             self._audited_nodes.resolve(self._audited_nodes.by_name[name])
         self._response.on_new_listener(planned.stream_topic)
+
+    def _on_lost_listener(self, topic: str, name: str) -> None:
+        """Be heard again by a node that an intruder may have sent away."""
+        self._intrusions.keep_listener(name, topic)
 
     def _resolve_master(self) -> None:
         self._parser_threads.submit(partial(resolve_uri, self._master), self._on_master_resolved)
@@ -180,6 +187,7 @@ class Ros1Auditor:
             self._update_alarms(self._state)
         for node in list(self._audited_nodes.by_name.values()):
             self._maintain_node(node)
+        self._intrusions.check_links()
         self._unseen_alarms.update(self._unseen_node_alarms(), self._loop.now())
 
     def _maintain_node(self, node: AuditedNode) -> None:

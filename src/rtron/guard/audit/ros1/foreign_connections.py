@@ -61,6 +61,10 @@ class NodeAddresses:
         """Return the address that was learned for a planned publisher, empty if none."""
         return next((uri for uri, name in self._publishers.items() if name == node), "")
 
+    def publishers_of(self, topic: TopicAccess) -> frozenset[str]:
+        """Return the addresses that were learned for the planned publishers of a topic."""
+        return frozenset(uri for uri, name in self._publishers.items() if topic.may_publish(name))
+
     def is_former(self, uri: str) -> bool:
         """Tell whether a planned publisher, or a guard that has ended, had this address before."""
         return uri in self._former_publishers or uri in self.former_guard_uris

@@ -9,6 +9,8 @@ class GuardNodes(Protocol):
 
     on_subscriber: Callable[[str, str], None]
     """Called with a topic of ours and the name of a node that has begun to listen to it."""
+    on_subscriber_lost: Callable[[str, str], None]
+    """Called with a topic of ours and the name of a node that has ceased to listen to it."""
 
     @property
     def on_shutdown_request(self) -> Callable[[str, str], None]:
@@ -18,6 +20,10 @@ class GuardNodes(Protocol):
     @property
     def ports(self) -> frozenset[int]:
         """The TCPROS ports of all nodes."""
+        ...
+
+    def unknown_streams(self) -> frozenset[str]:
+        """Return the streams whose nodes of ours are not known at this moment."""
         ...
 
     def node_uris(self) -> dict[str, str]:

@@ -19,6 +19,7 @@ from rtron.guard.audit.ros1.foreign_connections import (
     planned_sources,
 )
 from rtron.guard.audit.ros1.guard_nodes import GuardNodes
+from rtron.guard.audit.ros1.intruder_links import IntruderLinks
 from rtron.guard.audit.ros1.master_queries import (
     WorkerThreads,
     identify_peer,
@@ -32,8 +33,11 @@ _PATIENCE_S = 0.03
 """How long an alarm waits for the master to say who it is."""
 _EXCUSED = 5 * SECOND
 """How long a dead guard's or supervisor's address may still stand in a subscriber's list."""
+_SILENCE = SECOND
+"""How long no intruder must have been heard before a person may clear what it has stopped (ns)."""
 _RETRY_S = 0.2
 _DISCONNECT_PERIOD_S = 1.0
+_KEEP_PERIOD, _KEEP_DURATION = SECOND // 100, SECOND
 _MAX_DUPLICATES = 64
 _MAX_PER_NODE = 16
 """How many strangers at one node are dealt with at a time; the others when these are gone."""
@@ -77,6 +81,8 @@ class Intrusions:
         self._addresses = NodeAddresses({})
         self._intrusions: dict[ForeignConnection, _Intrusion] = {}
         self._duplicate_uris: set[str] = set()
+        self._links = IntruderLinks(loop, master, response.answer)
+        self._calls_until: dict[tuple[str, str], int] = {}
         self._started_at = loop.now()
         self._query_threads = WorkerThreads(loop, "audit-ask", 2)
         self._call_threads = WorkerThreads(loop, "audit-tell", 2)
@@ -92,26 +98,73 @@ class Intrusions:
         return self._addresses
 
     def update(self, node: AuditedNode) -> None:
-        """Look at whom a node hears; what it hears no more is settled."""
-        found = foreign_connections(
-            node.name, node.connections, node.audited_topics, self.addresses
+        """Look at whom a node hears; what it hears no more is settled.
+
+        Who is still there, and is no stranger any more, never was one.
+        """
+        unknown = self._guard.unknown_streams()
+        found = frozenset(
+            each
+            for each in foreign_connections(
+                node.name, node.connections, node.audited_topics, self.addresses
+            )
+            if each.guarded not in unknown
         )
         ended, known = node.foreign_connections - found, node.foreign_connections & found
         new = list(islice(found - known, _MAX_PER_NODE - len(known)))
         node.foreign_connections = known.union(new)
+        connections = {replace(each, port=None) for each in node.connections}
         for foreign in ended:
-            self._close_intrusion(foreign)
+            self._close_intrusion(foreign, is_planned=foreign.connection in connections)
         for foreign in new:
             self._open_intrusion(foreign)
+        for topic in {foreign.connection.topic for foreign in found}:
+            self.keep_listener(node.name, topic)
+
+    def keep_listener(self, name: str, topic: str) -> None:
+        """Tell a node that has left us whom it may hear: an intruder may have sent it away.
+
+        roscpp obeys whoever calls it last, so it is called at once, and for a second every 10 ms
+        until it hears us.
+        """
+        if self._stream_of(topic) not in self._response.stopped_streams:
+            return
+        is_new = (name, topic) not in self._calls_until
+        self._calls_until[name, topic] = self._loop.now() + _KEEP_DURATION
+        if is_new:
+            self._keep(name, topic)
+
+    def _keep(self, name: str, topic: str) -> None:
+        node, now = self._audited_nodes.by_name.get(name), self._loop.now()
+        is_connected = name in self._guard.subscribers(topic)
+        if node is None or is_connected or now >= self._calls_until[name, topic]:
+            del self._calls_until[name, topic]
+            return
+        self._loop.call_at(now + _KEEP_PERIOD, partial(self._keep, name, topic))
+        self._send_publishers(node, topic)
+
+    def dismiss(self, stream: str) -> str:
+        """Return why a person may not clear a stream: who is heard or connected is not gone."""
+        silence = self._links.silence(stream)
+        if silence is not None and silence < _SILENCE:
+            return "an intruder has spoken within the last second"
+        return ""
+
+    def check_links(self) -> None:
+        """Listen no more to those who have stopped nothing that is not cleared."""
+        self._links.close_others(self._response.stopped_streams)
 
     def close(self) -> None:
         """Begin nothing any more."""
+        self._links.close()
         self._query_threads.close()
         self._call_threads.close()
 
-    def _close_intrusion(self, foreign: ForeignConnection) -> None:
+    def _close_intrusion(self, foreign: ForeignConnection, *, is_planned: bool) -> None:
         intrusion = self._intrusions.pop(foreign, None)
-        if intrusion and intrusion.alarm:
+        if intrusion and intrusion.alarm and is_planned:
+            self._response.withdraw(intrusion.alarm)
+        elif intrusion and intrusion.alarm:
             self._response.settle(intrusion.alarm)
 
     def _open_intrusion(self, foreign: ForeignConnection) -> None:
@@ -209,7 +262,9 @@ class Intrusions:
         if alarm != before:
             self._response.raise_(alarm, self._loop.now(), foreign.guarded)
         if before and alarm != before:
-            self._response.settle(before)
+            self._response.withdraw(before)
+        if self._response.stops_streams and source not in self._addresses.guard_addresses:
+            self._links.open(foreign.guarded, foreign.connection.topic, source)
         if self._response.stops_streams and identity.is_answered:
             self._disconnect(foreign, intrusion)
         if not intrusion.is_retry_scheduled:
@@ -233,26 +288,37 @@ class Intrusions:
         ):
             return
         topic = foreign.connection.topic
-        update = (
-            node.poll_target.server.uri,
-            "publisherUpdate",
-            topic,
-            self._allowed_sources(node, topic),
-        )
-        self._call_threads.submit(partial(send_call, *update), lambda _: None)
+        self._send_publishers(node, topic)
         if not self._is_spared(foreign, intrusion, node):
             why = f"the plan lets nobody but the guard publish {topic}"
             end = partial(send_call, foreign.connection.source, "shutdown", why)
             self._call_threads.submit(end, lambda _: None)
 
+    def _send_publishers(self, node: AuditedNode, topic: str) -> None:
+        """Tell a node, in the master's place, whom it may hear."""
+        if node.poll_target.server:
+            sources = self._allowed_sources(node, topic)
+            update = partial(
+                send_call, node.poll_target.server.uri, "publisherUpdate", topic, sources
+            )
+            self._call_threads.submit(update, lambda _: None)
+
+    def _stream_of(self, topic: str) -> str:
+        planned = self._expected.topics.get(topic)
+        return planned.stream_topic if planned else ""
+
     def _allowed_sources(self, node: AuditedNode, topic: str) -> list[str]:
-        """Return the addresses from which a node may hear a topic."""
+        """Return the addresses from which a node may hear a topic.
+
+        A planned publisher need not be connected: an intruder may have sent the node away.
+        """
         planned = self._expected.topics[topic]
         guard_uris = [
             uri for name, uri in self._guard.node_uris().items() if planned.may_publish(name)
         ]
         connected = planned_sources(planned, node.connections, self.addresses)
-        return [*guard_uris, *(f"{uri}/" for uri in connected if f"{uri}/" not in guard_uris)]
+        others = sorted(connected | self.addresses.publishers_of(planned))
+        return [*guard_uris, *(f"{uri}/" for uri in others if f"{uri}/" not in guard_uris)]
 
     def _is_spared(
         self, foreign: ForeignConnection, intrusion: _Intrusion, node: AuditedNode

@@ -5,16 +5,23 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rtron.guard.audit.common.debounced_alarms import BrakingAlarms, DebouncedAlarms
+from rtron.guard.audit.ros2.endpoint_checks import planned_publishers
 from rtron.guard.audit.ros2.expected_graph import ExpectedGraph
 from rtron.guard.audit.ros2.graph_alarms import (
     drift_alarms,
     duplicate_name_alarms,
     foreign_endpoint_alarms,
 )
+from rtron.guard.audit.ros2.intruder_readers import IntruderReaders
 from rtron.guard.audit.ros2.observed_graph import ROSOUT_TOPIC, GraphReader, ObservedGraph
 from rtron.guard.audit.ros2.supervisor_participants import SupervisorParticipants
-from rtron.guard.transport.ros2.participants import ParticipantLiveness
+from rtron.guard.transport.ros2.participants import (
+    MAX_LEASE,
+    ParticipantLiveness,
+    ParticipantState,
+)
 from rtron.vocabulary import GUARD_NODE, SECOND, Plan
+from rtron.wire.ros2.endpoints import PARTICIPANT_SIZE
 from rtron.wire.ros2.service_names import is_service_topic
 
 if TYPE_CHECKING:
@@ -27,6 +34,8 @@ if TYPE_CHECKING:
     from rtron.wire.ros2.endpoints import Ros2Endpoint
 
 _DRIFT_DELAY = 3 * SECOND
+_SILENCE = SECOND
+"""How long an intruder must have said nothing to be taken for gone (ns)."""
 
 
 class Ros2Auditor:
@@ -42,18 +51,27 @@ class Ros2Auditor:
         response: AlarmResponse,
         loop: EventLoop,
         other_participants: Callable[[], frozenset[bytes]] = frozenset,
+        unknown_streams: Callable[[], frozenset[str]] = frozenset,
     ) -> None:
-        """`other_participants` tells those of the guard's other processes."""
+        """`other_participants` tells those of the guard's other processes.
+
+        `unknown_streams` tells the streams whose process has not told yet.
+        """
         self._loop = loop
         self._transport = transport
         self._graph = transport.graph
         self._expected = ExpectedGraph(plan)
         self._response = response
         self._other_participants = other_participants
+        self._unknown_streams = unknown_streams
         self._liveness = ParticipantLiveness(self._graph.participant, transport.processes)
         self._supervisors = SupervisorParticipants(self._liveness, transport.processes)
         self._braking_alarms = BrakingAlarms(self._response)
         self._drift_alarms = DebouncedAlarms(self._response, _DRIFT_DELAY)
+        self._readers = IntruderReaders(transport, self._expected.types, self._on_output_message)
+        self._dismissed: dict[bytes, int] = {}
+        self._trusted: Participants = frozenset()
+        self._response.dismiss = self._dismiss
         self._graph_reader: GraphReader | None = None
         self._listeners: dict[bytes, str] | None = None
 
@@ -71,18 +89,68 @@ class Ros2Auditor:
         """Audit no more."""
         if self._update in self._graph.listeners:
             self._graph.listeners.remove(self._update)
+        self._readers.close()
 
     def _update(self) -> None:
         now, observed = self._loop.now(), ObservedGraph(self._endpoints())
-        self._liveness.update((endpoint.participant for endpoint in observed.endpoints), now)
-        guard_participants = self._guard_participants(observed)
+        present = {endpoint.participant for endpoint in observed.endpoints}
+        self._liveness.update(present, now)
+        self._dismissed = {k: v for k, v in self._dismissed.items() if k in present and now < v}
+        observed = observed.without(self._dismissed.keys())
+        trusted = self._trusted = self._guard_participants(observed)
         expected, liveness = self._expected, self._liveness
-        foreign = foreign_endpoint_alarms(expected, observed, guard_participants, liveness, now)
+        foreign = foreign_endpoint_alarms(expected, observed, trusted, liveness, now)
+        unknown = self._unknown_streams()
+        known = [each for each in foreign if unknown.isdisjoint(each.streams)]
         self._braking_alarms.update(
-            [*foreign, *duplicate_name_alarms(expected, observed, liveness, now)], now
+            [*known, *duplicate_name_alarms(expected, observed, liveness, now)],
+            now,
+            planned_publishers(expected, observed, trusted),
         )
-        self._drift_alarms.update(drift_alarms(expected, observed, guard_participants), now)
+        self._drift_alarms.update(drift_alarms(expected, observed, trusted), now)
         self._repeat_stops(observed)
+        self._read_outputs()
+
+    def _read_outputs(self) -> None:
+        """Hear for ourselves what intruders say, those included that were dismissed."""
+        streams = self._expected.types if self._dismissed else self._response.stopped_streams
+        self._readers.read(each for each in streams if self._response.has_stop(each))
+
+    def _on_output_message(self, stream: str, gid: bytes, message: bytes) -> None:
+        """Answer an intruder's message with the stop; one that was dismissed is back."""
+        participant = gid[:PARTICIPANT_SIZE]
+        if participant in self._trusted:
+            return
+        self._readers.note_intruder(stream)
+        if participant in self._dismissed:
+            del self._dismissed[participant]
+            self._update()
+        self._response.answer(stream, message)
+
+    def _dismiss(self, stream: str) -> str:
+        """Take the intruders of a stream for gone although the domain still lists them.
+
+        Return why not: one of them has just spoken, or its process runs. What cannot be heard must
+        have ended for certain. Who is still there when its lease must have ended is an intruder.
+        """
+        silence = self._readers.silence(stream)
+        if silence is not None and silence < _SILENCE:
+            return "an intruder has spoken within the last second"
+        intruders = {each[:PARTICIPANT_SIZE] for each in self._braking_alarms.intruders(stream)}
+        for participant in intruders:
+            state = self._liveness.state(participant)
+            if state is ParticipantState.RUNNING or (
+                silence is None and state is not ParticipantState.ENDED
+            ):
+                return f"the intruder may still speak: {self._label(participant)}"
+        self._dismissed |= dict.fromkeys(intruders, self._loop.now() + MAX_LEASE)
+        self._update()
+        return ""
+
+    def _label(self, participant: bytes) -> str:
+        process = self._liveness.process(participant)
+        where = f", process {process[0]}" if process else ""
+        return f"the participant {participant.hex()}{where}"
 
     def _endpoints(self) -> Iterator[Ros2Endpoint]:
         """Yield everybody's endpoints, and our own where we have to be heard."""

@@ -13,7 +13,15 @@ from rtron.guard.audit.ros2.observed_graph import (
     endpoint_label,
     endpoint_label_with_participant,
 )
-from rtron.vocabulary import Durability, Liveliness, QoS, Reliability, TopicAccess, normalise_type
+from rtron.vocabulary import (
+    Direction,
+    Durability,
+    Liveliness,
+    QoS,
+    Reliability,
+    TopicAccess,
+    normalise_type,
+)
 from rtron.wire.ros2.service_names import is_service_topic, ros_name
 
 if TYPE_CHECKING:
@@ -73,6 +81,33 @@ def foreign_publishers(
         for endpoint in observed.publishers(topic.topic)
         if endpoint.participant not in guard_participants
         and (endpoint.node in expected.guard_nodes or not topic.may_publish(endpoint.node))
+    )
+
+
+def planned_publishers(
+    expected: ExpectedGraph, observed: ObservedGraph, guard_participants: Participants
+) -> frozenset[bytes]:
+    """Return the GIDs of the publishers that the plan names, and of all endpoints of the guard."""
+    return frozenset(
+        endpoint.gid
+        for endpoint in observed.endpoints
+        if endpoint.participant in guard_participants
+        or _is_planned_publisher(
+            expected.topics.get(endpoint.topic), endpoint, expected.guard_nodes
+        )
+    )
+
+
+def _is_planned_publisher(
+    topic: TopicAccess | None, endpoint: Ros2Endpoint, guard_nodes: frozenset[str]
+) -> bool:
+    return bool(
+        topic
+        and endpoint.node
+        and endpoint.direction is Direction.PUBLISH
+        and not allows_anybody(topic)
+        and endpoint.node not in guard_nodes
+        and topic.may_publish(endpoint.node)
     )
 
 

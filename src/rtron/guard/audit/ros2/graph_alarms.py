@@ -11,6 +11,7 @@ from functools import partial
 from itertools import islice
 from typing import TYPE_CHECKING
 
+from rtron.guard.audit.common.debounced_alarms import BrakingAlarm
 from rtron.guard.audit.ros2.endpoint_checks import (
     Participants,
     display_name,
@@ -43,9 +44,6 @@ if TYPE_CHECKING:
 NAME_TIMEOUT = 5 * SECOND
 """How long the domain may take to name the node of an endpoint (ns); on a busy machine over 1 s."""
 _MAX_PER_TOPIC = 16
-
-BrakingAlarm = tuple[Alarm, tuple[str, ...]]
-"""An alarm, and the public names of the streams that are gone past."""
 
 
 def foreign_endpoint_alarms(
@@ -91,7 +89,7 @@ def duplicate_name_alarms(
     Gone past are the actions that more than one of them offers to serve.
     """
     return [
-        (
+        BrakingAlarm(
             _duplicate_name_alarm(node, liveness.not_ended(participants)),
             _doubly_served_actions(expected, observed, liveness, node),
         )
@@ -171,7 +169,8 @@ def _name_takeovers(
             topics = expected.topics.values()
             bypassed = {topic.stream_topic for topic in topics if topic.may_publish(node)}
             alarm = Alarm(kind=AlarmKind.IMPOSTOR, reason=reason, node=node, peer=who)
-            yield alarm, tuple(sorted(bypassed))
+            endpoints = observed.endpoints_of(participant)
+            yield BrakingAlarm(alarm, tuple(sorted(bypassed)), endpoints)
 
 
 def _foreign_publisher_alarm(
@@ -188,7 +187,8 @@ def _foreign_publisher_alarm(
     alarm = Alarm(
         kind=kind, reason=reason, topic=display_name(topic), peer=endpoint_label(endpoint)
     )
-    return alarm, (topic.stream_topic,) if is_past_guard else ()
+    streams = (topic.stream_topic,) if is_past_guard else ()
+    return BrakingAlarm(alarm, streams, frozenset({endpoint.gid}))
 
 
 def _rival_server_alarm(topic: TopicAccess, endpoint: Ros2Endpoint) -> BrakingAlarm:
@@ -198,7 +198,7 @@ def _rival_server_alarm(topic: TopicAccess, endpoint: Ros2Endpoint) -> BrakingAl
     who = f"{peer} of the participant {endpoint.participant.hex()}"
     reason = f"{who} offers to serve {topic.stream_topic}, too"
     alarm = Alarm(kind=kind, reason=reason, topic=output_topic(topic.stream_topic), peer=peer)
-    return alarm, (topic.stream_topic,)
+    return BrakingAlarm(alarm, (topic.stream_topic,), frozenset({endpoint.gid}))
 
 
 def _is_server_topic(expected: ExpectedGraph, topic: TopicAccess) -> bool:

@@ -11,7 +11,7 @@ from rtron.vocabulary import Direction, Service
 from rtron.wire.ros2.service_names import is_service_topic
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
+    from collections.abc import Collection, Iterable, Iterator, Sequence
 
     from rtron.wire.ros2.endpoints import Ros2Endpoint
 
@@ -47,6 +47,17 @@ class ObservedGraph:
     def subscribers(self, topic: str) -> Sequence[Ros2Endpoint]:
         """Return who subscribes a topic."""
         return self._by_topic.get((topic, Direction.SUBSCRIBE), ())
+
+    def endpoints_of(self, participant: bytes) -> frozenset[bytes]:
+        """Return the GIDs of a participant's endpoints."""
+        return frozenset(
+            endpoint.gid for endpoint in self.endpoints if endpoint.participant == participant
+        )
+
+    def without(self, participants: Collection[bytes]) -> ObservedGraph:
+        """Return the same without some participants' endpoints."""
+        others = (each for each in self.endpoints if each.participant not in participants)
+        return ObservedGraph(others, self.nodes, self.services)
 
 
 def endpoint_label(endpoint: Ros2Endpoint) -> str:

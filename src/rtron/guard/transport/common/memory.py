@@ -8,6 +8,7 @@ from itertools import count
 from rtron.guard.transport.common.protocol import (
     DEFAULT_INPUT,
     ConnectHandler,
+    Greeting,
     InputOptions,
     LostHandler,
     MessageHandler,
@@ -126,7 +127,7 @@ class MemoryTransport:
 
     def listen(self, topic: str) -> list[bytes]:
         """Return a list that fills with what the guard publishes on `topic`, latched first."""
-        messages = list(self.outputs[topic].latched.values()) if topic in self.outputs else []
+        messages = self.outputs[topic].first_messages() if topic in self.outputs else []
         self._listeners[topic].append(messages)
         return messages
 
@@ -144,6 +145,16 @@ class MemoryOutput:
         self.latched: dict[str, bytes] = {}
         self.offered_qos: dict[str, QoS] = {}
         self._listeners = listeners
+        self._greeting: Greeting = lambda: None
+
+    def first_messages(self) -> list[bytes]:
+        """Return what a new listener hears first: the greeting, or what is latched."""
+        greeting = self._greeting()
+        return list(self.latched.values()) if greeting is None else [greeting]
+
+    def greet(self, greeting: Greeting) -> None:
+        """Take what new listeners hear first."""
+        self._greeting = greeting
 
     def learn_type(self, info: TypeInfo) -> bool:
         """Take the first type that fits; False for any other."""

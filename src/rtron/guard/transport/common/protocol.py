@@ -89,6 +89,10 @@ class InputOptions:
 DEFAULT_INPUT = InputOptions()
 
 
+Greeting = Callable[[], bytes | None]
+"""Returns the message that a new subscriber gets first, None if it gets what is latched."""
+
+
 class Output(Protocol):
     """A topic that a node of the guard publishes."""
 
@@ -106,6 +110,13 @@ class Output(Protocol):
 
     def publish(self, message: bytes, latched_by: str | None = None) -> None:
         """Send to every subscriber; latch it for late ones as the last message of `latched_by`."""
+        ...
+
+    def greet(self, greeting: Greeting) -> None:
+        """Send each new subscriber the message of `greeting` first, and nothing latched.
+
+        In ROS 2 it is sent to all subscribers, as soon as a new one is known.
+        """
         ...
 
     def is_subscribed_by(self, node: str) -> bool:

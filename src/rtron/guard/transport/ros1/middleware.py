@@ -55,6 +55,7 @@ class Ros1Transport:
         """Tells the ids of the guard's other processes."""
         self.on_shutdown_request: Callable[[str, str], None] = lambda node, reason: None
         self.on_subscriber: Callable[[str, str], None] = lambda topic, node: None
+        self.on_subscriber_lost: Callable[[str, str], None] = lambda topic, node: None
         self.now = loop.now
         self.call_at = loop.call_at
 
@@ -76,6 +77,7 @@ class Ros1Transport:
         owner = self._node(node)
         owner.publications[topic] = self._publications[topic] = publication
         publication.on_type = lambda: self._registrar.publish(owner, topic)
+        publication.on_subscriber_lost = lambda name: self.on_subscriber_lost(topic, name)
         self._registrar.publish(owner, topic)
         return publication
 
@@ -128,6 +130,10 @@ class Ros1Transport:
     def node_uris(self) -> dict[str, str]:
         """Return the URI of each node of ours."""
         return {name: node.uri for name, node in self._nodes.items()}
+
+    def unknown_streams(self) -> frozenset[str]:
+        """Return nothing: all nodes here are known."""
+        return frozenset()
 
     def former_uris(self) -> frozenset[str]:
         """Return nothing: this process and its nodes end together."""

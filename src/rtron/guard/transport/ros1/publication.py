@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 from rtron.guard.transport.common.backlog import Backlog
-from rtron.guard.transport.common.protocol import TypeInfo
+from rtron.guard.transport.common.protocol import Greeting, TypeInfo
 from rtron.guard.transport.ros1.subscriber_link import SubscriberLink
 from rtron.vocabulary import QoS
 
@@ -42,6 +42,8 @@ class Publication:
         self._early_messages = Backlog(queue_size, _EARLY_BYTES) if successors else None
         self._early_since = 0
         self._lost = 0
+        self._greeting: Greeting = lambda: None
+        self.on_subscriber_lost: Callable[[str], None] = lambda node: None
 
     @property
     def lost(self) -> int:
@@ -69,6 +71,10 @@ class Publication:
 
     def match_subscribers(self, successors: tuple[str, ...]) -> None:
         """Do nothing: ROS 1 has no QoS."""
+
+    def greet(self, greeting: Greeting) -> None:
+        """Send each new subscriber the message of `greeting` first, and nothing latched."""
+        self._greeting = greeting
 
     def publish(self, message: bytes, latched_by: str | None = None) -> None:
         """Send to every subscriber; latch it for late ones as the last message of `latched_by`."""
@@ -135,8 +141,13 @@ class Publication:
         if link.is_closed:
             return
         self.links.append(link)
-        for message in [*self._latched.values(), *self._take_early()]:
+        for message in self._first_messages():
             link.send(message)
+
+    def _first_messages(self) -> list[bytes]:
+        """Return what a new subscriber gets first: the greeting, or what is latched or early."""
+        greeting, early = self._greeting(), self._take_early()
+        return [*self._latched.values(), *early] if greeting is None else [greeting]
 
     def _queue_early(self, early: Backlog, message: bytes) -> None:
         """Let the first messages wait for the first subscriber; after 1 s they are stale."""
@@ -166,3 +177,4 @@ class Publication:
             if link in group:
                 group.remove(link)
                 self._lost += link.dropped
+                self.on_subscriber_lost(link.node)

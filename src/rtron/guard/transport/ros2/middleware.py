@@ -17,14 +17,16 @@ from rtron.guard.transport.common.protocol import (
 from rtron.guard.transport.ros2.action_client import GoalCanceller
 from rtron.guard.transport.ros2.action_relay import ActionRelay
 from rtron.guard.transport.ros2.context import TransportContext
+from rtron.guard.transport.ros2.data_reader import DataListener, DataReader
 from rtron.guard.transport.ros2.graph import RosGraph
 from rtron.guard.transport.ros2.participants import NameOwners, ParticipantLiveness
 from rtron.guard.transport.ros2.process_table import ProcessTable
 from rtron.guard.transport.ros2.publication import Publication
+from rtron.guard.transport.ros2.qos import profile
 from rtron.guard.transport.ros2.rcl import Rcl
 from rtron.guard.transport.ros2.subscription import Subscription, SubscriptionHandlers
 from rtron.messages.common.encoding import Encoding
-from rtron.vocabulary import SECOND
+from rtron.vocabulary import GUARD_NODE, SECOND, QoS, Reliability
 from rtron.wire.ros2.discovery_tuning import publishes_without_waiting
 from rtron.wire.ros2.interfaces import find_interface
 
@@ -42,6 +44,7 @@ log = logging.getLogger(__name__)
 _PARTICIPANTS = "participants"
 _MAX_PARTICIPANTS = 32
 """More guards do not end within a lease."""
+_READER_DEPTH = 100
 _SETTLING_TIME = 4 * SECOND
 """Fast DDS repeats its announcements every 3 s."""
 
@@ -117,6 +120,22 @@ class Ros2Transport:
         handlers = SubscriptionHandlers(on_connect, on_lost, options)
         subscription = Subscription(ros_node, topic, type, handlers, self._context)
         self._subscriptions.append(subscription)
+
+    def create_reader(self, topic: str, type: str, listener: DataListener) -> DataReader:
+        """Return a reader of all that is sent on a topic from now on, whatever the QoS.
+
+        It reads our own messages, too. SourceError if the type is not installed.
+        """
+        any_publisher = profile(QoS(reliability=Reliability.BEST_EFFORT), _READER_DEPTH)
+        return DataReader(
+            self.session.node(GUARD_NODE),
+            find_interface(type).cls,
+            topic,
+            any_publisher,
+            self._context,
+            listener,
+            is_command=False,
+        )
 
     def action_endpoints(self, stream: Stream, node: str, listener: ActionListener) -> ActionRelay:
         """Return the services and topics of an action; see `ActionTransport`."""

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from rclpy.node import Node
     from rclpy.qos import QoSProfile
 
-    from rtron.guard.transport.common.protocol import TypeInfo
+    from rtron.guard.transport.common.protocol import Greeting, TypeInfo
     from rtron.guard.transport.ros2.context import TransportContext
     from rtron.guard.transport.ros2.rcl import Rcl
     from rtron.wire.ros2.endpoints import Ros2Endpoint
@@ -136,6 +136,8 @@ class Publication:
         self._early: Backlog | None = None
         self._early_since = 0
         self._now = context.loop.now
+        self._greeting: Greeting = lambda: None
+        self._greeted_count = 0
         self._graph.watch(topic)
         self._graph.listeners.append(self._flush)
 
@@ -168,6 +170,11 @@ class Publication:
         """Offer the QoS that these nodes request from now on; see `Output`."""
         self._matched_successors = successors
         self._graph.listeners.append(self._offer_to_successors)
+
+    def greet(self, greeting: Greeting) -> None:
+        """Send the message of `greeting` when there is a new subscriber; see `Output`."""
+        self._greeting = greeting
+        self._graph.listeners.append(self._greet_new_readers)
 
     def publish(self, message: bytes, latched_by: str | None = None) -> None:
         """Send to every subscriber; latch it for late ones as the last message of `latched_by`."""
@@ -205,6 +212,14 @@ class Publication:
         ]
         if requested:
             self.offer("listeners", strongest(requested))
+
+    def _greet_new_readers(self) -> None:
+        """Send the greeting if more readers are matched than before."""
+        count = self._writer.count() if self._writer else 0
+        before, self._greeted_count = self._greeted_count, count
+        message = self._greeting() if count > before else None
+        if message is not None and self._writer:
+            self._writer.publish(message)
 
     def _subscribers_named(self, nodes: tuple[str, ...]) -> list[Ros2Endpoint]:
         """Return the subscribers that have one of these names."""

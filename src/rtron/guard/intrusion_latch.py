@@ -1,0 +1,63 @@
+"""The intrusions that nobody has cleared yet: what they stopped stays stopped until a person does.
+
+The next guard inherits them, and the supervisor reads them, from the handover state.
+"""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from rtron.guard.core.handover_state import HandoverState
+
+_KEY = "intrusions"
+_MAX_REASON_LENGTH = 300
+
+
+class IntrusionLatch:
+    """The public names of the streams that intruders have stopped, each with the reason."""
+
+    def __init__(self, handover: HandoverState) -> None:
+        """Take over what the guard before has left."""
+        self._handover = handover
+        self._reasons = _checked(handover.inherited(_KEY))
+        self.clear: Callable[[str], str] = lambda topic: f"{topic} is not audited"
+        """Clears a stream; returns why that is refused, "" if it is not. Set by the audit."""
+        self.on_clear: Callable[[str, str], None] = lambda topic, reason: None
+        """Called with each stream that a person has cleared, and by whom and why."""
+
+    @property
+    def reasons(self) -> dict[str, str]:
+        """The reasons by stream."""
+        return dict(self._reasons)
+
+    def add(self, topic: str, reason: str) -> None:
+        """Remember that an intruder has stopped a stream, until `remove`."""
+        if topic not in self._reasons:
+            self._reasons[topic] = reason[:_MAX_REASON_LENGTH]
+            self._store()
+
+    def remove(self, topic: str) -> None:
+        """Forget it."""
+        if self._reasons.pop(topic, None) is not None:
+            self._store()
+
+    def _store(self) -> None:
+        self._handover.store(_KEY, self._reasons or None)
+
+
+def stopped_by_intruders(handover_document: bytes) -> frozenset[str]:
+    """Return the streams that intruders have stopped, as a guard's handover state tells."""
+    try:
+        document = json.loads(handover_document or b"{}")
+    except (ValueError, RecursionError):
+        return frozenset()
+    return frozenset(_checked(document.get(_KEY) if isinstance(document, dict) else None))
+
+
+def _checked(reasons: object) -> dict[str, str]:
+    items = reasons.items() if isinstance(reasons, dict) else ()
+    return {k: v for k, v in items if isinstance(k, str) and isinstance(v, str)}
