@@ -3,7 +3,6 @@
 import statistics
 from collections.abc import Iterator, Sequence
 from dataclasses import KW_ONLY, dataclass
-from typing import Self
 
 Range = tuple[float, float]
 """The lowest and the highest value of several runs."""
@@ -13,7 +12,7 @@ Range = tuple[float, float]
 class Spread:
     """How interleaved runs differ: the ratio is the median of the runs' own ratios."""
 
-    ours: Range
+    ours: Range | None
     peer: Range | None
     ratio: Range | None
     median_ratio: float | None
@@ -43,7 +42,7 @@ class Figure:
         *,
         at_most: float | None = None,
         ratio_at_most: float | None = None,
-    ) -> Self:
+    ) -> "Figure":
         """Return the medians over runs, of the ratios too; without a peer it is empty."""
         ratios = [_ratio_of(*pair) for pair in zip(ours, peer, strict=bool(peer))]
         spread = Spread(_range(ours), _range(peer), _range(ratios), _median(ratios))
@@ -76,6 +75,7 @@ class Figure:
 
     def as_json(self) -> dict[str, float | str | Range | None]:
         """Return the figure as the JSON has it."""
+        values: dict[str, float | str | Range | None]
         values = {"ours": self.ours, "peer": self.peer, "ratio": self.ratio, "unit": self.unit}
         if self.spread is None:
             return values

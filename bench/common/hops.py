@@ -22,7 +22,7 @@ _STATISTICS = {"median": median, "p99": p99}
 
 @dataclass(frozen=True, slots=True)
 class Peer:
-    """A way beside ours, and the most that ours may add, as ratios: of the `median`, of the `p99`."""
+    """A way beside ours, and the highest ratios of what ours adds to the `median` and the `p99`."""
 
     route: Route
     bounds: Mapping[str, float] = field(default_factory=dict)
@@ -48,10 +48,9 @@ def figures_of(testbed: Testbed, hop: Hop, progress: ReportProgress) -> Iterator
     """Yield what is added on an idle and on a busy machine, and what is lost."""
     for machine, processes in MACHINES.items():
         name = f"{hop.name}.{machine}"
+        progress(name)
         with spinning(testbed, processes):
-            runs = interleave(
-                testbed, hop.routes, hop.load, RUNS, lambda what: progress(f"{name}: {what}")
-            )
+            runs = interleave(testbed, hop.routes, hop.load, RUNS, progress)
         for peer in hop.peers:
             yield from _added(name, runs, hop, peer)
         lost = [sum(run.lost for run in runs[route.name]) for route in hop.routes[1:]]
@@ -59,9 +58,7 @@ def figures_of(testbed: Testbed, hop: Hop, progress: ReportProgress) -> Iterator
         yield Figure(f"{name}.lost", lost[0], lost[1], unit, at_most=0)
 
 
-def added(
-    runs: Sequence[LoadResult], direct: Sequence[LoadResult], statistic: str
-) -> list[float]:
+def added(runs: Sequence[LoadResult], direct: Sequence[LoadResult], statistic: str) -> list[float]:
     """Return what each run has more than the direct one beside it, us."""
     of = _STATISTICS[statistic]
     return [of([run]) - of([none]) for run, none in zip(runs, direct, strict=True)]

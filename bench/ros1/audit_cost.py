@@ -97,7 +97,10 @@ def _costs(testbed: Testbed, progress: ReportProgress) -> Iterator[Figure]:
 
 def _delays(testbed: Testbed, progress: ReportProgress) -> Iterator[Figure]:
     """Give one hop's latency with 40 nodes, audited and not, the runs in turn."""
-    load, found = Load(_RATE * HOP_SECONDS, _RATE), dict[bool, list[LoadResult]]({False: [], True: []})
+    load, found = (
+        Load(_RATE * HOP_SECONDS, _RATE),
+        dict[bool, list[LoadResult]]({False: [], True: []}),
+    )
     for number in range(RUNS):
         for audit, runs in found.items():
             progress(f"hop, {'audited' if audit else 'not audited'}, run {number + 1} of {RUNS}")

@@ -25,9 +25,7 @@ def relays(number: int = 1) -> Route:
     """Return relays that each have their own topic."""
     pairs = [(f"/bench_{index}", f"/bench_{index}_out") for index in range(number)]
     inputs, outputs = zip(*pairs, strict=True)
-    return Route(
-        "relay", list(map(_from, inputs)), outputs, lambda s: _relays(s, pairs)
-    )
+    return Route("relay", list(map(_from, inputs)), outputs, lambda s: _relays(s, pairs))
 
 
 def staged(number: int) -> Route:

@@ -1,4 +1,4 @@
-"""The guard's data path on ROS 2 beside a relay in C and one of rclpy: latencies, losses, idling."""
+"""The guard's hop on ROS 2 beside a relay in C and one of rclpy, and what it costs when idle."""
 
 import time
 from collections.abc import Iterator

@@ -19,6 +19,7 @@ from rtron.guard.core.observations import observations_of
 from rtron.guard.measurement.run import RunMeasurement, WriteFigures
 from rtron.guard.middleware import open_middleware
 from rtron.guard.node_shutdown import ShutdownRefusal, ShutdownSequence
+from rtron.guard.rehearsal import Rehearsal
 from rtron.guard.settings.local_overrides import OverrideCommands
 from rtron.vocabulary import Plan, build_streams
 
@@ -144,6 +145,8 @@ def run_coordinator(
         service_link.open()
     if auditor:
         auditor.start()
+    stage = transport.create_stage()
+    Rehearsal(coordinator, loop, stage).begin()
     _reduce_latency()
     log.info("guarding %d topics", len(coordinator.streams))
     loop.run()
@@ -153,6 +156,7 @@ def run_coordinator(
         supervisor_client.close()
     if auditor:
         auditor.close()
+    stage.close()
     transport.close()
 
 
