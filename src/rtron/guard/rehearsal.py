@@ -53,11 +53,11 @@ class Rehearsal:
 
     def begin(self) -> None:
         """Begin a rehearsal, or go on with one, as soon as the loop is idle; and again later."""
+        pause = max(PERIOD, min(LONGEST_PERIOD, _SHARE * self._took))
         if not self._parts:
             self._parts = self._next_parts()
         if self._parts:
             self._loop.call_when_idle(self._play)
-        pause = max(PERIOD, min(LONGEST_PERIOD, _SHARE * self._took))
         self._loop.call_at(self._loop.now() + (pause if self._parts else _LOOK_PERIOD), self.begin)
 
     def _next_parts(self) -> list[Callable[[], None]]:
