@@ -3,10 +3,11 @@
 import itertools
 import selectors
 from collections import deque
+from dataclasses import replace
 from functools import partial
 
 import pytest
-from settings_app import Base, limit
+from settings_app import PLAN, Base, limit
 from velocity_messages import twist
 
 from rtron.guard.core.event_loop import EventLoop
@@ -14,7 +15,7 @@ from rtron.guard.rehearsal import LONGEST_PERIOD, PERIOD, Rehearsal
 from rtron.guard.transport.common.stage import Stage
 from rtron.guard.transport.ros1.stage import Ros1Stage
 from rtron.messages.common.encoding import Encoding
-from rtron.vocabulary import SECOND
+from rtron.vocabulary import SECOND, MissionRule
 
 PARTS = 3
 """A message arrives, is handled, and leaves."""
@@ -198,21 +199,29 @@ def test_an_internal_error_ends_rehearsals_and_is_logged_once(world, caplog):
     assert world.stage.log == ["arrive"]
 
 
+AFTER_A_COMMAND = MissionRule(
+    name="after_a_command", when="fire", block=("/max_vel",), require="/cmd_vel"
+)
+"""A rehearsed command does not meet it."""
+
+
 def drive_both(worlds, round):
     """Let a random-looking but equal day of commands, events and limits happen to both."""
     for base in worlds:
         if round % 5 == 0:
-            base.drive(0.2 + round % 7 / 10, turn=0.1)
+            base.drive(0.1 + round // 5 % 6 / 10, turn=0.1)
         if round % 1000 == 500:
             base.drive(0.3, by="teleop")
-        if round % 3000 == 2000:
+        if round % 3000 == 2001:
             base.event("fire")
-        if round % 40 == 0:
+        if round % 5 == 4:
             base.ask(1.0 + round % 3)
 
 
 def test_ten_thousand_rehearsals_leave_no_trace():
-    world, twin = World(lambda base: Ros1Stage(base.transport.now)), Base()
+    msrcn = replace(PLAN.msrcn, rules=(*PLAN.msrcn.rules, AFTER_A_COMMAND))
+    plan = replace(PLAN, msrcn=msrcn)
+    world, twin = World(lambda base: Ros1Stage(base.transport.now), plan=plan), Base(plan)
     world.begin()
     for round in itertools.count():
         drive_both((world.base, twin), round)
