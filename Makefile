@@ -54,7 +54,7 @@ mutation: setup ## Change the policies in over a thousand small ways; the tests 
 fuzz: setup ## Give the wire parsers over 100000 hostile inputs (3 minutes)
 	$(BIN)/pytest tests/wire --hypothesis-profile=fuzz -k fuzz --timeout=0 -q
 
-bench: setup ## Measure beside the peers, and write build/bench.json and build/bench-ros2.json (15 minutes)
+bench: setup ## Measure beside the peers, and write build/bench.json and build/bench-ros2.json (2 hours)
 	$(PYTHON) -m bench
 	if [ -x $(ROS2_PYTHON) ]; then $(ROS2_PYTHON) -m bench -o build/bench-ros2.json; fi
 

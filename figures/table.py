@@ -1,7 +1,7 @@
 """The figures, for a person and for a program."""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from rich.table import Column, Table
@@ -20,9 +20,17 @@ def table(title: str, figures: Sequence[Figure]) -> Table:
     shown.add_column("unit")
     shown.add_column("wanted")
     for figure in figures:
-        values = map(number, (figure.ours, figure.peer, figure.ratio))
-        shown.add_row(figure.name, *values, figure.unit, _bounds_text(figure))
+        shown.add_row(figure.name, *_values(figure), figure.unit, _bounds_text(figure))
     return shown
+
+
+def _values(figure: Figure) -> Iterator[str]:
+    """Yield ours, the peer's and the ratio, each with its range over the runs."""
+    spread = figure.spread
+    ranges = (spread.ours, spread.peer, spread.ratio) if spread else (None, None, None)
+    values = (figure.ours, figure.peer, figure.ratio)
+    for value, span in zip(values, ranges, strict=True):
+        yield f"{number(value)} ({number(span[0])} to {number(span[1])})" if span else number(value)
 
 
 def number(value: float | None) -> str:

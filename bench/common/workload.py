@@ -7,10 +7,10 @@ def _number(name: str, default: int) -> int:
     return int(os.environ.get(f"RTRON_BENCH_{name}") or default)
 
 
-RUNS = _number("RUNS", 5)
+RUNS = _number("RUNS", 10)
 """Interleaved runs of each way."""
-HOP_MESSAGES = _number("HOP_MESSAGES", 1000)
-"""Messages of a run at 200 Hz."""
+HOP_SECONDS = _number("HOP_SECONDS", 3)
+"""How long a run of a hop lasts, s."""
 LOAD_SECONDS = _number("LOAD_SECONDS", 10)
 """How long a load lasts, s."""
 MESSAGES = _number("MESSAGES", 10_000_000)

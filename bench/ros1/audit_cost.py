@@ -16,7 +16,7 @@ from bench.common.plans import SUBSCRIBER, grcn
 from bench.common.process_usage import processor_ns
 from bench.common.pubsub import PUBLISHER, Load, LoadResult, Route, run_load
 from bench.common.testbed import ReportProgress, Testbed, last_errors, python, running
-from bench.common.workload import AUDIT_SECONDS, HOP_MESSAGES, RUNS
+from bench.common.workload import AUDIT_SECONDS, HOP_SECONDS, RUNS
 from figures.figure import Figure
 from rtron.errors import RTronError
 from rtron.planning.plan_file.writer import write_plan
@@ -97,7 +97,10 @@ def _costs(testbed: Testbed, progress: ReportProgress) -> Iterator[Figure]:
 
 def _delays(testbed: Testbed, progress: ReportProgress) -> Iterator[Figure]:
     """Give one hop's latency with 40 nodes, audited and not, the runs in turn."""
-    load, found = Load(HOP_MESSAGES, _RATE), dict[bool, list[LoadResult]]({False: [], True: []})
+    load, found = (
+        Load(_RATE * HOP_SECONDS, _RATE),
+        dict[bool, list[LoadResult]]({False: [], True: []}),
+    )
     for number in range(RUNS):
         for audit, runs in found.items():
             progress(f"hop, {'audited' if audit else 'not audited'}, run {number + 1} of {RUNS}")

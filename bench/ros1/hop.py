@@ -1,49 +1,53 @@
-"""Hops of a Twist at 200 Hz: the latency that the guard adds, beside that of its peers."""
+"""What the guard adds to the latency of Twists and images, beside relays in C++."""
 
 from collections.abc import Iterator
 
-from bench.common.latency import median, p99, typical_p99
-from bench.common.pubsub import Load, interleave
+from bench.common.hops import Hop, Peer, added, figures_of
+from bench.common.plans import grcn
+from bench.common.pubsub import PUBLISHER, Load, interleave
 from bench.common.testbed import ReportProgress, Testbed
-from bench.common.workload import HOP_MESSAGES, RUNS
-from bench.ros1.routes import direct, guard, mux, relay, ten_nodes
+from bench.common.workload import HOP_SECONDS, RUNS
+from bench.ros1.routes import direct, guard, relays, staged
 from figures.figure import Figure
 
 RATE = 200
-_STATISTICS = {
-    "median": (median, 300.0),
-    "p99": (p99, 3000.0),
-    "typical_p99": (typical_p99, 3000.0),
-}
-"""Statistics of the added latency, each with its upper bound, us."""
+"""Messages a second of each topic."""
+FAST_RATE = 5000
+TOPICS = 20
+"""Topics that carry the fast messages together."""
+IMAGE_RATE = 30
+TEN_MORE_US = 15.0
+"""What ten coordination nodes may add to one, us."""
+_AT_MOST = {"median": 0.5, "p99": 1.0}
+_NO_LATER = {"median": 1.0, "p99": 1.0}
 
 
 def figures(testbed: Testbed, progress: ReportProgress) -> Iterator[Figure]:
-    """Give added median and p99 of the guard beside relay and mux, and the loss."""
-    routes = [direct(), guard(), relay(), mux()]
-    runs = interleave(testbed, routes, Load(HOP_MESSAGES, RATE), RUNS, progress)
-    for name, (statistic, at_most) in _STATISTICS.items():
-        none = statistic(runs["direct"])
-        ours = statistic(runs["guard"]) - none
-        for peer in ("relay", "mux"):
-            added = statistic(runs[peer]) - none
-            yield Figure(f"hop.added_{name}_vs_{peer}", ours, added, "us", at_most=at_most)
-        yield Figure(f"hop.whole_{name}_vs_direct", ours + none, none, "us")
-    lost = {name: sum(run.lost for run in found) for name, found in runs.items()}
-    yield Figure("hop.lost", lost["guard"], lost["relay"], "messages", at_most=0)
+    """Yield the hops of 1, 5 and 20 topics, of fast messages and of images."""
+    for number in (1, 5, TOPICS):
+        load = Load(number * RATE * HOP_SECONDS, number * RATE)
+        yield from figures_of(testbed, _twists(f"hop.{number}", load, number), progress)
+    fast = Load(FAST_RATE * HOP_SECONDS, FAST_RATE)
+    yield from figures_of(testbed, _twists("hop.fast", fast, TOPICS), progress)
+    yield from figures_of(testbed, _images(), progress)
 
 
-_CHAIN_RATIO = 0.25
-_CHAIN_STATISTICS = {"median": median, "p99": p99, "typical_p99": typical_p99}
+def _twists(name: str, load: Load, topics: int) -> Hop:
+    nodes = (grcn(f"/cmd_vel_{index}", [PUBLISHER]) for index in range(topics))
+    peer = Peer(relays(topics), _AT_MOST)
+    return Hop(name, load, direct(topics), guard(*nodes), [peer])
+
+
+def _images() -> Hop:
+    load = Load(IMAGE_RATE * HOP_SECONDS, IMAGE_RATE, message="image")
+    ours = guard(grcn("/image", [PUBLISHER], "sensor_msgs/Image"))
+    return Hop("hop.images", load, direct(), ours, [Peer(relays(1), _NO_LATER)])
 
 
 def chain_figures(testbed: Testbed, progress: ReportProgress) -> Iterator[Figure]:
-    """Yield what ten coordination nodes on one stream add, beside ten relays in a row."""
-    routes = [direct(), ten_nodes(), relay(10)]
-    runs = interleave(testbed, routes, Load(HOP_MESSAGES, RATE), RUNS, progress)
-    for name, statistic in _CHAIN_STATISTICS.items():
-        none, ours, peer = (statistic(runs[route.name]) for route in routes)
-        bound = _CHAIN_RATIO if name == "median" else None
-        yield Figure(f"chain.added_{name}", ours - none, peer - none, "us", ratio_at_most=bound)
-    lost = [sum(run.lost for run in runs[route.name]) for route in routes[1:]]
-    yield Figure("chain.lost", lost[0], lost[1], "messages", at_most=0)
+    """Yield what ten coordination nodes on one stream add to one."""
+    one, ten = staged(1), staged(10)
+    load = Load(RATE * HOP_SECONDS, RATE)
+    runs = interleave(testbed, [one, ten], load, RUNS, progress)
+    more = added(runs[ten.name], runs[one.name], "median")
+    yield Figure.of_runs("chain.ten_more_than_one", more, (), "us", at_most=TEN_MORE_US)

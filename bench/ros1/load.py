@@ -2,12 +2,11 @@
 
 from collections.abc import Iterator
 
-from bench.common.latency import p99
 from bench.common.plans import grcn
 from bench.common.pubsub import PUBLISHER, Load, LoadResult, Route, run_load
 from bench.common.testbed import ReportProgress, Testbed
 from bench.common.workload import LOAD_SECONDS
-from bench.ros1.routes import guard, parallel_relays, relay
+from bench.ros1.routes import guard, relays
 from figures.figure import Figure
 
 FLOWS = 20
@@ -16,12 +15,12 @@ _IMAGES = Load(30 * LOAD_SECONDS, 30, message="image")
 
 
 def figures(testbed: Testbed, progress: ReportProgress) -> Iterator[Figure]:
-    """Give loss, order and p99 of each load."""
+    """Give loss and order of each load."""
     topics = guard(*(grcn(f"/cmd_vel_{index}", [PUBLISHER]) for index in range(FLOWS)))
     images = guard(grcn("/image", [PUBLISHER], "sensor_msgs/Image"))
-    yield from _compared(testbed, progress, "twists", _TWISTS, (topics, parallel_relays(FLOWS)))
+    yield from _compared(testbed, progress, "twists", _TWISTS, (topics, relays(FLOWS)))
     yield from _highest(testbed, progress)
-    yield from _compared(testbed, progress, "images", _IMAGES, (images, relay()))
+    yield from _compared(testbed, progress, "images", _IMAGES, (images, relays()))
 
 
 def _compared(
@@ -31,7 +30,6 @@ def _compared(
     unit = f"messages of {load.count}"
     yield Figure(f"load.{name}_lost", ours.lost, peer.lost, unit, at_most=0)
     yield Figure(f"load.{name}_disordered", ours.disordered, peer.disordered, unit, at_most=0)
-    yield Figure(f"load.{name}_p99", p99([ours]), p99([peer]), "us")
     yield Figure(f"load.{name}_generator_late", ours.late_ms, peer.late_ms, "ms at most")
 
 

@@ -8,7 +8,7 @@ from bench.common.pubsub import Route
 from bench.common.testbed import ReportProgress, Testbed, python, result_of
 from bench.common.workload import MEMORY_SECONDS, MESSAGES
 from bench.ros1.node import guard_pid
-from bench.ros1.routes import guard, relay
+from bench.ros1.routes import guard, relays
 from figures.figure import Figure
 
 _COUNTS = {"start": 1, "short": 100_000, "long": MESSAGES}
@@ -30,7 +30,7 @@ class Mark:
 
 def figures(testbed: Testbed, progress: ReportProgress) -> Iterator[Figure]:
     """Give the resident memory at each mark and its growth; the relay's for the first ones."""
-    peer = _marks(testbed, progress, relay(), ("start", "short"))
+    peer = _marks(testbed, progress, relays(), ("start", "short"))
     ours = _marks(testbed, progress, guard(), tuple(_COUNTS))
     for name, mark in ours.items():
         beside = peer[name].size if name in peer else None

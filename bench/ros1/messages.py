@@ -6,8 +6,8 @@ from dataclasses import dataclass
 STAMP = struct.Struct("<qq")
 """Send time (`time.monotonic_ns`) and sequence number: the first 16 bytes of a body."""
 PREFIX = struct.Struct("<I")
-WARM_UP = (1 << 63) - 1
-"""The sequence number of messages that only show that the way is open."""
+WARM_UP = (1 << 62) - 1
+"""The sequence number of messages that only show that the way is open; as a double a number."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,7 +4,6 @@ import signal
 import subprocess
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
-from itertools import pairwise
 from typing import Any
 
 from bench.common.plans import grcn
@@ -16,42 +15,25 @@ from rtron.vocabulary import GRCN, Plan, flow_topic, output_topic
 _TOOLS = "/usr/lib/topic_tools"
 
 
-def direct() -> Route:
-    """Return the way with nothing in between."""
-    return Route("direct", [_from("/bench")], ["/bench"])
+def direct(number: int = 1) -> Route:
+    """Return the way of many topics with nothing in between."""
+    topics = [f"/bench_{index}" for index in range(number)]
+    return Route("direct", list(map(_from, topics)), topics)
 
 
-def relay(length: int = 1) -> Route:
-    """Return a chain of relays."""
-    topics = [f"/bench_{index}" for index in range(length + 1)]
-    pairs = list(pairwise(topics))
-    return Route(
-        _many("relay", length), [_from(topics[0])], [topics[-1]], lambda s: _relays(s, pairs)
-    )
-
-
-def parallel_relays(number: int) -> Route:
+def relays(number: int = 1) -> Route:
     """Return relays that each have their own topic."""
     pairs = [(f"/bench_{index}", f"/bench_{index}_out") for index in range(number)]
     inputs, outputs = zip(*pairs, strict=True)
-    return Route(
-        _many("relay", number), list(map(_from, inputs)), outputs, lambda s: _relays(s, pairs)
-    )
+    return Route("relay", list(map(_from, inputs)), outputs, lambda s: _relays(s, pairs))
 
 
-def mux() -> Route:
-    """Return the way through a mux with one input."""
-    command = [f"{_TOOLS}/mux", "/bench_out", "/bench", "__name:=bench_mux"]
-    return Route(
-        "mux", [_from("/bench")], ["/bench_out"], lambda s: running(s, command, signal.SIGINT)
-    )
-
-
-def ten_nodes() -> Route:
-    """Return the way through ten coordination nodes on one stream."""
+def staged(number: int) -> Route:
+    """Return the way through many coordination nodes on one stream, more than a plan can have."""
     inputs = [_from(flow_topic("/cmd_vel", "flow1"))]
-    command = python("bench.ros1.guard_process", "--stages", "10")
-    return Route("ten", inputs, [output_topic("/cmd_vel")], lambda s: running(s, command))
+    command = python("bench.ros1.guard_process", "--stages", str(number))
+    name = f"{number} nodes"
+    return Route(name, inputs, [output_topic("/cmd_vel")], lambda s: running(s, command))
 
 
 def guard(*grcns: GRCN) -> Route:
@@ -93,7 +75,3 @@ def _relay(source: str, target: str, index: int) -> list[str]:
 
 def _from(topic: str) -> str:
     return f"{PUBLISHER}={topic}"
-
-
-def _many(name: str, number: int) -> str:
-    return name if number == 1 else f"{number} {name}s"

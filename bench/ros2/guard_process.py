@@ -1,6 +1,6 @@
-"""A guard for ROS 2 without a supervisor: `python -m bench.ros2.guard_process STAGES TYPE N`.
+"""A guard for ROS 2 without a supervisor: `python -m bench.ros2.guard_process STAGES`.
 
-N streams, each of one flow through STAGES coordination nodes.
+One stream, of one flow, through STAGES coordination nodes: more than a plan can have.
 """
 
 import sys
@@ -16,9 +16,10 @@ from rtron.vocabulary import Plan, Stream, build_streams
 from rtron.wire.ros2.session import Ros2Session
 
 
-def stream(topic: str, type: str, stages: int) -> Stream:
+def stream(stages: int) -> Stream:
     """Return a stream that several GRCNs govern, each with a policy of its own."""
-    (planned,) = build_streams(Plan(app="bench", ros=2, grcn=(grcn(topic, [PUBLISHER], type),)))
+    node = grcn("/bench_0", [PUBLISHER], "geometry_msgs/msg/Twist")
+    (planned,) = build_streams(Plan(app="bench", ros=2, grcn=(node,)))
     (first,) = planned.stages
     more = tuple(replace(first, id=f"{first.id}_{number}") for number in range(1, stages + 1))
     return replace(planned, stages=more)
@@ -26,11 +27,9 @@ def stream(topic: str, type: str, stages: int) -> Stream:
 
 def main() -> None:
     """Guard until told to end."""
-    stages, type, number = int(sys.argv[1]), sys.argv[2], int(sys.argv[3])
     loop = EventLoop()
     transport = Ros2Transport(loop, Ros2Session())
-    guarded_streams = tuple(stream(f"/bench_{each}", type, stages) for each in range(number))
-    run_coordinator(Coordinator(transport, guarded_streams), transport, loop)
+    run_coordinator(Coordinator(transport, (stream(int(sys.argv[1])),)), transport, loop)
 
 
 if __name__ == "__main__":

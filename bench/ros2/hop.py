@@ -1,55 +1,62 @@
-"""The guard's data path on ROS 2 beside relays of rclpy: one hop, ten, and loads."""
+"""The guard's hop on ROS 2 beside a relay in C and one of rclpy, and what it costs when idle."""
 
 import time
 from collections.abc import Iterator
 
-from bench.common.latency import median, p99
+from bench.common.hops import Hop, Peer, added, figures_of
 from bench.common.process_usage import processor_ns
 from bench.common.pubsub import Load, interleave, run_load
 from bench.common.testbed import ReportProgress, Testbed
-from bench.common.workload import HOP_MESSAGES, LOAD_SECONDS, RUNS
-from bench.ros1.hop import RATE
-from bench.ros2.routes import direct, guard, parallel_relays, relay
+from bench.common.workload import HOP_SECONDS, LOAD_SECONDS, RUNS
+from bench.ros1.hop import FAST_RATE, IMAGE_RATE, RATE, TEN_MORE_US
+from bench.ros2.routes import c_relay, direct, guard, parallel_relays, relay, staged
 from figures.figure import Figure
 
 FLOWS = 20
-_IMAGE = "sensor_msgs/msg/Image"
 _IDLE_S = 10
+_TWISTS = Load(RATE * HOP_SECONDS, RATE)
 
 
 def figures(testbed: Testbed, progress: ReportProgress) -> Iterator[Figure]:
-    """Give the latencies of the whole way, the losses under load, and what an idle guard costs."""
-    yield from _hops(testbed, progress)
+    """Give what a hop adds, the losses under load, and what an idle guard costs."""
+    for hop in (_twists(), _images()):
+        yield from figures_of(testbed, hop, progress)
+    yield from _chain(testbed, progress)
     yield from _loads(testbed, progress)
     yield from _idle(testbed, progress)
 
 
-def _hops(testbed: Testbed, progress: ReportProgress) -> Iterator[Figure]:
-    routes = [direct(), guard(), relay(), guard(stages=10), relay(10)]
-    runs = interleave(testbed, routes, Load(HOP_MESSAGES, RATE), RUNS, progress)
-    none, one, peer, ten, peers = (median(runs[route.name]) for route in routes)
-    yield Figure("ros2.hop_whole_median", one, peer, "us", ratio_at_most=0.8)
-    yield Figure("ros2.hop_whole_median_vs_direct", one, none, "us")
-    yield Figure("ros2.hop_whole_p99", p99(runs["guard"]), p99(runs["relay"]), "us")
-    yield Figure("ros2.ten_added_to_one", ten - one, peers - peer, "us", at_most=50)
-    yield Figure("ros2.ten_added_median", ten - none, peers - none, "us", ratio_at_most=0.25)
-    lost = {name: sum(run.lost for run in found) for name, found in runs.items()}
-    yield Figure("ros2.hop_lost", lost["guard"], lost["relay"], "messages", at_most=0)
+def _twists() -> Hop:
+    peers = [Peer(c_relay(), {"median": 1.2}), Peer(relay(), {"p99": 1.0})]
+    return Hop("ros2.hop", _TWISTS, direct(), guard(), peers)
+
+
+def _images() -> Hop:
+    load = Load(IMAGE_RATE * HOP_SECONDS, IMAGE_RATE, message="image")
+    peers = [Peer(c_relay("image")), Peer(relay("image"), {"median": 1.0, "p99": 1.0})]
+    return Hop("ros2.images", load, direct(), guard("image"), peers)
+
+
+def _chain(testbed: Testbed, progress: ReportProgress) -> Iterator[Figure]:
+    """Yield what ten coordination nodes on one stream add to one."""
+    one, ten = staged(1), staged(10)
+    runs = interleave(testbed, [one, ten], _TWISTS, RUNS, progress)
+    more = added(runs[ten.name], runs[one.name], "median")
+    yield Figure.of_runs("ros2.ten_more_than_one", more, (), "us", at_most=TEN_MORE_US)
 
 
 def _loads(testbed: Testbed, progress: ReportProgress) -> Iterator[Figure]:
-    twists = Load(5000 * LOAD_SECONDS, 5000)
-    images = Load(30 * LOAD_SECONDS, 30, message="image")
+    twists = Load(FAST_RATE * LOAD_SECONDS, FAST_RATE)
+    images = Load(IMAGE_RATE * LOAD_SECONDS, IMAGE_RATE, message="image")
     loads = (
         ("twists", twists, guard(number=FLOWS), parallel_relays(FLOWS)),
-        ("images", images, guard(type=_IMAGE), relay(message="image")),
+        ("images", images, guard("image"), relay("image")),
     )
     for name, load, ours, peer in loads:
         progress(f"{name}, {LOAD_SECONDS} s each")
         mine, theirs = run_load(testbed, ours, load), run_load(testbed, peer, load)
         unit = f"messages of {load.count}"
         yield Figure(f"ros2.{name}_lost", mine.lost, theirs.lost, unit, at_most=0)
-        yield Figure(f"ros2.{name}_p99", p99([mine]), p99([theirs]), "us")
         yield Figure(f"ros2.{name}_generator_late", mine.late_ms, theirs.late_ms, "ms at most")
 
 

@@ -7,7 +7,7 @@ WARM_UP = (1 << 62) - 1
 """The number of messages that only show that the way is open."""
 _NUMBER = struct.Struct("<q")
 _HEAD = bytes.fromhex("00010000")
-_IMAGE_BYTES = 1_000_000
+_IMAGE_BYTES = 6_000_000
 _IMAGE = (
     struct.pack("<8xIB3x", 1, 0)
     + struct.pack("<8xIBB2xI", 1, 0, 0, _IMAGE_BYTES)

@@ -1,15 +1,20 @@
 """The ways from a publisher to a subscriber on ROS 2."""
 
 import signal
+import subprocess
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from functools import partial
-from itertools import pairwise
-from typing import Any
 
+from bench.common.plans import grcn
 from bench.common.pubsub import PUBLISHER, Route
 from bench.common.testbed import Testbed, python, running
-from rtron.vocabulary import flow_topic, output_topic
+from bench.ros2.c_relay import relay_library
+from bench.ros2.messages import MESSAGES
+from rtron.planning.plan_file.writer import write_plan
+from rtron.vocabulary import Plan, flow_topic, output_topic
+
+_FROM, _TO = "/bench_0", "/bench_1"
 
 
 def direct() -> Route:
@@ -17,17 +22,21 @@ def direct() -> Route:
     return Route("direct", [f"{PUBLISHER}=/bench"], ["/bench"], ros=2)
 
 
-def relay(length: int = 1, message: str = "twist") -> Route:
-    """Return a chain of relays, a process each."""
-    topics = [f"/bench_{index}" for index in range(length + 1)]
-    name = "relay" if length == 1 else f"{length} relays"
-    pairs = [f"{source}={target}" for source, target in pairwise(topics)]
-    opened = partial(_relays, message=message, pairs=pairs)
-    return Route(name, [f"{PUBLISHER}={topics[0]}"], [topics[-1]], opened, ros=2)
+def relay(message: str = "twist") -> Route:
+    """Return the way through a relay of rclpy."""
+    command = python("bench.ros2.relay", message, f"{_FROM}={_TO}")
+    opened = partial(running, command=command, stop=signal.SIGINT)
+    return Route("relay", [f"{PUBLISHER}={_FROM}"], [_TO], opened, ros=2)
+
+
+def c_relay(message: str = "twist") -> Route:
+    """Return the way through a relay in C."""
+    opened = partial(_run_c_relay, message=message)
+    return Route("c_relay", [f"{PUBLISHER}={_FROM}"], [_TO], opened, ros=2)
 
 
 def parallel_relays(number: int) -> Route:
-    """Return one relay of many topics."""
+    """Return one relay of rclpy of many topics."""
     topics = [f"/bench_{index}" for index in range(number)]
     pairs = [f"{topic}={topic}/out" for topic in topics]
     command = python("bench.ros2.relay", "twist", *pairs)
@@ -37,26 +46,39 @@ def parallel_relays(number: int) -> Route:
     return Route("relay", inputs, outputs, opened, ros=2)
 
 
-def guard(stages: int = 1, type: str = "geometry_msgs/msg/Twist", number: int = 1) -> Route:
-    """Return the way through the guard: `number` topics, through `stages` coordination nodes."""
+def guard(message: str = "twist", number: int = 1) -> Route:
+    """Return the way through the guard: `number` topics, a coordination node each."""
     topics = [f"/bench_{index}" for index in range(number)]
-    command = python("bench.ros2.guard_process", str(stages), type, str(number))
-    return Route(
-        "guard" if stages == 1 else f"{stages} nodes",
-        [f"{PUBLISHER}={flow_topic(topic, 'flow1')}" for topic in topics],
-        [output_topic(topic) for topic in topics],
-        partial(running, command=command),
-        ros=2,
-    )
+    nodes = tuple(grcn(topic, [PUBLISHER], MESSAGES[message].type) for topic in topics)
+    opened = partial(_run_guard, plan=Plan(app="bench", ros=2, grcn=nodes))
+    return Route("guard", *_guarded(topics), opened, ros=2)
+
+
+def staged(stages: int) -> Route:
+    """Return the way through many coordination nodes on one stream, more than a plan can have."""
+    command = python("bench.ros2.guard_process", str(stages))
+    opened = partial(running, command=command)
+    return Route(f"{stages} nodes", *_guarded(["/bench_0"]), opened, ros=2)
+
+
+def _guarded(topics: list[str]) -> tuple[list[str], list[str]]:
+    """Return where publishers and subscribers of guarded topics are moved to."""
+    inputs = [f"{PUBLISHER}={flow_topic(topic, 'flow1')}" for topic in topics]
+    return inputs, [output_topic(topic) for topic in topics]
 
 
 @contextmanager
-def _relays(testbed: Testbed, message: str, pairs: list[str]) -> Iterator[Any]:
-    with ExitStack() as stack:
-        started = [
-            stack.enter_context(
-                running(testbed, python("bench.ros2.relay", message, pair), signal.SIGINT)
-            )
-            for pair in pairs
-        ]
-        yield started[0]
+def _run_guard(testbed: Testbed, plan: Plan) -> Iterator[subprocess.Popen[str]]:
+    path = testbed.folder / "rtron.yaml"
+    path.write_text(write_plan(plan), encoding="utf-8")
+    command = python("rtron", "guard", "--plan", str(path), "--log-level", "warning")
+    with running(testbed, command) as process:
+        yield process
+
+
+@contextmanager
+def _run_c_relay(testbed: Testbed, message: str) -> Iterator[subprocess.Popen[str]]:
+    library = relay_library(testbed)
+    command = python("bench.ros2.c_relay", str(library), message, _FROM, _TO)
+    with running(testbed, command) as process:
+        yield process

@@ -15,7 +15,7 @@ from bench.common.latency import median, quantile, typical_p99
 from bench.common.plans import SUBSCRIBER, TWIST, grcn
 from bench.common.pubsub import PUBLISHER, Load, Route, interleave
 from bench.common.testbed import ReportProgress, Testbed, python, running
-from bench.common.workload import CHANGES, HOP_MESSAGES, RUNS
+from bench.common.workload import CHANGES, HOP_SECONDS, RUNS
 from bench.ros1.noise import NODE
 from bench.ros1.routes import direct
 from bench.service.service_process import ServiceProcess
@@ -58,7 +58,7 @@ def _hop(
         _link_route("linked", service, token),
         _link_route("unlinked", service, None),
     ]
-    found = interleave(testbed, routes, Load(HOP_MESSAGES, _HOP), RUNS, progress)
+    found = interleave(testbed, routes, Load(_HOP * HOP_SECONDS, _HOP), RUNS, progress)
     for name, statistic in (("median", median), ("typical_p99", typical_p99)):
         none = statistic(found["direct"])
         ours, peer = statistic(found["linked"]) - none, statistic(found["unlinked"]) - none
@@ -67,7 +67,7 @@ def _hop(
     lost = {name: sum(run.lost for run in runs) for name, runs in found.items()}
     yield Figure("link.hop_lost", lost["linked"], lost["unlinked"], "messages", at_most=0)
     stored = service.request(f"/api/v1/events?robot={ROBOT}&limit=1")["events"][0]["id"]
-    expected_events = 0.8 * RUNS * HOP_MESSAGES / _HOP * NOISE
+    expected_events = 0.8 * RUNS * HOP_SECONDS * NOISE
     yield Figure("link.events_meanwhile", stored, None, "events", at_least=expected_events)
 
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Protocol
 from rtron.errors import SourceError
 from rtron.guard.core.control_socket import ControlSocket, RequestHandler, control_path
 from rtron.guard.node_shutdown import ShutdownSequence
+from rtron.guard.rehearsal import Rehearsal
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -69,7 +70,8 @@ def run_coordinator(
     """Guard in one process without a supervisor, until stopped or the guard's node is shut down."""
     transport.set_shutdown_handler(ShutdownSequence(coordinator, transport, loop).handle)
     graph = GraphPart(coordinator.open, transport)
-    run_parts(loop, [graph, *([auditor] if auditor else [])])
+    rehearsal = Rehearsal(coordinator, loop, transport.create_stage())
+    run_parts(loop, [graph, *([auditor] if auditor else []), rehearsal])
 
 
 def open_control_socket(

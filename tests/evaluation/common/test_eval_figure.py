@@ -41,6 +41,37 @@ def test_the_ratio_needs_a_peer_and_no_noise(ours, peer, ratio):
     assert Figure("x", ours, peer, "share").ratio == ratio
 
 
+@pytest.mark.parametrize(
+    ("ours", "peer", "ratio"),
+    [
+        ((1, 2, 9), (2, 4, 6), 0.5),
+        ((-1, -1, -1), (2, 2, 2), 0),
+        ((-3, -3, -3), (-1, -1, -1), 0),
+        ((1, 1, 2), (0, 0, 4), 1000),
+    ],
+    ids=[
+        "median of the ratios",
+        "ours is faster than nothing",
+        "both are",
+        "the peer costs nothing",
+    ],
+)
+def test_runs_are_compared_with_the_run_beside_them(ours, peer, ratio):
+    figure = Figure.of_runs("x", ours, peer, "us", ratio_at_most=1)
+    assert figure.ratio == ratio
+    assert figure.met is (ratio <= 1)
+    assert figure.as_json()["ours_range"] == (min(ours), max(ours))
+
+
+def test_runs_without_a_peer_have_a_range_of_their_own():
+    figure = Figure.of_runs("x", [4, 2, 3], (), "us", at_most=3)
+    assert (figure.ours, figure.peer, figure.ratio, figure.met) == (3, None, None, True)
+    assert figure.as_json()["peer_range"] is None
+    console = Console(file=StringIO(), width=100)
+    console.print(table("Less is better", [figure]))
+    assert "3 (2 to 4)" in console.file.getvalue()
+
+
 def test_the_table_says_every_bound_and_whether_it_is_kept():
     figure = Figure("x", 1500, 1000, "us", at_least=1, at_most=2000, ratio_at_most=1.25)
     console = Console(file=StringIO(), width=100)

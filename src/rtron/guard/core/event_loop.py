@@ -54,6 +54,7 @@ class EventLoop:
         self._sequence = count()
         self._posted_callbacks: deque[Callback] = deque()
         self._after_event: list[Callback] = []
+        self._when_idle: Callback | None = None
         self._running = False
         self._wake_receiver, self._wake_sender = socket.socketpair()
         self._wake_receiver.settimeout(0)
@@ -107,6 +108,10 @@ class EventLoop:
         """Call back once the current event is handled."""
         self._after_event.append(callback)
 
+    def call_when_idle(self, callback: Callback) -> None:
+        """Call back once if nothing else is to be done right now; otherwise forget it."""
+        self._when_idle = callback
+
     def post(self, callback: Callback) -> None:
         """Call back soon; the only call that other threads and signal handlers may make."""
         self._posted_callbacks.append(callback)
@@ -121,10 +126,14 @@ class EventLoop:
 
     def step(self, longest_wait: float | None = None) -> None:
         """Wait for the next events, `longest_wait` seconds at most, and handle them."""
-        for key, events in self._selector.select(self._timeout(longest_wait)):
+        when_idle, self._when_idle = self._when_idle, None
+        ready = self._selector.select(0 if when_idle else self._timeout(longest_wait))
+        for key, events in ready:
             self._dispatch(key.data, events)
-        self._run_timers()
+        has_run = self._run_timers()
         self._flush()
+        if when_idle and not (ready or has_run):
+            self._call_safely(when_idle)
 
     def stop(self) -> None:
         """End `run` after the current step."""
@@ -156,12 +165,14 @@ class EventLoop:
         wait = max(0.0, (self._timers[0][0] - self.now()) / 1e9)
         return wait if longest_wait is None else min(wait, longest_wait)
 
-    def _run_timers(self) -> None:
+    def _run_timers(self) -> bool:
+        """Call what is due; return whether anything was."""
         now, due = self.now(), []
         while self._timers and self._timers[0][0] <= now:
             due.append(heapq.heappop(self._timers)[2])
         for callback in due:
             self._call_safely(callback)
+        return bool(due)
 
     def _on_wake(self) -> None:
         with suppress(BlockingIOError):  # an earlier wake-up has read all bytes

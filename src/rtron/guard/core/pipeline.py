@@ -54,7 +54,7 @@ class Pipeline:
         self._policies_from = _policy_suffixes(self.policies)
         self._bars: dict[tuple[str, str], Verdict] = {}
         self._revision = 0
-        self._last_emitted: tuple[str, bytes, int] | None = None
+        self.last_emitted: tuple[str, bytes, int] | None = None
         self.closed_reason = ""
         self.on_verdict_change: Callable[[Verdict], None] | None = None
         self.on_dropped: Callable[[bytes, Verdict], None] = _ignore_dropped
@@ -112,14 +112,14 @@ class Pipeline:
 
     def finish_action(self, now: int) -> None:
         """Learn that the action in progress is done."""
-        self._last_emitted = None
+        self.last_emitted = None
         for policy in self.policies:
             policy.observe_done(now)
         self.tick(now)
 
     def occupy(self, flow: str, now: int) -> None:
         """Learn that an action is in progress which did not come through the pipeline."""
-        self._last_emitted = (flow, b"", now)
+        self.last_emitted = (flow, b"", now)
         for policy in self.policies:
             policy.occupy(flow, now)
 
@@ -216,16 +216,16 @@ class Pipeline:
                 verdict = stage_verdict
         if verdict is None:
             raise AssertionError("a pipeline has a stage")
-        self._last_emitted = (flow, message, now)
+        self.last_emitted = (flow, message, now)
         self._emit(flow, message, now)
         self._count(verdict)
         return verdict
 
     def _with_turn(self, carried: "PolicyState") -> "PolicyState":
         """Add the last output, which the policy may not know."""
-        if self._last_emitted is None:
+        if self.last_emitted is None:
             return carried
-        flow, message, at = self._last_emitted
+        flow, message, at = self.last_emitted
         turn = carried.lease if carried.has_lease else LeaseState(flow, at, at)
         return replace(carried, lease=turn, last_output=(flow, message))
 

@@ -76,7 +76,7 @@ class GuardedStream:
         self.latencies: LatencyStatistics | None = None
         self._mission = observations.mission
         self._rules_met = rules_met_by_flow(stream)
-        self._codec: VelocityCodec | None = None
+        self.codec: VelocityCodec | None = None
         self._is_open = False
         self._brake_reasons: dict[str, str] = {}
         self._last_state: tuple[str | None, str] = (None, "")
@@ -164,7 +164,7 @@ class GuardedStream:
         self, stream: Stream, observations: Observations, rule_statuses: Mapping[str, RuleStatus]
     ) -> StreamUpdate:
         """Return an update for `apply_update`; nothing changes yet. PlanError if it is invalid."""
-        format = MessageFormat(self.endpoints.type_info, self._codec)
+        format = MessageFormat(self.endpoints.type_info, self.codec)
         return prepare_update(self.spec, with_defaults(stream), observations, rule_statuses, format)
 
     def apply_update(self, update: StreamUpdate, now: int) -> Sequence[Release]:
@@ -231,7 +231,7 @@ class GuardedStream:
         self._gate.learn(codec)
         if codec is None:
             return
-        self._codec = codec
+        self.codec = codec
         self.stop_controller.learn(codec)
         if self.measurement:
             self.measurement.learn(codec)

@@ -19,6 +19,7 @@ from rtron.guard.lanes.orders import RemoteBrake
 from rtron.guard.lanes.service_reports import ServiceReports
 from rtron.guard.middleware import open_middleware
 from rtron.guard.node_shutdown import ShutdownRefusal
+from rtron.guard.rehearsal import Rehearsal
 from rtron.guard.runner import (
     GraphPart,
     Part,
@@ -91,7 +92,8 @@ def run_command_process(
     transport.set_unreadable_handler(UnreadableInputAlarms(coordinator.alarms, transport).report)
     transport.set_shutdown_handler(ShutdownRefusal(loop).handle)
     transport.set_supervisor(lambda: supervisor.supervisor)
-    run_parts(loop, [*parts, supervisor])
+    rehearsal = Rehearsal(coordinator, loop, transport.create_stage())
+    run_parts(loop, [*parts, rehearsal, supervisor])
 
 
 def _handover_state(supervisor: SupervisorClient, heartbeat: HeartbeatFile) -> HandoverState:

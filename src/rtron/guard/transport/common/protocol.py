@@ -5,11 +5,14 @@ Messages are bytes as the middleware frames them; a transport does not decode th
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from rtron.guard.core.handover_state import HandoverState
 from rtron.messages.common.encoding import Encoding
 from rtron.vocabulary import QoS
+
+if TYPE_CHECKING:
+    from rtron.guard.transport.common.stage import Stage
 
 MessageHandler = Callable[[bytes], object]
 """Takes one message."""
@@ -199,6 +202,10 @@ class LiveTransport(Transport, Protocol):
 
     def set_supervisor(self, process_id: Callable[[], int]) -> None:
         """Take the guard's supervisor, 0 if there is none, whose nodes are the guard's (ROS 2)."""
+        ...
+
+    def create_stage(self) -> "Stage":
+        """Return where messages can be rehearsed as this transport receives and sends them."""
         ...
 
     def remove_node(self, name: str) -> None:

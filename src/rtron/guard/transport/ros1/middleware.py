@@ -20,6 +20,7 @@ from rtron.guard.transport.ros1.handshake import TopicRequest
 from rtron.guard.transport.ros1.node import Ros1Node
 from rtron.guard.transport.ros1.publication import Publication
 from rtron.guard.transport.ros1.registrar import Registrar
+from rtron.guard.transport.ros1.stage import Ros1Stage
 from rtron.guard.transport.ros1.subscriber_link import SubscriberLink
 from rtron.guard.transport.ros1.subscription import Subscription, link_factory
 from rtron.guard.transport.ros1.tcp_server import TcpServer
@@ -121,6 +122,10 @@ class Ros1Transport:
 
     def set_supervisor(self, process_id: Callable[[], int]) -> None:
         """Do nothing: the supervisor's nodes are known by their names."""
+
+    def create_stage(self) -> Ros1Stage:
+        """Return connections of the guard with itself; see `LiveTransport`."""
+        return Ros1Stage(self.now)
 
     @property
     def ports(self) -> frozenset[int]:

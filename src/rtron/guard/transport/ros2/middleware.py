@@ -14,6 +14,7 @@ from rtron.guard.transport.common.protocol import (
     Output,
     ignore_lost,
 )
+from rtron.guard.transport.common.stage import Stage
 from rtron.guard.transport.ros2.action_client import GoalCanceller
 from rtron.guard.transport.ros2.action_relay import ActionRelay
 from rtron.guard.transport.ros2.context import TransportContext
@@ -88,6 +89,10 @@ class Ros2Transport:
     def set_supervisor(self, process_id: Callable[[], int]) -> None:
         """Take the process whose participants count as the guard's."""
         self.processes.supervisor = process_id
+
+    def create_stage(self) -> Stage:
+        """Return a stage without endpoints, which DDS would show to others; see `LiveTransport`."""
+        return Stage(self.encoding, self.now)
 
     def remove_node(self, name: str) -> None:
         """Do nothing: nodes leave together."""
