@@ -103,7 +103,7 @@ def world():
 
 def rehearsed(world):
     """Return a world whose stream was copied and rehearsed once."""
-    world.open()
+    world.begin()
     world.pass_time(3 * PERIOD)
     assert world.stage.log[:PARTS] == ["arrive", "handle", "leave"]
     return world
@@ -178,7 +178,7 @@ def test_a_stream_without_commands_is_not_rehearsed(world):
 def test_long_messages_and_strangers_are_not_rehearsed(world):
     world.base.stream().pipeline.last_emitted = ("flow1", bytes(2000), world.loop.now())
     world.base.stream("/max_vel").pipeline.last_emitted = ("unapproved", b"", world.loop.now())
-    world.open()
+    world.begin()
     world.pass_time(10 * PERIOD)
     assert world.stage.log == []
 
@@ -193,7 +193,7 @@ def test_other_settings_are_rehearsed_too(world):
 
 def test_an_internal_error_ends_rehearsals_and_is_logged_once(world, caplog):
     world.stage.handle = lambda receive: 1 / 0
-    world.open()
+    world.begin()
     world.pass_time(20 * PERIOD)
     assert [each.levelname for each in caplog.records] == ["ERROR"]
     assert world.stage.log == ["arrive"]
@@ -222,7 +222,7 @@ def test_ten_thousand_rehearsals_leave_no_trace():
     msrcn = replace(PLAN.msrcn, rules=(*PLAN.msrcn.rules, AFTER_A_COMMAND))
     plan = replace(PLAN, msrcn=msrcn)
     world, twin = World(lambda base: Ros1Stage(base.transport.now), plan=plan), Base(plan)
-    world.open()
+    world.begin()
     for round in itertools.count():
         drive_both((world.base, twin), round)
         if world.rehearsal.finished >= 10_000:

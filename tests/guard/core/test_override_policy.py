@@ -314,10 +314,10 @@ def test_a_guard_whose_door_cannot_be_opened_guards_without_one(monkeypatch, tmp
     open_to_all.mkdir(mode=0o755)
     monkeypatch.setenv("XDG_RUNTIME_DIR", str(open_to_all))
     loop, small = EventLoop(), plan(PolicyName.CONSTRAIN, VELOCITY, max_vel_limit=0.2)
-    assert runner._open_control_socket(loop, small, None, lambda who, request: {}) is None
+    assert runner.open_control_socket(loop, small, None, lambda who, request: {}) is None
     assert "no overrides" in caplog.text
     with pytest.raises(SourceError):
-        runner._open_control_socket(
+        runner.open_control_socket(
             loop, small, open_to_all / "guard.sock", lambda who, request: {}
         )
     loop.close()
