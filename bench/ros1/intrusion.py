@@ -29,7 +29,7 @@ from rtron.errors import RTronError
 from rtron.wire.ros1.xmlrpc import ros_call
 
 _GUARD, _SUPERVISOR = "/rtron/grcn_cmd_vel", "/rtron_supervisor"
-_LIMIT_S = 30.0
+_LIMIT_S = 120.0
 _SYSTEM_PYTHON = "/usr/bin/python3"
 LIBRARIES = ("rospy", "roscpp")
 GHOSTS = ("once", "repeated")

@@ -21,7 +21,7 @@ from bench.common.workload import INTRUSIONS
 from figures.figure import Figure
 
 _PROCESSES = "bench.ros2.intrusion_processes"
-_LIMIT_S = 30.0
+_LIMIT_S = 120.0
 
 
 def figures(testbed: Testbed, progress: ReportProgress) -> Iterator[Figure]:
