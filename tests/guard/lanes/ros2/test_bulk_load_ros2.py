@@ -56,7 +56,7 @@ def test_commands_do_not_wait_for_pictures(ros2, base):
     wait_for(lambda: last_count(base.log, OUT)[0] > before + COMMANDS, what="commands", limit_s=120)
     heard, gap_before = last_count(base.log, NAV)
     passed, gap_behind = last_count(base.log, OUT)
-    assert abs(heard - passed) <= 2
+    assert passed >= heard - 2
     assert gap_behind <= gap_before + MOST_DELAY_S
 
 
