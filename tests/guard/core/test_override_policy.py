@@ -317,7 +317,5 @@ def test_a_guard_whose_door_cannot_be_opened_guards_without_one(monkeypatch, tmp
     assert runner.open_control_socket(loop, small, None, lambda who, request: {}) is None
     assert "no overrides" in caplog.text
     with pytest.raises(SourceError):
-        runner.open_control_socket(
-            loop, small, open_to_all / "guard.sock", lambda who, request: {}
-        )
+        runner.open_control_socket(loop, small, open_to_all / "guard.sock", lambda who, request: {})
     loop.close()

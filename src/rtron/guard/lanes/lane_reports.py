@@ -11,7 +11,7 @@ from rtron.vocabulary import SECOND, Alarm
 
 log = logging.getLogger(__name__)
 
-_ALONE = Status(
+_NOT_CONNECTED = Status(
     ERROR,
     "rtron: bulk process",
     "not connected: frame rates and events are not known, states do not pass",
@@ -52,7 +52,7 @@ class LaneReports:
     def _report(self) -> None:
         statuses = tuple(self._host.stream_statuses())
         if not self._connection.is_connected:
-            self._host.publish_diagnostics([_ALONE, *statuses])
+            self._host.publish_diagnostics([_NOT_CONNECTED, *statuses])
         else:
             self._connection.send(StatusReport(statuses))
 
