@@ -13,7 +13,8 @@ from rtron.vocabulary import SECOND, flow_topic, output_topic
 pytestmark = pytest.mark.ros2
 PICTURE_BYTES, PICTURE_RATE = 10_000_000, 10
 COMMANDS = 300
-MOST_DELAY_S = 0.1
+MOST_DELAY_S = 0.5
+"""Other tests run beside this one; with the pictures in the way of the commands it was 1 to 5 s."""
 PLAN = written(
     driving("nav", silent_after=8 * SECOND),
     telling("/image", "sensor_msgs/msg/Image", "/viewer", "camera"),
