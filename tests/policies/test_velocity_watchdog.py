@@ -520,3 +520,13 @@ def test_what_is_done_is_the_effect_in_the_table(steps):
             stops = bool(made.reason) and not before
             assert effects[stepped:].count(TransitionEffect.STOP) == stops
             assert set(effects) <= {TransitionEffect.NOTHING, TransitionEffect.STOP}
+
+
+def test_the_velocity_in_force_is_that_of_the_stop_message_that_went_out_last():
+    made = moving()
+    assert made.current(SILENT) is None
+    while (due := made.deadline()) is not None:
+        velocity = made.tick(due)
+        assert made.current(due) == velocity
+        assert made.current(due + PERIOD // 2) == velocity
+    assert velocity is None
