@@ -239,8 +239,9 @@ class Ros1:
         return sum(link[2] for row in stats[0] if row[0] == topic for link in row[2])
 
     def received(self, node, topic):
-        """Return how many messages a node has received on a topic."""
-        stats = self.ask(self.uri_of(node), "getBusStats") or [[], []]
+        """Return how many messages a node has received on a topic; 0 if it is not there."""
+        uri = self.uri_of(node)
+        stats = (uri and self.ask(uri, "getBusStats")) or [[], []]
         return sum(link[2] for row in stats[1] if row[0] == topic for link in row[1])
 
 

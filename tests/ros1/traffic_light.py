@@ -51,5 +51,9 @@ class Light:
         wait_for(self._heard, what=f"{color} at the guard")
 
     def _heard(self):
-        """Return how much the guard has heard of the light that is connected now."""
-        return self._ros1.received(MSRCN_NODE, LIGHT)
+        """Return how much the guard has heard of the light that is connected now.
+
+        The node of the MSRCN hears events where the guard is one process.
+        """
+        nodes = (MSRCN_NODE, f"{MSRCN_NODE}_events")
+        return sum(self._ros1.received(node, LIGHT) for node in nodes)
