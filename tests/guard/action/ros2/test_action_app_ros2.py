@@ -323,12 +323,13 @@ def test_a_second_server_is_an_alarm_that_stops_the_goal_in_progress(start_actio
     wait_for(lambda: app.one.answers[1], what="the end of the goal")
     assert app.one.answers[1] == [("canceled", [-1])]
     active = guard.call(lambda: guard.coordinator.alarms.active)
-    (alarm,) = (each for each in active if f"offers to serve {ACTION}, too" in each.reason)
+    alarm, latched = (each for each in active if f"offers to serve {ACTION}, too" in each.reason)
     assert (alarm.kind, alarm.peer) == (AlarmKind.FOREIGN_PUBLISHER, "/mallory")
+    assert latched.kind is AlarmKind.INTRUSION
     app.end(other)
-    wait_for(
-        lambda: not guard.call(lambda: guard.coordinator.alarms.active), what="the alarm to end"
-    )
+    clear = guard.coordinator.intrusions.clear
+    wait_for(lambda: not guard.call(lambda: clear(ACTION)), what="the guard's leave to go on")
+    assert not guard.call(lambda: guard.coordinator.alarms.active)
     app.two.send_goal(2)
     wait_for(lambda: app.server.started == [1, 2], what="a goal after the alarm")
     assert other.started == []
