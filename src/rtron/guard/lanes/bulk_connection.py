@@ -28,6 +28,7 @@ from rtron.guard.lanes.messages import (
     NodesReport,
     ShutdownRequest,
 )
+from rtron.guard.supervision.watchdog import Watchdog
 from rtron.vocabulary import SECOND
 
 if TYPE_CHECKING:
@@ -69,6 +70,7 @@ class BulkConnection:
         self._host = host
         self._channel: MessageChannel | None = None
         self._pid = 0
+        self._watchdog = Watchdog(loop.now())
         self._streams = streams
         self._has_reported = False
         self._former_participants: deque[bytes] = deque(maxlen=_MAX_FORMER)
@@ -124,6 +126,7 @@ class BulkConnection:
         if greeting != GREETING or not descriptors:
             raise WireError("the bulk process does not greet")
         self._pid = peer_credentials(sock)[0]
+        self._watchdog = Watchdog(self._loop.now())
         log.info("the bulk process is there, process %d", self._pid)
         self._loop.unwatch(sock)
         self._channel = MessageChannel(self._loop, sock, self._on_message, self._on_lost)
@@ -180,7 +183,7 @@ class BulkConnection:
         self._host.schedule_deadline()
 
     def _end_hung_process(self) -> None:
-        silence = self._board.view.age(self._loop.now())
+        silence = self._watchdog.update(self._loop.now(), self._board.view.written_at)
         if silence > HANG_TIMEOUT and self._channel:
             log.error("the bulk process stands still: it is killed")
             with suppress(ProcessLookupError):
