@@ -40,8 +40,8 @@ log = logging.getLogger(__name__)
 
 _RETRY_S = 0.1
 _MAX_FORMER = 8
-HANG_TIMEOUT = 2 * SECOND
-"""Silence after which the bulk process is killed, ns."""
+HANG_TIMEOUT = SECOND
+"""Silence after which the bulk process is killed, ns; of each time between two looks 30 ms count."""
 
 
 class BulkConnection:
