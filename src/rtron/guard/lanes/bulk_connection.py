@@ -41,7 +41,7 @@ log = logging.getLogger(__name__)
 _RETRY_S = 0.1
 _MAX_FORMER = 8
 HANG_TIMEOUT = SECOND
-"""Silence after which the bulk process is killed, ns; of each time between two looks 30 ms count."""
+"""Silence after which the bulk process is killed, ns; 30 ms of each time between looks count."""
 
 
 class BulkConnection:
