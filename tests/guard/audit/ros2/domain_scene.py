@@ -6,7 +6,7 @@ from plans import grcn, plan_of
 
 from rtron.guard.audit.ros2.observed_graph import ObservedGraph
 from rtron.guard.audit.ros2.verification import verify_ros2
-from rtron.vocabulary import GUARD_NODE, Direction, Flow, QoS
+from rtron.vocabulary import BULK_NODE, GUARD_NODE, Direction, Flow, QoS
 
 CMD_VEL = "/cmd_vel"
 OUT, FLOW1, FLOW2 = (f"/rtron{CMD_VEL}/{name}" for name in ("out", "flow1", "flow2"))
@@ -79,7 +79,7 @@ GUARDS = (
 NAV_PUBLISHES = publisher(FLOW1, "/nav", NAV)
 DRIVER_SUBSCRIBES = subscriber(OUT, "/driver", DRIVER)
 CLOSED = (*GUARDS, NAV_PUBLISHES, DRIVER_SUBSCRIBES)
-NODES = (GUARD_NODE, GRCN, "/nav", "/driver")
+NODES = (GUARD_NODE, BULK_NODE, GRCN, "/nav", "/driver")
 
 
 def client_endpoint(action, part, node, of):

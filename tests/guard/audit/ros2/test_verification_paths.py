@@ -34,6 +34,7 @@ from domain_scene import (
 )
 
 from rtron.vocabulary import (
+    BULK_NODE,
     GUARD_NODE,
     SUPERVISOR_NODE,
     Durability,
@@ -72,7 +73,7 @@ def test_what_was_not_seen_is_not_closed():
     found = verified(absent=())
     assert found.not_seen == ("/teleop_*",)
     assert (found.is_closed, found.is_conclusive) == (False, False)
-    found = verified(GUARDS, NODES[:2], absent=())
+    found = verified(GUARDS, NODES[:3], absent=())
     assert found.not_seen == ("/driver", "/nav", "/teleop_*")
     assert (found.is_closed, found.is_conclusive, found.problems) == (False, False, ())
 
@@ -128,9 +129,10 @@ def test_a_second_guard_is_named_as_a_problem_although_nobody_hears_it():
 
 
 def test_a_second_node_of_the_guard_without_an_endpoint_is_found_by_the_list_of_nodes():
-    found = verified(nodes=[*NODES, GUARD_NODE])
-    assert found.problems == (f"2 nodes have the name of the guard's node {GUARD_NODE}",)
-    supervised = [*NODES, GUARD_NODE, SUPERVISOR_NODE]
+    assert verified(nodes=[*NODES, GUARD_NODE]).problems == ()
+    found = verified(nodes=[*NODES, GUARD_NODE, GUARD_NODE])
+    assert found.problems == (f"3 nodes have the name of the guard's node {GUARD_NODE}",)
+    supervised = [*NODES, GUARD_NODE, GUARD_NODE, SUPERVISOR_NODE]
     assert verified(nodes=supervised).is_closed
     assert not verified(nodes=[*supervised, GUARD_NODE]).is_closed
     assert not verified(nodes=[*supervised, GRCN]).is_closed
@@ -140,6 +142,7 @@ def test_a_guard_that_is_not_there_is_a_problem():
     found = verified([NAV_PUBLISHES, DRIVER_SUBSCRIBES], ["/nav", "/driver"])
     assert found.problems == (
         f"the guard's node {GRCN} is not running",
+        f"the guard's node {BULK_NODE} is not running",
         f"the guard's node {GUARD_NODE} is not running",
     )
 
@@ -302,7 +305,7 @@ SERVED = tuple(
         client_endpoint(f"/rtron{NAVIGATE}/flow1", part, "/mission", NAV),
     )
 )
-ACTORS = (GUARD_NODE, NAVIGATE_GRCN, "/mission", "/server")
+ACTORS = (GUARD_NODE, BULK_NODE, NAVIGATE_GRCN, "/mission", "/server")
 
 
 def acting(*more, without=()):
@@ -346,6 +349,6 @@ def test_a_stranger_that_answers_in_the_servers_place_is_a_problem():
 def test_where_nothing_is_to_be_stopped_the_supervisor_has_no_node_of_its_own():
     plan, told = action_plan(), f"nodes have the name of the guard's node {GUARD_NODE}"
     goals = replace(plan, grcn=tuple(replace(g, kind=StreamKind.ACTION) for g in plan.grcn))
-    assert verified(SERVED, [*ACTORS, GUARD_NODE], plan=goals).problems == ()
-    third = verified(SERVED, [*ACTORS, GUARD_NODE, GUARD_NODE], plan=goals)
-    assert third.problems == (f"3 {told}",)
+    assert verified(SERVED, [*ACTORS, GUARD_NODE, GUARD_NODE], plan=goals).problems == ()
+    fourth = verified(SERVED, [*ACTORS, *3 * [GUARD_NODE]], plan=goals)
+    assert fourth.problems == (f"4 {told}",)

@@ -37,8 +37,8 @@ if TYPE_CHECKING:
 
 _NO_NAME = "somebody listens whose node the domain does not name"
 
-_PROCESSES = 3
-"""The command process, the bulk process and the supervisor."""
+_PROCESSES = 2
+"""The command process and the bulk process."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -266,7 +266,7 @@ def _name_problems(comparison: _Comparison) -> Iterator[str]:
 def _max_nodes(comparison: _Comparison, node: str) -> int:
     """Return how many nodes may have a name: each process of the guard sees the graph as one."""
     supervised = SUPERVISOR_NODE in comparison.observed.nodes or not comparison.has_supervisor_node
-    return _PROCESSES if node == GUARD_NODE and supervised else 1
+    return (_PROCESSES + supervised) if node == GUARD_NODE else 1
 
 
 def _hex_ids(participants: set[bytes] | frozenset[bytes]) -> tuple[str, ...]:
