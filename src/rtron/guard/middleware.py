@@ -63,8 +63,12 @@ class Ros1Middleware:
 
     def report_nodes(self) -> NodesReport:
         """Return the URIs, the port and the subscribers of each topic."""
-        (port,), subscribers = self.transport.ports, self.transport.all_subscribers()
-        return NodesReport(uris=self.transport.node_uris(), port=port, subscribers=subscribers)
+        transport = self.transport
+        return NodesReport(
+            uris=transport.node_uris(),
+            port=transport.port,
+            subscribers=transport.all_subscribers(),
+        )
 
     def register_node(self, name: str) -> None:
         """Register a node again."""

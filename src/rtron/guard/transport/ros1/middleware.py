@@ -128,9 +128,14 @@ class Ros1Transport:
         return Ros1Stage(self.now)
 
     @property
-    def ports(self) -> frozenset[int]:
+    def port(self) -> int:
         """The TCPROS port of all our nodes."""
-        return frozenset({self._server.port})
+        return self._server.port
+
+    @property
+    def ports(self) -> frozenset[int]:
+        """The TCPROS ports of the guard as far as they are known here."""
+        return frozenset({self.port})
 
     def node_uris(self) -> dict[str, str]:
         """Return the URI of each node of ours."""
