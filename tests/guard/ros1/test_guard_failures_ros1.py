@@ -88,16 +88,17 @@ def fall_of(told):
     return told[top : told.index(0.0, top) + 1]
 
 
-def assert_ramped_to_rest(told):
+def assert_ramped_to_rest(told, guard):
     """Assert that the fall to 0 was no step: each message at most a little slower.
 
-    Guard and supervisor may both brake if the machine stalls for longer than `stall_after`; then
-    the two ramps alternate.
+    Where the log says that the supervisor braked too, for a guard that stood still, the two ramps
+    alternate.
     """
     fall = fall_of(told)
     assert len(fall) > 5
-    assert max(fall) == fall[0]
     assert max(abs(one - other) for one, other in pairwise(fall)) <= 0.11
+    if "the guard stands still: the robot is stopped" not in guard.log:
+        assert all(one > other for one, other in pairwise(fall)), fall
 
 
 def test_the_attack_on_the_maximal_velocity_is_held_at_the_limit(ros1):
@@ -181,13 +182,13 @@ def told(ros1):
 )
 def test_a_dead_event_node_stops_the_robot(ros1, driven, event, yaml):
     rule = MissionRule(name="careful", when="low", block=("/cmd_vel",), reason="charge first")
-    start_guard(ros1, missioned((MOVING,), (event,), (rule,)), "/rtron/msrcn")
+    guard = start_guard(ros1, missioned((MOVING,), (event,), (rule,)), "/rtron/msrcn")
     source = say(ros1, "battery", event.topic, event.type, yaml)
     navigate(ros1)
     wait_for_speed(driven, SPEED, "navigation")
     source.kill()
     wait_for_speed(driven, 0.0, "rest")
-    assert_ramped_to_rest(speeds(driven))
+    assert_ramped_to_rest(speeds(driven), guard)
     rest = len(speeds(driven))
     wait_for_navigation_to_go_on(ros1)
     assert set(speeds(driven)[rest:]) <= {0.0}
@@ -205,13 +206,13 @@ def wait_for_navigation_to_go_on(ros1):
 @pytest.mark.long
 def test_an_event_stops_the_robot_and_its_end_lets_it_go_on(ros1, driven):
     rule = MissionRule(name="light", when="red", block=("/cmd_vel",))
-    start_guard(ros1, missioned((MOVING,), (RED,), (rule,)), MSRCN_NODE)
+    guard = start_guard(ros1, missioned((MOVING,), (RED,), (rule,)), MSRCN_NODE)
     light = Light(ros1, "green")
     navigate(ros1)
     wait_for_speed(driven, SPEED, "navigation")
     light.turn("red")
     wait_for_speed(driven, 0.0, "rest")
-    assert_ramped_to_rest(speeds(driven))
+    assert_ramped_to_rest(speeds(driven), guard)
     rest = len(speeds(driven))
     wait_for_navigation_to_go_on(ros1)
     assert set(speeds(driven)[rest:]) <= {0.0}
@@ -270,12 +271,13 @@ def test_an_override_lets_the_robot_go_faster_until_it_expires(ros1, driven):
 
 @pytest.mark.long
 def test_a_dead_navigation_brings_the_robot_to_rest(ros1, driven):
-    start_guard(ros1, limited(PolicyName.CONSTRAIN, MOVING, max_vel_limit=SPEED), "/rtron/rsrcn")
+    plan = limited(PolicyName.CONSTRAIN, MOVING, max_vel_limit=SPEED)
+    guard = start_guard(ros1, plan, "/rtron/rsrcn")
     nav = navigate(ros1, speed=3.0)
     wait_for_speed(driven, SPEED, "the limited navigation")
     nav.kill()
     wait_for_speed(driven, 0.0, "rest")
-    assert_ramped_to_rest(speeds(driven))
+    assert_ramped_to_rest(speeds(driven), guard)
     assert max(speeds(driven)) <= SPEED
 
 
@@ -343,7 +345,7 @@ def patient_plan(**more):
 
 
 def test_a_navigation_whose_connection_closes_is_dead_at_once(ros1, driven):
-    start_guard(ros1, patient_plan(), CMD_VEL_GUARD)
+    guard = start_guard(ros1, patient_plan(), CMD_VEL_GUARD)
     active = ros1.spawn("rostopic", "echo", f"{CMD_VEL_GUARD}/cmd_vel/active")
     nav = navigate(ros1)
     wait_for_speed(driven, SPEED, "navigation")
@@ -352,7 +354,7 @@ def test_a_navigation_whose_connection_closes_is_dead_at_once(ros1, driven):
     wait_for(lambda: "stopping" in active.log, what="the stop")
     assert "stopping: flow1 has lost its publisher" in active.log
     wait_for_speed(driven, 0.0, "rest")
-    assert_ramped_to_rest(speeds(driven))
+    assert_ramped_to_rest(speeds(driven), guard)
 
 
 @pytest.mark.parametrize("policy", [PolicyName.PREEMPTION, PolicyName.PRIORITY_QUEUE])
