@@ -36,6 +36,7 @@ DURATION_RANGES: Mapping[str, tuple[int, int]] = {
     "repeat": (0, _HOUR),
     "stall_after": (SECOND // 50, SECOND // 5),
     "kill_after": (SECOND // 2, 10 * SECOND),
+    "deliver_within": (SECOND // 5, 5 * SECOND),
     "start_within": (2 * SECOND, 2 * _MINUTE),
     "within": (SECOND // 20, 10 * SECOND),
 }

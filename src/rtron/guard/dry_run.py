@@ -23,6 +23,7 @@ from rtron.guard.runner import (
 from rtron.guard.settings.applier import SettingsApplier
 from rtron.guard.settings.in_force import SettingsInForce, settings_at_start
 from rtron.guard.settings.intrusion_clearing import create_request_handler
+from rtron.guard.supervision.delivery_watch import DeliveryEcho
 from rtron.vocabulary import Plan, build_streams
 
 if TYPE_CHECKING:
@@ -60,7 +61,7 @@ def run_dry(
         dry_run=True,
         handover=supervisor.handover_state,
     )
-    parts: list[Part] = [GraphPart(coordinator.open, transport)]
+    parts: list[Part] = [GraphPart(coordinator.open, transport), DeliveryEcho(transport)]
     if link:
         settings = SettingsInForce(SettingsApplier(plan, coordinator, transport))
         settings_at_start(settings, link)

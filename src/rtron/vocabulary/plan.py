@@ -265,12 +265,14 @@ class Supervision:
     """How long the guard may give no sign of life before its supervisor acts.
 
     After `stall_after` (ns) the robot is stopped, after `kill_after` (ns) the guard is killed and
-    the next one begins. A guard may take `start_within` (ns) until its topics are open, and a
-    supervisor that takes over a running guard until it watches.
+    the next one begins. It is stopped, too, while nothing that goes into the guard comes out of it
+    again within `deliver_within` (ns). A guard may take `start_within` (ns) until its topics are
+    open, and a supervisor that takes over a running guard until it watches.
     """
 
     stall_after: int = 55 * SECOND // 1000
     kill_after: int = SECOND
+    deliver_within: int = SECOND // 2
     start_within: int = 20 * SECOND
 
 

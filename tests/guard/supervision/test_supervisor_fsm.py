@@ -30,6 +30,10 @@ def silent(duration, delay=0):
     return GuardObservation(duration, is_serving=True, delay=delay)
 
 
+def stuck(duration, delay=0):
+    return GuardObservation(0, is_serving=True, delay=delay, undelivered=duration)
+
+
 def serving(now=0, bounds=BOUNDS):
     fsm = SupervisorFsm(now, bounds)
     assert fsm.tick(now, ABSENT) == (SupervisorAction.SPAWN,)
@@ -227,6 +231,38 @@ def test_another_supervisor_is_left_the_guard():
     assert fsm.hand_over() == (SupervisorAction.LEAVE,)
     assert fsm.connection_lost(1) == ()
     assert fsm.tick(2, silent(GUARD_HANG_TIMEOUT)) == ()
+
+
+def test_a_guard_that_beats_and_does_not_deliver_is_stopped_and_not_killed():
+    fsm = serving()
+    bound = BOUNDS.deliver_within
+    assert fsm.tick(1, stuck(bound - 1)) == ()
+    assert fsm.tick(2, stuck(bound)) == (SupervisorAction.BRAKE,)
+    assert fsm.is_undelivered
+    assert fsm.tick(3, stuck(1000 * bound)) == ()
+    assert fsm.tick(4, WELL) == (SupervisorAction.RELEASE,)
+    assert not fsm.is_undelivered
+
+
+def test_delivery_may_be_later_on_a_busy_machine():
+    fsm = serving()
+    late = SECOND // 10
+    assert fsm.tick(1, stuck(BOUNDS.deliver_within + 3 * late - 1, late)) == ()
+    assert fsm.tick(2, stuck(BOUNDS.deliver_within + 3 * late, late)) == (SupervisorAction.BRAKE,)
+
+
+def test_a_guard_that_stands_still_is_not_blamed_for_its_delivery():
+    fsm = serving()
+    silence = GuardObservation(STALL_TIMEOUT, is_serving=True, undelivered=SECOND)
+    assert fsm.tick(1, silence) == (SupervisorAction.BRAKE,)
+    assert not fsm.is_undelivered
+
+
+def test_the_next_guard_is_not_blamed_for_what_the_last_one_did_not_deliver():
+    fsm = serving()
+    fsm.tick(1, stuck(SECOND))
+    dead(fsm, 2)
+    assert not fsm.is_undelivered
 
 
 def test_a_beat_that_stays_the_same_is_silence():

@@ -188,6 +188,7 @@ bounds = st.builds(
     Supervision,
     stall_after=within("stall_after"),
     kill_after=within("kill_after"),
+    deliver_within=within("deliver_within"),
     start_within=within("start_within"),
 )
 definitions = st.builds(

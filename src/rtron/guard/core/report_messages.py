@@ -11,6 +11,7 @@ _F64 = struct.Struct("<d")
 _ALIGNMENT = 4
 
 STRING = TypeInfo("std_msgs/String", "992ce8a1687cec8c8bd883ec73ca41d1", "string data\n")
+UINT64 = TypeInfo("std_msgs/UInt64", "1b2a79973e8bf53d7b53acb71299cb57", "uint64 data\n")
 FLOAT64 = TypeInfo("std_msgs/Float64", "fdb28210bfa9d7c91146260178d9a584", "float64 data\n")
 _SEPARATOR = "=" * 80
 

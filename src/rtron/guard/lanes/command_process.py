@@ -30,6 +30,7 @@ from rtron.guard.runner import (
 from rtron.guard.settings.applier import SettingsApplier
 from rtron.guard.settings.in_force import SettingsInForce, settings_at_start
 from rtron.guard.settings.intrusion_clearing import create_request_handler
+from rtron.guard.supervision.delivery_watch import DeliveryEcho
 from rtron.vocabulary import Mode, Plan, build_streams
 
 if TYPE_CHECKING:
@@ -75,6 +76,7 @@ def run_command_process(
     parts: list[Part] = [
         connection,
         GraphPart(coordinator.open_nodes, transport),
+        DeliveryEcho(transport),
         LaneReports(connection, coordinator, loop, len(streams) + len(bulk)),
         middleware.create_auditor(response, connection),
     ]

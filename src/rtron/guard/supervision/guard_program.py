@@ -11,7 +11,7 @@ from rtron.errors import RTronError
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.message_types import standard_info
 from rtron.guard.core.observations import observations_of
-from rtron.guard.core.report_messages import DIAGNOSTICS, STRING
+from rtron.guard.core.report_messages import DIAGNOSTICS, STRING, UINT64
 from rtron.guard.dry_run import run_dry
 from rtron.guard.lanes.command_process import run_command_process
 from rtron.guard.log_format import start_logging
@@ -69,7 +69,8 @@ def _load(plan: Plan) -> None:
     What fails here fails again when the guard begins, and is reported there.
     """
     encoding = Encoding.ROS1 if plan.ros == 1 else Encoding.CDR
-    types = [DIAGNOSTICS[encoding].type, STRING.type, *(each.type for each in build_streams(plan))]
+    own = [DIAGNOSTICS[encoding].type, STRING.type, UINT64.type]
+    types = [*own, *(each.type for each in build_streams(plan))]
     with suppress(RTronError):
         observations_of(plan)
         load_types(plan.ros, types)

@@ -37,6 +37,8 @@ class StatusWord(IntEnum):
     """The process that started the supervisor, roslaunch or a shell. The supervisor's."""
     READY = 6
     """When the guard had loaded what it needs to begin (ns), 0 before. The guard's."""
+    UNDELIVERED = 7
+    """Whether the supervisor's pings do not come back through the guard. The supervisor's."""
 
 
 class GuardMemory:

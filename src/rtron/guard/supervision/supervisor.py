@@ -10,6 +10,7 @@ from rtron.errors import SourceError
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.log_throttle import LogThrottle
 from rtron.guard.core.printable import printable
+from rtron.guard.supervision.delivery_watch import DeliveryWatch
 from rtron.guard.supervision.guard_config import GuardConfig, stopped_streams
 from rtron.guard.supervision.guard_process import GuardProcess, adopt_guard, spawn_guard
 from rtron.guard.supervision.helper_process import HelperProcess
@@ -64,6 +65,7 @@ class Supervisor:
         self._brakes = StreamBrakes(streams, self._transport, memory)
         self._watchdog = Watchdog(loop.now())
         self._delay = SchedulingDelay(loop.now())
+        self._delivery = DeliveryWatch(self._transport, loop.now())
         self._fsm = SupervisorFsm(
             loop.now(), config.plan.supervision, is_adopted=self._guard is not None
         )
@@ -123,8 +125,10 @@ class Supervisor:
             bool(self._memory[word]) for word in (StatusWord.SERVING, StatusWord.LEAVING)
         )
         delay = self._delay.update(now)
-        observation = GuardObservation(silence, is_serving, is_leaving, delay)
+        undelivered = self._delivery.tick(now)
+        observation = GuardObservation(silence, is_serving, is_leaving, delay, undelivered)
         self._perform(self._fsm.tick(now, observation), now)
+        self._memory[StatusWord.UNDELIVERED] = self._fsm.is_undelivered
         self._reap(now)
         self._prepare_spare(now)
         if self._memory[StatusWord.SERVING] and not self._is_leaving:
@@ -181,6 +185,7 @@ class Supervisor:
         self._brakes.follow(self._memory)
         former.close()
         self._watchdog = Watchdog(now)
+        self._delivery.reset(now)
         self._guard = guard
         self._watch_connection(guard)
         log.info("the guard begins, process %d", guard.pid)
@@ -246,9 +251,14 @@ class Supervisor:
     def _brake(self, now: int) -> None:
         """Stop the robot."""
         if not self._memory[StatusWord.LEAVING]:
-            state = "is gone" if self._fsm.phase is GuardPhase.LOST else "stands still"
-            log.error("the guard %s: the robot is stopped", state)
+            log.error("the guard %s: the robot is stopped", self._guard_state())
         self._brakes.brake("the guard does not answer", now)
+
+    def _guard_state(self) -> str:
+        """Return what is wrong with the guard."""
+        if self._fsm.phase is GuardPhase.LOST:
+            return "is gone"
+        return "does not deliver" if self._fsm.is_undelivered else "stands still"
 
     def _send_signal(self, number: int) -> None:
         if self._fsm.phase is GuardPhase.KILLED:

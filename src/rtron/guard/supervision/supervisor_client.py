@@ -58,6 +58,8 @@ _DISMISS_TIMEOUT = SECOND
 UNSUPERVISED_LIMIT = 2 * SECOND
 """How long the guard waits for a supervisor to come before it starts one, ns."""
 _ALARM_DURATION = 30 * SECOND
+_DELIVERY = "delivery"
+_UNDELIVERED = "what goes into the guard does not come out in time: the robot is stopped"
 
 
 class SupervisorClient:
@@ -89,6 +91,7 @@ class SupervisorClient:
         self._guard_socket = bind_guard_socket(config.master)
         self._backup: subprocess.Popen[bytes] | None = None
         self._last_stop = 0
+        self._undelivered: Alarm | None = None
         self._is_starting = self._is_dismissed = False
         self._disconnected_at = 0
         self._is_ending = False
@@ -135,6 +138,7 @@ class SupervisorClient:
         for guarded in self._stoppable:
             guarded.store_order()
         self._notice_stop()
+        self._follow_delivery(now)
         self._check_supervisor(now)
 
     def _notice_stop(self) -> None:
@@ -149,6 +153,20 @@ class SupervisorClient:
         self._raise_temporary_alarm(
             AlarmKind.GUARD, "it stood still, and the supervisor stopped the robot"
         )
+
+    def _follow_delivery(self, now: int) -> None:
+        """Keep the robot stopped while the supervisor sees that nothing comes out of the guard."""
+        is_undelivered = bool(self._memory[StatusWord.UNDELIVERED])
+        if is_undelivered and self._undelivered is None:
+            self._undelivered = Alarm(kind=AlarmKind.GUARD, reason=_UNDELIVERED, node=GUARD_NODE)
+            self._host.alarms.raise_(self._undelivered, now)
+            for guarded in self._stoppable:
+                guarded.brake(_DELIVERY, _UNDELIVERED)
+        elif self._undelivered and not is_undelivered:
+            self._host.alarms.clear(self._undelivered)
+            self._undelivered = None
+            for guarded in self._stoppable:
+                guarded.release(_DELIVERY)
 
     def _check_supervisor(self, now: int) -> None:
         if self._is_ending:

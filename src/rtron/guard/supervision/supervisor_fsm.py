@@ -56,13 +56,15 @@ class SupervisorAction(Enum):
 class GuardObservation:
     """What is seen of the guard: how long it has not beaten (ns), and what it says of itself.
 
-    `delay` is how late processes are on this machine now (ns).
+    `delay` is how late processes are on this machine now (ns), `undelivered` how long (ns) nothing
+    that was sent into the guard has come out of it.
     """
 
     silence: int
     is_serving: bool
     is_leaving: bool = False
     delay: int = 0
+    undelivered: int = 0
 
 
 class SupervisorFsm:
@@ -78,6 +80,8 @@ class SupervisorFsm:
         self._has_served = is_adopted
         self._failures = 0
         self._is_ending = False
+        self.is_undelivered = False
+        """Whether the guard gives signs of life, and what is sent into it does not come out."""
         self._start_timeout = bounds.start_within
 
     def tick(self, now: int, observation: GuardObservation) -> tuple[SupervisorAction, ...]:
@@ -159,6 +163,8 @@ class SupervisorFsm:
         ):
             return self._kill()
         is_stalled = observation.is_leaving or self._is_silent(observation)
+        self.is_undelivered = not is_stalled and self._is_stuck(observation)
+        is_stalled |= self.is_undelivered
         if is_stalled == (self.phase is GuardPhase.STALLED):
             return ()
         self.phase = GuardPhase.STALLED if is_stalled else GuardPhase.SERVING
@@ -168,6 +174,10 @@ class SupervisorFsm:
         """Tell whether the guard is silent for longer than the machine explains."""
         usual = min(3 * observation.delay + 2 * BEAT_PERIOD, LONGEST_STALL)
         return observation.silence >= max(self._bounds.stall_after, usual)
+
+    def _is_stuck(self, observation: GuardObservation) -> bool:
+        """Tell whether nothing comes out of the guard for longer than the machine explains."""
+        return observation.undelivered >= self._bounds.deliver_within + 3 * observation.delay
 
     def _is_overdue(self, now: int) -> bool:
         return self._is_ending and now - self._phase_since > END_TIMEOUT
@@ -183,6 +193,7 @@ class SupervisorFsm:
     def _await_next(self, now: int) -> None:
         self._restart_due = now + self._delay(now)
         self._serving_since = None
+        self.is_undelivered = False
         self.phase = GuardPhase.WAITING
 
     def _delay(self, now: int) -> int:

@@ -76,8 +76,9 @@ _SECTIONS = {
 """,
     "supervision": """
 # When the supervisor acts: it stops the robot when the guard gives no sign of life for
-# `stall_after` (55 ms; on a busy machine up to 100 ms), and kills it after `kill_after` (1 s). A
-# start may take `start_within` (20 s).
+# `stall_after` (55 ms; on a busy machine up to 100 ms), and kills it after `kill_after` (1 s). It
+# stops the robot, too, while its own pings do not come back through the guard `deliver_within`
+# (0.5 s). A start may take `start_within` (20 s).
 """,
     "messages": """
 # Message types that RTron does not know, as `rosmsg show -r TYPE` prints them, or as their files in
