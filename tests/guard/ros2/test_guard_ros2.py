@@ -9,6 +9,7 @@ from dataclasses import replace
 from itertools import accumulate, pairwise
 
 import pytest
+from frozen_threads import frozen, threads_named
 from harness import wait_for
 
 pytest.importorskip("rclpy", reason="needs ROS 2")
@@ -163,6 +164,21 @@ def test_a_guard_that_dies_stops_the_robot_and_comes_back(ros2, guard):
     kill_guard(supervisor, driver)
     stopped = speeds(driver)["0.5"]
     wait_for(lambda: speeds(driver)["0.5"] > stopped + 20, what="the navigation, guarded again")
+
+
+def test_a_guard_stops_the_robot_while_its_middleware_stands_still_and_its_loop_runs(ros2, guard):
+    driver = ros2.node("twist_subscriber.py", OUT, name="/driver")
+    supervisor = guard()
+    speaker(ros2, "/nav", NAV, "0.5", "50")
+    wait_for(lambda: speeds(driver)["0.5"] > 50, what="the navigation")
+    wait_for(lambda: "its delivery is watched" in supervisor.log, what="the first ping")
+    before = stops(driver)
+    with frozen(threads_named(guard_of(supervisor), "dds.")):
+        wait_for(lambda: "does not deliver: the robot is stopped" in supervisor.log, what="word")
+        wait_for(lambda: stops(driver) > before, what="the stop")
+    wait_for(lambda: "what goes into the guard does not come out" in supervisor.log, what="alarm")
+    stopped = speeds(driver)["0.5"]
+    wait_for(lambda: speeds(driver)["0.5"] > stopped + 20, what="the navigation, delivered again")
 
 
 def test_a_guard_that_has_a_spare_is_back_within_a_second_and_no_relic_stops_the_robot(ros2, guard):

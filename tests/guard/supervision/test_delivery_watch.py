@@ -114,7 +114,8 @@ def test_the_guard_answers_nobody_but_the_supervisor(peer):
 
 
 @pytest.mark.parametrize(
-    "message", [b"", b"\x08\0\0\0", b"\x08\0\0\0" + b"\xff" * 8, b"\x08\0\0\0" + bytes(8), bytes(99)]
+    "message",
+    [b"", b"\x08\0\0\0", b"\x08\0\0\0" + b"\xff" * 8, b"\x08\0\0\0" + bytes(8), bytes(99)],
 )
 def test_an_answer_to_no_ping_is_none(message):
     watched = Watched()

@@ -16,6 +16,7 @@ from driven_base import CMD_VEL_GUARD, PATIENCE, Driven, drive_plan, start_guard
 from harness import free_port, lives, named, wait_for
 from rostopic import TWIST, say
 
+from rtron.guard.supervision.delivery_watch import ECHO_TOPIC
 from rtron.guard.supervision.shared_memory import GuardMemory
 from rtron.guard.supervision.supervisor_client import SUPERVISOR_HANG_TIMEOUT
 from rtron.guard.supervision.supervisor_handover import (
@@ -25,6 +26,7 @@ from rtron.guard.supervision.supervisor_handover import (
 )
 from rtron.planning.plan_file.writer import write_plan
 from rtron.vocabulary import GUARD_NODE, SECOND, SUPERVISOR_NODE, Plan, Supervision
+from rtron.wire.ros1.xmlrpc import ros_call
 
 pytestmark = pytest.mark.ros1
 SPEED, FORBIDDEN = 0.8, 9.0
@@ -258,6 +260,23 @@ def test_the_guard_goes_on_without_its_supervisor_and_gets_another(supervised):
     os.kill(guard, signal.SIGKILL)
     stopped = supervised.wait_for_stop(told)
     supervised.wait_for_speed("the velocity through the next guard", stopped)
+    supervised.assert_nothing_unchecked()
+
+
+def test_the_robot_is_stopped_while_nothing_comes_out_of_the_guard(supervised):
+    """The master forgets the guard's echo, until the guard tells it again: the guard beats on."""
+    guard, log = supervised.guard, lambda: supervised.process.log
+    wait_for(lambda: "its delivery is watched" in log(), what="the first ping")
+    told = len(supervised.speeds())
+    master, uri = supervised.ros1.uri, supervised.ros1.uri_of(GUARD_NODE)
+    ros_call(master, "unregisterPublisher", GUARD_NODE, ECHO_TOPIC, uri, timeout=10)
+    supervised.wait_for_stop(told)
+    wait_for(lambda: "does not deliver: the robot is stopped" in log(), what="the reason")
+    diagnostics = supervised.ros1.run("rostopic", "echo", "-n", "1", "/diagnostics")
+    assert "what goes into the guard does not come out in time" in " ".join(diagnostics.split())
+    wait_for(lambda: 0.0 in supervised.speeds()[told:], what="rest")
+    supervised.wait_for_speed("the velocity, delivered again", len(supervised.speeds()))
+    assert supervised.guard == guard
     supervised.assert_nothing_unchecked()
 
 

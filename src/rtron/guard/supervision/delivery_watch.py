@@ -3,6 +3,7 @@
 That is the middleware, the guard's loop, and the middleware again.
 """
 
+import logging
 import secrets
 import struct
 
@@ -12,10 +13,13 @@ from rtron.guard.transport.common.protocol import MessageHandler, Output, Peer, 
 from rtron.messages.common.encoding import PREFIX
 from rtron.vocabulary import GUARD_NODE, PRIVATE_ROOT, SECOND, SUPERVISOR_NODE
 
+log = logging.getLogger(__name__)
+
 PING_PERIOD = SECOND // 20
 """The time between two pings, ns."""
 PING_TOPIC = f"{PRIVATE_ROOT}/ping"
 ECHO_TOPIC = f"{PRIVATE_ROOT}/echo"
+_UNKNOWN_AFTER = 30 * SECOND
 _NUMBER = struct.Struct("<Q")
 
 
@@ -34,6 +38,7 @@ class DeliveryWatch:
         """Watch another guard, which is not connected yet."""
         self._first = self._returned = self._sent
         self._watchdog = Watchdog(now)
+        self._unknown_at: int | None = now + _UNKNOWN_AFTER
 
     @property
     def is_known(self) -> bool:
@@ -49,6 +54,9 @@ class DeliveryWatch:
             self._ping_due = now + PING_PERIOD
             self._sent += 1
             self._output.publish(self._encoding.prefix(_NUMBER.size) + _NUMBER.pack(self._sent))
+        if self._unknown_at is not None and now > self._unknown_at:
+            self._unknown_at = None
+            log.warning("no ping has come back through the guard: its delivery is not watched")
         silence = self._watchdog.update(now, self._returned)
         return silence if self.is_known else 0
 
@@ -56,7 +64,13 @@ class DeliveryWatch:
         if len(message) == PREFIX + _NUMBER.size:
             (number,) = _NUMBER.unpack_from(message, PREFIX)
             if self._returned < number <= self._sent:
-                self._returned = number
+                self._note_returned(number)
+
+    def _note_returned(self, number: int) -> None:
+        if not self.is_known:
+            self._unknown_at = None
+            log.info("pings come back through the guard: its delivery is watched")
+        self._returned = number
 
 
 class DeliveryEcho:
