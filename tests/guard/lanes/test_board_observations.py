@@ -1,24 +1,46 @@
 """What the command process takes from the board: numbers with their age, the worst where stale."""
 
+from dataclasses import replace
+
 import pytest
 from plans import plan_of
 
 from rtron.guard.lanes.board import STALE_AFTER, Board, EventRecord, RateRecord
 from rtron.guard.lanes.board_observations import BoardObservations
 from rtron.policies.mission.event_bits import EventState
-from rtron.vocabulary import MSRCN, SECOND, EventFlow, FpsMonitor, MissionRule, Mode, PolicyName
+from rtron.vocabulary import (
+    MSRCN,
+    SECOND,
+    EventFlow,
+    FpsMonitor,
+    MissionRule,
+    Mode,
+    PolicyName,
+    WhenUnknown,
+)
 
 MONITOR = FpsMonitor(id="fps", node="/detector", topic="/image", silent_after=10 * SECOND)
 RED = EventFlow(name="red", topic="/light", publisher="/light", max_age=100 * SECOND)
 NOW = 1000 * SECOND
 
 
-def plan(**rule):
+LENIENT = EventFlow(
+    name="red",
+    topic="/light",
+    publisher="/light",
+    max_age=100 * SECOND,
+    on_silence=WhenUnknown.CLEAR,
+)
+PRESENT = replace(LENIENT, present=30 * SECOND)
+"""Both count as "not red" when nobody says anything."""
+
+
+def plan(red=RED, **rule):
     msrcn = MSRCN(
         id="msrcn",
         mode=Mode.ENFORCE,
         policy=PolicyName.BLOCK,
-        eflows=(RED,),
+        eflows=(red,),
         rules=(MissionRule(name="light", when="red", block=("/cmd_vel",), **rule),),
     )
     return plan_of(msrcn=msrcn, fps_monitor=(MONITOR,))
@@ -27,8 +49,8 @@ def plan(**rule):
 class Boarded:
     """The observations of a command process, and the board that the bulk process writes."""
 
-    def __init__(self, **rule):
-        self.observed = BoardObservations(plan(**rule))
+    def __init__(self, red=RED, **rule):
+        self.observed = BoardObservations(plan(red, **rule))
         self.board = Board.create(1, 1)
 
     def connect(self, now=NOW):
@@ -130,3 +152,71 @@ def test_an_event_that_is_fresh_again_was_not_heard_again():
     boarded.board.write_event(0, EventRecord(state, later))
     assert boarded.red(later) is True
     assert boarded.rule.is_blocking
+
+
+@pytest.mark.parametrize("flow", [LENIENT, PRESENT])
+def test_a_stale_bit_is_not_known_whatever_silence_counts_as(flow):
+    boarded = Boarded(flow)
+    assert boarded.red() is None
+    boarded.connect()
+    boarded.event(red=True)
+    assert boarded.red() is True
+    assert boarded.red(NOW + STALE_AFTER) is None
+    assert boarded.rule.is_blocking
+    boarded.observed.connect(None, NOW)
+    assert boarded.red() is None
+
+
+class Restarted(Boarded):
+    """The same, after the bulk process was replaced: the next one has heard nothing yet."""
+
+    def __init__(self, red, *, was_red, publishers=1):
+        super().__init__(red)
+        self.connect()
+        self.event(red=was_red)
+        self.red()
+        self.observed.connect(None, NOW)
+        self.board = Board.create(1, 1)
+        self.hears_nothing(publishers)
+        self.connect()
+
+    def hears_nothing(self, publishers, now=NOW):
+        self.board.write_event(0, EventRecord(EventState(publishers), now))
+
+
+@pytest.mark.parametrize("publishers", [0, 1])
+@pytest.mark.parametrize("flow", [LENIENT, PRESENT])
+def test_an_event_outlives_the_process_that_has_heard_it(flow, publishers):
+    boarded = Restarted(flow, was_red=True, publishers=publishers)
+    assert boarded.red() is True
+    assert boarded.rule.is_blocking
+
+
+def test_what_nobody_says_again_in_time_is_silence():
+    boarded = Restarted(LENIENT, was_red=True, publishers=0)
+    for later, red in ((5 * SECOND - 1, True), (5 * SECOND, False)):
+        boarded.hears_nothing(0, NOW + later)
+        assert boarded.red(NOW + later) is red
+
+
+def test_presence_lasts_as_long_as_the_plan_says_also_over_a_restart():
+    boarded = Restarted(PRESENT, was_red=True)
+    for later, red in ((30 * SECOND - 1, True), (30 * SECOND, False)):
+        boarded.hears_nothing(1, NOW + later)
+        assert boarded.red(NOW + later) is red
+
+
+def test_what_the_next_process_hears_takes_the_place_of_what_was_heard():
+    boarded = Restarted(LENIENT, was_red=True)
+    boarded.event(red=False, at=NOW + 1)
+    assert boarded.red(NOW + 1) is False
+    boarded.board.write_event(0, EventRecord(EventState(), NOW + 2))
+    assert boarded.red(NOW + 2) is False, "silence, which counts as not red"
+    boarded.observed.connect(None, NOW + 3)
+    assert boarded.red(NOW + 3) is None
+
+
+def test_an_old_event_over_a_restart_meets_no_rule():
+    boarded = Restarted(RED, was_red=True)
+    assert boarded.red() is True
+    assert not boarded.rule.is_met

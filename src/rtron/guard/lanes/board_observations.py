@@ -11,6 +11,9 @@ from rtron.policies.mission.rule_status import MissionMonitor
 from rtron.policies.velocity_limit.frame_monitors import FrameMonitor, FrameRateReport
 from rtron.vocabulary import SECOND, FpsMonitor, Plan
 
+_RECONNECTED_WITHIN = 5 * SECOND
+"""How long a bulk process may take to hear again what the one before has heard, ns."""
+
 
 class BoardMonitor(FrameMonitor):
     """One fps_monitor whose frames another process counts."""
@@ -66,7 +69,7 @@ class BoardView:
 
 
 class BoardObservations:
-    """Keeps a mission's bits as they stand on the board."""
+    """Keeps a mission's bits as they stand on the board; a bit that is stale there is not known."""
 
     def __init__(self, plan: Plan) -> None:
         self.view = BoardView()
@@ -78,22 +81,46 @@ class BoardObservations:
         self.observations: Observations = replace(planned, monitors=(), events=())
         """What the policies of the command process depend on; it subscribes to nothing."""
         self._flows = [flow.name for flow in plan.msrcn.eflows] if plan.msrcn else []
+        self._before: dict[str, EventState] = {}
+        self._connected_at = 0
+        self.connect(None, 0)
 
     def connect(self, board: Board | None, now: int) -> None:
-        """Look at another bulk process's board; what it has heard until now counts for no rule."""
+        """Look at another bulk process's board, or at none.
+
+        What the process before has heard goes on for a moment, until this one has heard something.
+        """
         self.view.replace(board)
+        self._connected_at = now
         bits = self._mission.bits.by_name
+        self._before = {flow: bits[flow].state for flow in self._flows}
         for index, flow in enumerate(self._flows):
-            bits[flow].restore(self.view.event(index, now) or EventState())
-        self._mission.update(now)
+            found = self.view.event(index, now)
+            bits[flow].restore(self._continued(flow, found or EventState(), now))
+        self.update(now)
 
     def update(self, now: int) -> None:
         """Look at the events again: they may have changed, or be stale."""
-        bits = self._mission.bits.by_name
         for index, flow in enumerate(self._flows):
-            nobody = EventState(true_count=bits[flow].state.true_count)
-            self._mission.restore(flow, self.view.event(index, now) or nobody)
+            if found := self.view.event(index, now):
+                self._mission.restore(flow, self._continued(flow, found, now))
+            else:
+                self._mission.bits.by_name[flow].forget()
         self._mission.update(now)
+
+    def _continued(self, flow: str, found: EventState, now: int) -> EventState:
+        """Return what is known of an eflow, with what the process before has heard of it."""
+        before = self._before[flow]
+        times = [each for each in (found.triggered, before.triggered) if each is not None]
+        found = found._replace(triggered=max(times, default=None))
+        if found.newest is not None:
+            self._before[flow] = EventState(triggered=before.triggered)
+        elif before.newest is not None and now - self._connected_at < _RECONNECTED_WITHIN:
+            publishers = max(found.publishers, before.publishers)
+            found = found._replace(
+                publishers=publishers, newest=before.newest, judged=before.judged
+            )
+        return found
 
     @property
     def _mission(self) -> MissionMonitor:

@@ -50,12 +50,12 @@ class BulkConnection:
     def __init__(
         self,
         loop: EventLoop,
-        master: str,
+        configuration: str,
         board: BoardObservations,
         host: Coordinator,
         streams: frozenset[str],
     ) -> None:
-        """`streams` are the public names of those that the bulk process carries."""
+        """Take the configuration's digest, and the public names of the streams carried there."""
         self.nodes = NodesReport()
         self.former_uris: frozenset[str] = frozenset()
         """The URIs that the nodes of the bulk process before had (ROS 1)."""
@@ -65,7 +65,7 @@ class BulkConnection:
         self.on_settings: Callable[[Settings], None] = lambda settings: None
         self.connect_listeners: list[Callable[[], None]] = []
         self._loop = loop
-        self._address = bulk_address(master)
+        self._address = bulk_address(configuration)
         self._board = board
         self._host = host
         self._channel: MessageChannel | None = None

@@ -41,10 +41,12 @@ _UNSUPERVISED = 3 * SECOND
 _UNUSED = 30 * SECOND
 
 
-def run_bulk_process(plan: Plan, master: str, *, link: LinkOptions | None = None) -> None:
+def run_bulk_process(
+    plan: Plan, master: str, configuration: str, *, link: LinkOptions | None = None
+) -> None:
     """Serve the command process at a ROS 1 master or in a ROS 2 domain, until stopped.
 
-    SourceError if the guard there has a bulk process already.
+    `configuration` is the digest of the guard's. SourceError if it has a bulk process already.
     """
     os.nice(_NICE)
     raise_file_limit()
@@ -55,7 +57,7 @@ def run_bulk_process(plan: Plan, master: str, *, link: LinkOptions | None = None
     streams = build_streams(bulk_part(plan))
     coordinator = Coordinator(transport, streams, observations, node=BULK_NODE)
     writer = BoardWriter(observations, loop)
-    lane = CommandLane(loop, master, writer, coordinator.alarms)
+    lane = CommandLane(loop, configuration, writer, coordinator.alarms)
     coordinator.on_observed = writer.refresh
     coordinator.other_statuses = lane.statuses
     transport.set_unreadable_handler(UnreadableInputAlarms(coordinator.alarms, transport).report)

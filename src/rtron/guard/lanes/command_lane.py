@@ -36,8 +36,10 @@ _PAUSE_S = 0.5
 class CommandLane:
     """Serves the command process that has connected last; without one, nothing moves the robot."""
 
-    def __init__(self, loop: EventLoop, master: str, writer: BoardWriter, alarms: Alarms) -> None:
-        """SourceError if the guard on `master` has another bulk process."""
+    def __init__(
+        self, loop: EventLoop, configuration: str, writer: BoardWriter, alarms: Alarms
+    ) -> None:
+        """SourceError if the guard with this configuration has another bulk process."""
         self.state = LaneState()
         self.on_order: Callable[[object], None] = _ignore
         """Takes what the command process asks for."""
@@ -53,7 +55,7 @@ class CommandLane:
         self._record: RecordEvent | None = None
         self._on_change: Callable[[], None] = lambda: None
         self._channel: MessageChannel | None = None
-        self._server = _bind(master)
+        self._server = _bind(configuration)
 
     @property
     def is_connected(self) -> bool:
@@ -157,14 +159,16 @@ class CommandLane:
             on_answer(answer.error)
 
 
-def _bind(master: str) -> socket.socket:
+def _bind(configuration: str) -> socket.socket:
     sock = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
     try:
-        sock.bind(bulk_address(master))
+        sock.bind(bulk_address(configuration))
     except OSError:
         sock.close()
-        message = f"the guard on {master} has a bulk process already"
-        raise SourceError(message, help="it ends soon after its guard") from None
+        raise SourceError(
+            "the guard has a bulk process already, or another user has its address",
+            help="it ends soon after its guard; `ss -xlp` shows who has @rtron-bulk-…",
+        ) from None
     sock.listen()
     sock.settimeout(0)
     return sock

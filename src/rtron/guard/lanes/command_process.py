@@ -69,7 +69,7 @@ def run_command_process(
     coordinator = Coordinator(transport, streams, board.observations, handover=handover)
     bulk = build_streams(bulk_part(plan))
     connection = BulkConnection(
-        loop, master, board, coordinator, frozenset(each.topic for each in bulk)
+        loop, supervisor.configuration, board, coordinator, frozenset(each.topic for each in bulk)
     )
     middleware.set_other_pids(connection.pids)
     response = _alarm_response(plan, coordinator, transport, connection)

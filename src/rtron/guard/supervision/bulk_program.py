@@ -17,7 +17,8 @@ def main(numbers: str) -> None:
     start_logging(config.log_level, "bulk")
 
     def carry() -> int:
-        run_bulk_process(config.plan, config.master, link=config.options.get("link"))
+        link = config.options.get("link")
+        run_bulk_process(config.plan, config.master, config.digest, link=link)
         return 0
 
     sys.exit(run_program(carry))

@@ -83,6 +83,7 @@ class SupervisorClient:
             memory.handover_state.read()[1], memory.handover_state.write
         )
         self.session = session
+        self.configuration = config.digest
         self._config = config
         self._config_file = config_file
         self._memory = memory

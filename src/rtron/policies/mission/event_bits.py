@@ -51,6 +51,7 @@ class EventBit:
         self._triggered: int | None = None
         self._true_count = 0
         self._last_known: Truth = None
+        self._is_observed = True
 
     def add_publisher(self) -> None:
         """Note that the publisher is connected."""
@@ -78,12 +79,21 @@ class EventBit:
 
     def restore(self, state: EventState) -> bool:
         """Take what another process has heard; tell whether `when` held for a message since."""
-        before = self._true_count
+        before, self._is_observed = self._true_count, True
         self._publishers, self._newest, self._judged, self._triggered, self._true_count = state
         return self._true_count > before
 
+    def forget(self) -> None:
+        """Let nobody know the bit, whatever the plan says of silence, until `restore`.
+
+        Who listens to the source is away: whether it is silent cannot be told.
+        """
+        self._is_observed = False
+
     def value(self, now: int) -> Truth:
         """Return the bit at `now`, with what the plan says that an unknown one counts as."""
+        if not self._is_observed:
+            return None
         value = self._read(now) if self._publishers <= 1 else self.flow.on_error
         if isinstance(value, WhenUnknown):
             return self._last_known if value is WhenUnknown.KEEP else _COUNTS[value]

@@ -132,7 +132,7 @@ def describe_audit(audit: Audit) -> str:
 
 def describe_supervision(bounds: Supervision) -> str:
     """Return when the supervisor stops the robot, and when it kills the guard."""
-    stop = f"a guard without a sign of life: stop after {seconds(bounds.stall_after)}"
+    stop = f"no sign of life: stop after {seconds(bounds.stall_after)}"
     kill, start = seconds(bounds.kill_after), seconds(bounds.start_within)
     deliver = seconds(bounds.deliver_within)
     return f"{stop}, kill after {kill}, deliver within {deliver}, start within {start}"
