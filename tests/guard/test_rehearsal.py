@@ -11,7 +11,7 @@ from settings_app import PLAN, Base, limit
 from velocity_messages import twist
 
 from rtron.guard.core.event_loop import EventLoop
-from rtron.guard.rehearsal import LONGEST_PERIOD, PERIOD, Rehearsal
+from rtron.guard.rehearsal import PERIOD, SHARE, Rehearsal
 from rtron.guard.transport.common.stage import Stage
 from rtron.guard.transport.ros1.stage import Ros1Stage
 from rtron.messages.common.encoding import Encoding
@@ -127,7 +127,7 @@ def test_a_message_that_comes_before_a_part_is_handled_before_it(world, interrup
     world.run_idle()
     assert log == [*["arrive", "handle", "leave"][: interrupted - 1], "message"]
     assert world.rehearsal.finished == finished
-    world.base.transport.advance(LONGEST_PERIOD)
+    world.base.transport.advance(SHARE * PERIOD)
     world.run_idle()
     parts = [each for each in log if each != "message"]
     assert parts[:PARTS] == ["arrive", "handle", "leave"], "it goes on where it was interrupted"
@@ -161,7 +161,7 @@ def test_slow_rehearsals_come_seldom(world):
         world.base.drive(0.4)
         world.pass_time(100 * PERIOD)
     number = world.rehearsal.finished - before
-    assert 10 <= number <= (world.loop.now() - began) / LONGEST_PERIOD + 1
+    assert 10 <= number <= (world.loop.now() - began) / (SHARE * PERIOD) + 1
 
 
 def test_a_stream_without_commands_is_not_rehearsed(world):

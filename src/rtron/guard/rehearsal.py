@@ -26,8 +26,7 @@ from rtron.vocabulary import SECOND, UNAPPROVED, Stream
 log = logging.getLogger(__name__)
 
 PERIOD = SECOND // 1000
-LONGEST_PERIOD = 16 * PERIOD
-_SHARE = 10
+SHARE = 10
 """A rehearsal takes at most a tenth of the time."""
 _ACTIVE = SECOND
 """How long after its last command a stream is rehearsed."""
@@ -53,7 +52,7 @@ class Rehearsal:
 
     def open(self) -> None:
         """Begin a rehearsal, or go on with one, as soon as the loop is idle; and again later."""
-        pause = max(PERIOD, min(LONGEST_PERIOD, _SHARE * self._took))
+        pause = max(PERIOD, SHARE * self._took)
         if not self._parts:
             self._parts = self._next_parts()
         if self._parts:

@@ -20,6 +20,16 @@ def user_name(kind: str, subject: bytes) -> str:
     return f"rtron-{kind}-{os.getuid()}-{hashlib.sha256(subject).hexdigest()[:32]}"
 
 
+def is_taken(address: bytes) -> bool:
+    """Tell whether a process has an address, without a word to it."""
+    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as sock:
+        try:
+            sock.bind(address)
+        except OSError:
+            return True
+        return False
+
+
 def abstract_address(name: str) -> bytes:
     """Return an address in no file system (unix(7)): it is free again when its process ends."""
     return f"\0{name}".encode()

@@ -7,9 +7,14 @@ from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.observations import Observations
 from rtron.guard.lanes.board import REFRESH_PERIOD, Board, EventRecord, RateRecord
 from rtron.policies.mission.event_bits import EventBit, EventState
+from rtron.vocabulary import SECOND
 
 if TYPE_CHECKING:
     from rtron.policies.velocity_limit.frame_monitors import FrameMonitor
+
+
+NOTICE_PERIOD = SECOND // 200
+"""The least time between two notices that events have changed, ns."""
 
 
 class BoardWriter:
@@ -23,6 +28,8 @@ class BoardWriter:
         self.on_event_change: Callable[[], None] = lambda: None
         """Called when the records of events have changed."""
         self._states: list[EventState] = []
+        self._noticed_at = 0
+        self._is_notice_due = False
 
     def open(self) -> None:
         """Write each number now, and again before it is stale."""
@@ -41,7 +48,17 @@ class BoardWriter:
         self.board.written_at = now
         if states != self._states:
             self._states = states
-            self.on_event_change()
+            self._schedule_notice(now)
+
+    def _schedule_notice(self, now: int) -> None:
+        """Tell the change now or soon: an event that comes often costs the other side little."""
+        if not self._is_notice_due:
+            self._is_notice_due = True
+            self._loop.call_at(max(now, self._noticed_at + NOTICE_PERIOD), self._notify)
+
+    def _notify(self) -> None:
+        self._is_notice_due, self._noticed_at = False, self._loop.now()
+        self.on_event_change()
 
     def close(self) -> None:
         """Write no more."""

@@ -10,6 +10,7 @@ import signal
 import socket
 from collections import deque
 from contextlib import suppress
+from functools import partial
 from typing import TYPE_CHECKING
 
 from rtron.errors import WireError
@@ -29,6 +30,7 @@ from rtron.guard.lanes.messages import (
     ShutdownRequest,
 )
 from rtron.guard.supervision.watchdog import Watchdog
+from rtron.guard.transport.ros2.participants import MAX_LEASE
 from rtron.vocabulary import SECOND
 
 if TYPE_CHECKING:
@@ -40,6 +42,8 @@ log = logging.getLogger(__name__)
 
 _RETRY_S = 0.1
 _MAX_FORMER = 8
+_GREETING_S = 20.0
+"""How long a bulk process may listen before it greets: it joins the graph in between, s."""
 HANG_TIMEOUT = SECOND
 """Silence after which the bulk process is killed, ns; 30 ms of each time between looks count."""
 
@@ -73,7 +77,7 @@ class BulkConnection:
         self._watchdog = Watchdog(loop.now())
         self._streams = streams
         self._has_reported = False
-        self._former_participants: deque[bytes] = deque(maxlen=_MAX_FORMER)
+        self._former_participants: deque[tuple[bytes, int]] = deque(maxlen=_MAX_FORMER)
         self._is_closed = False
 
     @property
@@ -81,13 +85,23 @@ class BulkConnection:
         """Whether a bulk process is there."""
         return self._channel is not None
 
+    @property
+    def is_ready(self) -> bool:
+        """Whether a bulk process is there and has read what it was told."""
+        return self._channel is not None and not self._channel.has_pending
+
     def pids(self) -> list[int]:
         """Return the id of the bulk process, while it is connected."""
         return [self._pid] if self._channel else []
 
     def participants(self) -> frozenset[bytes]:
-        """Return its participant in the graph of ROS 2, and those of the ones before it."""
-        return frozenset(filter(None, (self.nodes.participant, *self._former_participants)))
+        """Return its participant in the graph of ROS 2, and those of the last ones before it.
+
+        These count only as long as a dead participant may stay in the graph.
+        """
+        since = self._loop.now() - MAX_LEASE
+        former = (each for each, lost_at in self._former_participants if lost_at > since)
+        return frozenset(filter(None, (self.nodes.participant, *former)))
 
     def unknown_streams(self) -> frozenset[str]:
         """Return its streams, until it has told its nodes."""
@@ -114,11 +128,18 @@ class BulkConnection:
             return
         sock = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
         sock.settimeout(0)
-        if sock.connect_ex(self._address) or peer_credentials(sock)[1] != os.getuid():
+        if sock.connect_ex(self._address) or not _is_own_process(sock):
             sock.close()
             self._loop.call_later(_RETRY_S, self._connect)
             return
         self._loop.watch(sock, lambda: self._greet(sock), lambda _: self._lose(sock))
+        self._loop.call_later(_GREETING_S, partial(self._end_silent_process, sock))
+
+    def _end_silent_process(self, sock: socket.socket) -> None:
+        """Kill a bulk process that listens and does not greet: it hangs in its start."""
+        if sock.fileno() >= 0 and self._channel is None and not self._is_closed:
+            log.error("the bulk process does not greet: it is killed")
+            _kill(peer_credentials(sock)[0])
 
     def _greet(self, sock: socket.socket) -> None:
         """Take the board, with which a bulk process greets."""
@@ -143,7 +164,7 @@ class BulkConnection:
     def _on_lost(self) -> None:
         self._channel, self._has_reported = None, False
         self.former_uris = frozenset(self.nodes.uris.values())
-        self._former_participants.append(self.nodes.participant)
+        self._former_participants.append((self.nodes.participant, self._loop.now()))
         self.nodes = NodesReport()
         if not self._is_closed:
             log.error("the bulk process is gone: frame rates and events are not known")
@@ -186,9 +207,19 @@ class BulkConnection:
         silence = self._watchdog.update(self._loop.now(), self._board.view.written_at)
         if silence > HANG_TIMEOUT and self._channel:
             log.error("the bulk process stands still: it is killed")
-            with suppress(ProcessLookupError):
-                os.kill(self._pid, signal.SIGKILL)
+            _kill(self._pid)
             self._channel.close()
+
+
+def _is_own_process(sock: socket.socket) -> bool:
+    """Tell whether a process of our user is at the other end; another container's has no id."""
+    pid, uid = peer_credentials(sock)
+    return uid == os.getuid() and pid > 0
+
+
+def _kill(pid: int) -> None:
+    with suppress(ProcessLookupError):
+        os.kill(pid, signal.SIGKILL)
 
 
 def _ignore(_topic: str, _node: str) -> None:

@@ -42,6 +42,11 @@ class MessageChannel:
         sock.settimeout(0)
         loop.watch(sock, self._on_readable, lambda _: self.close())
 
+    @property
+    def has_pending(self) -> bool:
+        """Whether something waits for the other side to read."""
+        return bool(self._pending)
+
     def send(self, message: object) -> None:
         """Send a message, now or as soon as there is room; nothing after the end."""
         body = pickle.dumps(message)

@@ -143,7 +143,7 @@ class CommandLane:
 
     def _record_event(self, message: RecordedEvent) -> None:
         if self._record:
-            self._record(message.kind, message.level, **message.values)
+            self._record(message.kind, message.level, at=message.at, **message.values)
 
     def _mirror_alarm(self, change: AlarmChange) -> None:
         raised = AlarmChange(change.alarm, active=True)

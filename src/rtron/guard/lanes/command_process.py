@@ -30,6 +30,7 @@ from rtron.guard.runner import (
 from rtron.guard.settings.applier import SettingsApplier
 from rtron.guard.settings.in_force import SettingsInForce, settings_at_start
 from rtron.guard.settings.intrusion_clearing import create_request_handler
+from rtron.guard.settings.saved_stop import SavedStop
 from rtron.guard.supervision.delivery_watch import DeliveryEcho
 from rtron.vocabulary import Mode, Plan, build_streams
 
@@ -85,7 +86,7 @@ def run_command_process(
         settings_at_start(settings, link)
         service_reports = ServiceReports(connection, coordinator, loop, settings)
         connection.on_settings = service_reports.apply
-        parts.append(service_reports)
+        parts += [service_reports, SavedStop(settings, link, loop)]
     handler = create_request_handler(coordinator, transport)
     if socket := open_control_socket(loop, plan, control, handler):
         parts.append(socket)

@@ -3,6 +3,7 @@
 import logging
 
 from rtron.guard.coordinator import Coordinator
+from rtron.guard.core.diagnostics import alarm_statuses
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.report_messages import ERROR, Status
 from rtron.guard.lanes.bulk_connection import BulkConnection
@@ -52,7 +53,8 @@ class LaneReports:
     def _report(self) -> None:
         statuses = tuple(self._host.stream_statuses())
         if not self._connection.is_connected:
-            self._host.publish_diagnostics([_NOT_CONNECTED, *statuses])
+            alarms = alarm_statuses(self._host.alarms, self._loop.now())
+            self._host.publish_diagnostics([_NOT_CONNECTED, *statuses, *alarms])
         else:
             self._connection.send(StatusReport(statuses))
 

@@ -46,8 +46,9 @@ class Figures:
 
 @dataclass(frozen=True, slots=True)
 class RecordedEvent:
-    """An event to be told to the service: `values` are the fields of a GuardEvent."""
+    """An event `at` a time (ns, wall clock): `values` are the other fields of a GuardEvent."""
 
+    at: int
     kind: EventKind
     level: GuardEventLevel
     values: Mapping[str, Any]

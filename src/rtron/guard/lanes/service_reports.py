@@ -1,5 +1,6 @@
 """What the command process tells the bulk process for the security service."""
 
+import time
 from collections import deque
 from typing import Any
 
@@ -14,6 +15,9 @@ from rtron.vocabulary import SECOND, EventKind, GuardEventLevel, Settings
 
 _STATE_PERIOD = SECOND // 5
 MAX_PENDING_EVENTS = 20_000
+_EVENTS_AT_ONCE = 20
+_SEND_PERIOD = SECOND // 100
+"""So that a command waits for some 20 events at most, about 1 ms."""
 
 
 class ServiceReports:
@@ -30,11 +34,12 @@ class ServiceReports:
         self._host = host
         self._loop = loop
         self._settings = settings
-        self._unsent: deque[RecordedEvent] = deque(maxlen=MAX_PENDING_EVENTS)
+        self._unsent: deque[RecordedEvent] = deque()
         self._events = HostEvents(host, self._record)
         self._events.on_change = self._schedule_state
         self._state_sent_at = 0
-        self._is_state_due = False
+        self._is_state_due = self._is_sending_due = False
+        self._lost_count = 0
         connection.connect_listeners.append(self._on_connect)
 
     def open(self) -> None:
@@ -64,17 +69,39 @@ class ServiceReports:
         level: GuardEventLevel = GuardEventLevel.INFO,
         **values: Any,  # noqa: ANN401
     ) -> None:
-        self._unsent.append(RecordedEvent(kind, level, values))
-        self._send_events()
+        if len(self._unsent) == MAX_PENDING_EVENTS:
+            self._lost_count += 1
+            return
+        if self._lost_count and len(self._unsent) < MAX_PENDING_EVENTS - 1:
+            self._record_lost()
+        self._unsent.append(RecordedEvent(time.time_ns(), kind, level, values))
+        if not self._is_sending_due:
+            self._send_events()
+
+    def _record_lost(self) -> None:
+        count, self._lost_count = self._lost_count, 0
+        reason = f"{count} events were lost: the bulk process was away for too long"
+        values = {"reason": reason, "values": {"events": count}}
+        level = GuardEventLevel.WARNING
+        self._unsent.append(RecordedEvent(time.time_ns(), EventKind.LOST, level, values))
 
     def _on_connect(self) -> None:
         self._send_events()
         self._send_state()
 
     def _send_events(self) -> None:
-        """Tell the events that wait for a bulk process."""
-        while self._unsent and self._connection.is_connected:
+        """Tell some of the events that wait for a bulk process, and the others a little later."""
+        for _ in range(_EVENTS_AT_ONCE):
+            if not self._unsent or not self._connection.is_ready:
+                break
             self._connection.send(self._unsent.popleft())
+        if self._unsent and self._connection.is_connected and not self._is_sending_due:
+            self._is_sending_due = True
+            self._loop.call_at(self._loop.now() + _SEND_PERIOD, self._send_more_events)
+
+    def _send_more_events(self) -> None:
+        self._is_sending_due = False
+        self._send_events()
 
     def _schedule_state(self) -> None:
         """Tell the state soon; what flickers is told a few times a second."""

@@ -68,11 +68,11 @@ class EventRecorder:
         values["reason"] = str(values.get("reason", ""))[:_MAX_REASON]
         number = self._counter.next()
         values.setdefault("revision", self.revision)
+        values.setdefault("at", self._wall_clock())
         self._sink(
             GuardEvent(
                 run=self._run,
                 number=number,
-                at=self._wall_clock(),
                 kind=kind,
                 level=level,
                 **values,

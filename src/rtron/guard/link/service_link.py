@@ -122,7 +122,9 @@ class ServiceLink:
     def _on_lane_answer(self, settings: Settings, error: str) -> None:
         if error:
             self._settings.refuse(settings, error)
-        elif (error := self._settings.apply(settings)) and self._other_lane:
+        else:
+            error = self._settings.apply(settings)
+        if error and self._other_lane:
             self._other_lane.apply(self._settings.current, _ignore_answer)
         self._report_applied(settings, error)
 

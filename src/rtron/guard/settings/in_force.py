@@ -8,7 +8,7 @@ from rtron.errors import InputError, RTronError
 from rtron.guard.link.options import LinkOptions
 from rtron.guard.link.settings_file import read_settings
 from rtron.guard.settings.applier import SettingsApplier
-from rtron.vocabulary import Settings
+from rtron.vocabulary import EmergencyStop, Settings
 
 log = logging.getLogger(__name__)
 
@@ -39,6 +39,12 @@ class SettingsInForce:
         except RTronError as error:
             self.refuse(settings, str(error))
             return str(error)
+        except MemoryError:
+            raise
+        except Exception as error:
+            log.exception("settings: internal error")
+            self.refuse(settings, f"internal error: {error}")
+            return f"internal error: {error}"
         self.current = settings
         log.info("settings: revision %d is in force", settings.revision)
         return ""
@@ -48,8 +54,12 @@ class SettingsInForce:
         self.refusal = f"revision {settings.revision} is refused: {why}"
         log.error("settings: %s", self.refusal)
         if settings.stop:
-            self.current = replace(self.current, stop=settings.stop)
-            self._applier.apply(self.current, time.time_ns())
+            self.stop_robot(settings.stop)
+
+    def stop_robot(self, stop: EmergencyStop) -> None:
+        """Put an emergency stop in force beside what is in force."""
+        self.current = replace(self.current, stop=stop)
+        self._applier.apply(self.current, time.time_ns())
 
 
 def settings_at_start(settings: SettingsInForce, options: LinkOptions) -> None:

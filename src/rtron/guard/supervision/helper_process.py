@@ -3,6 +3,7 @@
 import logging
 import signal
 import subprocess
+from collections.abc import Callable
 
 from rtron.guard.supervision.programs import command
 from rtron.vocabulary import SECOND
@@ -11,19 +12,23 @@ log = logging.getLogger(__name__)
 
 MIN_RESTART_DELAY = SECOND
 """The time before the next start of one that ended soon, ns; it doubles while each does."""
-MAX_RESTART_DELAY = 30 * SECOND
+MAX_RESTART_DELAY = 4 * SECOND
 _STOP_TIMEOUT_S = 4.0
 
 
 class HelperProcess:
     """Keeps one process running; the robot is stopped or slowed while it is away, at most.
 
-    One that ends at once, for instance since another supervisor's still runs, is tried more seldom.
+    One that ends at once is tried more seldom. While another supervisor's still runs and `is_there`
+    says so, none is started.
     """
 
-    def __init__(self, config_file: int, program: str) -> None:
+    def __init__(
+        self, config_file: int, program: str, is_there: Callable[[], bool] = lambda: False
+    ) -> None:
         self.process: subprocess.Popen[bytes] | None = None
         self._program = program
+        self._is_there = is_there
         self._command = command(program, [config_file])
         self._config_file = config_file
         self._started_at = 0
@@ -36,7 +41,11 @@ class HelperProcess:
             return
         if self._start_due is None:
             self._start_due = now + self._wait(now - self._started_at)
-        if now >= self._start_due:
+        if now < self._start_due:
+            return
+        if self._is_there():
+            self._start_due = now + MIN_RESTART_DELAY
+        else:
             self._start(now)
 
     def _wait(self, life: int) -> int:

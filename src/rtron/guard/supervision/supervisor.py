@@ -4,12 +4,15 @@ import json
 import logging
 import os
 import signal
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from functools import partial
 
 from rtron.errors import SourceError
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.log_throttle import LogThrottle
 from rtron.guard.core.printable import printable
+from rtron.guard.core.unix_socket import is_taken
+from rtron.guard.lanes.channel import bulk_address
 from rtron.guard.supervision.delivery_watch import DeliveryWatch
 from rtron.guard.supervision.guard_config import GuardConfig, stopped_streams
 from rtron.guard.supervision.guard_process import GuardProcess, adopt_guard, spawn_guard
@@ -69,7 +72,7 @@ class Supervisor:
         self._fsm = SupervisorFsm(
             loop.now(), config.plan.supervision, is_adopted=self._guard is not None
         )
-        self._helpers = [HelperProcess(config_file, each) for each in _helper_programs(config)]
+        self._helpers = list(_helpers(config, config_file))
         self._spare: GuardProcess | None = None
         self._spare_due = 0
         self._is_spare_ready = False
@@ -127,8 +130,9 @@ class Supervisor:
         delay = self._delay.update(now)
         undelivered = self._delivery.tick(now)
         observation = GuardObservation(silence, is_serving, is_leaving, delay, undelivered)
-        self._perform(self._fsm.tick(now, observation), now)
+        actions = self._fsm.tick(now, observation)
         self._memory[StatusWord.UNDELIVERED] = self._fsm.is_undelivered
+        self._perform(actions, now)
         self._reap(now)
         self._prepare_spare(now)
         if self._memory[StatusWord.SERVING] and not self._is_leaving:
@@ -298,10 +302,12 @@ class Supervisor:
             log.error("%s was told to shut down and does not: %s", node, printable(reason))
 
 
-def _helper_programs(config: GuardConfig) -> list[str]:
-    """Return what runs beside the guard: a dry run is one process."""
-    link = [LINK] if config.options.get("link") else []
-    return link if config.options.get("dry_run") else [BULK, *link]
+def _helpers(config: GuardConfig, config_file: int) -> Iterator[HelperProcess]:
+    """Yield what runs beside the guard: a dry run is one process."""
+    if not config.options.get("dry_run"):
+        yield HelperProcess(config_file, BULK, partial(is_taken, bulk_address(config.digest)))
+    if config.options.get("link"):
+        yield HelperProcess(config_file, LINK)
 
 
 def _exit_text(code: int) -> str:

@@ -151,9 +151,10 @@ class SupervisorClient:
         for guarded, last_message in zip(self._stoppable, self._memory.last_messages, strict=True):
             if decode_last_message(last_message.read()[1]).sent_at < stopped_at:
                 guarded.stop_controller.interrupt()
-        self._raise_temporary_alarm(
-            AlarmKind.GUARD, "it stood still, and the supervisor stopped the robot"
-        )
+        if not self._memory[StatusWord.UNDELIVERED]:
+            self._raise_temporary_alarm(
+                AlarmKind.GUARD, "it stood still, and the supervisor stopped the robot"
+            )
 
     def _follow_delivery(self, now: int) -> None:
         """Keep the robot stopped while the supervisor sees that nothing comes out of the guard."""

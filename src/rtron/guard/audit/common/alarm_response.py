@@ -5,10 +5,8 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Protocol
 
 from rtron.guard.coordinator import Coordinator
-from rtron.guard.core.message_types import standard_info
 from rtron.guard.core.stream import GuardedStream
 from rtron.guard.transport.common.protocol import Transport
-from rtron.messages.common.encoding import Encoding
 from rtron.vocabulary import SECOND, Alarm, AlarmKind, Mode, OnForeign
 
 _SOURCE = "the audit"
@@ -160,20 +158,15 @@ class AlarmResponse:
             host.intrusions.clear = self._clear
             self._inherit()
 
-    def prepare(self, encoding: Encoding) -> None:
-        """Read the definitions that a brake needs: the first of them takes a third of a second."""
-        for guarded in self._host.streams if self.stops_streams else ():
-            standard_info(guarded.spec.type, encoding)
-
     def raise_(self, alarm: Alarm, now: int, *guarded: str) -> None:
         """Raise an alarm; stop the streams of these topics until a person clears them."""
         self._host.alarms.raise_(alarm, now)
         for topic in guarded if self.stops_streams else ():
             self._braking[topic].add(alarm)
-            if len(self._causes[topic]) < _MAX_CAUSES:
-                self._causes[topic].add(alarm)
             if topic not in self._intrusion_alarms:
                 self._stop(topic, alarm.reason)
+            is_full = len(self._causes[topic]) >= _MAX_CAUSES
+            self._causes[topic].add(self._intrusion_alarms[topic] if is_full else alarm)
 
     def settle(self, alarm: Alarm) -> None:
         """Take an alarm back: its cause is gone. What it has stopped stays stopped."""

@@ -83,6 +83,7 @@ class Intrusions:
         self._duplicate_uris: set[str] = set()
         self._links = IntruderLinks(loop, master, response.answer)
         self._calls_until: dict[tuple[str, str], int] = {}
+        self._unanswered_calls: set[tuple[str, str]] = set()
         self._started_at = loop.now()
         self._query_threads = WorkerThreads(loop, "audit-ask", 2)
         self._call_threads = WorkerThreads(loop, "audit-tell", 2)
@@ -124,8 +125,8 @@ class Intrusions:
     def keep_listener(self, name: str, topic: str) -> None:
         """Tell a node that has left us whom it may hear: an intruder may have sent it away.
 
-        roscpp obeys whoever calls it last, so it is called at once, and for a second every 10 ms
-        until it hears us.
+        roscpp obeys whoever calls it last, so it is called at once, and for a second every 10 ms.
+        That it hears us is no reason to stop: a subscriber may give itself any name.
         """
         if self._stream_of(topic) not in self._response.stopped_streams:
             return
@@ -136,8 +137,7 @@ class Intrusions:
 
     def _keep(self, name: str, topic: str) -> None:
         node, now = self._audited_nodes.by_name.get(name), self._loop.now()
-        is_connected = name in self._guard.subscribers(topic)
-        if node is None or is_connected or now >= self._calls_until[name, topic]:
+        if node is None or now >= self._calls_until[name, topic]:
             del self._calls_until[name, topic]
             return
         self._loop.call_at(now + _KEEP_PERIOD, partial(self._keep, name, topic))
@@ -296,12 +296,16 @@ class Intrusions:
 
     def _send_publishers(self, node: AuditedNode, topic: str) -> None:
         """Tell a node, in the master's place, whom it may hear."""
-        if node.poll_target.server:
+        if node.poll_target.server and (node.name, topic) not in self._unanswered_calls:
             sources = self._allowed_sources(node, topic)
             update = partial(
                 send_call, node.poll_target.server.uri, "publisherUpdate", topic, sources
             )
-            self._call_threads.submit(update, lambda _: None)
+            if self._call_threads.submit(update, partial(self._on_answered, node.name, topic)):
+                self._unanswered_calls.add((node.name, topic))
+
+    def _on_answered(self, name: str, topic: str, _answer: object) -> None:
+        self._unanswered_calls.discard((name, topic))
 
     def _stream_of(self, topic: str) -> str:
         planned = self._expected.topics.get(topic)

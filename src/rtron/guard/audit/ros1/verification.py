@@ -15,7 +15,7 @@ from rtron.guard.audit.ros1.foreign_connections import (
     planned_sources,
 )
 from rtron.guard.audit.ros1.registrations import MasterRegistrations, foreign_publisher_alarms
-from rtron.vocabulary import Plan, TopicAccess, matches_node
+from rtron.vocabulary import GUARD_NODE, Plan, TopicAccess, matches_node
 from rtron.vocabulary.verification import (
     GuardedPath,
     PathState,
@@ -193,10 +193,21 @@ def _problems(expected: ExpectedGraph, answers: ApiAnswers) -> Iterator[str]:
             yield f"the guard's node {node} is not running"
         elif node not in answers.pids:
             yield f"the guard's node {node} does not answer"
-    for node in sorted(answers.pids.keys() & expected.guard_nodes):
-        if answers.guard_pids and answers.pids[node] not in answers.guard_pids:
-            yield f"{node} is no node of the guard: another process has taken its name"
+    yield from _impostors(expected, answers)
     yield from (alarm.reason for alarm in foreign_publisher_alarms(answers.state, expected))
+
+
+def _impostors(expected: ExpectedGraph, answers: ApiAnswers) -> Iterator[str]:
+    """Yield the nodes with a name of the guard's that are in none of its processes."""
+    own = answers.guard_pids or frozenset(
+        pid for node, pid in answers.pids.items() if node == GUARD_NODE
+    )
+    nodes = sorted(answers.pids.keys() & expected.guard_nodes)
+    if nodes and not own:
+        yield f"{GUARD_NODE} does not answer: whose the guard's nodes are is not known"
+    for node in nodes if own else ():
+        if answers.pids[node] not in own:
+            yield f"{node} is no node of the guard: another process has taken its name"
 
 
 def _unguarded(plan: Plan, expected: ExpectedGraph, answers: ApiAnswers) -> Iterator[UnguardedPath]:

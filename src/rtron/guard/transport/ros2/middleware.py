@@ -20,7 +20,7 @@ from rtron.guard.transport.ros2.action_relay import ActionRelay
 from rtron.guard.transport.ros2.context import TransportContext
 from rtron.guard.transport.ros2.data_reader import DataListener, DataReader
 from rtron.guard.transport.ros2.graph import RosGraph
-from rtron.guard.transport.ros2.participants import NameOwners, ParticipantLiveness
+from rtron.guard.transport.ros2.participants import MAX_LEASE, NameOwners, ParticipantLiveness
 from rtron.guard.transport.ros2.process_table import ProcessTable
 from rtron.guard.transport.ros2.publication import Publication
 from rtron.guard.transport.ros2.qos import profile
@@ -84,7 +84,12 @@ class Ros2Transport:
         """Know the participants of the guards before, and leave ours to the next one."""
         ended: list[str] = handover.inherited(_PARTICIPANTS) or []
         self.graph.ended = frozenset(map(bytes.fromhex, ended))
+        self.call_at(self.now() + MAX_LEASE, self._forget_ended)
         handover.store(_PARTICIPANTS, [*ended, self.graph.participant.hex()][-_MAX_PARTICIPANTS:])
+
+    def _forget_ended(self) -> None:
+        """Hide nobody any more: who is still in the graph has another's id."""
+        self.graph.ended = frozenset()
 
     def set_supervisor(self, process_id: Callable[[], int]) -> None:
         """Take the process whose participants count as the guard's."""

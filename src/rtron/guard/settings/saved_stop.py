@@ -1,0 +1,49 @@
+"""The emergency stop on a way of its own: from the file that the link process keeps settings in.
+
+Settings come by the bulk process, which may be away, hang or be busy with pictures.
+"""
+
+import time
+
+from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.link.options import LinkOptions
+from rtron.guard.link.settings_file import read_settings
+from rtron.guard.settings.in_force import SettingsInForce
+
+_PERIOD_S = 0.1
+
+
+class SavedStop:
+    """Looks at the file ten times a second; puts a stop in force, and nothing else that is there.
+
+    A stop is released by settings that come on the usual way. A disk that is full keeps no stop.
+    """
+
+    def __init__(self, settings: SettingsInForce, options: LinkOptions, loop: EventLoop) -> None:
+        self._settings = settings
+        self._file = options.settings_file
+        self._loop = loop
+        self._read_at = 0
+        self._is_closed = False
+
+    def open(self) -> None:
+        """Look from now on."""
+        if not self._is_closed:
+            self._loop.call_later(_PERIOD_S, self.open)
+            self._look()
+
+    def close(self) -> None:
+        """Look no more."""
+        self._is_closed = True
+
+    def _look(self) -> None:
+        try:
+            written_at = self._file.stat().st_mtime_ns
+        except OSError:
+            return  # nothing was kept
+        if written_at == self._read_at:
+            return
+        self._read_at = written_at
+        saved = read_settings(self._file, time.time_ns())
+        if saved and saved.stop and saved.revision > self._settings.revision:
+            self._settings.stop_robot(saved.stop)
