@@ -188,6 +188,7 @@ def test_a_supervisor_without_files_keeps_the_robot_stopped_and_starts_a_guard_l
 
 @pytest.mark.long
 def test_a_spare_guard_that_stands_still_is_soon_replaced(supervised):
+    wait_for(lambda: "the next guard is ready" in supervised.process.log, what="a spare guard")
     spare, told = spare_of(supervised), len(supervised.speeds())
     os.kill(spare, signal.SIGSTOP)
     os.kill(supervised.guard, signal.SIGKILL)
@@ -200,7 +201,8 @@ def test_a_spare_guard_that_stands_still_is_soon_replaced(supervised):
 @pytest.mark.long
 def test_guard_and_supervisor_log_with_times(ros1):
     process = start_guard(ros1, drive_plan(), CMD_VEL_GUARD)
-    wait_for(lambda: "supervisor: the guard guards" in process.log, what="the supervisor's word")
+    for text in ("supervisor: the guard guards", "guarding 1 topics"):
+        wait_for(lambda text=text: text in process.log, what=text)
     time = r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{3}Z "
     assert re.search(time + "INFO guarding 1 topics", process.log)
     assert re.search(time + "INFO supervisor: the guard guards", process.log)
