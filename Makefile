@@ -1,6 +1,6 @@
 # `make help` lists what this can do.
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test test-ros2 test-all lint coverage mutation fuzz bench eval docs lock
+.PHONY: help setup demo test test-ros2 test-all lint coverage mutation fuzz bench soak eval docs lock
 
 BIN := .venv/bin
 PYTHON := $(BIN)/python
@@ -57,6 +57,10 @@ fuzz: setup ## Give the wire parsers over 100000 hostile inputs (3 minutes)
 bench: setup ## Measure beside the peers, and write build/bench.json and build/bench-ros2.json (2 hours)
 	$(PYTHON) -m bench
 	if [ -x $(ROS2_PYTHON) ]; then $(ROS2_PYTHON) -m bench -o build/bench-ros2.json; fi
+
+soak: setup ## Load, kill, freeze and attack a guarded app at random, on each ROS; SEED=N repeats it (30 minutes)
+	$(PYTHON) -m bench.soak $(if $(SEED),--seed $(SEED)) -o build/soak.json
+	if [ -x $(ROS2_PYTHON) ]; then $(ROS2_PYTHON) -m bench.soak $(if $(SEED),--seed $(SEED)) -o build/soak-ros2.json; fi
 
 eval: setup ## Evaluate on the apps in RTRON_APPS and RTRON_DATA, and write build/eval.json (as long as the apps take)
 	$(PYTHON) -m evaluation

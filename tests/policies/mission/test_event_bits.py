@@ -239,3 +239,16 @@ def test_a_bit_that_takes_over_what_another_heard_is_the_same_at_every_moment(fl
         assert taken.restore(heard.state) is (what is True)
         assert taken.value(now) is heard.value(now)
         assert taken.next_change() == heard.next_change()
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("counts_as", WhenUnknown)
+def test_a_forgotten_bit_is_not_known_until_somebody_tells_again(kind, counts_as):
+    bit = EventBits([event(**kind, on_silence=counts_as, on_error=counts_as)]).by_name["eflow"]
+    bit.add_publisher()
+    tell(bit, True, 5)  # noqa: FBT003 - what it hears
+    known = bit.value(5)
+    bit.forget()
+    assert bit.value(5) is None
+    bit.restore(bit.state)
+    assert bit.value(5) is known
