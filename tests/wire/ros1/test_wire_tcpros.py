@@ -1,11 +1,20 @@
 """TCPROS headers and frames."""
 
+from itertools import cycle
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from rtron.errors import WireError
-from rtron.wire.ros1.tcpros import LENGTH, MAX_FRAME, FrameReader, decode_header, encode_header
+from rtron.wire.ros1.tcpros import (
+    LENGTH,
+    MAX_FRAME,
+    FrameBeginReader,
+    FrameReader,
+    decode_header,
+    encode_header,
+)
 
 names = st.text(min_size=1).filter(lambda name: "=" not in name)
 bodies = st.lists(st.binary(max_size=50))
@@ -82,3 +91,36 @@ def test_a_refusal_that_is_kept_does_not_lock_the_reader():
     with pytest.raises(WireError) as second:
         reader.feed(b"x")
     assert str(first.value) == str(second.value)
+
+
+cuts = st.lists(st.integers(1, 17), min_size=1, max_size=8)
+
+
+@given(bodies, cuts, st.integers(1, 20))
+def test_the_beginnings_of_frames_are_those_of_whole_ones_however_they_arrive(bodies, cuts, size):
+    """Where the reader says that bytes may be left out, they never reach it."""
+    stream = b"".join(LENGTH.pack(len(body)) + body for body in bodies)
+    reader, found, at, sizes = FrameBeginReader(size), [], 0, cycle(cuts)
+    while at < len(stream):
+        count = next(sizes)
+        if reader.skippable:
+            count = min(count, reader.skippable)
+            found += reader.skip(count)
+        else:
+            found += reader.feed(stream[at : at + count])
+        at += count
+    assert found == [LENGTH.pack(len(body[:size])) + body[:size] for body in bodies]
+    assert reader.skippable == 0
+
+
+def test_a_frame_is_not_there_before_its_end():
+    reader = FrameBeginReader(4)
+    assert reader.feed(LENGTH.pack(10) + b"123456") == []
+    assert reader.skippable == 4
+    assert reader.skip(3) == []
+    assert reader.skip(1) == [LENGTH.pack(4) + b"1234"]
+
+
+def test_the_beginning_of_a_frame_that_is_too_long_is_refused():
+    with pytest.raises(WireError, match="the limit is 8"):
+        FrameBeginReader(4, limit=8).feed(LENGTH.pack(9))

@@ -37,6 +37,8 @@ class StampFilter:
 
 log = logging.getLogger(__name__)
 
+_FRAME_BEGIN = 256
+"""What is read of a picture, bytes: its header has the stamp."""
 FrameHandler = Callable[[int, int], None]
 """Takes a frame's stamp and its arrival, ns."""
 
@@ -91,7 +93,7 @@ class ObservationInputs:
         connect = partial(self._connect_frames, flow, on_frame)
         for topic in self._observations.publisher_topics.topics_of(flow.topic, flow.publisher):
             node, awaited = f"{PRIVATE_ROOT}/{plan.id}", (flow.publisher,)
-            options = InputOptions(publishers=awaited)
+            options = InputOptions(publishers=awaited, begin=_FRAME_BEGIN)
             self._transport.subscribe(node, topic, "", connect, options=options)
 
     def _connect_event(self, source: EventSource, peer: Peer) -> MessageHandler | None:

@@ -61,13 +61,15 @@ class FrameReader:
     Memory grows with the bytes that arrived, never with a length that was only announced.
     """
 
-    __slots__ = ("_buffer", "_limit", "missing")
+    __slots__ = ("_buffer", "_limit", "missing", "skippable")
 
     def __init__(self, limit: int = MAX_FRAME) -> None:
         self._buffer = bytearray()
         self._limit = limit
         self.missing = 0
         """How many bytes the frame that has begun still lacks, as far as that is known."""
+        self.skippable = 0
+        """How many of these nobody needs: none."""
 
     def feed(self, data: bytes) -> list[bytes]:
         """Take what arrived; return the frames that are complete, each prefix included."""
@@ -85,6 +87,11 @@ class FrameReader:
             del buffer[:at]
         return frames
 
+    def skip(self, count: int) -> list[bytes]:
+        """Do nothing: every byte is kept."""
+        del count
+        return []
+
     def _is_one_frame(self, data: bytes) -> bool:
         prefixed = len(data) >= LENGTH.size
         return prefixed and frame_length(data, self._limit) + LENGTH.size == len(data)
@@ -95,3 +102,59 @@ class FrameReader:
             return 0
         prefix = bytes(self._buffer[at : at + LENGTH.size])
         return at + LENGTH.size + frame_length(prefix, self._limit)
+
+
+class FrameBeginReader:
+    """Cuts a byte stream into frames and keeps the first `size` bytes of each, with a new prefix.
+
+    A frame is given when its end has come. What is not kept need not be read: `skippable` bytes of
+    the stream may be left out and told to `skip`.
+    """
+
+    __slots__ = ("_buffer", "_frame", "_limit", "_size", "missing", "skippable")
+
+    def __init__(self, size: int, limit: int = MAX_FRAME) -> None:
+        self._buffer = bytearray()
+        self._frame = b""
+        self._size = size
+        self._limit = limit
+        self.missing = 0
+        self.skippable = 0
+
+    def feed(self, data: bytes) -> list[bytes]:
+        """Take what arrived; return the beginnings of the frames that are complete.
+
+        WireError if a frame is longer than the limit.
+        """
+        self._buffer += data
+        frames = []
+        while True:
+            frames += self.skip(self._drop())
+            if self.skippable or not self._begin():
+                return frames
+
+    def skip(self, count: int) -> list[bytes]:
+        """Leave out bytes of the frame that has begun; return it if that was its end."""
+        self.skippable -= count
+        if self.skippable or not self._frame:
+            return []
+        frame, self._frame = self._frame, b""
+        return [frame]
+
+    def _drop(self) -> int:
+        count = min(self.skippable, len(self._buffer))
+        del self._buffer[:count]
+        return count
+
+    def _begin(self) -> bool:
+        """Begin the next frame; False if its beginning is not there."""
+        if len(self._buffer) < LENGTH.size:
+            return False
+        length = frame_length(self._buffer, self._limit)
+        end = LENGTH.size + min(length, self._size)
+        if len(self._buffer) < end:
+            return False
+        body = bytes(self._buffer[LENGTH.size : end])
+        self._frame, self.skippable = LENGTH.pack(len(body)) + body, length - len(body)
+        del self._buffer[:end]
+        return True

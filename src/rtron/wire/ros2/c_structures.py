@@ -187,9 +187,11 @@ class MessageBuffer:
         """Give the memory back."""
         self._fini(self.address)
 
-    def message_bytes(self) -> bytes:
-        """Return the message that was put here last."""
-        message: bytes = self._copy_bytes(self._buffer.value, self._message.length)
+    def message_bytes(self, begin: int = 0) -> bytes:
+        """Return the message that was put here last, or only its first `begin` bytes."""
+        length = self._message.length
+        size = min(begin, length) if begin else length
+        message: bytes = self._copy_bytes(self._buffer.value, size)
         if self._message.capacity > _MAX_REUSED_CAPACITY:
             self._fini(self.address)
             self._grow()

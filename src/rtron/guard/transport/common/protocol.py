@@ -80,12 +80,15 @@ class InputOptions:
     by one of the names in `publishers`, as its owner, keeps that name. `queue_size` bounds the
     messages that wait for the guard; with `keep_all` all of a reliable publisher wait, unless they
     are commands. `on_missed` is told of each loss that the middleware's numbers show: TCP has none.
+    Where `begin` is not 0, only so many bytes of each message are passed on, and the others not
+    copied where the middleware lets us.
     """
 
     is_command: IsCommand = accept_any_age
     publishers: tuple[str, ...] = ()
     queue_size: int = 100
     keep_all: bool = False
+    begin: int = 0
     on_missed: MissedHandler = ignore_missed
 
 

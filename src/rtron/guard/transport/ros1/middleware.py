@@ -93,11 +93,12 @@ class Ros1Transport:
     ) -> None:
         """Subscribe `topic` as `node`; see `Transport`.
 
-        ROS 1 knows neither the age of messages nor what a publisher's queue has dropped.
+        ROS 1 knows neither the age of messages nor what a publisher's queue has dropped: of the
+        options only `begin` counts.
         """
-        del options
         request = TopicRequest(node, topic, type, self.master)
-        link = link_factory(self._loop, self._create_workers(topic), request, on_connect, on_lost)
+        workers = self._create_workers(topic)
+        link = link_factory(self._loop, workers, request, on_connect, on_lost, options.begin)
         self._subscribe(node, Subscription(topic, type, link))
 
     def link_nodes(self, publisher: str, subscriber: str, topic: str, type: str) -> Output:

@@ -9,7 +9,7 @@ from rtron.errors import RTronError, WireError
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.transport.common.protocol import ConnectHandler, LostHandler, MessageHandler, Peer
 from rtron.guard.transport.ros1.handshake import TopicRequest, connect
-from rtron.wire.ros1.tcpros import FrameReader
+from rtron.wire.ros1.tcpros import FrameBeginReader, FrameReader
 
 log = logging.getLogger(__name__)
 
@@ -30,7 +30,9 @@ class PublisherLink:
         uri: str,
         on_connect: ConnectHandler,
         on_lost: LostHandler,
+        begin: int = 0,
     ) -> None:
+        """Take only the first `begin` bytes of each message, 0 for whole ones."""
         self._loop = loop
         self._workers = workers
         self._request = request
@@ -40,7 +42,8 @@ class PublisherLink:
         self._peer: Peer | None = None
         self._on_message: MessageHandler | None = None
         self._sock: socket.socket | None = None
-        self._reader = FrameReader()
+        self._begin = begin
+        self._reader = self._create_reader()
         self._retry_s = _FIRST_RETRY_S
         self._last_logged = ""
         self.is_closed = False
@@ -88,7 +91,7 @@ class PublisherLink:
             return
         self.node, self._on_message, self._sock = peer.node, receive, sock
         self._peer = peer
-        self._reader = FrameReader()
+        self._reader = self._create_reader()
         self._retry_s, self._last_logged = _FIRST_RETRY_S, ""
         log.info("%s takes %s from %s", self._request.node, self._request.topic, peer.node)
         self._loop.watch(sock, self._on_readable, self._on_error)
@@ -97,13 +100,22 @@ class PublisherLink:
         sock, receive = self._sock, self._on_message
         if sock is None or receive is None:
             return
-        data = sock.recv(min(_LARGEST_READ, max(_CHUNK, self._reader.missing)))
+        for frame in self._receive(sock):
+            self.received += 1
+            receive(frame)
+
+    def _receive(self, sock: socket.socket) -> list[bytes]:
+        """Read from the socket; what nobody needs the kernel drops without a copy (tcp(7))."""
+        skippable = min(_LARGEST_READ, self._reader.skippable)
+        size = skippable or min(_LARGEST_READ, max(_CHUNK, self._reader.missing))
+        data = sock.recv(size, socket.MSG_TRUNC if skippable else 0)
         if not data:
             raise WireError("closed by the publisher")
         self.received_bytes += len(data)
-        for frame in self._reader.feed(data):
-            self.received += 1
-            receive(frame)
+        return self._reader.skip(len(data)) if skippable else self._reader.feed(data)
+
+    def _create_reader(self) -> FrameReader | FrameBeginReader:
+        return FrameBeginReader(self._begin) if self._begin else FrameReader()
 
     def _on_error(self, error: Exception) -> None:
         self._disconnect()
@@ -136,9 +148,10 @@ def link_factory(
     request: TopicRequest,
     on_connect: ConnectHandler,
     on_lost: LostHandler,
+    begin: int = 0,
 ) -> Callable[[str], PublisherLink]:
-    """Return a function that creates a link to a publisher's address."""
-    return lambda uri: PublisherLink(loop, workers, request, uri, on_connect, on_lost)
+    """Return a function that creates a link to a publisher's address; see `PublisherLink`."""
+    return lambda uri: PublisherLink(loop, workers, request, uri, on_connect, on_lost, begin)
 
 
 class Subscription:

@@ -66,6 +66,8 @@ class DataReader:
         self._listener = listener
         self._topic = topic
         self._now = context.loop.now
+        self.begin = 0
+        """How many bytes of each message are taken, 0 for all."""
         self._lateness = LatenessDetector() if is_command else None
         self._log_throttle = LogThrottle()
         self._adds_numbers = profile.durability is DurabilityPolicy.TRANSIENT_LOCAL
@@ -91,7 +93,7 @@ class DataReader:
         """Take some messages, fewer of large ones; return how many are left to take."""
         size = 0
         while count and size < _MAX_BYTES:
-            message_and_gid = self._rcl.take(self._pointer) if self._pointer else None
+            message_and_gid = self._rcl.take(self._pointer, self.begin) if self._pointer else None
             if message_and_gid is None:
                 self._listener.note_replaced(count)
                 return 0

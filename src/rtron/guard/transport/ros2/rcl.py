@@ -59,14 +59,17 @@ class Rcl:
         code = self._notify[kind](handle.pointer, self._eventfd_write, fd)
         self._check(code, "register a callback")
 
-    def take(self, subscription: int) -> tuple[bytes, bytes] | None:
-        """Return the next message of a subscription, by its pointer, and its publisher's GID."""
+    def take(self, subscription: int, begin: int = 0) -> tuple[bytes, bytes] | None:
+        """Return the next message of a subscription, by its pointer, and its publisher's GID.
+
+        Of a message only the first `begin` bytes, unless that is 0.
+        """
         code = self._take(subscription, self._in_at, self._info_at, None)
         if code == _NO_MESSAGE:
             return None
         if code:
             self._check(code, "take a message")
-        return self._input_buffer.message_bytes(), self._gid.tobytes()
+        return self._input_buffer.message_bytes(begin), self._gid.tobytes()
 
     @property
     def source_time(self) -> int:

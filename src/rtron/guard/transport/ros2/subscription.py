@@ -188,7 +188,8 @@ class Subscription:
         if receive is None:
             return _PublisherState(peer, None, now)
         reader = self._reader_for(interface_type, endpoint.qos, peer)
-        return _PublisherState(peer, receive, now, _validator_of(interface_type), reader)
+        validate = _accept if self._options.begin else _validator_of(interface_type)
+        return _PublisherState(peer, receive, now, validate, reader)
 
     def _find_interface(self, endpoint: Ros2Endpoint) -> tuple[Interface | None, str]:
         """Return the interface of a publisher's messages, or why they cannot be read."""
@@ -225,6 +226,7 @@ class Subscription:
                 self,
                 is_command=is_command,
             )
+            self._readers[kind].begin = self._options.begin
         return self._readers[kind]
 
     def take(self, reader: DataReader, gid: bytes, message: bytes, number: int | None) -> None:
@@ -319,6 +321,10 @@ def installed_type(type: str) -> Interface | SourceError:
         return find_interface(type)
     except SourceError as error:
         return error
+
+
+def _accept(_message: bytes) -> None:
+    """Accept the beginning of a message: who reads it checks what it needs."""
 
 
 def _validator_of(interface_type: Interface) -> Callable[[bytes], object]:
