@@ -361,9 +361,10 @@ def test_who_publishes_what_the_plan_lets_it_is_planned_whoever_has_a_name_of_ou
     assert planned == {NAV_PUBLISHES.gid, *(each.gid for each in GUARDS)}
 
 
-def test_a_participant_that_was_dismissed_is_not_looked_at():
-    seen = ObservedGraph([*CLOSED, publisher(OUT, "/rogue", ROGUE)])
-    assert seen.without({ROGUE}).endpoints == ObservedGraph(CLOSED).endpoints
+def test_an_endpoint_that_was_dismissed_is_not_looked_at_and_others_of_its_participant_are():
+    rogue, other = (publisher(topic, "/rogue", ROGUE) for topic in (OUT, FLOW1))
+    seen = ObservedGraph([*CLOSED, rogue, other])
+    assert seen.without({rogue.gid}).endpoints == ObservedGraph([*CLOSED, other]).endpoints
 
 
 def test_every_alarm_says_where_and_is_told_once():

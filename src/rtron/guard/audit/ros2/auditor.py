@@ -95,7 +95,8 @@ class Ros2Auditor:
         now, observed = self._loop.now(), ObservedGraph(self._endpoints())
         present = {endpoint.participant for endpoint in observed.endpoints}
         self._liveness.update(present, now)
-        self._dismissed = {k: v for k, v in self._dismissed.items() if k in present and now < v}
+        listed = {endpoint.gid for endpoint in observed.endpoints}
+        self._dismissed = {k: v for k, v in self._dismissed.items() if k in listed and now < v}
         observed = observed.without(self._dismissed.keys())
         trusted = self._trusted = self._guard_participants(observed)
         expected, liveness = self._expected, self._liveness
@@ -122,8 +123,8 @@ class Ros2Auditor:
         if participant in self._trusted:
             return
         self._readers.note_intruder(stream)
-        if participant in self._dismissed:
-            del self._dismissed[participant]
+        if gid in self._dismissed:
+            del self._dismissed[gid]
             self._update()
         self._response.answer(stream, message)
 
@@ -136,8 +137,8 @@ class Ros2Auditor:
         silence = self._readers.silence(stream)
         if silence is not None and silence < _SILENCE:
             return "an intruder has spoken within the last second"
-        intruders = {each[:PARTICIPANT_SIZE] for each in self._braking_alarms.intruders(stream)}
-        for participant in intruders:
+        intruders = self._braking_alarms.intruders(stream)
+        for participant in {each[:PARTICIPANT_SIZE] for each in intruders}:
             state = self._liveness.state(participant)
             if state is ParticipantState.RUNNING or (
                 silence is None and state is not ParticipantState.ENDED

@@ -54,9 +54,9 @@ class ObservedGraph:
             endpoint.gid for endpoint in self.endpoints if endpoint.participant == participant
         )
 
-    def without(self, participants: Collection[bytes]) -> ObservedGraph:
-        """Return the same without some participants' endpoints."""
-        others = (each for each in self.endpoints if each.participant not in participants)
+    def without(self, gids: Collection[bytes]) -> ObservedGraph:
+        """Return the same without some endpoints."""
+        others = (each for each in self.endpoints if each.gid not in gids)
         return ObservedGraph(others, self.nodes, self.services)
 
 
