@@ -43,7 +43,9 @@ def main() -> None:
         (args.output.parent).mkdir(parents=True, exist_ok=True)
         log = args.output.with_suffix(".log")
         log.write_bytes((testbed.folder / "errors.log").read_bytes())
+        pictures = app.picture_count()
     found = [*_figures(base, memory), *_counts(actions)]
+    found.append(Figure("soak.pictures", pictures, None, "of 10 MB through the guard"))
     write(found, args.output, keep=False)
     console.print(table("Less is better", found))
     _explain(base, history, console)

@@ -28,9 +28,11 @@ class SoakedApp:
     """Processes by role; each can be ended and started again."""
 
     def __init__(self, testbed: Testbed, ros: int) -> None:
-        self.told = testbed.folder / "base.txt"
-        self.told.touch()
-        self.log = LogWatcher(testbed.folder / "errors.log")
+        files = [testbed.folder / name for name in ("base.txt", "pictures.txt", "errors.log")]
+        for file in files:
+            file.touch()
+        self.told, self.seen, errors = files
+        self.log = LogWatcher(errors)
         self._testbed = testbed
         self._ros = ros
         self._plan = testbed.folder / "soak.yaml"
@@ -59,6 +61,10 @@ class SoakedApp:
             for pid in self.pids(program):
                 self.send(pid, signal.SIGKILL)
         self.log.close()
+
+    def picture_count(self) -> int:
+        """Return how many pictures came through the guard."""
+        return len(self.seen.read_text("utf-8").splitlines())
 
     def guard(self) -> int:
         """Return the process that guards, not the one that waits to."""
@@ -96,7 +102,7 @@ class SoakedApp:
             arguments = ("guard", "--plan", self._plan, "--control-socket", self._socket)
             return python("rtron", *map(str, arguments))
         interpreter = _SYSTEM_PYTHON if self._ros == 1 else sys.executable
-        files = [str(self.told)] if role == "base" else []
+        files = {"base": [str(self.told)], "viewer": [str(self.seen)]}.get(role, [])
         return [interpreter, "-m", "bench.soak.node", str(self._ros), role, *files]
 
 

@@ -1,7 +1,7 @@
 """A node of the soaked app: `python -m bench.soak.node ROS ROLE [FILE]`, on rospy or rclpy.
 
 It imports nothing of RTron: rospy has a Python of its own. `base` hears what the navigation sends
-and what the guard lets go, and writes them to FILE.
+and what the guard lets go, and writes them to FILE; `viewer` writes the time of each picture.
 """
 
 from __future__ import annotations
@@ -95,7 +95,7 @@ def main() -> None:
             graph.publish(topic, _twist(speed), rate)
     else:
         os.nice(_NICE)
-        _handle_images(graph, role)
+        _handle_images(graph, files)
     graph.spin()
 
 
@@ -117,10 +117,12 @@ def _write_commands(graph: Any, path: Path) -> None:  # noqa: ANN401
     graph.listen(OUT, kind, writer("out"))
 
 
-def _handle_images(graph: Any, role: str) -> None:  # noqa: ANN401
+def _handle_images(graph: Any, files: list[str]) -> None:  # noqa: ANN401
+    """See pictures and write when each came, or make them."""
     message = _message(IMAGE)
-    if role == "viewer":
-        graph.listen(IMAGE_OUT, type(message), lambda _: None)
+    if files:
+        seen = Path(files[0]).open("a", buffering=1)  # noqa: SIM115 - as long as the process
+        graph.listen(IMAGE_OUT, type(message), lambda _: seen.write(f"{time.monotonic_ns()}\n"))
         return
     message.height, message.width, message.encoding = 1, IMAGE_BYTES, "mono8"
     message.step, message.data = IMAGE_BYTES, bytes(IMAGE_BYTES)
