@@ -81,12 +81,12 @@ class AuditedDriver:
 
     def __init__(self, master, stack, on_foreign=OnForeign.ALARM):
         self._loop = EventLoop()
-        self.listeners = set()
+        self.listeners, self.guard_uris = set(), {}
         stack.callback(self._loop.close)
         intrusions = IntrusionLatch(HandoverState())
         host = SimpleNamespace(alarms=Alarms(), streams=[], intrusions=intrusions)
         transport = SimpleNamespace(
-            node_uris=dict,
+            node_uris=lambda: self.guard_uris,
             ports=frozenset(),
             former_uris=frozenset,
             unknown_streams=frozenset,
@@ -199,10 +199,26 @@ def test_a_driver_that_leaves_is_called_back_until_it_hears_the_guard(stopped):
     stopped.keep_listener()
     assert stopped.run(lambda: len(stopped.calls) > 3)
     assert stopped.calls[0] == ("/rtron_guard", OUT, [])
-    stopped.listeners.add(DRIVER)
+    stopped.guard_uris["/rtron/grcn_cmd_vel"] = ours = "http://127.0.0.1:7/"
+    stopped.answer(ours)
     number = len(stopped.calls)
     stopped.run(lambda: False, 0.3)
     assert len(stopped.calls) <= number + 2
+
+
+def test_a_driver_is_called_back_although_somebody_listens_under_its_name(stopped):
+    stopped.keep_listener()
+    stopped.listeners.add(DRIVER)
+    stopped.answer("http://127.0.0.1:9/")
+    assert stopped.run(lambda: len(stopped.calls) > 20)
+
+
+def test_a_driver_that_never_hears_the_guard_is_called_no_longer_than_a_second(stopped):
+    stopped.keep_listener()
+    stopped.run(lambda: False, 1.2)
+    number = len(stopped.calls)
+    stopped.run(lambda: False, 0.3)
+    assert len(stopped.calls) <= number + 1
 
 
 def test_a_driver_that_leaves_is_called_a_bounded_number_of_times(stopped):

@@ -38,6 +38,8 @@ _SILENCE = SECOND
 _RETRY_S = 0.2
 _DISCONNECT_PERIOD_S = 1.0
 _KEEP_PERIOD, _KEEP_DURATION = SECOND // 100, SECOND
+_ANSWER_DELAY = SECOND // 50
+"""An answer that came sooner after a loss may have been given before it (ns)."""
 _MAX_DUPLICATES = 64
 _MAX_PER_NODE = 16
 """How many strangers at one node are dealt with at a time; the others when these are gone."""
@@ -82,7 +84,7 @@ class Intrusions:
         self._intrusions: dict[ForeignConnection, _Intrusion] = {}
         self._duplicate_uris: set[str] = set()
         self._links = IntruderLinks(loop, master, response.answer)
-        self._calls_until: dict[tuple[str, str], int] = {}
+        self._lost_at: dict[tuple[str, str], int] = {}
         self._unanswered_calls: set[tuple[str, str]] = set()
         self._started_at = loop.now()
         self._query_threads = WorkerThreads(loop, "audit-ask", 2)
@@ -125,23 +127,31 @@ class Intrusions:
     def keep_listener(self, name: str, topic: str) -> None:
         """Tell a node that has left us whom it may hear: an intruder may have sent it away.
 
-        roscpp obeys whoever calls it last, so it is called at once, and for a second every 10 ms.
-        That it hears us is no reason to stop: a subscriber may give itself any name.
+        roscpp obeys whoever calls it last, so it is called at once, and for a second every 10 ms
+        until it says itself that it hears us: a subscriber may give itself any name.
         """
         if self._stream_of(topic) not in self._response.stopped_streams:
             return
-        is_new = (name, topic) not in self._calls_until
-        self._calls_until[name, topic] = self._loop.now() + _KEEP_DURATION
+        is_new = (name, topic) not in self._lost_at
+        self._lost_at[name, topic] = self._loop.now()
         if is_new:
             self._keep(name, topic)
 
     def _keep(self, name: str, topic: str) -> None:
         node, now = self._audited_nodes.by_name.get(name), self._loop.now()
-        if node is None or now >= self._calls_until[name, topic]:
-            del self._calls_until[name, topic]
+        if node is None or self._is_kept(node, topic, now):
+            del self._lost_at[name, topic]
             return
         self._loop.call_at(now + _KEEP_PERIOD, partial(self._keep, name, topic))
         self._send_publishers(node, topic)
+
+    def _is_kept(self, node: AuditedNode, topic: str, now: int) -> bool:
+        """Tell whether a node hears us again and nobody else, or has not for too long."""
+        lost_at = self._lost_at[node.name, topic]
+        has_answered = node.last_response_at - lost_at >= _ANSWER_DELAY
+        own = {normalise_uri(uri) for uri in self._guard.node_uris().values()}
+        heard = {each.source for each in node.connections if each.topic == topic}
+        return now - lost_at >= _KEEP_DURATION or (has_answered and bool(heard & own))
 
     def dismiss(self, stream: str) -> str:
         """Return why a person may not clear a stream: who is heard or connected is not gone."""
