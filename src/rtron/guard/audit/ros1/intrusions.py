@@ -139,14 +139,14 @@ class Intrusions:
 
     def _keep(self, name: str, topic: str) -> None:
         node, now = self._audited_nodes.by_name.get(name), self._loop.now()
-        if node is None or self._is_kept(node, topic, now):
+        if node is None or self._has_returned(node, topic, now):
             del self._lost_at[name, topic]
             return
         self._loop.call_at(now + _KEEP_PERIOD, partial(self._keep, name, topic))
         self._send_publishers(node, topic)
 
-    def _is_kept(self, node: AuditedNode, topic: str, now: int) -> bool:
-        """Tell whether a node hears us again and nobody else, or has not for too long."""
+    def _has_returned(self, node: AuditedNode, topic: str, now: int) -> bool:
+        """Tell whether a node hears us again, or has not for so long that it is given up."""
         lost_at = self._lost_at[node.name, topic]
         has_answered = node.last_response_at - lost_at >= _ANSWER_DELAY
         own = {normalise_uri(uri) for uri in self._guard.node_uris().values()}
