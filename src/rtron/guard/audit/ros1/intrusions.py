@@ -150,8 +150,8 @@ class Intrusions:
         lost_at = self._lost_at[node.name, topic]
         has_answered = node.last_response_at - lost_at >= _ANSWER_DELAY
         own = {normalise_uri(uri) for uri in self._guard.node_uris().values()}
-        heard = {each.source for each in node.connections if each.topic == topic}
-        return now - lost_at >= _KEEP_DURATION or (has_answered and bool(heard & own))
+        sources = {each.source for each in node.connections if each.topic == topic}
+        return now - lost_at >= _KEEP_DURATION or (has_answered and bool(sources & own))
 
     def dismiss(self, stream: str) -> str:
         """Return why a person may not clear a stream: who is heard or connected is not gone."""
