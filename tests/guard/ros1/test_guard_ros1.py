@@ -182,7 +182,11 @@ def patient(plan):
 
 
 def assert_launched_app_is_guarded(ros1, launch, plan):
-    """Instrument and launch an app, and see that nothing of the attack comes between navigation."""
+    """Instrument and launch an app, and see that nothing of the attack comes between navigation.
+
+    Where a machine stalls, the driver comes over a second after the navigation: then what was first
+    is stale, and not for it.
+    """
     out = ros1.folder / "guarded" / "base.launch"
     driven = Driven(ros1.folder / "driven.txt")
     argument = f"out:={driven.path}"
@@ -196,6 +200,6 @@ def assert_launched_app_is_guarded(ros1, launch, plan):
     before = ros1.received(CMD_VEL_GUARD, flow)
     wait_for(lambda: ros1.received(CMD_VEL_GUARD, flow) >= before + MANY, what="the attack")
     arrived = driven.navigation()
-    assert arrived == counted(len(arrived))
+    assert arrived == [arrived[0] + number for number in counted(len(arrived))]
     assert len(arrived) > 1
     assert driven.turns_after_navigation_began() == 0
