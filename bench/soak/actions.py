@@ -48,10 +48,10 @@ class RandomActions:
         return name
 
     def _kill_supervisor(self) -> None:
-        """Kill it, and wait for the next: with both gone at once nobody would be left."""
+        """Kill it, and wait until the next one watches: before, nobody stops for the guard."""
         now = time.monotonic_ns()
         self._kill("supervisor")
-        self._app.log.wait("the guard has a supervisor", now, _CLEAR_S)
+        self._app.log.wait("its delivery is watched", now, _CLEAR_S)
 
     def _kill(self, program: str) -> None:
         for pid in self._app.pids(program):
