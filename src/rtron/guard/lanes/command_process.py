@@ -83,20 +83,41 @@ def run_command_process(
     ]
     if link:
         settings = SettingsInForce(SettingsApplier(plan, coordinator, transport, command_part))
-        settings_at_start(settings, link)
-        service_reports = ServiceReports(connection, coordinator, loop, settings)
-        connection.on_settings = service_reports.apply
-        parts += [service_reports, SavedStop(settings, link, loop)]
+        parts += _service_parts(settings, coordinator, connection, loop, link)
     handler = create_request_handler(coordinator, transport)
     if socket := open_control_socket(loop, plan, control, handler):
         parts.append(socket)
         heartbeat.beat(loop)
     supervisor.attach(loop, coordinator)
+    _set_handlers(coordinator, transport, loop, supervisor)
+    rehearsal = Rehearsal(coordinator, loop, transport.create_stage())
+    run_parts(loop, [*parts, rehearsal, supervisor])
+
+
+def _service_parts(
+    settings: SettingsInForce,
+    coordinator: Coordinator,
+    connection: BulkConnection,
+    loop: EventLoop,
+    link: LinkOptions,
+) -> list[Part]:
+    """Put the service's last settings in force; return what follows the service from then on."""
+    settings_at_start(settings, link)
+    reports = ServiceReports(connection, coordinator, loop, settings)
+    connection.on_settings = reports.apply
+    return [reports, SavedStop(settings, link, loop)]
+
+
+def _set_handlers(
+    coordinator: Coordinator,
+    transport: LiveTransport,
+    loop: EventLoop,
+    supervisor: SupervisorClient,
+) -> None:
+    """Let the transport tell what it cannot read and who shuts us down, and know our supervisor."""
     transport.set_unreadable_handler(UnreadableInputAlarms(coordinator.alarms, transport).report)
     transport.set_shutdown_handler(ShutdownRefusal(loop).handle)
     transport.set_supervisor(lambda: supervisor.supervisor)
-    rehearsal = Rehearsal(coordinator, loop, transport.create_stage())
-    run_parts(loop, [*parts, rehearsal, supervisor])
 
 
 def _handover_state(supervisor: SupervisorClient, heartbeat: HeartbeatFile) -> HandoverState:
