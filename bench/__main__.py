@@ -5,58 +5,41 @@ import sys
 from collections.abc import Iterator, Sequence
 from importlib.util import find_spec
 from pathlib import Path
+from pkgutil import resolve_name
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-from bench.common import discovery, policies, replay, rules, violations
 from bench.common.testbed import ROOT, Part, Testbed, open_testbed
-from bench.ros1 import (
-    actions,
-    audit,
-    audit_cost,
-    churn,
-    hop,
-    intrusion,
-    load,
-    memory,
-    silence,
-    supervisor,
-)
-from bench.ros2 import audit as ros2_audit
-from bench.ros2 import discovery as ros2_discovery
-from bench.ros2 import hop as ros2_hop
-from bench.ros2 import intrusion as ros2_intrusion
-from bench.service import faults, ingest, link
 from figures.figure import Figure
 from figures.table import number, table, write
 
-PARTS: dict[str, Part] = {
-    "policies": policies.figures,
-    "rules": rules.figures,
-    "violations": violations.figures,
-    "replay": replay.figures,
-    "discovery": discovery.figures,
-    "hop": hop.figures,
-    "chain": hop.chain_figures,
-    "load": load.figures,
-    "silence": silence.figures,
-    "supervisor": supervisor.figures,
-    "memory": memory.figures,
-    "actions": actions.figures,
-    "audit": audit.figures,
-    "audit_cost": audit_cost.figures,
-    "intrusion": intrusion.figures,
-    "churn": churn.figures,
-    "ingest": ingest.figures,
-    "link": link.figures,
-    "faults": faults.figures,
+PARTS = {
+    "policies": "common.policies:figures",
+    "rules": "common.rules:figures",
+    "violations": "common.violations:figures",
+    "replay": "common.replay:figures",
+    "discovery": "common.discovery:figures",
+    "hop": "ros1.hop:figures",
+    "chain": "ros1.hop:chain_figures",
+    "load": "ros1.load:figures",
+    "silence": "ros1.silence:figures",
+    "supervisor": "ros1.supervisor:figures",
+    "memory": "ros1.memory:figures",
+    "actions": "ros1.actions:figures",
+    "audit": "ros1.audit:figures",
+    "audit_cost": "ros1.audit_cost:figures",
+    "intrusion": "ros1.intrusion:figures",
+    "churn": "ros1.churn:figures",
+    "ingest": "service.ingest:figures",
+    "link": "service.link:figures",
+    "faults": "service.faults:figures",
 }
-ROS2_PARTS: dict[str, Part] = {
-    "ros2_discovery": ros2_discovery.figures,
-    "ros2_hop": ros2_hop.figures,
-    "ros2_audit": ros2_audit.figures,
-    "ros2_intrusion": ros2_intrusion.figures,
+ROS2_PARTS = {
+    "ros2_discovery": "ros2.discovery:figures",
+    "ros2_hop": "ros2.hop:figures",
+    "ros2_audit": "ros2.audit:figures",
+    "ros2_intrusion": "ros2.intrusion:figures",
 }
 """Need rclpy: these run where it is installed, the others where it is not."""
 AVAILABLE_PARTS = ROS2_PARTS if find_spec("rclpy") else PARTS
@@ -85,8 +68,14 @@ def _measure(testbed: Testbed, names: Sequence[str], progress: Progress) -> Iter
         def report(what: str, name: str = name) -> None:
             progress.update(task, description=f"{name}: {what}")
 
-        yield from AVAILABLE_PARTS[name](testbed, report)
+        yield from _part(name)(testbed, report)
         progress.advance(task)
+
+
+def _part(name: str) -> Part:
+    """Return a part; only its own imports are needed."""
+    part: Part = resolve_name(f"bench.{AVAILABLE_PARTS[name]}")
+    return part
 
 
 def _progress(console: Console) -> Progress:

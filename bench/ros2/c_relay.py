@@ -11,8 +11,7 @@ import sys
 from pathlib import Path
 
 from bench.common.testbed import Testbed
-from bench.ros2.endpoints import DEPTH
-from bench.ros2.messages import MESSAGES
+from bench.ros2.messages import DEPTH, MESSAGES
 
 
 def relay_library(testbed: Testbed) -> Path:

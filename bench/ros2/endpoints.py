@@ -7,7 +7,7 @@ from rclpy.context import Context
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 
-DEPTH = 1000
+from bench.ros2.messages import DEPTH
 
 
 def node(name: str) -> Node:

@@ -3,6 +3,8 @@
 import struct
 from dataclasses import dataclass
 
+DEPTH = 1000
+"""How many messages each end of a measured way keeps."""
 WARM_UP = (1 << 62) - 1
 """The number of messages that only show that the way is open."""
 _NUMBER = struct.Struct("<q")

@@ -13,8 +13,8 @@ from functools import partial
 
 from bench.common.arguments import to_listen
 from bench.common.pubsub import LatencyRecorder
-from bench.ros2.endpoints import DEPTH, class_of, node, qos
-from bench.ros2.messages import MESSAGES, WARM_UP, Message
+from bench.ros2.endpoints import class_of, node, qos
+from bench.ros2.messages import DEPTH, MESSAGES, WARM_UP, Message
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.transport.ros2.event_fd import EventFd
 from rtron.guard.transport.ros2.rcl import Rcl
