@@ -65,11 +65,13 @@ class Rehearsal:
 
     def _next_parts(self) -> list[Callable[[], None]]:
         """Return what is to be done for the stream whose turn it is; nothing if all are silent."""
-        active = [each for each in self._coordinator.streams if self._is_active(each)]
-        if self._has_failed or not active:
-            return []
-        self._took = 0
-        return list(self._parts_of(active[next(self._turn) % len(active)]))
+        streams = () if self._has_failed else self._coordinator.streams
+        for _ in streams:
+            stream = streams[next(self._turn) % len(streams)]
+            if self._is_active(stream):
+                self._took = 0
+                return list(self._parts_of(stream))
+        return []
 
     def _is_active(self, stream: GuardedStream) -> bool:
         """Tell whether a stream moves the robot and had a command of a known flow just now."""

@@ -113,6 +113,9 @@ TABLE: TransitionTable[PreemptionState, PreemptionInput] = {
 }
 
 
+_PASS, _LOWER, _HIGHEST = TransitionEffect.PASS, PreemptionInput.LOWER, PreemptionInput.HIGHEST
+
+
 class Preemption(ImmediatePolicy):
     """The highest fresh flow passes, the others are dropped."""
 
@@ -137,9 +140,7 @@ class Preemption(ImmediatePolicy):
             return self._filter.refusal(flow)
         self._active_flows.record_message(activity, now)
         self._owner = owner = self._active_flows.highest_priority(now) or activity
-        verdicts = (
-            self._pass if self._step(activity, owner) is TransitionEffect.PASS else self._drop
-        )
+        verdicts = self._pass if self._step(activity, owner) is _PASS else self._drop
         return verdicts.get(flow, self._reasons[owner.flow.name])
 
     def refusal(self, flow: str, now: int, message: object = None) -> Verdict | None:  # noqa: ARG002
@@ -189,4 +190,4 @@ class Preemption(ImmediatePolicy):
 
     def _step(self, activity: FlowActivity, owner: FlowActivity) -> TransitionEffect:
         lower = owner.flow.priority > activity.flow.priority
-        return self._machine.step(PreemptionInput.LOWER if lower else PreemptionInput.HIGHEST)
+        return self._machine.step(_LOWER if lower else _HIGHEST)

@@ -26,6 +26,9 @@ class TransitionEffect(TableEnum):
     NEVER = "cannot arise"
 
 
+_NEVER = TransitionEffect.NEVER
+"""Enum looks its members up in Python code; this one is compared for every message."""
+
 State = TypeVar("State", bound=TableEnum)
 Input = TypeVar("Input", bound=TableEnum)
 TransitionTable = Mapping[tuple[State, Input], tuple[State, TransitionEffect]]
@@ -48,7 +51,7 @@ class StateMachine(Generic[State, Input]):
     def step(self, input: Input) -> TransitionEffect:
         """Make the transition that the table gives for `input`; return its effect."""
         state, effect = self._table[self._state, input]
-        if effect is TransitionEffect.NEVER:
+        if effect is _NEVER:
             raise AssertionError(f"{input.name} cannot arise in {self._state.name}")
         self._state = state
         return effect

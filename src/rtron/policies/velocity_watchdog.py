@@ -102,6 +102,10 @@ TABLE: TransitionTable[WatchdogState, WatchdogInput] = {
 }
 
 
+_OUTPUT, _MOVING = WatchdogInput.OUTPUT, WatchdogState.MOVING
+_STOPPING, _RELEASED = WatchdogState.STOPPING, WatchdogState.RELEASED
+
+
 @dataclass(frozen=True, slots=True)
 class VelocityRamp:
     """A velocity on its way to zero from `started_at` (ns) on.
@@ -178,15 +182,11 @@ class VelocityWatchdog:
     @property
     def moving_flow(self) -> Flow | None:
         """The flow that moves the robot, or may still do so; None while none does."""
-        return (
-            self._flow
-            if self._machine.state in (WatchdogState.MOVING, WatchdogState.RELEASED)
-            else None
-        )
+        return self._flow if self._machine.state in (_MOVING, _RELEASED) else None
 
     def record_output(self, flow: Flow, now: int) -> None:
         """Note that a message of `moving_flow` went out at `now`."""
-        self._machine.step(WatchdogInput.OUTPUT)
+        self._machine.step(_OUTPUT)
         self._flow, self._last_output, self.reason = flow, now, ""
 
     def refuse(self, reason: str, now: int) -> None:
@@ -245,9 +245,9 @@ class VelocityWatchdog:
     def deadline(self) -> int | None:
         """Return when `tick` next has something to do."""
         state = self._machine.state
-        if state is WatchdogState.MOVING:
+        if state is _MOVING:
             return self._last_output + self._flow.silent_after
-        return self._next if state is WatchdogState.STOPPING else None
+        return self._next if state is _STOPPING else None
 
     def _handle_silence(self, why: str, now: int) -> None:
         if self._flow.on_silence is OnSilence.RELEASE:

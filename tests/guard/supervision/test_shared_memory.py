@@ -11,6 +11,7 @@ from rtron.guard.supervision.shared_memory import (
     StatusWord,
     decode_last_message,
     decode_type_info,
+    encode_last_message,
     encode_type_info,
 )
 from rtron.guard.transport.common.protocol import TypeInfo
@@ -83,11 +84,11 @@ def test_types_and_messages_survive():
     info = TypeInfo("geometry_msgs/Twist", "9f19", "float64 é\n")
     assert decode_type_info(encode_type_info(info)) == info
     assert decode_type_info(b"") is None
-    assert decode_last_message(LastMessage(1, 2, b"abc").encode()) == LastMessage(1, 2, b"abc")
+    assert decode_last_message(encode_last_message(1, 2, b"abc")) == LastMessage(1, 2, b"abc")
     assert decode_last_message(b"") == LastMessage(0, 0, b"")
 
 
 def test_what_is_too_long_is_left_out():
     long = TypeInfo("a/B", "9f19", "x" * 40_000)
     assert decode_type_info(encode_type_info(long)) == TypeInfo("a/B", "9f19", "")
-    assert decode_last_message(LastMessage(1, 2, b"x" * 3000).encode()) == LastMessage(1, 2, b"")
+    assert decode_last_message(encode_last_message(1, 2, b"x" * 3000)) == LastMessage(1, 2, b"")

@@ -10,8 +10,8 @@ from rtron.guard.core.message_types import standard_info
 from rtron.guard.supervision.guard_config import is_stoppable
 from rtron.guard.supervision.shared_memory import (
     GuardMemory,
-    LastMessage,
     StatusWord,
+    encode_last_message,
     encode_type_info,
 )
 from rtron.guard.supervision.stream_brakes import StreamBrakes
@@ -39,7 +39,7 @@ class Braked:
         """Let the guard say a message, and be alive at that moment."""
         now = self.transport.now()
         self.page[StatusWord.GUARD_BEAT] = now
-        self.page.last_messages[0].write(LastMessage(now, now + in_force, message).encode())
+        self.page.last_messages[0].write(encode_last_message(now, now + in_force, message))
 
     def advance(self, duration):
         for _ in range(duration // LOOK):
@@ -116,7 +116,7 @@ def test_the_next_guard_speaks_and_the_stop_for_the_one_before_ends(braked):
     braked.advance(SECOND // 10)
     told = len(braked.told)
     now = braked.transport.now()
-    page.last_messages[0].write(LastMessage(now, now + SECOND, twist(0.3)).encode())
+    page.last_messages[0].write(encode_last_message(now, now + SECOND, twist(0.3)))
     braked.advance(SECOND)
     assert len(braked.told) == told
     page.close()

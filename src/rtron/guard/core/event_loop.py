@@ -2,7 +2,7 @@
 
 import heapq
 import logging
-import selectors
+import select
 import socket
 import time
 from collections import deque
@@ -17,6 +17,12 @@ from rtron.guard.core.out_of_memory import exit_out_of_memory
 log = logging.getLogger(__name__)
 
 Callback = Callable[[], None]
+_READ, _WRITE = select.EPOLLIN, select.EPOLLOUT
+_READABLE, _WRITABLE = ~_WRITE, ~_READ
+"""An error or a hang-up counts as both, as in `selectors`: reading or writing tells what it is."""
+
+_MAX_EVENTS = 256
+"""How many sockets are served between two looks at the timers."""
 
 
 class Pollable(Protocol):
@@ -34,22 +40,26 @@ class Pollable(Protocol):
 class IoHandler:
     """The callbacks for a socket that can be read or written, or whose handler failed."""
 
-    __slots__ = ("on_error", "on_readable", "on_writable")
+    __slots__ = ("on_error", "on_readable", "on_writable", "sock")
 
-    def __init__(self, on_readable: Callback, on_error: Callable[[Exception], None]) -> None:
+    def __init__(
+        self, sock: Pollable, on_readable: Callback, on_error: Callable[[Exception], None]
+    ) -> None:
+        self.sock = sock
         self.on_readable = on_readable
         self.on_writable: Callback | None = None
         self.on_error = on_error
 
 
 class EventLoop:
-    """A selector with timers; every callback runs in the thread of `run`.
+    """epoll(7) with timers; every callback runs in the thread of `run`.
 
     A callback that fails ends its own connection (`IoHandler.on_error`), never the loop.
     """
 
     def __init__(self) -> None:
-        self._selector = selectors.DefaultSelector()
+        self._epoll = select.epoll()
+        self._handlers: dict[int, IoHandler] = {}
         self._timers: list[tuple[int, int, Callback]] = []
         self._sequence = count()
         self._posted_callbacks: deque[Callback] = deque()
@@ -67,33 +77,31 @@ class EventLoop:
         self, sock: Pollable, on_readable: Callback, on_error: Callable[[Exception], None]
     ) -> None:
         """Serve a non-blocking socket from now on."""
-        self._selector.register(sock, selectors.EVENT_READ, IoHandler(on_readable, on_error))
+        self._register(IoHandler(sock, on_readable, on_error))
 
     def await_writable(self, sock: Pollable, on_writable: Callback | None) -> None:
         """Call `on_writable` whenever the socket can be written; None ends that."""
-        handler: IoHandler = self._selector.get_key(sock).data
-        handler.on_writable = on_writable
-        write = selectors.EVENT_WRITE if on_writable else 0
-        self._selector.modify(sock, selectors.EVENT_READ | write, handler)
+        self._handlers[sock.fileno()].on_writable = on_writable
+        self._epoll.modify(sock, _READ | _WRITE if on_writable else _READ)
 
     def suspend(self, sock: Pollable, duration: float) -> None:
         """Stop watching a socket for `duration` seconds."""
-        handler: IoHandler = self._selector.unregister(sock).data
+        handler = self._unregister(sock)
 
         def resume() -> None:
             if sock.fileno() >= 0:
-                self._selector.register(sock, selectors.EVENT_READ, handler)
+                self._register(handler)
 
         self.call_later(duration, resume)
 
     def unwatch(self, sock: Pollable) -> None:
         """Serve a socket no more; it stays open."""
-        self._selector.unregister(sock)
+        self._unregister(sock)
 
     def forget(self, sock: Pollable) -> None:
         """Stop watching a socket and close it; a second call does nothing."""
-        with suppress(KeyError, ValueError):  # it is not watched, or closed already
-            self._selector.unregister(sock)
+        with suppress(KeyError):  # it is not watched any more
+            self._unregister(sock)
         sock.close()
 
     def call_at(self, when: int, callback: Callback) -> None:
@@ -127,9 +135,11 @@ class EventLoop:
     def step(self, longest_wait: float | None = None) -> None:
         """Wait for the next events, `longest_wait` seconds at most, and handle them."""
         when_idle, self._when_idle = self._when_idle, None
-        ready = self._selector.select(0 if when_idle else self._timeout(longest_wait))
-        for key, events in ready:
-            self._dispatch(key.data, events)
+        wait = 0 if when_idle else self._timeout(longest_wait)
+        ready = self._epoll.poll(wait, _MAX_EVENTS)
+        for handler, events in [(self._handlers.get(fd), events) for fd, events in ready]:
+            if handler:
+                self._dispatch(handler, events)
         has_run = self._run_timers()
         self._flush()
         if when_idle and not (ready or has_run):
@@ -143,13 +153,27 @@ class EventLoop:
         """Close the loop's own sockets."""
         self.forget(self._wake_receiver)
         self._wake_sender.close()
-        self._selector.close()
+        self._epoll.close()
+
+    def _register(self, handler: IoHandler) -> None:
+        self._epoll.register(handler.sock, _READ)
+        self._handlers[handler.sock.fileno()] = handler
+
+    def _unregister(self, sock: Pollable) -> IoHandler:
+        """Watch a socket no more; KeyError if it is not watched. epoll forgets closed ones."""
+        fd = sock.fileno()
+        if fd < 0:
+            closed = (fd for fd, each in self._handlers.items() if each.sock is sock)
+            return self._handlers.pop(next(closed, fd))
+        handler = self._handlers.pop(fd)
+        self._epoll.unregister(fd)
+        return handler
 
     def _dispatch(self, handler: IoHandler, events: int) -> None:
         try:
-            if events & selectors.EVENT_READ:
+            if events & _READABLE:
                 handler.on_readable()
-            if events & selectors.EVENT_WRITE and handler.on_writable:
+            if events & _WRITABLE and handler.on_writable:
                 handler.on_writable()
             self._flush()
         except MemoryError:

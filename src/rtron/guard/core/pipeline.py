@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from rtron.policies.policy import Policy, Release
     from rtron.policies.state_transfer import PolicyState
 
+_PASS, _DROP, _MODIFY = Decision.PASS, Decision.DROP, Decision.MODIFY
 Emit = Callable[[str, bytes, int], None]
 """Takes the flow, a message that every stage has passed, and the time (ns)."""
 
@@ -68,9 +69,9 @@ class Pipeline:
             self.tallies[flow].dropped += 1
             return None
         entry = self._bar_on(flow) or self._gate.verdict(flow, message)
-        if entry and entry.decision is Decision.MODIFY:
+        if entry and entry.decision is _MODIFY:
             message = entry.message  # type: ignore[assignment]
-        refusal = entry if entry and entry.decision is Decision.DROP else None
+        refusal = entry if entry and entry.decision is _DROP else None
         for later in self._policies_from[1]:
             refusal = refusal or later.refusal(flow, now, message)
         if refusal is not None:
@@ -146,7 +147,7 @@ class Pipeline:
     def bar(self, by: str, flows: Iterable[str], why: str) -> None:
         """Drop all messages of these flows until `unbar(by)`, whatever the policies decide."""
         for flow in flows:
-            reason = Verdict(Decision.DROP, flow, PolicyName.BLOCK, why, self._revision)
+            reason = Verdict(_DROP, flow, PolicyName.BLOCK, why, self._revision)
             self._bars[by, flow] = reason
 
     def unbar(self, by: str) -> None:
@@ -182,13 +183,13 @@ class Pipeline:
         A refused message is in progress nowhere, so that it does not hold up the others.
         """
         verdict, message = release.verdict, release.message
-        if verdict.decision is Decision.DROP:
+        if verdict.decision is _DROP:
             self._count(verdict)
         else:
             verdict = self._pass_release(at, release, now)
-            if verdict.decision is Decision.DROP:
+            if verdict.decision is _DROP:
                 self.policies[at].observe_done(now)
-        if verdict.decision is Decision.DROP:
+        if verdict.decision is _DROP:
             self.on_dropped(message, verdict)  # type: ignore[arg-type]
 
     def _pass_release(self, at: int, release: "Release", now: int) -> Verdict:
@@ -207,12 +208,12 @@ class Pipeline:
         """Ask the stages from `first` on; `verdict` is that of the stages before."""
         for policy in self._policies_from[first]:
             stage_verdict = policy.verdict(flow, message, now)
-            if stage_verdict.decision is Decision.MODIFY:
+            if stage_verdict.decision is _MODIFY:
                 message = stage_verdict.message  # type: ignore[assignment]
-            elif stage_verdict.decision is not Decision.PASS:
+            elif stage_verdict.decision is not _PASS:
                 self._count(stage_verdict)
                 return stage_verdict
-            if verdict is None or verdict.decision is not Decision.MODIFY:
+            if verdict is None or verdict.decision is not _MODIFY:
                 verdict = stage_verdict
         if verdict is None:
             raise AssertionError("a pipeline has a stage")
@@ -234,11 +235,11 @@ class Pipeline:
         if self.on_verdict_change and verdict is not tally.last and _differs(verdict, tally.last):
             self.on_verdict_change(verdict)
         decision = verdict.decision
-        if decision is Decision.PASS:
+        if decision is _PASS:
             tally.passed += 1
-        elif decision is Decision.DROP:
+        elif decision is _DROP:
             tally.dropped += 1
-        elif decision is Decision.MODIFY:
+        elif decision is _MODIFY:
             tally.modified += 1
         else:
             tally.held += 1
@@ -258,7 +259,7 @@ def _differs(verdict: Verdict, previous: Verdict | None) -> bool:
         or verdict.policy is not previous.policy
     ):
         return True
-    return verdict.decision is not Decision.MODIFY and verdict.reason != previous.reason
+    return verdict.decision is not _MODIFY and verdict.reason != previous.reason
 
 
 def _ignore_dropped(_message: bytes, _verdict: Verdict) -> None:

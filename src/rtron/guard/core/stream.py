@@ -43,6 +43,8 @@ if TYPE_CHECKING:
 
 log = logging.getLogger(__name__)
 
+_DROP, _HOLD = Decision.DROP, Decision.HOLD
+
 
 class GuardedStream:
     """Takes the messages of the flows, asks the pipeline, and sends those that pass."""
@@ -277,10 +279,10 @@ class GuardedStream:
         verdict = self._decide_safely(flow, message, now)
         if self.measurement:
             self.measurement.add_message(flow, message, now, verdict)
-        decision = verdict.decision if verdict else Decision.DROP
-        if decision is Decision.HOLD:
+        decision = verdict.decision if verdict else _DROP
+        if decision is _HOLD:
             self._deadline_timer.run_due(now)
-        elif decision is Decision.DROP and verdict and self.stop_controller.moving_flow:
+        elif decision is _DROP and verdict and self.stop_controller.moving_flow:
             self._on_dropped(verdict, now)
         else:
             self._deadline_timer.ensure_armed()

@@ -6,9 +6,11 @@ leaves the document before readable, whatever order the other processor sees the
 
 import mmap
 import struct
-import zlib
+from zlib import crc32
 
 _HEAD = struct.Struct("=QII")
+_HEAD_SIZE = _HEAD.size
+_pack_head = _HEAD.pack_into
 
 
 class DoubleBuffer:
@@ -17,24 +19,25 @@ class DoubleBuffer:
     def __init__(self, memory: mmap.mmap, start: int, capacity: int) -> None:
         self._memory = memory
         self._capacity = capacity
-        self._halves = (start, start + _HEAD.size + capacity)
+        self._halves = (start, start + _HEAD_SIZE + capacity)
         self._write_count = self.write_count()
 
     @staticmethod
     def size(capacity: int) -> int:
         """Return how much memory a cell needs."""
-        return 2 * (_HEAD.size + capacity)
+        return 2 * (_HEAD_SIZE + capacity)
 
     def write(self, document: bytes) -> bool:
         """Write a document; False, and nothing is there any more, if it is too long."""
-        is_within_capacity = len(document) <= self._capacity
-        body = document if is_within_capacity else b""
-        self._write_count += 1
-        at = self._halves[self._write_count % 2] + _HEAD.size
-        self._memory[at : at + len(body)] = body
-        head = (self._write_count, len(body), zlib.crc32(body))
-        _HEAD.pack_into(self._memory, at - _HEAD.size, *head)
-        return is_within_capacity
+        length = len(document)
+        if length > self._capacity:
+            self.write(b"")
+            return False
+        self._write_count = count = self._write_count + 1
+        at = self._halves[count & 1]
+        self._memory[at + _HEAD_SIZE : at + _HEAD_SIZE + length] = document
+        _pack_head(self._memory, at, count, length, crc32(document))
+        return True
 
     def read(self) -> tuple[int, bytes]:
         """Return how often was written, and the newest document that is whole; (0, empty) if none.
@@ -49,5 +52,5 @@ class DoubleBuffer:
 
     def _read_half(self, at: int) -> tuple[int, bytes]:
         count, length, crc = _HEAD.unpack_from(self._memory, at)
-        body = self._memory[at + _HEAD.size : at + _HEAD.size + min(length, self._capacity)]
-        return (count, body) if zlib.crc32(body) == crc else (0, b"")
+        body = self._memory[at + _HEAD_SIZE : at + _HEAD_SIZE + min(length, self._capacity)]
+        return (count, body) if crc32(body) == crc else (0, b"")

@@ -115,14 +115,16 @@ class LastMessage:
     valid_until: int
     message: bytes
 
-    def encode(self) -> bytes:
-        """Return it as bytes."""
-        message = self.message if len(self.message) <= _MAX_MESSAGE_BYTES else b""
-        return _TIMES.pack(self.sent_at, self.valid_until) + message
+
+def encode_last_message(sent_at: int, valid_until: int, message: bytes) -> bytes:
+    """Return the fields of a `LastMessage` as bytes."""
+    return _TIMES.pack(sent_at, valid_until) + (
+        message if len(message) <= _MAX_MESSAGE_BYTES else b""
+    )
 
 
 def decode_last_message(data: bytes) -> LastMessage:
-    """Return the message that `LastMessage.encode` wrote; an empty one if none was written."""
+    """Return what `encode_last_message` wrote; an empty one if none was written."""
     sent_at, valid_until = _TIMES.unpack_from(data) if data else (0, 0)
     return LastMessage(sent_at, valid_until, data[_TIMES.size :])
 

@@ -8,6 +8,7 @@ import socket
 import subprocess
 from contextlib import suppress
 from functools import partial
+from itertools import count
 from typing import TYPE_CHECKING
 
 from rtron.guard.coordinator import Coordinator
@@ -21,9 +22,9 @@ from rtron.guard.supervision.guard_config import GuardConfig, is_stoppable
 from rtron.guard.supervision.programs import BACKUP_SUPERVISOR, command
 from rtron.guard.supervision.shared_memory import (
     GuardMemory,
-    LastMessage,
     StatusWord,
     decode_last_message,
+    encode_last_message,
     encode_type_info,
 )
 from rtron.guard.supervision.supervisor_handover import (
@@ -96,6 +97,7 @@ class SupervisorClient:
         self._is_starting = self._is_dismissed = False
         self._disconnected_at = 0
         self._is_ending = False
+        self._turn = count()
 
     def attach(self, loop: EventLoop, host: Coordinator) -> None:
         """Keep what the streams of a host say."""
@@ -136,8 +138,8 @@ class SupervisorClient:
         exit_if_out_of_memory()
         self._memory[StatusWord.GUARD_BEAT] = now
         self._memory[StatusWord.SERVING] = self._memory[StatusWord.SERVING] or now
-        for guarded in self._stoppable:
-            guarded.store_order()
+        if self._stoppable:
+            self._stoppable[next(self._turn) % len(self._stoppable)].store_order()
         self._notice_stop()
         self._follow_delivery(now)
         self._check_supervisor(now)
@@ -299,8 +301,7 @@ def _record_messages(
 
     def sent(flow: str, message: bytes) -> None:
         now = loop.now()
-        last_message.write(
-            LastMessage(now, now + validity.get(flow, default_validity), message).encode()
-        )
+        valid_until = now + validity.get(flow, default_validity)
+        last_message.write(encode_last_message(now, valid_until, message))
 
     guarded.set_listeners(learned, sent)

@@ -3,6 +3,7 @@
 import logging
 import socket
 from collections.abc import Callable
+from functools import partial
 
 from rtron.errors import WireError
 from rtron.guard.core.event_loop import EventLoop
@@ -35,7 +36,8 @@ class SubscriberLink:
         self._header = FrameReader(MAX_HEADER)
         self._unsent_head: memoryview | None = None
         self._queue = Backlog(1)
-        self._unflushed: list[bytes] = []
+        self._gathered: list[bytes] = []
+        self._is_gathering = False
         self.on_close: Callable[[SubscriberLink], None] = lambda link: None
         self.node = ""
         self.md5sum = ""
@@ -74,10 +76,20 @@ class SubscriberLink:
         self.close()
 
     def send(self, message: bytes) -> None:
-        """Send a message, or let it wait while the subscriber is slow."""
-        if not self._unflushed:
-            self._loop.call_after_event(self._flush)
-        self._unflushed.append(message)
+        """Send a message, or let it wait while the subscriber is slow.
+
+        The first of an event goes at once, those behind it together when the event is handled.
+        """
+        if self._is_gathering:
+            self._gathered.append(message)
+            return
+        self._is_gathering = True
+        self._loop.call_after_event(self._flush)
+        self.sent += 1
+        if self._unsent_head is None:
+            self._enqueue(message)
+        else:
+            self._queue.append(message)
 
     def close(self) -> None:
         """Close the connection; messages that wait count as dropped."""
@@ -89,15 +101,15 @@ class SubscriberLink:
         self.on_close(self)
 
     def _flush(self) -> None:
-        fresh, self._unflushed = self._unflushed, []
+        self._is_gathering = False
+        if not self._gathered:
+            return
+        gathered, self._gathered = self._gathered, []
         if self.is_closed:
             return
-        self.sent += len(fresh)
-        if self._unsent_head is None and len(fresh) == 1:
-            self._enqueue(fresh[0])
-            return
-        for at in range(0, len(fresh), _BATCH):
-            self._queue_messages(fresh[at : at + _BATCH])
+        self.sent += len(gathered)
+        for at in range(0, len(gathered), _BATCH):
+            self._queue_messages(gathered[at : at + _BATCH])
 
     def _queue_messages(self, messages: list[bytes]) -> None:
         if self._unsent_head is None:
@@ -107,13 +119,16 @@ class SubscriberLink:
             self._queue.append(message)
 
     def _enqueue(self, data: bytes) -> None:
-        """Write to the socket; the rest that the kernel does not take becomes the head."""
+        """Write to the socket; the rest that the kernel does not take becomes the head.
+
+        After an error the link closes when the event is handled: its publication sends to others.
+        """
         try:
             written = self._sock.send(data)
         except BlockingIOError:
             written = 0
         except OSError as error:
-            self._on_error(error)
+            self._loop.call_after_event(partial(self._on_error, error))
             return
         self.sent_bytes += written
         if written < len(data):

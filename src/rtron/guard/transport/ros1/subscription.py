@@ -100,19 +100,21 @@ class PublisherLink:
         sock, receive = self._sock, self._on_message
         if sock is None or receive is None:
             return
-        for frame in self._receive(sock):
+        reader = self._reader
+        for frame in self._skip(sock) if reader.skippable else reader.feed(self._read(sock)):
             self.received += 1
             receive(frame)
 
-    def _receive(self, sock: socket.socket) -> list[bytes]:
-        """Read from the socket; what nobody needs the kernel drops without a copy (tcp(7))."""
-        skippable = min(_LARGEST_READ, self._reader.skippable)
-        size = skippable or min(_LARGEST_READ, max(_CHUNK, self._reader.missing))
-        data = sock.recv(size, socket.MSG_TRUNC if skippable else 0)
+    def _skip(self, sock: socket.socket) -> list[bytes]:
+        """Let the kernel drop what nobody needs, without a copy (tcp(7))."""
+        return self._reader.skip(len(self._read(sock, self._reader.skippable, socket.MSG_TRUNC)))
+
+    def _read(self, sock: socket.socket, size: int = _CHUNK, flags: int = 0) -> bytes:
+        data = sock.recv(min(_LARGEST_READ, max(size, self._reader.missing)), flags)
         if not data:
             raise WireError("closed by the publisher")
         self.received_bytes += len(data)
-        return self._reader.skip(len(data)) if skippable else self._reader.feed(data)
+        return data
 
     def _create_reader(self) -> FrameReader | FrameBeginReader:
         return FrameBeginReader(self._begin) if self._begin else FrameReader()
