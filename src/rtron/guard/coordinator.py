@@ -16,6 +16,7 @@ from rtron.guard.core.diagnostics import (
     active_text,
     alarm_statuses,
     emergency_statuses,
+    event_statuses,
     rate_statuses,
     stream_statuses,
 )
@@ -123,6 +124,7 @@ class Coordinator:
             *self.other_statuses(),
             *self.stream_statuses(),
             *rate_statuses(self.observations, now),
+            *event_statuses(self._inputs.losses.values(), now),
             *emergency_statuses(self.emergency, dry_run=self._dry_run),
             *alarm_statuses(self.alarms, now),
         ]

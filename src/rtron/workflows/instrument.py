@@ -1,5 +1,6 @@
 """Write the launch file that starts an app with its guard."""
 
+import json
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -14,12 +15,15 @@ from rtron.planning.instrument import (
     instrument_ros2,
     write_guarded_launch,
 )
+from rtron.planning.instrument.common.guard_files import GuardFiles
 from rtron.planning.plan_file.loader import parse_plan
 from rtron.planning.plan_file.yaml_parser import read_text
+from rtron.sources.graph_json import graph_to_json, read_graph
 from rtron.sources.launch.common.launch_file import launch_generation
 from rtron.sources.launch.common.packages import find_packages
 from rtron.sources.launch.ros2.reader import read_ros2_launch
 from rtron.vocabulary import Plan
+from rtron.workflows.check_plan import require_fit
 
 if TYPE_CHECKING:
     from rtron.sources.static.ros1.app import StaticApp
@@ -29,7 +33,8 @@ if TYPE_CHECKING:
 class InstrumentRequest:
     """A launch file with its arguments, the plan that guards it, and where the result goes.
 
-    Packages are looked for in `folders`, then as ROS does.
+    Packages are looked for in `folders`, then as ROS does. The guard checks the plan against the
+    app's `graph` whenever it starts.
     """
 
     launch: Path
@@ -37,6 +42,7 @@ class InstrumentRequest:
     folders: Sequence[Path]
     plan: Path
     output: Path
+    graph: Path | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,12 +59,12 @@ def instrument(request: InstrumentRequest) -> InstrumentResult:
     plan = parse_plan(text, str(request.plan))
     _check_launch_generation(request.launch, plan, str(request.plan))
     guarded = _instrument_ros1 if plan.ros == 1 else _instrument_ros2
-    launch = guarded(request, plan, text)
+    launch = guarded(request, plan, GuardFiles(text, _graph_text(request, plan)))
     write_guarded_launch(launch)
     return InstrumentResult(plan.ros, launch)
 
 
-def _instrument_ros1(request: InstrumentRequest, plan: Plan, plan_text: str) -> GuardedLaunch:
+def _instrument_ros1(request: InstrumentRequest, plan: Plan, guard: GuardFiles) -> GuardedLaunch:
     from rtron.sources.static.ros1.app import scan_app  # noqa: PLC0415 - ROS 2 does without it
 
     app = scan_app(request.folders, [(request.launch, request.arguments)], os.environ)
@@ -66,10 +72,19 @@ def _instrument_ros1(request: InstrumentRequest, plan: Plan, plan_text: str) -> 
         app.trees[0],
         plan,
         request.output,
-        plan_text=plan_text,
+        guard,
         started=_started_launches(app),
         packages=find_packages(request.folders),
     )
+
+
+def _graph_text(request: InstrumentRequest, plan: Plan) -> str:
+    """Return the app's graph for the guard; InputError if the plan does not fit it."""
+    if request.graph is None:
+        return ""
+    graph = read_graph(request.graph)
+    require_fit(plan, graph)
+    return json.dumps(graph_to_json(graph))
 
 
 def _started_launches(app: "StaticApp") -> Sequence[RuntimeLaunchTree]:
@@ -80,10 +95,10 @@ def _started_launches(app: "StaticApp") -> Sequence[RuntimeLaunchTree]:
     ]
 
 
-def _instrument_ros2(request: InstrumentRequest, plan: Plan, plan_text: str) -> GuardedLaunch:
+def _instrument_ros2(request: InstrumentRequest, plan: Plan, guard: GuardFiles) -> GuardedLaunch:
     packages = find_packages(request.folders)
     tree = read_ros2_launch(request.launch, request.arguments, os.environ, packages)
-    return instrument_ros2(tree, plan, request.output, plan_text=plan_text)
+    return instrument_ros2(tree, plan, request.output, guard)
 
 
 def _check_launch_generation(launch: Path, plan: Plan, path: str) -> None:

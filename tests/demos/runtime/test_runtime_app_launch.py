@@ -9,6 +9,7 @@ from rtron.demos.runtime.app_files import first_party_packages, launch_file, thi
 from rtron.demos.runtime.app_launch import node_commands, node_names
 from rtron.errors import InputError
 from rtron.planning.instrument import instrument_ros2, write_guarded_launch
+from rtron.planning.instrument.common.guard_files import GuardFiles
 from rtron.planning.plan_file.loader import parse_plan
 from rtron.sources.launch.ros2.reader import read_ros2_launch
 
@@ -48,7 +49,7 @@ def test_the_app_is_the_same_on_both():
 def test_the_guarded_launch_starts_the_guard_and_remaps_who_is_guarded(tmp_path):
     tree = read_ros2_launch(launch_file(2), {}, {}, PACKAGES)
     out = tmp_path / "guarded.launch.xml"
-    write_guarded_launch(instrument_ros2(tree, parse_plan(PLAN), out, plan_text=PLAN))
+    write_guarded_launch(instrument_ros2(tree, parse_plan(PLAN), out, GuardFiles(PLAN)))
     guard, *nodes = node_commands(out, FOLDERS, {}, PYTHON)
     assert not guard.is_of_app
     assert guard.command == (str(tmp_path / "guarded.launch.d" / "guard"),)

@@ -151,6 +151,21 @@ def test_nothing_moves_before_the_first_event_nor_when_it_is_too_old_nor_when_it
     assert all(x < 1.0 for x, _ in speeds(driver)[before:])
 
 
+def test_events_that_were_lost_are_counted_and_shown_while_it_is_news():
+    transport, host = guarded()
+    light(transport)(string("green"))
+    transport.miss("/light", peer("/camera", STRING), 3)
+    transport.miss("/light", peer("/camera", STRING), 2)
+
+    def state():
+        return next((each for each in host.statuses() if "events on /light" in each.name), None)
+
+    assert (state().level, state().values) == (1, {"lost of /camera": "5"})
+    assert "5 events were lost" in state().message
+    transport.advance(11 * SECOND)
+    assert (state().level, state().values) == (0, {"lost of /camera": "5"})
+
+
 @pytest.mark.parametrize(
     ("counts", "passes"),
     [(WhenUnknown.BLOCK, 0), (WhenUnknown.SET, 0), (WhenUnknown.CLEAR, 1), (WhenUnknown.KEEP, 1)],

@@ -20,9 +20,8 @@ from rtron.errors import InputError
 from rtron.guard.link.options import LinkOptions, state_folder
 from rtron.guard.log_format import start_logging
 from rtron.planning.plan_file.loader import read_plan
-from rtron.planning.problem import ProblemLevel
 from rtron.vocabulary import InteractionGraph, MeasuredRun, Plan
-from rtron.workflows.check_plan import check
+from rtron.workflows.check_plan import require_fit
 from rtron.workflows.launch_arguments import parse_assignments
 from rtron.workflows.live_app import app_address
 
@@ -165,12 +164,7 @@ def guard(  # noqa: PLR0913 - one for each option
 
 def _check_plan(plan: Plan, graph: Path | None) -> None:
     """Log what is odd in a plan; InputError if it does not fit the app, where one is given."""
-    problems = check(plan, _read_graph(graph) if graph else None)
-    errors = [str(each) for each in problems if each.level is ProblemLevel.ERROR]
-    if errors:
-        help = "correct the plan, or make a new graph of the app"
-        raise InputError("\n".join(("the plan does not fit the app", *errors)), help=help)
-    for problem in problems:
+    for problem in require_fit(plan, _read_graph(graph) if graph else None):
         log.warning("%s: %s", problem.location, problem.message)
     if not graph:
         log.info("not checked: whether the plan's topics, nodes and types are the app's (--graph)")

@@ -42,6 +42,13 @@ def instrument(
             help="The guarded launch file, of APP's kind.",
         ),
     ],
+    graph: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="GRAPH.json",
+            help="The app's graph: check the plan against it now and at each start.",
+        ),
+    ] = None,
     packages: Annotated[
         list[Path] | None,
         typer.Option(
@@ -62,6 +69,7 @@ def instrument(
 
     $ rtron instrument app.launch --plan rtron.yaml -o guarded.launch
     $ rtron instrument app.launch model:=waffle --plan rtron.yaml -o out.launch
+    $ rtron instrument app.launch --plan rtron.yaml --graph graph.json -o out.launch
 
     The plan names its ROS. For ROS 2, RTron rewrites XML and YAML launch files
     and wraps a Python one: the file stays as it is, and its nodes get their
@@ -84,6 +92,7 @@ def instrument(
             folders=packages or (),
             plan=plan,
             output=output,
+            graph=graph,
         )
     )
     guarded = _guarded_report(result)

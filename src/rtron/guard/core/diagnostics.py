@@ -1,8 +1,9 @@
 """The guard's reports about itself: the texts of `~active` and of `/diagnostics`."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 from rtron.guard.core.alarms import Alarms
+from rtron.guard.core.losses import Losses
 from rtron.guard.core.observations import Observations
 from rtron.guard.core.pipeline import VerdictTally
 from rtron.guard.core.report_messages import ERROR, OK, WARN, Status
@@ -115,6 +116,17 @@ def _rate_status(rate: FrameRateReport) -> Status:
         return Status(ERROR, f"rtron: {rate.monitor_id}", "silent", {"fps": "0"})
     values = {"fps": f"{rate.fps:.2f}", "age": f"{rate.age / SECOND:.3f} s"}
     return Status(OK, f"rtron: {rate.monitor_id}", f"{rate.fps:.1f} fps", values)
+
+
+def event_statuses(losses: Iterable[Losses], now: int) -> Iterator[Status]:
+    """Log what was lost of the events, and yield the topics where anything was."""
+    for each in losses:
+        each.update({}, now)
+        if each.before:
+            text = f"{sum(each.before.values())} events were lost: a rule may have needed them"
+            level = WARN if each.are_recent(now) else OK
+            values = {f"lost of {node}": str(count) for node, count in each.before.items()}
+            yield Status(level, f"rtron: events on {each.topic}", text, values)
 
 
 def _rule_status(rule_status: RuleStatus) -> Status:

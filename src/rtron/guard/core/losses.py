@@ -16,7 +16,7 @@ class Losses:
     def __init__(self, topic: str) -> None:
         self.before: dict[str, int] = {}
         """How many messages of each flow did not reach the guard, or too late."""
-        self._topic = topic
+        self.topic = topic
         self._known: Mapping[str, int] = {}
         self._changed_at: int | None = None
         self._logged: Mapping[str, int] = {}
@@ -38,7 +38,7 @@ class Losses:
         if lost != self._logged and (self._logged_at is None or now - self._logged_at >= PERIOD):
             news = {where: n - self._logged.get(where, 0) for where, n in lost.items()}
             text = "; ".join(f"{n} {where}" for where, n in news.items() if n)
-            log.warning("%s: messages were lost: %s", self._topic, text)
+            log.warning("%s: messages were lost: %s", self.topic, text)
             self._logged, self._logged_at = lost, now
 
     def are_recent(self, now: int) -> bool:

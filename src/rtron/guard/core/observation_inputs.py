@@ -6,6 +6,7 @@ from functools import partial
 
 from rtron.errors import WireError
 from rtron.guard.core.log_throttle import LogThrottle
+from rtron.guard.core.losses import Losses
 from rtron.guard.core.message_types import stamp_of
 from rtron.guard.core.observations import EventSource, Observations
 from rtron.guard.transport.common.protocol import InputOptions, MessageHandler, Peer, Transport
@@ -56,7 +57,8 @@ class ObservationInputs:
         self._observations = observations
         self._on_change = on_change
         self._log_throttle = LogThrottle()
-        self._missed: dict[str, int] = {}
+        self.losses = {each.topic: Losses(each.topic) for each in observations.events}
+        """The events that did not reach the guard, by topic."""
 
     def open(self) -> None:
         """Join the graph."""
@@ -78,7 +80,7 @@ class ObservationInputs:
                 InputOptions(
                     publishers=(source.publisher,),
                     keep_all=True,
-                    on_missed=partial(self._on_event_missed, source),
+                    on_missed=partial(self._on_event_missed, source.topic),
                 ),
             )
 
@@ -128,12 +130,9 @@ class ObservationInputs:
             bit.remove_publisher()
         self._update_mission()
 
-    def _on_event_missed(self, source: EventSource, peer: Peer, count: int) -> None:
-        """Tell of events that were lost: a rule may have needed them."""
-        self._missed[source.topic] = self._missed.get(source.topic, 0) + count
-        if self._log_throttle.allows(f"missed {source.topic}", self._transport.now()):
-            text = "%s: events of %s were lost, %d until now"
-            log.warning(text, source.topic, peer.node, self._missed[source.topic])
+    def _on_event_missed(self, topic: str, peer: Peer, count: int) -> None:
+        """Count events that were lost: a rule may have needed them."""
+        self.losses[topic].count(peer.node, count)
 
     def _update_mission(self) -> None:
         self._observations.mission.update(self._transport.now())

@@ -124,3 +124,16 @@ def test_no_launch_and_no_plan_are_2(rtron, plan_file, launch_file, tmp_path):
     assert rtron("instrument", tmp_path / "none", "--plan", plan_file, "-o", out).code == 2
     assert rtron("instrument", launch_file, "--plan", tmp_path / "none", "-o", out).code == 2
     assert rtron("instrument", launch_file).code == 2
+
+
+def test_the_guard_checks_its_plan_against_the_graph_at_each_start(
+    instrument, rtron, graph_file, quiet_file, tmp_path
+):
+    ran = instrument("rate:=9", "--graph", graph_file)
+    folder = tmp_path / "guarded.d"
+    assert (ran.code, ran.err) == (0, "")
+    assert ' --graph "${0%/*}/graph.json"' in (folder / "guard").read_text()
+    assert rtron("check", folder / "rtron.yaml", "--graph", folder / "graph.json").code == 0
+    refused = instrument("rate:=9", "--graph", quiet_file)
+    assert refused.code == 2
+    assert "error: the plan does not fit the app" in refused.err

@@ -7,6 +7,7 @@ from plans import grcn, plan_of
 
 from rtron.errors import InputError, PlanError
 from rtron.planning.instrument import instrument_ros1
+from rtron.planning.instrument.common.guard_files import GuardFiles
 from rtron.sources.launch.ros1.reader import read_launch
 from rtron.vocabulary import (
     MSRCN,
@@ -35,7 +36,7 @@ def guard(tmp_path):
         app.write_text(f"<launch>{body}</launch>")
         tree = read_launch(app, {}, {}, {})
         out = tmp_path / "out" / "guarded.launch"
-        return instrument_ros1(tree, plan, out, plan_text="the plan", command=("guard", "it's"))
+        return instrument_ros1(tree, plan, out, GuardFiles("the plan", command=("guard", "it's")))
 
     return guarded
 
@@ -269,7 +270,7 @@ def test_a_remap_stands_as_the_file_is_written(guard, tmp_path, before, after):
     (tmp_path / "app.launch").write_bytes(f"<launch>{before}</launch>".encode())
     tree = read_launch(tmp_path / "app.launch", {}, {}, {})
     plan = plan_of(grcn(T, ["/a"], []))
-    guarded = instrument_ros1(tree, plan, tmp_path / "out.launch", plan_text="")
+    guarded = instrument_ros1(tree, plan, tmp_path / "out.launch", GuardFiles(""))
     remap = '<remap from="/cmd_vel" to="/rtron/cmd_vel/flow1"/>'
     assert after.format(remap) in guarded.files[guarded.launch]
 
@@ -283,7 +284,7 @@ def test_a_byte_order_mark_is_no_harm(tmp_path):
 
 def out_of_tree(tmp_path):
     tree = read_launch(tmp_path / "app.launch", {}, {}, {})
-    return instrument_ros1(tree, plan_of(), tmp_path / "out.launch", plan_text="")
+    return instrument_ros1(tree, plan_of(), tmp_path / "out.launch", GuardFiles(""))
 
 
 @pytest.mark.parametrize("text", ["<launch/>", "<launch></launch>", "<x><launch a='/'  /></x>"])
@@ -333,7 +334,7 @@ def test_a_topic_that_cannot_be_is_an_error_of_the_plan(guard, topic):
 def out_of(tmp_path, out, body="", name="app.launch"):
     (tmp_path / name).write_text(f"<launch>{body}</launch>")
     tree = read_launch(tmp_path / name, {}, {}, {})
-    return instrument_ros1(tree, plan_of(), tmp_path / out, plan_text="")
+    return instrument_ros1(tree, plan_of(), tmp_path / out, GuardFiles(""))
 
 
 @pytest.mark.parametrize("out", ["app.launch", "x/../app.launch", "link"])
@@ -381,13 +382,13 @@ def test_a_file_that_is_no_longer_what_it_was_is_an_error(tmp_path, text, messag
     node = LaunchNode(name="/a", package="p", type="t", element_index=1)
     tree = LaunchTree(root=LaunchFile(path=str(path), nodes=(node,)))
     with pytest.raises(InputError, match=message):
-        instrument_ros1(tree, plan_of(grcn(T, ["/a"], [])), tmp_path / "out.launch", plan_text="")
+        instrument_ros1(tree, plan_of(grcn(T, ["/a"], [])), tmp_path / "out.launch", GuardFiles(""))
 
 
 def test_a_file_that_is_gone_is_an_error(tmp_path):
     tree = LaunchTree(root=LaunchFile(path=str(tmp_path / "app.launch")))
     with pytest.raises(InputError, match="cannot be read"):
-        instrument_ros1(tree, plan_of(), tmp_path / "out.launch", plan_text="")
+        instrument_ros1(tree, plan_of(), tmp_path / "out.launch", GuardFiles(""))
 
 
 @pytest.mark.parametrize("folder", ["a&b", r"a\1b", 'a"b', "a$(b"])

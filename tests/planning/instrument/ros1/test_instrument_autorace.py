@@ -7,6 +7,7 @@ import pytest
 from plans import grcn, plan_of
 
 from rtron.planning.instrument import RuntimeLaunchTree, instrument_ros1, write_guarded_launch
+from rtron.planning.instrument.common.guard_files import GuardFiles
 from rtron.sources.launch.common.packages import find_packages
 from rtron.sources.static.ros1.app import scan_app
 
@@ -75,7 +76,7 @@ def guarded(app, folders, tmp_path_factory):
         app.trees[0],
         PLAN,
         tmp_path_factory.mktemp("out") / "guarded.launch",
-        plan_text="",
+        GuardFiles(""),
         started=started,
         packages=find_packages(folders, ENVIRON),
     )

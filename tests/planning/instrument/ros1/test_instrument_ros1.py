@@ -7,6 +7,7 @@ from plans import grcn, plan_of
 from roslaunch_oracle import both, write_files
 
 from rtron.planning.instrument import instrument_ros1, write_guarded_launch
+from rtron.planning.instrument.common.guard_files import GuardFiles
 from rtron.sources.launch.ros1.reader import read_launch
 
 pytestmark = pytest.mark.ros1
@@ -86,7 +87,7 @@ def guard_and_load(ros, folder, case, plan):
     original, ours = both(ros, folder, case)
     out = folder / "guarded" / "app.launch"
     guarded = instrument_ros1(
-        read_launch(*ours), plan, out, plan_text="plan", command=("sleep", "1000")
+        read_launch(*ours), plan, out, GuardFiles("plan", command=("sleep", "1000"))
     )
     write_guarded_launch(guarded)
     _, args, _, environ = ours
@@ -159,6 +160,6 @@ def test_a_launch_file_in_another_encoding_is_guarded_too(ros, tmp_path):
     path, out = tmp_path / "app.launch", tmp_path / "guarded.launch"
     path.write_bytes(text.encode("latin-1"))
     plan = plan_of(grcn("/a", ["/n"], []))
-    write_guarded_launch(instrument_ros1(read_launch(path, {}, {}, {}), plan, out, plan_text=""))
+    write_guarded_launch(instrument_ros1(read_launch(path, {}, {}, {}), plan, out, GuardFiles("")))
     assert_guarded(ros.load(path), ros.load(out), plan, ["/a"])
     assert "<!-- señal -->" in out.read_text()

@@ -13,6 +13,7 @@ from plans import grcn, plan_of
 from roslaunch_oracle import package, write_files
 
 from rtron.planning.instrument import instrument_ros1, write_guarded_launch
+from rtron.planning.instrument.common.guard_files import GuardFiles
 from rtron.sources.launch.common.packages import find_packages
 from rtron.sources.launch.ros1.reader import read_launch
 
@@ -117,7 +118,7 @@ def test_plain_roslaunch_starts_the_guarded_app_and_the_guard(master, environ, t
     tree = read_launch(tmp_path / "app.launch", {}, find_packages([tmp_path]), {})
     out, started = tmp_path / "guarded" / "app.launch", tmp_path / "started"
     command = ("sh", "-c", f"echo $$ $2 > {started}; exec sleep 1000", "guard")
-    write_guarded_launch(instrument_ros1(tree, PLAN, out, plan_text="", command=command))
+    write_guarded_launch(instrument_ros1(tree, PLAN, out, GuardFiles("", command=command)))
 
     publish = {
         "/rtron/cmd_vel/flow1": {"/teleop"},

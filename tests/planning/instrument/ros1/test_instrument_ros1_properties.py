@@ -13,6 +13,7 @@ from roslaunch_oracle import write_files
 
 from example_budget import examples
 from rtron.planning.instrument import instrument_ros1, write_guarded_launch
+from rtron.planning.instrument.common.guard_files import GuardFiles
 from rtron.sources.launch.ros1.reader import read_launch
 
 TOPICS = ("/a", "/g/a", "/b")
@@ -35,6 +36,6 @@ def test_any_guarded_launch_is_the_original_but_for_the_plans_remaps(ros, files,
         tree = read_launch(app, {}, {}, {})
         plan = data.draw(plans([node.name for node in tree.nodes()]))
         out = Path(folder, "elsewhere", "guarded.launch")
-        write_guarded_launch(instrument_ros1(tree, plan, out, plan_text="", command=COMMAND))
+        write_guarded_launch(instrument_ros1(tree, plan, out, GuardFiles("", command=COMMAND)))
         original, guarded = ros.load(app), ros.load(out)
     assert_guarded(original, guarded, plan, TOPICS)

@@ -10,6 +10,7 @@ from roslaunch_oracle import package, write_files
 
 from rtron.errors import InputError
 from rtron.planning.instrument import RuntimeLaunchTree, instrument_ros1, write_guarded_launch
+from rtron.planning.instrument.common.guard_files import GuardFiles
 from rtron.planning.instrument.ros1 import overlay
 from rtron.planning.instrument.ros1.launch_prefix_script import starter_script
 from rtron.sources.launch.common.packages import find_packages
@@ -66,7 +67,7 @@ class App:
     def guard(self, plan=PLAN):
         tree = read_launch(self.folder / "ws/core/app.launch", {}, self.packages, {})
         return instrument_ros1(
-            tree, plan, self.out, plan_text="", started=self.started, packages=self.packages
+            tree, plan, self.out, GuardFiles(""), started=self.started, packages=self.packages
         )
 
     def written(self, plan=PLAN):

@@ -11,6 +11,7 @@ from wrapped_launch import HEAD, launch, rules
 
 from rtron.errors import InputError
 from rtron.planning.instrument import instrument_ros2, write_guarded_launch
+from rtron.planning.instrument.common.guard_files import GuardFiles
 from rtron.planning.instrument.ros2.launch_copies import arguments_text
 from rtron.planning.plan_file.loader import parse_plan
 from rtron.sources.launch.ros2.reader import read_ros2_launch
@@ -48,7 +49,9 @@ def guard(tmp_path):
         tree = read_ros2_launch(app, arguments, {"WHERE": "nav"}, {"pkg": tmp_path})
         plan = PLAN.format(topic=topic, type=type)
         out = tmp_path / "out" / f"guarded.launch.{kind}"
-        result = instrument_ros2(tree, parse_plan(plan), out, plan_text=plan, command=("g", "it's"))
+        result = instrument_ros2(
+            tree, parse_plan(plan), out, GuardFiles(plan, command=("g", "it's"))
+        )
         write_guarded_launch(result)
         return result
 
@@ -424,7 +427,7 @@ def test_what_cannot_be_the_output(tmp_path, out):
     plan = PLAN.format(topic="/cmd_vel", type="geometry_msgs/Twist")
     tree = read_ros2_launch(app, {}, {}, {})
     with pytest.raises(InputError):
-        instrument_ros2(tree, parse_plan(plan), tmp_path / out, plan_text=plan)
+        instrument_ros2(tree, parse_plan(plan), tmp_path / out, GuardFiles(plan))
 
 
 @pytest.mark.parametrize(("kind", "text"), [("xml", TELEOP), ("py", HEAD), ("yaml", YAML)])
@@ -433,7 +436,7 @@ def test_a_guarded_launch_is_not_guarded_again(guard, tmp_path, kind, text):
     tree = read_ros2_launch(result.launch, {}, {}, {})
     plan = PLAN.format(topic="/cmd_vel", type="geometry_msgs/Twist")
     with pytest.raises(InputError, match="guard already"):
-        instrument_ros2(tree, parse_plan(plan), tmp_path / f"g2.launch.{kind}", plan_text=plan)
+        instrument_ros2(tree, parse_plan(plan), tmp_path / f"g2.launch.{kind}", GuardFiles(plan))
 
 
 def test_other_arguments_than_those_it_was_made_for_end_the_launch(guard, tmp_path):
@@ -503,4 +506,4 @@ def test_a_folder_whose_name_a_launch_file_cannot_say(tmp_path, kind, folder):
     plan = PLAN.format(topic="/cmd_vel", type="geometry_msgs/Twist")
     tree = read_ros2_launch(app, {}, {}, {})
     with pytest.raises(InputError, match="cannot stand in a launch file"):
-        instrument_ros2(tree, parse_plan(plan), tmp_path / f"g.launch.{kind}", plan_text=plan)
+        instrument_ros2(tree, parse_plan(plan), tmp_path / f"g.launch.{kind}", GuardFiles(plan))

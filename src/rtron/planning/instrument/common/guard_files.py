@@ -8,12 +8,15 @@ the prefix does not run what it prefixes.
 import shlex
 import sys
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from rtron.vocabulary import GUARD_NODE
 
 GUARD_COMMAND = (sys.executable, "-m", "rtron", "guard")
 GUARD_SCRIPT = "guard"
 PLAN_FILE = "rtron.yaml"
+GRAPH_FILE = "graph.json"
+_OPTIONS = {PLAN_FILE: "--plan", GRAPH_FILE: "--graph"}
 
 
 def guard_element(folder: str) -> tuple[str, ...]:
@@ -30,10 +33,20 @@ def guard_element(folder: str) -> tuple[str, ...]:
     )
 
 
-def guard_script(command: Sequence[str]) -> str:
-    """Return the script that runs the guard in place of the command it is given."""
-    return (
-        "#!/bin/sh\n"
-        "# A launch-prefix: the command behind it is not run.\n"
-        f'exec {shlex.join(command)} --plan "${{0%/*}}/{PLAN_FILE}"\n'
-    )
+@dataclass(frozen=True, slots=True)
+class GuardFiles:
+    """What the guard of a launch reads: its plan, and the app's graph to check it against.
+
+    `command` runs the guard. Without a `graph` it cannot know whether the plan fits.
+    """
+
+    plan: str
+    graph: str = ""
+    command: Sequence[str] = GUARD_COMMAND
+
+    def texts(self, note: str = "") -> dict[str, str]:
+        """Return the files by name, with the script that runs the guard; `note` stands in it."""
+        texts = {PLAN_FILE: self.plan} | ({GRAPH_FILE: self.graph} if self.graph else {})
+        options = (f' {_OPTIONS[name]} "${{0%/*}}/{name}"' for name in texts)
+        script = f"#!/bin/sh\n{note}exec {shlex.join(self.command)}{''.join(options)}\n"
+        return {GUARD_SCRIPT: script, **texts}

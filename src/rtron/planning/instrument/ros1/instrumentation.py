@@ -7,11 +7,8 @@ from pathlib import Path
 
 from rtron.errors import InputError
 from rtron.planning.instrument.common.guard_files import (
-    GUARD_COMMAND,
-    GUARD_SCRIPT,
-    PLAN_FILE,
+    GuardFiles,
     guard_element,
-    guard_script,
 )
 from rtron.planning.instrument.common.guarded_launch import EnforcementGap, GuardedLaunch
 from rtron.planning.instrument.common.remap_coverage import RemapCoverage
@@ -22,6 +19,7 @@ from rtron.planning.instrument.ros1.runtime_launch import RuntimeLaunchTree, mer
 from rtron.planning.instrument.ros1.runtime_launch_reach import find_reachable_launches
 from rtron.vocabulary import GUARD_NODE, LaunchTree, Plan
 
+_NOTE = "# A launch-prefix: the command behind it is not run.\n"
 _NO_PACKAGES: Mapping[str, Path] = {}
 _UNQUOTABLE = re.compile(r"""["'&<>$\\\x00-\x1f]""")
 
@@ -30,18 +28,16 @@ def instrument_ros1(
     tree: LaunchTree,
     plan: Plan,
     out: Path,
+    guard: GuardFiles,
     *,
-    plan_text: str,
-    command: Sequence[str] = GUARD_COMMAND,
     started: Sequence[RuntimeLaunchTree] = (),
     packages: Mapping[str, Path] = _NO_PACKAGES,
 ) -> GuardedLaunch:
     """Return the guarded launch: the app's own launch, plus remaps, plus the guard.
 
-    `out` is its launch file; what else it needs lies in a folder beside it. `plan_text` is the
-    plan as the guard is to read it, `command` what runs the guard. `started` are the launch files
-    that nodes start themselves, `packages` where the app's packages lie. Nothing is written.
-    Raise InputError if `out` cannot be that file, or if a file of the launch cannot be changed.
+    `out` is its launch file; what else it needs lies in a folder beside it. `started` are the
+    launch files that nodes start themselves, `packages` where the app's packages lie. Nothing is
+    written. InputError if `out` cannot be that file, or if a file of the launch cannot be changed.
     """
     out = out.absolute()
     folder = out.with_suffix(".d")
@@ -56,7 +52,7 @@ def instrument_ros1(
     copies = LaunchCopies(node_remaps, launches.starters)
     root = copies.root(tree.root, folder.name, guard_element(folder.name))
     overlay = overlay_files(folder, launches, copies, (out, folder))
-    texts = {**copies.texts, GUARD_SCRIPT: guard_script(command), PLAN_FILE: plan_text}
+    texts = {**copies.texts, **guard.texts(_NOTE)}
     coverage = RemapCoverage(app, enforced, node_remaps, launches.unreachable)
     return GuardedLaunch(
         launch=out,

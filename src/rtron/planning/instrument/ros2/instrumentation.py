@@ -1,16 +1,14 @@
 """Plan + launch of ROS 2 -> guarded launch (paper section 5.1, Coordination Node Deployment)."""
 
 import re
-import shlex
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from rtron.errors import InputError
 from rtron.planning.instrument.common.guard_files import (
-    GUARD_COMMAND,
     GUARD_SCRIPT,
-    PLAN_FILE,
+    GuardFiles,
 )
 from rtron.planning.instrument.common.guarded_launch import (
     EnforcementGap,
@@ -35,9 +33,7 @@ def instrument_ros2(
     tree: LaunchTree,
     plan: Plan,
     out: Path,
-    *,
-    plan_text: str,
-    command: Sequence[str] = GUARD_COMMAND,
+    guard: GuardFiles,
 ) -> GuardedLaunch:
     """Return the guarded launch of ROS 2: the app's own, plus remaps, plus the guard.
 
@@ -59,7 +55,7 @@ def instrument_ros2(
         node: remaps for node, remaps in node_remaps.items() if node not in copies.unreachable
     }
     coverage = RemapCoverage(tree, enforced, placed, copies.unreachable)
-    texts = {**copies.texts, GUARD_SCRIPT: _script(command), PLAN_FILE: plan_text}
+    texts = {**copies.texts, **guard.texts()}
     return GuardedLaunch(
         launch=out,
         folder=folder,
@@ -108,10 +104,6 @@ class _LaunchTimeNodes:
     def has_python(self) -> bool:
         """Tell whether wrappers see what the launch starts, beside what is rewritten."""
         return any(file.path.endswith(".py") for file in self.tree.root.walk())
-
-
-def _script(command: Sequence[str]) -> str:
-    return f'#!/bin/sh\nexec {shlex.join(command)} --plan "${{0%/*}}/{PLAN_FILE}"\n'
 
 
 def _check_out(tree: LaunchTree, out: Path, folder: Path) -> None:
