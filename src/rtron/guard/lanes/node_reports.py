@@ -1,7 +1,10 @@
-"""What the bulk process tells the audit in the command process about its nodes."""
+"""What the command process tells the audit in the bulk process about its nodes."""
+
+from collections.abc import Callable
+from dataclasses import replace
 
 from rtron.guard.core.event_loop import EventLoop
-from rtron.guard.lanes.command_lane import CommandLane
+from rtron.guard.lanes.bulk_connection import BulkConnection
 from rtron.guard.lanes.messages import LostListener, NewListener, ShutdownRequest
 from rtron.guard.middleware import Middleware
 from rtron.guard.node_shutdown import ShutdownRefusal
@@ -11,16 +14,24 @@ from rtron.vocabulary import SECOND
 class NodeReports:
     """Tells the nodes at each connection and once a second, and what happens to them at once."""
 
-    def __init__(self, lane: CommandLane, middleware: Middleware, loop: EventLoop) -> None:
-        self._lane = lane
+    def __init__(
+        self,
+        connection: BulkConnection,
+        middleware: Middleware,
+        loop: EventLoop,
+        supervisor: Callable[[], int],
+    ) -> None:
+        """`supervisor` tells the process id of the supervisor."""
+        self._connection = connection
         self._middleware = middleware
         self._loop = loop
+        self._supervisor = supervisor
         self._refusal = ShutdownRefusal(loop)
-        lane.connect_listeners.append(self._report)
+        connection.connect_listeners.append(self._report)
 
     def open(self) -> None:
         """Report from now on."""
-        send = self._lane.send
+        send = self._connection.send
         self._middleware.set_listener_handlers(
             lambda topic, node: send(NewListener(topic, node)),
             lambda topic, node: send(LostListener(topic, node)),
@@ -36,11 +47,14 @@ class NodeReports:
         self._report()
 
     def _report(self) -> None:
-        self._lane.send(self._middleware.report_nodes())
+        report = self._middleware.report_nodes()
+        former = report.former_participants | self._connection.former_participants()
+        supervisor = self._supervisor()
+        self._connection.send(replace(report, former_participants=former, supervisor=supervisor))
 
     def _on_shutdown_request(self, node: str, reason: str) -> None:
         """Let the audit deal with it; nobody ends this process over the network."""
-        if self._lane.is_connected:
-            self._lane.send(ShutdownRequest(node, reason))
+        if self._connection.is_connected:
+            self._connection.send(ShutdownRequest(node, reason))
         else:
             self._refusal.handle(node, reason)
