@@ -5,14 +5,14 @@ from dataclasses import replace
 
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.lanes.bulk_connection import BulkConnection
-from rtron.guard.lanes.messages import LostListener, NewListener, ShutdownRequest
+from rtron.guard.lanes.messages import LostListener, NewListener, NodesReport, ShutdownRequest
 from rtron.guard.middleware import Middleware
 from rtron.guard.node_shutdown import ShutdownRefusal
 from rtron.vocabulary import SECOND
 
 
 class NodeReports:
-    """Tells the nodes at each connection and once a second, and what happens to them at once."""
+    """Tells the nodes at each connection, within a second of a change, and what happens to them."""
 
     def __init__(
         self,
@@ -27,7 +27,8 @@ class NodeReports:
         self._loop = loop
         self._supervisor = supervisor
         self._refusal = ShutdownRefusal(loop)
-        connection.connect_listeners.append(self._report)
+        self._last_report: NodesReport | None = None
+        connection.connect_listeners.append(self._report_anew)
 
     def open(self) -> None:
         """Report from now on."""
@@ -46,11 +47,17 @@ class NodeReports:
         self._loop.call_at(self._loop.now() + SECOND, self._report_periodically)
         self._report()
 
+    def _report_anew(self) -> None:
+        self._last_report = None
+        self._report()
+
     def _report(self) -> None:
         report = self._middleware.report_nodes()
         former = report.former_participants | self._connection.former_participants()
-        supervisor = self._supervisor()
-        self._connection.send(replace(report, former_participants=former, supervisor=supervisor))
+        report = replace(report, former_participants=former, supervisor=self._supervisor())
+        if report != self._last_report:
+            self._last_report = report
+            self._connection.send(report)
 
     def _on_shutdown_request(self, node: str, reason: str) -> None:
         """Let the audit deal with it; nobody ends this process over the network."""

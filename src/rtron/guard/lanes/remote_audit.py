@@ -4,6 +4,7 @@ What an audit has found counts until the next one knows better: neither a bulk p
 one that begins makes an intruder go away.
 """
 
+import logging
 from itertools import count
 
 from rtron.guard.audit.common.alarm_response import AlarmResponse
@@ -23,6 +24,8 @@ from rtron.guard.lanes.messages import (
     WithdrawAlarm,
 )
 from rtron.vocabulary import Alarm
+
+log = logging.getLogger(__name__)
 
 ANSWER_LIMIT_S = 2.0
 """How long a person waits for the audit's answer, s."""
@@ -95,6 +98,8 @@ class RemoteAudit:
         self._response.settle(alarm)
 
     def _take_all(self, alarms: tuple[RaiseAlarm, ...]) -> None:
+        if not self._is_complete:
+            log.info("the audit has looked at the whole graph")
         self._is_complete = True
         for each in alarms:
             self._raise(each.alarm, each.streams)
