@@ -26,6 +26,7 @@ class Scene:
         self._socket = ("--control-socket", ros1.folder / "guard.sock")
         self.guard = start_guard(ros1, plan or drive_plan(), CMD_VEL_GUARD, *self._socket)
         self.log = LogWatcher(self.guard.log_path)
+        wait_for(lambda: "guarding 1 topics" in self.guard.log, what="all processes of the guard")
         if drives:
             self.drive()
 
