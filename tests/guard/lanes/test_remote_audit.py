@@ -199,7 +199,7 @@ def test_the_next_command_process_is_told_all_that_is_there(processes, pair):
     assert following.brake_reason == "a ghost"
     processes.wait(lambda: set(following.alarms) == {GHOST, ROGUE, DRIFT})
     processes.wait(lambda: following.listener.orders == orders)
-    assert "a ghost" in processes.refusal(following)
+    assert "stays stopped: a " in processes.refusal(following)
     kinds = [each.kind for each in following.host.alarms.active]
     assert kinds.count(AlarmKind.INTRUSION) == 1
 

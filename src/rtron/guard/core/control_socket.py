@@ -79,6 +79,8 @@ class _Client:
         self._name = name
         self._handler = handler
         self._buffer = b""
+        self._late_count = 0
+        self._has_ended = False
         loop.watch(sock, self._on_readable, self._on_error)
 
     def _on_readable(self) -> None:
@@ -88,11 +90,14 @@ class _Client:
         for line in lines:
             self._respond(line)
         if not data or len(self._buffer) > _MAX_REQUEST:
-            self._loop.forget(self._sock)
+            self._loop.unwatch(self._sock)
+            self._has_ended = True
+            self._close_when_done()
 
     def _respond(self, line: bytes) -> None:
         response = self._handle(line)
         if isinstance(response, Future):
+            self._late_count += 1
             response.add_done_callback(self._send_late)
         else:
             self._send(response)
@@ -108,11 +113,18 @@ class _Client:
 
     def _send_late(self, response: Future[Response]) -> None:
         """Send a response that was not there at once; the client may be gone by now."""
+        self._late_count -= 1
+        error = response.exception()
         try:
-            error = response.exception()
             self._send({"error": str(error)} if error else response.result())
         except OSError as lost:
             self._on_error(lost)
+        self._close_when_done()
+
+    def _close_when_done(self) -> None:
+        """Close the connection of a client that sends no more when it has all its responses."""
+        if self._has_ended and not self._late_count:
+            self._loop.forget(self._sock)
 
     def _send(self, response: Response) -> None:
         self._sock.sendall(json.dumps(response).encode() + b"\n")

@@ -3,9 +3,10 @@
 import os
 import re
 import signal
+from pathlib import Path
 
 import pytest
-from harness import wait_for
+from harness import lives, wait_for
 
 pytest.importorskip("rclpy", reason="needs ROS 2")
 from guarded_base2 import OUT, GuardedBase2
@@ -15,11 +16,18 @@ COMPLETE = "the audit has looked at the whole graph"
 
 
 @pytest.fixture
-def base(ros2):
-    """Return a base in whose domain a rogue speaks past the guard."""
+def calm(ros2):
+    """Return a base that is audited."""
     base = GuardedBase2(ros2, "stop")
     base.start()
     wait_for(lambda: COMPLETE in base.guard.log, what="the audit")
+    return base
+
+
+@pytest.fixture
+def base(calm):
+    """Return a base in whose domain a rogue speaks past the guard."""
+    base = calm
     base.rogue = base.speaker("/rogue", OUT, "7.0")
     wait_for(lambda: base.alarms("alarm: intrusion"), what="the stop")
     wait_for(lambda: base.speeds("0.0") > 20, what="the stop at the driver")
@@ -83,3 +91,18 @@ def test_nothing_is_cleared_while_no_audit_is_there(base):
     assert base.speeds("0.5") == base.passed
     wait_for(base.is_cleared, what="the guard's leave to drive again")
     wait_for(lambda: base.speeds("0.5") > base.passed + 5, what="navigation again")
+
+
+def test_a_supervisor_that_the_guard_has_started_is_no_intruder(calm):
+    """The audit is in a process that neither supervisor has for a parent any more."""
+    guard = process(calm, "the guard begins")
+    os.kill(int(Path("/proc", str(guard), "stat").read_text().split()[3]), signal.SIGKILL)
+    back = "pings come back through the guard"
+    wait_for(lambda: calm.guard.log.count(back) == 2, what="the next supervisor in the domain")
+    heard = calm.speeds("0.5")
+    wait_for(lambda: calm.speeds("0.5") > heard + 150, what="navigation, some looks long")
+    kinds = (": impostor:", ": ghost publisher:", ": foreign publisher:", ": intrusion:")
+    assert [line for line in calm.alarms() if any(each in line for each in kinds)] == []
+    assert process(calm, "the guard begins") == guard
+    os.kill(process(calm, "a supervisor is started"), signal.SIGTERM)
+    wait_for(lambda: not lives(guard), what="the end of the guard")
