@@ -15,12 +15,20 @@ from rtron.guard.core.alarms import Alarms
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.handover_state import HandoverState
 from rtron.guard.core.observations import observations_of
-from rtron.guard.lanes import remote_audit, remote_response
+from rtron.guard.lanes import command_nodes, remote_audit, remote_response
 from rtron.guard.lanes.board_observations import BoardObservations
 from rtron.guard.lanes.board_writer import BoardWriter
 from rtron.guard.lanes.bulk_connection import BulkConnection
 from rtron.guard.lanes.command_lane import CommandLane
-from rtron.guard.lanes.messages import ActiveAlarms, DismissAnswer, RaiseAlarm, SettleAlarm
+from rtron.guard.lanes.command_nodes import CommandNodes
+from rtron.guard.lanes.messages import (
+    ActiveAlarms,
+    BulkParticipant,
+    DismissAnswer,
+    NodesReport,
+    RaiseAlarm,
+    SettleAlarm,
+)
 from rtron.guard.lanes.remote_audit import RemoteAudit
 from rtron.guard.lanes.remote_response import RemoteResponse
 from rtron.guard.settings.intrusion_clearing import ClearCommands
@@ -294,3 +302,35 @@ def test_who_was_dismissed_and_speaks_is_told_to_the_audit(processes, pair):
     pair.bulk.response.on_return = returned.append
     pair.commands.response.on_return(b"gid")
     processes.wait(lambda: returned == [b"gid"])
+
+
+def test_the_nodes_of_a_command_process_are_known_when_it_has_told_them(
+    processes, pair, monkeypatch
+):
+    nodes = CommandNodes(pair.bulk.lane, processes.loop, frozenset({TOPIC}))
+    changes = []
+    nodes.on_change = lambda: changes.append(nodes.unknown_streams())
+    assert nodes.unknown_streams() == {TOPIC}
+    report = NodesReport(
+        uris={"/rtron_guard": "http://a:1"}, participant=b"p", former_participants=frozenset({b"q"})
+    )
+    pair.commands.connection.send(report)
+    processes.wait(lambda: changes == [frozenset()])
+    assert nodes.participants() == {b"p", b"q"}
+    assert nodes.former_uris == frozenset()
+    pair.commands.connection.close()
+    processes.wait(lambda: nodes.unknown_streams() == {TOPIC})
+    assert nodes.participants() == {b"p", b"q"}, "dead ones are in the graph for a while"
+    assert nodes.former_uris == {"http://a:1"}
+    assert nodes.report == NodesReport()
+    monkeypatch.setattr(command_nodes, "MAX_LEASE", 0)
+    assert nodes.participants() == frozenset()
+
+
+def test_the_participant_of_a_bulk_process_counts_when_it_has_ended(processes, pair):
+    assert pair.commands.connection.former_participants() == frozenset()
+    pair.bulk.lane.send(BulkParticipant(b"b"))
+    pair.bulk.find(GHOST)
+    processes.wait(lambda: pair.commands.alarms)
+    pair.bulk.lane.close()
+    processes.wait(lambda: pair.commands.connection.former_participants() == {b"b"})
