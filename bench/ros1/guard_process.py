@@ -9,10 +9,10 @@ from pathlib import Path
 from bench.common.plans import grcn
 from bench.common.pubsub import PUBLISHER
 from rtron.guard.audit.common.alarm_response import AlarmResponse
-from rtron.guard.audit.ros1.auditor import Ros1Auditor
 from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.observations import observations_of
+from rtron.guard.middleware import Ros1Middleware
 from rtron.guard.runner import run_coordinator
 from rtron.guard.transport.ros1.middleware import Ros1Transport
 from rtron.planning.plan_file.loader import read_plan
@@ -35,8 +35,9 @@ def main() -> None:
     plan = read_plan(args.plan)
     coordinator = Coordinator(transport, build_streams(plan), observations_of(plan))
     response = AlarmResponse(coordinator, transport, plan.audit.on_foreign, dry_run=False)
-    auditor = Ros1Auditor(plan, master_uri(), transport, response, loop) if args.audit else None
-    run_coordinator(coordinator, transport, loop, auditor)
+    middleware = Ros1Middleware(plan, transport, loop)
+    audit = (middleware.create_listener(response), middleware.create_auditor(response, None))
+    run_coordinator(coordinator, transport, loop, *(audit if args.audit else ()))
 
 
 def _staged(count: int) -> Stream:

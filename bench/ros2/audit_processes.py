@@ -10,9 +10,9 @@ from geometry_msgs.msg import Twist
 from bench.common.pubsub import PUBLISHER
 from bench.ros2.audit import DRIVER, FLOW, OPEN, OUT
 from rtron.guard.audit.common.alarm_response import AlarmResponse
-from rtron.guard.audit.ros2.auditor import Ros2Auditor
 from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.middleware import Ros2Middleware
 from rtron.guard.runner import run_coordinator
 from rtron.guard.transport.ros2.middleware import Ros2Transport
 from rtron.planning.plan_file.loader import read_plan
@@ -45,7 +45,9 @@ def _guard(path: Path) -> None:
     transport = Ros2Transport(loop, Ros2Session())
     host = Coordinator(transport, build_streams(plan))
     response = AlarmResponse(host, transport, plan.audit.on_foreign, dry_run=False)
-    run_coordinator(host, transport, loop, Ros2Auditor(plan, transport, response, loop))
+    middleware = Ros2Middleware(plan, transport, loop)
+    audit = (middleware.create_listener(response), middleware.create_auditor(response, None))
+    run_coordinator(host, transport, loop, *audit)
 
 
 def _app(session: Ros2Session) -> None:

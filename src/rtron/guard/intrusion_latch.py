@@ -6,13 +6,14 @@ The next guard inherits them, and the supervisor reads them, from the handover s
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from rtron.guard.core.handover_state import HandoverState
 
+OnRefusal = Callable[[str], None]
+"""Takes why something is refused, "" if it is not."""
 _KEY = "intrusions"
 _MAX_REASON_LENGTH = 300
 
@@ -24,8 +25,8 @@ class IntrusionLatch:
         """Take over what the guard before has left."""
         self._handover = handover
         self._reasons = _checked(handover.inherited(_KEY))
-        self.clear: Callable[[str], str] = lambda topic: f"{topic} is not audited"
-        """Clears a stream; returns why that is refused, "" if it is not. Set by the audit."""
+        self.clear: Callable[[str, OnRefusal], None] = _refuse
+        """Clears a stream, and tells why that is refused, "" if it is not. Set by the audit."""
         self.on_clear: Callable[[str, str], None] = lambda topic, reason: None
         """Called with each stream that a person has cleared, and by whom and why."""
 
@@ -56,6 +57,10 @@ def stopped_by_intruders(handover_document: bytes) -> frozenset[str]:
     except (ValueError, RecursionError):
         return frozenset()
     return frozenset(_checked(document.get(_KEY) if isinstance(document, dict) else None))
+
+
+def _refuse(topic: str, on_refusal: OnRefusal) -> None:
+    on_refusal(f"{topic} is not audited")
 
 
 def _checked(reasons: object) -> dict[str, str]:

@@ -5,16 +5,19 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Protocol
 
 from rtron.guard.audit.ros1.auditor import Ros1Auditor
+from rtron.guard.audit.ros1.intruder_links import IntruderLinks
 from rtron.guard.lanes.joined_nodes import JoinedNodes
 from rtron.guard.lanes.messages import NodesReport
 from rtron.guard.transport.factory import open_ros1_transport, open_ros2_transport
+from rtron.vocabulary import Mode, build_streams, normalise_type
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
     from rtron.guard.audit.common.alarm_response import AlarmResponse
+    from rtron.guard.audit.common.audit_response import AuditResponse
     from rtron.guard.core.event_loop import EventLoop
-    from rtron.guard.lanes.bulk_connection import BulkConnection
+    from rtron.guard.lanes.command_nodes import CommandNodes
     from rtron.guard.runner import Part
     from rtron.guard.transport.common.protocol import LiveTransport
     from rtron.guard.transport.ros1.middleware import Ros1Transport
@@ -49,8 +52,12 @@ class Middleware(Protocol):
         """Take the ids of the guard's other processes, for who asks our nodes."""
         ...
 
-    def create_auditor(self, response: AlarmResponse, bulk: BulkConnection | None) -> Part:
-        """Return an audit of the graph; it knows the nodes of a bulk process beside this one."""
+    def create_listener(self, response: AlarmResponse) -> Part:
+        """Return what listens to intruders for a response in this process, and answers them."""
+        ...
+
+    def create_auditor(self, response: AuditResponse, commands: CommandNodes | None) -> Part:
+        """Return an audit of the graph; it knows the nodes of a command process beside this one."""
         ...
 
 
@@ -82,9 +89,14 @@ class Ros1Middleware:
         """Let our nodes tell them to `rtron verify`."""
         self.transport.other_pids = pids
 
-    def create_auditor(self, response: AlarmResponse, bulk: BulkConnection | None) -> Part:
+    def create_listener(self, response: AlarmResponse) -> Part:
+        """Return what connects to the intruders' publishers."""
+        response.listener = links = IntruderLinks(self._loop, self.transport.master, response)
+        return links
+
+    def create_auditor(self, response: AuditResponse, commands: CommandNodes | None) -> Part:
         """Return an audit that asks the nodes and the master."""
-        nodes = JoinedNodes(self.transport, bulk) if bulk else self.transport
+        nodes = JoinedNodes(self.transport, commands) if commands else self.transport
         return Ros1Auditor(self._plan, self.transport.master, nodes, response, self._loop)
 
 
@@ -96,8 +108,9 @@ class Ros2Middleware:
         self._plan, self._loop = plan, loop
 
     def report_nodes(self) -> NodesReport:
-        """Return the participant."""
-        return NodesReport(participant=self.transport.graph.participant)
+        """Return the participant, and those of the guards before."""
+        graph = self.transport.graph
+        return NodesReport(participant=graph.participant, former_participants=graph.ended)
 
     def register_node(self, name: str) -> None:
         """Do nothing: nobody can take a name away."""
@@ -106,13 +119,23 @@ class Ros2Middleware:
         """Do nothing: the audit sees it in the graph."""
 
     def set_other_pids(self, pids: Callable[[], Iterable[int]]) -> None:
-        """Do nothing: a participant tells its process."""
+        """Know their children as relatives: a guard may start its own supervisor."""
+        self.transport.processes.other_pids = pids
 
-    def create_auditor(self, response: AlarmResponse, bulk: BulkConnection | None) -> Part:
+    def create_listener(self, response: AlarmResponse) -> Part:
+        """Return what reads the private outputs."""
+        from rtron.guard.audit.ros2.intruder_readers import IntruderReaders  # noqa: PLC0415
+
+        enforced = [each for each in build_streams(self._plan) if each.mode is Mode.ENFORCE]
+        types = {each.topic: normalise_type(each.type) for each in enforced}
+        response.listener = readers = IntruderReaders(self.transport, types, response)
+        return readers
+
+    def create_auditor(self, response: AuditResponse, commands: CommandNodes | None) -> Part:
         """Return an audit that looks at the graph."""
         from rtron.guard.audit.ros2.auditor import Ros2Auditor  # noqa: PLC0415 - it needs rclpy
 
-        others = (bulk.participants, bulk.unknown_streams) if bulk else ()
+        others = (commands.participants, commands.unknown_streams) if commands else ()
         return Ros2Auditor(self._plan, self.transport, response, self._loop, *others)
 
 

@@ -65,13 +65,13 @@ def run_coordinator(
     coordinator: Coordinator,
     transport: LiveTransport,
     loop: EventLoop,
-    auditor: Part | None = None,
+    *audit: Part,
 ) -> None:
     """Guard in one process without a supervisor, until stopped or the guard's node is shut down."""
     transport.set_shutdown_handler(ShutdownSequence(coordinator, transport, loop).handle)
     graph = GraphPart(coordinator.open, transport)
     rehearsal = Rehearsal(coordinator, loop, transport.create_stage())
-    run_parts(loop, [graph, *([auditor] if auditor else []), rehearsal])
+    run_parts(loop, [graph, *audit, rehearsal])
 
 
 def open_control_socket(

@@ -5,6 +5,7 @@ import logging
 import os
 import socket
 import threading
+from concurrent.futures import Future
 from contextlib import suppress
 
 import pytest
@@ -179,6 +180,61 @@ def test_the_door_answers_line_by_line_and_knows_who_asks(door):
     answers = talk(door, b'{"a": 1}\n{"a": 2}\n').splitlines()
     assert [json.loads(answer)["a"] for answer in answers] == [1, 2]
     assert json.loads(answers[0])["who"]
+
+
+@pytest.mark.parametrize("error", ["", "not now"])
+def test_a_response_that_comes_later_is_sent_although_the_client_says_no_more(tmp_path, error):
+    loop, response = EventLoop(), Future()
+    control = ControlSocket(loop, tmp_path / "door" / "guard.sock", lambda who, request: response)
+    control.open()
+    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as sock:
+        sock.connect(str(tmp_path / "door" / "guard.sock"))
+        sock.sendall(b'{"a": 1}\n')
+        sock.shutdown(socket.SHUT_WR)
+        for _ in range(5):
+            loop.step(0.02)
+        sock.settimeout(0)
+        with pytest.raises(BlockingIOError):
+            sock.recv(1)
+        if error:
+            response.set_exception(WireError(error))
+        else:
+            response.set_result({"done": True})
+        sock.settimeout(5)
+        said = json.loads(sock.makefile("rb").read())
+    assert said == ({"error": error} if error else {"done": True})
+    control.close()
+    loop.close()
+
+
+def test_a_response_to_a_client_that_is_gone_is_dropped(tmp_path):
+    loop, response = EventLoop(), Future()
+    control = ControlSocket(loop, tmp_path / "door" / "guard.sock", lambda who, request: response)
+    control.open()
+    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as sock:
+        sock.connect(str(tmp_path / "door" / "guard.sock"))
+        sock.sendall(b'{"a": 1}\n')
+        for _ in range(5):
+            loop.step(0.02)
+    response.set_result({"done": True})
+    for _ in range(5):
+        loop.step(0.02)
+    assert talk_with(loop, tmp_path / "door" / "guard.sock") == {"done": True}
+    control.close()
+    loop.close()
+
+
+def talk_with(loop, path):
+    """Ask on a loop that this thread runs."""
+    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as sock:
+        sock.connect(str(path))
+        sock.sendall(b"{}\n")
+        for _ in range(5):
+            loop.step(0.02)
+        said = json.loads(sock.makefile("rb").readline())
+    for _ in range(5):
+        loop.step(0.02)
+    return said
 
 
 @pytest.mark.parametrize(

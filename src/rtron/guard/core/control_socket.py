@@ -11,6 +11,7 @@ import os
 import pwd
 import socket
 from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import Future
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -21,8 +22,12 @@ from rtron.guard.core.unix_socket import peer_credentials
 
 log = logging.getLogger(__name__)
 
-RequestHandler = Callable[[str, Mapping[str, Any]], Mapping[str, Any]]
-"""Takes the user and the request; returns the response. WireError if the request is wrong."""
+Response = Mapping[str, Any]
+RequestHandler = Callable[[str, Mapping[str, Any]], Response | Future[Response]]
+"""Takes the user and the request; returns the response, or a future that the loop's thread sets.
+
+WireError, raised or set, if the request is wrong or refused.
+"""
 
 _MAX_REQUEST = 1 << 12
 _BACKLOG = 8
@@ -64,7 +69,7 @@ class ControlSocket:
 
 
 class _Client:
-    """One connection: requests line by line, each gets its response at once."""
+    """One connection: requests line by line, each gets a response."""
 
     def __init__(
         self, loop: EventLoop, sock: socket.socket, name: str, handler: RequestHandler
@@ -74,6 +79,8 @@ class _Client:
         self._name = name
         self._handler = handler
         self._buffer = b""
+        self._late_count = 0
+        self._has_ended = False
         loop.watch(sock, self._on_readable, self._on_error)
 
     def _on_readable(self) -> None:
@@ -81,11 +88,21 @@ class _Client:
         self._buffer += data
         *lines, self._buffer = self._buffer.split(b"\n")
         for line in lines:
-            self._sock.sendall(json.dumps(self._response_to(line)).encode() + b"\n")
+            self._respond(line)
         if not data or len(self._buffer) > _MAX_REQUEST:
-            self._loop.forget(self._sock)
+            self._loop.unwatch(self._sock)
+            self._has_ended = True
+            self._close_when_done()
 
-    def _response_to(self, line: bytes) -> Mapping[str, Any]:
+    def _respond(self, line: bytes) -> None:
+        response = self._handle(line)
+        if isinstance(response, Future):
+            self._late_count += 1
+            response.add_done_callback(self._send_late)
+        else:
+            self._send(response)
+
+    def _handle(self, line: bytes) -> Response | Future[Response]:
         try:
             request = json.loads(line)
             if not isinstance(request, dict):
@@ -93,6 +110,24 @@ class _Client:
             return self._handler(self._name, request)
         except (ValueError, RecursionError, WireError) as error:
             return {"error": str(error)}
+
+    def _send_late(self, response: Future[Response]) -> None:
+        """Send a response that was not there at once; the client may be gone by now."""
+        self._late_count -= 1
+        error = response.exception()
+        try:
+            self._send({"error": str(error)} if error else response.result())
+        except OSError as lost:
+            self._on_error(lost)
+        self._close_when_done()
+
+    def _close_when_done(self) -> None:
+        """Close the connection of a client that sends no more when it has all its responses."""
+        if self._has_ended and not self._late_count:
+            self._loop.forget(self._sock)
+
+    def _send(self, response: Response) -> None:
+        self._sock.sendall(json.dumps(response).encode() + b"\n")
 
     def _on_error(self, error: Exception) -> None:
         log.info("a client of the control socket is gone: %s", error)

@@ -1,4 +1,4 @@
-"""The command process's connection to the bulk process: its board, and what its nodes see.
+"""The command process's connection to the bulk process: its board, and messages both ways.
 
 Nothing waits for the bulk process. While it is away, or hangs, frame rates and events count as the
 worst, and the streams go on under what is in force.
@@ -24,10 +24,7 @@ from rtron.guard.lanes.command_lane import GREETING
 from rtron.guard.lanes.messages import (
     ApplySettings,
     BoardChanged,
-    LostListener,
-    NewListener,
-    NodesReport,
-    ShutdownRequest,
+    BulkParticipant,
 )
 from rtron.guard.supervision.watchdog import Watchdog
 from rtron.guard.transport.ros2.participants import MAX_LEASE
@@ -57,17 +54,13 @@ class BulkConnection:
         configuration: str,
         board: BoardObservations,
         host: Coordinator,
-        streams: frozenset[str],
     ) -> None:
-        """Take the configuration's digest, and the public names of the streams carried there."""
-        self.nodes = NodesReport()
-        self.former_uris: frozenset[str] = frozenset()
-        """The URIs that the nodes of the bulk process before had (ROS 1)."""
-        self.on_subscriber: Callable[[str, str], None] = _ignore
-        self.on_subscriber_lost: Callable[[str, str], None] = _ignore
-        self.on_shutdown_request: Callable[[str, str], None] = _ignore
+        """Take the configuration's digest."""
+        self.message_listeners: list[Callable[[object], None]] = []
+        """Each takes every message of the bulk process that is not for the connection itself."""
         self.on_settings: Callable[[Settings], None] = lambda settings: None
         self.connect_listeners: list[Callable[[], None]] = []
+        self.loss_listeners: list[Callable[[], None]] = []
         self._loop = loop
         self._address = bulk_address(configuration)
         self._board = board
@@ -75,8 +68,7 @@ class BulkConnection:
         self._channel: MessageChannel | None = None
         self._pid = 0
         self._watchdog = Watchdog(loop.now())
-        self._streams = streams
-        self._has_reported = False
+        self._participant = b""
         self._former_participants: deque[tuple[bytes, int]] = deque(maxlen=_MAX_FORMER)
         self._is_closed = False
 
@@ -94,18 +86,13 @@ class BulkConnection:
         """Return the id of the bulk process, while it is connected."""
         return [self._pid] if self._channel else []
 
-    def participants(self) -> frozenset[bytes]:
-        """Return its participant in the graph of ROS 2, and those of the last ones before it.
+    def former_participants(self) -> frozenset[bytes]:
+        """Return the participants of the bulk processes before this one (ROS 2).
 
         These count only as long as a dead participant may stay in the graph.
         """
         since = self._loop.now() - MAX_LEASE
-        former = (each for each, lost_at in self._former_participants if lost_at > since)
-        return frozenset(filter(None, (self.nodes.participant, *former)))
-
-    def unknown_streams(self) -> frozenset[str]:
-        """Return its streams, until it has told its nodes."""
-        return frozenset() if self._has_reported else self._streams
+        return frozenset(each for each, lost_at in self._former_participants if lost_at > since)
 
     def open(self) -> None:
         """Connect, now or as soon as a bulk process listens, and look at its board."""
@@ -162,12 +149,14 @@ class BulkConnection:
         self._loop.call_later(_RETRY_S, self._connect)
 
     def _on_lost(self) -> None:
-        self._channel, self._has_reported = None, False
-        self.former_uris = frozenset(self.nodes.uris.values())
-        self._former_participants.append((self.nodes.participant, self._loop.now()))
-        self.nodes = NodesReport()
+        self._channel = None
+        if self._participant:
+            self._former_participants.append((self._participant, self._loop.now()))
+        for listener in self.loss_listeners:
+            listener()
         if not self._is_closed:
-            log.error("the bulk process is gone: frame rates and events are not known")
+            what = "frame rates and events are not known, and nobody looks for intruders"
+            log.error("the bulk process is gone: %s", what)
             self._use(None)
             self._connect()
 
@@ -180,16 +169,13 @@ class BulkConnection:
         match message:
             case BoardChanged():
                 self._update()
-            case NodesReport():
-                self.nodes, self._has_reported = message, True
-            case NewListener(topic, node):
-                self.on_subscriber(topic, node)
-            case LostListener(topic, node):
-                self.on_subscriber_lost(topic, node)
-            case ShutdownRequest(node, reason):
-                self.on_shutdown_request(node, reason)
+            case BulkParticipant(participant):
+                self._participant = participant
             case ApplySettings(settings):
                 self.on_settings(settings)
+            case _:
+                for listener in self.message_listeners:
+                    listener(message)
 
     def _look(self) -> None:
         """Look at the board now and then: what stands there may be stale."""
@@ -220,7 +206,3 @@ def _is_own_process(sock: socket.socket) -> bool:
 def _kill(pid: int) -> None:
     with suppress(ProcessLookupError):
         os.kill(pid, signal.SIGKILL)
-
-
-def _ignore(_topic: str, _node: str) -> None:
-    """Do nothing."""

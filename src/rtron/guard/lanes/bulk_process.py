@@ -1,7 +1,7 @@
 """The bulk process: it carries states and sensor data, counts frames, reads events and reports.
 
-The diagnostics and the link to the security service are here, too: nothing of theirs delays a
-command.
+The audit of the graph, the diagnostics and the link to the security service are here, too: nothing
+of theirs delays a command.
 """
 
 from __future__ import annotations
@@ -11,26 +11,30 @@ import os
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from rtron.guard.audit.common.alarm_response import AuditBrake
+from rtron.guard.audit.common.audit_brake import AuditBrake
 from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.alarms import UnreadableInputAlarms
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.observations import observations_of
-from rtron.guard.lanes.assignment import bulk_part
+from rtron.guard.lanes.assignment import bulk_part, command_part
 from rtron.guard.lanes.board_writer import BoardWriter
 from rtron.guard.lanes.command_lane import CommandLane
-from rtron.guard.lanes.node_reports import NodeReports
+from rtron.guard.lanes.command_nodes import CommandNodes
+from rtron.guard.lanes.messages import BulkParticipant
 from rtron.guard.lanes.orders import Orders
+from rtron.guard.lanes.remote_response import RemoteResponse
 from rtron.guard.link.service_link import ServiceLink
-from rtron.guard.middleware import open_middleware
+from rtron.guard.middleware import Middleware, open_middleware
+from rtron.guard.node_shutdown import ShutdownRefusal
 from rtron.guard.runner import GraphPart, Part, raise_file_limit, run_parts
 from rtron.guard.settings.applier import SettingsApplier
 from rtron.guard.settings.in_force import SettingsInForce, settings_at_start
-from rtron.vocabulary import BULK_NODE, SECOND, Mode, Plan, build_streams
+from rtron.vocabulary import BULK_NODE, SECOND, Mode, OnForeign, Plan, build_streams
 
 if TYPE_CHECKING:
     from rtron.guard.core.observations import Observations
     from rtron.guard.link.options import LinkOptions
+    from rtron.guard.transport.common.protocol import LiveTransport
 
 log = logging.getLogger(__name__)
 
@@ -61,16 +65,37 @@ def run_bulk_process(
     coordinator.on_observed = writer.refresh
     coordinator.other_statuses = lane.statuses
     transport.set_unreadable_handler(UnreadableInputAlarms(coordinator.alarms, transport).report)
-    enforced = [each for each in coordinator.streams if each.spec.mode is Mode.ENFORCE]
-    brakes = {each.spec.topic: AuditBrake(each, transport) for each in enforced}
-    lane.on_order = Orders(brakes, middleware.register_node).obey
+    _obey_orders(coordinator, transport, lane)
     parts: list[Part] = [GraphPart(coordinator.open, transport), writer]
     if link:
         settings = SettingsInForce(SettingsApplier(plan, coordinator, transport, bulk_part))
         settings_at_start(settings, link)
         parts.append(ServiceLink(plan, coordinator, settings, loop, link, lane))
-    reports = NodeReports(lane, middleware, loop)
-    run_parts(loop, [*parts, reports, lane, UnusedEnd(lane, loop)])
+    parts += _audit_parts(plan, middleware, lane, loop)
+    run_parts(loop, [*parts, lane, UnusedEnd(lane, loop)])
+
+
+def _obey_orders(coordinator: Coordinator, transport: LiveTransport, lane: CommandLane) -> None:
+    """Let the command process brake the streams here."""
+    enforced = [each for each in coordinator.streams if each.spec.mode is Mode.ENFORCE]
+    brakes = {each.spec.topic: AuditBrake(each, transport) for each in enforced}
+    lane.message_listeners.append(Orders(brakes).obey)
+
+
+def _audit_parts(
+    plan: Plan, middleware: Middleware, lane: CommandLane, loop: EventLoop
+) -> list[Part]:
+    """Return the audit, whose alarms the command process responds to."""
+    streams = frozenset(each.topic for each in build_streams(command_part(plan)))
+    commands = CommandNodes(lane, loop, streams)
+    middleware.set_other_pids(lane.pids)
+    middleware.transport.set_supervisor(lambda: commands.report.supervisor)
+    middleware.transport.set_shutdown_handler(ShutdownRefusal(loop).handle)
+    stops_streams = plan.audit.on_foreign is OnForeign.STOP
+    response = RemoteResponse(lane, loop, stops_streams=stops_streams)
+    participant = middleware.report_nodes().participant
+    lane.connect_listeners.append(lambda: lane.send(BulkParticipant(participant)))
+    return [middleware.create_auditor(response, commands), response]
 
 
 def _observations(plan: Plan) -> Observations:

@@ -41,9 +41,10 @@ class CommandLane:
     ) -> None:
         """SourceError if the guard with this configuration has another bulk process."""
         self.state = LaneState()
-        self.on_order: Callable[[object], None] = _ignore
-        """Takes what the command process asks for."""
+        self.message_listeners: list[Callable[[object], None]] = []
+        """Each takes every message of the command process that is not for the lane itself."""
         self.connect_listeners: list[Callable[[], None]] = []
+        self.loss_listeners: list[Callable[[], None]] = []
         self._loop = loop
         self._writer = writer
         self._alarms = alarms
@@ -55,12 +56,17 @@ class CommandLane:
         self._record: RecordEvent | None = None
         self._on_change: Callable[[], None] = lambda: None
         self._channel: MessageChannel | None = None
+        self._pid = 0
         self._server = _bind(configuration)
 
     @property
     def is_connected(self) -> bool:
         """Whether a command process is there."""
         return self._channel is not None
+
+    def pids(self) -> list[int]:
+        """Return the id of the command process, while it is connected."""
+        return [self._pid] if self._channel else []
 
     def open(self) -> None:
         """Let the command process connect from now on."""
@@ -102,13 +108,15 @@ class CommandLane:
 
     def _accept(self) -> None:
         sock, _ = self._server.accept()
-        if peer_credentials(sock)[1] != os.getuid():
+        pid, uid = peer_credentials(sock)
+        if uid != os.getuid():
             sock.close()
             return
         if self._channel:
             self._channel.close()
         with suppress(OSError):  # it has ended at once, which the channel sees
             socket.send_fds(sock, [GREETING], [self._writer.board.descriptor])
+        self._pid = pid
         self._channel = MessageChannel(self._loop, sock, self._on_message, self._on_lost)
         if self._settings:
             self.send(ApplySettings(self._settings))
@@ -122,6 +130,8 @@ class CommandLane:
         for change in self._alarms_there:
             self._alarms.mirror(change.alarm, self._loop.now(), active=False)
         self._alarms_there.clear()
+        for listener in self.loss_listeners:
+            listener()
 
     def _on_message(self, message: object) -> None:
         match message:
@@ -139,7 +149,8 @@ class CommandLane:
             case SettingsAnswer():
                 self._take_answer(message)
             case _:
-                self.on_order(message)
+                for listener in self.message_listeners:
+                    listener(message)
 
     def _record_event(self, message: RecordedEvent) -> None:
         if self._record:

@@ -1,4 +1,4 @@
-"""The command process: it carries what can move the robot, and audits the graph."""
+"""The command process: it carries what can move the robot, and stops it for the audit."""
 
 from __future__ import annotations
 
@@ -15,10 +15,12 @@ from rtron.guard.lanes.assignment import bulk_part, command_part
 from rtron.guard.lanes.board_observations import BoardObservations
 from rtron.guard.lanes.bulk_connection import BulkConnection
 from rtron.guard.lanes.lane_reports import LaneReports
+from rtron.guard.lanes.messages import RegisterNode
+from rtron.guard.lanes.node_reports import NodeReports
 from rtron.guard.lanes.orders import RemoteBrake
+from rtron.guard.lanes.remote_audit import RemoteAudit
 from rtron.guard.lanes.service_reports import ServiceReports
-from rtron.guard.middleware import open_middleware
-from rtron.guard.node_shutdown import ShutdownRefusal
+from rtron.guard.middleware import Middleware, open_middleware
 from rtron.guard.rehearsal import Rehearsal
 from rtron.guard.runner import (
     GraphPart,
@@ -68,18 +70,18 @@ def run_command_process(
     transport.succeed(handover)
     streams = build_streams(command_part(plan))
     coordinator = Coordinator(transport, streams, board.observations, handover=handover)
-    bulk = build_streams(bulk_part(plan))
-    connection = BulkConnection(
-        loop, supervisor.configuration, board, coordinator, frozenset(each.topic for each in bulk)
-    )
+    connection = BulkConnection(loop, supervisor.configuration, board, coordinator)
     middleware.set_other_pids(connection.pids)
     response = _alarm_response(plan, coordinator, transport, connection)
+    _follow_audit(connection, response, middleware, loop)
+    topics = len(streams) + len(build_streams(bulk_part(plan)))
     parts: list[Part] = [
         connection,
         GraphPart(coordinator.open_nodes, transport),
         DeliveryEcho(transport),
-        LaneReports(connection, coordinator, loop, len(streams) + len(bulk)),
-        middleware.create_auditor(response, connection),
+        LaneReports(connection, coordinator, loop, topics),
+        NodeReports(connection, middleware, loop, lambda: supervisor.supervisor),
+        middleware.create_listener(response),
     ]
     if link:
         settings = SettingsInForce(SettingsApplier(plan, coordinator, transport, command_part))
@@ -89,7 +91,7 @@ def run_command_process(
         parts.append(socket)
         heartbeat.beat(loop)
     supervisor.attach(loop, coordinator)
-    _set_handlers(coordinator, transport, loop, supervisor)
+    _set_handlers(coordinator, transport, supervisor)
     rehearsal = Rehearsal(coordinator, loop, transport.create_stage())
     run_parts(loop, [*parts, rehearsal, supervisor])
 
@@ -108,15 +110,24 @@ def _service_parts(
     return [reports, SavedStop(settings, link, loop)]
 
 
-def _set_handlers(
-    coordinator: Coordinator,
-    transport: LiveTransport,
-    loop: EventLoop,
-    supervisor: SupervisorClient,
+def _follow_audit(
+    connection: BulkConnection, response: AlarmResponse, middleware: Middleware, loop: EventLoop
 ) -> None:
-    """Let the transport tell what it cannot read and who shuts us down, and know our supervisor."""
+    """Do what the audit in the bulk process asks for."""
+    RemoteAudit(connection, response, loop)
+
+    def register(message: object) -> None:
+        if isinstance(message, RegisterNode):
+            middleware.register_node(message.name)
+
+    connection.message_listeners.append(register)
+
+
+def _set_handlers(
+    coordinator: Coordinator, transport: LiveTransport, supervisor: SupervisorClient
+) -> None:
+    """Let the transport tell what it cannot read, and know our supervisor."""
     transport.set_unreadable_handler(UnreadableInputAlarms(coordinator.alarms, transport).report)
-    transport.set_shutdown_handler(ShutdownRefusal(loop).handle)
     transport.set_supervisor(lambda: supervisor.supervisor)
 
 

@@ -15,7 +15,8 @@ log = logging.getLogger(__name__)
 _NOT_CONNECTED = Status(
     ERROR,
     "rtron: bulk process",
-    "not connected: frame rates and events are not known, states do not pass",
+    "not connected: frame rates and events are not known, states do not pass, "
+    "nobody looks for intruders",
     {},
 )
 

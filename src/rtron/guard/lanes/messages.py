@@ -11,16 +11,26 @@ from rtron.vocabulary import Alarm, EventKind, GuardEventLevel, Settings
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NodesReport:
-    """The nodes of the bulk process in the graph.
+    """The nodes of the command process in the graph.
 
     ROS 1: the `uris` of its nodes, their TCPROS `port`, and who has subscribed each private
-    output. ROS 2: its `participant`, the first bytes of the GIDs.
+    output. ROS 2: its `participant`, the first bytes of the GIDs, and the `former_participants`
+    of processes of the guard that have ended. `supervisor` is its supervisor's process id.
     """
 
     uris: Mapping[str, str] = field(default_factory=dict)
     port: int = 0
     subscribers: Mapping[str, frozenset[str]] = field(default_factory=dict)
     participant: bytes = b""
+    former_participants: frozenset[bytes] = frozenset()
+    supervisor: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class BulkParticipant:
+    """The participant of the bulk process (ROS 2)."""
+
+    participant: bytes
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +90,7 @@ class LostListener:
 
 @dataclass(frozen=True, slots=True)
 class ShutdownRequest:
-    """Somebody told a node of the bulk process to shut down (ROS 1)."""
+    """Somebody told a node of the command process to shut down (ROS 1)."""
 
     node: str
     reason: str
@@ -123,7 +133,7 @@ class ReleaseStream:
 
 @dataclass(frozen=True, slots=True)
 class RepeatStop:
-    """Tell a stop to a node that has just begun to listen."""
+    """Tell a stop to a node that has just begun to listen; either process asks the other."""
 
     topic: str
 
@@ -133,3 +143,63 @@ class RegisterNode:
     """Register a node again: somebody else has taken its name (ROS 1)."""
 
     name: str
+
+
+@dataclass(frozen=True, slots=True)
+class RaiseAlarm:
+    """The audit has found something; the `streams` are stopped until a person clears them."""
+
+    alarm: Alarm
+    streams: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class SettleAlarm:
+    """The cause of an alarm is gone."""
+
+    alarm: Alarm
+
+
+@dataclass(frozen=True, slots=True)
+class WithdrawAlarm:
+    """An alarm was mistaken."""
+
+    alarm: Alarm
+
+
+@dataclass(frozen=True, slots=True)
+class ActiveAlarms:
+    """All that the audit has found and that is still there; what is not here is gone."""
+
+    alarms: tuple[RaiseAlarm, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class StoppedStreams:
+    """The streams that intruders have stopped and nobody has cleared."""
+
+    topics: frozenset[str]
+
+
+@dataclass(frozen=True, slots=True)
+class DismissRequest:
+    """Take the silent intruders of a stream for gone, and answer with this number."""
+
+    number: int
+    topic: str
+    is_audible: bool
+
+
+@dataclass(frozen=True, slots=True)
+class DismissAnswer:
+    """Why the intruders are not taken for gone, or nothing."""
+
+    number: int
+    refusal: str
+
+
+@dataclass(frozen=True, slots=True)
+class IntruderReturned:
+    """An intruder that was taken for gone speaks (ROS 2)."""
+
+    gid: bytes

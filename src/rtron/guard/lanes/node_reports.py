@@ -1,26 +1,38 @@
-"""What the bulk process tells the audit in the command process about its nodes."""
+"""What the command process tells the audit in the bulk process about its nodes."""
+
+from collections.abc import Callable
+from dataclasses import replace
 
 from rtron.guard.core.event_loop import EventLoop
-from rtron.guard.lanes.command_lane import CommandLane
-from rtron.guard.lanes.messages import LostListener, NewListener, ShutdownRequest
+from rtron.guard.lanes.bulk_connection import BulkConnection
+from rtron.guard.lanes.messages import LostListener, NewListener, NodesReport, ShutdownRequest
 from rtron.guard.middleware import Middleware
 from rtron.guard.node_shutdown import ShutdownRefusal
 from rtron.vocabulary import SECOND
 
 
 class NodeReports:
-    """Tells the nodes at each connection and once a second, and what happens to them at once."""
+    """Tells the nodes at each connection, within a second of a change, and what happens to them."""
 
-    def __init__(self, lane: CommandLane, middleware: Middleware, loop: EventLoop) -> None:
-        self._lane = lane
+    def __init__(
+        self,
+        connection: BulkConnection,
+        middleware: Middleware,
+        loop: EventLoop,
+        supervisor: Callable[[], int],
+    ) -> None:
+        """`supervisor` tells the process id of the supervisor."""
+        self._connection = connection
         self._middleware = middleware
         self._loop = loop
+        self._supervisor = supervisor
         self._refusal = ShutdownRefusal(loop)
-        lane.connect_listeners.append(self._report)
+        self._last_report: NodesReport | None = None
+        connection.connect_listeners.append(self._report_anew)
 
     def open(self) -> None:
         """Report from now on."""
-        send = self._lane.send
+        send = self._connection.send
         self._middleware.set_listener_handlers(
             lambda topic, node: send(NewListener(topic, node)),
             lambda topic, node: send(LostListener(topic, node)),
@@ -35,12 +47,21 @@ class NodeReports:
         self._loop.call_at(self._loop.now() + SECOND, self._report_periodically)
         self._report()
 
+    def _report_anew(self) -> None:
+        self._last_report = None
+        self._report()
+
     def _report(self) -> None:
-        self._lane.send(self._middleware.report_nodes())
+        report = self._middleware.report_nodes()
+        former = report.former_participants | self._connection.former_participants()
+        report = replace(report, former_participants=former, supervisor=self._supervisor())
+        if report != self._last_report:
+            self._last_report = report
+            self._connection.send(report)
 
     def _on_shutdown_request(self, node: str, reason: str) -> None:
         """Let the audit deal with it; nobody ends this process over the network."""
-        if self._lane.is_connected:
-            self._lane.send(ShutdownRequest(node, reason))
+        if self._connection.is_connected:
+            self._connection.send(ShutdownRequest(node, reason))
         else:
             self._refusal.handle(node, reason)

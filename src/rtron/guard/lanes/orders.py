@@ -1,10 +1,10 @@
-"""What the audit in the command process lets the bulk process do."""
+"""What the command process lets the bulk process do to its streams."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 
-from rtron.guard.audit.common.alarm_response import Brake
+from rtron.guard.audit.common.audit_brake import Brake
 from rtron.guard.lanes.bulk_connection import BulkConnection
-from rtron.guard.lanes.messages import HoldStream, RegisterNode, ReleaseStream, RepeatStop
+from rtron.guard.lanes.messages import HoldStream, ReleaseStream, RepeatStop
 
 
 class RemoteBrake:
@@ -42,12 +42,11 @@ class RemoteBrake:
 
 
 class Orders:
-    """Does in the bulk process what the audit asks for."""
+    """Does in the bulk process what the response to the audit's alarms asks for."""
 
-    def __init__(self, brakes: Mapping[str, Brake], register_node: Callable[[str], None]) -> None:
+    def __init__(self, brakes: Mapping[str, Brake]) -> None:
         """`brakes` are by the streams' public names."""
         self._brakes = brakes
-        self._register_node = register_node
 
     def obey(self, message: object) -> None:
         """Do what one message says."""
@@ -58,5 +57,3 @@ class Orders:
                 self._brakes[topic].release()
             case RepeatStop(topic) if topic in self._brakes:
                 self._brakes[topic].repeat_stop()
-            case RegisterNode(name):
-                self._register_node(name)

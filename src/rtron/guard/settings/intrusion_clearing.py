@@ -2,11 +2,13 @@
 
 import logging
 from collections.abc import Mapping
+from concurrent.futures import Future
+from functools import partial
 from typing import Any
 
 from rtron.errors import WireError
 from rtron.guard.coordinator import Coordinator
-from rtron.guard.core.control_socket import RequestHandler
+from rtron.guard.core.control_socket import RequestHandler, Response
 from rtron.guard.settings.local_overrides import OverrideCommands, read_reason
 from rtron.guard.transport.common.protocol import Transport
 
@@ -21,10 +23,11 @@ class ClearCommands:
     def __init__(self, coordinator: Coordinator) -> None:
         self._latch = coordinator.intrusions
 
-    def handle(self, user: str, request: Mapping[str, Any]) -> Mapping[str, Any]:
+    def handle(self, user: str, request: Mapping[str, Any]) -> Future[Response]:
         """Handle the request of `user`: `{"clear": topic, "reason": text}`; "" clears all streams.
 
-        Those that may not be cleared stay stopped, and the others are cleared all the same.
+        Those that may not be cleared stay stopped, and the others are cleared all the same. The
+        response is there when the audit has answered.
         """
         if set(request) != _KEYS:
             raise WireError(f"a request has {', '.join(sorted(_KEYS))}")
@@ -32,11 +35,10 @@ class ClearCommands:
         if not reason:
             raise WireError("to clear an intrusion needs a reason")
         by = f"by {user}: {reason}"
-        refusals = {topic: self._clear(topic, by) for topic in self._topics(request["clear"])}
-        refused = [f"{topic} stays stopped: {why}" for topic, why in refusals.items() if why]
-        if refused:
-            raise WireError("; ".join(refused))
-        return {"cleared": sorted(refusals)}
+        response = _ClearResponse(self._topics(request["clear"]))
+        for topic in response.topics:
+            self._latch.clear(topic, partial(self._on_answer, response, topic, by))
+        return response.future
 
     def _topics(self, topic: object) -> list[str]:
         stopped = sorted(self._latch.reasons)
@@ -46,14 +48,33 @@ class ClearCommands:
             raise WireError(f"no intruder has stopped {topic!r}: choose from {stopped}")
         return [str(topic)] if topic else stopped
 
-    def _clear(self, topic: str, by: str) -> str:
-        refusal = self._latch.clear(topic)
+    def _on_answer(self, response: "_ClearResponse", topic: str, by: str, refusal: str) -> None:
         if refusal:
             log.warning("%s: not cleared %s: %s", topic, by, refusal)
         else:
             log.warning("%s: cleared %s", topic, by)
             self._latch.on_clear(topic, by)
-        return refusal
+        response.add(topic, refusal)
+
+
+class _ClearResponse:
+    """The response to one request; `future` has it when each of the `topics` has an answer."""
+
+    def __init__(self, topics: list[str]) -> None:
+        self.topics = topics
+        self.future: Future[Response] = Future()
+        self._refusals: dict[str, str] = {}
+
+    def add(self, topic: str, refusal: str) -> None:
+        """Take why a topic stays stopped, "" if it does not."""
+        self._refusals[topic] = refusal
+        if len(self._refusals) < len(self.topics):
+            return
+        refused = [f"{each} stays stopped: {why}" for each, why in self._refusals.items() if why]
+        if refused:
+            self.future.set_exception(WireError("; ".join(refused)))
+        else:
+            self.future.set_result({"cleared": sorted(self._refusals)})
 
 
 def create_request_handler(coordinator: Coordinator, transport: Transport) -> RequestHandler:

@@ -1,5 +1,8 @@
 """A guarded base under attack: a driver of either client library, navigation, and the guard."""
 
+import json
+import socket
+
 from driven_base import CMD_VEL, CMD_VEL_GUARD, Driven, drive_plan, start_guard
 from harness import NODES, ROS_PYTHON, wait_for
 
@@ -23,6 +26,7 @@ class Scene:
         self._socket = ("--control-socket", ros1.folder / "guard.sock")
         self.guard = start_guard(ros1, plan or drive_plan(), CMD_VEL_GUARD, *self._socket)
         self.log = LogWatcher(self.guard.log_path)
+        wait_for(lambda: "guarding 1 topics" in self.guard.log, what="all processes of the guard")
         if drives:
             self.drive()
 
@@ -52,6 +56,10 @@ class Scene:
         rows = (uri and self.ros1.ask(uri, "getBusInfo")) or []
         return self.ros1.uri_of(node) in {row[1] for row in rows if row[4] == OUT}
 
+    def is_audited(self):
+        """Tell whether the audit has looked at everything once, since the guard began."""
+        return "the audit has looked at the whole graph" in self.guard.log
+
     def driver_uri(self):
         return self.ros1.uri_of("/driver")
 
@@ -64,6 +72,13 @@ class Scene:
         command = self.ros1.rtron(*words, "--plan", self.ros1.folder / "rtron.yaml")
         wait_for(lambda: command.ended, what="the end of rtron clear")
         return command
+
+    def ask_to_clear(self):
+        """Return the guard's answer to a request to clear, in less time than a command takes."""
+        with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as sock:
+            sock.connect(str(self._socket[1]))
+            sock.sendall(json.dumps({"clear": CMD_VEL, "reason": "a test"}).encode() + b"\n")
+            return json.loads(sock.makefile("rb").readline())
 
     def is_cleared(self):
         return self.clear().code == 0

@@ -57,6 +57,7 @@ def test_a_restarted_master_is_no_alarm_and_blinds_nobody(ros1):
     with Scene(ros1, "driver.py") as scene:
         uri = scene.driver_uri()
         wait_for(lambda: scene.hears(SUPERVISOR_NODE), what="the supervisor's connection")
+        wait_for(scene.is_audited, what="the audit, which then knows the driver's address")
         ros1.master.kill()
         with ghost(uri) as intruder:
             wait_until_found(scene, intruder, "ghost publisher")

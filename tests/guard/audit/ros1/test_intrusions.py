@@ -81,7 +81,7 @@ class AuditedDriver:
 
     def __init__(self, master, stack, on_foreign=OnForeign.ALARM):
         self._loop = EventLoop()
-        self.listeners, self.guard_uris = set(), {}
+        self.listeners, self.guard_uris, self.unknown = set(), {}, frozenset()
         stack.callback(self._loop.close)
         intrusions = IntrusionLatch(HandoverState())
         host = SimpleNamespace(alarms=Alarms(), streams=[], intrusions=intrusions)
@@ -89,19 +89,24 @@ class AuditedDriver:
             node_uris=lambda: self.guard_uris,
             ports=frozenset(),
             former_uris=frozenset,
-            unknown_streams=frozenset,
+            unknown_streams=lambda: self.unknown,
             now=self._loop.now,
             subscribers=lambda _topic: self.listeners,
         )
         nodes = AuditedNodes(self._loop, master, EXPECTED, PollSchedule(self._loop, SECOND))
         self.response = AlarmResponse(host, transport, on_foreign, dry_run=False)
         intruders = Intrusions(self._loop, master, transport, EXPECTED, nodes, self.response, {})
+        self.look_again = intruders.update_all
         self.keep_listener = partial(intruders.keep_listener, DRIVER, OUT)
         nodes.on_change = intruders.update
         nodes.watch([DRIVER])
         self._nodes, self._alarms = nodes, host.alarms
         for part in (nodes, intruders):
             stack.callback(part.close)
+
+    @property
+    def alarms(self):
+        return self._alarms.active
 
     @property
     def node(self):
@@ -184,6 +189,24 @@ def test_a_node_that_has_moved_answers_for_the_first_time_again(audited):
     assert not audited.told_within(PATIENT_S)
 
 
+def test_while_the_guards_nodes_are_unknown_who_was_found_stays_and_nobody_new_is_judged(
+    stack, audited
+):
+    found, new = (stack.enter_context(hanging_master()) for _ in range(2))
+    audited.answer()
+    audited.answer(found)
+    assert audited.run(lambda: len(audited.alarms) == 1)
+    audited.unknown = frozenset({"/cmd_vel"})
+    audited.answer(found, new)
+    assert not audited.run(lambda: len(audited.alarms) != 1, PATIENT_S)
+    audited.unknown = frozenset()
+    audited.look_again()
+    assert audited.run(lambda: len(audited.alarms) == 2)
+    audited.unknown = frozenset({"/cmd_vel"})
+    audited.answer(new)
+    assert audited.run(lambda: len(audited.alarms) == 1)
+
+
 @pytest.fixture
 def stopped(stack):
     """Audit a driver whose stream an intruder has stopped, and record the calls to the driver."""
@@ -230,8 +253,9 @@ def test_a_driver_that_leaves_is_called_a_bounded_number_of_times(stopped):
 
 
 def test_a_driver_that_leaves_while_nothing_is_stopped_is_left_alone(stopped):
-    assert stopped.response.dismiss("/cmd_vel") == ""
-    stopped.response._clear("/cmd_vel")
+    refusals = []
+    stopped.response._clear("/cmd_vel", refusals.append)
+    assert refusals == [""]
     stopped.keep_listener()
     stopped.run(lambda: False, 0.1)
     assert stopped.calls == []

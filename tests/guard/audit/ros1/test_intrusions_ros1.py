@@ -161,6 +161,7 @@ def test_an_impostor_with_the_supervisors_name(ros1, program):
     with Scene(ros1, program) as scene:
         wait_for(lambda: SUPERVISOR_NODE in ros1.publishers(OUT), what="the supervisor")
         wait_for(lambda: scene.hears(SUPERVISOR_NODE), what="its connection")
+        wait_for(scene.is_audited, what="the audit, which then knows the supervisor's address")
         stops = scene.stops()
         with Impostor(ros1, SUPERVISOR_NODE) as impostor:
             wait_until_found(scene, impostor, "impostor")

@@ -2,133 +2,25 @@
 
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping
-from typing import Protocol
+from functools import partial
 
+from rtron.guard.audit.common.audit_brake import AuditBrake, Brake
+from rtron.guard.audit.common.audit_response import IntruderListener, ListeningOrder
 from rtron.guard.coordinator import Coordinator
-from rtron.guard.core.stream import GuardedStream
+from rtron.guard.intrusion_latch import OnRefusal
 from rtron.guard.transport.common.protocol import Transport
 from rtron.vocabulary import SECOND, Alarm, AlarmKind, Mode, OnForeign
 
-_SOURCE = "the audit"
-_ANSWER_PERIOD = SECOND // 1000
 _MAX_CAUSES = 64
-
-
-class Brake(Protocol):
-    """The brake of one stream; see `AuditBrake`."""
-
-    @property
-    def is_ready(self) -> bool:
-        """Whether the guard knows here what stops the robot."""
-        ...
-
-    def hold(self, why: str) -> None:
-        """Let nothing pass and keep the robot stopped."""
-        ...
-
-    def release(self) -> None:
-        """Let pass again what the policies let pass."""
-        ...
-
-    def answer(self, message: bytes) -> None:
-        """Answer a message of an intruder."""
-        ...
-
-    def repeat_stop(self) -> None:
-        """Tell the stop to a node that has just begun to listen."""
-        ...
-
-
-class AuditBrake:
-    """Stops what a stream moves until `release`, and tells so for the plan's `repeat` after it.
-
-    A node that begins to listen later is told too, while that stop is the stream's last word. What
-    an intruder says meanwhile is answered with the stop.
-    """
-
-    def __init__(self, guarded: GuardedStream, transport: Transport) -> None:
-        self._guarded = guarded
-        self._transport = transport
-        self._is_held = False
-        self._repeat_until = 0
-        self._stop_count: int | None = None
-        self._next_answer = 0
-        self._is_answer_due = False
-
-    @property
-    def is_ready(self) -> bool:
-        """Whether the guard knows what stops the robot."""
-        return self._guarded.stop_controller.is_ready
-
-    def hold(self, why: str) -> None:
-        """Let nothing pass and keep the robot stopped."""
-        self._is_held = True
-        self._brake(why)
-
-    def release(self) -> None:
-        """Let pass again what the policies let pass, which ends the stop; without it, go on."""
-        self._is_held = False
-        if self._guarded.stop_controller.is_ready:
-            self._resume()
-        else:
-            self._guarded.release(_SOURCE)
-
-    def answer(self, message: bytes) -> None:
-        """Send the stop once more, at once, after a message of an intruder that moves the robot.
-
-        At most 1,000 times a second; the last message is answered all the same. A stop needs no
-        answer, so two guards do not answer each other.
-        """
-        if self._is_answer_due or not self._guarded.stop_controller.is_moving(message):
-            return
-        self._is_answer_due = True
-        now = self._transport.now()
-        if now >= self._next_answer:
-            self._send_answer()
-        else:
-            self._transport.call_at(self._next_answer, self._send_answer)
-
-    def _send_answer(self) -> None:
-        now = self._transport.now()
-        self._is_answer_due, self._next_answer = False, now + _ANSWER_PERIOD
-        if self._is_held:
-            self._guarded.stop_controller.repeat(now)
-
-    def repeat_stop(self) -> None:
-        """Tell the stop to a node that has just begun to listen, if nothing was said since."""
-        if not self._is_held and self._is_last_message:
-            self._brake("a node listens that may have missed the stop")
-            self._resume()
-
-    @property
-    def _is_last_message(self) -> bool:
-        stopper = self._guarded.stop_controller
-        return (
-            stopper.is_ready
-            and stopper.moving_flow is None
-            and self._stop_count == stopper.stop_count
-        )
-
-    def _brake(self, why: str) -> None:
-        self._guarded.brake(_SOURCE, why)
-        self._stop_count = self._guarded.stop_controller.stop_count
-
-    def _resume(self) -> None:
-        self._guarded.pipeline.unbar(_SOURCE)
-        self._repeat_until = self._transport.now() + self._guarded.spec.stop.repeat
-        self._transport.call_at(self._repeat_until, self._end)
-
-    def _end(self) -> None:
-        """Let the stop come to its end, unless there is a reason by now that it goes on."""
-        if not self._is_held and self._transport.now() >= self._repeat_until:
-            self._guarded.release(_SOURCE)
+_SILENCE = SECOND
+"""How long no intruder must have been heard before a person may clear what it has stopped (ns)."""
 
 
 class AlarmResponse:
     """Raises and settles alarms, and stops what an intruder can move until a person clears it.
 
     The stop outlives the intruder and the guard. In a dry run, and where the plan says
-    `on_foreign: alarm`, nothing is stopped.
+    `on_foreign: alarm`, nothing is stopped. It is an `AuditResponse` for an audit in this process.
     """
 
     def __init__(
@@ -142,8 +34,16 @@ class AlarmResponse:
     ) -> None:
         """`others` are the brakes of the streams in other processes of the guard, by name."""
         self.stops_streams = on_foreign is OnForeign.STOP and not dry_run
-        self.dismiss: Callable[[str], str] = lambda topic: ""
-        """Takes the intruders of a stream that say nothing any more for gone; returns why not."""
+        self.dismiss: Callable[[str, bool], str] = lambda topic, is_audible: ""
+        """See `AuditResponse`."""
+        self.on_return: Callable[[bytes], None] = lambda gid: None
+        """See `AuditResponse`."""
+        self.query_audit: Callable[[str, bool, OnRefusal], None] = self._query_here
+        """Asks the audit, wherever it is, to `dismiss`; the answer may come later."""
+        self.change_listeners: list[Callable[[], None]] = []
+        """Called when `stopped_streams` has changed."""
+        self.listener: IntruderListener | None = None
+        """Listens to intruders in this process."""
         self._host = host
         self._transport = transport
         self._braking: dict[str, set[Alarm]] = defaultdict(set)
@@ -187,6 +87,11 @@ class AlarmResponse:
         """The streams that intruders have stopped and nobody has cleared."""
         return frozenset(self._intrusion_alarms)
 
+    def listen(self, order: ListeningOrder) -> None:
+        """Listen to intruders as ordered, and answer them."""
+        if self.listener:
+            self.listener.obey(order)
+
     def has_stop(self, topic: str) -> bool:
         """Tell whether the guard can stop what a stream moves."""
         return any(brake.is_ready for brake in self._brakes_of(topic))
@@ -217,15 +122,26 @@ class AlarmResponse:
         self._host.alarms.raise_(alarm, self._transport.now())
         for brake in self._brakes_of(topic):
             brake.hold(reason)
+        self._notify_change()
 
-    def _clear(self, topic: str) -> str:
-        """Release a stream unless an intruder is still there; return why it is not released."""
-        refusal = self.dismiss(topic)
+    def _clear(self, topic: str, on_refusal: OnRefusal) -> None:
+        """Release a stream unless an intruder is still there; tell why it is not released."""
+        silence = self.listener.silence(topic) if self.listener else None
+        if silence is not None and silence < _SILENCE:
+            on_refusal("an intruder has spoken within the last second")
+        else:
+            on_answer = partial(self._finish_clear, topic, on_refusal)
+            self.query_audit(topic, silence is not None, on_answer)
+
+    def _query_here(self, topic: str, is_audible: bool, on_refusal: OnRefusal) -> None:  # noqa: FBT001 - as `dismiss`
+        on_refusal(self.dismiss(topic, is_audible))
+
+    def _finish_clear(self, topic: str, on_refusal: OnRefusal, refusal: str) -> None:
         if not refusal and self._braking[topic]:
             refusal = next(iter(self._braking[topic])).reason
         if not refusal:
             self._release(topic)
-        return refusal
+        on_refusal(refusal)
 
     def _release(self, topic: str) -> None:
         self._causes.pop(topic, None)
@@ -234,6 +150,13 @@ class AlarmResponse:
             self._host.alarms.clear(alarm)
             for brake in self._brakes_of(topic):
                 brake.release()
+            self._notify_change()
+
+    def _notify_change(self) -> None:
+        if self.listener:
+            self.listener.update()
+        for listener in self.change_listeners:
+            listener()
 
     def _brakes_of(self, topic: str) -> Iterator[Brake]:
         return (brake for name, brake in self._brakes if name == topic)

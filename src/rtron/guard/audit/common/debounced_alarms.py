@@ -6,14 +6,14 @@ What nodes do while they come and go looks wrong for a moment; only what lasts i
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from rtron.guard.audit.common.alarm_response import AlarmResponse
+from rtron.guard.audit.common.audit_response import AuditResponse
 from rtron.vocabulary import Alarm
 
 
 class DebouncedAlarms:
     """The alarms of one kind of look; each must last for `delay` (ns) before it is raised."""
 
-    def __init__(self, response: AlarmResponse, delay: int) -> None:
+    def __init__(self, response: AuditResponse, delay: int) -> None:
         self._response = response
         self._delay = delay
         self._since: dict[Alarm, int] = {}
@@ -49,7 +49,7 @@ class BrakingAlarm:
 class BrakingAlarms:
     """Raises what is found at each look, and settles what is found no more."""
 
-    def __init__(self, response: AlarmResponse) -> None:
+    def __init__(self, response: AuditResponse) -> None:
         self._response = response
         self._active: dict[Alarm, BrakingAlarm] = {}
 
@@ -65,6 +65,10 @@ class BrakingAlarms:
                 self._response.withdraw(alarm)
             else:
                 self._response.settle(alarm)
+
+    def is_active(self, found: BrakingAlarm) -> bool:
+        """Tell whether an alarm was found at the last look, too."""
+        return found.alarm in self._active
 
     def intruders(self, stream: str) -> frozenset[bytes]:
         """Return the GIDs of the endpoints that go past a stream."""

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from functools import partial
 
 from rtron.errors import WireError
-from rtron.guard.audit.common.alarm_response import AlarmResponse
+from rtron.guard.audit.common.audit_response import AuditResponse
 from rtron.guard.audit.common.debounced_alarms import DebouncedAlarms
 from rtron.guard.audit.ros1.audited_nodes import AuditedNode, AuditedNodes
 from rtron.guard.audit.ros1.expected_graph import ExpectedGraph
@@ -48,7 +48,7 @@ class Ros1Auditor:
         plan: Plan,
         master: str,
         guard: GuardNodes,
-        response: AlarmResponse,
+        response: AuditResponse,
         loop: EventLoop,
     ) -> None:
         self._loop = loop
@@ -73,7 +73,6 @@ class Ros1Auditor:
         self._drift_alarms = DebouncedAlarms(response, _DRIFT_DELAY)
         self._unseen_alarms = DebouncedAlarms(response, 0)
         self._audited_nodes.on_change = self._intrusions.update
-        response.dismiss = self._intrusions.dismiss
         self._state_poll = PollTarget(
             poller=XmlRpcPoller(_STATE, _MAX_STATE_BYTES),
             on_response=self._on_state,
@@ -86,6 +85,7 @@ class Ros1Auditor:
             return
         self._guard.on_subscriber = self._on_new_listener
         self._guard.on_subscriber_lost = self._on_lost_listener
+        self._guard.on_nodes_change = self._intrusions.update_all
         self._intercept_shutdowns()
         self._audited_nodes.watch(sorted(self._named_nodes))
         self._schedule.add(self._state_poll)
@@ -187,7 +187,6 @@ class Ros1Auditor:
             self._update_alarms(self._state)
         for node in list(self._audited_nodes.by_name.values()):
             self._maintain_node(node)
-        self._intrusions.check_links()
         self._unseen_alarms.update(self._unseen_node_alarms(), self._loop.now())
 
     def _maintain_node(self, node: AuditedNode) -> None:

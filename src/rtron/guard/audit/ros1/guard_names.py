@@ -8,7 +8,7 @@ import logging
 from collections.abc import Callable, Mapping
 from functools import partial
 
-from rtron.guard.audit.common.alarm_response import AlarmResponse
+from rtron.guard.audit.common.audit_response import AuditResponse
 from rtron.guard.audit.ros1.expected_graph import ExpectedGraph
 from rtron.guard.audit.ros1.foreign_connections import normalise_uri
 from rtron.guard.audit.ros1.guard_nodes import GuardNodes
@@ -33,7 +33,7 @@ class GuardNames:
         master: str,
         guard: GuardNodes,
         expected: ExpectedGraph,
-        response: AlarmResponse,
+        response: AuditResponse,
         takeover_uris: dict[str, str],
     ) -> None:
         """`takeover_uris` is filled with the addresses that had one of the names, and which."""

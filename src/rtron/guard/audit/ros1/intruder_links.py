@@ -1,10 +1,11 @@
 """The guard's own connections to publishers that go past it: what they say is answered at once."""
 
-from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import partial
 
+from rtron.guard.audit.common.alarm_response import AlarmResponse
+from rtron.guard.audit.common.audit_response import ListeningOrder, ListenToPublisher
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.transport.common.protocol import MessageHandler, Peer, ignore_lost
 from rtron.guard.transport.ros1.handshake import TopicRequest
@@ -25,21 +26,32 @@ class _IntruderLink:
 class IntruderLinks:
     """Links to at most 16 publishers, by topic and address; the oldest makes room.
 
-    `on_message` gets the public name of the stream and each message.
+    An `IntruderListener`; a link lasts as long as its stream is stopped.
     """
 
-    def __init__(
-        self, loop: EventLoop, master: str, on_message: Callable[[str, bytes], None]
-    ) -> None:
+    def __init__(self, loop: EventLoop, master: str, response: AlarmResponse) -> None:
         self._loop = loop
         self._master = master
-        self._on_message = on_message
+        self._response = response
         self._links: dict[tuple[str, str], _IntruderLink] = {}
         self._workers = ThreadPoolExecutor(_THREADS, thread_name_prefix="audit-hear")
 
-    def open(self, stream: str, topic: str, uri: str) -> None:
-        """Listen to a publisher of a topic, which goes past the guard of a stream."""
-        key = (topic, uri)
+    def open(self) -> None:
+        """Do nothing: the audit orders to whom to listen."""
+
+    def obey(self, order: ListeningOrder) -> None:
+        """Listen to a publisher, if it goes past a stream that is stopped."""
+        if isinstance(order, ListenToPublisher) and order.stream in self._response.stopped_streams:
+            self._listen(order)
+
+    def update(self) -> None:
+        """Listen no more to those who do not go past a stream that is stopped."""
+        stopped = self._response.stopped_streams
+        for key in [key for key, each in self._links.items() if each.stream not in stopped]:
+            self._close(key)
+
+    def _listen(self, order: ListenToPublisher) -> None:
+        key = (order.topic, order.uri)
         known = self._links.get(key)
         if known and known.link.is_connected:
             return
@@ -47,15 +59,10 @@ class IntruderLinks:
             self._close(next(iter(self._links)))
         elif known:
             self._close(key)
-        request = TopicRequest(GUARD_NODE, topic, "", self._master)
+        request = TopicRequest(GUARD_NODE, order.topic, "", self._master)
         on_connect = partial(self._on_connect, key)
-        link = PublisherLink(self._loop, self._workers, request, uri, on_connect, ignore_lost)
-        self._links[key] = _IntruderLink(stream, link)
-
-    def close_others(self, streams: frozenset[str]) -> None:
-        """Listen no more to those who do not go past one of these streams."""
-        for key in [key for key, each in self._links.items() if each.stream not in streams]:
-            self._close(key)
+        link = PublisherLink(self._loop, self._workers, request, order.uri, on_connect, ignore_lost)
+        self._links[key] = _IntruderLink(order.stream, link)
 
     def silence(self, stream: str) -> int | None:
         """Return for how long (ns) no intruder was heard on a stream; None if none ever was."""
@@ -65,7 +72,8 @@ class IntruderLinks:
 
     def close(self) -> None:
         """Listen to nobody any more."""
-        self.close_others(frozenset())
+        for key in list(self._links):
+            self._close(key)
         self._workers.shutdown(wait=False, cancel_futures=True)
 
     def _on_connect(self, key: tuple[str, str], peer: Peer) -> MessageHandler | None:
@@ -74,7 +82,7 @@ class IntruderLinks:
 
     def _receive(self, link: _IntruderLink, message: bytes) -> None:
         link.last_message_at = self._loop.now()
-        self._on_message(link.stream, message)
+        self._response.answer(link.stream, message)
 
     def _close(self, key: tuple[str, str]) -> None:
         self._links.pop(key).link.close()

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from itertools import islice
 
-from rtron.guard.audit.common.alarm_response import AlarmResponse
+from rtron.guard.audit.common.audit_response import AuditResponse, ListenToPublisher
 from rtron.guard.audit.common.guard_inputs import matches_any
 from rtron.guard.audit.ros1.audited_nodes import AuditedNode, AuditedNodes
 from rtron.guard.audit.ros1.expected_graph import ExpectedGraph
@@ -19,7 +19,6 @@ from rtron.guard.audit.ros1.foreign_connections import (
     planned_sources,
 )
 from rtron.guard.audit.ros1.guard_nodes import GuardNodes
-from rtron.guard.audit.ros1.intruder_links import IntruderLinks
 from rtron.guard.audit.ros1.master_queries import (
     WorkerThreads,
     identify_peer,
@@ -33,8 +32,6 @@ _PATIENCE_S = 0.03
 """How long an alarm waits for the master to say who it is."""
 _EXCUSED = 5 * SECOND
 """How long a dead guard's or supervisor's address may still stand in a subscriber's list."""
-_SILENCE = SECOND
-"""How long no intruder must have been heard before a person may clear what it has stopped (ns)."""
 _RETRY_S = 0.2
 _DISCONNECT_PERIOD_S = 1.0
 _KEEP_PERIOD, _KEEP_DURATION = SECOND // 100, SECOND
@@ -69,7 +66,7 @@ class Intrusions:
         guard: GuardNodes,
         expected: ExpectedGraph,
         audited_nodes: AuditedNodes,
-        response: AlarmResponse,
+        response: AuditResponse,
         takeover_uris: Mapping[str, str],
     ) -> None:
         """Take `takeover_uris`: the name of the guard's that the node at each address had."""
@@ -83,7 +80,6 @@ class Intrusions:
         self._addresses = NodeAddresses({})
         self._intrusions: dict[ForeignConnection, _Intrusion] = {}
         self._duplicate_uris: set[str] = set()
-        self._links = IntruderLinks(loop, master, response.answer)
         self._lost_at: dict[tuple[str, str], int] = {}
         self._unanswered_calls: set[tuple[str, str]] = set()
         self._started_at = loop.now()
@@ -103,7 +99,8 @@ class Intrusions:
     def update(self, node: AuditedNode) -> None:
         """Look at whom a node hears; what it hears no more is settled.
 
-        Who is still there, and is no stranger any more, never was one.
+        Who is still there, and is no stranger any more, never was one. While a process of the guard
+        has not told its nodes, nobody new is judged on its streams, and who was found stays.
         """
         unknown = self._guard.unknown_streams()
         found = frozenset(
@@ -111,7 +108,7 @@ class Intrusions:
             for each in foreign_connections(
                 node.name, node.connections, node.audited_topics, self.addresses
             )
-            if each.guarded not in unknown
+            if each.guarded not in unknown or each in node.foreign_connections
         )
         ended, known = node.foreign_connections - found, node.foreign_connections & found
         new = list(islice(found - known, _MAX_PER_NODE - len(known)))
@@ -153,20 +150,13 @@ class Intrusions:
         sources = {each.source for each in node.connections if each.topic == topic}
         return now - lost_at >= _KEEP_DURATION or (has_answered and bool(sources & own))
 
-    def dismiss(self, stream: str) -> str:
-        """Return why a person may not clear a stream: who is heard or connected is not gone."""
-        silence = self._links.silence(stream)
-        if silence is not None and silence < _SILENCE:
-            return "an intruder has spoken within the last second"
-        return ""
-
-    def check_links(self) -> None:
-        """Listen no more to those who have stopped nothing that is not cleared."""
-        self._links.close_others(self._response.stopped_streams)
+    def update_all(self) -> None:
+        """Look at all nodes again: what is known of the guard's own nodes has changed."""
+        for node in list(self._audited_nodes.by_name.values()):
+            self.update(node)
 
     def close(self) -> None:
         """Begin nothing any more."""
-        self._links.close()
         self._query_threads.close()
         self._call_threads.close()
 
@@ -239,8 +229,7 @@ class Intrusions:
     def _learn_address(self, name: str, uri: str) -> None:
         self._addresses.learn(uri, name)
         self._duplicate_uris.discard(uri)
-        for node in list(self._audited_nodes.by_name.values()):
-            self.update(node)
+        self.update_all()
 
     def _is_planned(self, foreign: ForeignConnection, name: str) -> bool:
         topic = self._expected.topics[foreign.connection.topic]
@@ -274,7 +263,8 @@ class Intrusions:
         if before and alarm != before:
             self._response.withdraw(before)
         if self._response.stops_streams and source not in self._addresses.guard_addresses:
-            self._links.open(foreign.guarded, foreign.connection.topic, source)
+            topic = foreign.connection.topic
+            self._response.listen(ListenToPublisher(foreign.guarded, topic, source))
         if self._response.stops_streams and identity.is_answered:
             self._disconnect(foreign, intrusion)
         if not intrusion.is_retry_scheduled:

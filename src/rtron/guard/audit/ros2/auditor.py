@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from rtron.guard.audit.common.audit_response import EndpointTrust
 from rtron.guard.audit.common.debounced_alarms import BrakingAlarms, DebouncedAlarms
 from rtron.guard.audit.ros2.endpoint_checks import planned_publishers
 from rtron.guard.audit.ros2.expected_graph import ExpectedGraph
@@ -12,7 +13,6 @@ from rtron.guard.audit.ros2.graph_alarms import (
     duplicate_name_alarms,
     foreign_endpoint_alarms,
 )
-from rtron.guard.audit.ros2.intruder_readers import IntruderReaders
 from rtron.guard.audit.ros2.observed_graph import ROSOUT_TOPIC, GraphReader, ObservedGraph
 from rtron.guard.audit.ros2.supervisor_participants import SupervisorParticipants
 from rtron.guard.transport.ros2.participants import (
@@ -25,17 +25,16 @@ from rtron.wire.ros2.endpoints import PARTICIPANT_SIZE
 from rtron.wire.ros2.service_names import is_service_topic
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterator, Sequence
 
-    from rtron.guard.audit.common.alarm_response import AlarmResponse
+    from rtron.guard.audit.common.audit_response import AuditResponse
+    from rtron.guard.audit.common.debounced_alarms import BrakingAlarm
     from rtron.guard.audit.ros2.endpoint_checks import Participants
     from rtron.guard.core.event_loop import EventLoop
     from rtron.guard.transport.ros2.middleware import Ros2Transport
     from rtron.wire.ros2.endpoints import Ros2Endpoint
 
 _DRIFT_DELAY = 3 * SECOND
-_SILENCE = SECOND
-"""How long an intruder must have said nothing to be taken for gone (ns)."""
 
 
 class Ros2Auditor:
@@ -48,7 +47,7 @@ class Ros2Auditor:
         self,
         plan: Plan,
         transport: Ros2Transport,
-        response: AlarmResponse,
+        response: AuditResponse,
         loop: EventLoop,
         other_participants: Callable[[], frozenset[bytes]] = frozenset,
         unknown_streams: Callable[[], frozenset[str]] = frozenset,
@@ -68,10 +67,10 @@ class Ros2Auditor:
         self._supervisors = SupervisorParticipants(self._liveness, transport.processes)
         self._braking_alarms = BrakingAlarms(self._response)
         self._drift_alarms = DebouncedAlarms(self._response, _DRIFT_DELAY)
-        self._readers = IntruderReaders(transport, self._expected.types, self._on_output_message)
         self._dismissed: dict[bytes, int] = {}
-        self._trusted: Participants = frozenset()
+        self._trust = EndpointTrust()
         self._response.dismiss = self._dismiss
+        self._response.on_return = self._on_return
         self._graph_reader: GraphReader | None = None
         self._listeners: dict[bytes, str] | None = None
 
@@ -89,7 +88,6 @@ class Ros2Auditor:
         """Audit no more."""
         if self._update in self._graph.listeners:
             self._graph.listeners.remove(self._update)
-        self._readers.close()
 
     def _update(self) -> None:
         now, observed = self._loop.now(), ObservedGraph(self._endpoints())
@@ -98,50 +96,52 @@ class Ros2Auditor:
         listed = {endpoint.gid for endpoint in observed.endpoints}
         self._dismissed = {k: v for k, v in self._dismissed.items() if k in listed and now < v}
         observed = observed.without(self._dismissed.keys())
-        trusted = self._trusted = self._guard_participants(observed)
+        trusted = self._guard_participants(observed)
         expected, liveness = self._expected, self._liveness
         foreign = foreign_endpoint_alarms(expected, observed, trusted, liveness, now)
-        unknown = self._unknown_streams()
-        known = [each for each in foreign if unknown.isdisjoint(each.streams)]
         self._braking_alarms.update(
-            [*known, *duplicate_name_alarms(expected, observed, liveness, now)],
+            [*self._judged(foreign), *duplicate_name_alarms(expected, observed, liveness, now)],
             now,
             planned_publishers(expected, observed, trusted),
         )
         self._drift_alarms.update(drift_alarms(expected, observed, trusted), now)
         self._repeat_stops(observed)
-        self._read_outputs()
+        self._tell_trust(trusted)
 
-    def _read_outputs(self) -> None:
-        """Hear for ourselves what intruders say, those included that were dismissed."""
-        streams = self._expected.types if self._dismissed else self._response.stopped_streams
-        self._readers.read(each for each in streams if self._response.has_stop(each))
+    def _judged(self, foreign: Sequence[BrakingAlarm]) -> list[BrakingAlarm]:
+        """Return what counts: on streams whose process has not told its nodes, nothing new."""
+        unknown = self._unknown_streams()
+        return [
+            each
+            for each in foreign
+            if not unknown
+            or (each.streams and unknown.isdisjoint(each.streams))
+            or self._braking_alarms.is_active(each)
+        ]
 
-    def _on_output_message(self, stream: str, gid: bytes, message: bytes) -> None:
-        """Answer an intruder's message with the stop; one that was dismissed is back."""
-        participant = gid[:PARTICIPANT_SIZE]
-        if participant in self._trusted:
-            return
-        self._readers.note_intruder(stream)
-        if gid in self._dismissed:
-            del self._dismissed[gid]
+    def _tell_trust(self, trusted: Participants) -> None:
+        """Let the process of the brakes know whose messages on the outputs need no answer."""
+        trust = EndpointTrust(trusted, frozenset(self._dismissed))
+        if trust != self._trust:
+            self._trust = trust
+            self._response.listen(trust)
+
+    def _on_return(self, gid: bytes) -> None:
+        """Look at an endpoint again that was dismissed: it has spoken."""
+        if self._dismissed.pop(gid, None):
             self._update()
-        self._response.answer(stream, message)
 
-    def _dismiss(self, stream: str) -> str:
+    def _dismiss(self, stream: str, is_audible: bool) -> str:  # noqa: FBT001 - as `AuditResponse`
         """Take the intruders of a stream for gone although the domain still lists them.
 
-        Return why not: one of them has just spoken, or its process runs. What cannot be heard must
-        have ended for certain. Who is still there when its lease must have ended is an intruder.
+        Return why not: the process of one of them runs. What cannot be heard must have ended for
+        certain. Who is still there when its lease must have ended is an intruder.
         """
-        silence = self._readers.silence(stream)
-        if silence is not None and silence < _SILENCE:
-            return "an intruder has spoken within the last second"
         intruders = self._braking_alarms.intruders(stream)
         for participant in {each[:PARTICIPANT_SIZE] for each in intruders}:
             state = self._liveness.state(participant)
             if state is ParticipantState.RUNNING or (
-                silence is None and state is not ParticipantState.ENDED
+                not is_audible and state is not ParticipantState.ENDED
             ):
                 return f"the intruder may still speak: {self._label(participant)}"
         self._dismissed |= dict.fromkeys(intruders, self._loop.now() + MAX_LEASE)

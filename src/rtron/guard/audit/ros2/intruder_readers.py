@@ -5,36 +5,68 @@ A reader exists only while an intruder may speak: each message costs the guard s
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from rtron.vocabulary import output_topic
+from rtron.guard.audit.common.audit_response import EndpointTrust
+from rtron.vocabulary import SECOND, output_topic
+from rtron.wire.ros2.endpoints import PARTICIPANT_SIZE
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Callable, Mapping
 
+    from rtron.guard.audit.common.alarm_response import AlarmResponse
+    from rtron.guard.audit.common.audit_response import ListeningOrder
     from rtron.guard.transport.ros2.data_reader import DataReader
     from rtron.guard.transport.ros2.middleware import Ros2Transport
 
-OnMessage = Callable[[str, bytes, bytes], None]
-"""Takes the public name of the stream, the publisher's GID and the message."""
+_PERIOD = SECOND // 2
+"""How often it is checked which streams are to be read, ns: a stream may learn its stop late."""
 
 
 class IntruderReaders:
-    """A reader of each of some streams' outputs; `on_message` gets what others than us send."""
+    """A reader of the output of each stream that is stopped; an `IntruderListener`.
+
+    While there are endpoints that were dismissed, it reads the others, too.
+    """
 
     def __init__(
-        self, transport: Ros2Transport, types: Mapping[str, str], on_message: OnMessage
+        self, transport: Ros2Transport, types: Mapping[str, str], response: AlarmResponse
     ) -> None:
         """`types` are the message types by stream, "" if the plan leaves it open."""
         self._transport = transport
         self._types = {stream: type for stream, type in types.items() if type}
-        self._on_message = on_message
+        self._response = response
+        self._trust = EndpointTrust()
+        self._returned: set[bytes] = set()
         self._readers: dict[str, _StreamReader] = {}
+        self._is_open = False
 
-    def read(self, streams: Iterable[str]) -> None:
-        """Read the outputs of these streams from now on, and no others."""
-        needed = self._types.keys() & set(streams)
+    def open(self) -> None:
+        """Read from now on where it is needed."""
+        self._is_open = True
+        self._update_periodically()
+
+    def obey(self, order: ListeningOrder) -> None:
+        """Know whose messages are no intruder's."""
+        if isinstance(order, EndpointTrust):
+            self._trust = order
+            self._returned &= order.dismissed
+            self.update()
+
+    def update(self) -> None:
+        """Read the outputs of the streams that are stopped, all of them while one is dismissed."""
+        if not self._is_open:
+            return
+        streams = self._types if self._trust.dismissed else self._response.stopped_streams
+        self._read({each for each in streams if self._response.has_stop(each)})
+
+    def _update_periodically(self) -> None:
+        if self._is_open:
+            self._transport.call_at(self._transport.now() + _PERIOD, self._update_periodically)
+            self.update()
+
+    def _read(self, streams: set[str]) -> None:
+        needed = self._types.keys() & streams
         for stream in self._readers.keys() - needed:
             self._readers.pop(stream).close()
         for stream in needed - self._readers.keys():
@@ -47,21 +79,32 @@ class IntruderReaders:
         reader = self._readers.get(stream)
         return self._transport.now() - reader.last_message_at if reader else None
 
-    def note_intruder(self, stream: str) -> None:
-        """Note that an intruder has spoken now."""
-        if stream in self._readers:
-            self._readers[stream].last_message_at = self._transport.now()
-
     def close(self) -> None:
         """Read nothing any more."""
-        self.read(())
+        self._is_open = False
+        self._read(set())
+
+    def _on_message(self, stream: str, gid: bytes, message: bytes) -> None:
+        """Answer an intruder's message with the stop; one that was dismissed is back."""
+        if gid[:PARTICIPANT_SIZE] in self._trust.trusted:
+            return
+        if stream in self._readers:
+            self._readers[stream].last_message_at = self._transport.now()
+        if gid in self._trust.dismissed - self._returned:
+            self._returned.add(gid)
+            self._response.on_return(gid)
+        self._response.answer(stream, message)
 
 
 class _StreamReader:
     """The reader of one output; a `DataListener`. `last_message_at` begins with the reader."""
 
     def __init__(
-        self, transport: Ros2Transport, stream: str, type: str, on_message: OnMessage
+        self,
+        transport: Ros2Transport,
+        stream: str,
+        type: str,
+        on_message: Callable[[str, bytes, bytes], None],
     ) -> None:
         self._transport = transport
         self._stream = stream

@@ -57,6 +57,8 @@ class Ros1Transport:
         self.on_shutdown_request: Callable[[str, str], None] = lambda node, reason: None
         self.on_subscriber: Callable[[str, str], None] = lambda topic, node: None
         self.on_subscriber_lost: Callable[[str, str], None] = lambda topic, node: None
+        self.on_nodes_change: Callable[[], None] = lambda: None
+        """Never called: all nodes here are known."""
         self.now = loop.now
         self.call_at = loop.call_at
 

@@ -6,7 +6,7 @@ from those that we see, and from inside it no process outside is visible.
 
 import os
 from collections import defaultdict
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -43,6 +43,8 @@ class ProcessTable:
     def __init__(self, proc: Path = Path("/proc")) -> None:
         self.supervisor: Callable[[], int] = lambda: 0
         """Returns the process id of our supervisor, 0 if there is none."""
+        self.other_pids: Callable[[], Iterable[int]] = tuple
+        """Tells the ids of the guard's other processes."""
         self._proc = proc
         self._namespace_pids: dict[int, int | None] = {}
         self._pids_by_low_bits: dict[int, list[int]] = {}
@@ -104,10 +106,10 @@ class ProcessTable:
         return None if ended else (pid, int(stat[_START_TIME]))
 
     def is_related(self, pid: int) -> bool:
-        """Return whether a process is our supervisor or our parent, or a child of ours or of it."""
+        """Return whether a process is our supervisor or our parent, or a child of the guard's."""
         with suppress(OSError):  # the process has ended
             supervisor = self.supervisor()
-            parents = {os.getpid(), supervisor} - {0}
+            parents = {os.getpid(), supervisor, *self.other_pids()} - {0}
             return pid in (supervisor, os.getppid()) or int(self._stat(pid)[_PARENT]) in parents
         return False
 

@@ -1,0 +1,99 @@
+"""What the audit and the process of the brakes need of each other: calls here, or messages.
+
+The audit finds intruders; the process of the brakes stops the streams and listens to the intruders
+itself, since it answers each of their messages at once.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+from rtron.vocabulary import Alarm
+
+
+@dataclass(frozen=True, slots=True)
+class ListenToPublisher:
+    """Listen to the publisher at an address, which goes past the guard of a stream (ROS 1)."""
+
+    stream: str
+    topic: str
+    uri: str
+
+    @property
+    def subject(self) -> tuple[str, ...]:
+        """What a later order of the same kind replaces."""
+        return (self.topic, self.uri)
+
+
+@dataclass(frozen=True, slots=True)
+class EndpointTrust:
+    """Whose messages on the private outputs are no intruder's (ROS 2).
+
+    `trusted` are participants. `dismissed` are the GIDs of intruders that were taken for gone.
+    """
+
+    trusted: frozenset[bytes] = frozenset()
+    dismissed: frozenset[bytes] = frozenset()
+
+    @property
+    def subject(self) -> tuple[str, ...]:
+        """What a later order of the same kind replaces."""
+        return ()
+
+
+ListeningOrder = ListenToPublisher | EndpointTrust
+
+
+class AuditResponse(Protocol):
+    """What an audit does about what it finds; see `AlarmResponse`."""
+
+    stops_streams: bool
+    """Whether an intruder stops a stream at all."""
+    dismiss: Callable[[str, bool], str]
+    """Takes the silent intruders of a stream for gone; returns why not.
+
+    The flag tells whether the guard would have heard them. Set by the audit.
+    """
+    on_return: Callable[[bytes], None]
+    """Takes the GID of an intruder that was taken for gone and speaks. Set by the audit."""
+
+    def raise_(self, alarm: Alarm, now: int, *guarded: str) -> None:
+        """Raise an alarm; stop the streams of these topics until a person clears them."""
+        ...
+
+    def settle(self, alarm: Alarm) -> None:
+        """Take an alarm back: its cause is gone. What it has stopped stays stopped."""
+        ...
+
+    def withdraw(self, alarm: Alarm) -> None:
+        """Take an alarm back that was mistaken, and release what only mistakes have stopped."""
+        ...
+
+    @property
+    def stopped_streams(self) -> frozenset[str]:
+        """The streams that intruders have stopped and nobody has cleared."""
+        ...
+
+    def listen(self, order: ListeningOrder) -> None:
+        """Listen to intruders as ordered, and answer them."""
+        ...
+
+    def on_new_listener(self, topic: str) -> None:
+        """Take note that a node has begun to hear what the guard lets go of a stream."""
+        ...
+
+
+class IntruderListener(Protocol):
+    """Listens to the intruders of the streams that are stopped, and answers them."""
+
+    def obey(self, order: ListeningOrder) -> None:
+        """Listen as the audit orders."""
+        ...
+
+    def update(self) -> None:
+        """Listen where streams are stopped now, and nowhere else."""
+        ...
+
+    def silence(self, stream: str) -> int | None:
+        """Return for how long (ns) no intruder was heard on a stream; None if none can be."""
+        ...

@@ -1,0 +1,115 @@
+"""The audit in the bulk process, as the command process sees it: its findings and its answers.
+
+What an audit has found counts until the next one knows better: neither a bulk process that ends nor
+one that begins makes an intruder go away.
+"""
+
+import logging
+from itertools import count
+
+from rtron.guard.audit.common.alarm_response import AlarmResponse
+from rtron.guard.audit.common.audit_response import EndpointTrust, ListenToPublisher
+from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.intrusion_latch import OnRefusal
+from rtron.guard.lanes.bulk_connection import BulkConnection
+from rtron.guard.lanes.messages import (
+    ActiveAlarms,
+    DismissAnswer,
+    DismissRequest,
+    IntruderReturned,
+    RaiseAlarm,
+    RepeatStop,
+    SettleAlarm,
+    StoppedStreams,
+    WithdrawAlarm,
+)
+from rtron.vocabulary import Alarm
+
+log = logging.getLogger(__name__)
+
+ANSWER_LIMIT_S = 2.0
+"""How long a person waits for the audit's answer, s."""
+NOT_CONNECTED = "the audit is not connected: nobody knows whether the intruder is gone"
+_INCOMPLETE = "the audit has just begun: it does not know yet whether the intruder is gone"
+_NO_ANSWER = f"the audit has not answered within {ANSWER_LIMIT_S:g} s"
+
+
+class RemoteAudit:
+    """Does what the audit says, and asks it before a person clears a stream."""
+
+    def __init__(
+        self, connection: BulkConnection, response: AlarmResponse, loop: EventLoop
+    ) -> None:
+        self._connection = connection
+        self._response = response
+        self._loop = loop
+        self._alarms: set[Alarm] = set()
+        """What an audit has found, this one or one before it."""
+        self._is_complete = False
+        self._numbers = count()
+        self._requests: dict[int, OnRefusal] = {}
+        response.query_audit = self._query
+        response.on_return = lambda gid: connection.send(IntruderReturned(gid))
+        response.change_listeners.append(self._report_stopped)
+        connection.message_listeners.append(self._receive)
+        connection.connect_listeners.append(self._report_stopped)
+        connection.loss_listeners.append(self._on_lost)
+
+    def _query(self, topic: str, is_audible: bool, on_refusal: OnRefusal) -> None:  # noqa: FBT001 - as `dismiss`
+        if not self._connection.is_connected:
+            on_refusal(NOT_CONNECTED)
+        elif not self._is_complete:
+            on_refusal(_INCOMPLETE)
+        else:
+            number = next(self._numbers)
+            self._requests[number] = on_refusal
+            self._loop.call_later(ANSWER_LIMIT_S, lambda: self._answer(number, _NO_ANSWER))
+            self._connection.send(DismissRequest(number, topic, is_audible))
+
+    def _answer(self, number: int, refusal: str) -> None:
+        """Tell what the audit has said; later words about the same request do not count."""
+        if on_refusal := self._requests.pop(number, None):
+            on_refusal(refusal)
+
+    def _receive(self, message: object) -> None:
+        match message:
+            case RaiseAlarm(alarm, streams):
+                self._raise(alarm, streams)
+            case SettleAlarm(alarm):
+                self._settle(alarm)
+            case WithdrawAlarm(alarm):
+                self._alarms.discard(alarm)
+                self._response.withdraw(alarm)
+            case ActiveAlarms(alarms):
+                self._take_all(alarms)
+            case DismissAnswer(number, refusal):
+                self._answer(number, refusal)
+            case RepeatStop(topic):
+                self._response.on_new_listener(topic)
+            case ListenToPublisher() | EndpointTrust():
+                self._response.listen(message)
+
+    def _raise(self, alarm: Alarm, streams: tuple[str, ...]) -> None:
+        self._alarms.add(alarm)
+        self._response.raise_(alarm, self._loop.now(), *streams)
+
+    def _settle(self, alarm: Alarm) -> None:
+        self._alarms.discard(alarm)
+        self._response.settle(alarm)
+
+    def _take_all(self, alarms: tuple[RaiseAlarm, ...]) -> None:
+        if not self._is_complete:
+            log.info("the audit has looked at the whole graph")
+        self._is_complete = True
+        for each in alarms:
+            self._raise(each.alarm, each.streams)
+        for alarm in self._alarms - {each.alarm for each in alarms}:
+            self._settle(alarm)
+
+    def _report_stopped(self) -> None:
+        self._connection.send(StoppedStreams(self._response.stopped_streams))
+
+    def _on_lost(self) -> None:
+        self._is_complete = False
+        for number in list(self._requests):
+            self._answer(number, NOT_CONNECTED)

@@ -1,0 +1,125 @@
+"""The response to what the audit finds, as the bulk process sees it: messages to the brakes."""
+
+from typing import TYPE_CHECKING
+
+from rtron.guard.audit.common.audit_response import ListeningOrder, ListenToPublisher
+from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.lanes.command_lane import CommandLane
+from rtron.guard.lanes.messages import (
+    ActiveAlarms,
+    DismissAnswer,
+    DismissRequest,
+    IntruderReturned,
+    RaiseAlarm,
+    RepeatStop,
+    SettleAlarm,
+    StoppedStreams,
+    WithdrawAlarm,
+)
+from rtron.vocabulary import Alarm
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+SETTLING_S = 5.0
+"""How long an audit looks before it knows all intruders: nodes answer, and discovery ends, s."""
+_MAX_ORDERS = 32
+
+
+class RemoteResponse:
+    """Tells the command process what the audit finds, on change; an `AuditResponse`.
+
+    A command process that connects is told all that is there. Before the audit has looked for
+    `SETTLING_S`, this is not called complete: an intruder that is not found yet is not gone.
+    """
+
+    def __init__(self, lane: CommandLane, loop: EventLoop, *, stops_streams: bool) -> None:
+        self.stops_streams = stops_streams
+        self.dismiss: Callable[[str, bool], str] = lambda topic, is_audible: ""
+        """See `AuditResponse`."""
+        self.on_return: Callable[[bytes], None] = lambda gid: None
+        """See `AuditResponse`."""
+        self._send = lane.send
+        self._loop = loop
+        self._active: dict[Alarm, RaiseAlarm] = {}
+        self._orders: dict[tuple[str, ...], ListeningOrder] = {}
+        self._stopped: frozenset[str] = frozenset()
+        self._is_complete = False
+        lane.message_listeners.append(self._receive)
+        lane.connect_listeners.append(self._report_all)
+
+    def open(self) -> None:
+        """Call what is found complete when the audit has looked for long enough."""
+        self._loop.call_later(SETTLING_S, self._complete)
+
+    def close(self) -> None:
+        """Do nothing; the connection ends with the process."""
+
+    def raise_(self, alarm: Alarm, now: int, *guarded: str) -> None:
+        """Raise an alarm; stop the streams of these topics until a person clears them."""
+        del now
+        message = RaiseAlarm(alarm, guarded)
+        if self._active.get(alarm) != message:
+            self._active[alarm] = message
+            self._send(message)
+
+    def settle(self, alarm: Alarm) -> None:
+        """Take an alarm back: its cause is gone."""
+        if self._active.pop(alarm, None):
+            self._send(SettleAlarm(alarm))
+
+    def withdraw(self, alarm: Alarm) -> None:
+        """Take an alarm back that was mistaken."""
+        if self._active.pop(alarm, None):
+            self._send(WithdrawAlarm(alarm))
+
+    @property
+    def stopped_streams(self) -> frozenset[str]:
+        """The streams that intruders have stopped, as the command process has told."""
+        return self._stopped
+
+    def listen(self, order: ListeningOrder) -> None:
+        """Let the command process listen to intruders.
+
+        An order that is the same is told again, too: the intruder may have hung up.
+        """
+        self._orders.pop(order.subject, None)
+        self._orders[order.subject] = order
+        while len(self._orders) > _MAX_ORDERS:
+            del self._orders[next(each for each in self._orders if each)]
+        self._send(order)
+
+    def on_new_listener(self, topic: str) -> None:
+        """Let the command process tell a stop to a node that has just begun to listen."""
+        self._send(RepeatStop(topic))
+
+    def _complete(self) -> None:
+        self._is_complete = True
+        self._send(ActiveAlarms(tuple(self._active.values())))
+
+    def _report_all(self) -> None:
+        if self._is_complete:
+            self._complete()
+        else:
+            for message in self._active.values():
+                self._send(message)
+        for order in self._orders.values():
+            self._send(order)
+
+    def _receive(self, message: object) -> None:
+        match message:
+            case StoppedStreams(topics):
+                self._stopped = topics
+                self._forget_orders()
+            case DismissRequest(number, topic, is_audible):
+                self._send(DismissAnswer(number, self.dismiss(topic, is_audible)))
+            case IntruderReturned(gid):
+                self.on_return(gid)
+
+    def _forget_orders(self) -> None:
+        """Forget whom to listen to where nothing is stopped any more."""
+        self._orders = {
+            subject: order
+            for subject, order in self._orders.items()
+            if not isinstance(order, ListenToPublisher) or order.stream in self._stopped
+        }

@@ -1,0 +1,102 @@
+"""An intruder is there while a process of the guard dies: the robot stays stopped (ROS 1)."""
+
+import os
+import re
+import signal
+import time
+
+import pytest
+from audit_scene import ReturningGhost, Scene, wait_until_found
+from driven_base import CMD_VEL_GUARD
+from harness import wait_for
+
+from rtron.vocabulary import GUARD_NODE
+
+pytestmark = pytest.mark.ros1
+LOST = "the bulk process is gone"
+SILENCE_S = 1.1
+"""After an intruder's last message the guard itself refuses for a second."""
+COMPLETE = "the audit has looked at the whole graph"
+
+
+@pytest.fixture
+def scene(ros1):
+    with Scene(ros1, "driver.py") as scene:
+        scene.navigate()
+        wait_for(lambda: len(scene.driven.navigation()) > 1, what="navigation at the driver")
+        wait_for(scene.is_audited, what="the audit")
+        yield scene
+
+
+def intrude(scene, ros1):
+    return ReturningGhost(scene.driver_uri(), ros1.uri_of(CMD_VEL_GUARD))
+
+
+def wait_until_cleared(scene, passed):
+    wait_for(scene.is_cleared, what="the guard's leave to drive again")
+    wait_for(lambda: len(scene.driven.navigation()) > passed, what="navigation again")
+
+
+def bulk_process(scene):
+    return int(re.findall(r"the bulk process is there, process (\d+)", scene.guard.log)[-1])
+
+
+def end_bulk_process(scene):
+    """Kill it and wait until the command process knows."""
+    bulk, losses = bulk_process(scene), scene.guard.log.count(LOST)
+    os.kill(bulk, signal.SIGKILL)
+    wait_for(lambda: scene.guard.log.count(LOST) > losses, what="the loss of the bulk process")
+
+
+def test_an_intrusion_outlives_the_process_of_the_audit(ros1, scene):
+    with intrude(scene, ros1) as intruder:
+        wait_until_found(scene, intruder, "ghost publisher")
+        wait_for(lambda: scene.alarms("alarm: intrusion"), what="the stop")
+        passed, bulk, stops = len(scene.driven.navigation()), bulk_process(scene), scene.stops()
+        turns = scene.driven.turns()
+        end_bulk_process(scene)
+        assert "stays stopped" in scene.ask_to_clear()["error"]
+        wait_for(lambda: scene.driven.turns() > turns + 50, what="the intruder, which goes on")
+        wait_for(lambda: scene.stops() > stops + 50, what="the answers to it")
+        wait_for(lambda: scene.guard.log.count(COMPLETE) == 2, what="the next audit")
+        assert bulk_process(scene) != bulk
+        refused = scene.clear()
+        assert refused.code == 2
+        assert "stays stopped" in refused.log
+        assert len(scene.driven.navigation()) == passed
+    wait_until_cleared(scene, passed)
+    assert len(scene.alarms("alarm: intrusion")) == 1
+    assert scene.guard.log.count("the guard begins") == 1
+
+
+def test_nothing_is_cleared_while_no_audit_is_there(ros1, scene):
+    with intrude(scene, ros1) as intruder:
+        wait_until_found(scene, intruder, "ghost publisher")
+        wait_for(lambda: scene.alarms("alarm: intrusion"), what="the stop")
+    left = time.monotonic()
+    wait_for(lambda: time.monotonic() > left + SILENCE_S, what="a second of silence")
+    passed = len(scene.driven.navigation())
+    end_bulk_process(scene)
+    refused = scene.ask_to_clear()
+    assert "the audit is not connected: nobody knows" in refused["error"]
+    assert len(scene.driven.navigation()) == passed
+    wait_until_cleared(scene, passed)
+    assert len(scene.alarms("alarm: intrusion")) == 1
+
+
+def test_a_guard_that_begins_beside_an_intruder_is_stopped_and_not_cleared(ros1, scene):
+    with intrude(scene, ros1) as intruder:
+        wait_until_found(scene, intruder, "ghost publisher")
+        wait_for(lambda: scene.alarms("alarm: intrusion"), what="the stop")
+        passed = len(scene.driven.navigation())
+        os.kill(ros1.ask(ros1.uri_of(GUARD_NODE), "getPid"), signal.SIGKILL)
+        wait_for(lambda: scene.alarms("alarm: intrusion")[1:], what="the next guard's alarm")
+        wait_for(lambda: scene.guard.log.count(COMPLETE) == 2, what="the audit's findings")
+        stops = scene.stops()
+        wait_for(lambda: scene.stops() > stops + 20, what="the next guard's stop")
+        for _ in range(3):
+            refused = scene.clear()
+            assert refused.code == 2
+            assert "stays stopped" in refused.log
+        assert len(scene.driven.navigation()) == passed
+    wait_until_cleared(scene, passed)
