@@ -77,6 +77,8 @@ def _figures(base: BaseLog, memory: MemoryWatch) -> Iterator[Figure]:
     yield Figure("soak.unguarded", len(base.unguarded()), None, "commands", at_most=0)
     gaps = len(base.unexplained_gaps())
     yield Figure("soak.gaps", gaps, None, "over 100 ms while moving", at_most=0)
+    stalled = sum(each.length for each in base.stalls) / _MS
+    yield Figure("soak.base_stalls", stalled, None, "ms in which the base itself did not run")
     yield Figure("soak.longest_gap", base.longest_gap() / _MS, None, "ms while moving")
     yield Figure("soak.longest_rest", base.longest_rest() / _MS, None, "ms")
     yield Figure("soak.navigation_share", base.share(SPEED), None, "of the time")
@@ -100,6 +102,7 @@ def _explain(base: BaseLog, history: list[tuple[int, str]], console: Console) ->
             f"{what} {(gap.at - at) / 1e9:.1f} s before" for at, what in history if at < gap.at
         ]
         console.print(f"a gap of {gap.length / _MS:.0f} ms: {', '.join(before[-2:]) or 'nothing'}")
+        console.print(f"  {base.describe(gap)}")
 
 
 def _arguments() -> argparse.Namespace:

@@ -1,7 +1,7 @@
 """What the base heard during the soak, and what of it must not be."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -30,20 +30,29 @@ class Gap:
 
 @dataclass(frozen=True, slots=True)
 class BaseLog:
-    """What the navigation said, and what the base was told, each in order."""
+    """What the navigation said, and what the base was told, each in order.
+
+    `stalls` are the times in which the base itself did not run.
+    """
 
     inputs: Sequence[Command]
     outputs: Sequence[Command]
+    stalls: Sequence[Gap] = ()
 
     @classmethod
     def read(cls, path: Path) -> "BaseLog":
-        """Read a file with `in` or `out`, a time and a speed on each line; the last may be cut."""
+        """Read a file with `in` or `out`, a time and a speed on each line; the last may be cut.
+
+        A line with `stall` has a time and a duration, s.
+        """
         text = path.read_text("utf-8")
         rows = [line.split() for line in text[: text.rfind("\n") + 1].splitlines()]
         sides: dict[str, list[Command]] = {"in": [], "out": []}
+        stalls = [Gap(int(at), int(float(s) * SECOND)) for side, at, s in rows if side == "stall"]
         for side, at, speed in rows:
-            sides[side].append(Command(int(at), float(speed)))
-        return cls([each for each in sides["in"] if each.speed == SPEED], sides["out"])
+            if side != "stall":
+                sides[side].append(Command(int(at), float(speed)))
+        return cls([each for each in sides["in"] if each.speed == SPEED], sides["out"], stalls)
 
     def unguarded(self) -> list[Command]:
         """Return the commands of who is not in the plan that came through the guard."""
@@ -53,13 +62,20 @@ class BaseLog:
         """Return the gaps after which a base that moved heard again, while the navigation spoke.
 
         A base that was told to rest, or whose last word is an intruder's, waits for nobody. Where
-        the navigation was silent as long, or the base stood still, it is not the guard's gap.
+        the navigation was silent as long, or the base did not run, it is not the guard's gap.
         """
-        return [gap for gap in self._gaps() if gap.length > LONGEST_GAP and self._has_input(gap)]
+        return [gap for gap in self._gaps_with_input() if gap.length > LONGEST_GAP]
 
     def longest_gap(self) -> int:
         """Return the longest gap of a base that moves while the navigation speaks, ns."""
-        return max((gap.length for gap in self._gaps() if self._has_input(gap)), default=0)
+        return max((gap.length for gap in self._gaps_with_input()), default=0)
+
+    def describe(self, gap: Gap) -> str:
+        """Tell what was said during a gap and what came at its end."""
+        end = next((each.at for each in self.outputs if each.at > gap.at), gap.at + gap.length)
+        said = sum(gap.at < each.at < end for each in self.inputs)
+        came = sum(0 <= each.at - end < SECOND // 50 for each in self.outputs)
+        return f"the navigation said {said} in it, {came} came within 20 ms after it"
 
     def longest_rest(self) -> int:
         """Return for how long (ns) the base was at rest at most."""
@@ -81,6 +97,16 @@ class BaseLog:
         for before, after in pairwise([*self.outputs, *last]):
             if before.speed not in (0.0, INTRUDING):
                 yield Gap(before.at, after.at - before.at)
+
+    def _gaps_with_input(self) -> Iterator[Gap]:
+        """Yield the gaps, without the time in which the base did not run, where others spoke."""
+        for gap in self._gaps():
+            if self._has_input(gap):
+                yield replace(gap, length=gap.length - self._stalled(gap))
+
+    def _stalled(self, gap: Gap) -> int:
+        ends = ((max(each.at, gap.at), each.at + each.length) for each in self.stalls)
+        return sum(max(0, min(end, gap.at + gap.length) - begin) for begin, end in ends)
 
     def _has_input(self, gap: Gap) -> bool:
         """Tell whether the navigation was heard during a gap, without such a gap of its own."""

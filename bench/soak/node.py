@@ -1,7 +1,8 @@
 """A node of the soaked app: `python -m bench.soak.node ROS ROLE [FILE]`, on rospy or rclpy.
 
 It imports nothing of RTron: rospy has a Python of its own. `base` hears what the navigation sends
-and what the guard lets go, and writes them to FILE; `viewer` writes the time of each picture.
+and what the guard lets go, and writes them to FILE, with the times when it did not run itself;
+`viewer` writes the time of each picture.
 """
 
 from __future__ import annotations
@@ -12,7 +13,8 @@ import sys
 import time
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from threading import Thread
+from typing import TYPE_CHECKING, Any, TextIO
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -27,6 +29,7 @@ IMAGE_BYTES = 10_000_000
 TWIST, IMAGE = "geometry_msgs/Twist", "sensor_msgs/Image"
 _NICE = 5
 _QUEUE = 10
+_TICK_S, _STALL_S = 0.005, 0.02
 
 
 class Ros1Graph:
@@ -113,8 +116,19 @@ def _write_commands(graph: Any, path: Path) -> None:  # noqa: ANN401
     def writer(side: str) -> Callable[[Any], None]:
         return lambda twist: file.write(f"{side} {time.monotonic_ns()} {twist.linear.x:g}\n")
 
+    Thread(target=_write_stalls, args=[file], daemon=True).start()
     graph.listen(FLOW, kind, writer("in"))
     graph.listen(OUT, kind, writer("out"))
+
+
+def _write_stalls(file: TextIO) -> None:
+    """Write when this process did not run for a while, and for how long, s."""
+    while True:
+        begin = time.monotonic_ns()
+        time.sleep(_TICK_S)
+        stalled_s = (time.monotonic_ns() - begin) / 1e9 - _TICK_S
+        if stalled_s > _STALL_S:
+            file.write(f"stall {begin} {stalled_s:.3f}\n")
 
 
 def _handle_images(graph: Any, files: list[str]) -> None:  # noqa: ANN401

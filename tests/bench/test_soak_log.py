@@ -1,8 +1,10 @@
 """What the soak finds wrong in what a base heard, and what it does not blame the guard for."""
 
+from dataclasses import replace
+
 import pytest
 
-from bench.soak.base_log import LONGEST_GAP, BaseLog, Command
+from bench.soak.base_log import LONGEST_GAP, BaseLog, Command, Gap
 from bench.soak.node import FORBIDDEN, INTRUDING, SPEED
 from rtron.vocabulary import SECOND
 
@@ -48,6 +50,23 @@ def test_a_gap_of_the_navigation_is_not_the_guards():
     assert log_with_gap(SPEED, inputs_period=LATE).unexplained_gaps() == []
 
 
+@pytest.mark.parametrize(
+    ("begin", "length", "left"),
+    [(0, LATE, LATE), (-LATE, LATE, LATE), (-PERIOD, 4 * LATE, 0), (PERIOD, PERIOD, LATE - PERIOD)],
+)
+def test_the_time_in_which_the_base_did_not_run_is_not_the_guards(begin, length, left):
+    log = log_with_gap(SPEED)
+    stall = Gap(SECOND + begin if begin else 2 * SECOND, length)
+    stalled = replace(log, stalls=[stall])
+    assert [each.length for each in stalled.unexplained_gaps()] == [left] * (left > LONGEST_GAP)
+
+
+def test_a_gap_is_described_by_what_was_said_in_it_and_what_came_after():
+    log = log_with_gap(SPEED)
+    (gap,) = log.unexplained_gaps()
+    assert log.describe(gap) == "the navigation said 3 in it, 1 came within 20 ms after it"
+
+
 def test_silence_to_the_end_is_a_gap():
     log = BaseLog(commands(SPEED, 0, 2 * SECOND), commands(SPEED, 0, SECOND))
     (gap,) = log.unexplained_gaps()
@@ -61,8 +80,9 @@ def test_what_nobody_planned_is_found():
 
 def test_a_file_is_read_up_to_its_last_whole_line(tmp_path):
     path = tmp_path / "base.txt"
-    path.write_text("in 1 0.5\nin 2 9\nout 3 0.5\nout 4 0\nout 5 0.")
+    path.write_text("in 1 0.5\nin 2 9\nstall 2 0.5\nout 3 0.5\nout 4 0\nout 5 0.")
     log = BaseLog.read(path)
     assert log.inputs == [Command(1, 0.5)]
     assert log.outputs == [Command(3, 0.5), Command(4, 0.0)]
+    assert log.stalls == [Gap(2, SECOND // 2)]
     assert log.longest_rest() == 0
