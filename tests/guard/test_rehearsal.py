@@ -1,7 +1,7 @@
 """The way of commands is kept warm, without a trace and without a message that waits."""
 
 import itertools
-import selectors
+import select
 from collections import deque
 from dataclasses import replace
 from functools import partial
@@ -10,7 +10,7 @@ import pytest
 from settings_app import PLAN, Base, limit
 from velocity_messages import twist
 
-from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.core.event_loop import EventLoop, IoHandler
 from rtron.guard.rehearsal import PERIOD, SHARE, Rehearsal
 from rtron.guard.transport.common.stage import Stage
 from rtron.guard.transport.ros1.stage import Ros1Stage
@@ -45,22 +45,21 @@ class Recorder(Stage):
         self.base.transport.advance(self.lasts)
 
 
-class ScriptedSelector:
-    """Nothing is ready, except what `ready` has for a look, which are counted from 1."""
+MESSAGE_FD = 1 << 20
 
-    def __init__(self, ready):
-        self.ready = ready
+
+class ScriptedEpoll:
+    """Nothing is ready, but a socket at one look; looks are counted from 1."""
+
+    def __init__(self, look, fd):
+        self.look = look
+        self.fd = fd
         self.looks = 0
 
-    def select(self, timeout):
+    def poll(self, timeout, _most):
         assert timeout == 0, "nobody waits while a rehearsal is on"
         self.looks += 1
-        return self.ready.get(self.looks, [])
-
-
-class Key:
-    def __init__(self, on_readable):
-        self.data = type("Handler", (), {"on_readable": staticmethod(on_readable)})
+        return [(self.fd, select.EPOLLIN)] if self.looks == self.look else []
 
 
 class World:
@@ -120,9 +119,9 @@ def test_a_message_that_comes_before_a_part_is_handled_before_it(world, interrup
     log = rehearsed(world).stage.log
     log.clear()
     finished = world.rehearsal.finished
-    message = Key(lambda: log.append("message"))
-    selector = ScriptedSelector({interrupted + 1: [(message, selectors.EVENT_READ)]})
-    monkeypatch.setattr(world.loop, "_selector", selector)
+    message = IoHandler(None, lambda: log.append("message"), pytest.fail)
+    monkeypatch.setitem(world.loop._handlers, MESSAGE_FD, message)
+    monkeypatch.setattr(world.loop, "_epoll", ScriptedEpoll(interrupted + 1, MESSAGE_FD))
     world.base.transport.advance(PERIOD)
     world.run_idle()
     assert log == [*["arrive", "handle", "leave"][: interrupted - 1], "message"]

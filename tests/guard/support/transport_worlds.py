@@ -122,8 +122,8 @@ class RosWorld(TransportWorld):
 
     def end(self):
         """Close what others still hold open: the master keeps its connections for its next call."""
-        for each in list(self.loop._selector.get_map().values()):
-            self.loop.forget(each.fileobj)
+        for each in list(self.loop._handlers.values()):
+            self.loop.forget(each.sock)
         self.loop.close()
 
 
