@@ -18,7 +18,7 @@ from typing import Any
 
 from rtron.errors import SourceError, WireError
 from rtron.guard.core.event_loop import EventLoop
-from rtron.guard.core.unix_socket import peer_credentials
+from rtron.guard.core.unix_socket import open_own_folder, peer_credentials, runtime_folder
 
 log = logging.getLogger(__name__)
 
@@ -136,16 +136,12 @@ class _Client:
 
 def control_path(app: str) -> Path:
     """Return where the guard of an app listens: in the user's own runtime folder."""
-    runtime = os.environ.get("XDG_RUNTIME_DIR", "")
-    if not (runtime and Path(runtime).is_dir()):
-        runtime = f"/tmp/rtron-{os.getuid()}"  # noqa: S108 - checked before it is used
     name = "".join(each if each.isalnum() else "_" for each in app) or "app"
-    return Path(runtime) / f"rtron-{name[:64]}.sock"
+    return runtime_folder() / f"rtron-{name[:64]}.sock"
 
 
 def _listen(path: Path) -> socket.socket:
     try:
-        path.parent.mkdir(mode=0o700, exist_ok=True)
         with _lock_folder(path.parent):
             _remove_stale_socket(path)
             return _bind(path)
@@ -157,12 +153,10 @@ def _listen(path: Path) -> socket.socket:
 @contextmanager
 def _lock_folder(folder: Path) -> Iterator[None]:
     """Lock the folder against other guards that start; it must be the user's own."""
-    descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+    descriptor = open_own_folder(
+        folder, "choose --control-socket PATH in a folder of your own (mode 700)"
+    )
     try:
-        state = os.fstat(descriptor)
-        if state.st_uid != os.getuid() or state.st_mode & 0o077:
-            help = "choose --control-socket PATH in a folder of your own (mode 700)"
-            raise SourceError(f"others may enter {folder}", help=help)
         fcntl.flock(descriptor, fcntl.LOCK_EX)
         yield
     finally:

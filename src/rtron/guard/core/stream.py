@@ -347,4 +347,5 @@ class GuardedStream:
         state = (self.pipeline.owner, self.stop_controller.reason)
         if state != self._last_state:
             self._last_state = state
+            self.store_order()
             self.on_state_change()

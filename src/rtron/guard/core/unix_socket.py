@@ -4,6 +4,9 @@ import hashlib
 import os
 import socket
 import struct
+from pathlib import Path
+
+from rtron.errors import SourceError
 
 _CREDENTIALS = struct.Struct("3i")
 
@@ -20,14 +23,28 @@ def user_name(kind: str, subject: bytes) -> str:
     return f"rtron-{kind}-{os.getuid()}-{hashlib.sha256(subject).hexdigest()[:32]}"
 
 
-def is_taken(address: bytes) -> bool:
-    """Tell whether a process has an address, without a word to it."""
-    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as sock:
-        try:
-            sock.bind(address)
-        except OSError:
-            return True
-        return False
+def runtime_folder() -> Path:
+    """Return the user's own folder for sockets; it need not be there yet."""
+    runtime = os.environ.get("XDG_RUNTIME_DIR", "")
+    is_there = bool(runtime) and Path(runtime).is_dir()
+    return Path(runtime if is_there else f"/tmp/rtron-{os.getuid()}")  # noqa: S108 - see open_own_folder
+
+
+def open_own_folder(folder: Path, help: str) -> int:
+    """Return a descriptor of a folder that only this user may enter, which is made if need be.
+
+    SourceError with this `help` if others may enter it, or it cannot be opened.
+    """
+    try:
+        folder.mkdir(mode=0o700, exist_ok=True)
+        descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
+    except OSError as error:
+        raise SourceError(f"{folder}: {error.strerror}", help=help) from None
+    state = os.fstat(descriptor)
+    if state.st_uid != os.getuid() or state.st_mode & 0o077:
+        os.close(descriptor)
+        raise SourceError(f"others may enter {folder}", help=help)
+    return descriptor
 
 
 def abstract_address(name: str) -> bytes:

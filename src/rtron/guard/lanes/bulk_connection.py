@@ -19,7 +19,8 @@ from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.unix_socket import peer_credentials
 from rtron.guard.lanes.board import REFRESH_PERIOD, Board
 from rtron.guard.lanes.board_observations import BoardObservations
-from rtron.guard.lanes.channel import MessageChannel, bulk_address
+from rtron.guard.lanes.bulk_socket import BulkSocket
+from rtron.guard.lanes.channel import MessageChannel
 from rtron.guard.lanes.command_lane import GREETING
 from rtron.guard.lanes.messages import (
     ApplySettings,
@@ -62,7 +63,7 @@ class BulkConnection:
         self.connect_listeners: list[Callable[[], None]] = []
         self.loss_listeners: list[Callable[[], None]] = []
         self._loop = loop
-        self._address = bulk_address(configuration)
+        self._place = BulkSocket(configuration)
         self._board = board
         self._host = host
         self._channel: MessageChannel | None = None
@@ -109,13 +110,14 @@ class BulkConnection:
         self._is_closed = True
         if self._channel:
             self._channel.close()
+        self._place.close()
 
     def _connect(self) -> None:
         if self._is_closed:
             return
         sock = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
         sock.settimeout(0)
-        if sock.connect_ex(self._address) or not _is_own_process(sock):
+        if not (self._place.connect(sock) and _is_own_process(sock)):
             sock.close()
             self._loop.call_later(_RETRY_S, self._connect)
             return

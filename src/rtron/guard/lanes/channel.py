@@ -8,10 +8,8 @@ import socket
 import struct
 from collections.abc import Callable
 
-from rtron import __version__
 from rtron.errors import WireError
 from rtron.guard.core.event_loop import EventLoop
-from rtron.guard.core.unix_socket import abstract_address, user_name
 
 _LENGTH = struct.Struct("=I")
 _CHUNK = 1 << 16
@@ -92,12 +90,3 @@ class MessageChannel:
         body = bytes(self._received[_LENGTH.size : end])
         del self._received[:end]
         return body
-
-
-def bulk_address(configuration: str) -> bytes:
-    """Return the address of the bulk process of a guard with this configuration, by its digest.
-
-    What stands on the board is known by its place in the plan, and a message by its class: a guard
-    with another plan, or of another RTron, never finds it.
-    """
-    return abstract_address(user_name("bulk", f"{configuration} {__version__}".encode()))

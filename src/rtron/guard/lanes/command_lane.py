@@ -6,13 +6,13 @@ import socket
 from collections.abc import Callable
 from contextlib import suppress
 
-from rtron.errors import SourceError
 from rtron.guard.core.alarms import Alarms
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.report_messages import ERROR, Status
 from rtron.guard.core.unix_socket import peer_credentials
 from rtron.guard.lanes.board_writer import BoardWriter
-from rtron.guard.lanes.channel import MessageChannel, bulk_address
+from rtron.guard.lanes.bulk_socket import BulkSocket
+from rtron.guard.lanes.channel import MessageChannel
 from rtron.guard.lanes.lane_state import LaneState
 from rtron.guard.lanes.messages import (
     AlarmChange,
@@ -57,7 +57,8 @@ class CommandLane:
         self._on_change: Callable[[], None] = lambda: None
         self._channel: MessageChannel | None = None
         self._pid = 0
-        self._server = _bind(configuration)
+        self._place = BulkSocket(configuration)
+        self._server = self._place.listen()
 
     @property
     def is_connected(self) -> bool:
@@ -77,6 +78,7 @@ class CommandLane:
     def close(self) -> None:
         """Let go of it."""
         self._loop.forget(self._server)
+        self._place.close()
         if self._channel:
             self._channel.close()
 
@@ -168,21 +170,6 @@ class CommandLane:
         if self._settings and answer.revision == self._settings.revision:
             on_answer, self._on_answer = self._on_answer, _ignore
             on_answer(answer.error)
-
-
-def _bind(configuration: str) -> socket.socket:
-    sock = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
-    try:
-        sock.bind(bulk_address(configuration))
-    except OSError:
-        sock.close()
-        raise SourceError(
-            "the guard has a bulk process already, or another user has its address",
-            help="it ends soon after its guard; `ss -xlp` shows who has @rtron-bulk-…",
-        ) from None
-    sock.listen()
-    sock.settimeout(0)
-    return sock
 
 
 def _ignore(_message: object) -> None:

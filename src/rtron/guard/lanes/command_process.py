@@ -20,6 +20,7 @@ from rtron.guard.lanes.node_reports import NodeReports
 from rtron.guard.lanes.orders import RemoteBrake
 from rtron.guard.lanes.remote_audit import RemoteAudit
 from rtron.guard.lanes.service_reports import ServiceReports
+from rtron.guard.lanes.unwatched_brake import UnwatchedBrake
 from rtron.guard.middleware import Middleware, open_middleware
 from rtron.guard.rehearsal import Rehearsal
 from rtron.guard.runner import (
@@ -83,6 +84,8 @@ def run_command_process(
         NodeReports(connection, middleware, loop, lambda: supervisor.supervisor),
         middleware.create_listener(response),
     ]
+    if response.stops_streams:
+        parts.append(UnwatchedBrake(connection, coordinator, loop))
     if link:
         settings = SettingsInForce(SettingsApplier(plan, coordinator, transport, command_part))
         parts += _service_parts(settings, coordinator, connection, loop, link)

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 from rtron.guard.audit.common.audit_brake import Brake
 from rtron.guard.lanes.bulk_connection import BulkConnection
-from rtron.guard.lanes.messages import HoldStream, ReleaseStream, RepeatStop
+from rtron.guard.lanes.messages import HoldStream, ReleaseStream, RepeatStop, StoppedStreams
 
 
 class RemoteBrake:
@@ -45,15 +45,28 @@ class Orders:
     """Does in the bulk process what the response to the audit's alarms asks for."""
 
     def __init__(self, brakes: Mapping[str, Brake]) -> None:
-        """`brakes` are by the streams' public names."""
+        """`brakes` are by the streams' public names.
+
+        A guard that connects after another tells what is stopped: what is not, it never held.
+        """
         self._brakes = brakes
+        self._held: set[str] = set()
 
     def obey(self, message: object) -> None:
         """Do what one message says."""
         match message:
             case HoldStream(topic, reason) if topic in self._brakes:
+                self._held.add(topic)
                 self._brakes[topic].hold(reason)
             case ReleaseStream(topic) if topic in self._brakes:
-                self._brakes[topic].release()
+                self._release(topic)
+            case StoppedStreams(topics):
+                for topic in self._held - topics:
+                    self._release(topic)
             case RepeatStop(topic) if topic in self._brakes:
                 self._brakes[topic].repeat_stop()
+
+    def _release(self, topic: str) -> None:
+        """Release a stream, also when only the list of those that are stopped lacks it."""
+        self._held.discard(topic)
+        self._brakes[topic].release()

@@ -5,14 +5,12 @@ import logging
 import os
 import signal
 from collections.abc import Iterable, Iterator
-from functools import partial
 
 from rtron.errors import SourceError
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.log_throttle import LogThrottle
 from rtron.guard.core.printable import printable
-from rtron.guard.core.unix_socket import is_taken
-from rtron.guard.lanes.channel import bulk_address
+from rtron.guard.lanes.bulk_socket import BulkSocket
 from rtron.guard.supervision.delivery_watch import DeliveryWatch
 from rtron.guard.supervision.guard_config import GuardConfig, stopped_streams
 from rtron.guard.supervision.guard_process import GuardProcess, adopt_guard, spawn_guard
@@ -305,7 +303,7 @@ class Supervisor:
 def _helpers(config: GuardConfig, config_file: int) -> Iterator[HelperProcess]:
     """Yield what runs beside the guard: a dry run is one process."""
     if not config.options.get("dry_run"):
-        yield HelperProcess(config_file, BULK, partial(is_taken, bulk_address(config.digest)))
+        yield HelperProcess(config_file, BULK, BulkSocket(config.digest).is_taken)
     if config.options.get("link"):
         yield HelperProcess(config_file, LINK)
 

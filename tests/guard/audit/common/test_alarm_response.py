@@ -405,3 +405,64 @@ def test_who_comes_to_an_action_ends_no_goal():
     braked.response.on_new_listener("/act/goal")
     braked.advance(0)
     assert cancels == []
+
+
+class LateAudit:
+    """Answers when the test says; an intruder was heard `silent_for` (ns) ago."""
+
+    def __init__(self, braked):
+        self.silent_for, self.asked = LONG, []
+        braked.response.query_audit = lambda topic, is_audible, answer: self.asked.append(answer)
+        braked.response.listener = self
+
+    def silence(self, _topic):
+        return self.silent_for
+
+    def update(self):
+        """Do nothing when another stream is stopped."""
+
+
+@pytest.fixture
+def late(braked):
+    """Return the audit of a stream that an intruder has stopped, who is gone."""
+    braked.find()
+    braked.lose()
+    return LateAudit(braked)
+
+
+def ask_to_clear(braked, by="ann"):
+    return ClearCommands(braked.host).handle(by, {"clear": TOPIC, "reason": "seen to"})
+
+
+def test_an_intruder_that_speaks_while_the_audit_is_asked_is_not_cleared(braked, late):
+    asked = ask_to_clear(braked)
+    late.silent_for = MILLISECOND
+    late.asked[0]("")
+    with pytest.raises(WireError, match="has spoken within the last second"):
+        asked.result(timeout=0)
+    assert braked.response.stopped_streams == {TOPIC}
+
+
+def test_of_two_people_who_clear_at_once_one_is_told_that_the_other_has(braked, late):
+    cleared = []
+    braked.host.intrusions.on_clear = lambda topic, by: cleared.append(by)
+    first, second = ask_to_clear(braked), ask_to_clear(braked, "ben")
+    for answer in late.asked:
+        answer("")
+    assert first.result(timeout=0) == {"cleared": [TOPIC]}
+    with pytest.raises(WireError, match="somebody else has just cleared it"):
+        second.result(timeout=0)
+    assert cleared == ["by ann: seen to"]
+
+
+def test_one_that_was_taken_for_gone_and_speaks_stops_the_stream_without_the_audit(braked, late):
+    ask_to_clear(braked)
+    late.asked[0]("")
+    assert not braked.response.stopped_streams
+    returned = []
+    braked.response.on_return = returned.append
+    braked.response.note_return(TOPIC, b"gid")
+    assert (braked.response.stopped_streams, returned) == ({TOPIC}, [b"gid"])
+    asked = ask_to_clear(braked)
+    late.asked[1]("")
+    assert asked.result(timeout=0) == {"cleared": [TOPIC]}

@@ -12,6 +12,8 @@ from rtron.guard.transport.common.protocol import Transport
 from rtron.vocabulary import SECOND, Alarm, AlarmKind, Mode, OnForeign
 
 _MAX_CAUSES = 64
+_HAS_SPOKEN = "an intruder has spoken within the last second"
+_HAS_RETURNED = "an intruder that was taken for gone speaks again"
 _SILENCE = SECOND
 """How long no intruder must have been heard before a person may clear what it has stopped (ns)."""
 
@@ -96,6 +98,12 @@ class AlarmResponse:
         """Tell whether the guard can stop what a stream moves."""
         return any(brake.is_ready for brake in self._brakes_of(topic))
 
+    def note_return(self, topic: str, gid: bytes) -> None:
+        """Stop a stream at once whose intruder was taken for gone and speaks; tell the audit."""
+        if self.stops_streams and topic not in self._intrusion_alarms:
+            self._stop_for(topic, _HAS_RETURNED)
+        self.on_return(gid)
+
     def answer(self, topic: str, message: bytes) -> None:
         """Answer a message that an intruder has sent past the guard: with the stop, at once."""
         for brake in self._brakes_of(topic):
@@ -111,8 +119,12 @@ class AlarmResponse:
         topics = {topic for topic, _ in self._brakes}
         for topic, reason in self._host.intrusions.reasons.items():
             if topic in topics:
-                self._stop(topic, reason)
-                self._causes[topic].add(self._intrusion_alarms[topic])
+                self._stop_for(topic, reason)
+
+    def _stop_for(self, topic: str, reason: str) -> None:
+        """Stop a stream although the audit here has no alarm for it."""
+        self._stop(topic, reason)
+        self._causes[topic].add(self._intrusion_alarms[topic])
 
     def _stop(self, topic: str, reason: str) -> None:
         self._host.intrusions.add(topic, reason)
@@ -126,18 +138,27 @@ class AlarmResponse:
 
     def _clear(self, topic: str, on_refusal: OnRefusal) -> None:
         """Release a stream unless an intruder is still there; tell why it is not released."""
-        silence = self.listener.silence(topic) if self.listener else None
+        silence = self._silence(topic)
         if silence is not None and silence < _SILENCE:
-            on_refusal("an intruder has spoken within the last second")
+            on_refusal(_HAS_SPOKEN)
         else:
             on_answer = partial(self._finish_clear, topic, on_refusal)
             self.query_audit(topic, silence is not None, on_answer)
+
+    def _silence(self, topic: str) -> int | None:
+        """Return for how long (ns) no intruder was heard, None if none could be."""
+        return self.listener.silence(topic) if self.listener else None
 
     def _query_here(self, topic: str, is_audible: bool, on_refusal: OnRefusal) -> None:  # noqa: FBT001 - as `dismiss`
         on_refusal(self.dismiss(topic, is_audible))
 
     def _finish_clear(self, topic: str, on_refusal: OnRefusal, refusal: str) -> None:
-        if not refusal and self._braking[topic]:
+        silence = self._silence(topic)
+        if topic not in self._intrusion_alarms:
+            refusal = "somebody else has just cleared it"
+        elif silence is not None and silence < _SILENCE:
+            refusal = _HAS_SPOKEN
+        elif not refusal and self._braking[topic]:
             refusal = next(iter(self._braking[topic])).reason
         if not refusal:
             self._release(topic)

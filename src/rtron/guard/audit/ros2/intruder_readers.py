@@ -92,7 +92,7 @@ class IntruderReaders:
             self._readers[stream].last_message_at = self._transport.now()
         if gid in self._trust.dismissed - self._returned:
             self._returned.add(gid)
-            self._response.on_return(gid)
+            self._response.note_return(stream, gid)
         self._response.answer(stream, message)
 
 
