@@ -4,6 +4,7 @@ import os
 import re
 import signal
 import time
+from contextlib import suppress
 
 import pytest
 from audit_scene import ReturningGhost, Scene, wait_until_found
@@ -100,3 +101,20 @@ def test_a_guard_that_begins_beside_an_intruder_is_stopped_and_not_cleared(ros1,
             assert "stays stopped" in refused.log
         assert len(scene.driven.navigation()) == passed
     wait_until_cleared(scene, passed)
+
+
+def test_a_robot_without_an_audit_is_stopped_until_there_is_one(scene):
+    """The bulk process ends as soon as it begins, until the robot rests."""
+    unwatched = "nobody looks for intruders: the bulk process has been away for 10 s"
+
+    def is_stopped():
+        with suppress(ProcessLookupError):
+            os.kill(bulk_process(scene), signal.SIGKILL)
+        return unwatched in scene.guard.log
+
+    wait_for(is_stopped, what="the end of the guard's patience")
+    wait_for(lambda: scene.stops() > 0, what="the stop")
+    passed = len(scene.driven.navigation())
+    wait_for(lambda: "the audit is connected again" in scene.guard.log, what="the next audit")
+    wait_for(lambda: len(scene.driven.navigation()) > passed, what="navigation again")
+    assert not scene.alarms("alarm: intrusion")
