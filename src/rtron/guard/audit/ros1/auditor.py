@@ -122,7 +122,7 @@ class Ros1Auditor:
         """Look at everything again: the nodes of another process of ours are known, or others."""
         self._is_state_current = False
         self._intrusions.update_all()
-        self._guard_names.check()
+        self._guard_names.update()
 
     def _on_new_listener(self, topic: str, name: str) -> None:
         """Look for a node that has just begun to listen to us: it may have come, or come back."""
@@ -219,19 +219,22 @@ class Ros1Auditor:
         return any(node.name in self._guard.subscribers(topic) for topic in node.audited_topics)
 
     def _find_missing(self) -> str:
-        """Return what the audit has not looked at since the guard's nodes are known."""
-        if not self._expected.topics:
-            return ""
+        """Return what was not looked at since the guard's nodes are known, "" if nothing."""
+        return next(self._gaps(), "") if self._expected.topics else ""
+
+    def _gaps(self) -> Iterator[str]:
         if self._guard.unknown_streams():
-            return "the command process has not told its nodes"
+            yield "the command process has not told its nodes"
         if not self._is_state_current:
-            return "the master does not answer"
-        for node in self._audited_nodes.by_name.values():
-            if self._is_unseen(node):
-                return f"{node.name} cannot be audited: {node.failure}"
+            yield "the master does not answer"
+        if not self._guard_names.is_checked:
+            yield "the master has not told who has the guard's names"
+        for node in filter(self._is_unseen, self._audited_nodes.by_name.values()):
+            yield f"{node.name} cannot be audited: {node.failure}"
         if source := self._intrusions.unidentified():
-            return f"it is not known yet who {source} is"
-        return "alarms wait for their confirmation" if self._drift_alarms.has_pending else ""
+            yield f"it is not known yet who {source} is"
+        if self._drift_alarms.has_pending:
+            yield "alarms wait for their confirmation"
 
     def _is_unseen(self, node: AuditedNode) -> bool:
         """Tell whether a node is there and has not told who speaks to it."""
