@@ -1,4 +1,4 @@
-"""When the audit of ROS 1 has looked at everything, and what it takes back: nodes are local servers."""
+"""When the audit of ROS 1 has looked at everything, and what it takes back; nodes are servers."""
 
 import threading
 import time
