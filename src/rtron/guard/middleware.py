@@ -136,7 +136,10 @@ class Ros2Middleware:
         from rtron.guard.audit.ros2.auditor import Ros2Auditor  # noqa: PLC0415 - it needs rclpy
 
         others = (commands.participants, commands.unknown_streams) if commands else ()
-        return Ros2Auditor(self._plan, self.transport, response, self._loop, *others)
+        auditor = Ros2Auditor(self._plan, self.transport, response, self._loop, *others)
+        if commands:
+            commands.on_change = auditor.look_again
+        return auditor
 
 
 def open_middleware(

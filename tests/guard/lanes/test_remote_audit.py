@@ -23,6 +23,7 @@ from rtron.guard.lanes.command_lane import CommandLane
 from rtron.guard.lanes.command_nodes import CommandNodes
 from rtron.guard.lanes.messages import (
     ActiveAlarms,
+    AuditProgress,
     BulkParticipant,
     DismissAnswer,
     NodesReport,
@@ -41,7 +42,6 @@ GHOST = Alarm(kind=AlarmKind.UNREGISTERED_PUBLISHER, reason="a ghost", node="/dr
 ROGUE = Alarm(kind=AlarmKind.FOREIGN_PUBLISHER, reason="a rogue", node="/driver")
 DRIFT = Alarm(kind=AlarmKind.DRIFT, reason="a remap is missing", node="/nav")
 LIMIT = 20 * SECOND
-NEVER_S = 60.0
 
 
 class Listener:
@@ -102,6 +102,7 @@ class Bulk:
         writer = BoardWriter(observations_of(PLAN), loop)
         self.lane = CommandLane(loop, processes.configuration, writer, Alarms())
         self.response = RemoteResponse(self.lane, loop, stops_streams=True)
+        self.response.find_missing = lambda: processes.missing
         for part in (writer, self.response, self.lane):
             part.open()
 
@@ -115,6 +116,8 @@ class Processes:
 
     def __init__(self, stack):
         self.loop, self.configuration = EventLoop(), uuid4().hex
+        self.missing = ""
+        """What the audit says that it has not looked at."""
         stack.callback(self.loop.close)
         self._stack = stack
 
@@ -134,6 +137,11 @@ class Processes:
             assert self.loop.now() < end
             self.loop.step(0.02)
 
+    def run(self, duration_s):
+        end = self.loop.now() + int(duration_s * SECOND)
+        while self.loop.now() < end:
+            self.loop.step(0.02)
+
     def refusal(self, commands):
         response = commands.clear()
         self.wait(response.done)
@@ -150,7 +158,7 @@ def stack():
 
 @pytest.fixture
 def processes(stack, monkeypatch):
-    monkeypatch.setattr(remote_response, "SETTLING_S", 0.0)
+    monkeypatch.setattr(remote_response, "CHECK_S", 0.01)
     return Processes(stack)
 
 
@@ -207,9 +215,39 @@ def test_the_next_command_process_is_told_all_that_is_there(processes, pair):
     assert following.brake_reason == "a ghost"
     processes.wait(lambda: set(following.alarms) == {GHOST, ROGUE, DRIFT})
     processes.wait(lambda: following.listener.orders == orders)
+    processes.wait(lambda: isinstance(following.messages[-1], ActiveAlarms))
     assert "stays stopped: a " in processes.refusal(following)
     kinds = [each.kind for each in following.host.alarms.active]
     assert kinds.count(AlarmKind.INTRUSION) == 1
+
+
+def test_an_audit_that_lives_on_looks_again_for_the_next_command_process(processes, pair):
+    pair.bulk.find(GHOST)
+    processes.wait(lambda: pair.commands.alarms)
+    processes.missing = "the command process has not told its nodes"
+    pair.commands.connection.close()
+    following = processes.start_commands(pair.commands.documents[-1])
+    processes.wait(lambda: following.alarms == [GHOST])
+    pair.bulk.response.settle(GHOST)
+    processes.wait(lambda: not following.alarms)
+    processes.run(0.1)
+    assert processes.missing in processes.refusal(following)
+    assert ActiveAlarms(()) not in following.messages
+    processes.missing = ""
+    processes.wait(lambda: ActiveAlarms(()) in following.messages)
+    assert processes.refusal(following) == ""
+
+
+def test_an_audit_that_has_told_nothing_yet_has_just_begun(processes, pair, monkeypatch):
+    pair.bulk.find(GHOST)
+    processes.wait(lambda: pair.commands.alarms)
+    pair.bulk.response.settle(GHOST)
+    pair.bulk.lane.close()
+    processes.wait(lambda: not pair.commands.connection.is_connected)
+    monkeypatch.setattr(remote_response, "CHECK_S", 60.0)
+    processes.start_bulk()
+    processes.wait(lambda: pair.commands.connection.is_connected)
+    assert "the audit has just begun" in processes.refusal(pair.commands)
 
 
 def test_whom_to_listen_to_is_forgotten_with_the_stop(processes, pair):
@@ -225,21 +263,23 @@ def test_whom_to_listen_to_is_forgotten_with_the_stop(processes, pair):
     assert following.listener.orders == []
 
 
-def test_a_bulk_process_that_begins_again_makes_no_intruder_go_away(processes, pair, monkeypatch):
+def test_a_bulk_process_that_begins_again_makes_no_intruder_go_away(processes, pair):
     pair.bulk.find(GHOST, ROGUE)
     processes.wait(lambda: len(pair.commands.alarms) == 2)
-    monkeypatch.setattr(remote_response, "SETTLING_S", NEVER_S)
+    processes.missing = "/driver does not answer"
     pair.bulk.lane.close()
     processes.wait(lambda: not pair.commands.connection.is_connected)
     assert remote_audit.NOT_CONNECTED in processes.refusal(pair.commands)
     assert set(pair.commands.alarms) == {GHOST, ROGUE}
     following = processes.start_bulk()
     processes.wait(lambda: pair.commands.connection.is_connected)
-    assert "the audit has just begun" in processes.refusal(pair.commands)
+    processes.wait(lambda: "/driver does not answer" in processes.refusal(pair.commands))
     following.find(ROGUE)
     processes.wait(lambda: pair.commands.messages[-1] == RaiseAlarm(ROGUE, (TOPIC,)))
+    processes.run(0.1)
     assert set(pair.commands.alarms) == {GHOST, ROGUE}
-    following.response._complete()
+    assert pair.commands.messages.count(AuditProgress(processes.missing)) == 1
+    processes.missing = ""
     processes.wait(lambda: pair.commands.alarms == [ROGUE])
     assert "a rogue" in processes.refusal(pair.commands)
     following.response.settle(ROGUE)

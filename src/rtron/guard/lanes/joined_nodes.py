@@ -13,6 +13,7 @@ class JoinedNodes:
     def __init__(self, own: GuardNodes, commands: CommandNodes) -> None:
         self._own = own
         self._commands = commands
+        commands.on_shutdown_request = self._handle_shutdown
 
     @property
     def on_subscriber(self) -> Callable[[str, str], None]:
@@ -79,3 +80,7 @@ class JoinedNodes:
         """Call `handler` with a node that others shut down, and why."""
         self._own.set_shutdown_handler(handler)
         self._commands.on_shutdown_request = handler
+
+    def _handle_shutdown(self, node: str, reason: str) -> None:
+        """Deal with a request to the command process as with one to this process."""
+        self.on_shutdown_request(node, reason)

@@ -175,6 +175,13 @@ class ActiveAlarms:
 
 
 @dataclass(frozen=True, slots=True)
+class AuditProgress:
+    """What the audit has not looked at yet; `ActiveAlarms` follows when nothing is missing."""
+
+    missing: str
+
+
+@dataclass(frozen=True, slots=True)
 class StoppedStreams:
     """The streams that intruders have stopped and nobody has cleared."""
 

@@ -14,6 +14,7 @@ from rtron.guard.intrusion_latch import OnRefusal
 from rtron.guard.lanes.bulk_connection import BulkConnection
 from rtron.guard.lanes.messages import (
     ActiveAlarms,
+    AuditProgress,
     DismissAnswer,
     DismissRequest,
     IntruderReturned,
@@ -30,7 +31,7 @@ log = logging.getLogger(__name__)
 ANSWER_LIMIT_S = 2.0
 """How long a person waits for the audit's answer, s."""
 NOT_CONNECTED = "the audit is not connected: nobody knows whether the intruder is gone"
-_INCOMPLETE = "the audit has just begun: it does not know yet whether the intruder is gone"
+_JUST_BEGUN = "the audit has just begun: it does not know yet whether the intruder is gone"
 _NO_ANSWER = f"the audit has not answered within {ANSWER_LIMIT_S:g} s"
 
 
@@ -46,6 +47,8 @@ class RemoteAudit:
         self._alarms: set[Alarm] = set()
         """What an audit has found, this one or one before it."""
         self._is_complete = False
+        self._missing = ""
+        """What the audit has not looked at yet, as it told last."""
         self._numbers = count()
         self._requests: dict[int, OnRefusal] = {}
         response.query_audit = self._query
@@ -59,7 +62,7 @@ class RemoteAudit:
         if not self._connection.is_connected:
             on_refusal(NOT_CONNECTED)
         elif not self._is_complete:
-            on_refusal(_INCOMPLETE)
+            on_refusal(_incomplete(self._missing) if self._missing else _JUST_BEGUN)
         else:
             number = next(self._numbers)
             self._requests[number] = on_refusal
@@ -82,6 +85,8 @@ class RemoteAudit:
                 self._response.withdraw(alarm)
             case ActiveAlarms(alarms):
                 self._take_all(alarms)
+            case AuditProgress(missing):
+                self._missing = missing
             case DismissAnswer(number, refusal):
                 self._answer(number, refusal)
             case RepeatStop(topic):
@@ -110,6 +115,10 @@ class RemoteAudit:
         self._connection.send(StoppedStreams(self._response.stopped_streams))
 
     def _on_lost(self) -> None:
-        self._is_complete = False
+        self._is_complete, self._missing = False, ""
         for number in list(self._requests):
             self._answer(number, NOT_CONNECTED)
+
+
+def _incomplete(missing: str) -> str:
+    return f"the audit has not looked at everything, so the intruder may be there: {missing}"

@@ -7,6 +7,7 @@ from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.lanes.command_lane import CommandLane
 from rtron.guard.lanes.messages import (
     ActiveAlarms,
+    AuditProgress,
     DismissAnswer,
     DismissRequest,
     IntruderReturned,
@@ -21,16 +22,16 @@ from rtron.vocabulary import Alarm
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-SETTLING_S = 5.0
-"""How long an audit looks before it knows all intruders: nodes answer, and discovery ends, s."""
+CHECK_S = 0.5
+"""How often the audit is asked whether it has looked at everything, s."""
 _MAX_ORDERS = 32
 
 
 class RemoteResponse:
     """Tells the command process what the audit finds, on change; an `AuditResponse`.
 
-    A command process that connects is told all that is there. Before the audit has looked for
-    `SETTLING_S`, this is not called complete: an intruder that is not found yet is not gone.
+    A command process that connects is told all that is there. It is called complete when the audit
+    has looked at everything since then: an intruder that is not found yet is not gone.
     """
 
     def __init__(self, lane: CommandLane, loop: EventLoop, *, stops_streams: bool) -> None:
@@ -39,18 +40,23 @@ class RemoteResponse:
         """See `AuditResponse`."""
         self.on_return: Callable[[bytes], None] = lambda gid: None
         """See `AuditResponse`."""
+        self.find_missing: Callable[[], str] = lambda: "it has not begun"
+        """See `AuditResponse`."""
         self._send = lane.send
         self._loop = loop
         self._active: dict[Alarm, RaiseAlarm] = {}
         self._orders: dict[tuple[str, ...], ListeningOrder] = {}
         self._stopped: frozenset[str] = frozenset()
+        self._missing = ""
         self._is_complete = False
         lane.message_listeners.append(self._receive)
         lane.connect_listeners.append(self._report_all)
 
     def open(self) -> None:
-        """Call what is found complete when the audit has looked for long enough."""
-        self._loop.call_later(SETTLING_S, self._complete)
+        """Call what is found complete as soon as the audit has looked at everything."""
+        self._loop.call_later(CHECK_S, self.open)
+        if not self._is_complete:
+            self._report_progress()
 
     def close(self) -> None:
         """Do nothing; the connection ends with the process."""
@@ -93,16 +99,20 @@ class RemoteResponse:
         """Let the command process tell a stop to a node that has just begun to listen."""
         self._send(RepeatStop(topic))
 
-    def _complete(self) -> None:
-        self._is_complete = True
-        self._send(ActiveAlarms(tuple(self._active.values())))
+    def _report_progress(self) -> None:
+        """Tell what is missing, if it is something else than before; at the end, all alarms."""
+        before, self._missing = self._missing, self.find_missing()
+        if not self._missing:
+            self._is_complete = True
+            self._send(ActiveAlarms(tuple(self._active.values())))
+        elif self._missing != before:
+            self._send(AuditProgress(self._missing))
 
     def _report_all(self) -> None:
-        if self._is_complete:
-            self._complete()
-        else:
-            for message in self._active.values():
-                self._send(message)
+        """Tell a new command process what is there; the audit does not know its nodes yet."""
+        self._is_complete, self._missing = False, ""
+        for message in self._active.values():
+            self._send(message)
         for order in self._orders.values():
             self._send(order)
 

@@ -96,7 +96,7 @@ class AuditedDriver:
         nodes = AuditedNodes(self._loop, master, EXPECTED, PollSchedule(self._loop, SECOND))
         self.response = AlarmResponse(host, transport, on_foreign, dry_run=False)
         intruders = Intrusions(self._loop, master, transport, EXPECTED, nodes, self.response, {})
-        self.look_again = intruders.update_all
+        self.look_again, self.unidentified = intruders.update_all, intruders.unidentified
         self.keep_listener = partial(intruders.keep_listener, DRIVER, OUT)
         nodes.on_change = intruders.update
         nodes.watch([DRIVER])
@@ -160,8 +160,17 @@ def test_an_alarm_does_not_wait_for_a_master_that_hangs(stack, monkeypatch):
 
 
 def test_a_dead_address_that_was_there_before_the_guard_is_excused(audited):
-    audited.answer(closed())
+    dead = closed()
+    audited.answer(dead)
     assert not audited.told_within(PATIENT_S)
+    assert audited.unidentified() == dead.rstrip("/"), "the audit is not complete meanwhile"
+
+
+def test_who_is_told_is_not_waited_for(stack, audited):
+    audited.answer(stack.enter_context(hanging_master()))
+    assert audited.unidentified()
+    assert audited.told_within(LIMIT_S)
+    assert audited.unidentified() == ""
 
 
 def test_a_dead_address_that_appears_after_the_first_answer_is_not(audited):

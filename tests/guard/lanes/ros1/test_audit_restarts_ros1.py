@@ -17,6 +17,7 @@ pytestmark = pytest.mark.ros1
 LOST = "the bulk process is gone"
 SILENCE_S = 1.1
 """After an intruder's last message the guard itself refuses for a second."""
+HANG_S = 7
 COMPLETE = "the audit has looked at the whole graph"
 
 
@@ -68,6 +69,25 @@ def test_an_intrusion_outlives_the_process_of_the_audit(ros1, scene):
     wait_until_cleared(scene, passed)
     assert len(scene.alarms("alarm: intrusion")) == 1
     assert scene.guard.log.count("the guard begins") == 1
+
+
+@pytest.mark.parametrize("hanging", ["driver", "master"])
+def test_an_audit_that_nobody_answers_takes_no_alarm_back(ros1, scene, hanging):
+    with intrude(scene, ros1) as intruder:
+        wait_until_found(scene, intruder, "ghost publisher")
+        wait_for(lambda: scene.alarms("alarm: intrusion"), what="the stop")
+        passed, settled = len(scene.driven.navigation()), len(scene.of_the_audit("no more:"))
+        process = scene.driver if hanging == "driver" else ros1.master
+        process.tell(signal.SIGSTOP)
+        end_bulk_process(scene)
+        begun = time.monotonic()
+        wait_for(lambda: time.monotonic() > begun + HANG_S, what="more time than a look takes")
+    unseen = f"the audit has not looked at everything.*{hanging}.*answer"
+    wait_for(lambda: re.search(unseen, scene.ask_to_clear()["error"]), what="the reason")
+    assert scene.guard.log.count(COMPLETE) == 1
+    assert len(scene.of_the_audit("no more:")) == settled
+    process.tell(signal.SIGCONT)
+    wait_until_cleared(scene, passed)
 
 
 def test_nothing_is_cleared_while_no_audit_is_there(ros1, scene):

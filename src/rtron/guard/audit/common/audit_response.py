@@ -56,6 +56,11 @@ class AuditResponse(Protocol):
     """
     on_return: Callable[[bytes], None]
     """Takes the GID of an intruder that was taken for gone and speaks. Set by the audit."""
+    find_missing: Callable[[], str]
+    """Returns what the audit has not looked at yet, "" when it has looked at everything once.
+
+    Set by the audit.
+    """
 
     def raise_(self, alarm: Alarm, now: int, *guarded: str) -> None:
         """Raise an alarm; stop the streams of these topics until a person clears them."""

@@ -19,6 +19,11 @@ class DebouncedAlarms:
         self._since: dict[Alarm, int] = {}
         self._raised: set[Alarm] = set()
 
+    @property
+    def has_pending(self) -> bool:
+        """Whether something is wrong for too short a time to be raised."""
+        return bool(self._since.keys() - self._raised)
+
     def update(self, alarms: Iterable[Alarm], now: int) -> None:
         """Take all that is wrong at `now`; what was wrong before and is not here is settled."""
         active = dict.fromkeys(alarms)

@@ -58,6 +58,8 @@ class Ros1Auditor:
         self._expected = ExpectedGraph(plan)
         self._state: MasterRegistrations | None = None
         self._state_body = b""
+        self._is_state_current = False
+        """Whether the master has told its state since the guard's nodes are known."""
         self._tick_count = 0
         self._first_reasons: dict[str, str] = {}
         self._named_nodes = frozenset(n for n in self._expected.listener_patterns() if "*" not in n)
@@ -73,6 +75,7 @@ class Ros1Auditor:
         self._drift_alarms = DebouncedAlarms(response, _DRIFT_DELAY)
         self._unseen_alarms = DebouncedAlarms(response, 0)
         self._audited_nodes.on_change = self._intrusions.update
+        response.find_missing = self._find_missing
         self._state_poll = PollTarget(
             poller=XmlRpcPoller(_STATE, _MAX_STATE_BYTES),
             on_response=self._on_state,
@@ -85,7 +88,7 @@ class Ros1Auditor:
             return
         self._guard.on_subscriber = self._on_new_listener
         self._guard.on_subscriber_lost = self._on_lost_listener
-        self._guard.on_nodes_change = self._intrusions.update_all
+        self._guard.on_nodes_change = self._on_nodes_change
         self._intercept_shutdowns()
         self._audited_nodes.watch(sorted(self._named_nodes))
         self._schedule.add(self._state_poll)
@@ -115,6 +118,12 @@ class Ros1Auditor:
             )
         )
 
+    def _on_nodes_change(self) -> None:
+        """Look at everything again: the nodes of another process of ours are known, or others."""
+        self._is_state_current = False
+        self._intrusions.update_all()
+        self._guard_names.update()
+
     def _on_new_listener(self, topic: str, name: str) -> None:
         """Look for a node that has just begun to listen to us: it may have come, or come back."""
         planned = self._expected.topics.get(topic)
@@ -140,7 +149,9 @@ class Ros1Auditor:
 
     def _on_state(self, body: bytes) -> None:
         self._state_poll.not_before = self._loop.now() + _STATE_PERIOD
-        if body != self._state_body:
+        if body == self._state_body:
+            self._is_state_current = True
+        else:
             work = partial(_parse_state, body, self._expected)
             self._parser_threads.submit(work, partial(self._on_state_parsed, body))
 
@@ -151,7 +162,7 @@ class Ros1Auditor:
     def _on_state_parsed(self, body: bytes, state: MasterRegistrations | None) -> None:
         if state is None:
             return
-        self._state, self._state_body = state, body
+        self._state, self._state_body, self._is_state_current = state, body, True
         self._audited_nodes.watch(guarded_subscribers(state, self._expected))
         self._guard_names.check()
         self._learn_publishers(state)
@@ -206,6 +217,29 @@ class Ros1Auditor:
 
     def _is_listening(self, node: AuditedNode) -> bool:
         return any(node.name in self._guard.subscribers(topic) for topic in node.audited_topics)
+
+    def _find_missing(self) -> str:
+        """Return what was not looked at since the guard's nodes are known, "" if nothing."""
+        return next(self._gaps(), "") if self._expected.topics else ""
+
+    def _gaps(self) -> Iterator[str]:
+        if self._guard.unknown_streams():
+            yield "the command process has not told its nodes"
+        if not self._is_state_current:
+            yield "the master does not answer"
+        if not self._guard_names.is_checked:
+            yield "the master has not told who has the guard's names"
+        for node in filter(self._is_unseen, self._audited_nodes.by_name.values()):
+            yield f"{node.name} cannot be audited: {node.failure}"
+        if source := self._intrusions.unidentified():
+            yield f"it is not known yet who {source} is"
+        if self._drift_alarms.has_pending:
+            yield "alarms wait for their confirmation"
+
+    def _is_unseen(self, node: AuditedNode) -> bool:
+        """Tell whether a node is there and has not told who speaks to it."""
+        has_gone = node.is_refused or not self._is_present(node)
+        return bool(node.failure) and (self._is_listening(node) or not has_gone)
 
     def _unseen_node_alarms(self) -> Iterator[Alarm]:
         """Yield an alarm for each node that is there and does not say who speaks to it."""

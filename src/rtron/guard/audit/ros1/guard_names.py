@@ -6,6 +6,7 @@ one before to shut down (rosmaster, `_register_node_api`).
 
 import logging
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from functools import partial
 
 from rtron.guard.audit.common.audit_response import AuditResponse
@@ -22,6 +23,12 @@ log = logging.getLogger(__name__)
 
 _REPLACED = "new node registered with same name"
 _MAX_TAKEOVERS = 256
+
+
+@dataclass(frozen=True, slots=True)
+class _Takeover:
+    uri: str
+    alarm: Alarm
 
 
 class GuardNames:
@@ -46,18 +53,34 @@ class GuardNames:
         self._threads = WorkerThreads(loop, "audit-names", 2)
         self._is_checking = False
         self._log_throttle = LogThrottle()
-        self._alarms: dict[str, Alarm] = {}
+        self._takeovers: dict[str, _Takeover] = {}
+        self._checked: dict[str, str] = {}
 
     @property
     def has_takeover(self) -> bool:
         """Tell whether somebody has one of the names."""
-        return bool(self._alarms)
+        return bool(self._takeovers)
+
+    @property
+    def is_checked(self) -> bool:
+        """Whether the master has been asked for all names that the guard has now."""
+        return self._checked == self._guard.node_uris()
 
     def check(self) -> None:
         """Ask for all names, unless that is being done."""
         if not self._is_checking:
-            work = partial(_impostors, self._master, self._guard.node_uris())
-            self._is_checking = self._threads.submit(work, self._on_checked)
+            asked = self._guard.node_uris()
+            work = partial(_impostors, self._master, asked)
+            self._is_checking = self._threads.submit(work, partial(self._on_checked, asked))
+
+    def update(self) -> None:
+        """Ask again since the guard's nodes are others; an alarm about one of them was mistaken."""
+        takeovers = self._takeovers.items()
+        for node in [name for name, each in takeovers if self._is_ours(name, each.uri)]:
+            takeover = self._takeovers.pop(node)
+            self._takeover_uris.pop(normalise_uri(takeover.uri), None)
+            self._response.withdraw(takeover.alarm)
+        self.check()
 
     def handle_shutdown(self, node: str, reason: str, shut_down: Callable[[], None]) -> None:
         """Deal with a call to shut a node down: a kill is obeyed, another node's arrival is not."""
@@ -79,24 +102,35 @@ class GuardNames:
         """Ask nothing any more."""
         self._threads.close()
 
-    def _on_checked(self, found: Mapping[str, str]) -> None:
+    def _on_checked(self, asked: dict[str, str], found: Mapping[str, str]) -> None:
         self._is_checking = False
-        for node in [name for name in self._alarms if name not in found]:
-            self._response.settle(self._alarms.pop(node))
+        self._checked = asked
+        for node in [name for name in self._takeovers if name in asked and name not in found]:
+            self._response.settle(self._takeovers.pop(node).alarm)
         self._report(found)
+        if not self.is_checked:
+            self.check()
 
     def _report(self, found: Mapping[str, str]) -> None:
+        """Tell who has a name of ours, unless a process of ours has come or gone meanwhile."""
+        ours = self._guard.node_uris()
         for node, uri in found.items():
-            alarm = _alarm(node, uri)
-            if len(self._takeover_uris) < _MAX_TAKEOVERS:
-                self._takeover_uris[normalise_uri(uri)] = node
-            before = self._alarms.get(node)
-            self._alarms[node] = alarm
-            self._response.raise_(alarm, self._loop.now(), *self._guarded(node))
-            if before and before != alarm:
-                self._response.settle(before)
-            if self._response.stops_streams:
-                self._guard.register_node(node)
+            if node in ours and not self._is_ours(node, uri):
+                self._raise_alarm(node, uri)
+
+    def _raise_alarm(self, node: str, uri: str) -> None:
+        before = self._takeovers.get(node)
+        self._takeovers[node] = after = _Takeover(uri, _alarm(node, uri))
+        if len(self._takeover_uris) < _MAX_TAKEOVERS:
+            self._takeover_uris[normalise_uri(uri)] = node
+        self._response.raise_(after.alarm, self._loop.now(), *self._guarded(node))
+        if before and before.alarm != after.alarm:
+            self._response.settle(before.alarm)
+        if self._response.stops_streams:
+            self._guard.register_node(node)
+
+    def _is_ours(self, node: str, uri: str) -> bool:
+        return normalise_uri(self._guard.node_uris().get(node, "")) == normalise_uri(uri)
 
     def _guarded(self, node: str) -> tuple[str, ...]:
         topics = self._expected.topics.values()

@@ -26,6 +26,7 @@ from rtron.guard.audit.ros1.master_queries import (
     send_call,
 )
 from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.core.printable import printable
 from rtron.vocabulary import SECOND, Alarm
 
 _PATIENCE_S = 0.03
@@ -95,6 +96,12 @@ class Intrusions:
         self._addresses.ports = self._guard.ports
         self._addresses.former_guard_uris = frozenset(map(normalise_uri, self._guard.former_uris()))
         return self._addresses
+
+    def unidentified(self) -> str:
+        """Return the address of a stranger that is not identified or is excused, "" if none is."""
+        return next(
+            (printable(f.connection.source) for f, i in self._intrusions.items() if not i.alarm), ""
+        )
 
     def update(self, node: AuditedNode) -> None:
         """Look at whom a node hears; what it hears no more is settled.

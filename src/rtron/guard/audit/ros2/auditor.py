@@ -9,6 +9,7 @@ from rtron.guard.audit.common.debounced_alarms import BrakingAlarms, DebouncedAl
 from rtron.guard.audit.ros2.endpoint_checks import planned_publishers
 from rtron.guard.audit.ros2.expected_graph import ExpectedGraph
 from rtron.guard.audit.ros2.graph_alarms import (
+    NAME_TIMEOUT,
     drift_alarms,
     duplicate_name_alarms,
     foreign_endpoint_alarms,
@@ -34,7 +35,13 @@ if TYPE_CHECKING:
     from rtron.guard.transport.ros2.middleware import Ros2Transport
     from rtron.wire.ros2.endpoints import Ros2Endpoint
 
+_UNKNOWN_NODES = "the command process has not told its nodes"
 _DRIFT_DELAY = 3 * SECOND
+_SETTLING_TIME = NAME_TIMEOUT + SECOND
+"""How long the graph must have been the same, since discovery has no end that one can see (ns).
+
+By then who waits for its name is told, too.
+"""
 
 
 class Ros2Auditor:
@@ -71,6 +78,12 @@ class Ros2Auditor:
         self._trust = EndpointTrust()
         self._response.dismiss = self._dismiss
         self._response.on_return = self._on_return
+        self._response.find_missing = self._find_missing
+        self._seen: frozenset[tuple[bytes, str]] = frozenset()
+        """The endpoints at the last look, and the names of their nodes."""
+        self._changed_at = loop.now()
+        self._gap = "it has not begun" if self._expected.topics else ""
+        """Why the last look was not enough to know all intruders, "" if it was."""
         self._graph_reader: GraphReader | None = None
         self._listeners: dict[bytes, str] | None = None
 
@@ -88,6 +101,11 @@ class Ros2Auditor:
         """Audit no more."""
         if self._update in self._graph.listeners:
             self._graph.listeners.remove(self._update)
+
+    def look_again(self) -> None:
+        """Look at the graph as it is known: the participants of the guard have changed."""
+        if self._graph_reader:
+            self._update()
 
     def _update(self) -> None:
         now, observed = self._loop.now(), ObservedGraph(self._endpoints())
@@ -107,6 +125,20 @@ class Ros2Auditor:
         self._drift_alarms.update(drift_alarms(expected, observed, trusted), now)
         self._repeat_stops(observed)
         self._tell_trust(trusted)
+        self._note_change(observed, now)
+
+    def _note_change(self, observed: ObservedGraph, now: int) -> None:
+        """Note when the graph has changed last, and whether this look was enough."""
+        before = self._seen
+        self._seen = frozenset((each.gid, each.node) for each in observed.endpoints)
+        if self._seen != before:
+            self._changed_at = now
+        has_changed = now - self._changed_at <= _SETTLING_TIME
+        changed = f"the graph has changed within the last {_SETTLING_TIME // SECOND} s"
+        self._gap = _UNKNOWN_NODES if self._unknown_streams() else changed if has_changed else ""
+
+    def _find_missing(self) -> str:
+        return _UNKNOWN_NODES if self._unknown_streams() else self._gap
 
     def _judged(self, foreign: Sequence[BrakingAlarm]) -> list[BrakingAlarm]:
         """Return what counts: on streams whose process has not told its nodes, nothing new."""
