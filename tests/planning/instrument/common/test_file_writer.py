@@ -8,7 +8,7 @@ import pytest
 
 from rtron.errors import InputError
 from rtron.planning.instrument import GuardedLaunch, write_guarded_launch
-from rtron.planning.instrument.common.guard_files import guard_script
+from rtron.planning.instrument.common.guard_files import GUARD_SCRIPT, GuardFiles
 
 
 def guarded(folder, **more):
@@ -74,7 +74,7 @@ def test_the_script_finds_the_plan_beside_it_and_does_not_run_what_it_prefixes(t
     folder = tmp_path / "with space"
     folder.mkdir()
     script = folder / "guard"
-    script.write_text(guard_script(["printf", "%s|"]))
+    script.write_text(GuardFiles("", command=["printf", "%s|"]).texts()[GUARD_SCRIPT])
     script.chmod(0o755)
     ran = subprocess.run(
         [script, "/usr/lib/rosout/rosout", "__name:=x"], capture_output=True, text=True, check=True
