@@ -69,9 +69,9 @@ class GuardNames:
     def check(self) -> None:
         """Ask for all names, unless that is being done."""
         if not self._is_checking:
-            asked = self._guard.node_uris()
-            work = partial(_owners, self._master, asked)
-            self._is_checking = self._threads.submit(work, partial(self._on_checked, asked))
+            addresses = self._guard.node_uris()
+            work = partial(_owners, self._master, addresses)
+            self._is_checking = self._threads.submit(work, partial(self._on_checked, addresses))
 
     def update(self) -> None:
         """Ask again since the guard's nodes are others; an alarm about one of them was mistaken."""
@@ -102,14 +102,14 @@ class GuardNames:
         """Ask nothing any more."""
         self._threads.close()
 
-    def _on_checked(self, asked: dict[str, str], owners: Mapping[str, str]) -> None:
+    def _on_checked(self, addresses: dict[str, str], owners: Mapping[str, str]) -> None:
         """Settle what the master has said that it is over, and nothing about other names."""
         self._is_checking = False
-        self._checked = {name: asked[name] for name in owners}
+        self._checked = {name: addresses[name] for name in owners}
         for node in [name for name in self._takeovers if owners.get(name) == ""]:
             self._response.settle(self._takeovers.pop(node).alarm)
         self._report(owners)
-        if asked != self._guard.node_uris():
+        if addresses != self._guard.node_uris():
             self.check()
 
     def _report(self, owners: Mapping[str, str]) -> None:
