@@ -85,16 +85,20 @@ def _shortened(text: object) -> str:
     return str(text)[:_MAX_TEXT]
 
 
+class RefusalError(SourceError):
+    """A ROS API has answered, and says no."""
+
+
 def ros_call(uri: str, method: str, *params: Any, timeout: float) -> Any:  # noqa: ANN401
     """Call a ROS API and return the value of its `[code, message, value]` answer.
 
     `timeout` (s) is for the whole call. SourceError if the node cannot be reached, does not
-    answer in time or says no; WireError if its answer is not one.
+    answer in time or says no (RefusalError); WireError if its answer is not one.
     """
     answer = call(uri, method, *params, timeout=timeout)
     code, message, value = _reply_parts(answer, f"{method} at {uri}: ")
     if code != _ROS_SUCCESS:
-        raise SourceError(f"{method} at {uri}: {_shortened(message)}")
+        raise RefusalError(f"{method} at {uri}: {_shortened(message)}")
     return value
 
 

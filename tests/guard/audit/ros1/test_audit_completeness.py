@@ -9,7 +9,7 @@ from xmlrpc.server import SimpleXMLRPCServer
 import pytest
 from plans import grcn, plan_of
 
-from rtron.guard.audit.ros1 import intrusions
+from rtron.guard.audit.ros1 import intrusions, master_queries
 from rtron.guard.audit.ros1.auditor import Ros1Auditor
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.lanes.joined_nodes import JoinedNodes
@@ -247,6 +247,22 @@ def test_the_next_process_that_was_an_impostor_for_a_moment_was_a_mistake(audit,
     assert audit.run(lambda: names.is_checked)
     assert audit.response.settled == []
     assert not names.has_takeover
+
+
+def test_a_master_that_does_not_answer_gives_no_name_back(audit, other, monkeypatch):
+    names = audit.auditor._guard_names
+    take_name(audit, other)
+    assert audit.run(lambda: audit.kinds() == [AlarmKind.IMPOSTOR])
+    monkeypatch.setattr(master_queries, "_CALL_S", 0.1)
+    audit.master.may_answer.clear()
+    names.check()
+    assert audit.run(lambda: not names.is_checked)
+    assert audit.kinds() == [AlarmKind.IMPOSTOR]
+    audit.master.names[GUARD] = OURS
+    audit.master.may_answer.set()
+    names.check()
+    assert audit.run(lambda: names.is_checked)
+    assert audit.response.alarms == []
 
 
 def test_a_name_that_is_not_ours_at_the_moment_is_neither_told_nor_settled(audit, other):

@@ -192,7 +192,8 @@ class Ros1Auditor:
         """Look at what time alone changes."""
         self._loop.call_later(_TICK_S, self._tick)
         self._tick_count += 1
-        if self._guard_names.has_takeover or self._tick_count % _TICKS_PER_NAME_CHECK == 0:
+        is_urgent = self._guard_names.has_takeover or not self._guard_names.is_checked
+        if is_urgent or self._tick_count % _TICKS_PER_NAME_CHECK == 0:
             self._guard_names.check()
         if self._state is not None:
             self._update_alarms(self._state)

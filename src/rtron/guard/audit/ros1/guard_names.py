@@ -13,7 +13,7 @@ from rtron.guard.audit.common.audit_response import AuditResponse
 from rtron.guard.audit.ros1.expected_graph import ExpectedGraph
 from rtron.guard.audit.ros1.foreign_connections import normalise_uri
 from rtron.guard.audit.ros1.guard_nodes import GuardNodes
-from rtron.guard.audit.ros1.master_queries import WorkerThreads, look_up_uri, refuses_connections
+from rtron.guard.audit.ros1.master_queries import WorkerThreads, query_uri, refuses_connections
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.log_throttle import LogThrottle
 from rtron.guard.core.printable import printable
@@ -63,15 +63,15 @@ class GuardNames:
 
     @property
     def is_checked(self) -> bool:
-        """Whether the master has been asked for all names that the guard has now."""
+        """Whether the master has told who has each name that the guard has now."""
         return self._checked == self._guard.node_uris()
 
     def check(self) -> None:
         """Ask for all names, unless that is being done."""
         if not self._is_checking:
-            asked = self._guard.node_uris()
-            work = partial(_impostors, self._master, asked)
-            self._is_checking = self._threads.submit(work, partial(self._on_checked, asked))
+            addresses = self._guard.node_uris()
+            work = partial(_owners, self._master, addresses)
+            self._is_checking = self._threads.submit(work, partial(self._on_checked, addresses))
 
     def update(self) -> None:
         """Ask again since the guard's nodes are others; an alarm about one of them was mistaken."""
@@ -91,31 +91,32 @@ class GuardNames:
             log.error("%s is not shut down: its name was taken", node)
         addresses = {name: uri for name, uri in self._guard.node_uris().items() if name == node}
 
-        def found(impostors: Mapping[str, str]) -> None:
-            self._report(impostors)
+        def answered(owners: Mapping[str, str]) -> None:
+            self._report(owners)
             if self._response.stops_streams:
                 self._guard.register_node(node)
 
-        self._threads.submit(partial(_impostors, self._master, addresses), found)
+        self._threads.submit(partial(_owners, self._master, addresses), answered)
 
     def close(self) -> None:
         """Ask nothing any more."""
         self._threads.close()
 
-    def _on_checked(self, asked: dict[str, str], found: Mapping[str, str]) -> None:
+    def _on_checked(self, addresses: dict[str, str], owners: Mapping[str, str]) -> None:
+        """Settle what the master has said that it is over, and nothing about other names."""
         self._is_checking = False
-        self._checked = asked
-        for node in [name for name in self._takeovers if name in asked and name not in found]:
+        self._checked = {name: addresses[name] for name in owners}
+        for node in [name for name in self._takeovers if owners.get(name) == ""]:
             self._response.settle(self._takeovers.pop(node).alarm)
-        self._report(found)
-        if not self.is_checked:
+        self._report(owners)
+        if addresses != self._guard.node_uris():
             self.check()
 
-    def _report(self, found: Mapping[str, str]) -> None:
+    def _report(self, owners: Mapping[str, str]) -> None:
         """Tell who has a name of ours, unless a process of ours has come or gone meanwhile."""
         ours = self._guard.node_uris()
-        for node, uri in found.items():
-            if node in ours and not self._is_ours(node, uri):
+        for node, uri in owners.items():
+            if uri and node in ours and not self._is_ours(node, uri):
                 self._raise_alarm(node, uri)
 
     def _raise_alarm(self, node: str, uri: str) -> None:
@@ -142,11 +143,15 @@ def _alarm(node: str, uri: str) -> Alarm:
     return Alarm(kind=AlarmKind.IMPOSTOR, reason=reason, node=node, peer=printable(uri))
 
 
-def _impostors(master: str, addresses: Mapping[str, str]) -> dict[str, str]:
-    """Return the names that the master gives to somebody else who is there, with the address."""
+def _owners(master: str, addresses: Mapping[str, str]) -> dict[str, str]:
+    """Return where somebody else lives who has a name of ours, "" if nobody has.
+
+    A name is left out if the master does not answer.
+    """
     found = {}
     for node, address in addresses.items():
-        uri = look_up_uri(master, node)
-        if uri and normalise_uri(uri) != normalise_uri(address) and not refuses_connections(uri):
-            found[node] = uri
+        uri = query_uri(master, node)
+        if uri is not None:
+            is_other = uri and normalise_uri(uri) != normalise_uri(address)
+            found[node] = uri if is_other and not refuses_connections(uri) else ""
     return found

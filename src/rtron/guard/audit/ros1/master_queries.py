@@ -16,7 +16,7 @@ from rtron.guard.audit.ros1.xmlrpc_poller import ServerAddress
 from rtron.guard.core.event_loop import EventLoop
 from rtron.vocabulary import GUARD_NODE
 from rtron.wire.ros1.ros_api import query_node_uri, query_system_state
-from rtron.wire.ros1.xmlrpc import ros_call, split_uri
+from rtron.wire.ros1.xmlrpc import RefusalError, ros_call, split_uri
 
 log = logging.getLogger(__name__)
 _T = TypeVar("_T")
@@ -81,10 +81,17 @@ def resolve_uri(uri: str) -> ServerAddress | None:
 
 def look_up_uri(master: str, node: str) -> str:
     """Return the address that the master has for a node, empty if none."""
+    return query_uri(master, node) or ""
+
+
+def query_uri(master: str, node: str) -> str | None:
+    """Return the same, but None if the master does not answer."""
     try:
         return query_node_uri(master, GUARD_NODE, node, _CALL_S)
-    except RTronError:
+    except RefusalError:
         return ""
+    except RTronError:
+        return None
 
 
 def identify_peer(master: str, topic: str, uri: str, names: Iterable[str]) -> PeerIdentity:
