@@ -1,6 +1,7 @@
 """The audit in one process and the brakes in another: what each knows when the other comes back."""
 
 from contextlib import ExitStack
+from itertools import pairwise
 from types import SimpleNamespace
 from uuid import uuid4
 
@@ -19,6 +20,7 @@ from rtron.guard.lanes import command_nodes, remote_audit, remote_response
 from rtron.guard.lanes.board_observations import BoardObservations
 from rtron.guard.lanes.board_writer import BoardWriter
 from rtron.guard.lanes.bulk_connection import BulkConnection
+from rtron.guard.lanes.channel import MAX_MESSAGE_BYTES
 from rtron.guard.lanes.command_lane import CommandLane
 from rtron.guard.lanes.command_nodes import CommandNodes
 from rtron.guard.lanes.messages import (
@@ -334,3 +336,19 @@ def test_the_participant_of_a_bulk_process_counts_when_it_has_ended(processes, p
     processes.wait(lambda: pair.commands.alarms)
     pair.bulk.lane.close()
     processes.wait(lambda: pair.commands.connection.former_participants() == {b"b"})
+
+
+def test_a_connection_that_does_not_last_is_not_made_again_at_once(processes):
+    commands, bulk = processes.start_commands(), processes.start_bulk()
+    times = []
+    commands.connection.connect_listeners.append(lambda: times.append(processes.loop.now()))
+    bulk.lane.connect_listeners.append(lambda: bulk.lane._channel.close())
+    processes.wait(lambda: len(times) == 4)
+    assert all(later - earlier > SECOND // 20 for earlier, later in pairwise(times))
+
+
+def test_a_report_that_is_too_long_does_not_end_the_audit(processes, pair):
+    pair.commands.connection.send(NodesReport(uris={"/a": "x" * MAX_MESSAGE_BYTES}))
+    pair.bulk.find(GHOST)
+    processes.wait(lambda: pair.commands.brake_reason == "a ghost")
+    assert pair.commands.connection.is_connected
