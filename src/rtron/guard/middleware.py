@@ -5,7 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Protocol
 
 from rtron.guard.audit.ros1.auditor import Ros1Auditor
+from rtron.guard.audit.ros1.expected_graph import ExpectedGraph
 from rtron.guard.audit.ros1.intruder_links import IntruderLinks
+from rtron.guard.audit.ros1.planned_listeners import PlannedListeners
 from rtron.guard.lanes.joined_nodes import JoinedNodes
 from rtron.guard.lanes.messages import NodesReport
 from rtron.guard.transport.factory import open_ros1_transport, open_ros2_transport
@@ -67,14 +69,15 @@ class Ros1Middleware:
     def __init__(self, plan: Plan, transport: Ros1Transport, loop: EventLoop) -> None:
         self.transport = transport
         self._plan, self._loop = plan, loop
+        self._listeners = PlannedListeners(ExpectedGraph(plan))
 
     def report_nodes(self) -> NodesReport:
-        """Return the URIs, the port and the subscribers of each topic."""
+        """Return the URIs, the port and the planned subscribers of each topic."""
         transport = self.transport
         return NodesReport(
             uris=transport.node_uris(),
             port=transport.port,
-            subscribers=transport.all_subscribers(),
+            subscribers=self._listeners.select(transport.all_subscribers()),
         )
 
     def register_node(self, name: str) -> None:
@@ -82,8 +85,9 @@ class Ros1Middleware:
         self.transport.register_node(name)
 
     def set_listener_handlers(self, on_new: OnListener, on_lost: OnListener) -> None:
-        """Call these with each node that has connected, or is connected no more."""
-        self.transport.on_subscriber, self.transport.on_subscriber_lost = on_new, on_lost
+        """Call these with each planned node that has connected, or is connected no more."""
+        self.transport.on_subscriber = self._for_planned(on_new)
+        self.transport.on_subscriber_lost = self._for_planned(on_lost)
 
     def set_other_pids(self, pids: Callable[[], Iterable[int]]) -> None:
         """Let our nodes tell them to `rtron verify`."""
@@ -98,6 +102,15 @@ class Ros1Middleware:
         """Return an audit that asks the nodes and the master."""
         nodes = JoinedNodes(self.transport, commands) if commands else self.transport
         return Ros1Auditor(self._plan, self.transport.master, nodes, response, self._loop)
+
+    def _for_planned(self, handler: OnListener) -> OnListener:
+        """Return a handler that leaves strangers out: they may come and go at any rate."""
+
+        def handle(topic: str, node: str) -> None:
+            if self._listeners.includes(node):
+                handler(topic, node)
+
+        return handle
 
 
 class Ros2Middleware:

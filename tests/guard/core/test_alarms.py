@@ -32,3 +32,15 @@ def test_an_alarm_without_room_is_counted_and_logged_once_a_second(monkeypatch, 
     assert alarms.active == (alarm(0), alarm(1))
     assert alarms.raised == 2 + 30 * 3
     assert len(caplog.records) == 2 + 3
+
+
+def test_a_stream_that_is_stopped_is_shown_beside_any_number_of_other_alarms():
+    here, mirror = Alarms(), Alarms()
+    stopped = Alarm(kind=AlarmKind.INTRUSION, reason="/cmd_vel is stopped", topic="/cmd_vel")
+    for number in range(1000):
+        here.raise_(Alarm(kind=AlarmKind.DRIFT, reason=str(number)), 0)
+        mirror.mirror(Alarm(kind=AlarmKind.DRIFT, reason=str(number)), 0, active=True)
+    here.raise_(stopped, 0)
+    mirror.mirror(stopped, 0, active=True)
+    assert stopped in here.active
+    assert stopped in mirror.active

@@ -1,11 +1,13 @@
 """Two ends of a Unix socket between processes of the guard; neither waits for the other."""
 
+import logging
 import socket
+import struct
 
 import pytest
 
 from rtron.guard.core.event_loop import EventLoop
-from rtron.guard.lanes.channel import MAX_PENDING_BYTES, MessageChannel
+from rtron.guard.lanes.channel import MAX_MESSAGE_BYTES, MAX_PENDING_BYTES, MessageChannel
 
 
 class ChannelEnd:
@@ -73,3 +75,30 @@ def test_who_does_not_read_is_given_up(loop, sockets):
             break
     one.channel.send(b"x" * (1 << 20))
     assert one.losses == 1
+
+
+def test_a_message_that_is_too_long_is_refused_and_the_connection_stays(loop, sockets, caplog):
+    one, other = (ChannelEnd(loop, each) for each in sockets)
+    with caplog.at_level(logging.ERROR):
+        for _ in range(5):
+            one.channel.send(b"x" * MAX_MESSAGE_BYTES)
+    one.channel.send("an alarm")
+    run_until(loop, lambda: other.heard)
+    assert other.heard == ["an alarm"]
+    assert (one.losses, other.losses) == (0, 0)
+    assert [each.levelname for each in caplog.records] == ["ERROR"]
+    assert "bytes" in caplog.text
+
+
+def test_a_message_of_the_longest_length_arrives(loop, sockets):
+    one, other = (ChannelEnd(loop, each) for each in sockets)
+    one.channel.send(b"x" * (MAX_MESSAGE_BYTES - 100))
+    run_until(loop, lambda: other.heard)
+    assert one.losses == 0
+
+
+def test_who_announces_too_much_is_given_up(loop, sockets):
+    other = ChannelEnd(loop, sockets[1])
+    sockets[0].sendall(struct.pack("=I", MAX_MESSAGE_BYTES + 1))
+    run_until(loop, lambda: other.losses)
+    assert other.heard == []

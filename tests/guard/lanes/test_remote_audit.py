@@ -1,6 +1,7 @@
 """The audit in one process and the brakes in another: what each knows when the other comes back."""
 
 from contextlib import ExitStack
+from itertools import pairwise
 from types import SimpleNamespace
 from uuid import uuid4
 
@@ -19,6 +20,7 @@ from rtron.guard.lanes import command_nodes, remote_audit, remote_response
 from rtron.guard.lanes.board_observations import BoardObservations
 from rtron.guard.lanes.board_writer import BoardWriter
 from rtron.guard.lanes.bulk_connection import BulkConnection
+from rtron.guard.lanes.channel import MAX_MESSAGE_BYTES
 from rtron.guard.lanes.command_lane import CommandLane
 from rtron.guard.lanes.command_nodes import CommandNodes
 from rtron.guard.lanes.messages import (
@@ -32,6 +34,7 @@ from rtron.guard.lanes.messages import (
 )
 from rtron.guard.lanes.remote_audit import RemoteAudit
 from rtron.guard.lanes.remote_response import RemoteResponse
+from rtron.guard.lanes.reported_alarms import MAX_ALARMS
 from rtron.guard.settings.intrusion_clearing import ClearCommands
 from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.vocabulary import SECOND, Alarm, AlarmKind, OnForeign, build_streams
@@ -75,7 +78,7 @@ class Commands:
         self.connection = BulkConnection(loop, processes.configuration, board, self.host)
         self.messages = []
         self.connection.message_listeners.append(self.messages.append)
-        RemoteAudit(self.connection, self.response, loop)
+        self.audit = RemoteAudit(self.connection, self.response, loop)
         self.connection.open()
 
     @property
@@ -374,3 +377,76 @@ def test_the_participant_of_a_bulk_process_counts_when_it_has_ended(processes, p
     processes.wait(lambda: pair.commands.alarms)
     pair.bulk.lane.close()
     processes.wait(lambda: pair.commands.connection.former_participants() == {b"b"})
+
+
+def test_a_connection_that_does_not_last_is_not_made_again_at_once(processes):
+    commands, bulk = processes.start_commands(), processes.start_bulk()
+    times = []
+    commands.connection.connect_listeners.append(lambda: times.append(processes.loop.now()))
+    bulk.lane.connect_listeners.append(lambda: bulk.lane._channel.close())  # noqa: PLW0108 - each has another channel
+    processes.wait(lambda: len(times) == 4)
+    assert all(later - earlier > SECOND // 20 for earlier, later in pairwise(times))
+
+
+def test_a_report_that_is_too_long_does_not_end_the_audit(processes, pair):
+    pair.commands.connection.send(NodesReport(uris={"/a": "x" * MAX_MESSAGE_BYTES}))
+    pair.bulk.find(GHOST)
+    processes.wait(lambda: pair.commands.brake_reason == "a ghost")
+    assert pair.commands.connection.is_connected
+
+
+def drift(number):
+    return Alarm(kind=AlarmKind.DRIFT, reason=f"{number} ".ljust(190, "x"), node=f"/node_{number}")
+
+
+def test_many_alarms_do_not_keep_one_from_stopping_the_stream(processes, pair, caplog):
+    losses = []
+    pair.commands.connection.loss_listeners.append(lambda: losses.append("lost"))
+    for number in range(12_000):
+        pair.bulk.response.raise_(drift(number), 0)
+    pair.bulk.find(GHOST)
+    processes.wait(lambda: pair.commands.brake_reason == "a ghost")
+    assert losses == []
+    told = [each for each in pair.commands.messages if isinstance(each, RaiseAlarm)]
+    assert len(told) == MAX_ALARMS + 1
+    lost = [each for each in caplog.messages if "are not reported" in each]
+    assert lost
+    assert len(lost) < 10
+
+
+def test_the_next_command_process_is_told_first_what_stops_a_stream(processes, pair):
+    for number in range(12_000):
+        pair.bulk.response.raise_(drift(number), 0)
+    pair.bulk.find(GHOST)
+    processes.wait(lambda: pair.commands.brake_reason)
+    pair.commands.connection.close()
+    following = processes.start_commands()
+
+    def told():
+        return [each for each in following.messages if isinstance(each, RaiseAlarm)]
+
+    processes.wait(lambda: len(told()) == MAX_ALARMS + 1)
+    assert told()[0] == RaiseAlarm(GHOST, (TOPIC,))
+    assert following.brake_reason
+
+
+def test_audits_that_begin_again_and_again_fill_no_memory(processes, pair):
+    for number in range(2 * MAX_ALARMS):
+        pair.bulk.lane.send(RaiseAlarm(drift(number), ()))
+    pair.bulk.lane.send(RaiseAlarm(GHOST, (TOPIC,)))
+    processes.wait(lambda: pair.commands.brake_reason)
+    assert len(pair.commands.audit._alarms) == MAX_ALARMS + 1
+
+
+def test_a_stream_is_not_cleared_while_an_intruder_waits_to_be_reported(processes, pair):
+    ghosts = [
+        Alarm(kind=AlarmKind.UNREGISTERED_PUBLISHER, reason=f"ghost {number}")
+        for number in range(MAX_ALARMS + 1)
+    ]
+    pair.bulk.find(*ghosts)
+    for ghost in ghosts[:-1]:
+        pair.bulk.response.settle(ghost)
+    processes.wait(lambda: pair.commands.messages[-1] == SettleAlarm(ghosts[-2]))
+    assert "ghost 256" in processes.refusal(pair.commands)
+    pair.bulk.response.settle(ghosts[-1])
+    assert processes.refusal(pair.commands) == ""

@@ -42,6 +42,7 @@ HOSTILE = {
     "no md5sum": encode_header({"callerid": "/x", "topic": OUT}),
     "another topic": encode_header({"callerid": "/x", "topic": "/no", "md5sum": "*"}),
     "another md5sum and type": encode_header({"topic": OUT, "md5sum": "x", "type": "a/B"}),
+    "a huge name": encode_header({"callerid": "x" * 900_000, "topic": OUT, "md5sum": "*"}),
     "noise": bytes(range(256)) * 8,
 }
 

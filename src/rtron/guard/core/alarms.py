@@ -54,7 +54,7 @@ class Alarms:
         if alarm in self._active:
             return False
         self.raised += 1
-        has_room = len(self._active) < _MAX_ALARMS
+        has_room = self._has_room(alarm)
         if has_room:
             self._active[alarm] = now
         if has_room or self._log_throttle.allows("no room", now):
@@ -70,12 +70,16 @@ class Alarms:
 
     def mirror(self, alarm: Alarm, now: int, *, active: bool) -> None:
         """Take over an alarm of another process of the guard, which has logged it."""
-        if active and alarm not in self._active and len(self._active) < _MAX_ALARMS:
+        if active and alarm not in self._active and self._has_room(alarm):
             self._active[alarm] = now
             self.raised += 1
             self.listener(alarm, active=True)
         elif not active and self._active.pop(alarm, None) is not None:
             self.listener(alarm, active=False)
+
+    def _has_room(self, alarm: Alarm) -> bool:
+        """Tell whether there is room; a stream that an intruder has stopped always has it."""
+        return alarm.kind is AlarmKind.INTRUSION or len(self._active) < _MAX_ALARMS
 
 
 class UnreadableInputAlarms:

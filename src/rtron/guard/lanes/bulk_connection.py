@@ -68,6 +68,7 @@ class BulkConnection:
         self._host = host
         self._channel: MessageChannel | None = None
         self._pid = 0
+        self._connected_at = 0
         self._watchdog = Watchdog(loop.now())
         self._participant = b""
         self._former_participants: deque[tuple[bytes, int]] = deque(maxlen=_MAX_FORMER)
@@ -137,6 +138,7 @@ class BulkConnection:
             raise WireError("the bulk process does not greet")
         self._pid = peer_credentials(sock)[0]
         self._watchdog = Watchdog(self._loop.now())
+        self._connected_at = self._loop.now()
         log.info("the bulk process is there, process %d", self._pid)
         self._loop.unwatch(sock)
         self._channel = MessageChannel(self._loop, sock, self._on_message, self._on_lost)
@@ -160,6 +162,13 @@ class BulkConnection:
             what = "frame rates and events are not known, and nobody looks for intruders"
             log.error("the bulk process is gone: %s", what)
             self._use(None)
+            self._reconnect()
+
+    def _reconnect(self) -> None:
+        """Connect again; not at once if the last connection did not last, which would go round."""
+        if self._loop.now() - self._connected_at < _RETRY_S * SECOND:
+            self._loop.call_later(_RETRY_S, self._connect)
+        else:
             self._connect()
 
     def _use(self, board: Board | None) -> None:

@@ -3,6 +3,7 @@
 Only processes of the guard's user are spoken to, and these could write its files and its memory.
 """
 
+import logging
 import pickle
 import socket
 import struct
@@ -10,10 +11,15 @@ from collections.abc import Callable
 
 from rtron.errors import WireError
 from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.core.log_throttle import LogThrottle
+
+log = logging.getLogger(__name__)
 
 _LENGTH = struct.Struct("=I")
 _CHUNK = 1 << 16
-MAX_PENDING_BYTES = 1 << 22
+MAX_MESSAGE_BYTES = 1 << 22
+"""The longest message, bytes; a longer one is not sent."""
+MAX_PENDING_BYTES = 1 << 23
 """What may wait for a process that does not read, bytes; beyond, the connection ends."""
 
 
@@ -37,6 +43,7 @@ class MessageChannel:
         self._received = bytearray()
         self._pending = bytearray()
         self._is_open = True
+        self._log_throttle = LogThrottle()
         sock.settimeout(0)
         loop.watch(sock, self._on_readable, lambda _: self.close())
 
@@ -46,8 +53,14 @@ class MessageChannel:
         return bool(self._pending)
 
     def send(self, message: object) -> None:
-        """Send a message, now or as soon as there is room; nothing after the end."""
+        """Send a message, now or as soon as there is room; nothing after the end.
+
+        A message that is too long is refused: the other ones matter, and it would come again.
+        """
         body = pickle.dumps(message)
+        if len(body) > MAX_MESSAGE_BYTES:
+            self._log_refusal(type(message).__name__, len(body))
+            return
         is_idle = not self._pending
         self._pending += _LENGTH.pack(len(body)) + body
         if len(self._pending) > MAX_PENDING_BYTES:
@@ -61,6 +74,10 @@ class MessageChannel:
             self._is_open = False
             self._loop.forget(self._sock)
             self._on_lost()
+
+    def _log_refusal(self, name: str, size: int) -> None:
+        if self._log_throttle.allows(name, self._loop.now()):
+            log.error("a %s of %d bytes is too long for the guard's other process", name, size)
 
     def _flush(self) -> None:
         try:
@@ -84,7 +101,10 @@ class MessageChannel:
     def _take_message(self) -> bytes | None:
         if len(self._received) < _LENGTH.size:
             return None
-        end = _LENGTH.size + _LENGTH.unpack_from(self._received)[0]
+        (size,) = _LENGTH.unpack_from(self._received)
+        if size > MAX_MESSAGE_BYTES:
+            raise WireError(f"the other process of the guard announces {size} bytes")
+        end = _LENGTH.size + size
         if len(self._received) < end:
             return None
         body = bytes(self._received[_LENGTH.size : end])

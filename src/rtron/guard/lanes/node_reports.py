@@ -6,9 +6,13 @@ from dataclasses import replace
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.lanes.bulk_connection import BulkConnection
 from rtron.guard.lanes.messages import LostListener, NewListener, NodesReport, ShutdownRequest
+from rtron.guard.lanes.rate_limited_sender import RateLimitedSender
 from rtron.guard.middleware import Middleware
 from rtron.guard.node_shutdown import ShutdownRefusal
 from rtron.vocabulary import SECOND
+
+MAX_TEXT = 256
+"""How much is sent of what a stranger says, characters."""
 
 
 class NodeReports:
@@ -26,13 +30,14 @@ class NodeReports:
         self._middleware = middleware
         self._loop = loop
         self._supervisor = supervisor
+        self._sender = RateLimitedSender(connection.send, loop)
         self._refusal = ShutdownRefusal(loop)
         self._last_report: NodesReport | None = None
         connection.connect_listeners.append(self._report_anew)
 
     def open(self) -> None:
         """Report from now on."""
-        send = self._connection.send
+        send = self._sender.send
         self._middleware.set_listener_handlers(
             lambda topic, node: send(NewListener(topic, node)),
             lambda topic, node: send(LostListener(topic, node)),
@@ -62,6 +67,6 @@ class NodeReports:
     def _on_shutdown_request(self, node: str, reason: str) -> None:
         """Let the audit deal with it; nobody ends this process over the network."""
         if self._connection.is_connected:
-            self._connection.send(ShutdownRequest(node, reason))
+            self._sender.send(ShutdownRequest(node[:MAX_TEXT], reason[:MAX_TEXT]))
         else:
             self._refusal.handle(node, reason)

@@ -10,6 +10,7 @@ from itertools import count
 from rtron.guard.audit.common.alarm_response import AlarmResponse
 from rtron.guard.audit.common.audit_response import EndpointTrust, ListenToPublisher
 from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.core.log_throttle import LogThrottle
 from rtron.guard.intrusion_latch import OnRefusal
 from rtron.guard.lanes.bulk_connection import BulkConnection
 from rtron.guard.lanes.messages import (
@@ -24,6 +25,7 @@ from rtron.guard.lanes.messages import (
     StoppedStreams,
     WithdrawAlarm,
 )
+from rtron.guard.lanes.reported_alarms import MAX_ALARMS
 from rtron.vocabulary import Alarm
 
 log = logging.getLogger(__name__)
@@ -44,8 +46,9 @@ class RemoteAudit:
         self._connection = connection
         self._response = response
         self._loop = loop
-        self._alarms: set[Alarm] = set()
-        """What an audit has found, this one or one before it."""
+        self._alarms: dict[Alarm, tuple[str, ...]] = {}
+        """What an audit has found, this one or one before it, and the streams that it stops."""
+        self._log_throttle = LogThrottle()
         self._is_complete = False
         self._missing = ""
         """What the audit has not looked at yet, as it told last."""
@@ -81,7 +84,7 @@ class RemoteAudit:
             case SettleAlarm(alarm):
                 self._settle(alarm)
             case WithdrawAlarm(alarm):
-                self._alarms.discard(alarm)
+                self._alarms.pop(alarm, None)
                 self._response.withdraw(alarm)
             case ActiveAlarms(alarms):
                 self._take_all(alarms)
@@ -95,11 +98,19 @@ class RemoteAudit:
                 self._response.listen(message)
 
     def _raise(self, alarm: Alarm, streams: tuple[str, ...]) -> None:
-        self._alarms.add(alarm)
-        self._response.raise_(alarm, self._loop.now(), *streams)
+        if self._has_room(alarm, streams):
+            self._alarms[alarm] = streams
+            self._response.raise_(alarm, self._loop.now(), *streams)
+        elif self._log_throttle.allows("no room", self._loop.now()):
+            log.error("an alarm has no room beside %d others: %s", MAX_ALARMS, alarm.reason)
+
+    def _has_room(self, alarm: Alarm, streams: tuple[str, ...]) -> bool:
+        """Tell whether there is room for an alarm; what stops a stream always has it."""
+        others = sum(not each for each in self._alarms.values())
+        return bool(streams) or alarm in self._alarms or others < MAX_ALARMS
 
     def _settle(self, alarm: Alarm) -> None:
-        self._alarms.discard(alarm)
+        self._alarms.pop(alarm, None)
         self._response.settle(alarm)
 
     def _take_all(self, alarms: tuple[RaiseAlarm, ...]) -> None:
@@ -108,7 +119,7 @@ class RemoteAudit:
         self._is_complete = True
         for each in alarms:
             self._raise(each.alarm, each.streams)
-        for alarm in self._alarms - {each.alarm for each in alarms}:
+        for alarm in self._alarms.keys() - {each.alarm for each in alarms}:
             self._settle(alarm)
 
     def _report_stopped(self) -> None:

@@ -17,6 +17,7 @@ from rtron.guard.lanes.messages import (
     StoppedStreams,
     WithdrawAlarm,
 )
+from rtron.guard.lanes.reported_alarms import ReportedAlarms
 from rtron.vocabulary import Alarm
 
 if TYPE_CHECKING:
@@ -44,7 +45,7 @@ class RemoteResponse:
         """See `AuditResponse`."""
         self._send = lane.send
         self._loop = loop
-        self._active: dict[Alarm, RaiseAlarm] = {}
+        self._active = ReportedAlarms(loop)
         self._orders: dict[tuple[str, ...], ListeningOrder] = {}
         self._stopped: frozenset[str] = frozenset()
         self._missing = ""
@@ -65,19 +66,23 @@ class RemoteResponse:
         """Raise an alarm; stop the streams of these topics until a person clears them."""
         del now
         message = RaiseAlarm(alarm, guarded)
-        if self._active.get(alarm) != message:
-            self._active[alarm] = message
+        if self._active.add(message):
             self._send(message)
 
     def settle(self, alarm: Alarm) -> None:
         """Take an alarm back: its cause is gone."""
-        if self._active.pop(alarm, None):
-            self._send(SettleAlarm(alarm))
+        self._take_back(alarm, SettleAlarm(alarm))
 
     def withdraw(self, alarm: Alarm) -> None:
         """Take an alarm back that was mistaken."""
-        if self._active.pop(alarm, None):
-            self._send(WithdrawAlarm(alarm))
+        self._take_back(alarm, WithdrawAlarm(alarm))
+
+    def _take_back(self, alarm: Alarm, message: SettleAlarm | WithdrawAlarm) -> None:
+        """Take an alarm back, after those that have room now: they keep its streams stopped."""
+        if self._active.remove(alarm):
+            for each in self._active.take_waiting():
+                self._send(each)
+            self._send(message)
 
     @property
     def stopped_streams(self) -> frozenset[str]:
@@ -104,14 +109,14 @@ class RemoteResponse:
         before, self._missing = self._missing, self.find_missing()
         if not self._missing:
             self._is_complete = True
-            self._send(ActiveAlarms(tuple(self._active.values())))
+            self._send(ActiveAlarms(self._active.messages()))
         elif self._missing != before:
             self._send(AuditProgress(self._missing))
 
     def _report_all(self) -> None:
         """Tell a new command process what is there; the audit does not know its nodes yet."""
         self._is_complete, self._missing = False, ""
-        for message in self._active.values():
+        for message in self._active.messages():
             self._send(message)
         for order in self._orders.values():
             self._send(order)

@@ -202,6 +202,17 @@ def test_a_node_that_registers_on_a_private_topic_is_foreign():
     assert list(foreign_publisher_alarms(listed([(FLOW, "/teleop_1")]), EXPECTED))
 
 
+def test_many_foreign_nodes_make_a_bounded_number_of_alarms():
+    many = [(topic, f"/rogue_{number}") for topic in (OUT, FLOW) for number in range(12_000)]
+    assert len(list(foreign_publisher_alarms(listed([*many, (OUT, GUARD)]), EXPECTED))) == 2 * 16
+
+
+def test_the_name_of_a_node_is_cut_where_the_master_lists_it():
+    state = listed([(OUT, "/" + "x" * 999_999)], [(OUT, "/wheel_" + "x" * 999_999)])
+    assert {len(name) for name in state.publishers[OUT] | state.subscribers[OUT]} == {256}
+    assert list(foreign_publisher_alarms(state, EXPECTED))
+
+
 def test_a_planned_node_on_the_public_name_has_drifted_and_a_stranger_there_has_not():
     assert not list(
         drift_alarms(listed([("/cmd_vel", "/rogue")], [("/cmd_vel", "/rviz")]), EXPECTED)

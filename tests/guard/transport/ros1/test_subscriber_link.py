@@ -11,7 +11,8 @@ import pytest
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.transport.common.protocol import TypeInfo
 from rtron.guard.transport.ros1.publication import Publication
-from rtron.guard.transport.ros1.subscriber_link import SubscriberLink
+from rtron.guard.transport.ros1.subscriber_link import MAX_NAME, SubscriberLink
+from rtron.wire.ros1.tcpros import decode_header, encode_header
 
 MESSAGES = [b"%03d" % number for number in range(200)]
 ALL = b"".join(MESSAGES)
@@ -117,3 +118,48 @@ def test_a_subscriber_that_has_gone_keeps_no_message_from_the_next(
     assert there.receive(len(MESSAGES[0])) == MESSAGES[0]
     loop.step(0)
     assert publication.links == [there.link]
+
+
+def subscribe(loop: EventLoop, name: str, **fields: str) -> tuple[SubscriberLink, dict[str, str]]:
+    """Return the link of a subscriber with a name, and the answer to it."""
+    publication = Publication(
+        "/guard", "/out", "a/B", loop.now, queue_size=1, successors=("/driver",)
+    )
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        theirs = socket.create_connection(server.getsockname(), LIMIT_S)
+        ours, _ = server.accept()
+    ours.settimeout(0)
+    link = SubscriberLink(loop, ours, publication.add_subscriber)
+    header = encode_header({"callerid": name, "type": "a/B", "md5sum": "x"} | fields)
+    theirs.settimeout(LIMIT_S)
+    with theirs:
+        sent = 0
+        while sent < len(header):
+            sent += theirs.send(header[sent : sent + (1 << 14)])
+            loop.step(0.01)
+        (size,) = struct.unpack("<I", theirs.recv(4, socket.MSG_WAITALL))
+        return link, decode_header(theirs.recv(size, socket.MSG_WAITALL))
+
+
+@pytest.mark.parametrize("length", [MAX_NAME + 1, 1 << 19])
+def test_a_name_that_is_too_long_is_refused(
+    loop: EventLoop, caplog: pytest.LogCaptureFixture, length: int
+) -> None:
+    link, answer = subscribe(loop, "/" + "x" * (length - 1))
+    assert link.is_closed
+    assert answer == {"error": f"its name has {length} bytes, the limit is {MAX_NAME}"}
+    assert len(caplog.text) < 1000
+
+
+def test_a_long_name_is_accepted(loop: EventLoop) -> None:
+    link, answer = subscribe(loop, "/" + "x" * (MAX_NAME - 1))
+    assert not link.is_closed
+    assert answer["callerid"] == "/guard"
+    link.close()
+
+
+def test_a_long_type_fills_no_log(loop: EventLoop, caplog: pytest.LogCaptureFixture) -> None:
+    link, answer = subscribe(loop, "/x", type="y" * (1 << 19))
+    assert link.is_closed
+    assert answer["error"].startswith("/out is of type a/B, not yyy")
+    assert len(caplog.text) < 2000

@@ -20,6 +20,9 @@ from rtron.vocabulary import (
 )
 from rtron.vocabulary.action import ROS1_CLIENT_TOPICS, ROS1_SERVER_TOPICS, SERVER_FLOW
 
+_MAX_KNOWN_NODES = 1024
+"""How many nodes' topics are remembered: strangers may have any number of names."""
+
 
 class ExpectedGraph:
     """Who may speak to each guarded node on each topic that an enforced stream has closed.
@@ -49,6 +52,8 @@ class ExpectedGraph:
         A node that listens to a private output must not hear strangers on the public name either.
         """
         if node not in self._topics_by_node:
+            if len(self._topics_by_node) >= _MAX_KNOWN_NODES:
+                self._topics_by_node.clear()
             self._topics_by_node[node] = (
                 {} if node in self.guard_nodes else dict(self._topics_of(node))
             )

@@ -3,12 +3,17 @@
 from collections import defaultdict
 from collections.abc import Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from itertools import islice
 
 from rtron.guard.audit.common.guard_inputs import matches_any
 from rtron.guard.audit.ros1.expected_graph import ExpectedGraph
 from rtron.guard.core.printable import printable
 from rtron.vocabulary import Alarm, AlarmKind
 from rtron.wire.ros1.ros_api import NamedNode, SystemState
+
+_MAX_PER_TOPIC = 16
+MAX_NAME = 256
+"""How much of a node's name counts, characters; a planned name is shorter."""
 
 NodesByTopic = Mapping[str, frozenset[str]]
 
@@ -32,14 +37,15 @@ def select_registrations(state: SystemState, topics: Container[str]) -> MasterRe
 def foreign_publisher_alarms(
     state: MasterRegistrations, expected: ExpectedGraph
 ) -> Iterator[Alarm]:
-    """Yield an alarm for each node that registered as publisher of a private topic."""
+    """Yield an alarm for each node that registered as publisher of a private topic, 16 at most."""
     for topic in expected.private_topics():
-        for node in sorted(state.publishers.get(topic.topic, ())):
-            if not topic.may_publish(node):
-                name = printable(node)
-                reason = f"{name} registered as publisher of the private {topic.topic}"
-                kind = AlarmKind.FOREIGN_PUBLISHER
-                yield Alarm(kind=kind, reason=reason, topic=topic.topic, peer=name)
+        listed = sorted(state.publishers.get(topic.topic, ()))
+        foreign = (node for node in listed if not topic.may_publish(node))
+        for node in islice(foreign, _MAX_PER_TOPIC):
+            name = printable(node)
+            reason = f"{name} registered as publisher of the private {topic.topic}"
+            kind = AlarmKind.FOREIGN_PUBLISHER
+            yield Alarm(kind=kind, reason=reason, topic=topic.topic, peer=name)
 
 
 def drift_alarms(state: MasterRegistrations, expected: ExpectedGraph) -> Iterator[Alarm]:
@@ -70,5 +76,5 @@ def _nodes_by_topic(registrations: Iterable[NamedNode], topics: Container[str]) 
     nodes: dict[str, set[str]] = defaultdict(set)
     for topic, node in registrations:
         if topic in topics:
-            nodes[topic].add(node)
+            nodes[topic].add(node[:MAX_NAME])
     return {topic: frozenset(names) for topic, names in nodes.items()}

@@ -157,9 +157,12 @@ class Ros1Transport:
         publication = self._publications.get(topic)
         return {link.node for link in publication.links} if publication else set()
 
-    def all_subscribers(self) -> dict[str, frozenset[str]]:
-        """Return the connected subscribers of each topic, by the names they give themselves."""
-        return {topic: frozenset(self.subscribers(topic)) for topic in self._publications}
+    def all_subscribers(self) -> dict[str, list[str]]:
+        """Return the names of the connected subscribers of each topic, the oldest first."""
+        return {
+            topic: list(dict.fromkeys(link.node for link in publication.links))
+            for topic, publication in self._publications.items()
+        }
 
     def register_node(self, name: str) -> None:
         """Register a node again: the master gives a name to the last one that registers it."""

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from rtron.guard.transport.ros1.subscription import Subscription
 
 _ERROR, _SUCCESS = -1, 1
+_MAX_TEXT = 100
 
 
 class Ros1Node:
@@ -96,7 +97,7 @@ class Ros1Node:
 
     def _shutdown(self, caller: str, reason: Any) -> int:  # noqa: ANN401
         self._loop.call_after_event(
-            lambda: self.on_shutdown_request(f"{caller} asked for it: {reason}")
+            lambda: self.on_shutdown_request(f"{_shorten(caller)} asked for it: {_shorten(reason)}")
         )
         return 0
 
@@ -158,3 +159,8 @@ class Ros1Node:
             ]
             for topic, subscription in self.subscriptions.items()
         ]
+
+
+def _shorten(value: object) -> str:
+    """Return what a caller says, which may be long, as it is logged and sent on."""
+    return str(value)[:_MAX_TEXT]

@@ -7,6 +7,7 @@ from functools import partial
 
 from rtron.errors import WireError
 from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.core.printable import printable
 from rtron.guard.transport.common.backlog import Backlog
 from rtron.wire.ros1.tcpros import MAX_HEADER, FrameReader, decode_header, encode_header
 
@@ -15,6 +16,9 @@ log = logging.getLogger(__name__)
 _HANDSHAKE_TIMEOUT_S = 10.0
 _CHUNK = 1 << 16
 _BATCH = 64
+MAX_NAME = 256
+"""The longest name that a subscriber may have, bytes; ROS names are short."""
+_MAX_REASON = 1000
 
 
 class SubscriberLink:
@@ -70,7 +74,8 @@ class SubscriberLink:
 
     def refuse(self, why: str) -> None:
         """Answer the header with an error, as ROS 1 does, and close the connection."""
-        log.warning("subscriber %s at %s refused: %s", self.node or "?", self.address, why)
+        why = why[:_MAX_REASON]
+        log.warning("subscriber %s at %s refused: %s", self._label, self.address, why)
         self._enqueue(encode_header({"error": why}))
         self._flush()
         self.close()
@@ -156,7 +161,18 @@ class SubscriberLink:
             self.md5sum = fields.get("md5sum", "")
             if not self.md5sum:
                 raise WireError("the header has no md5sum")
-            self._on_header(self, fields)
+            self._check_name()
+            if not self.is_closed:
+                self._on_header(self, fields)
+
+    def _check_name(self) -> None:
+        size = len(self.node.encode())
+        if size > MAX_NAME:
+            self.refuse(f"its name has {size} bytes, the limit is {MAX_NAME}")
+
+    @property
+    def _label(self) -> str:
+        return printable(self.node) or "?"
 
     def _close_without_header(self) -> None:
         if not self.md5sum and not self.is_closed:
@@ -164,5 +180,5 @@ class SubscriberLink:
 
     def _on_error(self, error: Exception) -> None:
         if not self.is_closed:
-            log.info("subscriber %s at %s: %s", self.node or "?", self.address, error)
+            log.info("subscriber %s at %s: %s", self._label, self.address, error)
             self.close()
