@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from bench.common.testbed import ReportProgress, Testbed, end, last_errors, python, start
+from bench.common.workload import SETTLE_SECONDS
 
 PUBLISHER = "/bench_pub"
 StartRoute = Callable[[Testbed], AbstractContextManager[Any]]
@@ -70,8 +71,9 @@ class LoadResult:
 
 
 def run_load(testbed: Testbed, route: Route, load: Load) -> LoadResult:
-    """Open a way, send a load over it, and close it again."""
+    """Open a way, let it settle, send a load over it, and close it again."""
     with route.start(testbed), ExitStack() as stack:
+        time.sleep(SETTLE_SECONDS)
         receiver = _started(testbed, stack, _receiver(route, load))
         generator = _started(testbed, stack, _generator(route, load))
         _expect_ready(testbed, route, receiver)

@@ -11,6 +11,8 @@ RUNS = _number("RUNS", 10)
 """Interleaved runs of each way."""
 HOP_SECONDS = _number("HOP_SECONDS", 3)
 """How long a run of a hop lasts, s."""
+SETTLE_SECONDS = _number("SETTLE_SECONDS", 3)
+"""How long a way is left alone before a load, s: a guard starts its other processes."""
 LOAD_SECONDS = _number("LOAD_SECONDS", 10)
 """How long a load lasts, s."""
 MESSAGES = _number("MESSAGES", 10_000_000)
