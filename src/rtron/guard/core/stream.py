@@ -347,5 +347,6 @@ class GuardedStream:
         state = (self.pipeline.owner, self.stop_controller.reason)
         if state != self._last_state:
             self._last_state = state
-            self.store_order()
+            if self.stop_controller.is_ready:
+                self.store_order()
             self.on_state_change()

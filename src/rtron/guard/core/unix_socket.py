@@ -33,13 +33,10 @@ def runtime_folder() -> Path:
 def open_own_folder(folder: Path, help: str) -> int:
     """Return a descriptor of a folder that only this user may enter, which is made if need be.
 
-    SourceError with this `help` if others may enter it, or it cannot be opened.
+    SourceError with this `help` if others may enter it, OSError if it cannot be opened.
     """
-    try:
-        folder.mkdir(mode=0o700, exist_ok=True)
-        descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
-    except OSError as error:
-        raise SourceError(f"{folder}: {error.strerror}", help=help) from None
+    folder.mkdir(mode=0o700, exist_ok=True)
+    descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
     state = os.fstat(descriptor)
     if state.st_uid != os.getuid() or state.st_mode & 0o077:
         os.close(descriptor)

@@ -27,7 +27,7 @@ class BulkSocket:
 
     def __init__(self, configuration: str) -> None:
         name = user_name("bulk", f"{configuration} {__version__}".encode())
-        self._folder = open_own_folder(runtime_folder(), _HELP)
+        self._folder = _open_folder()
         self._descriptors = ExitStack()
         self._descriptors.callback(os.close, self._folder)
         self._path = Path(f"/proc/self/fd/{self._folder}/{name}")
@@ -76,3 +76,11 @@ class BulkSocket:
         except OSError:
             return False
         return True
+
+
+def _open_folder() -> int:
+    folder = runtime_folder()
+    try:
+        return open_own_folder(folder, _HELP)
+    except OSError as error:
+        raise SourceError(f"{folder}: {error.strerror}", help=_HELP) from None
