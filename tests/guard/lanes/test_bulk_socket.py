@@ -99,6 +99,9 @@ def test_a_long_path_is_no_hindrance(tmp_path, monkeypatch, configuration):
         assert connects(place)
 
 
-def test_letting_go_twice_is_no_error(place):
+def test_who_lets_go_twice_leaves_the_place_to_the_next(place, configuration):
+    place.listen().close()
     place.close()
     place.close()
+    with closing(BulkSocket(configuration)) as following, following.listen():
+        assert connects(following)
