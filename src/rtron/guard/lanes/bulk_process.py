@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 log = logging.getLogger(__name__)
 
 _NICE = 5
-"""Commands go before what is carried here (nice(2))."""
+"""Commands go before what is carried here (nice(2), SCHED_BATCH of sched(7))."""
 _CHECK_S = 1.0
 _UNSUPERVISED = 3 * SECOND
 _UNUSED = 30 * SECOND
@@ -53,6 +53,7 @@ def run_bulk_process(
     `configuration` is the digest of the guard's. SourceError if it has a bulk process already.
     """
     os.nice(_NICE)
+    os.sched_setscheduler(0, os.SCHED_BATCH, os.sched_param(0))
     raise_file_limit()
     loop = EventLoop()
     middleware = open_middleware(plan, master, loop)
