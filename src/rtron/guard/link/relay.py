@@ -276,8 +276,7 @@ def _in_local_time(message: NewSettings, now: int) -> Settings:
 
 
 def run_relay(options: LinkOptions) -> None:
-    """Be the link process until told to end; Ctrl-C is said to the supervisor."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    """Be the link process until told to end."""
     os.nice(_NICE)
     os.sched_setscheduler(0, os.SCHED_BATCH, os.sched_param(0))
     asyncio.run(_run(options))

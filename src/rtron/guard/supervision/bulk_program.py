@@ -1,17 +1,16 @@
 """The bulk process as a program that a supervisor starts."""
 
-import signal
 import sys
 
 from rtron.guard.lanes.bulk_process import run_bulk_process
 from rtron.guard.log_format import start_logging
 from rtron.guard.supervision.guard_config import read_config
-from rtron.guard.supervision.programs import open_descriptors, run_program
+from rtron.guard.supervision.programs import leave_interrupts, open_descriptors, run_program
 
 
 def main(numbers: str) -> None:
     """Be the bulk process of the configuration in an open file; end with the exit code."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    leave_interrupts()
     (config_file,) = open_descriptors(numbers)
     config = read_config(config_file)
     start_logging(config.log_level, "bulk")

@@ -10,7 +10,7 @@ from contextlib import suppress
 from rtron.errors import SourceError
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.supervision.guard_config import GuardConfig
-from rtron.guard.supervision.programs import GUARD, command
+from rtron.guard.supervision.programs import GUARD, start_program
 from rtron.guard.supervision.shared_memory import GuardMemory, StatusWord
 from rtron.guard.supervision.supervisor_fsm import END_TIMEOUT, OK
 from rtron.guard.supervision.supervisor_handover import (
@@ -100,17 +100,13 @@ def spawn_guard(config_file: int, streams: int) -> GuardProcess:
 
 def _spawn(config_file: int, memory: GuardMemory) -> GuardProcess:
     parent_socket, child_socket = socket.socketpair()
-    # What a terminal says to all of us is the supervisor's to hear, also while the guard starts.
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    files = (config_file, memory.descriptor, child_socket.fileno())
     try:
-        process = subprocess.Popen(command(GUARD, files), pass_fds=files)  # noqa: S603
+        process = start_program(GUARD, (config_file, memory.descriptor, child_socket.fileno()))
     except BaseException:
         parent_socket.close()
         raise
     finally:
         child_socket.close()
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
     return GuardProcess(process.pid, memory, parent_socket, process)
 
 

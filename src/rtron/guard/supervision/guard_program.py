@@ -2,7 +2,6 @@
 
 import gc
 import select
-import signal
 import socket
 import sys
 from contextlib import suppress
@@ -16,7 +15,7 @@ from rtron.guard.dry_run import run_dry
 from rtron.guard.lanes.command_process import run_command_process
 from rtron.guard.log_format import start_logging
 from rtron.guard.supervision.guard_config import read_config, stopped_streams
-from rtron.guard.supervision.programs import open_descriptors, run_program
+from rtron.guard.supervision.programs import leave_interrupts, open_descriptors, run_program
 from rtron.guard.supervision.shared_memory import GuardMemory, StatusWord
 from rtron.guard.supervision.supervisor_client import SupervisorClient
 from rtron.guard.supervision.supervisor_handover import BEGIN
@@ -33,8 +32,7 @@ def main(numbers: str) -> None:
 
     Not before the supervisor says so: a spare guard waits here, and ends with the supervisor.
     """
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+    leave_interrupts()
     config_file, memory_file, number = open_descriptors(numbers)
     connection = socket.socket(fileno=number)
     config = read_config(config_file)

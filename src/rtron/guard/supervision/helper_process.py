@@ -5,7 +5,7 @@ import signal
 import subprocess
 from collections.abc import Callable
 
-from rtron.guard.supervision.programs import command
+from rtron.guard.supervision.programs import start_program
 from rtron.vocabulary import SECOND
 
 log = logging.getLogger(__name__)
@@ -29,7 +29,6 @@ class HelperProcess:
         self.process: subprocess.Popen[bytes] | None = None
         self._program = program
         self._is_there = is_there
-        self._command = command(program, [config_file])
         self._config_file = config_file
         self._started_at = 0
         self._start_due: int | None = 0
@@ -62,7 +61,7 @@ class HelperProcess:
     def _start(self, now: int) -> None:
         self._started_at, self._start_due = now, None
         try:
-            self.process = subprocess.Popen(self._command, pass_fds=[self._config_file])  # noqa: S603
+            self.process = start_program(self._program, [self._config_file])
         except OSError as error:
             self.process = None
             text = "%s cannot be started, tried again soon: %s"

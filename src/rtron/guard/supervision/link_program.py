@@ -5,11 +5,12 @@ import sys
 from rtron.guard.link.relay import run_relay
 from rtron.guard.log_format import start_logging
 from rtron.guard.supervision.guard_config import read_config
-from rtron.guard.supervision.programs import open_descriptors, run_program
+from rtron.guard.supervision.programs import leave_interrupts, open_descriptors, run_program
 
 
 def main(numbers: str) -> None:
     """Relay as the configuration in an open file says; end with the exit code."""
+    leave_interrupts()
     (config_file,) = open_descriptors(numbers)
     config = read_config(config_file)
     start_logging(config.log_level, "link")

@@ -5,6 +5,8 @@ whatever lies in the folder where it is started, and needs nothing of the comman
 """
 
 import os
+import signal
+import subprocess
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -34,6 +36,24 @@ def command(entry_point: str, descriptors: Sequence[int]) -> list[str]:
     code = _CODE.format(module=module, function=function)
     numbers = ",".join(map(str, descriptors))
     return [sys.executable, "-c", code, f"rtron-{module}", numbers, *filter(None, sys.path)]
+
+
+def start_program(entry_point: str, files: Sequence[int]) -> subprocess.Popen[bytes]:
+    """Start a program that inherits open files, and does not hear Ctrl-C before `leave_interrupts`.
+
+    OSError if the system cannot start it.
+    """
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        return subprocess.Popen(command(entry_point, files), pass_fds=files)  # noqa: S603
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def leave_interrupts() -> None:
+    """Leave Ctrl-C, which a terminal says to all of us, to the supervisor."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
 
 
 def open_descriptors(numbers: str) -> list[int]:
