@@ -1,12 +1,16 @@
 """What the guard's transport on ROS 2 loses of a burst, and what it says about it."""
 
 import signal
+import sys
+from pathlib import Path
 
 import pytest
 
 from rtron.vocabulary import QoS
 
 pytest.importorskip("rclpy", reason="needs ROS 2")
+from ros2_harness import NODES2
+
 from rtron.guard.transport.common.protocol import InputOptions
 from rtron.guard.transport.ros2 import middleware, publication
 from rtron.guard.transport.ros2.delivery import LatenessDetector
@@ -20,6 +24,7 @@ pytestmark = [
 ]
 NODE, TOPIC, STRING, TWIST = "/rtron/a", "/burst", "std_msgs/String", "geometry_msgs/Twist"
 COUNT, QUEUE = 300, 20
+IMAGE, PICTURE_BYTES = "sensor_msgs/Image", 1 << 22
 
 
 class Reader:
@@ -102,6 +107,27 @@ def test_what_a_subscriber_is_too_slow_for_is_counted_and_the_guard_does_not_wai
     lost = output.lost
     output.close()
     assert output.lost == lost
+
+
+def test_what_a_frozen_subscriber_does_not_take_fills_no_memory(world, ros2):
+    output = world.transport.advertise(NODE, TOPIC, IMAGE)
+    output.learn_type(world.info(IMAGE))
+    output.offer("one", QoS())
+    slow = ros2.spawn(sys.executable, NODES2 / "node_group.py", "/slow", f"<{TOPIC}:{IMAGE}")
+    world.until(lambda: output.is_subscribed_by("/slow"))
+    slow.tell(signal.SIGSTOP)
+    picture = b"\0\1\0\0" + bytes(PICTURE_BYTES)
+    before = memory_bytes()
+    for _ in range(40):
+        output.publish(picture)
+    slow.tell(signal.SIGCONT)
+    assert memory_bytes() - before < 20 * PICTURE_BYTES
+
+
+def memory_bytes():
+    """Return how much memory of its own this process has."""
+    fields = dict(line.split(":") for line in Path("/proc/self/status").read_text().splitlines())
+    return 1024 * int(fields["RssAnon"].split()[0])
 
 
 def test_only_reliable_states_of_common_size_are_kept(world, monkeypatch):

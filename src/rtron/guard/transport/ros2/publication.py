@@ -18,6 +18,7 @@ from rtron.errors import WireError
 from rtron.guard.transport.common.backlog import MAX_BYTES, Backlog
 from rtron.guard.transport.ros2.qos import (
     command_qos,
+    history_depth,
     latched,
     may_keep_all,
     profile,
@@ -250,7 +251,7 @@ class Publication:
         is_volatile = qos.durability is Durability.VOLATILE
         type = self.info.type if self.info else self.type
         if not (self._keep_all and is_reliable and is_volatile and may_keep_all(type)):
-            return self._create_writer(qos, self._depth)
+            return self._create_writer(qos, history_depth(type, self._depth))
         offered = profile(qos, self._depth, keep_all=True)
         return LosslessWriter(self._node, find_interface(type).cls, self.topic, offered, self._rcl)
 

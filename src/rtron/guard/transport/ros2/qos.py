@@ -29,6 +29,8 @@ _LARGE_TYPES = frozenset(
     }
 )
 """Of these the newest counts, and all that wait could take the machine's memory."""
+_LARGE_DEPTH = 5
+"""The depth for data of sensors (rmw/qos_profiles.h): a reader that hangs keeps so many here."""
 _COMMAND_LIFESPAN = SECOND
 """How long a writer keeps commands: a reader on a busy machine may need them (ns)."""
 
@@ -47,6 +49,11 @@ def requested_profile(offered: QoS, queue_size: int, *, keep_all: bool = False) 
 def may_keep_all(type: str) -> bool:
     """Return whether all messages of a type may wait: they are not large."""
     return normalise_type(type) not in _LARGE_TYPES
+
+
+def history_depth(type: str, queue_size: int) -> int:
+    """Return how many messages of a type may wait in a reader or writer: few of large ones."""
+    return queue_size if may_keep_all(type) else min(queue_size, _LARGE_DEPTH)
 
 
 def strongest(profiles: Iterable[QoS]) -> QoS:

@@ -18,7 +18,7 @@ from rtron.guard.core.log_throttle import LogThrottle
 from rtron.guard.transport.common.protocol import Peer, TypeInfo
 from rtron.guard.transport.ros2.data_reader import DataReader
 from rtron.guard.transport.ros2.delivery import SequenceGaps
-from rtron.guard.transport.ros2.qos import may_keep_all, requested_profile
+from rtron.guard.transport.ros2.qos import history_depth, may_keep_all, requested_profile
 from rtron.messages.common.definition_parser import parse_definition
 from rtron.messages.ros2.cdr_validator import cdr_validator
 from rtron.vocabulary import SECOND, Durability, QoS, Reliability, matches_node, normalise_type
@@ -219,7 +219,7 @@ class Subscription:
                 self.topic,
                 requested_profile(
                     qos,
-                    self._options.queue_size,
+                    history_depth(interface_type.name, self._options.queue_size),
                     keep_all=keep_all and may_keep_all(interface_type.name),
                 ),
                 self._context,
