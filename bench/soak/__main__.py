@@ -96,12 +96,14 @@ def _counts(actions: RandomActions) -> Iterator[Figure]:
 
 
 def _explain(base: BaseLog, history: list[tuple[int, str]], console: Console) -> None:
-    """Tell for each gap what was done just before."""
+    """Tell for each gap what was done last, before it or in it."""
     for gap in base.unexplained_gaps():
-        before = [
-            f"{what} {(gap.at - at) / 1e9:.1f} s before" for at, what in history if at < gap.at
+        done = [
+            f"{what} {(at - gap.at) / 1e9:+.2f} s"
+            for at, what in history
+            if at < gap.at + gap.length
         ]
-        console.print(f"a gap of {gap.length / _MS:.0f} ms: {', '.join(before[-2:]) or 'nothing'}")
+        console.print(f"a gap of {gap.length / _MS:.0f} ms: {', '.join(done[-2:]) or 'nothing'}")
         console.print(f"  {base.describe(gap)}")
 
 

@@ -29,6 +29,40 @@ def test_the_time_is_utc_and_has_milliseconds(monkeypatch):
     assert log_formatter().format(record).endswith("Z WARNING the guard begins")
 
 
+FLOOD = """
+import logging, sys, time
+from rtron.guard.log_format import start_logging
+start_logging("INFO")
+for number in range(int(sys.argv[1])):
+    logging.getLogger("rtron").warning("line %d %s", number, "x" * 1000)
+print("done", flush=True)
+sys.stdin.read()
+logging.getLogger("rtron").warning("last")
+"""
+FLOOD_LINES = 3000
+
+
+def test_who_logs_does_not_wait_for_a_reader_and_lost_lines_are_told():
+    command = [sys.executable, "-c", FLOOD, str(FLOOD_LINES)]
+    pipes = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.PIPE)
+    with subprocess.Popen(command, **pipes, text=True) as process:
+        assert process.stdout.readline() == "done\n"
+        _, written = process.communicate("")
+    lines = [LINE.fullmatch(each)[2] for each in written.splitlines()]
+    (lost,) = (int(each.split()[0]) for each in lines if "are lost" in each)
+    assert lines[-1] == "last"
+    assert lost + len(lines) - 2 == FLOOD_LINES
+
+
+def test_a_process_ends_although_nobody_reads_its_log():
+    command = [sys.executable, "-c", FLOOD, str(FLOOD_LINES)]
+    pipes = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.PIPE)
+    with subprocess.Popen(command, **pipes, text=True) as process:
+        assert process.stdout.readline() == "done\n"
+        process.stdin.close()
+        assert process.wait(30) == 0
+
+
 @pytest.mark.parametrize(("process", "text"), [("", "it stands"), ("link", "link: it stands")])
 def test_a_process_logs_to_standard_error_with_times(process, text):
     command = [sys.executable, "-c", SAID.format(process=process)]

@@ -1,20 +1,75 @@
-"""How a log line of a long-running process looks: time in UTC, level, process, text.
+"""How a log line of a long-running process looks, and how it gets out.
 
 `2026-11-26T08:29:46.123Z WARNING supervisor: the guard stands still`
+
+A terminal or a pipe that nobody reads stops who writes to it. So a thread writes the lines: who
+logs never waits, and a robot is stopped whether somebody reads of it or not.
 """
 
 import logging
+import os
 import time
+from contextlib import suppress
+from logging.handlers import QueueHandler
+from queue import Full, Queue
+from threading import Thread
 
 _LINE = "%(asctime)s.%(msecs)03dZ %(levelname)s {}%(message)s"
 _TIME = "%Y-%m-%dT%H:%M:%S"
+_STANDARD_ERROR = 2
+_MAX_LINES = 1000
+_FLUSH_S = 0.5
+_POLL_S = 0.005
 
 
 def start_logging(level: str, process: str = "") -> None:
     """Log to standard error from this level on; `process` names one of several that share it."""
-    handler = logging.StreamHandler()
-    handler.setFormatter(log_formatter(process))
-    logging.basicConfig(level=level, handlers=[handler])
+    root = logging.getLogger()
+    root.setLevel(level)
+    root.addHandler(LogQueue(log_formatter(process)))
+
+
+class LogQueue(QueueHandler):
+    """Hands records to a thread that writes them; what has no room is dropped, and counted.
+
+    The thread holds no lock of Python's files or handlers, and keeps no process from ending.
+    """
+
+    queue: "Queue[logging.LogRecord]"
+
+    def __init__(self, formatter: logging.Formatter) -> None:
+        super().__init__(Queue(_MAX_LINES))
+        self._format = formatter.format
+        self._dropped = 0
+        Thread(target=self._write, name="log", daemon=True).start()
+
+    def enqueue(self, record: logging.LogRecord) -> None:
+        """Take a record if there is room, behind a line that tells of those that had none."""
+        try:
+            if self._dropped:
+                self.queue.put_nowait(_lost_lines(self._dropped))
+                self._dropped = 0
+            self.queue.put_nowait(record)
+        except Full:
+            self._dropped += 1
+
+    def flush(self) -> None:
+        """Wait until all is written, for half a second at most."""
+        until = time.monotonic() + _FLUSH_S
+        while self.queue.unfinished_tasks and time.monotonic() < until:
+            time.sleep(_POLL_S)
+
+    def _write(self) -> None:
+        while True:
+            line = f"{self._format(self.queue.get())}\n".encode(errors="backslashreplace")
+            with suppress(OSError):  # nobody can read it any more
+                os.write(_STANDARD_ERROR, line)
+            self.queue.task_done()
+
+
+def _lost_lines(number: int) -> logging.LogRecord:
+    text = "%d lines of this log are lost: nobody has read them for a while"
+    return logging.LogRecord(__name__, logging.WARNING, "", 0, text, (number,), None)
 
 
 def log_formatter(process: str = "") -> logging.Formatter:

@@ -9,7 +9,11 @@ from velocity_messages import speeds, twist
 
 from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.event_loop import EventLoop
-from rtron.guard.lanes.unwatched_brake import LONGEST_UNWATCHED, UnwatchedBrake
+from rtron.guard.lanes.unwatched_brake import (
+    LONGEST_UNWATCHED,
+    SHORTEST_AUDIT,
+    UnwatchedBrake,
+)
 from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.vocabulary import SECOND, build_streams
 
@@ -51,6 +55,7 @@ def world():
 
 
 SECONDS = LONGEST_UNWATCHED // SECOND
+BACK = SHORTEST_AUDIT // SECOND + 1
 
 
 def test_a_robot_with_an_audit_drives_on(world):
@@ -63,10 +68,17 @@ def test_a_short_absence_stops_nobody(world):
     world.pass_seconds(SECONDS)
     assert world.drives
     world.connection.is_connected = True
-    world.pass_seconds(1)
+    world.pass_seconds(BACK)
     world.connection.is_connected = False
     world.pass_seconds(SECONDS)
     assert world.drives
+
+
+def test_an_audit_that_ends_again_and_again_counts_as_none(world):
+    for _ in range(SECONDS):
+        for world.connection.is_connected in (True, False):
+            world.pass_seconds(BACK - 2)
+    assert not world.drives
 
 
 def test_a_long_one_stops_the_robot_until_the_audit_is_back(world):
@@ -78,7 +90,7 @@ def test_a_long_one_stops_the_robot_until_the_audit_is_back(world):
     assert speeds(world.driver)[-1] == (0.0, 0.0)
     assert "nobody looks for intruders" in world.host.streams[0].brake_reason
     world.connection.is_connected = True
-    world.pass_seconds(1)
+    world.pass_seconds(BACK)
     assert world.drives
 
 
@@ -87,5 +99,5 @@ def test_what_an_intruder_has_stopped_stays_stopped(world):
     world.connection.is_connected = False
     world.pass_seconds(SECONDS + 1)
     world.connection.is_connected = True
-    world.pass_seconds(1)
+    world.pass_seconds(BACK)
     assert not world.drives

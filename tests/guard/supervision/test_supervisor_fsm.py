@@ -251,6 +251,13 @@ def test_delivery_may_be_later_on_a_busy_machine():
     assert fsm.tick(2, stuck(BOUNDS.deliver_within + 3 * late, late)) == (SupervisorAction.BRAKE,)
 
 
+def test_delivery_is_never_later_than_twice_its_bound():
+    fsm = serving()
+    very_late = 10 * SECOND
+    assert fsm.tick(1, stuck(2 * BOUNDS.deliver_within - 1, very_late)) == ()
+    assert fsm.tick(2, stuck(2 * BOUNDS.deliver_within, very_late)) == (SupervisorAction.BRAKE,)
+
+
 def test_a_guard_that_stands_still_is_not_blamed_for_its_delivery():
     fsm = serving()
     silence = GuardObservation(STALL_TIMEOUT, is_serving=True, undelivered=SECOND)

@@ -165,9 +165,9 @@ def test_the_lower_flow_does_not_go_first_after_a_restart(ros1, driver):
 
 
 def spare_of(supervised):
-    """Return the guard that waits, once there is one."""
-    known = {supervised.guard, supervised.supervisor}
-    return wait_for(lambda: set(members(supervised.process.pid)) - known, what="a spare").pop()
+    """Return the guard that waits, once it is ready."""
+    words = re.compile(r"the next guard is ready, process (\d+)")
+    return int(wait_for(lambda: words.findall(supervised.process.log), what="a spare guard")[-1])
 
 
 @pytest.mark.long
@@ -184,6 +184,13 @@ def test_a_supervisor_without_files_keeps_the_robot_stopped_and_starts_a_guard_l
     resource.prlimit(supervisor, resource.RLIMIT_NOFILE, limit)
     supervised.wait_for_speed("the velocity through the next guard", stopped)
     assert supervised.supervisor == supervisor
+
+
+def test_a_spare_guard_that_has_ended_is_replaced_before_it_is_needed(supervised):
+    spare = spare_of(supervised)
+    os.kill(spare, signal.SIGKILL)
+    wait_for(lambda: "ended while it waited" in supervised.process.log, what="the word of it")
+    wait_for(lambda: spare_of(supervised) != spare, what="another spare guard")
 
 
 @pytest.mark.long

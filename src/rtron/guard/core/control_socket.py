@@ -31,6 +31,7 @@ WireError, raised or set, if the request is wrong or refused.
 
 _MAX_REQUEST = 1 << 12
 _BACKLOG = 8
+_PAUSE_S = 0.5
 
 
 class ControlSocket:
@@ -49,7 +50,12 @@ class ControlSocket:
 
     def open(self) -> None:
         """Serve from now on."""
-        self._loop.watch(self._sock, self._accept, lambda error: None)
+        self._loop.watch(self._sock, self._accept, self._pause)
+
+    def _pause(self, error: Exception) -> None:
+        """Accept nobody for a moment: no descriptor is left."""
+        log.warning("a request cannot be taken: %s", error)
+        self._loop.suspend(self._sock, _PAUSE_S)
 
     def close(self) -> None:
         """Stop listening; a socket that another process has put at the path stays."""

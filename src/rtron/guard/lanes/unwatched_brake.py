@@ -11,6 +11,8 @@ log = logging.getLogger(__name__)
 
 LONGEST_UNWATCHED = 10 * SECOND
 """How long the guard goes on without an audit, ns: a bulk process that ends is back in less."""
+SHORTEST_AUDIT = 3 * SECOND
+"""How long one must be connected to count, ns: one that ends again and again finds nobody."""
 _CHECK_S = 1.0
 _SOURCE = "no audit"
 _REASON = "nobody looks for intruders: the bulk process has been away for 10 s"
@@ -24,13 +26,18 @@ class UnwatchedBrake:
         self._loop = loop
         self._streams = [each for each in host.streams if each.spec.mode is Mode.ENFORCE]
         self._watched_at = loop.now()
+        self._connected_at: int | None = None
         self._is_held = False
 
     def open(self) -> None:
         """Look from now on."""
         self._loop.call_later(_CHECK_S, self.open)
         now = self._loop.now()
-        if self._connection.is_connected:
+        if not self._connection.is_connected:
+            self._connected_at = None
+        elif self._connected_at is None:
+            self._connected_at = now
+        elif now - self._connected_at >= SHORTEST_AUDIT:
             self._watched_at = now
         is_unwatched = now - self._watched_at > LONGEST_UNWATCHED
         if is_unwatched != self._is_held:
@@ -41,9 +48,9 @@ class UnwatchedBrake:
         """Look no more."""
 
     def _hold(self) -> None:
-        log.error("%s: the robot is stopped", _REASON)
         for each in self._streams:
             each.brake(_SOURCE, _REASON)
+        log.error("%s: the robot is stopped", _REASON)
 
     def _release(self) -> None:
         log.warning("the audit is connected again")

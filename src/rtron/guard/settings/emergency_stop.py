@@ -35,9 +35,9 @@ class EmergencyBrake:
         if why == self._coordinator.emergency:
             return
         self._coordinator.emergency = why
-        log.error("%s", why)
         for stream in self._streams:
             stream.brake(_OWNER, why)
+        log.error("%s", why)
 
     def release(self) -> None:
         """Release the brakes of the emergency stop."""

@@ -4,6 +4,7 @@ A program is `python -c` with the module path of the process that starts it: it 
 whatever lies in the folder where it is started, and needs nothing of the command line.
 """
 
+import logging
 import os
 import signal
 import subprocess
@@ -93,6 +94,7 @@ def supervise(
         plan=plan, master=master, log_level=log_level, options=options
     ).write_to_memory()
     os.set_inheritable(config_file, True)  # noqa: FBT003 - positional only
+    logging.shutdown()
     sys.stdout.flush()
     sys.stderr.flush()
     os.execv(sys.executable, command(SUPERVISOR, [config_file]))  # noqa: S606 - our own Python

@@ -222,9 +222,18 @@ class Supervisor:
             self._spare_due = now + _SPARE_RETRY
             self._spare = self._try_spawn("the next guard cannot be made ready")
             self._is_spare_ready = False
-        elif self._spare and not self._is_spare_ready and self._spare.memory[StatusWord.READY]:
+        elif self._spare:
+            self._watch_spare(self._spare)
+
+    def _watch_spare(self, spare: GuardProcess) -> None:
+        """See when the guard that waits is ready; replace one that has ended."""
+        if spare.exit_code() is not None:
+            log.warning("the next guard has ended while it waited; another one is made ready")
+            spare.discard()
+            self._spare = None
+        elif not self._is_spare_ready and spare.memory[StatusWord.READY]:
             self._is_spare_ready = True
-            log.info("the next guard is ready, process %d", self._spare.pid)
+            log.info("the next guard is ready, process %d", spare.pid)
 
     def _watch_connection(self, guard: GuardProcess) -> None:
         self._loop.watch(
@@ -252,9 +261,9 @@ class Supervisor:
 
     def _brake(self, now: int) -> None:
         """Stop the robot."""
+        self._brakes.brake("the guard does not answer", now)
         if not self._memory[StatusWord.LEAVING]:
             log.error("the guard %s: the robot is stopped", self._guard_state())
-        self._brakes.brake("the guard does not answer", now)
 
     def _guard_state(self) -> str:
         """Return what is wrong with the guard."""

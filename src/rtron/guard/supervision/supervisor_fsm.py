@@ -177,7 +177,8 @@ class SupervisorFsm:
 
     def _is_stuck(self, observation: GuardObservation) -> bool:
         """Tell whether nothing comes out of the guard for longer than the machine explains."""
-        return observation.undelivered >= self._bounds.deliver_within + 3 * observation.delay
+        late = min(3 * observation.delay, self._bounds.deliver_within)
+        return observation.undelivered >= self._bounds.deliver_within + late
 
     def _is_overdue(self, now: int) -> bool:
         return self._is_ending and now - self._phase_since > END_TIMEOUT
