@@ -2,7 +2,7 @@
 
 import pytest
 
-from rtron.vocabulary import SECOND, QoS
+from rtron.vocabulary import SECOND, QoS, Reliability
 
 pytest.importorskip("rclpy", reason="needs ROS 2")
 from rtron.guard.transport.ros2 import publication
@@ -52,6 +52,26 @@ def test_what_has_waited_too_long_for_the_successor_is_told_to_nobody(world, out
     world.until(lambda: output.publish(world.text("last")) or driver)
     assert tool[0] == world.text("live")
     assert set(driver) == {world.text("last")}
+
+
+def test_a_publisher_that_changes_its_qos_again_and_again_does_not_cut_off_the_successors(
+    world, output, caplog
+):
+    output.offer("one", QoS(deadline=SECOND))
+    strong = output._writer
+    output.offer("one", QoS())
+    output.offer("two", QoS(reliability=Reliability.BEST_EFFORT))
+    assert output._writer is strong
+    for sooner in range(100):
+        output.offer("one", QoS(deadline=SECOND - sooner))
+        last, count = output._writer, sooner
+        if "changes its QoS again and again" in caplog.text:
+            break
+    assert count < 20
+    output.offer("one", QoS(deadline=1))
+    assert output._writer is last
+    driver = listening(world, output, DRIVER)
+    world.until(lambda: output.publish(world.text("on")) or driver)
 
 
 def test_a_stop_is_offered_as_a_successor_asks_for_it_and_not_as_a_tool_does(world):

@@ -91,6 +91,8 @@ class LosslessWriter(Writer):
 
 log = logging.getLogger(__name__)
 
+_MAX_CHANGES = 8
+"""How often publishers and successors may have the writer made again: each names a few QoS."""
 _EARLY_TIMEOUT = SECOND
 _EARLY_TIMEOUT_LATCHED = 5 * SECOND
 """A latching publisher may send only once, and on a busy machine names take seconds."""
@@ -131,6 +133,7 @@ class Publication:
         self._owners = context.owners
         self._offered: dict[str, QoS] = {}
         self._qos = QoS()
+        self._changes = 0
         self._writer: Writer | None = None
         self._latched: dict[str, bytes] = {}
         self._latched_writers: dict[str, Writer] = {}
@@ -158,14 +161,29 @@ class Publication:
         return True
 
     def offer(self, flow: str, qos: QoS) -> None:
-        """Offer at least what a flow's publisher offers."""
+        """Offer at least what a flow's publisher offers, and what was offered before.
+
+        A new writer costs the successors a moment, so a publisher brings few of them about.
+        """
         if self._offered.get(flow) == qos:
             return
+        before = [self._qos] if self._offered else []
         self._offered[flow] = qos
-        required = strongest(self._offered.values())
-        if self._writer is None or required != self._qos:
+        required = strongest([*before, *self._offered.values()])
+        if self._writer is None:
+            self._create_writers(required)
+        elif required != self._qos:
+            self._strengthen(flow, required)
+
+    def _strengthen(self, flow: str, required: QoS) -> None:
+        self._changes += 1
+        if self._changes <= _MAX_CHANGES:
             self._log_qos(required)
             self._create_writers(required)
+        elif self._changes == _MAX_CHANGES + 1:
+            log.error(
+                "%s: %s changes its QoS again and again, and is not followed", self.topic, flow
+            )
 
     def match_subscribers(self, successors: tuple[str, ...]) -> None:
         """Offer the QoS that these nodes request from now on; see `Output`."""
