@@ -3,6 +3,7 @@
 import os
 import signal
 import socket
+from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
@@ -10,6 +11,7 @@ from harness import wait_for
 
 from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.supervision import supervisor_handover
 from rtron.guard.supervision.guard_config import GuardConfig
 from rtron.guard.supervision.guard_process import spawn_guard
 from rtron.guard.supervision.shared_memory import GuardMemory, StatusWord
@@ -21,9 +23,11 @@ from rtron.guard.supervision.supervisor_client import (
 from rtron.guard.supervision.supervisor_handover import (
     HAND_OVER_MESSAGE,
     WATCHING_MESSAGE,
+    GuardExistsError,
     HandoverAnswer,
     HandoverSocket,
     bind_guard_socket,
+    guard_address,
 )
 from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.vocabulary import SECOND, Plan, Supervision
@@ -105,6 +109,31 @@ def test_a_caller_that_leaves_before_the_answer_leaves_no_descriptor_behind(loop
         loop.forget(each)
         assert each.fileno() == -1
     door.close()
+
+
+@pytest.fixture
+def impatient(monkeypatch):
+    monkeypatch.setattr(supervisor_handover, "_RETRY_S", 0.001)
+
+
+def test_who_has_the_guards_address_and_does_not_listen_keeps_no_guard_from_its_work(
+    master, impatient
+):
+    with socket.socket(socket.AF_UNIX) as stranger:
+        stranger.bind(guard_address(master))
+        assert bind_guard_socket(master) is None
+    bind_guard_socket(master).close()
+
+
+@pytest.mark.parametrize("waiting", [0, 1])
+def test_a_guard_that_is_there_is_not_replaced_however_many_wait_for_it(master, impatient, waiting):
+    with socket.socket(socket.AF_UNIX) as guard, ExitStack() as callers:
+        guard.bind(guard_address(master))
+        guard.listen(0)
+        for _ in range(waiting):
+            callers.enter_context(socket.socket(socket.AF_UNIX)).connect(guard_address(master))
+        with pytest.raises(GuardExistsError):
+            bind_guard_socket(master)
 
 
 def test_a_supervisor_takes_the_place_of_one_that_has_just_died(tied):

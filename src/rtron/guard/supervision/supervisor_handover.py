@@ -112,10 +112,12 @@ class HandoverSocket:
 
 
 def bind_guard_socket(master: str) -> socket.socket | None:
-    """Return a socket at the guard's address; None if another user's process has it.
+    """Return a socket at the guard's address; None if another process has it.
 
-    GuardExistsError if a guard of the same user is there.
+    That is one of another user, or one that is no guard: it does not listen. GuardExistsError if a
+    guard of the same user is there.
     """
+    holder: tuple[int, int] | None = None
     for _ in range(_RETRIES):
         sock = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
         try:
@@ -129,6 +131,8 @@ def bind_guard_socket(master: str) -> socket.socket | None:
         if holder and holder[1] != os.getuid():
             return None
         time.sleep(_RETRY_S)  # it may be dying
+    if holder is None:
+        return None
     raise GuardExistsError(f"another guard is running on {master}", help="stop it first")
 
 
@@ -173,10 +177,13 @@ def _parse_digest(line: bytes) -> str:
 
 
 def _peer_at(master: str) -> tuple[int, int] | None:
+    """Return the process and the user that listen there, ours if too many wait; None if nobody."""
     with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as sock:
         sock.settimeout(0)
         try:
             sock.connect(guard_address(master))
+        except BlockingIOError:
+            return 0, os.getuid()
         except OSError:
             return None
         return peer_credentials(sock)

@@ -15,13 +15,14 @@ from rtron.guard.audit.common.alarm_response import AlarmResponse
 from rtron.guard.audit.ros1 import intrusions, master_queries
 from rtron.guard.audit.ros1.audited_nodes import AuditedNodes
 from rtron.guard.audit.ros1.expected_graph import ExpectedGraph
+from rtron.guard.audit.ros1.foreign_connections import normalise_uri
 from rtron.guard.audit.ros1.intrusions import Intrusions
 from rtron.guard.audit.ros1.poll_schedule import PollSchedule
 from rtron.guard.core.alarms import Alarms
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.handover_state import HandoverState
 from rtron.guard.intrusion_latch import IntrusionLatch
-from rtron.vocabulary import SECOND, Alarm, AlarmKind, OnForeign
+from rtron.vocabulary import SECOND, SUPERVISOR_NODE, Alarm, AlarmKind, OnForeign
 from rtron.wire.ros1.xmlrpc import encode_response
 
 OUT, DRIVER = "/rtron/cmd_vel/out", "/driver"
@@ -97,6 +98,7 @@ class AuditedDriver:
         self.response = AlarmResponse(host, transport, on_foreign, dry_run=False)
         intruders = Intrusions(self._loop, master, transport, EXPECTED, nodes, self.response, {})
         self.look_again, self.unidentified = intruders.update_all, intruders.unidentified
+        self.learn_publisher = intruders.learn_publisher
         self.keep_listener = partial(intruders.keep_listener, DRIVER, OUT)
         nodes.on_change = intruders.update
         nodes.watch([DRIVER])
@@ -214,6 +216,21 @@ def test_while_the_guards_nodes_are_unknown_who_was_found_stays_and_nobody_new_i
     audited.unknown = frozenset({"/cmd_vel"})
     audited.answer(new)
     assert audited.run(lambda: len(audited.alarms) == 1)
+
+
+@pytest.mark.parametrize(("limit", "is_stopped"), [(NEVER_S * SECOND, False), (0, True)])
+def test_a_planned_name_excuses_a_stranger_only_where_it_may_have_been_a_mistake(
+    stack, monkeypatch, limit, is_stopped
+):
+    monkeypatch.setattr(intrusions, "_MISTAKE_LIMIT", limit)
+    audited = AuditedDriver(stack.enter_context(empty_master()), stack, OnForeign.STOP)
+    ghost = stack.enter_context(hanging_master())
+    audited.answer()
+    audited.answer(ghost)
+    assert audited.run(lambda: audited.response.stopped_streams)
+    audited.learn_publisher(SUPERVISOR_NODE, normalise_uri(ghost))
+    assert audited.run(lambda: not [e for e in audited.alarms if e.kind != AlarmKind.INTRUSION])
+    assert bool(audited.response.stopped_streams) is is_stopped
 
 
 @pytest.fixture

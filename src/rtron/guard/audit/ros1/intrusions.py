@@ -33,6 +33,8 @@ _PATIENCE_S = 0.03
 """How long an alarm waits for the master to say who it is."""
 _EXCUSED = 5 * SECOND
 """How long a dead guard's or supervisor's address may still stand in a subscriber's list."""
+_MISTAKE_LIMIT = 10 * SECOND
+"""How long (ns) a stranger may turn out to be a planned publisher; later it has taken the name."""
 _RETRY_S = 0.2
 _DISCONNECT_PERIOD_S = 1.0
 _KEEP_PERIOD, _KEEP_DURATION = SECOND // 100, SECOND
@@ -168,8 +170,10 @@ class Intrusions:
         self._call_threads.close()
 
     def _close_intrusion(self, foreign: ForeignConnection, *, is_planned: bool) -> None:
+        """Take an alarm back. A mistake shows soon: later, an intruder has got a planned name."""
         intrusion = self._intrusions.pop(foreign, None)
-        if intrusion and intrusion.alarm and is_planned:
+        is_young = intrusion and self._loop.now() - intrusion.since < _MISTAKE_LIMIT
+        if intrusion and intrusion.alarm and is_planned and is_young:
             self._response.withdraw(intrusion.alarm)
         elif intrusion and intrusion.alarm:
             self._response.settle(intrusion.alarm)
