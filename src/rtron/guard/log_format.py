@@ -25,8 +25,9 @@ _POLL_S = 0.005
 def start_logging(level: str, process: str = "") -> None:
     """Log to standard error from this level on; `process` names one of several that share it."""
     root = logging.getLogger()
-    root.setLevel(level)
-    root.addHandler(LogQueue(log_formatter(process)))
+    if not root.handlers:  # as `logging.basicConfig`: who has set it up already keeps it
+        root.setLevel(level)
+        root.addHandler(LogQueue(log_formatter(process)))
 
 
 class LogQueue(QueueHandler):

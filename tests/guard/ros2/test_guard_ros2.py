@@ -176,7 +176,8 @@ def test_a_guard_stops_the_robot_while_its_middleware_stands_still_and_its_loop_
     with frozen(threads_named(guard_of(supervisor), "dds.")):
         wait_for(lambda: "does not deliver: the robot is stopped" in supervisor.log, what="word")
         wait_for(lambda: stops(driver) > before, what="the stop")
-    wait_for(lambda: "what goes into the guard does not come out" in supervisor.log, what="alarm")
+        alarm = "what goes into the guard does not come out"
+        wait_for(lambda: alarm in supervisor.log, what="alarm")
     stopped = speeds(driver)["0.5"]
     wait_for(lambda: speeds(driver)["0.5"] > stopped + 20, what="the navigation, delivered again")
 
