@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from harness import wait_for
 
-from rtron.guard.supervision import helper_process as module
+from rtron.guard.supervision import programs
 from rtron.guard.supervision.helper_process import (
     MAX_RESTART_DELAY,
     MIN_RESTART_DELAY,
@@ -29,7 +29,7 @@ def order():
 @pytest.fixture
 def helper(order, monkeypatch):
     code = "import signal; signal.signal(signal.SIGTERM, lambda *_: exit(7)); signal.pause()"
-    monkeypatch.setattr(module, "command", lambda role, files: [sys.executable, "-c", code])
+    monkeypatch.setattr(programs, "command", lambda role, files: [sys.executable, "-c", code])
     helper = HelperProcess(order, "link_program:main")
     yield helper
     helper.stop()
@@ -112,7 +112,7 @@ def test_it_is_told_to_end(helper):
 
 
 def test_a_program_that_cannot_be_started_is_tried_again(order, monkeypatch, caplog):
-    monkeypatch.setattr(module, "command", lambda role, files: ["/no/such/program"])
+    monkeypatch.setattr(programs, "command", lambda role, files: ["/no/such/program"])
     helper = HelperProcess(order, "link_program:main")
     helper.tick(0)
     assert "cannot be started" in caplog.text

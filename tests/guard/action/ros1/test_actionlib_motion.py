@@ -104,7 +104,8 @@ def test_a_rule_stops_the_robot_that_a_cancelled_goal_still_drives(ros1, driving
 
 def assert_stopped_between(told):
     """Assert that the robot was slowed down to a stop, and nothing but the next goal moved it."""
-    first, *ramp, rest, second = [speed for speed, _ in groupby(told)]
+    moved = told[told.index(1) :]  # a supervisor may stop a resting robot before its guard is there
+    first, *ramp, rest, second = [speed for speed, _ in groupby(moved)]
     assert (first, rest, second) == (1, 0, 2)
     assert ramp == sorted(ramp, reverse=True)
 
