@@ -266,7 +266,8 @@ def _unplanned_nodes(guard: _GuardedFlows, app: _AppGraph) -> Iterator[PlanProbl
     """Yield a warning for each end of the topic in the app that the plan does not name."""
     named = [flow.publisher for flow in guard.flows]
     for node in _not_named(guard.client_nodes(app), named):
-        message = f"no flow names {node}, which publishes {guard.topic}: it counts as unapproved"
+        who = node or "a node without a name"
+        message = f"no flow names {who}, which publishes {guard.topic}: it counts as unapproved"
         yield PlanProblem(ProblemLevel.WARNING, guard.location, message)
     subscribers = app.subscribers(guard.topic) if guard.mode is Mode.ENFORCE else ()
     for node in _not_named(subscribers, guard.successors):

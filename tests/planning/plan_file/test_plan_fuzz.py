@@ -1,6 +1,6 @@
 """Whatever the file holds, the reader gives a plan or a PlanError, and a proposal is a plan."""
 
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from rtron.errors import PlanError
@@ -93,12 +93,25 @@ def test_any_text_is_a_plan_or_a_plan_error(text):
     assert isinstance(plan_or_error(text), (Plan, PlanError))
 
 
+@example(
+    InteractionGraph(
+        app="",
+        nodes=(),
+        endpoints=tuple(
+            Endpoint(
+                node=node, topic="/cmd_vel", type="geometry_msgs/Twist", direction=Direction.PUBLISH
+            )
+            for node in ("/a", "")
+        ),
+    )
+)
 @given(graphs)
 def test_what_is_proposed_for_any_graph_can_be_read_and_fits_it(graph):
     report = discover_risks(graph)
     plan = propose_plan(graph, report)
     assert parse_plan(write_plan(plan)) == plan
     warned = {problem.location for problem in unguardable_topics(graph, report)}
+    warned.add("a node without a name")
     for problem in check_plan(plan, graph):
         assert problem.level.value == "warning"
         named = any(f"names {name}, which" in problem.message for name in warned)
