@@ -70,6 +70,8 @@ def test_a_publisher_that_changes_its_qos_again_and_again_does_not_cut_off_the_s
     assert count < 20
     output.offer("one", QoS(deadline=1))
     assert output._writer is last
+    output.offer("three", QoS(lease=SECOND))
+    assert output._writer is not last
     driver = listening(world, output, DRIVER)
     world.until(lambda: output.publish(world.text("on")) or driver)
 

@@ -9,6 +9,7 @@ only: an old command would move a driver that comes back.
 from __future__ import annotations
 
 import logging
+from collections import Counter
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -92,7 +93,7 @@ class LosslessWriter(Writer):
 log = logging.getLogger(__name__)
 
 _MAX_CHANGES = 8
-"""How often publishers and successors may have the writer made again: each names a few QoS."""
+"""How often each flow may have the writer made again: it names a few QoS, one after the other."""
 _EARLY_TIMEOUT = SECOND
 _EARLY_TIMEOUT_LATCHED = 5 * SECOND
 """A latching publisher may send only once, and on a busy machine names take seconds."""
@@ -133,7 +134,7 @@ class Publication:
         self._owners = context.owners
         self._offered: dict[str, QoS] = {}
         self._qos = QoS()
-        self._changes = 0
+        self._changes: Counter[str] = Counter()
         self._writer: Writer | None = None
         self._latched: dict[str, bytes] = {}
         self._latched_writers: dict[str, Writer] = {}
@@ -176,11 +177,11 @@ class Publication:
             self._strengthen(flow, required)
 
     def _strengthen(self, flow: str, required: QoS) -> None:
-        self._changes += 1
-        if self._changes <= _MAX_CHANGES:
+        self._changes[flow] += 1
+        if self._changes[flow] <= _MAX_CHANGES:
             self._log_qos(required)
             self._create_writers(required)
-        elif self._changes == _MAX_CHANGES + 1:
+        elif self._changes[flow] == _MAX_CHANGES + 1:
             log.error(
                 "%s: %s changes its QoS again and again, and is not followed", self.topic, flow
             )
