@@ -36,21 +36,20 @@ class LogQueue(QueueHandler):
     The thread holds no lock of Python's files or handlers, and keeps no process from ending.
     """
 
-    queue: "Queue[logging.LogRecord]"
+    queue: "Queue[tuple[logging.LogRecord, int]]"
+    """Each with how many were dropped before it."""
 
     def __init__(self, formatter: logging.Formatter) -> None:
         super().__init__(Queue(_MAX_LINES))
         self._format = formatter.format
         self._dropped = 0
+        self._told = 0
         Thread(target=self._write, name="log", daemon=True).start()
 
     def enqueue(self, record: logging.LogRecord) -> None:
-        """Take a record if there is room, behind a line that tells of those that had none."""
+        """Take a record if there is room."""
         try:
-            if self._dropped:
-                self.queue.put_nowait(_lost_lines(self._dropped))
-                self._dropped = 0
-            self.queue.put_nowait(record)
+            self.queue.put_nowait((record, self._dropped))
         except Full:
             self._dropped += 1
 
@@ -62,10 +61,22 @@ class LogQueue(QueueHandler):
 
     def _write(self) -> None:
         while True:
-            line = f"{self._format(self.queue.get())}\n".encode(errors="backslashreplace")
-            with suppress(OSError):  # nobody can read it any more
-                os.write(_STANDARD_ERROR, line)
+            record, dropped = self.queue.get()
+            self._tell_lost(dropped)
+            self._write_line(record)
+            if self.queue.empty():
+                self._tell_lost(self._dropped)
             self.queue.task_done()
+
+    def _tell_lost(self, dropped: int) -> None:
+        if dropped > self._told:
+            self._write_line(_lost_lines(dropped - self._told))
+            self._told = dropped
+
+    def _write_line(self, record: logging.LogRecord) -> None:
+        line = f"{self._format(record)}\n".encode(errors="backslashreplace")
+        with suppress(OSError):  # nobody can read it any more
+            os.write(_STANDARD_ERROR, line)
 
 
 def _lost_lines(number: int) -> logging.LogRecord:
