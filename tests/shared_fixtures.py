@@ -21,12 +21,16 @@ def interrupts():
             signal.signal(number, handler)
 
 
-@pytest.fixture(scope="session", autouse=True)
-def runtime_folder():
-    """Let guards listen where those of other runs, and of the machine's robots, do not."""
+def _runtime_folder():
     with TemporaryDirectory(prefix="rtron-") as folder, pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_RUNTIME_DIR", folder)
         yield
+
+
+@pytest.fixture(scope="session", autouse=True)
+def runtime_folder():
+    """Let guards listen where those of other runs, and of the machine's robots, do not."""
+    yield from _runtime_folder()
 
 
 @pytest.fixture(scope="session")
@@ -58,14 +62,20 @@ def deep_folder(tmp_path):
 
 
 @pytest.fixture
-def ros1(tmp_path):
+def own_runtime_folder():
+    """Let guards of a test find nothing that those of other tests have left."""
+    yield from _runtime_folder()
+
+
+@pytest.fixture
+def ros1(tmp_path, own_runtime_folder):
     """Run a master of the test's own."""
     with Ros1(tmp_path) as running:
         yield running
 
 
 @pytest.fixture
-def ros2(tmp_path):
+def ros2(tmp_path, own_runtime_folder):
     """Have a domain of the test's own."""
     with Ros2(tmp_path) as running:
         yield running

@@ -1,12 +1,13 @@
 """The intrusions that nobody has cleared yet: what they stopped stays stopped until a person does.
 
-The next guard inherits them, and the supervisor reads them, from the handover state.
+The next guard inherits them, and the supervisor reads them, from the handover state. The supervisor
+keeps them in a file, too (`supervision/intrusion_file.py`): they outlive both.
 """
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -50,13 +51,21 @@ class IntrusionLatch:
         self._handover.store(_KEY, self._reasons or None)
 
 
-def stopped_by_intruders(handover_document: bytes) -> frozenset[str]:
-    """Return the streams that intruders have stopped, as a guard's handover state tells."""
+def intrusions_in(handover_document: bytes) -> dict[str, str]:
+    """Return the streams that intruders have stopped, and why, as a guard's handover state tells.
+
+    None of them if it is no handover state.
+    """
     try:
         document = json.loads(handover_document or b"{}")
     except (ValueError, RecursionError):
-        return frozenset()
-    return frozenset(_checked(document.get(_KEY) if isinstance(document, dict) else None))
+        return {}
+    return _checked(document.get(_KEY) if isinstance(document, dict) else None)
+
+
+def handover_document(reasons: Mapping[str, str]) -> bytes:
+    """Return the handover state of a guard that has stopped these streams, with the reasons."""
+    return json.dumps({_KEY: dict(reasons)}).encode()
 
 
 def _refuse(topic: str, on_refusal: OnRefusal) -> None:

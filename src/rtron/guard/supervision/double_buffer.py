@@ -48,7 +48,17 @@ class DoubleBuffer:
 
     def write_count(self) -> int:
         """Return how often was written, as far as the heads say."""
-        return max(int(_HEAD.unpack_from(self._memory, at)[0]) for at in self._halves)
+        return self.head()[0]
+
+    def head(self) -> tuple[int, int, int]:
+        """Return how often was written, and the newest document's length and CRC: it tells changes.
+
+        Two writers of which the second has not seen what the first wrote give one count twice.
+        """
+        heads: list[tuple[int, int, int]] = [
+            _HEAD.unpack_from(self._memory, at) for at in self._halves
+        ]
+        return max(heads)
 
     def _read_half(self, at: int) -> tuple[int, bytes]:
         count, length, crc = _HEAD.unpack_from(self._memory, at)

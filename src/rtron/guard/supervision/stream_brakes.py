@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 from rtron.guard.core.message_types import codec_of, standard_info
 from rtron.guard.core.stop_controller import StopController
-from rtron.guard.intrusion_latch import stopped_by_intruders
+from rtron.guard.intrusion_latch import intrusions_in
 from rtron.guard.supervision.double_buffer import DoubleBuffer
 from rtron.guard.supervision.shared_memory import (
     GuardMemory,
@@ -135,7 +135,7 @@ class StreamBrakes:
             brake.forget_type()
 
     def _stopped(self) -> frozenset[str]:
-        return stopped_by_intruders(self._memory.handover_state.read()[1])
+        return frozenset(intrusions_in(self._memory.handover_state.read()[1]))
 
     def brake(self, reason: str, now: int) -> None:
         """Stop the robot and keep it stopped."""

@@ -15,6 +15,7 @@ from rtron.guard.supervision.delivery_watch import DeliveryWatch
 from rtron.guard.supervision.guard_config import GuardConfig, stopped_streams
 from rtron.guard.supervision.guard_process import GuardProcess, adopt_guard, spawn_guard
 from rtron.guard.supervision.helper_process import HelperProcess
+from rtron.guard.supervision.intrusion_file import intrusion_file
 from rtron.guard.supervision.programs import BULK, LINK
 from rtron.guard.supervision.shared_memory import GuardMemory, StatusWord
 from rtron.guard.supervision.stream_brakes import StreamBrakes
@@ -63,6 +64,9 @@ class Supervisor:
         self._log_throttle = LogThrottle()
         memory = self._guard.memory if self._guard else GuardMemory.create(self._stream_count)
         self._memory = memory
+        self._intrusions = intrusion_file(config)
+        if self._intrusions and self._guard is None:
+            memory.handover_state.write(self._intrusions.handover_document())
         self._brakes = StreamBrakes(streams, self._transport, memory)
         self._watchdog = Watchdog(loop.now())
         self._delay = SchedulingDelay(loop.now())
@@ -131,6 +135,8 @@ class Supervisor:
         actions = self._fsm.tick(now, observation)
         self._memory[StatusWord.UNDELIVERED] = self._fsm.is_undelivered
         self._perform(actions, now)
+        if self._intrusions:
+            self._intrusions.follow(self._memory.handover_state)
         self._reap(now)
         self._prepare_spare(now)
         if self._memory[StatusWord.SERVING] and not self._is_leaving:

@@ -11,7 +11,7 @@ from rtron.guard.audit.common.alarm_response import AlarmResponse
 from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.handover_state import HandoverState
 from rtron.guard.core.message_types import standard_info
-from rtron.guard.intrusion_latch import stopped_by_intruders
+from rtron.guard.intrusion_latch import intrusions_in
 from rtron.guard.settings.intrusion_clearing import ClearCommands
 from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.guard.transport.common.protocol import Peer
@@ -231,16 +231,16 @@ def test_the_next_guard_goes_on_with_the_stop_before_it_opens():
     nav(twist(1.0))
     following.advance()
     assert set(heard) == {REST}
-    assert stopped_by_intruders(documents[-1]) == {TOPIC}
+    assert set(intrusions_in(documents[-1])) == {TOPIC}
     following.clear()
-    assert stopped_by_intruders(documents[-1]) == set()
+    assert intrusions_in(documents[-1]) == {}
     nav(twist(1.0))
     assert heard[-1] == twist(1.0)
 
 
 @pytest.mark.parametrize("document", [b"", b"{", b"[]", b'{"intrusions": 1}', b"[" * 100_000])
 def test_a_document_that_is_none_has_no_intrusions(document):
-    assert stopped_by_intruders(document) == set()
+    assert intrusions_in(document) == {}
 
 
 def test_an_inherited_stop_of_a_topic_that_is_not_guarded_stops_nothing():

@@ -2,6 +2,7 @@
 
 import json
 import socket
+from contextlib import ExitStack
 
 from driven_base import CMD_VEL, CMD_VEL_GUARD, Driven, drive_plan, start_guard
 from harness import NODES, ROS_PYTHON, wait_for
@@ -9,6 +10,7 @@ from harness import NODES, ROS_PYTHON, wait_for
 from bench.common.log_watcher import LogWatcher
 from bench.ros1.intruder import Intruder, RepeatingGhost
 from rtron.vocabulary import AlarmKind
+from rtron.vocabulary.names import GUARD_NODE
 
 OUT = f"/rtron{CMD_VEL}/out"
 ROGUE = "/intruder"
@@ -24,9 +26,9 @@ class Scene:
         self.ros1, self._program = ros1, program
         self.driven = Driven(ros1.folder / "driven.txt")
         self._socket = ("--control-socket", ros1.folder / "guard.sock")
-        self.guard = start_guard(ros1, plan or drive_plan(), CMD_VEL_GUARD, *self._socket)
-        self.log = LogWatcher(self.guard.log_path)
-        wait_for(lambda: "guarding 1 topics" in self.guard.log, what="all processes of the guard")
+        self._plan = plan or drive_plan()
+        self._logs = ExitStack()
+        self.start_guard()
         if drives:
             self.drive()
 
@@ -34,7 +36,16 @@ class Scene:
         return self
 
     def __exit__(self, *_):
-        self.log.close()
+        self._logs.close()
+
+    def start_guard(self):
+        self.guard = start_guard(self.ros1, self._plan, CMD_VEL_GUARD, *self._socket)
+        self.log = LogWatcher(self.guard.log_path)
+        self._logs.callback(self.log.close)
+        wait_for(lambda: "guarding 1 topics" in self.guard.log, what="all processes of the guard")
+
+    def guard_process(self):
+        return self.ros1.ask(self.ros1.uri_of(GUARD_NODE), "getPid")
 
     def drive(self):
         """Start the driver and wait until the guard has it."""

@@ -21,7 +21,7 @@ from driven_base import CMD_VEL_GUARD, TURN_RIGHT, drive_plan
 from harness import Ros1, wait_for
 
 from rtron.vocabulary import Audit, OnForeign
-from rtron.vocabulary.names import GUARD_NODE, SUPERVISOR_NODE
+from rtron.vocabulary.names import SUPERVISOR_NODE
 
 pytestmark = pytest.mark.ros1
 RUNS = 2
@@ -187,7 +187,26 @@ def test_the_robot_stays_stopped_until_a_person_clears_it(ros1, program):
         assert not nav.ended
 
 
-def test_an_intrusion_outlives_the_guard(ros1, program):
+def kill_guard(scene):
+    """Kill the guard; return how many intrusions its supervisor had told of."""
+    told = len(scene.alarms("alarm: intrusion"))
+    os.kill(scene.guard_process(), signal.SIGKILL)
+    return told
+
+
+def kill_guard_and_supervisor(scene):
+    """Kill those that would start each other again, and begin anew: with nothing told yet."""
+    both = (scene.guard_process(), scene.guard.pid)
+    for number in (signal.SIGSTOP, signal.SIGKILL):
+        for each in both:
+            os.kill(each, number)
+    wait_for(lambda: scene.guard.ended, what="the end of the supervisor")
+    scene.start_guard()
+    return 0
+
+
+@pytest.mark.parametrize("kill", [kill_guard, kill_guard_and_supervisor])
+def test_an_intrusion_outlives_the_guard(ros1, program, kill):
     with Scene(ros1, program) as scene:
         scene.navigate()
         wait_for(lambda: len(scene.driven.navigation()) > 1, what="navigation at the driver")
@@ -195,8 +214,8 @@ def test_an_intrusion_outlives_the_guard(ros1, program):
             wait_until_found(scene, intruder, "ghost publisher")
         wait_until_settled(scene)
         passed = len(scene.driven.navigation())
-        os.kill(ros1.ask(ros1.uri_of(GUARD_NODE), "getPid"), signal.SIGKILL)
-        wait_for(lambda: scene.alarms("alarm: intrusion")[1:], what="the next guard's alarm")
+        told = kill(scene)
+        wait_for(lambda: scene.alarms("alarm: intrusion")[told:], what="the next guard's alarm")
         wait_for(scene.driver_hears_guard, what="the driver's connection to the next guard")
         stops = scene.stops()
         wait_for(lambda: scene.stops() > stops + 20, what="the next guard's stop")

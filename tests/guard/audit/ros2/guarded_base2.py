@@ -27,6 +27,9 @@ class GuardedBase2:
     def start_guard(self):
         self.guard = self._ros2.rtron("guard", "--plan", self.plan, *self._socket)
 
+    def guard_process(self):
+        return int(re.findall(r"the guard begins, process (\d+)", self.guard.log)[-1])
+
     def start(self):
         self.start_guard()
         self.driver = self._ros2.node("twist_subscriber.py", OUT, name="/driver")

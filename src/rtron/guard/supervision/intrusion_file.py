@@ -1,0 +1,105 @@
+"""The intrusions that nobody has cleared, in a file: they outlive the guard and its supervisor.
+
+It lies in the user's runtime folder, which a reboot empties: that ends the intruders, too.
+"""
+
+import json
+import logging
+import os
+from pathlib import Path
+
+from rtron.errors import RTronError, SourceError
+from rtron.guard.core.control_socket import control_path
+from rtron.guard.core.unix_socket import open_own_folder
+from rtron.guard.intrusion_latch import handover_document, intrusions_in
+from rtron.guard.supervision.double_buffer import DoubleBuffer
+from rtron.guard.supervision.guard_config import GuardConfig
+from rtron.vocabulary import OnForeign, build_streams
+
+log = logging.getLogger(__name__)
+
+_PRIVATE = 0o600
+_MOST_BYTES = 1 << 18
+_HELP = "set XDG_RUNTIME_DIR to a folder of your own (mode 700)"
+
+
+class IntrusionFile:
+    """What intruders have stopped under one plan at one master, and why."""
+
+    def __init__(self, path: Path, topics: frozenset[str]) -> None:
+        """`topics` are the plan's: what stands in the file of others, of an older plan, is void."""
+        self._path = path
+        self._topics = topics
+        self._kept: dict[str, str] | None = None
+        self._seen: tuple[DoubleBuffer, tuple[int, int, int]] | None = None
+
+    def handover_document(self) -> bytes:
+        """Return what the first guard inherits.
+
+        SourceError if the file cannot be read, or if others may enter its folder.
+        """
+        try:
+            reasons = self._read()
+        except (OSError, ValueError, TypeError, RecursionError) as error:
+            raise SourceError(
+                f"{self._path}: what intruders have stopped cannot be read: {error}",
+                help="make sure that no intruder is there, and remove the file",
+            ) from None
+        self._kept = {topic: reasons[topic] for topic in reasons if topic in self._topics}
+        for topic, reason in self._kept.items():
+            log.warning("%s is still stopped, nobody has cleared it: %s", topic, reason)
+        return handover_document(self._kept)
+
+    def follow(self, handover_state: DoubleBuffer) -> None:
+        """Keep the intrusions that a guard's handover state tells of, if it has changed."""
+        head = handover_state.head()
+        if self._seen == (handover_state, head):
+            return
+        count, document = handover_state.read()
+        if count == head[0]:
+            self._seen = handover_state, head
+            self._keep(intrusions_in(document))
+
+    def _keep(self, reasons: dict[str, str]) -> None:
+        if reasons == self._kept:
+            return
+        self._kept = reasons
+        try:
+            self._write(reasons)
+        except (OSError, RTronError) as error:
+            log.warning("what intruders have stopped is not kept: %s", error)
+
+    def _write(self, reasons: dict[str, str]) -> None:
+        self._check_folder()
+        if not reasons:
+            self._path.unlink(missing_ok=True)
+            return
+        new = self._path.with_suffix(".new")
+        new.touch(mode=_PRIVATE)
+        new.write_text(json.dumps(reasons))
+        new.replace(self._path)
+
+    def _read(self) -> dict[str, str]:
+        self._check_folder()
+        try:
+            with self._path.open("rb") as file:
+                reasons = json.loads(file.read(_MOST_BYTES))
+        except FileNotFoundError:
+            return {}
+        if not isinstance(reasons, dict):
+            raise TypeError("no JSON object")
+        return {topic: str(reason) for topic, reason in reasons.items()}
+
+    def _check_folder(self) -> None:
+        os.close(open_own_folder(self._path.parent, _HELP))
+
+
+def intrusion_file(config: GuardConfig) -> IntrusionFile | None:
+    """Return the file of a guard; None if intruders stop nothing there."""
+    plan = config.plan
+    if config.options.get("dry_run") or plan.audit.on_foreign is not OnForeign.STOP:
+        return None
+    master = "".join(each if each.isalnum() else "_" for each in config.master)
+    control = control_path(plan.app)
+    path = control.with_name(f"{control.stem}-{master[:64]}.intrusions")
+    return IntrusionFile(path, frozenset(each.topic for each in build_streams(plan)))
