@@ -37,6 +37,7 @@ DURATION_RANGES: Mapping[str, tuple[int, int]] = {
     "stall_after": (SECOND // 50, SECOND // 5),
     "kill_after": (SECOND // 2, 10 * SECOND),
     "deliver_within": (SECOND // 5, 5 * SECOND),
+    "audit_within": (5 * SECOND, _MINUTE),
     "start_within": (2 * SECOND, 2 * _MINUTE),
     "within": (SECOND // 20, 10 * SECOND),
 }

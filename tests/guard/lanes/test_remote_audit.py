@@ -26,6 +26,7 @@ from rtron.guard.lanes.command_nodes import CommandNodes
 from rtron.guard.lanes.messages import (
     ActiveAlarms,
     AuditProgress,
+    AuditRound,
     BulkParticipant,
     DismissAnswer,
     NodesReport,
@@ -77,9 +78,14 @@ class Commands:
         board, loop = BoardObservations(PLAN), processes.loop
         self.connection = BulkConnection(loop, processes.configuration, board, self.host)
         self.messages = []
-        self.connection.message_listeners.append(self.messages.append)
+        self.rounds = []
+        self.connection.message_listeners.append(self._keep)
         self.audit = RemoteAudit(self.connection, self.response, loop)
         self.connection.open()
+
+    def _keep(self, message):
+        kept = self.rounds if isinstance(message, AuditRound) else self.messages
+        kept.append(message)
 
     @property
     def alarms(self):
@@ -106,6 +112,7 @@ class Bulk:
         self.lane = CommandLane(loop, processes.configuration, writer, Alarms())
         self.response = RemoteResponse(self.lane, loop, stops_streams=True)
         self.response.find_missing = lambda: processes.missing
+        self.response.find_unseen = processes.find_unseen
         for part in (writer, self.response, self.lane):
             part.open()
 
@@ -121,8 +128,14 @@ class Processes:
         self.loop, self.configuration = EventLoop(), uuid4().hex
         self.missing = ""
         """What the audit says that it has not looked at."""
+        self.seen_at, self.asked_since = 0, []
+        """When the audit has looked after the stream, and since when it was asked."""
         stack.callback(self.loop.close)
         self._stack = stack
+
+    def find_unseen(self, since):
+        self.asked_since.append(since)
+        return {} if self.seen_at > since else {TOPIC: "a gap"}
 
     def start_commands(self, handover=b""):
         commands = Commands(self, handover)
@@ -203,6 +216,15 @@ def test_only_what_changes_is_sent(processes, pair):
     processes.wait(lambda: SettleAlarm(GHOST) in pair.commands.messages)
     sent = pair.commands.messages[before:]
     assert sent == [RaiseAlarm(GHOST, (TOPIC,)), SettleAlarm(GHOST)]
+
+
+def test_each_round_of_the_audit_is_told_and_what_it_left_out(processes, pair):
+    processes.wait(lambda: pair.commands.rounds[-1:] == [AuditRound({TOPIC: "a gap"})])
+    processes.seen_at = processes.loop.now()
+    processes.wait(lambda: AuditRound({}) in pair.commands.rounds)
+    processes.wait(lambda: pair.commands.rounds[-1] == AuditRound({TOPIC: "a gap"}))
+    assert pair.commands.rounds.count(AuditRound({})) == 1
+    assert processes.asked_since == sorted(set(processes.asked_since))
 
 
 def test_the_next_command_process_is_told_all_that_is_there(processes, pair):

@@ -72,6 +72,7 @@ def test_a_duration_has_the_bounds_of_the_reader():
         ("Supervision", "stall_after", [0.02, "55 ms", "0.2 s"], [0.01, 0.3, 0]),
         ("Supervision", "kill_after", ["500 ms", 10], [0.4, 11]),
         ("Supervision", "deliver_within", [0.2, "1 s", 5], [0.1, 6, 0]),
+        ("Supervision", "audit_within", [5, "10 s", 60], [4, 61, 0]),
         ("Supervision", "start_within", [2, 120, "30 s"], [1, 121]),
         ("StopProfile", "decel", [1, "1 m/s2", "1 m/s^2"], [0, "1 m/s"]),
         ("Transform", "yaw", [-6.28, "90 deg", "1 rad"], [90, "90 °"]),

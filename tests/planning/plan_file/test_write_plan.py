@@ -189,6 +189,7 @@ bounds = st.builds(
     stall_after=within("stall_after"),
     kill_after=within("kill_after"),
     deliver_within=within("deliver_within"),
+    audit_within=within("audit_within"),
     start_within=within("start_within"),
 )
 definitions = st.builds(

@@ -12,6 +12,7 @@ from rtron.guard.core.control_socket import control_path
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.handover_state import HandoverState, HeartbeatFile, heartbeat_path
 from rtron.guard.lanes.assignment import bulk_part, command_part
+from rtron.guard.lanes.audit_watchdog import AuditWatchdog
 from rtron.guard.lanes.board_observations import BoardObservations
 from rtron.guard.lanes.bulk_connection import BulkConnection
 from rtron.guard.lanes.lane_reports import LaneReports
@@ -20,7 +21,6 @@ from rtron.guard.lanes.node_reports import NodeReports
 from rtron.guard.lanes.orders import RemoteBrake
 from rtron.guard.lanes.remote_audit import RemoteAudit
 from rtron.guard.lanes.service_reports import ServiceReports
-from rtron.guard.lanes.unwatched_brake import UnwatchedBrake
 from rtron.guard.middleware import Middleware, open_middleware
 from rtron.guard.rehearsal import Rehearsal
 from rtron.guard.runner import (
@@ -83,9 +83,14 @@ def run_command_process(
         LaneReports(connection, coordinator, loop, topics),
         NodeReports(connection, middleware, loop, lambda: supervisor.supervisor),
         middleware.create_listener(response),
+        AuditWatchdog(
+            connection,
+            coordinator,
+            loop,
+            plan.supervision.audit_within,
+            stops_streams=response.stops_streams,
+        ),
     ]
-    if response.stops_streams:
-        parts.append(UnwatchedBrake(connection, coordinator, loop))
     if link:
         settings = SettingsInForce(SettingsApplier(plan, coordinator, transport, command_part))
         parts += _service_parts(settings, coordinator, connection, loop, link)

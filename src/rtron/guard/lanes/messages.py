@@ -182,6 +182,13 @@ class AuditProgress:
 
 
 @dataclass(frozen=True, slots=True)
+class AuditRound:
+    """The audit has looked after all streams since the last round, but for the `unseen`: why."""
+
+    unseen: Mapping[str, str]
+
+
+@dataclass(frozen=True, slots=True)
 class StoppedStreams:
     """The streams that intruders have stopped and nobody has cleared."""
 

@@ -8,6 +8,7 @@ from rtron.guard.lanes.command_lane import CommandLane
 from rtron.guard.lanes.messages import (
     ActiveAlarms,
     AuditProgress,
+    AuditRound,
     DismissAnswer,
     DismissRequest,
     IntruderReturned,
@@ -21,7 +22,7 @@ from rtron.guard.lanes.reported_alarms import ReportedAlarms
 from rtron.vocabulary import Alarm
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
 CHECK_S = 0.5
 """How often the audit is asked whether it has looked at everything, s."""
@@ -43,7 +44,10 @@ class RemoteResponse:
         """See `AuditResponse`."""
         self.find_missing: Callable[[], str] = lambda: "it has not begun"
         """See `AuditResponse`."""
+        self.find_unseen: Callable[[int], Mapping[str, str]] = lambda since: {}
+        """See `AuditResponse`."""
         self._send = lane.send
+        self._round_at = loop.now()
         self._loop = loop
         self._active = ReportedAlarms(loop)
         self._orders: dict[tuple[str, ...], ListeningOrder] = {}
@@ -54,8 +58,10 @@ class RemoteResponse:
         lane.connect_listeners.append(self._report_all)
 
     def open(self) -> None:
-        """Call what is found complete as soon as the audit has looked at everything."""
+        """Tell each round of the audit, and once when it has looked at everything."""
         self._loop.call_later(CHECK_S, self.open)
+        since, self._round_at = self._round_at, self._loop.now()
+        self._send(AuditRound(self.find_unseen(since)))
         if not self._is_complete:
             self._report_progress()
 

@@ -134,8 +134,9 @@ def describe_supervision(bounds: Supervision) -> str:
     """Return when the supervisor stops the robot, and when it kills the guard."""
     stop = f"no sign of life: stop after {seconds(bounds.stall_after)}"
     kill, start = seconds(bounds.kill_after), seconds(bounds.start_within)
-    deliver = seconds(bounds.deliver_within)
-    return f"{stop}, kill after {kill}, deliver within {deliver}, start within {start}"
+    deliver, audit = seconds(bounds.deliver_within), seconds(bounds.audit_within)
+    within = f"deliver within {deliver}, audit within {audit}, start within {start}"
+    return f"{stop}, kill after {kill}, {within}"
 
 
 def one_line(expression: str) -> str:

@@ -9,7 +9,7 @@ from xmlrpc.server import SimpleXMLRPCServer
 import pytest
 from plans import grcn, plan_of
 
-from rtron.guard.audit.ros1 import intrusions, master_queries
+from rtron.guard.audit.ros1 import auditor, intrusions, master_queries
 from rtron.guard.audit.ros1.auditor import Ros1Auditor
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.lanes.joined_nodes import JoinedNodes
@@ -71,6 +71,7 @@ class Response:
     def __init__(self):
         self.alarms, self.settled, self.withdrawn = [], [], []
         self.find_missing = lambda: "never set"
+        self.find_unseen = lambda since: {"": "never set"}
 
     def raise_(self, alarm, _now, *_guarded):
         self.alarms.append(alarm)
@@ -114,6 +115,11 @@ class Audit:
     @property
     def missing(self):
         return self.response.find_missing()
+
+    @property
+    def gap(self):
+        """Why the stream was not looked after within the last half second, "" if it was."""
+        return self.response.find_unseen(self.loop.now() - SECOND // 2).get("/cmd_vel", "")
 
     def kinds(self):
         return [each.kind for each in self.response.alarms]
@@ -161,6 +167,47 @@ def test_a_master_that_hangs_is_waited_for(audit):
     assert audit.missing == "the master does not answer"
     audit.master.may_answer.set()
     assert audit.run(lambda: not audit.missing)
+
+
+def test_a_stream_is_looked_after_while_its_driver_answers(audit):
+    audit.auditor.open()
+    assert audit.gap == "the master has not answered"
+    assert audit.run(lambda: not audit.gap)
+    audit.driver.may_answer.clear()
+    assert audit.run(lambda: audit.gap)
+    assert audit.run(lambda: audit.gap == "/driver cannot be audited: no answer within 1 s")
+    audit.driver.may_answer.set()
+    assert audit.run(lambda: not audit.gap)
+    audit.unknown = frozenset({"/cmd_vel"})
+    assert audit.gap == "the command process has not told its nodes"
+
+
+def test_an_audit_that_asks_nobody_any_more_looks_after_nothing(audit):
+    audit.auditor.open()
+    assert audit.run(lambda: not audit.gap)
+    audit.auditor._schedule.close()
+    assert audit.run(lambda: audit.gap == "/driver cannot be audited: it is asked seldom")
+
+
+def test_without_the_master_its_drivers_are_looked_after_and_it_is_told(audit, monkeypatch):
+    monkeypatch.setattr(auditor, "_MASTER_DELAY", SECOND)
+    audit.auditor.open()
+    assert audit.run(lambda: not audit.gap)
+    audit.master.may_answer.clear()
+    assert audit.run(lambda: audit.kinds() == [AlarmKind.UNREACHABLE])
+    assert audit.response.alarms[0].reason.startswith("the master does not answer: ")
+    assert audit.run(lambda: not audit.gap)
+    audit.master.may_answer.set()
+    assert audit.run(lambda: not audit.response.alarms)
+
+
+def test_a_driver_that_has_gone_is_not_waited_for(audit):
+    audit.auditor.open()
+    assert audit.run(lambda: not audit.gap)
+    audit.master.subscribers = []
+    audit.driver.may_answer.clear()
+    assert audit.run(lambda: audit.auditor._state.subscribers == {})
+    assert audit.run(lambda: not audit.gap)
 
 
 def test_nodes_that_are_not_there_are_not_waited_for(audit):

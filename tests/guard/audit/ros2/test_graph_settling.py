@@ -71,6 +71,11 @@ class Domain:
     def missing(self):
         return self.response.find_missing()
 
+    @property
+    def gap(self):
+        """Why the stream was not looked after within the last second, "" if it was."""
+        return self.response.find_unseen(self.now - SECOND).get("/cmd_vel", "")
+
     def pass_time(self, duration_s):
         """Look at the graph twice a second."""
         for _ in range(int(duration_s * 2)):
@@ -101,6 +106,23 @@ def test_a_graph_that_changes_is_not(domain):
     assert CHANGED in domain.missing
     domain.pass_time(3)
     assert domain.missing == ""
+
+
+def test_a_stream_is_looked_after_at_each_look_at_a_domain_that_is_known(domain):
+    domain.pass_time(3)
+    assert domain.gap == "the audit has just joined the domain"
+    domain.pass_time(1)
+    assert domain.gap == ""
+    domain.ends.remove(NAV_PUBLISHES)
+    domain.pass_time(1)
+    assert domain.gap == "", "a graph that changes is looked at, too"
+    domain.unknown = frozenset({"/cmd_vel"})
+    assert domain.gap == UNKNOWN
+    domain.unknown = frozenset()
+    domain.now += SECOND
+    assert domain.gap == "the graph does not answer"
+    domain.pass_time(1)
+    assert domain.gap == ""
 
 
 def test_who_waits_for_its_name_is_told_before_the_graph_is_known(domain):

@@ -4,14 +4,15 @@ import os
 import re
 import signal
 import time
-from contextlib import suppress
+from contextlib import contextmanager, suppress
+from dataclasses import replace
 
 import pytest
 from audit_scene import ReturningGhost, Scene, wait_until_found
-from driven_base import CMD_VEL_GUARD
+from driven_base import CMD_VEL_GUARD, drive_plan
 from harness import wait_for
 
-from rtron.vocabulary import GUARD_NODE
+from rtron.vocabulary import GUARD_NODE, SECOND, Supervision
 
 pytestmark = pytest.mark.ros1
 LOST = "the bulk process is gone"
@@ -21,13 +22,43 @@ HANG_S = 7
 COMPLETE = "the audit has looked at the whole graph"
 
 
-@pytest.fixture
-def scene(ros1):
-    with Scene(ros1, "driver.py") as scene:
+IMPATIENCE_S = 5
+UNWATCHED = f"nobody has looked for intruders for {IMPATIENCE_S} s"
+
+
+@contextmanager
+def driving(ros1, plan):
+    with Scene(ros1, "driver.py", plan) as scene:
         scene.navigate()
         wait_for(lambda: len(scene.driven.navigation()) > 1, what="navigation at the driver")
         wait_for(scene.is_audited, what="the audit")
         yield scene
+
+
+@pytest.fixture
+def scene(ros1):
+    with driving(ros1, drive_plan()) as scene:
+        yield scene
+
+
+@pytest.fixture
+def impatient(ros1):
+    """Return a robot that does not drive for long without an audit."""
+    supervision = Supervision(audit_within=IMPATIENCE_S * SECOND)
+    with driving(ros1, replace(drive_plan(), supervision=supervision)) as scene:
+        yield scene
+
+
+def is_unwatched(scene, gap):
+    return bool(scene.alarms(f"alarm: unseen: /cmd_vel: {UNWATCHED}: {gap}"))
+
+
+def assert_stopped_until_watched(scene):
+    wait_for(lambda: scene.stops() > 0, what="the stop")
+    passed = len(scene.driven.navigation())
+    wait_for(lambda: scene.alarms(f"no more: unseen: /cmd_vel: {UNWATCHED}"), what="an audit")
+    wait_for(lambda: len(scene.driven.navigation()) > passed, what="navigation again")
+    assert not scene.alarms("alarm: intrusion")
 
 
 def intrude(scene, ros1):
@@ -123,18 +154,45 @@ def test_a_guard_that_begins_beside_an_intruder_is_stopped_and_not_cleared(ros1,
     wait_until_cleared(scene, passed)
 
 
-def test_a_robot_without_an_audit_is_stopped_until_there_is_one(scene):
+def test_a_robot_without_an_audit_is_stopped_until_there_is_one(impatient):
     """The bulk process ends as soon as it begins, until the robot rests."""
-    unwatched = "nobody looks for intruders: the bulk process has been away for 10 s"
 
     def is_stopped():
         with suppress(ProcessLookupError):
-            os.kill(bulk_process(scene), signal.SIGKILL)
-        return unwatched in scene.guard.log
+            os.kill(bulk_process(impatient), signal.SIGKILL)
+        return is_unwatched(impatient, "the audit does not answer")
 
     wait_for(is_stopped, what="the end of the guard's patience")
-    wait_for(lambda: scene.stops() > 0, what="the stop")
-    passed = len(scene.driven.navigation())
-    wait_for(lambda: "the audit is connected again" in scene.guard.log, what="the next audit")
-    wait_for(lambda: len(scene.driven.navigation()) > passed, what="navigation again")
-    assert not scene.alarms("alarm: intrusion")
+    assert_stopped_until_watched(impatient)
+
+
+def test_an_audit_that_begins_without_the_master_is_none(ros1, impatient):
+    ros1.master.tell(signal.SIGSTOP)
+    end_bulk_process(impatient)
+    wait_for(
+        lambda: is_unwatched(impatient, "the master has not answered"),
+        what="the end of the guard's patience",
+    )
+    ros1.master.tell(signal.SIGCONT)
+    assert_stopped_until_watched(impatient)
+
+
+def test_a_driver_that_does_not_tell_who_speaks_to_it_is_stopped(impatient):
+    impatient.driver.tell(signal.SIGSTOP)
+    gap = "/driver cannot be audited: no answer within 1 s"
+    wait_for(lambda: is_unwatched(impatient, gap), what="the end of the guard's patience")
+    impatient.driver.tell(signal.SIGCONT)
+    assert_stopped_until_watched(impatient)
+
+
+def test_a_robot_drives_on_without_the_master_and_an_alarm_tells_it(ros1, impatient):
+    ros1.master.kill()
+    gone = "unseen: the master does not answer"
+    wait_for(lambda: impatient.alarms(f"alarm: {gone}"), what="the alarm")
+    passed, killed = len(impatient.driven.navigation()), time.monotonic()
+    wait_for(lambda: time.monotonic() > killed + IMPATIENCE_S + 1, what="more than the bound")
+    wait_for(lambda: len(impatient.driven.navigation()) > passed, what="navigation, which goes on")
+    assert impatient.stops() == 0
+    ros1.start_master()
+    wait_for(lambda: impatient.alarms(f"no more: {gone}"), what="the end of the alarm")
+    assert not impatient.alarms(UNWATCHED)

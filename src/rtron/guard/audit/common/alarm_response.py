@@ -42,6 +42,8 @@ class AlarmResponse:
         """See `AuditResponse`."""
         self.find_missing: Callable[[], str] = lambda: ""
         """See `AuditResponse`; nobody asks here, since this process and its audit end together."""
+        self.find_unseen: Callable[[int], Mapping[str, str]] = lambda since: {}
+        """The same."""
         self.query_audit: Callable[[str, bool, OnRefusal], None] = self._query_here
         """Asks the audit, wherever it is, to `dismiss`; the answer may come later."""
         self.change_listeners: list[Callable[[], None]] = []

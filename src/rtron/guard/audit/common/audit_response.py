@@ -4,7 +4,7 @@ The audit finds intruders; the process of the brakes stops the streams and liste
 itself, since it answers each of their messages at once.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -58,6 +58,11 @@ class AuditResponse(Protocol):
     """Takes the GID of an intruder that was taken for gone and speaks. Set by the audit."""
     find_missing: Callable[[], str]
     """Returns what the audit has not looked at yet, "" when it has looked at everything once.
+
+    Set by the audit.
+    """
+    find_unseen: Callable[[int], Mapping[str, str]]
+    """Returns the streams after which the audit has not looked since a time (ns), and why not.
 
     Set by the audit.
     """

@@ -38,6 +38,10 @@ _TICK_S = 0.5
 _TICKS_PER_NAME_CHECK = 10
 _DRIFT_DELAY = 3 * SECOND
 _UNSEEN_DELAY = 3 * SECOND
+_MASTER_DELAY = 5 * SECOND
+"""How long a master may be silent before that is an alarm, ns: one that restarts is back sooner."""
+_MASTER_SILENT = "the master does not answer: impostors and nodes that come are not found"
+_UNKNOWN_NODES = "the command process has not told its nodes"
 
 
 class Ros1Auditor:
@@ -60,6 +64,7 @@ class Ros1Auditor:
         self._state_body = b""
         self._is_state_current = False
         """Whether the master has told its state since the guard's nodes are known."""
+        self._master_answered_at = loop.now()
         self._tick_count = 0
         self._first_reasons: dict[str, str] = {}
         self._named_nodes = frozenset(n for n in self._expected.listener_patterns() if "*" not in n)
@@ -76,6 +81,7 @@ class Ros1Auditor:
         self._unseen_alarms = DebouncedAlarms(response, 0)
         self._audited_nodes.on_change = self._intrusions.update
         response.find_missing = self._find_missing
+        response.find_unseen = self._find_unseen
         self._state_poll = PollTarget(
             poller=XmlRpcPoller(_STATE, _MAX_STATE_BYTES),
             on_response=self._on_state,
@@ -148,7 +154,8 @@ class Ros1Auditor:
             self._loop.call_later(1.0, self._resolve_master)
 
     def _on_state(self, body: bytes) -> None:
-        self._state_poll.not_before = self._loop.now() + _STATE_PERIOD
+        self._master_answered_at = self._loop.now()
+        self._state_poll.not_before = self._master_answered_at + _STATE_PERIOD
         if body == self._state_body:
             self._is_state_current = True
         else:
@@ -156,7 +163,7 @@ class Ros1Auditor:
             self._parser_threads.submit(work, partial(self._on_state_parsed, body))
 
     def _on_state_failure(self, error: Exception) -> None:
-        del error  # the guard's registrar tells that the master does not answer
+        del error  # `_master_alarms` tells it, if it lasts
         self._state_poll.not_before = self._loop.now() + _STATE_PERIOD
 
     def _on_state_parsed(self, body: bytes, state: MasterRegistrations | None) -> None:
@@ -199,7 +206,8 @@ class Ros1Auditor:
             self._update_alarms(self._state)
         for node in list(self._audited_nodes.by_name.values()):
             self._maintain_node(node)
-        self._unseen_alarms.update(self._unseen_node_alarms(), self._loop.now())
+        alarms = [*self._master_alarms(), *self._unseen_node_alarms()]
+        self._unseen_alarms.update(alarms, self._loop.now())
 
     def _maintain_node(self, node: AuditedNode) -> None:
         """Find a node that does not answer; forget one that has gone and that no plan names."""
@@ -225,7 +233,7 @@ class Ros1Auditor:
 
     def _gaps(self) -> Iterator[str]:
         if self._guard.unknown_streams():
-            yield "the command process has not told its nodes"
+            yield _UNKNOWN_NODES
         if not self._is_state_current:
             yield "the master does not answer"
         if not self._guard_names.is_checked:
@@ -239,8 +247,32 @@ class Ros1Auditor:
 
     def _is_unseen(self, node: AuditedNode) -> bool:
         """Tell whether a node is there and has not told who speaks to it."""
+        return bool(node.failure) and self._is_there(node)
+
+    def _is_there(self, node: AuditedNode) -> bool:
         has_gone = node.is_refused or not self._is_present(node)
-        return bool(node.failure) and (self._is_listening(node) or not has_gone)
+        return self._is_listening(node) or not has_gone
+
+    def _find_unseen(self, since: int) -> dict[str, str]:
+        """Return the streams whose listeners have not all told since then who speaks to them.
+
+        The master is needed once, to find them: from then on they know who speaks to them, and it
+        does not.
+        """
+        if self._state is None:
+            streams = {each.stream_topic for each in self._expected.topics.values()}
+            return dict.fromkeys(streams, "the master has not answered")
+        unseen = dict.fromkeys(self._guard.unknown_streams(), _UNKNOWN_NODES)
+        for node in self._audited_nodes.by_name.values():
+            if (node.failure or node.last_response_at <= since) and self._is_there(node):
+                why = f"{node.name} cannot be audited: {node.failure or 'it is asked seldom'}"
+                unseen |= {each.stream_topic: why for each in node.audited_topics.values()}
+        return unseen
+
+    def _master_alarms(self) -> Iterator[Alarm]:
+        """Yield an alarm if the master is silent: nodes that come are not found, nor impostors."""
+        if self._loop.now() - self._master_answered_at > _MASTER_DELAY:
+            yield Alarm(kind=AlarmKind.UNREACHABLE, reason=_MASTER_SILENT)
 
     def _unseen_node_alarms(self) -> Iterator[Alarm]:
         """Yield an alarm for each node that is there and does not say who speaks to it."""

@@ -36,12 +36,16 @@ if TYPE_CHECKING:
     from rtron.wire.ros2.endpoints import Ros2Endpoint
 
 _UNKNOWN_NODES = "the command process has not told its nodes"
+_NO_GRAPH = "the graph does not answer"
+_NEW_IN_DOMAIN = "the audit has just joined the domain"
 _DRIFT_DELAY = 3 * SECOND
 _SETTLING_TIME = NAME_TIMEOUT + SECOND
 """How long the graph must have been the same, since discovery has no end that one can see (ns).
 
 By then who waits for its name is told, too.
 """
+_DISCOVERY_TIME = 4 * SECOND
+"""How long it takes to know a domain (ns): Fast DDS repeats its announcements every 3 s."""
 
 
 class Ros2Auditor:
@@ -79,6 +83,8 @@ class Ros2Auditor:
         self._response.dismiss = self._dismiss
         self._response.on_return = self._on_return
         self._response.find_missing = self._find_missing
+        self._response.find_unseen = self._find_unseen
+        self._joined_at = self._looked_at = loop.now()
         self._seen: frozenset[tuple[bytes, str]] = frozenset()
         """The endpoints at the last look, and the names of their nodes."""
         self._changed_at = loop.now()
@@ -109,6 +115,7 @@ class Ros2Auditor:
 
     def _update(self) -> None:
         now, observed = self._loop.now(), ObservedGraph(self._endpoints())
+        self._looked_at = now
         present = {endpoint.participant for endpoint in observed.endpoints}
         self._liveness.update(present, now)
         listed = {endpoint.gid for endpoint in observed.endpoints}
@@ -139,6 +146,15 @@ class Ros2Auditor:
 
     def _find_missing(self) -> str:
         return _UNKNOWN_NODES if self._unknown_streams() else self._gap
+
+    def _find_unseen(self, since: int) -> dict[str, str]:
+        """Return the streams after which nobody has looked since then, and why."""
+        gap = _NO_GRAPH if self._looked_at <= since else ""
+        if self._loop.now() - self._joined_at < _DISCOVERY_TIME:
+            gap = _NEW_IN_DOMAIN
+        streams = {each.stream_topic for each in self._expected.topics.values()}
+        unknown = dict.fromkeys(self._unknown_streams(), _UNKNOWN_NODES)
+        return dict.fromkeys(streams, gap) if gap else unknown
 
     def _judged(self, foreign: Sequence[BrakingAlarm]) -> list[BrakingAlarm]:
         """Return what counts: on streams whose process has not told its nodes, nothing new."""
