@@ -3,6 +3,7 @@
 import os
 import re
 import signal
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -91,6 +92,26 @@ def test_nothing_is_cleared_while_no_audit_is_there(base):
     assert base.speeds("0.5") == base.passed
     wait_for(base.is_cleared, what="the guard's leave to drive again")
     wait_for(lambda: base.speeds("0.5") > base.passed + 5, what="navigation again")
+
+
+def test_a_robot_without_an_audit_is_stopped_until_there_is_one(calm):
+    """The bulk process ends as soon as it begins; once alone is soon made up for."""
+    unseen = "unseen: /cmd_vel: nobody has looked for intruders for 10 s: "
+
+    def is_stopped():
+        with suppress(ProcessLookupError):
+            os.kill(process(calm, "the bulk process is there"), signal.SIGKILL)
+        return calm.alarms(f"alarm: {unseen}")
+
+    os.kill(process(calm, "the bulk process is there"), signal.SIGKILL)
+    wait_for(lambda: calm.guard.log.count(COMPLETE) == 2, what="the next audit")
+    assert not calm.alarms(unseen)
+    wait_for(is_stopped, what="the end of the guard's patience")
+    wait_for(lambda: calm.speeds("0.0") > 0, what="the stop")
+    passed = calm.speeds("0.5")
+    wait_for(lambda: calm.alarms(f"no more: {unseen}"), what="an audit")
+    wait_for(lambda: calm.speeds("0.5") > passed, what="navigation again")
+    assert not calm.alarms("alarm: intrusion")
 
 
 def test_a_supervisor_that_the_guard_has_started_is_no_intruder(calm):
