@@ -15,7 +15,12 @@ from rtron.guard.supervision.supervisor_fsm import (
     SupervisorAction,
     SupervisorFsm,
 )
-from rtron.guard.supervision.watchdog import BEAT_PERIOD, SchedulingDelay, Watchdog
+from rtron.guard.supervision.watchdog import (
+    BEAT_PERIOD,
+    SchedulingDelay,
+    Watchdog,
+    adapt_bound,
+)
 from rtron.vocabulary import SECOND, Supervision
 from rtron.vocabulary.plan import LONGEST_STALL
 
@@ -333,3 +338,17 @@ def test_the_worst_delay_is_known_for_a_second_and_forgotten_after_two():
 
 def test_a_tick_that_comes_early_is_not_late():
     assert SchedulingDelay(0).update(1) == 0
+
+
+def test_the_lateness_of_slower_ticks_is_what_they_are_late_by():
+    delay = SchedulingDelay(0, 5 * BEAT_PERIOD)
+    assert delay.update(5 * BEAT_PERIOD) == 0
+    assert delay.update(12 * BEAT_PERIOD) == 2 * BEAT_PERIOD
+
+
+def test_a_bound_grows_with_the_lateness_up_to_the_longest():
+    usual = 2 * BEAT_PERIOD
+    assert adapt_bound(SECOND, 0, 5 * SECOND) == SECOND
+    assert adapt_bound(SECOND, SECOND // 3, 5 * SECOND) == 3 * (SECOND // 3) + usual
+    assert adapt_bound(SECOND, 4 * SECOND, 5 * SECOND) == 5 * SECOND
+    assert adapt_bound(SECOND, 4 * SECOND, 0) == SECOND

@@ -27,7 +27,7 @@ from rtron.guard.lanes.messages import (
     BoardChanged,
     BulkParticipant,
 )
-from rtron.guard.supervision.watchdog import Watchdog
+from rtron.guard.supervision.watchdog import SchedulingDelay, Watchdog, adapt_bound
 from rtron.guard.transport.ros2.participants import MAX_LEASE
 from rtron.vocabulary import SECOND
 
@@ -44,6 +44,8 @@ _GREETING_S = 20.0
 """How long a bulk process may listen before it greets: it joins the graph in between, s."""
 HANG_TIMEOUT = SECOND
 """Silence after which the bulk process is killed, ns; 30 ms of each time between looks count."""
+LONGEST_HANG = 5 * SECOND
+"""The same where it is late again and again: it goes after others, and is not killed for that."""
 
 
 class BulkConnection:
@@ -69,7 +71,7 @@ class BulkConnection:
         self._channel: MessageChannel | None = None
         self._pid = 0
         self._connected_at = 0
-        self._watchdog = Watchdog(loop.now())
+        self._watch_anew()
         self._participant = b""
         self._former_participants: deque[tuple[bytes, int]] = deque(maxlen=_MAX_FORMER)
         self._is_closed = False
@@ -137,7 +139,7 @@ class BulkConnection:
         if greeting != GREETING or not descriptors:
             raise WireError("the bulk process does not greet")
         self._pid = peer_credentials(sock)[0]
-        self._watchdog = Watchdog(self._loop.now())
+        self._watch_anew()
         self._connected_at = self._loop.now()
         log.info("the bulk process is there, process %d", self._pid)
         self._loop.unwatch(sock)
@@ -200,9 +202,16 @@ class BulkConnection:
         self._board.update(self._loop.now())
         self._host.schedule_deadline()
 
+    def _watch_anew(self) -> None:
+        now = self._loop.now()
+        self._watchdog = Watchdog(now)
+        self._delay = SchedulingDelay(now, REFRESH_PERIOD)
+
     def _end_hung_process(self) -> None:
-        silence = self._watchdog.update(self._loop.now(), self._board.view.written_at)
-        if silence > HANG_TIMEOUT and self._channel:
+        written_at = self._board.view.written_at
+        silence = self._watchdog.update(self._loop.now(), written_at)
+        limit = adapt_bound(HANG_TIMEOUT, self._delay.update(written_at), LONGEST_HANG)
+        if silence > limit and self._channel:
             log.error("the bulk process stands still: it is killed")
             _kill(self._pid)
             self._channel.close()

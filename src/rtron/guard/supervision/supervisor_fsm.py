@@ -8,7 +8,7 @@ import os
 from dataclasses import dataclass
 from enum import Enum
 
-from rtron.guard.supervision.watchdog import BEAT_PERIOD
+from rtron.guard.supervision.watchdog import adapt_bound
 from rtron.vocabulary import SECOND, Supervision
 from rtron.vocabulary.plan import LONGEST_STALL
 
@@ -172,8 +172,8 @@ class SupervisorFsm:
 
     def _is_silent(self, observation: GuardObservation) -> bool:
         """Tell whether the guard is silent for longer than the machine explains."""
-        usual = min(3 * observation.delay + 2 * BEAT_PERIOD, LONGEST_STALL)
-        return observation.silence >= max(self._bounds.stall_after, usual)
+        stall_after = adapt_bound(self._bounds.stall_after, observation.delay, LONGEST_STALL)
+        return observation.silence >= stall_after
 
     def _is_stuck(self, observation: GuardObservation) -> bool:
         """Tell whether nothing comes out of the guard for longer than the machine explains."""

@@ -31,21 +31,32 @@ _DELAY_WINDOW = SECOND
 
 
 class SchedulingDelay:
-    """The worst lateness of our own ticks in the last one to two seconds.
+    """The worst lateness of ticks in the last one to two seconds.
 
-    Where we are late because others have the processor, so can be the process that we watch.
+    They are our own: where we are late because others have the processor, so can be the process
+    that we watch. Or they are its own, if it tells when they were.
     """
 
-    def __init__(self, now: int) -> None:
+    def __init__(self, now: int, period: int = BEAT_PERIOD) -> None:
+        """`period` is the time between two ticks that are not late, ns."""
+        self._period = period
         self._updated_at = self._window_began_at = now
         self._worst = self._worst_before = 0
 
     def update(self, now: int) -> int:
         """Return the worst lateness (ns) after a tick at `now`."""
-        late = now - self._updated_at - BEAT_PERIOD
+        late = now - self._updated_at - self._period
         self._updated_at = now
         if now - self._window_began_at >= _DELAY_WINDOW:
             self._window_began_at = now
             self._worst_before, self._worst = self._worst, 0
         self._worst = max(self._worst, late)
         return max(self._worst, self._worst_before)
+
+
+def adapt_bound(bound: int, delay: int, longest: int) -> int:
+    """Return how long (ns) a process may be silent that is late by `delay` because of others.
+
+    That is `bound` at least, and at most `longest` unless `bound` is more.
+    """
+    return max(bound, min(3 * delay + 2 * BEAT_PERIOD, longest))

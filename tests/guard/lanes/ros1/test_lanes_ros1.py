@@ -3,6 +3,7 @@
 import os
 import re
 import signal
+import time
 
 import pytest
 from driven_base import Driven, start_guard
@@ -94,6 +95,32 @@ def test_without_the_process_that_counts_frames_the_robot_rests(ros1, driver, nu
     base.wait_for_speed(SPEED, "navigation again", len(base.speeds()))
     assert base.command_process == command
     assert max(base.speeds()) == SPEED
+
+
+def freeze(process, duration_s):
+    """Leave a process without the processor for a while."""
+    os.kill(process, signal.SIGSTOP)
+    until = time.monotonic() + duration_s
+    wait_for(lambda: time.monotonic() > until, what="the end of the freeze")
+    os.kill(process, signal.SIGCONT)
+
+
+def test_a_bulk_process_that_is_late_again_and_again_is_not_killed(ros1, driver):
+    """The last time it is away for longer than one that was never late may be."""
+    base = LanedBase(ros1, driver, "/rtron/msrcn", msrcn=LIGHT)
+    light = Light(ros1, "green")
+    base.navigate()
+    bulk, command = base.bulk_process, base.command_process
+    for duration_s in (0.7, 0.7, 0.7, 2.2):
+        freeze(bulk, duration_s)
+        before = len(base.speeds())
+        base.wait_for_speed(SPEED, "navigation, which needs the next numbers", before)
+    before = len(base.speeds())
+    light.turn("red")
+    base.wait_for_speed(0.0, "rest at the red light", before)
+    assert (base.bulk_process, base.command_process) == (bulk, command)
+    assert lives(bulk)
+    assert "stands still" not in base.guard.log
 
 
 def test_without_the_process_that_reads_events_a_rule_blocks(ros1, driver):
