@@ -3,8 +3,10 @@
 import os
 import time
 from pathlib import Path
+from threading import Event
 
 import pytest
+from harness import wait_for
 
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.handover_state import HeartbeatFile, heartbeat_path
@@ -23,11 +25,31 @@ def test_the_next_one_knows_when_it_was_there(path):
     before = time.time_ns()
     loop = EventLoop()
     HeartbeatFile(path).beat(loop)
+    wait_for(path.exists, what="the first heartbeat")
     assert path.stat().st_mode & 0o777 == 0o600
     os.utime(path, ns=(before - 7, before - 7))
     assert HeartbeatFile(path).previous_time == before - 7
     loop.step()
-    assert HeartbeatFile(path).previous_time > before - 7
+    wait_for(lambda: HeartbeatFile(path).previous_time > before - 7, what="the next heartbeat")
+    loop.close()
+
+
+def test_a_disk_that_hangs_keeps_nobody_waiting(path, monkeypatch):
+    may_go_on, touch = Event(), Path.touch
+
+    def hang(path, **options):
+        may_go_on.wait()
+        touch(path, **options)
+
+    monkeypatch.setattr(Path, "touch", hang)
+    loop, called = EventLoop(), []
+    HeartbeatFile(path).beat(loop)
+    loop.call_later(1.1, lambda: called.append("two heartbeats later"))
+    while not called:
+        loop.step()
+    assert not path.exists()
+    may_go_on.set()
+    wait_for(path.exists, what="the heartbeat")
     loop.close()
 
 
@@ -43,10 +65,10 @@ def test_where_nothing_can_be_written_the_guard_goes_on(tmp_path):
     path = tmp_path / "none" / "robot.heartbeat"
     HeartbeatFile(path).beat(loop)
     path.parent.mkdir()
-    loop.call_later(1, lambda: called.append(path.exists()))
+    loop.call_later(1.1, lambda: called.append("the next heartbeat"))
     while not called:
         loop.step()
-    assert called == [True]
+    wait_for(path.exists, what="the heartbeat")
     loop.close()
 
 

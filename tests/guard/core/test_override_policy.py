@@ -3,6 +3,7 @@
 import json
 import logging
 import os
+import pwd
 import socket
 import threading
 from concurrent.futures import Future
@@ -307,6 +308,22 @@ def test_a_guard_that_hears_nobody_out_is_there_all_the_same(open_control_socket
     for caller in callers:
         caller.close()
     first.close()
+
+
+def test_nobodys_name_is_looked_up_while_the_guard_runs(open_control_socket, monkeypatch):
+    """The directory of users may be on the network."""
+    open_socket, path = open_control_socket
+    control = open_socket()
+    control.open()
+    monkeypatch.setattr(pwd, "getpwuid", lambda uid: pytest.fail("a look-up"))
+    with socket.socket(socket.AF_UNIX) as client:
+        client.connect(str(path))
+        client.sendall(b"{}\n")
+        for _ in range(2):
+            control._loop.step(1)
+        assert client.recv(100) == b"{}\n"
+    control._loop.step(1)
+    control.close()
 
 
 def test_a_socket_that_a_guard_left_behind_is_replaced(open_control_socket):

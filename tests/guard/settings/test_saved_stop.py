@@ -1,5 +1,7 @@
 """The emergency stop from the file of the link process, without the bulk process."""
 
+import os
+
 import pytest
 from harness import wait_for
 from settings_app import WALL, Base
@@ -77,6 +79,18 @@ def test_a_file_that_cannot_be_read_stops_nothing_and_ends_nothing(watching, con
     watching.options.settings_file.write_bytes(content)
     assert not watching.looks()
     watching.write(Settings(revision=2, stop=STOP))
+    wait_for(watching.stops, what="the stop")
+
+
+def test_a_disk_that_hangs_keeps_the_loop_from_nothing(watching):
+    """Who opens a named pipe waits for its writer."""
+    pipe = watching.options.state / "pipe"
+    os.mkfifo(pipe)
+    os.link(pipe, watching.options.settings_file)
+    assert not watching.looks()
+    watching.write(Settings(revision=2, stop=STOP))
+    assert not watching.looks()
+    pipe.write_bytes(b"")
     wait_for(watching.stops, what="the stop")
 
 

@@ -44,6 +44,8 @@ class ControlSocket:
         self._loop = loop
         self._path = path
         self._handler = handler
+        self._names = {uid: _name(uid) for uid in (0, os.getuid())}
+        """Who may send requests; looked up now, since a directory of users may hang."""
         self._sock = _listen(path)
         self._inode = _inode_of(path)
         log.info("listening for requests at %s", path)
@@ -67,10 +69,10 @@ class ControlSocket:
         sock, _ = self._sock.accept()
         sock.settimeout(0)
         _, uid = peer_credentials(sock)
-        if uid in (0, os.getuid()):
-            _Client(self._loop, sock, _name(uid), self._handler)
+        if uid in self._names:
+            _Client(self._loop, sock, self._names[uid], self._handler)
         else:
-            log.warning("user %s may not control the guard", _name(uid))
+            log.warning("user %d may not control the guard", uid)
             sock.close()
 
 

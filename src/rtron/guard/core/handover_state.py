@@ -12,6 +12,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from rtron.guard.core.background_worker import BackgroundWorker
 from rtron.guard.core.event_loop import EventLoop
 from rtron.policies.policy import Policy
 from rtron.policies.state_transfer import LeaseState, PolicyState
@@ -128,11 +129,15 @@ class HeartbeatFile:
 
     def __init__(self, path: Path) -> None:
         self._path = path
+        self._worker = BackgroundWorker(self._touch, "heartbeat")
         self.previous_time = _modification_time(path)
 
     def beat(self, loop: EventLoop) -> None:
-        """Touch the file now, and each second from now on."""
+        """Have the file touched now, and each second from now on in which the loop comes round."""
         loop.call_later(_PERIOD_S, partial(self.beat, loop))
+        self._worker.request()
+
+    def _touch(self) -> None:
         try:
             self._path.touch(mode=_PRIVATE)
         except OSError as error:

@@ -4,11 +4,14 @@ Settings come by the bulk process, which may be away, hang or be busy with pictu
 """
 
 import time
+from functools import partial
 
+from rtron.guard.core.background_worker import BackgroundWorker
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.link.options import LinkOptions
 from rtron.guard.link.settings_file import read_settings
 from rtron.guard.settings.in_force import SettingsInForce
+from rtron.vocabulary import EmergencyStop, Settings
 
 _PERIOD_S = 0.1
 
@@ -16,13 +19,15 @@ _PERIOD_S = 0.1
 class SavedStop:
     """Looks at the file ten times a second; puts a stop in force, and nothing else that is there.
 
-    A stop is released by settings that come on the usual way. A disk that is full keeps no stop.
+    A stop is released by settings that come on the usual way. A disk that is full keeps no stop,
+    and one that hangs keeps this look waiting and no command.
     """
 
     def __init__(self, settings: SettingsInForce, options: LinkOptions, loop: EventLoop) -> None:
         self._settings = settings
         self._file = options.settings_file
         self._loop = loop
+        self._worker = BackgroundWorker(self._look, "saved-stop")
         self._read_at = 0
         self._is_closed = False
 
@@ -30,13 +35,14 @@ class SavedStop:
         """Look from now on."""
         if not self._is_closed:
             self._loop.call_later(_PERIOD_S, self.open)
-            self._look()
+            self._worker.request()
 
     def close(self) -> None:
         """Look no more."""
         self._is_closed = True
 
     def _look(self) -> None:
+        """Read the file if it has changed, in the worker's thread."""
         try:
             written_at = self._file.stat().st_mtime_ns
         except OSError:
@@ -45,5 +51,9 @@ class SavedStop:
             return
         self._read_at = written_at
         saved = read_settings(self._file, time.time_ns())
-        if saved and saved.stop and saved.revision > self._settings.revision:
-            self._settings.stop_robot(saved.stop)
+        if saved and saved.stop:
+            self._loop.post(partial(self._stop, saved, saved.stop))
+
+    def _stop(self, saved: Settings, stop: EmergencyStop) -> None:
+        if saved.revision > self._settings.revision:
+            self._settings.stop_robot(stop)
