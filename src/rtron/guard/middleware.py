@@ -8,8 +8,8 @@ from rtron.guard.audit.ros1.auditor import Ros1Auditor
 from rtron.guard.audit.ros1.expected_graph import ExpectedGraph
 from rtron.guard.audit.ros1.intruder_links import IntruderLinks
 from rtron.guard.audit.ros1.planned_listeners import PlannedListeners
-from rtron.guard.lanes.joined_nodes import JoinedNodes
-from rtron.guard.lanes.messages import NodesReport
+from rtron.guard.lanes.bulk.joined_nodes import JoinedNodes
+from rtron.guard.lanes.exchange.messages import NodesReport
 from rtron.guard.transport.factory import open_ros1_transport, open_ros2_transport
 from rtron.vocabulary import Mode, build_streams, normalise_type
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from rtron.guard.audit.common.alarm_response import AlarmResponse
     from rtron.guard.audit.common.audit_response import AuditResponse
     from rtron.guard.core.event_loop import EventLoop
-    from rtron.guard.lanes.command_nodes import CommandNodes
+    from rtron.guard.lanes.bulk.command_nodes import CommandNodes
     from rtron.guard.runner import Part
     from rtron.guard.transport.common.protocol import LiveTransport
     from rtron.guard.transport.ros1.middleware import Ros1Transport

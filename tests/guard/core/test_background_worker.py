@@ -4,7 +4,7 @@ from threading import Event, current_thread
 
 from harness import wait_for
 
-from rtron.guard.core.background_worker import BackgroundWorker
+from rtron.guard.core.event_loop import BackgroundWorker
 
 
 def test_it_is_done_in_a_thread_and_once_more_if_it_is_asked_for_meanwhile():

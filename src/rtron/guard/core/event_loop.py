@@ -1,4 +1,4 @@
-"""The guard's event loop: sockets, timers, and callbacks from threads."""
+"""The guard's event loop: sockets, timers, callbacks from threads, and a thread beside it."""
 
 import heapq
 import logging
@@ -9,6 +9,7 @@ from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
 from itertools import count
+from threading import Event, Thread
 from typing import Protocol
 
 from rtron.errors import RTronError
@@ -220,3 +221,28 @@ class EventLoop:
 
     def _on_wake_error(self, error: Exception) -> None:
         log.debug("waking up failed: %s", error)
+
+
+class BackgroundWorker:
+    """A thread for work that may hang, as all work on files may; the loop never waits for it.
+
+    Asked while it works, it works once more. It keeps no process from ending.
+    """
+
+    def __init__(self, work: Callable[[], None], name: str) -> None:
+        self._work = work
+        self._is_requested = Event()
+        Thread(target=self._run, name=name, daemon=True).start()
+
+    def request(self) -> None:
+        """Ask for the work, now or as soon as the thread is free."""
+        self._is_requested.set()
+
+    def _run(self) -> None:
+        while True:
+            self._is_requested.wait()
+            self._is_requested.clear()
+            try:
+                self._work()
+            except Exception:
+                log.exception("internal error in a thread of the guard; it goes on")

@@ -12,8 +12,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from rtron.guard.core.background_worker import BackgroundWorker
-from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.core.event_loop import BackgroundWorker, EventLoop
 from rtron.policies.policy import Policy
 from rtron.policies.state_transfer import LeaseState, PolicyState
 

@@ -10,7 +10,7 @@ from uuid import uuid4
 from rtron import __version__
 from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.event_loop import EventLoop
-from rtron.guard.lanes.lane_state import LaneState, lane_state, stream_figures
+from rtron.guard.lanes.exchange.lane_state import LaneState, lane_state, stream_figures
 from rtron.guard.link.event_counter import EventCounter
 from rtron.guard.link.event_recorder import EventRecorder, RecordEvent
 from rtron.guard.link.host_events import HostEvents

@@ -6,8 +6,7 @@ Settings come by the bulk process, which may be away, hang or be busy with pictu
 import time
 from functools import partial
 
-from rtron.guard.core.background_worker import BackgroundWorker
-from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.core.event_loop import BackgroundWorker, EventLoop
 from rtron.guard.link.options import LinkOptions
 from rtron.guard.link.settings_file import read_settings
 from rtron.guard.settings.in_force import SettingsInForce

@@ -2,7 +2,7 @@
 
 import sys
 
-from rtron.guard.lanes.bulk_process import run_bulk_process
+from rtron.guard.lanes.bulk.bulk_process import run_bulk_process
 from rtron.guard.log_format import start_logging
 from rtron.guard.supervision.guard_config import read_config
 from rtron.guard.supervision.programs import leave_interrupts, open_descriptors, run_program

@@ -12,7 +12,7 @@ from rtron.guard.core.message_types import standard_info
 from rtron.guard.core.observations import observations_of
 from rtron.guard.core.report_messages import DIAGNOSTICS, STRING, UINT64
 from rtron.guard.dry_run import run_dry
-from rtron.guard.lanes.command_process import run_command_process
+from rtron.guard.lanes.command.command_process import run_command_process
 from rtron.guard.log_format import start_logging
 from rtron.guard.supervision.guard_config import read_config, stopped_streams
 from rtron.guard.supervision.programs import leave_interrupts, open_descriptors, run_program

@@ -10,7 +10,7 @@ from rtron.errors import SourceError
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.log_throttle import LogThrottle
 from rtron.guard.core.printable import printable
-from rtron.guard.lanes.bulk_socket import BulkSocket
+from rtron.guard.lanes.exchange.bulk_socket import BulkSocket
 from rtron.guard.supervision.delivery_watch import DeliveryWatch
 from rtron.guard.supervision.guard_config import GuardConfig, stopped_streams
 from rtron.guard.supervision.guard_process import GuardProcess, adopt_guard, spawn_guard

@@ -132,11 +132,10 @@ def describe_audit(audit: Audit) -> str:
 
 def describe_supervision(bounds: Supervision) -> str:
     """Return when the supervisor stops the robot, and when it kills the guard."""
-    stop = f"no sign of life: stop after {seconds(bounds.stall_after)}"
-    kill, start = seconds(bounds.kill_after), seconds(bounds.start_within)
+    stop, kill = seconds(bounds.stall_after), seconds(bounds.kill_after)
     deliver, audit = seconds(bounds.deliver_within), seconds(bounds.audit_within)
-    within = f"deliver within {deliver}, audit within {audit}, start within {start}"
-    return f"{stop}, kill after {kill}, {within}"
+    within = f"deliver within {deliver}, audit {audit}, start {seconds(bounds.start_within)}"
+    return f"no sign of life: stop after {stop}, kill after {kill}; {within}"
 
 
 def one_line(expression: str) -> str:

@@ -12,7 +12,7 @@ from plans import grcn, plan_of
 from rtron.guard.audit.ros1 import auditor, intrusions, master_queries
 from rtron.guard.audit.ros1.auditor import Ros1Auditor
 from rtron.guard.core.event_loop import EventLoop
-from rtron.guard.lanes.joined_nodes import JoinedNodes
+from rtron.guard.lanes.bulk.joined_nodes import JoinedNodes
 from rtron.vocabulary import SECOND, AlarmKind, Mode
 
 OUT, DRIVER, GUARD, BULK = "/rtron/cmd_vel/out", "/driver", "/rtron/grcn_cmd_vel", "/rtron_bulk"

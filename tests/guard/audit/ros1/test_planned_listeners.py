@@ -6,8 +6,8 @@ from plans import grcn, plan_of
 
 from rtron.guard.audit.ros1.expected_graph import ExpectedGraph
 from rtron.guard.audit.ros1.planned_listeners import MAX_MATCHING, PlannedListeners
-from rtron.guard.lanes.channel import MAX_MESSAGE_BYTES
-from rtron.guard.lanes.messages import NodesReport
+from rtron.guard.lanes.exchange.message_channel import MAX_MESSAGE_BYTES
+from rtron.guard.lanes.exchange.messages import NodesReport
 from rtron.guard.transport.ros1.subscriber_link import MAX_NAME
 
 OUT = "/rtron/cmd_vel/out"

@@ -46,7 +46,7 @@ class Domain:
         self.response = SimpleNamespace(
             raise_=lambda alarm, now, *streams: self.alarms.append(alarm),
             settle=self.alarms.remove,
-            listen=lambda order: None,
+            listen=lambda request: None,
             on_new_listener=lambda topic: None,
         )
         self.commands = SimpleNamespace(

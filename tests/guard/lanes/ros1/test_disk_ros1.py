@@ -35,6 +35,10 @@ class SavingBase:
         ros1.node("nav.py", "/nav", f"{CMD_VEL}:=/rtron{CMD_VEL}/flow1")
         self.wait_for_navigation()
 
+    @property
+    def guard_process(self):
+        return self.ros1.ask(self.ros1.uri_of(CMD_VEL_GUARD), "getPid")
+
     def wait_for_navigation(self):
         passed = len(self.driven.navigation())
         wait_for(lambda: len(self.driven.navigation()) > passed, what="navigation at the driver")
@@ -55,7 +59,10 @@ def base(ros1):
 
 def test_commands_pass_while_the_disk_hangs(base):
     """Who opens a named pipe waits for its writer."""
-    pipe, guard = base.ros1.folder / "pipe", base.ros1.ask(base.ros1.uri_of(CMD_VEL_GUARD), "getPid")
+    pipe, guard = (
+        base.ros1.folder / "pipe",
+        base.ros1.ask(base.ros1.uri_of(CMD_VEL_GUARD), "getPid"),
+    )
     os.mkfifo(pipe)
     os.link(pipe, base.state / "settings.json")
     begun = time.monotonic()
@@ -64,7 +71,7 @@ def test_commands_pass_while_the_disk_hangs(base):
     base.save_stop()
     pipe.write_bytes(b"")
     base.wait_for_stop()
-    assert base.ros1.ask(base.ros1.uri_of(CMD_VEL_GUARD), "getPid") == guard
+    assert base.guard_process == guard
 
 
 def test_a_saved_stop_needs_neither_the_bulk_process_nor_the_link_process(base):

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 
 from rtron.guard.audit.common.audit_brake import AuditBrake, Brake
-from rtron.guard.audit.common.audit_response import IntruderListener, ListeningOrder
+from rtron.guard.audit.common.audit_response import IntruderListener, ListenRequest
 from rtron.guard.coordinator import Coordinator
 from rtron.guard.intrusion_latch import OnRefusal
 from rtron.guard.transport.common.protocol import Transport
@@ -93,10 +93,10 @@ class AlarmResponse:
         """The streams that intruders have stopped and nobody has cleared."""
         return frozenset(self._intrusion_alarms)
 
-    def listen(self, order: ListeningOrder) -> None:
-        """Listen to intruders as ordered, and answer them."""
+    def listen(self, request: ListenRequest) -> None:
+        """Listen to intruders as the audit asks, and answer them."""
         if self.listener:
-            self.listener.obey(order)
+            self.listener.follow(request)
 
     def has_stop(self, topic: str) -> bool:
         """Tell whether the guard can stop what a stream moves."""

@@ -21,7 +21,7 @@ class ListenToPublisher:
 
     @property
     def subject(self) -> tuple[str, ...]:
-        """What a later order of the same kind replaces."""
+        """What a later request of the same kind replaces."""
         return (self.topic, self.uri)
 
 
@@ -37,11 +37,11 @@ class EndpointTrust:
 
     @property
     def subject(self) -> tuple[str, ...]:
-        """What a later order of the same kind replaces."""
+        """What a later request of the same kind replaces."""
         return ()
 
 
-ListeningOrder = ListenToPublisher | EndpointTrust
+ListenRequest = ListenToPublisher | EndpointTrust
 
 
 class AuditResponse(Protocol):
@@ -84,8 +84,8 @@ class AuditResponse(Protocol):
         """The streams that intruders have stopped and nobody has cleared."""
         ...
 
-    def listen(self, order: ListeningOrder) -> None:
-        """Listen to intruders as ordered, and answer them."""
+    def listen(self, request: ListenRequest) -> None:
+        """Listen to intruders as the audit asks, and answer them."""
         ...
 
     def on_new_listener(self, topic: str) -> None:
@@ -96,8 +96,8 @@ class AuditResponse(Protocol):
 class IntruderListener(Protocol):
     """Listens to the intruders of the streams that are stopped, and answers them."""
 
-    def obey(self, order: ListeningOrder) -> None:
-        """Listen as the audit orders."""
+    def follow(self, request: ListenRequest) -> None:
+        """Listen as the audit asks."""
         ...
 
     def update(self) -> None:

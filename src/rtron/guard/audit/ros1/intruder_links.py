@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from functools import partial
 
 from rtron.guard.audit.common.alarm_response import AlarmResponse
-from rtron.guard.audit.common.audit_response import ListeningOrder, ListenToPublisher
+from rtron.guard.audit.common.audit_response import ListenRequest, ListenToPublisher
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.transport.common.protocol import MessageHandler, Peer, ignore_lost
 from rtron.guard.transport.ros1.handshake import TopicRequest
@@ -37,12 +37,13 @@ class IntruderLinks:
         self._workers = ThreadPoolExecutor(_THREADS, thread_name_prefix="audit-hear")
 
     def open(self) -> None:
-        """Do nothing: the audit orders to whom to listen."""
+        """Do nothing: the audit says to whom."""
 
-    def obey(self, order: ListeningOrder) -> None:
+    def follow(self, request: ListenRequest) -> None:
         """Listen to a publisher, if it goes past a stream that is stopped."""
-        if isinstance(order, ListenToPublisher) and order.stream in self._response.stopped_streams:
-            self._listen(order)
+        stopped = self._response.stopped_streams
+        if isinstance(request, ListenToPublisher) and request.stream in stopped:
+            self._listen(request)
 
     def update(self) -> None:
         """Listen no more to those who do not go past a stream that is stopped."""
@@ -50,8 +51,8 @@ class IntruderLinks:
         for key in [key for key, each in self._links.items() if each.stream not in stopped]:
             self._close(key)
 
-    def _listen(self, order: ListenToPublisher) -> None:
-        key = (order.topic, order.uri)
+    def _listen(self, publisher: ListenToPublisher) -> None:
+        key = (publisher.topic, publisher.uri)
         known = self._links.get(key)
         if known and known.link.is_connected:
             return
@@ -59,10 +60,12 @@ class IntruderLinks:
             self._close(next(iter(self._links)))
         elif known:
             self._close(key)
-        request = TopicRequest(GUARD_NODE, order.topic, "", self._master)
+        request = TopicRequest(GUARD_NODE, publisher.topic, "", self._master)
         on_connect = partial(self._on_connect, key)
-        link = PublisherLink(self._loop, self._workers, request, order.uri, on_connect, ignore_lost)
-        self._links[key] = _IntruderLink(order.stream, link)
+        link = PublisherLink(
+            self._loop, self._workers, request, publisher.uri, on_connect, ignore_lost
+        )
+        self._links[key] = _IntruderLink(publisher.stream, link)
 
     def silence(self, stream: str) -> int | None:
         """Return for how long (ns) no intruder was heard on a stream; None if none ever was."""

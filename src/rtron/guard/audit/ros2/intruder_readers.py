@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from rtron.guard.audit.common.alarm_response import AlarmResponse
-    from rtron.guard.audit.common.audit_response import ListeningOrder
+    from rtron.guard.audit.common.audit_response import ListenRequest
     from rtron.guard.transport.ros2.data_reader import DataReader
     from rtron.guard.transport.ros2.middleware import Ros2Transport
 
@@ -46,11 +46,11 @@ class IntruderReaders:
         self._is_open = True
         self._update_periodically()
 
-    def obey(self, order: ListeningOrder) -> None:
+    def follow(self, request: ListenRequest) -> None:
         """Know whose messages are no intruder's."""
-        if isinstance(order, EndpointTrust):
-            self._trust = order
-            self._returned &= order.dismissed
+        if isinstance(request, EndpointTrust):
+            self._trust = request
+            self._returned &= request.dismissed
             self.update()
 
     def update(self) -> None:

@@ -1,0 +1,177 @@
+"""The bulk process: it carries states and sensor data, counts frames, reads events and reports.
+
+The audit of the graph, the diagnostics and the link to the security service are here, too: nothing
+of theirs delays a command.
+"""
+
+from __future__ import annotations
+
+import logging
+import os
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from rtron.guard.audit.common.audit_brake import AuditBrake, Brake
+from rtron.guard.coordinator import Coordinator
+from rtron.guard.core.alarms import UnreadableInputAlarms
+from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.core.observations import observations_of
+from rtron.guard.lanes.assignment import bulk_part, command_part
+from rtron.guard.lanes.bulk.board_writer import BoardWriter
+from rtron.guard.lanes.bulk.command_connection import CommandConnection
+from rtron.guard.lanes.bulk.command_nodes import CommandNodes
+from rtron.guard.lanes.bulk.remote_response import RemoteResponse
+from rtron.guard.lanes.exchange.messages import (
+    BulkParticipant,
+    HoldStream,
+    ReleaseStream,
+    RepeatStop,
+    StoppedStreams,
+)
+from rtron.guard.link.service_link import ServiceLink
+from rtron.guard.middleware import Middleware, open_middleware
+from rtron.guard.node_shutdown import ShutdownRefusal
+from rtron.guard.runner import GraphPart, Part, raise_file_limit, run_parts
+from rtron.guard.settings.applier import SettingsApplier
+from rtron.guard.settings.in_force import SettingsInForce, settings_at_start
+from rtron.vocabulary import BULK_NODE, SECOND, Mode, OnForeign, Plan, build_streams
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from rtron.guard.core.observations import Observations
+    from rtron.guard.link.options import LinkOptions
+    from rtron.guard.transport.common.protocol import LiveTransport
+
+log = logging.getLogger(__name__)
+
+_NICE = 5
+"""Commands go before what is carried here (nice(2), SCHED_BATCH of sched(7))."""
+_CHECK_S = 1.0
+_UNSUPERVISED = 3 * SECOND
+_UNUSED = 30 * SECOND
+
+
+def run_bulk_process(
+    plan: Plan, master: str, configuration: str, *, link: LinkOptions | None = None
+) -> None:
+    """Serve the command process at a ROS 1 master or in a ROS 2 domain, until stopped.
+
+    `configuration` is the digest of the guard's. SourceError if it has a bulk process already.
+    """
+    os.nice(_NICE)
+    os.sched_setscheduler(0, os.SCHED_BATCH, os.sched_param(0))
+    raise_file_limit()
+    loop = EventLoop()
+    middleware = open_middleware(plan, master, loop)
+    transport = middleware.transport
+    observations = _observations(plan)
+    streams = build_streams(bulk_part(plan))
+    coordinator = Coordinator(transport, streams, observations, node=BULK_NODE)
+    writer = BoardWriter(observations, loop)
+    connection = CommandConnection(loop, configuration, writer, coordinator.alarms)
+    coordinator.on_observed = writer.refresh
+    coordinator.other_statuses = connection.statuses
+    transport.set_unreadable_handler(UnreadableInputAlarms(coordinator.alarms, transport).report)
+    _follow_brakes(coordinator, transport, connection)
+    parts: list[Part] = [GraphPart(coordinator.open, transport), writer]
+    if link:
+        settings = SettingsInForce(SettingsApplier(plan, coordinator, transport, bulk_part))
+        settings_at_start(settings, link)
+        parts.append(ServiceLink(plan, coordinator, settings, loop, link, connection))
+    parts += _audit_parts(plan, middleware, connection, loop)
+    run_parts(loop, [*parts, connection, UnusedEnd(connection, loop)])
+
+
+def _follow_brakes(
+    coordinator: Coordinator, transport: LiveTransport, connection: CommandConnection
+) -> None:
+    """Let the command process brake the streams here."""
+    enforced = [each for each in coordinator.streams if each.spec.mode is Mode.ENFORCE]
+    brakes = {each.spec.topic: AuditBrake(each, transport) for each in enforced}
+    connection.message_listeners.append(HeldStreams(brakes).receive)
+
+
+def _audit_parts(
+    plan: Plan, middleware: Middleware, connection: CommandConnection, loop: EventLoop
+) -> list[Part]:
+    """Return the audit, whose alarms the command process responds to."""
+    streams = frozenset(each.topic for each in build_streams(command_part(plan)))
+    commands = CommandNodes(connection, loop, streams)
+    middleware.set_other_pids(connection.pids)
+    middleware.transport.set_supervisor(lambda: commands.report.supervisor)
+    middleware.transport.set_shutdown_handler(ShutdownRefusal(loop).handle)
+    stops_streams = plan.audit.on_foreign is OnForeign.STOP
+    response = RemoteResponse(connection, loop, stops_streams=stops_streams)
+    participant = middleware.report_nodes().participant
+    connection.connect_listeners.append(lambda: connection.send(BulkParticipant(participant)))
+    return [middleware.create_auditor(response, commands), response]
+
+
+def _observations(plan: Plan) -> Observations:
+    """Return what the plan observes; the node of the MSRCN is one of the command process."""
+    bulk = observations_of(bulk_part(plan))
+    topics = observations_of(plan).publisher_topics
+    return replace(bulk, node=f"{bulk.node}_events", publisher_topics=topics)
+
+
+class HeldStreams:
+    """The streams here that the command process holds, in response to the audit's alarms."""
+
+    def __init__(self, brakes: Mapping[str, Brake]) -> None:
+        """`brakes` are by the streams' public names.
+
+        A guard that connects after another tells what is stopped: what is not, it never held.
+        """
+        self._brakes = brakes
+        self._held: set[str] = set()
+
+    def receive(self, message: object) -> None:
+        """Hold or release a stream as a message says."""
+        match message:
+            case HoldStream(topic, reason) if topic in self._brakes:
+                self._held.add(topic)
+                self._brakes[topic].hold(reason)
+            case ReleaseStream(topic) if topic in self._brakes:
+                self._release(topic)
+            case StoppedStreams(topics):
+                for topic in self._held - topics:
+                    self._release(topic)
+            case RepeatStop(topic) if topic in self._brakes:
+                self._brakes[topic].repeat_stop()
+
+    def _release(self, topic: str) -> None:
+        """Release a stream, also when only the list of those that are stopped lacks it."""
+        self._held.discard(topic)
+        self._brakes[topic].release()
+
+
+class UnusedEnd:
+    """Ends the process when no command process has come for a while, sooner without a supervisor.
+
+    A command process goes on without its supervisor, and so does this one; the next supervisor's
+    bulk process begins when this one has ended.
+    """
+
+    def __init__(self, connection: CommandConnection, loop: EventLoop) -> None:
+        self._connection = connection
+        self._loop = loop
+        self._parent = os.getppid()
+        self._used_at = loop.now()
+
+    def open(self) -> None:
+        """Look from now on."""
+        self._loop.call_later(_CHECK_S, self.open)
+        now = self._loop.now()
+        if self._connection.is_connected:
+            self._used_at = now
+        elif now - self._used_at > self._longest():
+            log.warning("the guard is gone: its bulk process ends")
+            self._loop.stop()
+
+    def _longest(self) -> int:
+        """Return how long nobody may need this process, ns."""
+        return _UNUSED if os.getppid() == self._parent else _UNSUPERVISED
+
+    def close(self) -> None:
+        """Look no more."""

@@ -1,0 +1,148 @@
+"""The response to what the audit finds, as the bulk process sees it: messages to the brakes."""
+
+from typing import TYPE_CHECKING
+
+from rtron.guard.audit.common.audit_response import ListenRequest, ListenToPublisher
+from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.lanes.bulk.command_connection import CommandConnection
+from rtron.guard.lanes.bulk.reported_alarms import ReportedAlarms
+from rtron.guard.lanes.exchange.messages import (
+    ActiveAlarms,
+    AuditProgress,
+    AuditRound,
+    DismissAnswer,
+    DismissRequest,
+    IntruderReturned,
+    RaiseAlarm,
+    RepeatStop,
+    SettleAlarm,
+    StoppedStreams,
+    WithdrawAlarm,
+)
+from rtron.vocabulary import Alarm
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+CHECK_S = 0.5
+"""How often the audit is asked whether it has looked at everything, s."""
+_MAX_REQUESTS = 32
+
+
+class RemoteResponse:
+    """Tells the command process what the audit finds, on change; an `AuditResponse`.
+
+    A command process that connects is told all that is there. It is called complete when the audit
+    has looked at everything since then: an intruder that is not found yet is not gone.
+    """
+
+    def __init__(
+        self, connection: CommandConnection, loop: EventLoop, *, stops_streams: bool
+    ) -> None:
+        self.stops_streams = stops_streams
+        self.dismiss: Callable[[str, bool], str] = lambda topic, is_audible: ""
+        """See `AuditResponse`."""
+        self.on_return: Callable[[bytes], None] = lambda gid: None
+        """See `AuditResponse`."""
+        self.find_missing: Callable[[], str] = lambda: "it has not begun"
+        """See `AuditResponse`."""
+        self.find_unseen: Callable[[int], Mapping[str, str]] = lambda since: {}
+        """See `AuditResponse`."""
+        self._send = connection.send
+        self._round_at = loop.now()
+        self._loop = loop
+        self._active = ReportedAlarms(loop)
+        self._requests: dict[tuple[str, ...], ListenRequest] = {}
+        self._stopped: frozenset[str] = frozenset()
+        self._missing = ""
+        self._is_complete = False
+        connection.message_listeners.append(self._receive)
+        connection.connect_listeners.append(self._report_all)
+
+    def open(self) -> None:
+        """Tell each round of the audit, and once when it has looked at everything."""
+        self._loop.call_later(CHECK_S, self.open)
+        since, self._round_at = self._round_at, self._loop.now()
+        self._send(AuditRound(self.find_unseen(since)))
+        if not self._is_complete:
+            self._report_progress()
+
+    def close(self) -> None:
+        """Do nothing; the connection ends with the process."""
+
+    def raise_(self, alarm: Alarm, now: int, *guarded: str) -> None:
+        """Raise an alarm; stop the streams of these topics until a person clears them."""
+        del now
+        message = RaiseAlarm(alarm, guarded)
+        if self._active.add(message):
+            self._send(message)
+
+    def settle(self, alarm: Alarm) -> None:
+        """Take an alarm back: its cause is gone."""
+        self._take_back(alarm, SettleAlarm(alarm))
+
+    def withdraw(self, alarm: Alarm) -> None:
+        """Take an alarm back that was mistaken."""
+        self._take_back(alarm, WithdrawAlarm(alarm))
+
+    def _take_back(self, alarm: Alarm, message: SettleAlarm | WithdrawAlarm) -> None:
+        """Take an alarm back, after those that have room now: they keep its streams stopped."""
+        if self._active.remove(alarm):
+            for each in self._active.take_waiting():
+                self._send(each)
+            self._send(message)
+
+    @property
+    def stopped_streams(self) -> frozenset[str]:
+        """The streams that intruders have stopped, as the command process has told."""
+        return self._stopped
+
+    def listen(self, request: ListenRequest) -> None:
+        """Let the command process listen to intruders.
+
+        An request that is the same is told again, too: the intruder may have hung up.
+        """
+        self._requests.pop(request.subject, None)
+        self._requests[request.subject] = request
+        while len(self._requests) > _MAX_REQUESTS:
+            del self._requests[next(each for each in self._requests if each)]
+        self._send(request)
+
+    def on_new_listener(self, topic: str) -> None:
+        """Let the command process tell a stop to a node that has just begun to listen."""
+        self._send(RepeatStop(topic))
+
+    def _report_progress(self) -> None:
+        """Tell what is missing, if it is something else than before; at the end, all alarms."""
+        before, self._missing = self._missing, self.find_missing()
+        if not self._missing:
+            self._is_complete = True
+            self._send(ActiveAlarms(self._active.messages()))
+        elif self._missing != before:
+            self._send(AuditProgress(self._missing))
+
+    def _report_all(self) -> None:
+        """Tell a new command process what is there; the audit does not know its nodes yet."""
+        self._is_complete, self._missing = False, ""
+        for message in self._active.messages():
+            self._send(message)
+        for request in self._requests.values():
+            self._send(request)
+
+    def _receive(self, message: object) -> None:
+        match message:
+            case StoppedStreams(topics):
+                self._stopped = topics
+                self._forget_requests()
+            case DismissRequest(number, topic, is_audible):
+                self._send(DismissAnswer(number, self.dismiss(topic, is_audible)))
+            case IntruderReturned(gid):
+                self.on_return(gid)
+
+    def _forget_requests(self) -> None:
+        """Forget whom to listen to where nothing is stopped any more."""
+        self._requests = {
+            subject: request
+            for subject, request in self._requests.items()
+            if not isinstance(request, ListenToPublisher) or request.stream in self._stopped
+        }

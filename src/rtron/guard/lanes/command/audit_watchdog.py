@@ -1,0 +1,76 @@
+"""The stop of a stream after which the audit has not looked: an intruder would not be found."""
+
+import logging
+
+from rtron.guard.coordinator import Coordinator
+from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.core.stream import GuardedStream
+from rtron.guard.lanes.command.bulk_connection import BulkConnection
+from rtron.guard.lanes.exchange.messages import AuditRound
+from rtron.vocabulary import SECOND, Alarm, AlarmKind, Mode, OnForeign, Plan
+
+log = logging.getLogger(__name__)
+
+_CHECK_S = 1.0
+_SOURCE = "no audit"
+_NO_ANSWER = "the audit does not answer"
+
+
+class AuditWatchdog:
+    """Raises an alarm for each stream that is not looked after, and keeps it stopped.
+
+    The time is this process's own: an audit that hangs, that gets no answers, or that ends before
+    its first round, again and again, is late in the same way.
+    """
+
+    def __init__(
+        self, connection: BulkConnection, host: Coordinator, loop: EventLoop, plan: Plan
+    ) -> None:
+        """The plan tells how long a stream may go on, and whether it is stopped then."""
+        self._host = host
+        self._loop = loop
+        self._limit = plan.supervision.audit_within
+        self._stops_streams = plan.audit.on_foreign is OnForeign.STOP
+        enforced = [each for each in host.streams if each.spec.mode is Mode.ENFORCE]
+        self._streams = {each.spec.topic: each for each in enforced}
+        self._seen_at = dict.fromkeys(self._streams, loop.now())
+        self._gaps: dict[str, str] = {}
+        """Why a stream was not looked after in the last round."""
+        self._alarms: dict[str, Alarm] = {}
+        connection.message_listeners.append(self._receive)
+        connection.loss_listeners.append(self._gaps.clear)
+
+    def open(self) -> None:
+        """Look from now on."""
+        self._loop.call_later(_CHECK_S, self.open)
+        now = self._loop.now()
+        for topic, stream in self._streams.items():
+            is_late = now - self._seen_at[topic] > self._limit
+            if is_late and topic not in self._alarms:
+                self._hold(topic, stream)
+            elif not is_late and topic in self._alarms:
+                self._release(topic, stream)
+
+    def close(self) -> None:
+        """Look no more."""
+
+    def _receive(self, message: object) -> None:
+        if isinstance(message, AuditRound):
+            self._gaps.update(message.unseen)
+            for topic in self._streams.keys() - message.unseen.keys():
+                self._seen_at[topic] = self._loop.now()
+                self._gaps.pop(topic, None)
+
+    def _hold(self, topic: str, stream: GuardedStream) -> None:
+        seconds, gap = self._limit / SECOND, self._gaps.get(topic, _NO_ANSWER)
+        reason = f"nobody has looked for intruders for {seconds:g} s: {gap}"
+        alarm = Alarm(kind=AlarmKind.UNREACHABLE, reason=f"{topic}: {reason}", topic=topic)
+        self._alarms[topic] = alarm
+        self._host.alarms.raise_(alarm, self._loop.now())
+        if self._stops_streams:
+            stream.brake(_SOURCE, reason)
+
+    def _release(self, topic: str, stream: GuardedStream) -> None:
+        self._host.alarms.clear(self._alarms.pop(topic))
+        if self._stops_streams:
+            stream.release(_SOURCE)

@@ -1,0 +1,149 @@
+"""The command process: it carries what can move the robot, and stops it for the audit."""
+
+from __future__ import annotations
+
+import logging
+from typing import TYPE_CHECKING
+
+from rtron.guard.audit.common.alarm_response import AlarmResponse
+from rtron.guard.coordinator import Coordinator
+from rtron.guard.core.alarms import UnreadableInputAlarms
+from rtron.guard.core.control_socket import control_path
+from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.core.handover_state import HandoverState, HeartbeatFile, heartbeat_path
+from rtron.guard.lanes.assignment import bulk_part, command_part
+from rtron.guard.lanes.command.audit_watchdog import AuditWatchdog
+from rtron.guard.lanes.command.board_observations import BoardObservations
+from rtron.guard.lanes.command.bulk_connection import BulkConnection
+from rtron.guard.lanes.command.diagnostics_reports import DiagnosticsReports
+from rtron.guard.lanes.command.node_reports import NodeReports
+from rtron.guard.lanes.command.remote_audit import RemoteAudit, RemoteBrake
+from rtron.guard.lanes.command.service_reports import ServiceReports
+from rtron.guard.lanes.exchange.messages import RegisterNode
+from rtron.guard.middleware import Middleware, open_middleware
+from rtron.guard.rehearsal import Rehearsal
+from rtron.guard.runner import (
+    GraphPart,
+    Part,
+    open_control_socket,
+    raise_file_limit,
+    run_parts,
+)
+from rtron.guard.settings.applier import SettingsApplier
+from rtron.guard.settings.in_force import SettingsInForce, settings_at_start
+from rtron.guard.settings.intrusion_clearing import create_request_handler
+from rtron.guard.settings.saved_stop import SavedStop
+from rtron.guard.supervision.delivery_watch import DeliveryEcho
+from rtron.vocabulary import Mode, Plan, build_streams
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from rtron.guard.link.options import LinkOptions
+    from rtron.guard.supervision.supervisor_client import SupervisorClient
+    from rtron.guard.transport.common.protocol import LiveTransport
+
+log = logging.getLogger(__name__)
+
+
+def run_command_process(
+    plan: Plan,
+    master: str,
+    supervisor: SupervisorClient,
+    *,
+    control: Path | None = None,
+    link: LinkOptions | None = None,
+) -> None:
+    """Carry what can move the robot, at a ROS 1 master or in a ROS 2 domain, until stopped.
+
+    `control` is the socket for overrides, by default in the user's runtime folder. The last
+    settings of the security service at `link` are put in force first. SourceError if the plan is
+    for ROS 2, which is not installed here, or if `control` cannot be used.
+    """
+    raise_file_limit()
+    loop = EventLoop()
+    middleware = open_middleware(plan, master, loop, supervisor.session)
+    transport = middleware.transport
+    board = BoardObservations(command_part(plan))
+    heartbeat = HeartbeatFile(heartbeat_path(control or control_path(plan.app), master))
+    handover = _handover_state(supervisor, heartbeat)
+    transport.succeed(handover)
+    streams = build_streams(command_part(plan))
+    coordinator = Coordinator(transport, streams, board.observations, handover=handover)
+    connection = BulkConnection(loop, supervisor.configuration, board, coordinator)
+    middleware.set_other_pids(connection.pids)
+    response = _alarm_response(plan, coordinator, transport, connection)
+    _follow_audit(connection, response, middleware, loop)
+    topics = len(streams) + len(build_streams(bulk_part(plan)))
+    parts: list[Part] = [
+        connection,
+        GraphPart(coordinator.open_nodes, transport),
+        DeliveryEcho(transport),
+        DiagnosticsReports(connection, coordinator, loop, topics),
+        NodeReports(connection, middleware, loop, lambda: supervisor.supervisor),
+        middleware.create_listener(response),
+        AuditWatchdog(connection, coordinator, loop, plan),
+    ]
+    if link:
+        settings = SettingsInForce(SettingsApplier(plan, coordinator, transport, command_part))
+        parts += _service_parts(settings, coordinator, connection, loop, link)
+    handler = create_request_handler(coordinator, transport)
+    if socket := open_control_socket(loop, plan, control, handler):
+        parts.append(socket)
+        heartbeat.beat(loop)
+    supervisor.attach(loop, coordinator)
+    _set_handlers(coordinator, transport, supervisor)
+    rehearsal = Rehearsal(coordinator, loop, transport.create_stage())
+    run_parts(loop, [*parts, rehearsal, supervisor])
+
+
+def _service_parts(
+    settings: SettingsInForce,
+    coordinator: Coordinator,
+    connection: BulkConnection,
+    loop: EventLoop,
+    link: LinkOptions,
+) -> list[Part]:
+    """Put the service's last settings in force; return what follows the service from then on."""
+    settings_at_start(settings, link)
+    reports = ServiceReports(connection, coordinator, loop, settings)
+    connection.on_settings = reports.apply
+    return [reports, SavedStop(settings, link, loop)]
+
+
+def _follow_audit(
+    connection: BulkConnection, response: AlarmResponse, middleware: Middleware, loop: EventLoop
+) -> None:
+    """Do what the audit in the bulk process asks for."""
+    RemoteAudit(connection, response, loop)
+
+    def register(message: object) -> None:
+        if isinstance(message, RegisterNode):
+            middleware.register_node(message.name)
+
+    connection.message_listeners.append(register)
+
+
+def _set_handlers(
+    coordinator: Coordinator, transport: LiveTransport, supervisor: SupervisorClient
+) -> None:
+    """Let the transport tell what it cannot read, and know our supervisor."""
+    transport.set_unreadable_handler(UnreadableInputAlarms(coordinator.alarms, transport).report)
+    transport.set_supervisor(lambda: supervisor.supervisor)
+
+
+def _handover_state(supervisor: SupervisorClient, heartbeat: HeartbeatFile) -> HandoverState:
+    """Return the state of the guard before, with the time of its last heartbeat."""
+    handover = supervisor.handover_state
+    handover.last_seen_at = heartbeat.previous_time
+    return handover
+
+
+def _alarm_response(
+    plan: Plan, coordinator: Coordinator, transport: LiveTransport, connection: BulkConnection
+) -> AlarmResponse:
+    """Return what the audit's alarms do to the streams of both processes."""
+    enforced = [each for each in build_streams(bulk_part(plan)) if each.mode is Mode.ENFORCE]
+    others = {each.topic: RemoteBrake(each.topic, connection) for each in enforced}
+    on_foreign = plan.audit.on_foreign
+    return AlarmResponse(coordinator, transport, on_foreign, dry_run=False, others=others)

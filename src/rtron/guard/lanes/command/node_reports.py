@@ -1,0 +1,77 @@
+"""What the command process tells the audit in the bulk process about its nodes."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.lanes.command.bulk_connection import BulkConnection
+from rtron.guard.lanes.command.rate_limited_sender import RateLimitedSender
+from rtron.guard.lanes.exchange.messages import (
+    LostListener,
+    NewListener,
+    NodesReport,
+    ShutdownRequest,
+)
+from rtron.guard.middleware import Middleware
+from rtron.guard.node_shutdown import ShutdownRefusal
+from rtron.vocabulary import SECOND
+
+MAX_TEXT = 256
+"""How much is sent of what a stranger says, characters."""
+
+
+class NodeReports:
+    """Tells the nodes at each connection, within a second of a change, and what happens to them."""
+
+    def __init__(
+        self,
+        connection: BulkConnection,
+        middleware: Middleware,
+        loop: EventLoop,
+        supervisor: Callable[[], int],
+    ) -> None:
+        """`supervisor` tells the process id of the supervisor."""
+        self._connection = connection
+        self._middleware = middleware
+        self._loop = loop
+        self._supervisor = supervisor
+        self._sender = RateLimitedSender(connection.send, loop)
+        self._refusal = ShutdownRefusal(loop)
+        self._last_report: NodesReport | None = None
+        connection.connect_listeners.append(self._report_anew)
+
+    def open(self) -> None:
+        """Report from now on."""
+        send = self._sender.send
+        self._middleware.set_listener_handlers(
+            lambda topic, node: send(NewListener(topic, node)),
+            lambda topic, node: send(LostListener(topic, node)),
+        )
+        self._middleware.transport.set_shutdown_handler(self._on_shutdown_request)
+        self._report_periodically()
+
+    def close(self) -> None:
+        """Report no more; the connection ends with the process."""
+
+    def _report_periodically(self) -> None:
+        self._loop.call_at(self._loop.now() + SECOND, self._report_periodically)
+        self._report()
+
+    def _report_anew(self) -> None:
+        self._last_report = None
+        self._report()
+
+    def _report(self) -> None:
+        report = self._middleware.report_nodes()
+        former = report.former_participants | self._connection.former_participants()
+        report = replace(report, former_participants=former, supervisor=self._supervisor())
+        if report != self._last_report:
+            self._last_report = report
+            self._connection.send(report)
+
+    def _on_shutdown_request(self, node: str, reason: str) -> None:
+        """Let the audit deal with it; nobody ends this process over the network."""
+        if self._connection.is_connected:
+            self._sender.send(ShutdownRequest(node[:MAX_TEXT], reason[:MAX_TEXT]))
+        else:
+            self._refusal.handle(node, reason)

@@ -1,0 +1,118 @@
+"""What the command process tells the bulk process for the security service."""
+
+import time
+from collections import deque
+from typing import Any
+
+from rtron.guard.coordinator import Coordinator
+from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.lanes.command.bulk_connection import BulkConnection
+from rtron.guard.lanes.exchange.lane_state import lane_state, stream_figures
+from rtron.guard.lanes.exchange.messages import Figures, RecordedEvent, SettingsAnswer, StateChange
+from rtron.guard.link.host_events import HostEvents
+from rtron.guard.settings.in_force import SettingsInForce
+from rtron.vocabulary import SECOND, EventKind, GuardEventLevel, Settings
+
+_STATE_PERIOD = SECOND // 5
+MAX_PENDING_EVENTS = 20_000
+_EVENTS_AT_ONCE = 20
+_SEND_PERIOD = SECOND // 100
+"""So that a command waits for some 20 events at most, about 1 ms."""
+
+
+class ServiceReports:
+    """Tells what happens to the streams, for the security service."""
+
+    def __init__(
+        self,
+        connection: BulkConnection,
+        host: Coordinator,
+        loop: EventLoop,
+        settings: SettingsInForce,
+    ) -> None:
+        self._connection = connection
+        self._host = host
+        self._loop = loop
+        self._settings = settings
+        self._unsent: deque[RecordedEvent] = deque()
+        self._events = HostEvents(host, self._record)
+        self._events.on_change = self._schedule_state
+        self._state_sent_at = 0
+        self._is_state_due = self._is_sending_due = False
+        self._lost_count = 0
+        connection.connect_listeners.append(self._on_connect)
+
+    def open(self) -> None:
+        """Report from now on."""
+        self._events.start()
+        self._report_periodically()
+
+    def close(self) -> None:
+        """Report no more; the connection ends with the process."""
+
+    def apply(self, settings: Settings) -> None:
+        """Put settings in force, and answer."""
+        error = self._settings.apply(settings)
+        self._connection.send(SettingsAnswer(settings.revision, error))
+        self._schedule_state()
+
+    def _report_periodically(self) -> None:
+        now = self._loop.now()
+        self._loop.call_at(now + SECOND, self._report_periodically)
+        figures = stream_figures(self._events.stream_monitors.values(), now)
+        self._connection.send(Figures(figures))
+        self._send_state()
+
+    def _record(
+        self,
+        kind: EventKind,
+        level: GuardEventLevel = GuardEventLevel.INFO,
+        **values: Any,  # noqa: ANN401
+    ) -> None:
+        if len(self._unsent) == MAX_PENDING_EVENTS:
+            self._lost_count += 1
+            return
+        if self._lost_count and len(self._unsent) < MAX_PENDING_EVENTS - 1:
+            self._record_lost()
+        self._unsent.append(RecordedEvent(time.time_ns(), kind, level, values))
+        if not self._is_sending_due:
+            self._send_events()
+
+    def _record_lost(self) -> None:
+        count, self._lost_count = self._lost_count, 0
+        reason = f"{count} events were lost: the bulk process was away for too long"
+        values = {"reason": reason, "values": {"events": count}}
+        level = GuardEventLevel.WARNING
+        self._unsent.append(RecordedEvent(time.time_ns(), EventKind.LOST, level, values))
+
+    def _on_connect(self) -> None:
+        self._send_events()
+        self._send_state()
+
+    def _send_events(self) -> None:
+        """Tell some of the events that wait for a bulk process, and the others a little later."""
+        for _ in range(_EVENTS_AT_ONCE):
+            if not self._unsent or not self._connection.is_ready:
+                break
+            self._connection.send(self._unsent.popleft())
+        if self._unsent and self._connection.is_connected and not self._is_sending_due:
+            self._is_sending_due = True
+            self._loop.call_at(self._loop.now() + _SEND_PERIOD, self._send_more_events)
+
+    def _send_more_events(self) -> None:
+        self._is_sending_due = False
+        self._send_events()
+
+    def _schedule_state(self) -> None:
+        """Tell the state soon; what flickers is told a few times a second."""
+        if not self._is_state_due:
+            self._is_state_due = True
+            due = max(self._loop.now(), self._state_sent_at + _STATE_PERIOD)
+            self._loop.call_at(due, self._send_state)
+
+    def _send_state(self) -> None:
+        self._is_state_due = False
+        self._state_sent_at = now = self._loop.now()
+        monitors = self._events.stream_monitors.values()
+        stopped = self._settings.is_stopped
+        self._connection.send(StateChange(lane_state(self._host, monitors, now, stopped=stopped)))
