@@ -26,7 +26,7 @@ class AuditWatchdog:
     def __init__(
         self, connection: BulkConnection, host: Coordinator, loop: EventLoop, plan: Plan
     ) -> None:
-        """The plan tells how long a stream may go on, and whether it is stopped then."""
+        """Take from the plan how long a stream may go on, and whether it is stopped then."""
         self._host = host
         self._loop = loop
         self._limit = plan.supervision.audit_within
