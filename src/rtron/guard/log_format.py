@@ -43,7 +43,7 @@ class LogQueue(QueueHandler):
         super().__init__(Queue(_MAX_LINES))
         self._format = formatter.format
         self._dropped = 0
-        self._told = 0
+        self._reported = 0
         Thread(target=self._write, name="log", daemon=True).start()
 
     def enqueue(self, record: logging.LogRecord) -> None:
@@ -62,16 +62,16 @@ class LogQueue(QueueHandler):
     def _write(self) -> None:
         while True:
             record, dropped = self.queue.get()
-            self._tell_lost(dropped)
+            self._report_lost(dropped)
             self._write_line(record)
             if self.queue.empty():
-                self._tell_lost(self._dropped)
+                self._report_lost(self._dropped)
             self.queue.task_done()
 
-    def _tell_lost(self, dropped: int) -> None:
-        if dropped > self._told:
-            self._write_line(_lost_lines(dropped - self._told))
-            self._told = dropped
+    def _report_lost(self, dropped: int) -> None:
+        if dropped > self._reported:
+            self._write_line(_lost_lines(dropped - self._reported))
+            self._reported = dropped
 
     def _write_line(self, record: logging.LogRecord) -> None:
         line = f"{self._format(record)}\n".encode(errors="backslashreplace")

@@ -30,7 +30,7 @@ class IntrusionFile:
         """`topics` are the plan's: what stands in the file of others, of an older plan, is void."""
         self._path = path
         self._topics = topics
-        self._kept: dict[str, str] | None = None
+        self._saved: dict[str, str] | None = None
         self._seen: tuple[DoubleBuffer, tuple[int, int, int]] | None = None
 
     def handover_document(self) -> bytes:
@@ -45,10 +45,10 @@ class IntrusionFile:
                 f"{self._path}: what intruders have stopped cannot be read: {error}",
                 help="make sure that no intruder is there, and remove the file",
             ) from None
-        self._kept = {topic: reasons[topic] for topic in reasons if topic in self._topics}
-        for topic, reason in self._kept.items():
+        self._saved = {topic: reasons[topic] for topic in reasons if topic in self._topics}
+        for topic, reason in self._saved.items():
             log.warning("%s is still stopped, nobody has cleared it: %s", topic, reason)
-        return handover_document(self._kept)
+        return handover_document(self._saved)
 
     def follow(self, handover_state: DoubleBuffer) -> None:
         """Keep the intrusions that a guard's handover state tells of, if it has changed."""
@@ -58,12 +58,12 @@ class IntrusionFile:
         count, document = handover_state.read()
         if count == head[0]:
             self._seen = handover_state, head
-            self._keep(intrusions_in(document))
+            self._save(intrusions_in(document))
 
-    def _keep(self, reasons: dict[str, str]) -> None:
-        if reasons == self._kept:
+    def _save(self, reasons: dict[str, str]) -> None:
+        if reasons == self._saved:
             return
-        self._kept = reasons
+        self._saved = reasons
         try:
             self._write(reasons)
         except (OSError, RTronError) as error:
