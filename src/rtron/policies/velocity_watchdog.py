@@ -1,8 +1,9 @@
 """The stop wave: what moved the robot has fallen silent or may not go on, so it is brought to rest.
 
 A ramp down to zero, then zeros for a while, then nothing: others may drive. A message that goes out
-ends it. The zeros are counted: a machine that stands still meanwhile sends all of them later. The linear part and each turn brake at their own rate, so that a turn that nobody can drive
-does not keep the robot going; no part takes longer than the plan's `within`.
+ends it. The zeros are counted: a machine that stands still meanwhile sends all of them later. The
+linear part and each turn brake at their own rate, so that a turn that nobody can drive does not
+keep the robot going; no part takes longer than the plan's `within`.
 """
 
 from collections.abc import Callable
