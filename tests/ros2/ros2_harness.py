@@ -69,10 +69,8 @@ class Ros2:
         return process
 
     def rtron(self, *arguments):
-        """Start `rtron` with the Python of the tests, before all others if we may."""
-        process = self.spawn(sys.executable, "-m", "rtron", *arguments)
-        process.hurry()
-        return process
+        """Start `rtron` with the Python of the tests."""
+        return self.spawn(sys.executable, "-m", "rtron", *arguments)
 
 
 @contextmanager
