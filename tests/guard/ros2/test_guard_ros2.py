@@ -188,6 +188,7 @@ def test_a_guard_that_has_a_spare_is_back_within_a_second_and_no_relic_stops_the
     driver = ros2.node("twist_subscriber.py", OUT, name="/driver")
     supervisor = guard()
     ros2.node("counting_publisher.py", NAV, "50", name="/nav")
+    wait_for(lambda: numbers(driver), what="the navigation")
     lost = []
     for _ in range(3):
         wait_for_spare(supervisor)
