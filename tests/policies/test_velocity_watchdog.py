@@ -1,6 +1,7 @@
 """The stop wave: when it begins, how it falls, and when it is over."""
 
 from itertools import pairwise
+from math import ceil
 
 import pytest
 from hypothesis import given
@@ -22,6 +23,7 @@ FLOW = Flow(name="flow1", publisher="/nav", silent_after=SILENT)
 RELEASING = Flow(name="flow2", publisher="/nav", silent_after=SILENT, on_silence=OnSilence.RELEASE)
 FORWARD = Velocity((1.0, 0.0, 0.0), (0.0, 0.0, 0.5))
 RAMP = SECOND // 2
+ZEROS = REPEAT // PERIOD
 
 
 def stopping(velocity=FORWARD, stop=STOP):
@@ -232,10 +234,10 @@ def test_the_wave():
     made = moving()
     made.refuse("blocked", 0)
     out = wave(made)
-    assert [at for at, _ in out] == [number * PERIOD for number in range(30)]
+    assert [at for at, _ in out] == [number * PERIOD for number in range(29)]
     speeds = [velocity.speed for _, velocity in out]
     assert speeds[:9] == pytest.approx([0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2, 0.1])
-    assert speeds[9:] == [0.0] * 21
+    assert speeds[9:] == [0.0] * ZEROS
     assert (state(made), made.deadline(), made.reason) == (WatchdogState.RESTING, None, "")
 
 
@@ -313,13 +315,16 @@ def test_between_two_messages_lies_a_period(late, count):
     assert made.deadline() == (PERIOD + late + PERIOD if count else PERIOD)
 
 
-@pytest.mark.parametrize(("at", "over"), [(RAMP + REPEAT - 1, False), (RAMP + REPEAT, True)])
-def test_zeros_are_repeated_for_their_time(at, over):
+@pytest.mark.parametrize("late", [RAMP, RAMP + REPEAT - 1, RAMP + REPEAT, 60 * SECOND])
+def test_a_guard_that_stood_still_sends_every_zero_later(late):
+    """Otherwise a machine that stalls would leave the base with the last speed of the ramp."""
     made = moving()
     made.refuse("blocked", 0)
-    assert (made.tick(at) is None) is over
-    assert (made.deadline() is None) is over
-    assert (made.reason == "") is over
+    assert made.tick(0).is_moving
+    sent = [(late, made.tick(late)), *wave(made, until=late + REPEAT)]
+    assert [at for at, _ in sent] == [late + number * PERIOD for number in range(ZEROS)]
+    assert {velocity.is_moving for _, velocity in sent} == {False}
+    assert (made.deadline(), made.reason) == (None, "")
 
 
 @pytest.mark.parametrize("before", ["resting", "moving", "released", "stopping"])
@@ -352,8 +357,9 @@ def test_a_brake_that_is_loosened_early_lets_the_wave_end_in_its_time():
     made = moving()
     made.brake("a foreign publisher", 0)
     made.release_brake()
-    assert made.tick(RAMP + REPEAT - 1) is not None
-    assert made.tick(RAMP + REPEAT - 1 + PERIOD) is None
+    unbraked = moving()
+    unbraked.refuse("blocked", 0)
+    assert wave(made) == wave(unbraked)
 
 
 def test_a_stop_goes_on_for_another_reason_as_it_was():
@@ -426,13 +432,22 @@ def test_no_wave_is_steeper_than_the_plan_allows_unless_it_must_end(velocity, st
 
 @often
 @given(velocities, stops, latenesses)
-def test_every_wave_ends_within_the_bound_and_goes_straight(velocity, stop, latenesses):
+def test_every_wave_is_at_rest_within_the_bound_and_goes_straight(velocity, stop, latenesses):
     for at, sent in stop_late(velocity, stop, latenesses):
         passed = at + stop.period - SILENT
         assert passed < stop.within or not sent.is_moving
-        assert at < SILENT + stop.within + stop.repeat
         share = sent.speed / velocity.speed if velocity.speed else 0.0
         assert sent.linear == pytest.approx(velocity.scaled(share).linear, rel=1e-6, abs=1e-300)
+
+
+@often
+@given(velocities, stops, latenesses)
+def test_every_wave_ends_with_the_same_zeros_however_late(velocity, stop, latenesses):
+    zeros = [at for at, sent in stop_late(velocity, stop, latenesses) if not sent.is_moving]
+    count = max(1, ceil(stop.repeat / stop.period))
+    assert len(zeros) == (count if velocity.is_moving else 0)
+    longest = stop.period + max(latenesses)
+    assert all(after - before <= longest for before, after in pairwise(zeros))
 
 
 @often

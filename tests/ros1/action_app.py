@@ -11,7 +11,7 @@ from functools import partial
 
 from compiler import compiled
 from driven_base import start_guard
-from harness import NODES, ROS_PYTHON, named, wait_for
+from harness import LIMIT_S, NODES, ROS_PYTHON, named, wait_for
 from plans import grcn, plan_of
 
 from rtron.vocabulary import SECOND, Domain, Flow, StreamKind
@@ -110,7 +110,7 @@ class Events(Written):
         """Return the words of events, in order."""
         return [line.words for line in self.all(*what)]
 
-    def wait_for(self, what, count=1, limit_s=30):
+    def wait_for(self, what, count=1, limit_s=LIMIT_S):
         wait_for(lambda: len(self.all(what)) >= count, limit_s, f"{count} {what} in {self.path}")
         return self.all(what)
 
@@ -143,7 +143,7 @@ class Client(Events):
     def send(self, *values):
         self.tell(*(f"goal {value}" for value in values))
 
-    def done(self, count, limit_s=30):
+    def done(self, count, limit_s=LIMIT_S):
         """Wait until so many goals are answered; return their statuses by number."""
         self.wait_for("done", count, limit_s)
         return {int(number): status for number, status, *_ in self.of("done")}

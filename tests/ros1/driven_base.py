@@ -98,7 +98,7 @@ class Base:
     def wait_for_blocked(self, topic, count):
         """Wait until the guard has received so many messages of attackers on a topic."""
         what = f"{count} messages on {topic}"
-        wait_for(lambda: self.ros1.received(CMD_VEL_GUARD, topic) >= count, 40, what)
+        wait_for(lambda: self.ros1.received(CMD_VEL_GUARD, topic) >= count, what=what)
 
     def wait_for_navigation(self):
         """Wait until all that navigation has sent so far has arrived."""

@@ -66,10 +66,7 @@ def main():
         applying.apply(message.settings, message.now)
         return {"applied": applying.revision}
 
-    control = ControlSocket(loop, Path(door), answer)
-    control.open()
-    run_coordinator(host, transport, loop)
-    control.close()
+    run_coordinator(host, transport, loop, ControlSocket(loop, Path(door), answer))
 
 
 if __name__ == "__main__":

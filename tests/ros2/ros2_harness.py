@@ -13,6 +13,9 @@ from harness import Process, wait_for
 
 NODES2 = Path(__file__).parent / "nodes"
 _DOMAINS = range(1, 101)
+_PROFILE = str(Path(__file__).parent / "lasting.xml")
+LASTING = {f"FAST{kind}_DEFAULT_PROFILES_FILE": _PROFILE for kind in ("DDS", "RTPS")}
+"""The environment of a node that, killed, stays in the domain for ten minutes: its lease."""
 
 
 class Ros2:
@@ -53,14 +56,14 @@ class Ros2:
         self._processes.append(process)
         return process
 
-    def node(self, script, *arguments, name="", remaps=()):
+    def node(self, script, *arguments, name="", remaps=(), **environ):
         """Start a node of tests/ros2/nodes, ready when it has said so; `remaps` are `a:=b`."""
         renamed = [f"__node:={name.rpartition('/')[2]}"] if name else []
         space = name.rpartition("/")[0]
         renamed += [f"__ns:={space}"] if space else []
         rules = [word for rule in (*renamed, *remaps) for word in ("-r", rule)]
         ros = ["--ros-args", *rules] if rules else []
-        process = self.spawn(sys.executable, NODES2 / script, *arguments, *ros)
+        process = self.spawn(sys.executable, NODES2 / script, *arguments, *ros, **environ)
         wait_for(lambda: "ready" in process.log or process.ended, what=f"{script} {name}")
         assert not process.ended, process.log
         return process

@@ -85,7 +85,7 @@ def port(app):
 @pytest.fixture
 def client(port):
     """A program without cookies and tokens."""
-    with httpx.Client(base_url=f"http://127.0.0.1:{port}", timeout=30) as client:
+    with httpx.Client(base_url=f"http://127.0.0.1:{port}", timeout=60) as client:
         yield client
 
 

@@ -1,8 +1,9 @@
 """The stop wave: what moved the robot has fallen silent or may not go on, so it is brought to rest.
 
 A ramp down to zero, then zeros for a while, then nothing: others may drive. A message that goes out
-ends it. The linear part and each turn brake at their own rate, so that a turn that nobody can drive
-does not keep the robot going; no part takes longer than the plan's `within`.
+ends it. The zeros are counted: a machine that stands still meanwhile sends all of them later. The
+linear part and each turn brake at their own rate, so that a turn that nobody can drive does not
+keep the robot going; no part takes longer than the plan's `within`.
 """
 
 from collections.abc import Callable
@@ -165,6 +166,8 @@ class VelocityWatchdog:
         self._last_output = 0
         self._ramp = VelocityRamp(Velocity(()), 0, 0)
         self._next = 0
+        self._zero_count = max(1, -(-stop.repeat // stop.period))
+        self._zeros_left = 0
         self._braked = False
         self.reason = ""
         self.stop_count = 0
@@ -267,13 +270,14 @@ class VelocityWatchdog:
         self.reason = why
         self.stop_count += 1
         self._ramp = VelocityRamp.for_stop(velocity or Velocity(()), self._stop, now)
-        self._next = now
+        self._next, self._zeros_left = now, self._zero_count
 
     def _next_velocity(self, now: int) -> Velocity | None:
         self._next = now + self._stop.period
-        over = now >= self._ramp.started_at + self._ramp.duration + self._stop.repeat
-        if over and not self._braked:
+        if self._zeros_left <= 0 and not self._braked:
             self._machine.step(WatchdogInput.AT_REST)
             self.reason = ""
             return None
-        return self._ramp.at(self._next)
+        velocity = self._ramp.at(self._next)
+        self._zeros_left -= not velocity.is_moving
+        return velocity

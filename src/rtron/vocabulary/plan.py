@@ -238,7 +238,7 @@ class StopProfile:
 
     `decel` (m/s2) and `angular_decel` (rad/s2) are the steepest ramp, unless it would take longer
     than `within` (ns): then every part is at rest. `period` (ns) is the time between its messages,
-    `repeat` (ns) how long zeros are sent.
+    `repeat` (ns) how long zeros are sent: one each period, later if the machine stands still.
     """
 
     decel: float = 2.5

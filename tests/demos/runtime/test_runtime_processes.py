@@ -69,7 +69,7 @@ def test_what_a_dead_process_has_left_in_another_session_is_killed(tmp_path):
     with ProcessGroup(tmp_path) as processes:
         started = processes.start(LEFT_BEHIND, os.environ)
         pid = int(here(started))
-        started.popen.wait(10)
+        started.popen.wait(60)
         assert lives(pid)
     assert not lives(pid)
 
@@ -108,7 +108,7 @@ def test_a_command_that_fails_says_why(processes):
 
 def test_who_has_ended_is_told_with_what_it_said(processes):
     started = processes.start([sys.executable, "-c", "print('bye')"], os.environ, "greeter")
-    started.popen.wait(10)
+    started.popen.wait(60)
     with pytest.raises(SourceError, match=r"greeter ended with 0\nbye"):
         started.check()
 

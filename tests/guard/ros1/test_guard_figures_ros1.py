@@ -26,7 +26,7 @@ def test_a_dry_run_ends_in_a_plan_that_fits_it(ros1, tmp_path):
     ros1.node("nav.py", "/nav", f"/cmd_vel:={FLOW1}")
     ros1.node("rogue.py", "/rogue", "50", f"/cmd_vel:={FLOW2}")
     ros1.node("rogue.py", "/by_hand", "20")
-    wait_for(lambda: ros1.received(CMD_VEL_GUARD, FLOW1) >= 120, 40, "messages of navigation")
+    wait_for(lambda: ros1.received(CMD_VEL_GUARD, FLOW1) >= 120, what="what navigation says")
     assert wait_for(lambda: figures(run)["flow1"].messages, what="figures while it runs")
     guard.stop(signal.SIGINT)
     assert guard.code == 0, guard.log

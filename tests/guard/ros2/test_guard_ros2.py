@@ -14,6 +14,7 @@ from harness import wait_for
 
 pytest.importorskip("rclpy", reason="needs ROS 2")
 from rclpy_nodes import STRING, kept, twist
+from ros2_harness import LASTING
 from ros2_plans import driving, written
 
 from rtron.vocabulary import SECOND, Durability, Reliability, flow_topic, output_topic
@@ -67,8 +68,8 @@ def offered_by_the_guard(domain):
     return wait_for(found, what="the guard's output in the graph")
 
 
-def speaker(ros2, name, topic, speed, rate, *more):
-    return ros2.node("twist_publisher.py", topic, speed, rate, *more, name=name)
+def speaker(ros2, name, topic, speed, rate, *more, **environ):
+    return ros2.node("twist_publisher.py", topic, speed, rate, *more, name=name, **environ)
 
 
 def test_not_one_of_a_thousand_malicious_messages_passes(ros2, guard):
@@ -187,6 +188,7 @@ def test_a_guard_that_has_a_spare_is_back_within_a_second_and_no_relic_stops_the
     driver = ros2.node("twist_subscriber.py", OUT, name="/driver")
     supervisor = guard()
     ros2.node("counting_publisher.py", NAV, "50", name="/nav")
+    wait_for(lambda: numbers(driver), what="the navigation")
     lost = []
     for _ in range(3):
         wait_for_spare(supervisor)
@@ -239,10 +241,8 @@ def test_a_navigation_that_leaves_is_silent_at_once(ros2, guard, stand):
 def test_a_navigation_that_was_killed_is_followed_by_the_next(ros2, guard):
     driver = ros2.node("twist_subscriber.py", OUT, name="/driver")
     guard()
-    nav = speaker(ros2, "/nav", NAV, "0.5", "50")
+    nav = speaker(ros2, "/nav", NAV, "0.5", "50", **LASTING)
     wait_for(lambda: speeds(driver)["0.5"], what="the navigation")
     nav.kill()
     speaker(ros2, "/nav", NAV, "0.7", "50")
-    wait_for(
-        lambda: speeds(driver)["0.7"], 15, "the next one, before the lease of the first is over"
-    )
+    wait_for(lambda: speeds(driver)["0.7"], what="the next, before the lease of the first is over")

@@ -22,14 +22,19 @@ from rtron.vocabulary import (
     Mode,
     PolicyName,
     RuleSettings,
+    StopProfile,
 )
 
 pytestmark = pytest.mark.ros1
 NAV, TELEOP = "/rtron/cmd_vel/flow1", "/rtron/cmd_vel/flow2"
 STOP = EmergencyStop(by="ann", reason="a child", at=0)
+PATIENCE = 10 * SECOND
+"""How long a flow keeps the base without a word: a stalled machine is not a silent node."""
+STOP_PROFILE = StopProfile(decel=0.5, within=2 * SECOND)
+"""A ramp that lasts longer than a machine stands still."""
 FLOWS = (
-    Flow(name="flow1", publisher="/nav", priority=2, silent_after=2 * SECOND),
-    Flow(name="flow2", publisher="/teleop", priority=1, silent_after=2 * SECOND),
+    Flow(name="flow1", publisher="/nav", priority=2, silent_after=PATIENCE),
+    Flow(name="flow2", publisher="/teleop", priority=1, silent_after=PATIENCE),
 )
 
 
@@ -45,7 +50,7 @@ def programs(programs_folder):
 
 
 def drive_plan():
-    general = grcn("/cmd_vel", (), ["/driver"], flows=FLOWS, release_after=SECOND)
+    general = grcn("/cmd_vel", (), ["/driver"], flows=FLOWS, release_after=PATIENCE)
     vflows = tuple(replace(f, name=f"v{f.name}", priority=0) for f in FLOWS)
     topic = GuardedTopic(topic="/cmd_vel", type="geometry_msgs/Twist", flows=vflows)
     robot = RSRCN(
@@ -55,7 +60,7 @@ def drive_plan():
         max_vel_limit=5.0,
         vflows=(topic,),
     )
-    return ruled(plan_of(general, rsrcn=robot, app="base"), "/cmd_vel")
+    return ruled(plan_of(general, rsrcn=robot, stop=STOP_PROFILE, app="base"), "/cmd_vel")
 
 
 class Drive:

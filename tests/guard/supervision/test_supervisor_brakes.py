@@ -83,8 +83,8 @@ def test_the_stop_ends_after_a_while_when_there_is_a_guard_again(braked):
     braked.advance(SECOND // 2)
     braked.brakes.release()
     braked.advance(5 * SECOND)
-    assert len(braked.told) == 10
-    assert braked.told[-6:] == [0.0] * 6
+    assert len(braked.told) == 9
+    assert braked.told[-5:] == [0.0] * 5
 
 
 def test_the_stop_ends_at_once_when_the_guard_speaks_again(braked):

@@ -13,7 +13,7 @@ from rtron.wire.ros1.xmlrpc import ros_call
 
 TWIST = "geometry_msgs/Twist"
 TWIST_MD5 = "9f195f881246fdfa2798d1d3eebca84a"
-LIMIT_S = 30.0
+LIMIT_S = 60.0
 
 
 def twist(number: int) -> bytes:

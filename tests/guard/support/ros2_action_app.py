@@ -5,7 +5,7 @@ from contextlib import suppress
 
 import rclpy
 from action_msgs.msg import GoalStatus
-from harness import wait_for
+from harness import LIMIT_S, wait_for
 from plans import grcn, plan_of
 from rclpy.action import ActionClient, ActionServer, CancelResponse, GoalResponse
 from rclpy.callback_groups import ReentrantCallbackGroup
@@ -33,8 +33,6 @@ from rtron.wire.ros2.session import Ros2Session
 ACTION, SERVER, ONE, TWO = "/fib", "/server", "/one", "/two"
 TYPE = "test_msgs/action/Fibonacci"
 REJECTED = "rejected"
-FOUND_S = 30
-"""How long participants may take to find each other."""
 STATES = {4: "succeeded", 5: "canceled", 6: "aborted"}
 
 
@@ -57,6 +55,9 @@ class Participant:
 
     def start(self):
         self._thread.start()
+
+    def nodes(self):
+        return [self.node]
 
     def close(self):
         self.executor.shutdown(timeout_sec=5)
@@ -215,7 +216,7 @@ class GuardThread:
             done.set()
 
         self.loop.post(call)
-        assert done.wait(10)
+        assert done.wait(LIMIT_S)
         return results[0]
 
     def wait(self, duration):
@@ -228,6 +229,10 @@ class GuardThread:
         """Tell whether the server has told that a goal has a status."""
         told = self.action.server._replies.status
         return self.call(lambda: status in {s.status for s in told.server_statuses.values()})
+
+    def nodes(self):
+        """Return the nodes of the guard, which are there once it has opened its streams."""
+        return self.call(lambda: list(self.session._nodes.values()))
 
     def held(self, flow):
         """Return how many messages of a flow the guard has made wait."""
@@ -270,36 +275,29 @@ class RclpyActionApp:
         self.guard = self.keep(
             GuardThread(self.domain, self.plan, HandoverState(write=self.handovers.append))
         )
-        self._settle()
+        wait_for(lambda: self.guard.action.server.is_available, what="the server at the guard")
         self.one = self.client(ONE, "flow1")
-        self._settle()
         self.two = self.client(TWO, "flow2")
-        self._settle()
 
-    def _settle(self):
-        """Wait until all parts know each other, before the next one comes.
+    def keep(self, part):
+        """Take a part, and wait until all parts know each other, before the next one comes.
 
         Where participants of one process discover each other while another one joins, Fast DDS
         3.2 may never give the endpoints of one to it: about one start in eighty.
         """
-        wait_for(self._is_settled, FOUND_S, "all participants to know each other")
-
-    def _is_settled(self):
-        if not self.guard.call(lambda: self.guard.action.server.is_available):
-            return False
-        nodes = list(self.guard.session._nodes.values())
-        parts = [part for part in self._parts if part is not self.guard]
-        names = {node.get_name() for node in (*nodes, *(part.node for part in parts))}
-        lookers = [nodes[0], *(part.node for part in parts)]
-        ready = all(part.ready() for part in parts if isinstance(part, Client))
-        return ready and all(names <= set(node.get_node_names()) for node in lookers)
-
-    def keep(self, part):
         self._parts.append(part)
+        wait_for(self._is_settled, what="all participants to know each other")
         return part
 
+    def _is_settled(self):
+        nodes = [part.nodes() for part in self._parts]
+        names = {node.get_name() for group in nodes for node in group}
+        return all(names <= set(first.get_node_names()) for first, *_ in nodes)
+
     def client(self, name, flow="", action=ACTION):
-        return self.keep(Client(self.domain, name, flow_topic(action, flow) if flow else action))
+        client = self.keep(Client(self.domain, name, flow_topic(action, flow) if flow else action))
+        wait_for(client.ready, what=f"the action at {name}")
+        return client
 
     def end(self, part):
         self._parts.remove(part)

@@ -82,6 +82,6 @@ def tried(cases, url, headers):
             case.path_parameters["robot"] = "car1"
         if "node" in case.path_parameters:
             case.path_parameters["node"] = "speed"
-        case.call_and_validate(base_url=url, headers=headers, checks=CHECKS, timeout=30)
+        case.call_and_validate(base_url=url, headers=headers, checks=CHECKS, timeout=60)
 
     holds()

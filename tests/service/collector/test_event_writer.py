@@ -33,7 +33,7 @@ def test_nobody_gets_in_while_it_is_full():
 
         def store(batches):
             loop.call_soon_threadsafe(storing.set)
-            gate.wait(20)
+            gate.wait(60)
             sizes.append(len(batches))
             return ()
 

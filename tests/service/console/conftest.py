@@ -55,7 +55,7 @@ class Console:
         """Call the API in the name of somebody."""
         url = f"{self.base}/api/v1{path}"
         return httpx.request(
-            method, url, headers=self.people.session_headers(name), timeout=30, **more
+            method, url, headers=self.people.session_headers(name), timeout=60, **more
         )
 
     def close(self):

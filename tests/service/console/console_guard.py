@@ -69,7 +69,7 @@ class SimulatedGuard:
         self.answers.set()
         self._open.close()
         for thread in self._threads:
-            thread.join(10)
+            thread.join(60)
 
     def _send_states(self):
         before = self.guard.state()

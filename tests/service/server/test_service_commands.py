@@ -60,7 +60,7 @@ class ServeProcess:
 
     def __exit__(self, *_):
         self.process.kill()
-        self.process.wait(20)
+        self.process.wait(60)
 
     def _is_ready(self):
         assert self.process.poll() is None, self.said.read_text()
@@ -71,7 +71,7 @@ class ServeProcess:
 
     def login(self, password):
         login = {"name": "admin", "password": password}
-        return httpx.post(f"{self.url}/api/v1/login", json=login, timeout=30).status_code
+        return httpx.post(f"{self.url}/api/v1/login", json=login, timeout=60).status_code
 
 
 def test_the_first_start_tells_the_password_once(tmp_path):
@@ -82,7 +82,7 @@ def test_the_first_start_tells_the_password_once(tmp_path):
         assert serving.url in said
         assert serving.login(password) == 200
         serving.process.send_signal(signal.SIGTERM)
-        assert serving.process.wait(30) == 0
+        assert serving.process.wait(60) == 0
     assert stat.S_IMODE((tmp_path / "rtron.db").stat().st_mode) == 0o600
     with ServeProcess(tmp_path, "--log-level", "debug") as serving:
         assert serving.login(password) == 200
@@ -91,7 +91,7 @@ def test_the_first_start_tells_the_password_once(tmp_path):
         assert serving.login(password) == 401
         assert serving.login(reset.stdout.strip()) == 200
         serving.process.send_signal(signal.SIGINT)
-        assert serving.process.wait(30) == 0
+        assert serving.process.wait(60) == 0
         said = serving.said.read_text()
         assert password not in said
         assert reset.stdout.strip() not in said

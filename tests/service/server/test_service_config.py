@@ -94,7 +94,7 @@ def test_only_a_known_proxy_is_believed_about_addresses(tmp_path):
             forwarded = {"X-Forwarded-For": "203.0.113.9", "X-Forwarded-Proto": "https"}
             login = {"name": "x", "password": "y"}
             httpx.post(
-                f"http://127.0.0.1:{port}/api/v1/login", json=login, headers=forwarded, timeout=30
+                f"http://127.0.0.1:{port}/api/v1/login", json=login, headers=forwarded, timeout=60
             )
         return set(app.state.login_throttle._addresses)
 

@@ -31,7 +31,7 @@ def test_they_still_work_afterwards(opened):
     with large_receive_buffers():
         sock = opened(socket.SOCK_DGRAM)
     sock.bind(("127.0.0.1", 0))
-    sock.settimeout(30)
+    sock.settimeout(60)
     sock.sendto(b"word", sock.getsockname())
     assert sock.recv(10) == b"word"
 

@@ -11,7 +11,6 @@ from plans import grcn, plan_of
 from rclpy.action import ActionClient
 from ros2_action_app import (
     ACTION,
-    FOUND_S,
     ONE,
     SERVER,
     TWO,
@@ -82,7 +81,7 @@ class PoseApp(RclpyActionApp):
         self.guard = self.keep(GuardThread(self.domain, self.plan))
         self.one = self.keep(PosePublisher(self.domain, ONE, "flow1"))
         self.two = self.keep(PosePublisher(self.domain, TWO, "flow2"))
-        wait_for(self._found, FOUND_S, "all to find each other")
+        wait_for(self._found, what="all to find each other")
 
     def _found(self):
         heard = all(each.end.get_subscription_count() for each in (self.one, self.two))
@@ -114,7 +113,6 @@ def test_poses_go_one_by_one_and_a_block_cancels_the_goal_they_became(start_acti
 def test_poses_and_goals_of_a_guarded_action_take_turns(start_action_app):
     app = start_action_app(kind=PoseApp, guarded=True)
     client = app.client(THREE, "flow1")
-    wait_for(client.ready, FOUND_S, "the action")
     app.one.publish_pose(1)
     wait_for(lambda: app.server.started == [1], what="the pose's goal")
     client.send_goal(3)

@@ -18,7 +18,7 @@ from rtron.vocabulary import SECOND, AlarmKind, Mode
 OUT, DRIVER, GUARD, BULK = "/rtron/cmd_vel/out", "/driver", "/rtron/grcn_cmd_vel", "/rtron_bulk"
 PLAN = plan_of(grcn("/cmd_vel", ["/nav"], [DRIVER]))
 OURS, NEXT, OTHER = (f"http://127.0.0.1:{port}/" for port in (7, 8, 9))
-LIMIT_S = 10
+LIMIT_S = 60
 SOON_S = 1.5
 
 

@@ -27,9 +27,9 @@ from rtron.wire.ros1.xmlrpc import encode_response
 
 OUT, DRIVER = "/rtron/cmd_vel/out", "/driver"
 EXPECTED = ExpectedGraph(plan_of(grcn("/cmd_vel", ["/nav"], [DRIVER])))
-LIMIT_S = 10
+LIMIT_S = 60
 PATIENT_S = 0.6
-NEVER_S = 60
+NEVER_S = 600
 UPDATE = "publisherUpdate"
 GHOST = Alarm(kind=AlarmKind.UNREGISTERED_PUBLISHER, reason="a ghost")
 

@@ -88,7 +88,7 @@ def poll_target_at(loop, place):
     return came, rounds
 
 
-def run_until(loop, condition, limit_s=30.0):
+def run_until(loop, condition, limit_s=60.0):
     end = time.monotonic() + limit_s
     while not condition():
         assert time.monotonic() < end

@@ -39,8 +39,8 @@ class GuardedBase2:
     def start_nav(self):
         return self.speaker("/nav", FLOW1, "0.5")
 
-    def speaker(self, name, topic, speed, rate="50"):
-        return self._ros2.node("twist_publisher.py", topic, speed, rate, name=name)
+    def speaker(self, name, topic, speed, rate="50", **environ):
+        return self._ros2.node("twist_publisher.py", topic, speed, rate, name=name, **environ)
 
     def speeds(self, speed):
         """Return how many messages of a speed the driver has heard."""

@@ -16,7 +16,7 @@ from rtron.wire.ros1.tcpros import decode_header, encode_header
 
 MESSAGES = [b"%03d" % number for number in range(200)]
 ALL = b"".join(MESSAGES)
-LIMIT_S = 10
+LIMIT_S = 60
 
 
 class Connection:

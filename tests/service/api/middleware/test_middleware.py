@@ -60,7 +60,7 @@ def raw(port):
     """Send bytes and return the head of the answer, until the other side closes or is done."""
 
     def send(*parts, close=True):
-        with socket.create_connection(("127.0.0.1", port), timeout=30) as sock:
+        with socket.create_connection(("127.0.0.1", port), timeout=60) as sock:
             for part in parts:
                 sock.sendall(part)
             return http_answer(sock)
@@ -237,7 +237,7 @@ def test_a_body_in_chunks_is_bounded_by_what_comes(raw, more, status):
 
 
 def test_a_body_without_end_is_refused_while_it_comes(port):
-    with socket.create_connection(("127.0.0.1", port), timeout=30) as sock:
+    with socket.create_connection(("127.0.0.1", port), timeout=60) as sock:
         sock.sendall(put() + b"Transfer-Encoding: chunked\r\n\r\n")
         sent = 0
         try:
@@ -273,7 +273,7 @@ def test_a_body_that_does_not_come_is_not_waited_for(own_app):
     gate.kwargs["timeout_s"] = 0.2
     with (
         serve_in_thread(own_app) as port,
-        socket.create_connection(("127.0.0.1", port), timeout=30) as sock,
+        socket.create_connection(("127.0.0.1", port), timeout=60) as sock,
     ):
         sock.sendall(put() + b"Content-Length: 10\r\n\r\n12345")
         assert http_answer(sock)[0] == 408
@@ -286,7 +286,7 @@ def test_a_body_that_does_not_come_is_not_waited_for(own_app):
 def test_a_large_body_is_not_read_from_who_may_not_upload(port, people, headers, role, status):
     given = {"Host": "localhost", **(people.token_headers("t", role) if role else {}), **headers}
     head = "".join(f"{name}: {value}\r\n" for name, value in given.items())
-    with socket.create_connection(("127.0.0.1", port), timeout=30) as sock:
+    with socket.create_connection(("127.0.0.1", port), timeout=60) as sock:
         sock.sendall(b"PUT /api/v1/robots/x/graph HTTP/1.1\r\n" + head.encode() + b"\r\n")
         if "Transfer-Encoding" in headers:
             sock.sendall(chunk(b" " * (MAX_BODY_BYTES + 1)))
@@ -300,7 +300,7 @@ def test_one_large_body_is_read_at_a_time(port, people):
         b"Authorization: " + token.encode() + b"\r\n"
         b"Content-Length: " + str(MAX_GRAPH_BYTES).encode() + b"\r\n\r\n"
     )
-    socks = [socket.create_connection(("127.0.0.1", port), timeout=30) for _ in range(2)]
+    socks = [socket.create_connection(("127.0.0.1", port), timeout=60) for _ in range(2)]
     for sock in socks:
         sock.sendall(head)
     refused = wait_for(lambda: next(filter(_has_answer, socks), None))
@@ -316,7 +316,7 @@ def _has_answer(sock):
     except BlockingIOError:
         return False
     finally:
-        sock.settimeout(30)
+        sock.settimeout(60)
 
 
 @pytest.mark.parametrize(
@@ -497,10 +497,10 @@ def test_a_head_that_does_not_come_ends_the_connection(own_app, monkeypatch):
     monkeypatch.setattr("rtron.service.server.http_protocol._HEAD_TIMEOUT_S", 0.2)
     with serve_in_thread(own_app) as port:
         for said in (b"", b"GET / HTTP/1.1\r\nHost: loc"):
-            with socket.create_connection(("127.0.0.1", port), timeout=30) as sock:
+            with socket.create_connection(("127.0.0.1", port), timeout=60) as sock:
                 sock.sendall(said)
                 assert sock.recv(100) == b""
-        with socket.create_connection(("127.0.0.1", port), timeout=30) as sock:
+        with socket.create_connection(("127.0.0.1", port), timeout=60) as sock:
             request = b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n"
             sock.sendall(request)
             assert http_answer(sock)[0] == 200
@@ -516,7 +516,7 @@ def test_a_body_that_does_not_come_ends_the_connection(own_app, monkeypatch, met
     head = f"{method} /healthz HTTP/1.1\r\nHost: localhost\r\nContent-Length: 100000\r\n\r\n"
     with (
         serve_in_thread(own_app) as port,
-        socket.create_connection(("127.0.0.1", port), timeout=30) as sock,
+        socket.create_connection(("127.0.0.1", port), timeout=60) as sock,
     ):
         sock.sendall(head.encode())
         sock.settimeout(0.05)
@@ -538,7 +538,7 @@ def test_an_idle_connection_ends(own_app, monkeypatch):
     monkeypatch.setattr("rtron.service.server.http._KEEP_ALIVE_S", 0.2)
     with (
         serve_in_thread(own_app) as port,
-        socket.create_connection(("127.0.0.1", port), timeout=30) as sock,
+        socket.create_connection(("127.0.0.1", port), timeout=60) as sock,
     ):
         sock.sendall(b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n")
         assert http_answer(sock)[0] == 200
@@ -550,8 +550,8 @@ def test_no_address_has_all_connections(own_app, monkeypatch, people):
     monkeypatch.setattr("rtron.service.server.http_protocol.MAX_PER_TRUSTED_ADDRESS", 3)
     with serve_in_thread(own_app) as port:
         place = ("127.0.0.1", port)
-        socks = [socket.create_connection(place, timeout=30) for _ in range(3)]
-        with socket.create_connection(place, timeout=30) as sock:
+        socks = [socket.create_connection(place, timeout=60) for _ in range(3)]
+        with socket.create_connection(place, timeout=60) as sock:
             assert _refused(sock)
         socks.pop().close()
         wait_for(lambda: _is_served(place))
@@ -567,7 +567,7 @@ def _refused(sock):
 
 
 def _is_served(place):
-    with socket.create_connection(place, timeout=30) as sock:
+    with socket.create_connection(place, timeout=60) as sock:
         try:
             sock.sendall(b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n")
             return http_answer(sock)[0] == 200

@@ -342,7 +342,7 @@ def test_all_of_it_works_on_each_kind_of_database(where, clock):
     people.add_user("mary", "end_user")
     with (
         serve_in_thread(app) as port,
-        httpx.Client(base_url=f"http://127.0.0.1:{port}", timeout=30) as client,
+        httpx.Client(base_url=f"http://127.0.0.1:{port}", timeout=60) as client,
     ):
         login = {"name": "mary", "password": PASSWORD}
         assert client.post("/api/v1/login", json=login).status_code == 200

@@ -39,14 +39,14 @@ def close_code(socket):
 
 def drain(socket):
     while True:
-        socket.recv(timeout=20)
+        socket.recv(timeout=60)
 
 
 def test_what_is_live_is_told(app, people, listening):
     with listening(people.session_headers("mary", "end_user")) as socket:
         wait_for_listener(app)
         app.state.service.hub.broadcast(MOVE)
-        assert json.loads(socket.recv(timeout=20)) == MOVE
+        assert json.loads(socket.recv(timeout=60)) == MOVE
     wait_for(lambda: not app.state.sockets)
     wait_for(lambda: len(app.state.service.hub._listeners) == 1)
 
@@ -85,7 +85,7 @@ def test_a_console_that_talks_is_not_listened_to(app, people, listening):
         socket.send("x" * 1000)
         socket.send(b"\xff")
         app.state.service.hub.broadcast(MOVE)
-        assert json.loads(socket.recv(timeout=20)) == MOVE
+        assert json.loads(socket.recv(timeout=60)) == MOVE
 
 
 def test_there_are_not_too_many(app, monkeypatch, people, listening):

@@ -18,6 +18,8 @@ _LARGEST_READ = 1 << 20
 _FIRST_RETRY_S = 0.1
 _LAST_RETRY_S = 5.0
 
+_Connecting = Future[tuple[socket.socket, Peer]]
+
 
 class PublisherLink:
     """Connects to the publisher at `uri`, receives its messages, reconnects with back-off."""
@@ -42,6 +44,7 @@ class PublisherLink:
         self._peer: Peer | None = None
         self._on_message: MessageHandler | None = None
         self._sock: socket.socket | None = None
+        self._connecting: _Connecting | None = None
         self._begin = begin
         self._reader = self._create_reader()
         self._retry_s = _FIRST_RETRY_S
@@ -58,17 +61,24 @@ class PublisherLink:
         return self._sock is not None
 
     def close(self) -> None:
-        """End the connection for good."""
+        """End the connection for good, also one that a worker makes right now."""
         self.is_closed = True
         self._disconnect()
+        if self._connecting:
+            self._connecting.add_done_callback(_close_connection)
 
     def _connect(self) -> None:
         if self.is_closed:
             return
-        future = self._workers.submit(connect, self._request, self.uri)
-        future.add_done_callback(lambda done: self._loop.post(lambda: self._on_connected(done)))
+        self._connecting = self._workers.submit(connect, self._request, self.uri)
+        self._connecting.add_done_callback(
+            lambda done: self._loop.post(lambda: self._on_connected(done))
+        )
 
-    def _on_connected(self, future: "Future[tuple[socket.socket, Peer]]") -> None:
+    def _on_connected(self, future: _Connecting) -> None:
+        if self.is_closed:
+            return
+        self._connecting = None
         try:
             sock, peer = future.result()
         except (OSError, RTronError) as error:
@@ -77,9 +87,6 @@ class PublisherLink:
         except Exception:
             log.exception("internal error while connecting to %s", self.uri)
             self._retry_later("internal error")
-            return
-        if self.is_closed:
-            sock.close()
             return
         self._start_receiving(sock, peer)
 
@@ -142,6 +149,11 @@ class PublisherLink:
             self._last_logged = why
         self._loop.call_later(self._retry_s, self._connect)
         self._retry_s = min(self._retry_s * 2, _LAST_RETRY_S)
+
+
+def _close_connection(done: _Connecting) -> None:
+    if not done.cancelled() and not done.exception():
+        done.result()[0].close()
 
 
 def link_factory(
