@@ -21,6 +21,7 @@ class AlarmKind(StringEnum):
     DRIFT = "drift"
     UNREACHABLE = "unseen"
     UNREADABLE = "unreadable"
+    UNDELIVERED = "undelivered"
     GUARD = "guard"
     SUPERVISOR = "supervisor"
 

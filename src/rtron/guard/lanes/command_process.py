@@ -11,6 +11,7 @@ from rtron.guard.core.alarms import UnreadableInputAlarms
 from rtron.guard.core.control_socket import control_path
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.handover_state import HandoverState, HeartbeatFile, heartbeat_path
+from rtron.guard.core.output_watch import OutputWatch
 from rtron.guard.lanes.assignment import bulk_part, command_part
 from rtron.guard.lanes.board_observations import BoardObservations
 from rtron.guard.lanes.bulk_connection import BulkConnection
@@ -80,6 +81,7 @@ def run_command_process(
         connection,
         GraphPart(coordinator.open_nodes, transport),
         DeliveryEcho(transport),
+        OutputWatch(streams, coordinator.alarms, transport, plan.supervision.deliver_within),
         LaneReports(connection, coordinator, loop, topics),
         NodeReports(connection, middleware, loop, lambda: supervisor.supervisor),
         middleware.create_listener(response),

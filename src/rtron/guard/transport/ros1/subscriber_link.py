@@ -9,6 +9,8 @@ from rtron.errors import WireError
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.printable import printable
 from rtron.guard.transport.common.backlog import Backlog
+from rtron.guard.transport.common.protocol import SubscriberProgress
+from rtron.guard.transport.ros1.kernel_queues import KernelQueues
 from rtron.wire.ros1.tcpros import MAX_HEADER, FrameReader, decode_header, encode_header
 
 log = logging.getLogger(__name__)
@@ -67,6 +69,12 @@ class SubscriberLink:
         except OSError:
             return "closed"
         return f"{host}:{port}"
+
+    def progress(self, queues: KernelQueues) -> SubscriberProgress:
+        """Return how far the subscriber has come."""
+        untaken = queues.untaken(self._sock)
+        is_awaited = bool(untaken or self._unsent_head is not None or self._queue)
+        return SubscriberProgress(self.node, self.address, self.sent_bytes - untaken, is_awaited)
 
     def accept(self, fields: dict[str, str]) -> None:
         """Accept the header; messages may follow."""

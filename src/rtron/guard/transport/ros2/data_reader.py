@@ -15,7 +15,13 @@ from rtron.guard.core.out_of_memory import exit_out_of_memory
 from rtron.guard.transport.common.protocol import NumberedMessage
 from rtron.guard.transport.ros2.delivery import LatenessDetector
 from rtron.guard.transport.ros2.event_fd import EventFd
-from rtron.guard.transport.ros2.qos import HANDOVER_S, KEEP_ALL_DEPTH, fitting_depth, most_size, with_depth
+from rtron.guard.transport.ros2.qos import (
+    HANDOVER_S,
+    KEEP_ALL_DEPTH,
+    fitting_depth,
+    most_size,
+    with_depth,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable

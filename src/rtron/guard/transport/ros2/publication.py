@@ -20,7 +20,6 @@ from rtron.vocabulary import SECOND, Durability, QoS, Reliability, matches_node,
 from rtron.wire.ros2.interfaces import find_interface
 
 if TYPE_CHECKING:
-
     from rclpy.node import Node
 
     from rtron.guard.transport.common.protocol import Greeting, TypeInfo
