@@ -1,4 +1,4 @@
-"""The watch over what successors take: what is stuck, what is slow, what is idle, who is watched."""
+"""The watch over what successors take: what is stuck, slow or idle, and who is watched."""
 
 import pytest
 from streams import FLOWS, stream
