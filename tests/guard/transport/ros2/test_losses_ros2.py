@@ -87,7 +87,7 @@ def test_what_a_subscriber_is_too_slow_for_is_counted_and_the_guard_does_not_wai
     world, ros2, monkeypatch
 ):
     monkeypatch.setattr(middleware, "publishes_without_waiting", lambda: True)
-    monkeypatch.setattr(writer, "MAX_BYTES", 1000)
+    monkeypatch.setattr(writer, "MAX_QUEUE_BYTES", 1000)
     output = world.transport.advertise(NODE, TOPIC, TWIST, keep_all=True)
     output.learn_type(world.info(TWIST))
     output.offer("one", QoS())

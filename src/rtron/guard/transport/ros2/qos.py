@@ -16,8 +16,8 @@ from rclpy.qos import (
     ReliabilityPolicy,
 )
 
-from rtron.guard.transport.common.backlog import MAX_BYTES
 from rtron.vocabulary import SECOND, Durability, Liveliness, QoS, Reliability
+from rtron.vocabulary.plan import MAX_QUEUE_BYTES
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -43,7 +43,7 @@ def requested_profile(offered: QoS, queue_size: int, *, keep_all: bool = False) 
 
 def most_size(depth: int) -> float:
     """Return how many bytes a message may have in a reader or writer in which `depth` wait."""
-    return MAX_BYTES // depth if depth > 1 else math.inf
+    return MAX_QUEUE_BYTES // depth if depth > 1 else math.inf
 
 
 def fitting_depth(size: int) -> int:
@@ -51,7 +51,7 @@ def fitting_depth(size: int) -> int:
 
     They get half of the room, so that sizes that grow change it only now and then.
     """
-    return max(1, MAX_BYTES // (2 * size))
+    return max(1, MAX_QUEUE_BYTES // (2 * size))
 
 
 def strongest(profiles: Iterable[QoS]) -> QoS:

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 from rclpy.duration import Duration
 
 from rtron.errors import WireError
-from rtron.guard.transport.common.backlog import MAX_BYTES
 from rtron.guard.transport.ros2.qos import HANDOVER_S, fitting_depth, most_size
+from rtron.vocabulary.plan import MAX_QUEUE_BYTES
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -58,7 +58,7 @@ class LosslessWriter(Writer):
         self._unacknowledged = 0
 
     def _publish(self, message: bytes) -> None:
-        if self._unacknowledged > MAX_BYTES and not self._is_acknowledged():
+        if self._unacknowledged > MAX_QUEUE_BYTES and not self._is_acknowledged():
             self.lost += 1
             return
         try:
