@@ -11,7 +11,6 @@ from rtron.guard.core.alarms import UnreadableInputAlarms
 from rtron.guard.core.control_socket import control_path
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.handover_state import HandoverState, HeartbeatFile, heartbeat_path
-from rtron.guard.core.output_watch import OutputWatch
 from rtron.guard.lanes.assignment import bulk_part, command_part
 from rtron.guard.lanes.board_observations import BoardObservations
 from rtron.guard.lanes.bulk_connection import BulkConnection
@@ -36,6 +35,7 @@ from rtron.guard.settings.in_force import SettingsInForce, settings_at_start
 from rtron.guard.settings.intrusion_clearing import create_request_handler
 from rtron.guard.settings.saved_stop import SavedStop
 from rtron.guard.supervision.delivery_watch import DeliveryEcho
+from rtron.guard.supervision.output_watch import OutputWatch
 from rtron.vocabulary import Mode, Plan, build_streams
 
 if TYPE_CHECKING:

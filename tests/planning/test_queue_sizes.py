@@ -4,7 +4,7 @@ import pytest
 
 from rtron.messages.common.definition_parser import parse_definition
 from rtron.messages.common.definition_registry import DefinitionRegistry
-from rtron.messages.common.message_size import BYTE_ARRAY_SIZE, usual_size
+from rtron.planning.queue_sizes import BYTE_ARRAY_SIZE, usual_size
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ import pytest
 from streams import FLOWS, stream
 
 from rtron.guard.core.alarms import Alarms
-from rtron.guard.core.output_watch import OutputWatch
+from rtron.guard.supervision.output_watch import OutputWatch
 from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.guard.transport.common.protocol import SubscriberProgress
 from rtron.vocabulary import SECOND, AlarmKind, Mode, flow_topic, output_topic
