@@ -26,7 +26,7 @@ pytestmark = [
 NODE, TOPIC, STRING, TWIST = "/rtron/a", "/burst", "std_msgs/String", "geometry_msgs/Twist"
 COUNT, QUEUE = 300, 20
 IMAGE, ARRAY = "sensor_msgs/Image", "std_msgs/UInt8MultiArray"
-LARGE_BYTES, SENT_50 = 1 << 22, "sent 50 more"
+LARGE_BYTES, SCAN_BYTES, SENT_50 = 1 << 22, 1 << 21, "sent 50 more"
 
 
 class Reader:
@@ -134,12 +134,14 @@ def test_what_the_guard_does_not_take_fills_no_memory(world, ros2, begin):
     options = InputOptions(keep_all=True, begin=begin)
     connect = lambda _peer: lambda message: heard.append(len(message))  # noqa: E731
     world.transport.subscribe(NODE, TOPIC, ARRAY, connect, options=options)
-    scanner = ros2.node("bytes_publisher.py", TOPIC, str(LARGE_BYTES), "50", name="/scanner")
-    world.until(lambda: len(heard) >= 60)
+    scanner = ros2.node("bytes_publisher.py", TOPIC, str(SCAN_BYTES), "50", name="/scanner")
+    world.until(lambda: heard)
+    (reader,) = world.transport._subscriptions[0]._readers.values()
+    world.until(lambda: not reader.is_changing)
     heard.clear()
     before, sent = memory_bytes(), scanner.log.count(SENT_50)
-    wait_for(lambda: scanner.log.count(SENT_50) >= sent + 2, what="50 messages at least")
-    assert memory_bytes() - before < 20 * LARGE_BYTES
+    wait_for(lambda: scanner.log.count(SENT_50) >= sent + 4, what="150 messages at least")
+    assert memory_bytes() - before < 24 * SCAN_BYTES
     world.until(lambda: heard)
 
 
