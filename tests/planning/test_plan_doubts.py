@@ -12,6 +12,7 @@ from rtron.vocabulary import (
     Flow,
     FunctionType,
     InteractionGraph,
+    MessageDefinition,
     Mode,
     Node,
     Plan,
@@ -35,6 +36,31 @@ def test_a_long_duration_is_doubted():
         "warning: GRCN grcn_cmd_vel: release_after is 3 s: so long nobody else drives when a node "
         "falls silent"
     )
+
+
+@pytest.mark.parametrize(("size", "is_doubted"), [(16, False), (17, True)])
+def test_a_queue_that_has_no_room_for_its_messages_is_doubted(size, is_doubted):
+    found = warnings(type="sensor_msgs/Image", queue_size=size)
+    assert bool(found) == is_doubted
+    if is_doubted:
+        assert found[0] == (
+            "warning: GRCN grcn_cmd_vel: queue_size is 17, and a queue holds 67 MB: of "
+            "sensor_msgs/Image, at 4 MB each, 16; of larger ones, fewer"
+        )
+
+
+def test_the_definition_of_a_type_of_ones_own_counts():
+    plan = replace(
+        plan_of(grcn("/scan", ["/a"], [], type="my_msgs/Sweep")),
+        messages=(
+            MessageDefinition(
+                type="my_msgs/Sweep", definition="float64[65536] a\nfloat64[65536] b"
+            ),
+        ),
+    )
+    (warning,) = void_value_warnings(plan)
+    assert "at 1 MB each, 64;" in warning.message
+    assert not list(void_value_warnings(replace(plan, messages=())))
 
 
 def test_a_node_that_only_watches_voids_nothing():

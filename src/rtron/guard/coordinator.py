@@ -129,6 +129,11 @@ class Coordinator:
             *alarm_statuses(self.alarms, now),
         ]
 
+    def lost_events(self) -> dict[str, int]:
+        """Return how many events did not reach the guard, by the topic where any was lost."""
+        lost = {topic: sum(each.before.values()) for topic, each in self._inputs.losses.items()}
+        return {topic: count for topic, count in lost.items() if count}
+
     def stream_statuses(self) -> list[Status]:
         """Return the state of the streams and rules here, with what was lost until now."""
         now = self._transport.now()

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Iterator
 
 from rtron.coherence.duration_bounds import duration_doubts
 from rtron.planning.problem import PlanProblem, ProblemLevel
+from rtron.planning.queue_sizes import queue_doubts
 from rtron.vocabulary import (
     GRCN,
     RSRCN,
@@ -30,6 +31,7 @@ def void_value_warnings(plan: Plan) -> Iterator[PlanProblem]:
             yield from _blocked(f"RSRCN on {topic.topic}", topic.flows)
         yield from _steeper_stop(plan.rsrcn, plan.stop)
     yield from (_warning(where, message) for where, message in duration_doubts(plan))
+    yield from (_warning(where, message) for where, message in queue_doubts(plan))
     modes = [node.mode for node in (*plan.grcn, plan.rsrcn, plan.msrcn) if node]
     if Mode.ENFORCE not in modes:
         yield _warning("plan", "nothing enforces: the guard only watches; set `mode: enforce`")

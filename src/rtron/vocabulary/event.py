@@ -21,6 +21,7 @@ class AlarmKind(StringEnum):
     DRIFT = "drift"
     UNREACHABLE = "unseen"
     UNREADABLE = "unreadable"
+    UNDELIVERED = "undelivered"
     GUARD = "guard"
     SUPERVISOR = "supervisor"
 
@@ -142,7 +143,8 @@ class RuleState:
 class GuardState:
     """All of a guard at one moment.
 
-    `fps` is by fps_monitor; `bits` are the eflows', None while nobody knows one.
+    `fps` is by fps_monitor; `bits` are the eflows', None while nobody knows one. `lost_events` are
+    the messages that eflows did not get, by topic.
     """
 
     at: int
@@ -151,6 +153,7 @@ class GuardState:
     rules: tuple[RuleState, ...] = ()
     bits: Mapping[str, bool | None] = field(default_factory=dict)
     fps: Mapping[str, float] = field(default_factory=dict)
+    lost_events: Mapping[str, int] = field(default_factory=dict)
     alarms: tuple[Alarm, ...] = ()
     overridden: tuple[str, ...] = ()
     stopped: bool = False

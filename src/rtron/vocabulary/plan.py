@@ -95,6 +95,10 @@ class GuardedTopic:
     uses: tuple[str, ...] = ()
 
 
+MAX_QUEUE_BYTES = 1 << 26
+"""The most that waits in one queue of the guard, bytes; a single message may be larger."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GRCN:
     """A general risk coordination node: the publishers of one topic, before its successors.

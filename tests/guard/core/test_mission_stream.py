@@ -154,6 +154,7 @@ def test_nothing_moves_before_the_first_event_nor_when_it_is_too_old_nor_when_it
 def test_events_that_were_lost_are_counted_and_shown_while_it_is_news():
     transport, host = guarded()
     light(transport)(string("green"))
+    assert host.lost_events() == {}
     transport.miss("/light", peer("/camera", STRING), 3)
     transport.miss("/light", peer("/camera", STRING), 2)
 
@@ -162,6 +163,7 @@ def test_events_that_were_lost_are_counted_and_shown_while_it_is_news():
 
     assert (state().level, state().values) == (1, {"lost of /camera": "5"})
     assert "5 events were lost" in state().message
+    assert host.lost_events() == {"/light": 5}
     transport.advance(11 * SECOND)
     assert (state().level, state().values) == (0, {"lost of /camera": "5"})
 

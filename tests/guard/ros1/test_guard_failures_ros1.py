@@ -1,5 +1,6 @@
 """Limits, rules and failures between real nodes: what a driver is told when something dies."""
 
+import signal
 from dataclasses import replace
 from itertools import pairwise
 
@@ -374,3 +375,19 @@ def test_the_next_in_order_drives_when_a_connection_closes(ros1, driven, policy)
     nav.kill()
     wait_for(lambda: 0.25 in speeds(driven), what="the next in order")
     assert said() - before < 20 * LONG / SECOND / 2
+
+
+def test_a_driver_that_takes_no_commands_is_told_by_name_until_it_takes_them(ros1, driver):
+    base = ros1.spawn(driver, ros1.folder / "driven.txt", "__name:=driver", *DRIVEN)
+    ros1.wait_for_nodes("/driver")
+    driven = Driven(ros1.folder / "driven.txt")
+    guard = start_guard(ros1, drive_plan(), CMD_VEL_GUARD)
+    navigate(ros1)
+    wait_for_speed(driven, SPEED, "the base to drive")
+    shown = ros1.spawn("rostopic", "echo", "/diagnostics")
+    stuck = "undelivered: /driver takes nothing of what is sent to it on /rtron/cmd_vel/out"
+    base.tell(signal.SIGSTOP)
+    wait_for(lambda: f"alarm: {stuck}" in guard.log, what="the alarm")
+    wait_for(lambda: stuck in shown.log, what="the diagnostics")
+    base.tell(signal.SIGCONT)
+    wait_for(lambda: f"no more: {stuck}" in guard.log, what="the end of the alarm")

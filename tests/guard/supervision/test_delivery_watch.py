@@ -71,6 +71,32 @@ def test_before_the_first_ping_has_come_back_nothing_is_known():
     assert not watched.watch.is_known
 
 
+def test_a_guard_that_has_sent_nothing_back_for_30_s_is_unwatched_until_it_does(caplog):
+    watched = Watched()
+    watched.run(29 * SECOND, delivers=False)
+    assert not watched.watch.is_unwatched
+    watched.run(2 * SECOND, delivers=False)
+    assert watched.watch.is_unwatched
+    assert caplog.text.count("its delivery is not watched") == 1
+    watched.run(SECOND)
+    assert not watched.watch.is_unwatched
+
+
+def test_a_guard_that_was_watched_once_is_never_unwatched():
+    watched = Watched()
+    watched.run(SECOND)
+    watched.run(40 * SECOND, delivers=False)
+    assert not watched.watch.is_unwatched
+
+
+def test_the_next_guard_is_not_unwatched_yet():
+    watched = Watched()
+    watched.run(31 * SECOND, delivers=False)
+    watched.watch.reset(watched.now)
+    watched.run(SECOND, delivers=False)
+    assert not watched.watch.is_unwatched
+
+
 def test_another_guard_is_not_known_yet():
     watched = Watched()
     watched.run(SECOND)

@@ -203,3 +203,24 @@ def test_a_guard_that_cannot_be_started_leaves_nothing_behind():
         spawn_guard(NO_FILE, 1)
     assert signal.pthread_sigmask(signal.SIG_BLOCK, ()) == before
     assert open_files() == files
+
+
+def test_a_delivery_that_nobody_watches_is_an_alarm_with_what_to_do(loop, tied):
+    def alarms():
+        return [alarm.reason for alarm in tied.tie._host.alarms.active]
+
+    tied.page[StatusWord.UNWATCHED] = 1
+    wait_for(lambda: loop.step(0.01) or alarms(), what="the alarm")
+    (reason,) = alarms()
+    assert "nobody knows whether it delivers" in reason
+    assert "start rtron guard again" in reason
+    tied.page[StatusWord.UNWATCHED] = 0
+    wait_for(lambda: loop.step(0.01) or not alarms(), what="its end")
+
+
+def test_a_supervisor_that_is_gone_says_nothing_of_delivery(loop, tied):
+    tied.page[StatusWord.UNWATCHED] = 1
+    tied.supervisor.close()
+    wait_for(lambda: loop.step(0.01) or not tied.tie.supervisor, what="the end of the supervisor")
+    tied.run(SECOND // 10)
+    assert all("delivers" not in alarm.reason for alarm in tied.tie._host.alarms.active)

@@ -8,6 +8,7 @@ from home import HOME
 from notation import graph_of
 
 from rtron.planning import check_plan, propose_plan, unguardable_topics
+from rtron.planning.plan_doubts import void_value_warnings
 from rtron.risks import discover_risks
 from rtron.vocabulary import (
     GRCN,
@@ -534,3 +535,13 @@ class TestRos2Poses:
                 "and only a successor of /goal_pose is believed"
             )
         ]
+
+
+@pytest.mark.parametrize(
+    ("type", "size"), [("geometry_msgs/Twist", 100), ("std_msgs/UInt8MultiArray", 16)]
+)
+def test_a_queue_has_room_for_what_it_is_to_hold(type, size):
+    plan = plan_of(graph_of("app", shared("/cmd_raw", type)))
+    grcn = grcn_of(plan, "/cmd_raw")
+    assert (grcn.mode, grcn.queue_size) == (Mode.ENFORCE, size)
+    assert not [each for each in void_value_warnings(plan) if "queue_size" in each.message]

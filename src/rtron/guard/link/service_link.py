@@ -178,6 +178,7 @@ class ServiceLink:
                 rules=tuple(rule for lane in lanes for rule in lane.rules),
                 bits={name: known.get(name) for name in mission.bits.by_name},
                 fps=self._fps(now),
+                lost_events=self._host.lost_events(),
                 alarms=self._host.alarms.active,
                 overridden=tuple(id for lane in lanes for id in lane.overridden),
                 stopped=self._is_stopped(),

@@ -38,7 +38,9 @@ class DeliveryWatch:
         """Watch another guard, which is not connected yet."""
         self._first = self._returned = self._sent
         self._watchdog = Watchdog(now)
-        self._unknown_at: int | None = now + _UNKNOWN_AFTER
+        self._began_at = now
+        self.is_unwatched = False
+        """Whether no ping has come back long after the guard began: nobody knows if it delivers."""
 
     @property
     def is_known(self) -> bool:
@@ -54,9 +56,9 @@ class DeliveryWatch:
             self._ping_due = now + PING_PERIOD
             self._sent += 1
             self._output.publish(self._encoding.prefix(_NUMBER.size) + _NUMBER.pack(self._sent))
-        if self._unknown_at is not None and now > self._unknown_at:
-            self._unknown_at = None
-            log.warning("no ping has come back through the guard: its delivery is not watched")
+        if not self.is_known and not self.is_unwatched and now - self._began_at > _UNKNOWN_AFTER:
+            self.is_unwatched = True
+            log.error("no ping has come back through the guard: its delivery is not watched")
         silence = self._watchdog.update(now, self._returned)
         return silence if self.is_known else 0
 
@@ -68,7 +70,7 @@ class DeliveryWatch:
 
     def _note_returned(self, number: int) -> None:
         if not self.is_known:
-            self._unknown_at = None
+            self.is_unwatched = False
             log.info("pings come back through the guard: its delivery is watched")
         self._returned = number
 

@@ -39,6 +39,8 @@ class StatusWord(IntEnum):
     """When the guard had loaded what it needs to begin (ns), 0 before. The guard's."""
     UNDELIVERED = 7
     """Whether the supervisor's pings do not come back through the guard. The supervisor's."""
+    UNWATCHED = 8
+    """Whether no ping has ever come back, long after the guard began. The supervisor's."""
 
 
 class GuardMemory:

@@ -134,6 +134,7 @@ class Supervisor:
         observation = GuardObservation(silence, is_serving, is_leaving, delay, undelivered)
         actions = self._fsm.tick(now, observation)
         self._memory[StatusWord.UNDELIVERED] = self._fsm.is_undelivered
+        self._memory[StatusWord.UNWATCHED] = self._delivery.is_unwatched
         self._perform(actions, now)
         if self._intrusions:
             self._intrusions.follow(self._memory.handover_state)

@@ -61,6 +61,13 @@ UNSUPERVISED_LIMIT = 2 * SECOND
 _ALARM_DURATION = 30 * SECOND
 _DELIVERY = "delivery"
 _UNDELIVERED = "what goes into the guard does not come out in time: the robot is stopped"
+_UNWATCHED = Alarm(
+    kind=AlarmKind.GUARD,
+    reason="nobody knows whether it delivers: no ping of its supervisor has come back for 30 s; "
+    "see that both reach each other here (ROS 1: ROS_IP, ROS_HOSTNAME, a firewall; ROS 2: your "
+    "profiles of Fast DDS), and start rtron guard again",
+    node=GUARD_NODE,
+)
 
 
 class SupervisorClient:
@@ -142,6 +149,7 @@ class SupervisorClient:
             self._stoppable[next(self._turn) % len(self._stoppable)].store_order()
         self._notice_stop()
         self._follow_delivery(now)
+        self._follow_watch(now)
         self._check_supervisor(now)
 
     def _notice_stop(self) -> None:
@@ -171,6 +179,13 @@ class SupervisorClient:
             self._undelivered = None
             for guarded in self._stoppable:
                 guarded.release(_DELIVERY)
+
+    def _follow_watch(self, now: int) -> None:
+        """Say so while nobody watches whether the guard delivers."""
+        if self._memory[StatusWord.UNWATCHED] and self._connection:
+            self._host.alarms.raise_(_UNWATCHED, now)
+        else:
+            self._host.alarms.clear(_UNWATCHED)
 
     def _check_supervisor(self, now: int) -> None:
         if self._is_ending:

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
+from rtron.messages.common.definition_registry import DefinitionRegistry
 from rtron.planning.app_topics import action_servers, action_topics, all_topics
 from rtron.planning.plan_file.fields import NODE_NAME, TOPIC_NAME, TYPE_NAME
 from rtron.planning.proposal.publisher_ranking import PublisherRanking
@@ -39,6 +40,11 @@ class AppModel:
     def viewers(self) -> frozenset[str]:
         """The nodes that only record or show what they subscribe."""
         return frozenset(self.report.viewers)
+
+    @cached_property
+    def definitions(self) -> DefinitionRegistry:
+        """The message types that are known here."""
+        return DefinitionRegistry(ros=self.graph.ros)
 
     @cached_property
     def action_parts(self) -> frozenset[str]:

@@ -15,12 +15,14 @@ with at most one publisher, because there is nothing to arrange, only strangers 
 """
 
 from collections.abc import Collection
+from dataclasses import replace
 
 from rtron.planning.plan_file.defaults import node_id, with_distinct_ids
 from rtron.planning.plan_file.fields import ANY_TEXT, NODE_NAME, TOPIC_NAME
 from rtron.planning.problem import PlanProblem, ProblemLevel
 from rtron.planning.proposal.app_model import AppModel
 from rtron.planning.proposal.app_nodes import fps_monitors, propose_msrcn, propose_rsrcn
+from rtron.planning.queue_sizes import fitting_queue_size
 from rtron.vocabulary import (
     GRCN,
     ROS1_CLIENT_TOPICS,
@@ -54,7 +56,8 @@ _ORDER = (Domain.CONTROL, Domain.PLANNING, Domain.PERCEPTION, Domain.DRIVERS, Do
 def propose_plan(graph: InteractionGraph, report: RiskReport) -> Plan:
     """Return a plan with a GRCN for each topic of a general risk, and the others as risks ask."""
     app = AppModel.from_graph(graph, report)
-    grcn = with_distinct_ids(_grcn(app, name) for name in _risky_topics(app) if app.can_guard(name))
+    found = (_grcn(app, name) for name in _risky_topics(app) if app.can_guard(name))
+    grcn = with_distinct_ids(_with_fitting_queue(app, each) for each in found)
     enforced = {node.topic for node in grcn if node.mode is Mode.ENFORCE}
     monitors = fps_monitors(app)
     return Plan(
@@ -128,6 +131,14 @@ def _grcn(app: AppModel, topic: str) -> GRCN:
         else SECOND // 2,
         done=done,
     )
+
+
+def _with_fitting_queue(app: AppModel, grcn: GRCN) -> GRCN:
+    """Return a GRCN whose queue has room for what it is to hold, if it forwards anything."""
+    if grcn.mode is not Mode.ENFORCE:
+        return grcn
+    fitting = fitting_queue_size(grcn.type, app.definitions)
+    return replace(grcn, queue_size=min(grcn.queue_size, fitting or grcn.queue_size))
 
 
 def _policy(app: AppModel, topic: str) -> PolicyName:

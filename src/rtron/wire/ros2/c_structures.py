@@ -179,6 +179,8 @@ class MessageBuffer:
         self._message = SerializedMessage()
         self.address = addressof(self._message)
         """Where rcl and rmw are to put a message."""
+        self.size = 0
+        """How many bytes the message has of which `message_bytes` has returned any."""
         self._buffer = c_void_p.from_address(self.address)
         self._copy_bytes = _bytes_copier()
         self._grow()
@@ -189,7 +191,7 @@ class MessageBuffer:
 
     def message_bytes(self, begin: int = 0) -> bytes:
         """Return the message that was put here last, or only its first `begin` bytes."""
-        length = self._message.length
+        self.size = length = self._message.length
         size = min(begin, length) if begin else length
         message: bytes = self._copy_bytes(self._buffer.value, size)
         if self._message.capacity > _MAX_REUSED_CAPACITY:

@@ -9,12 +9,13 @@ import pytest
 from rtron.vocabulary import QoS
 
 pytest.importorskip("rclpy", reason="needs ROS 2")
+from harness import wait_for
 from ros2_harness import NODES2
 
 from rtron.guard.transport.common.protocol import InputOptions
-from rtron.guard.transport.ros2 import middleware, publication
+from rtron.guard.transport.ros2 import middleware, writer
 from rtron.guard.transport.ros2.delivery import LatenessDetector
-from rtron.guard.transport.ros2.publication import LosslessWriter
+from rtron.guard.transport.ros2.writer import LosslessWriter
 
 pytestmark = [
     pytest.mark.ros2,
@@ -24,7 +25,8 @@ pytestmark = [
 ]
 NODE, TOPIC, STRING, TWIST = "/rtron/a", "/burst", "std_msgs/String", "geometry_msgs/Twist"
 COUNT, QUEUE = 300, 20
-IMAGE, PICTURE_BYTES = "sensor_msgs/Image", 1 << 22
+IMAGE, ARRAY = "sensor_msgs/Image", "std_msgs/UInt8MultiArray"
+LARGE_BYTES, SCAN_BYTES, SENT_50 = 1 << 22, 1 << 21, "sent 50 more"
 
 
 class Reader:
@@ -85,7 +87,7 @@ def test_what_a_subscriber_is_too_slow_for_is_counted_and_the_guard_does_not_wai
     world, ros2, monkeypatch
 ):
     monkeypatch.setattr(middleware, "publishes_without_waiting", lambda: True)
-    monkeypatch.setattr(publication, "MAX_BYTES", 1000)
+    monkeypatch.setattr(writer, "MAX_QUEUE_BYTES", 1000)
     output = world.transport.advertise(NODE, TOPIC, TWIST, keep_all=True)
     output.learn_type(world.info(TWIST))
     output.offer("one", QoS())
@@ -109,19 +111,38 @@ def test_what_a_subscriber_is_too_slow_for_is_counted_and_the_guard_does_not_wai
     assert output.lost == lost
 
 
-def test_what_a_frozen_subscriber_does_not_take_fills_no_memory(world, ros2):
-    output = world.transport.advertise(NODE, TOPIC, IMAGE)
-    output.learn_type(world.info(IMAGE))
+@pytest.mark.parametrize("type", [IMAGE, ARRAY])
+@pytest.mark.parametrize("keep_all", [False, True])
+def test_what_a_frozen_subscriber_does_not_take_fills_no_memory(world, ros2, type, keep_all):
+    output = world.transport.advertise(NODE, TOPIC, type, keep_all=keep_all)
+    output.learn_type(world.info(type))
     output.offer("one", QoS())
-    slow = ros2.spawn(sys.executable, NODES2 / "node_group.py", "/slow", f"<{TOPIC}:{IMAGE}")
+    slow = ros2.spawn(sys.executable, NODES2 / "node_group.py", "/slow", f"<{TOPIC}:{type}")
     world.until(lambda: output.is_subscribed_by("/slow"))
     slow.tell(signal.SIGSTOP)
-    picture = b"\0\1\0\0" + bytes(PICTURE_BYTES)
+    message = b"\0\1\0\0" + bytes(LARGE_BYTES)
     before = memory_bytes()
     for _ in range(40):
-        output.publish(picture)
+        output.publish(message)
     slow.tell(signal.SIGCONT)
-    assert memory_bytes() - before < 20 * PICTURE_BYTES
+    assert memory_bytes() - before < 20 * LARGE_BYTES
+
+
+@pytest.mark.parametrize("begin", [0, 256])
+def test_what_the_guard_does_not_take_fills_no_memory(world, ros2, begin):
+    heard = []
+    options = InputOptions(keep_all=True, begin=begin)
+    connect = lambda _peer: lambda message: heard.append(len(message))  # noqa: E731
+    world.transport.subscribe(NODE, TOPIC, ARRAY, connect, options=options)
+    scanner = ros2.node("bytes_publisher.py", TOPIC, str(SCAN_BYTES), "50", name="/scanner")
+    world.until(lambda: heard)
+    (reader,) = world.transport._subscriptions[0]._readers.values()
+    world.until(lambda: not reader.is_changing)
+    heard.clear()
+    before, sent = memory_bytes(), scanner.log.count(SENT_50)
+    wait_for(lambda: scanner.log.count(SENT_50) >= sent + 4, what="150 messages at least")
+    assert memory_bytes() - before < 24 * SCAN_BYTES
+    world.until(lambda: heard)
 
 
 def memory_bytes():
@@ -130,18 +151,59 @@ def memory_bytes():
     return 1024 * int(fields["RssAnon"].split()[0])
 
 
-def test_only_reliable_states_of_common_size_are_kept(world, monkeypatch):
+class Numbered:
+    """Texts that grow until fewer of them have room, and then go on; each begins with a number."""
+
+    def __init__(self, world):
+        pads = [0] * 50 + [1 << 14, 1 << 20, 1 << 22] * 2 + [0] * 50
+        self.said = [world.text(f"{number} " + "x" * pad) for number, pad in enumerate(pads)]
+
+
+def test_messages_that_become_large_pass_a_reader_whole_and_once(world):
+    heard, missed = [], []
+    options = InputOptions(keep_all=True, on_missed=lambda _peer, count: missed.append(count))
+    world.transport.subscribe(NODE, TOPIC, STRING, lambda _peer: heard.append, options=options)
+    talker = world.publisher("/talker", TOPIC)
+    said = Numbered(world).said
+    world.until(lambda: talker.say(world.text("?")) or heard)
+    for word in said:
+        talker.say(word)
+        world.loop.step(0.01)
+    world.until(lambda: heard[-1:] == said[-1:])
+    assert [word for word in heard if word != world.text("?")] == said
+    assert missed == []
+
+
+@pytest.mark.parametrize("keep_all", [False, True])
+def test_messages_that_become_large_reach_a_subscriber_whole(world, monkeypatch, keep_all):
+    monkeypatch.setattr(middleware, "publishes_without_waiting", lambda: True)
+    heard = world.listener("/listener", TOPIC)
+    output = world.transport.advertise(NODE, TOPIC, STRING, keep_all=keep_all)
+    output.learn_type(world.info())
+    output.offer("one", QoS())
+    said = Numbered(world).said
+    world.until(lambda: output.publish(world.text("?")) or heard)
+    for word in said:
+        output.publish(word)
+        world.serve()
+    world.until(lambda: set(said) <= set(map(bytes, heard)))
+    assert output.lost == 0
+    assert not isinstance(output._writer._writer, LosslessWriter)
+    output.close()
+
+
+def test_only_reliable_states_are_kept(world, monkeypatch):
     monkeypatch.setattr(middleware, "publishes_without_waiting", lambda: True)
 
     def writer(type, **options):
         output = world.transport.advertise(NODE, f"/t{len(made)}", type, **options)
         made.append(output)
         output.offer("one", QoS())
-        return output._writer
+        return output._writer._writer
 
     made = []
     assert isinstance(writer(STRING, keep_all=True), LosslessWriter)
     assert not isinstance(writer(STRING), LosslessWriter)
-    assert not isinstance(writer("sensor_msgs/Image", keep_all=True), LosslessWriter)
+    assert isinstance(writer(IMAGE, keep_all=True), LosslessWriter)
     monkeypatch.setattr(middleware, "publishes_without_waiting", lambda: False)
     assert not isinstance(writer(STRING, keep_all=True), LosslessWriter)

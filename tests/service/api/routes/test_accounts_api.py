@@ -305,11 +305,13 @@ def test_what_guards_lose_is_in_the_metrics(app):
             lost_behind=2,
         ),
     )
-    found = lost_messages({"car1": GuardState(at=1, revision=1, streams=streams), "car2": None})
+    state = GuardState(at=1, revision=1, streams=streams, lost_events={"/light": 5})
+    found = lost_messages({"car1": state, "car2": None})
     assert found.name == "rtron_messages_lost"
     assert {(*sample.labels.values(), sample.value) for sample in found.samples} == {
         ("car1", "/cmd_vel", "before", 7),
         ("car1", "/cmd_vel", "behind", 2),
+        ("car1", "/light", "event", 5),
     }
 
 

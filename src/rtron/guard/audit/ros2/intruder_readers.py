@@ -113,11 +113,12 @@ class _StreamReader:
         self._reader = transport.create_reader(output_topic(stream), type, self)
         self.close = self._reader.close
 
-    def take(self, reader: DataReader, gid: bytes, message: bytes, number: int | None) -> None:
-        """Pass on a message that is not ours."""
+    def take(self, reader: DataReader, gid: bytes, message: bytes, number: int | None) -> bool:
+        """Pass on a message that is not ours; none of them counts."""
         del reader, number
         if not self._transport.graph.is_own(gid):
             self._on_message(self._stream, gid, message)
+        return False
 
     def note_late(self, reader: DataReader, gid: bytes, number: int | None) -> None:
         """Do nothing: nothing is late here."""

@@ -34,6 +34,7 @@ from rtron.guard.settings.in_force import SettingsInForce, settings_at_start
 from rtron.guard.settings.intrusion_clearing import create_request_handler
 from rtron.guard.settings.saved_stop import SavedStop
 from rtron.guard.supervision.delivery_watch import DeliveryEcho
+from rtron.guard.supervision.output_watch import OutputWatch
 from rtron.vocabulary import Mode, Plan, build_streams
 
 if TYPE_CHECKING:
@@ -79,6 +80,7 @@ def run_command_process(
         connection,
         GraphPart(coordinator.open_nodes, transport),
         DeliveryEcho(transport),
+        OutputWatch(streams, coordinator.alarms, transport, plan.supervision.deliver_within),
         DiagnosticsReports(connection, coordinator, loop, topics),
         NodeReports(connection, middleware, loop, lambda: supervisor.supervisor),
         middleware.create_listener(response),

@@ -2,8 +2,7 @@
 
 from collections import deque
 
-MAX_BYTES = 1 << 26
-"""The most that one queue holds, bytes; a single message may be larger."""
+from rtron.vocabulary.plan import MAX_QUEUE_BYTES
 
 
 class Backlog:
@@ -11,7 +10,7 @@ class Backlog:
 
     __slots__ = ("_bytes", "_max_bytes", "_messages", "dropped", "limit")
 
-    def __init__(self, limit: int, max_bytes: int = MAX_BYTES) -> None:
+    def __init__(self, limit: int, max_bytes: int = MAX_QUEUE_BYTES) -> None:
         self.limit = limit
         self.dropped = 0
         self._max_bytes = max_bytes

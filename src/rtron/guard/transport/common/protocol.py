@@ -3,7 +3,7 @@
 Messages are bytes as the middleware frames them; a transport does not decode them.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
@@ -97,6 +97,16 @@ DEFAULT_INPUT = InputOptions()
 
 Greeting = Callable[[], bytes | None]
 """Returns the message that a new subscriber gets first, None if it gets what is latched."""
+
+
+@dataclass(frozen=True, slots=True)
+class SubscriberProgress:
+    """How far a subscriber has come: bytes that it has taken, and whether more wait for it."""
+
+    node: str
+    address: str
+    taken: int
+    is_awaited: bool
 
 
 class Output(Protocol):
@@ -205,6 +215,13 @@ class LiveTransport(Transport, Protocol):
 
     def set_supervisor(self, process_id: Callable[[], int]) -> None:
         """Take the guard's supervisor, 0 if there is none, whose nodes are the guard's (ROS 2)."""
+        ...
+
+    def subscriber_progress(self, topic: str) -> Sequence[SubscriberProgress]:
+        """Return how far each subscriber of a topic of ours has come, where that is known.
+
+        DDS does not tell it.
+        """
         ...
 
     def create_stage(self) -> "Stage":

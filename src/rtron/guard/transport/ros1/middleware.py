@@ -2,7 +2,7 @@
 
 import logging
 import socket
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 
 from rtron.guard.core.event_loop import EventLoop
@@ -13,10 +13,12 @@ from rtron.guard.transport.common.protocol import (
     InputOptions,
     LostHandler,
     Output,
+    SubscriberProgress,
     TypeInfo,
     ignore_lost,
 )
 from rtron.guard.transport.ros1.handshake import TopicRequest
+from rtron.guard.transport.ros1.kernel_queues import KernelQueues
 from rtron.guard.transport.ros1.node import Ros1Node
 from rtron.guard.transport.ros1.publication import Publication
 from rtron.guard.transport.ros1.registrar import Registrar
@@ -50,6 +52,7 @@ class Ros1Transport:
         self._nodes: dict[str, Ros1Node] = {}
         self._publications: dict[str, Publication] = {}
         self._workers: list[ThreadPoolExecutor] = []
+        self._queues = KernelQueues()
         self._server = TcpServer(loop, bind_address(self._host), self._on_connection)
         self._registrar = Registrar(loop, master, lambda: list(self._nodes.values()))
         self.other_pids: Callable[[], Iterable[int]] = tuple
@@ -126,6 +129,11 @@ class Ros1Transport:
     def set_supervisor(self, process_id: Callable[[], int]) -> None:
         """Do nothing: the supervisor's nodes are known by their names."""
 
+    def subscriber_progress(self, topic: str) -> Sequence[SubscriberProgress]:
+        """Return how far each subscriber of a topic has come; see `LiveTransport`."""
+        publication = self._publications.get(topic)
+        return [link.progress(self._queues) for link in publication.links] if publication else []
+
     def create_stage(self) -> Ros1Stage:
         """Return connections of the guard with itself; see `LiveTransport`."""
         return Ros1Stage(self.now)
@@ -183,6 +191,7 @@ class Ros1Transport:
         for name in list(self._nodes):
             self.remove_node(name)
         self._server.close()
+        self._queues.close()
         for workers in self._workers:
             workers.shutdown(wait=False, cancel_futures=True)
         self._registrar.close()

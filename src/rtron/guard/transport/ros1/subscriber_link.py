@@ -9,6 +9,8 @@ from rtron.errors import WireError
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.printable import printable
 from rtron.guard.transport.common.backlog import Backlog
+from rtron.guard.transport.common.protocol import SubscriberProgress
+from rtron.guard.transport.ros1.kernel_queues import KernelQueues
 from rtron.wire.ros1.tcpros import MAX_HEADER, FrameReader, decode_header, encode_header
 
 log = logging.getLogger(__name__)
@@ -46,7 +48,7 @@ class SubscriberLink:
         self.node = ""
         self.md5sum = ""
         self.is_closed = False
-        self.sent = self.sent_bytes = 0
+        self.sent = self.sent_bytes = self._taken = 0
         loop.watch(sock, self._on_readable, self._on_error)
         loop.call_later(_HANDSHAKE_TIMEOUT_S, self._close_without_header)
 
@@ -67,6 +69,15 @@ class SubscriberLink:
         except OSError:
             return "closed"
         return f"{host}:{port}"
+
+    def progress(self, queues: KernelQueues) -> SubscriberProgress:
+        """Return how far the subscriber has come; the kernel is asked where it may have moved."""
+        if self._taken != self.sent_bytes:
+            self._taken = self.sent_bytes - queues.untaken(self._sock)
+        is_awaited = bool(
+            self._taken < self.sent_bytes or self._unsent_head is not None or self._queue
+        )
+        return SubscriberProgress(self.node, self.address, self._taken, is_awaited)
 
     def accept(self, fields: dict[str, str]) -> None:
         """Accept the header; messages may follow."""

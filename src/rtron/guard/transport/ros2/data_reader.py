@@ -3,19 +3,29 @@
 from __future__ import annotations
 
 import logging
+from functools import partial
 from time import time_ns
 from typing import TYPE_CHECKING, Protocol
 
 from rclpy.event_handler import SubscriptionEventCallbacks
-from rclpy.qos import DurabilityPolicy
+from rclpy.qos import DurabilityPolicy, HistoryPolicy
 
 from rtron.guard.core.log_throttle import LogThrottle
 from rtron.guard.core.out_of_memory import exit_out_of_memory
 from rtron.guard.transport.common.protocol import NumberedMessage
 from rtron.guard.transport.ros2.delivery import LatenessDetector
 from rtron.guard.transport.ros2.event_fd import EventFd
+from rtron.guard.transport.ros2.qos import (
+    HANDOVER_S,
+    KEEP_ALL_DEPTH,
+    fitting_depth,
+    most_size,
+    with_depth,
+)
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from rclpy.node import Node
     from rclpy.qos import QoSProfile
 
@@ -30,8 +40,11 @@ _MAX_BYTES = 1 << 20
 class DataListener(Protocol):
     """Whom a reader's messages are for."""
 
-    def take(self, reader: DataReader, gid: bytes, message: bytes, number: int | None) -> None:
-        """Take a message, its publisher's GID, and its DDS sequence number if there is one."""
+    def take(self, reader: DataReader, gid: bytes, message: bytes, number: int | None) -> bool:
+        """Take a message, its publisher's GID, and its DDS sequence number if there is one.
+
+        Return whether the message counts: a stranger's does not.
+        """
         ...
 
     def note_late(self, reader: DataReader, gid: bytes, number: int | None) -> None:
@@ -43,11 +56,44 @@ class DataListener(Protocol):
         ...
 
 
+class _Queue:
+    """What DDS keeps of a topic for us, and an eventfd that counts what arrives."""
+
+    def __init__(
+        self,
+        node: Node,
+        cls: type,
+        topic: str,
+        profile: QoSProfile,
+        context: TransportContext,
+        on_count: Callable[[_Queue, int], int],
+    ) -> None:
+        self._node = node
+        self._subscription = node.create_subscription(
+            cls,
+            topic,
+            lambda _message: None,
+            profile,
+            raw=True,
+            event_callbacks=SubscriptionEventCallbacks(use_default_callbacks=False),
+        )
+        self.pointer: int = self._subscription.handle.pointer
+        self._event_fd = EventFd(context.loop, partial(on_count, self))
+        context.rcl.notify("subscription", self._subscription.handle, self._event_fd.fd)
+
+    def close(self) -> None:
+        if self.pointer:
+            self.pointer = 0
+            self._node.destroy_subscription(self._subscription)
+            self._event_fd.stop()
+
+
 class DataReader:
     """Reads publishers of one QoS, with `profile`.
 
     Transient-local messages get their numbers, since DDS sends them again to every new reader.
-    Messages of an `is_command` reader are dropped if they are late.
+    Messages of an `is_command` reader are dropped if they are late. Fewer messages wait where they
+    turn out to be large; while that changes (`is_changing`), some come twice.
     """
 
     def __init__(
@@ -61,49 +107,84 @@ class DataReader:
         *,
         is_command: bool,
     ) -> None:
-        self._node = node
         self._rcl = context.rcl
         self._listener = listener
         self._topic = topic
+        self._loop = context.loop
         self._now = context.loop.now
         self.begin = 0
         """How many bytes of each message are taken, 0 for all."""
         self._lateness = LatenessDetector() if is_command else None
         self._log_throttle = LogThrottle()
         self._adds_numbers = profile.durability is DurabilityPolicy.TRANSIENT_LOCAL
-        self._subscription = node.create_subscription(
-            cls,
-            topic,
-            lambda _message: None,
-            profile,
-            raw=True,
-            event_callbacks=SubscriptionEventCallbacks(use_default_callbacks=False),
-        )
-        self._pointer: int = self._subscription.handle.pointer
-        self._event_fd = EventFd(context.loop, self._on_count)
-        self._rcl.notify("subscription", self._subscription.handle, self._event_fd.fd)
+        self._profile = profile
+        is_unlimited = profile.history is HistoryPolicy.KEEP_ALL
+        self._most_size = most_size(KEEP_ALL_DEPTH if is_unlimited else profile.depth)
+        self._create_queue = partial(_Queue, node, cls, topic)
+        self._queue = self._create_queue(profile, context, self._on_count)
+        self._former: _Queue | None = None
+        self._context = context
+
+    @property
+    def is_changing(self) -> bool:
+        """Whether the same messages may come twice now."""
+        return self._former is not None
 
     def close(self) -> None:
         """Stop reading."""
-        self._pointer = 0
-        self._node.destroy_subscription(self._subscription)
-        self._event_fd.stop()
+        self._close_former(self._former)
+        self._queue.close()
 
-    def _on_count(self, count: int) -> int:
+    def _on_count(self, queue: _Queue, count: int) -> int:
         """Take some messages, fewer of large ones; return how many are left to take."""
+        if self._former and queue is not self._former:
+            self._empty(self._former)
         size = 0
         while count and size < _MAX_BYTES:
-            message_and_gid = self._rcl.take(self._pointer, self.begin) if self._pointer else None
-            if message_and_gid is None:
-                self._listener.note_replaced(count)
+            if not self._take_next(queue):
+                if queue is self._queue:
+                    self._listener.note_replaced(count)
                 return 0
-            message, gid = message_and_gid
-            count, size = count - 1, size + len(message)
-            if self._lateness and self._is_late(self._lateness, gid):
-                self._listener.note_late(self, gid, self._rcl.sequence_number)
-            else:
-                self._deliver(gid, self._numbered(gid, message) if self._adds_numbers else message)
+            count, size = count - 1, size + self._rcl.size
         return count
+
+    def _empty(self, former: _Queue) -> None:
+        """Take what came before the messages of another queue."""
+        while self._take_next(former):
+            pass
+
+    def _take_next(self, queue: _Queue) -> bool:
+        """Take a message, and pass it on unless it is late; return whether there was one."""
+        message_and_gid = self._rcl.take(queue.pointer, self.begin) if queue.pointer else None
+        if message_and_gid is None:
+            return False
+        message, gid = message_and_gid
+        if self._lateness and self._is_late(self._lateness, gid):
+            self._listener.note_late(self, gid, self._rcl.sequence_number)
+        else:
+            self._deliver(gid, self._numbered(gid, message) if self._adds_numbers else message)
+        return True
+
+    def _make_room(self, size: int) -> None:
+        """Let fewer messages wait: they have `size` bytes.
+
+        The former queue serves until the publishers know the new one.
+        """
+        depth = fitting_depth(size)
+        self._most_size = most_size(depth)
+        log.info("%s: messages of %d bytes: %d wait for the guard", self._topic, size, depth)
+        self._close_former(self._former)
+        self._former = self._queue
+        profile = with_depth(self._profile, depth)
+        self._queue = self._create_queue(profile, self._context, self._on_count)
+        self._loop.call_later(HANDOVER_S, partial(self._close_former, self._former))
+
+    def _close_former(self, former: _Queue | None) -> None:
+        """Take what is left in the former queue, and close it; nothing if it is another one."""
+        if former and former is self._former:
+            self._empty(former)
+            former.close()
+            self._former = None if self._former is former else self._former
 
     def _numbered(self, gid: bytes, message: bytes) -> bytes:
         number = self._rcl.sequence_number
@@ -120,9 +201,13 @@ class DataReader:
 
     def _deliver(self, gid: bytes, message: bytes) -> None:
         """Pass on a message; one that fails must not leave those behind it unread."""
+        size = self._rcl.size
         try:
-            self._listener.take(self, gid, message, self._rcl.sequence_number)
+            counts = self._listener.take(self, gid, message, self._rcl.sequence_number)
         except MemoryError:
             exit_out_of_memory()
         except Exception:
             log.exception("internal error, a message is dropped")
+        else:
+            if counts and size > self._most_size:
+                self._make_room(size)

@@ -105,6 +105,10 @@ class SequenceGaps:
         self._explained += missing
         return missing
 
+    def is_repeated(self, gid: bytes, number: int | None) -> bool:
+        """Return whether a message comes behind newer ones: it was passed on before."""
+        return number is not None and number < self._expected.get(gid, 0)
+
     def replaced(self, count: int) -> tuple[bytes | None, int]:
         """Return the newest publisher, and how many of its first messages were replaced.
 

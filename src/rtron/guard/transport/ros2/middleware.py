@@ -12,6 +12,7 @@ from rtron.guard.transport.common.protocol import (
     InputOptions,
     LostHandler,
     Output,
+    SubscriberProgress,
     ignore_lost,
 )
 from rtron.guard.transport.common.stage import Stage
@@ -32,7 +33,7 @@ from rtron.wire.ros2.discovery_tuning import publishes_without_waiting
 from rtron.wire.ros2.interfaces import find_interface
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from rtron.guard.action.ros2.endpoints import ActionListener
     from rtron.guard.core.event_loop import EventLoop
@@ -94,6 +95,11 @@ class Ros2Transport:
     def set_supervisor(self, process_id: Callable[[], int]) -> None:
         """Take the process whose participants count as the guard's."""
         self.processes.supervisor = process_id
+
+    def subscriber_progress(self, topic: str) -> Sequence[SubscriberProgress]:
+        """Return nothing: a writer of DDS tells no reader's acknowledgements; see `Transport`."""
+        del topic
+        return ()
 
     def create_stage(self) -> Stage:
         """Return a stage without endpoints, which DDS would show to others; see `LiveTransport`."""

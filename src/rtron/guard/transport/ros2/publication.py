@@ -13,81 +13,18 @@ from collections import Counter
 from functools import partial
 from typing import TYPE_CHECKING
 
-from rclpy.duration import Duration
-
-from rtron.errors import WireError
-from rtron.guard.transport.common.backlog import MAX_BYTES, Backlog
-from rtron.guard.transport.ros2.qos import (
-    command_qos,
-    history_depth,
-    latched,
-    may_keep_all,
-    profile,
-    strongest,
-)
+from rtron.guard.transport.common.backlog import Backlog
+from rtron.guard.transport.ros2.qos import command_qos, latched, profile, strongest
+from rtron.guard.transport.ros2.writer import FittingWriter, LosslessWriter, Writer
 from rtron.vocabulary import SECOND, Durability, QoS, Reliability, matches_node, normalise_type
 from rtron.wire.ros2.interfaces import find_interface
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from rclpy.node import Node
-    from rclpy.qos import QoSProfile
 
     from rtron.guard.transport.common.protocol import Greeting, TypeInfo
     from rtron.guard.transport.ros2.context import TransportContext
-    from rtron.guard.transport.ros2.rcl import Rcl
     from rtron.wire.ros2.endpoints import Ros2Endpoint
-
-
-class Writer:
-    """A DDS writer: `publish` sends a message, `count` returns the number of matched readers.
-
-    `lost` counts what was not sent. DDS does not tell what a newer message has replaced.
-    """
-
-    def __init__(self, node: Node, cls: type, topic: str, offered: QoSProfile, rcl: Rcl) -> None:
-        self._node = node
-        self._publisher = node.create_publisher(cls, topic, offered)
-        handle = self._publisher.handle
-        self.publish: Callable[[bytes], None] = partial(rcl.publish, handle.pointer)
-        self.count: Callable[[], int] = handle.get_subscription_count
-        self.lost = 0
-
-    def close(self) -> None:
-        """Leave the topic; the messages that DDS keeps go too."""
-        self._node.destroy_publisher(self._publisher)
-
-
-class LosslessWriter(Writer):
-    """A DDS writer that keeps all messages until the reliable readers have them.
-
-    What a slow reader leaves no room for is not sent, and counted. A publisher with a full history
-    refuses a message at once; see `publishes_without_waiting`.
-    """
-
-    def __init__(self, node: Node, cls: type, topic: str, offered: QoSProfile, rcl: Rcl) -> None:
-        super().__init__(node, cls, topic, offered, rcl)
-        self._send = self.publish
-        self.publish = self._publish
-        self._unacknowledged = 0
-
-    def _publish(self, message: bytes) -> None:
-        if self._unacknowledged > MAX_BYTES and not self._is_acknowledged():
-            self.lost += 1
-            return
-        try:
-            self._send(message)
-        except WireError:
-            self.lost += 1
-        else:
-            self._unacknowledged += len(message)
-
-    def _is_acknowledged(self) -> bool:
-        """Tell whether the readers have all messages; asked only where these are many bytes."""
-        if self._publisher.wait_for_all_acked(Duration()):
-            self._unacknowledged = 0
-        return not self._unacknowledged
 
 
 log = logging.getLogger(__name__)
@@ -135,11 +72,12 @@ class Publication:
         self._offered: dict[str, QoS] = {}
         self._qos = QoS()
         self._changes: Counter[str] = Counter()
-        self._writer: Writer | None = None
+        self._writer: FittingWriter | None = None
         self._latched: dict[str, bytes] = {}
         self._latched_writers: dict[str, Writer] = {}
         self._early: Backlog | None = None
         self._early_since = 0
+        self._loop = context.loop
         self._now = context.loop.now
         self._greeting: Greeting = lambda: None
         self._greeted_count = 0
@@ -253,7 +191,7 @@ class Publication:
         """Return the types that successors request."""
         return {normalise_type(each.type) for each in self._subscribers_named(self._successors)}
 
-    def _create_writers(self, qos: QoS) -> Writer:
+    def _create_writers(self, qos: QoS) -> FittingWriter:
         """Create the writers, and publish the latched messages with them."""
         self.close()
         self._qos = qos
@@ -264,19 +202,23 @@ class Publication:
             self._latched_writer(latched_by).publish(message)
         return self._writer
 
-    def _create_main_writer(self, qos: QoS) -> Writer:
+    def _create_main_writer(self, qos: QoS) -> FittingWriter:
         """Return the writer of what is not latched; one that is transient local would fill up."""
         is_reliable = qos.reliability is Reliability.RELIABLE
         is_volatile = qos.durability is Durability.VOLATILE
-        type = self.info.type if self.info else self.type
-        if not (self._keep_all and is_reliable and is_volatile and may_keep_all(type)):
-            return self._create_writer(qos, history_depth(type, self._depth))
-        offered = profile(qos, self._depth, keep_all=True)
-        return LosslessWriter(self._node, find_interface(type).cls, self.topic, offered, self._rcl)
+        if self._keep_all and is_reliable and is_volatile:
+            offered = profile(qos, self._depth, keep_all=True)
+            first: Writer = LosslessWriter(self._node, self._cls, self.topic, offered, self._rcl)
+        else:
+            first = self._create_writer(qos, self._depth)
+        return FittingWriter(first, self._depth, partial(self._create_writer, qos), self._loop)
 
     def _create_writer(self, qos: QoS, depth: int) -> Writer:
-        cls = find_interface(self.info.type if self.info else self.type).cls
-        return Writer(self._node, cls, self.topic, profile(qos, depth), self._rcl)
+        return Writer(self._node, self._cls, self.topic, profile(qos, depth), self._rcl)
+
+    @property
+    def _cls(self) -> type:
+        return find_interface(self.info.type if self.info else self.type).cls
 
     def _publish_latched(self, message: bytes, latched_by: str) -> None:
         self._latched.pop(latched_by, None)
@@ -326,7 +268,7 @@ class Publication:
             _EARLY_TIMEOUT_LATCHED if is_latched else _EARLY_TIMEOUT
         )
 
-    def _has_successor(self, writer: Writer) -> bool:
+    def _has_successor(self, writer: FittingWriter) -> bool:
         """Return whether a successor subscribes and readers are matched; DDS hides which ones."""
         return (
             bool(self._subscribers_named(self._successors))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from copy import copy
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -14,23 +16,16 @@ from rclpy.qos import (
     ReliabilityPolicy,
 )
 
-from rtron.vocabulary import SECOND, Durability, Liveliness, QoS, Reliability, normalise_type
+from rtron.vocabulary import SECOND, Durability, Liveliness, QoS, Reliability
+from rtron.vocabulary.plan import MAX_QUEUE_BYTES
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-_LARGE_TYPES = frozenset(
-    {
-        "sensor_msgs/Image",
-        "sensor_msgs/CompressedImage",
-        "sensor_msgs/PointCloud",
-        "sensor_msgs/PointCloud2",
-        "nav_msgs/OccupancyGrid",
-    }
-)
-"""Of these the newest counts, and all that wait could take the machine's memory."""
-_LARGE_DEPTH = 5
-"""The depth for data of sensors (rmw/qos_profiles.h): a reader that hangs keeps so many here."""
+KEEP_ALL_DEPTH = 5000
+"""How many messages Fast DDS keeps of a topic of which all are kept (`max_samples`)."""
+HANDOVER_S = 1.0
+"""How long a reader or writer stays beside the one that takes its place."""
 _COMMAND_LIFESPAN = SECOND
 """How long a writer keeps commands: a reader on a busy machine may need them (ns)."""
 
@@ -46,14 +41,17 @@ def requested_profile(offered: QoS, queue_size: int, *, keep_all: bool = False) 
     return profile(requested, queue_size, keep_all=keep_all and is_reliable)
 
 
-def may_keep_all(type: str) -> bool:
-    """Return whether all messages of a type may wait: they are not large."""
-    return normalise_type(type) not in _LARGE_TYPES
+def most_size(depth: int) -> float:
+    """Return how many bytes a message may have in a reader or writer in which `depth` wait."""
+    return MAX_QUEUE_BYTES // depth if depth > 1 else math.inf
 
 
-def history_depth(type: str, queue_size: int) -> int:
-    """Return how many messages of a type may wait in a reader or writer: few of large ones."""
-    return queue_size if may_keep_all(type) else min(queue_size, _LARGE_DEPTH)
+def fitting_depth(size: int) -> int:
+    """Return how many messages may wait where these have turned out to have `size` bytes.
+
+    They get half of the room, so that sizes that grow change it only now and then.
+    """
+    return max(1, MAX_QUEUE_BYTES // (2 * size))
 
 
 def strongest(profiles: Iterable[QoS]) -> QoS:
@@ -110,6 +108,13 @@ def profile(qos: QoS, depth: int, *, keep_all: bool = False) -> QoSProfile:
         liveliness=LivelinessPolicy.MANUAL_BY_TOPIC if manual else LivelinessPolicy.AUTOMATIC,
         liveliness_lease_duration=Duration(nanoseconds=qos.lease),
     )
+
+
+def with_depth(former: QoSProfile, depth: int) -> QoSProfile:
+    """Return a profile that differs in what it keeps: the last `depth` messages."""
+    changed = copy(former)
+    changed.history, changed.depth = HistoryPolicy.KEEP_LAST, depth
+    return changed
 
 
 def _minimum(durations: Iterable[int]) -> int:

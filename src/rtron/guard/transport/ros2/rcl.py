@@ -72,6 +72,11 @@ class Rcl:
         return self._input_buffer.message_bytes(begin), self._gid.tobytes()
 
     @property
+    def size(self) -> int:
+        """How many bytes the last taken message has."""
+        return self._input_buffer.size
+
+    @property
     def source_time(self) -> int:
         """When the last taken message was sent, ns of its publisher's wall clock; 0 if unknown."""
         time: int = self._info.source_timestamp

@@ -18,7 +18,7 @@ from rtron.guard.core.log_throttle import LogThrottle
 from rtron.guard.transport.common.protocol import Peer, TypeInfo
 from rtron.guard.transport.ros2.data_reader import DataReader
 from rtron.guard.transport.ros2.delivery import SequenceGaps
-from rtron.guard.transport.ros2.qos import history_depth, may_keep_all, requested_profile
+from rtron.guard.transport.ros2.qos import requested_profile
 from rtron.messages.common.definition_parser import parse_definition
 from rtron.messages.ros2.cdr_validator import cdr_validator
 from rtron.vocabulary import SECOND, Durability, QoS, Reliability, matches_node, normalise_type
@@ -217,11 +217,7 @@ class Subscription:
                 self._node,
                 interface_type.cls,
                 self.topic,
-                requested_profile(
-                    qos,
-                    history_depth(interface_type.name, self._options.queue_size),
-                    keep_all=keep_all and may_keep_all(interface_type.name),
-                ),
+                requested_profile(qos, self._options.queue_size, keep_all=keep_all),
                 self._context,
                 self,
                 is_command=is_command,
@@ -229,11 +225,13 @@ class Subscription:
             self._readers[kind].begin = self._options.begin
         return self._readers[kind]
 
-    def take(self, reader: DataReader, gid: bytes, message: bytes, number: int | None) -> None:
-        """Pass on a message of a publisher that was accepted."""
+    def take(self, reader: DataReader, gid: bytes, message: bytes, number: int | None) -> bool:
+        """Pass on a message of a publisher that was accepted, and return whether it was."""
         sender = self._senders.get(gid)
         if sender is None:
             self._queue_unresolved(_Unresolved(reader, gid, message, number))
+        elif reader.is_changing and self._gaps.is_repeated(gid, number):
+            return False
         elif sender.reader is reader and sender.receive and sender.validate:
             if missing := self._gaps.missing_before(gid, number):
                 self._options.on_missed(sender.peer, missing)
@@ -243,10 +241,14 @@ class Subscription:
                 self._log_problem(sender.peer, f"a message is dropped: {error}")
             else:
                 sender.receive(message)
+                return True
+        return False
 
     def note_late(self, reader: DataReader, gid: bytes, number: int | None) -> None:
         """Count a late message as lost, with those that are missing before it."""
         sender = self._senders.get(gid)
+        if reader.is_changing and self._gaps.is_repeated(gid, number):
+            return
         if sender and sender.reader is reader and sender.receive:
             missing = self._gaps.missing_before(gid, number)
             self._options.on_missed(sender.peer, missing + 1)

@@ -110,6 +110,8 @@ def lost_messages(states: Mapping[str, GuardState | None]) -> Metric:
             before = sum(counts.lost for counts in stream.flows.values())
             found.add_metric([robot, stream.topic, "before"], before)
             found.add_metric([robot, stream.topic, "behind"], stream.lost_behind)
+        for topic, count in state.lost_events.items() if state else ():
+            found.add_metric([robot, topic, "event"], count)
     return found
 
 
