@@ -4,39 +4,51 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import replace
 from pathlib import Path
 from tempfile import mkdtemp
 
 from bench.common.log_watcher import LogWatcher
-from bench.common.plans import grcn
 from bench.common.testbed import Testbed, end, python, start
-from bench.soak.node import COMMANDS, IMAGE, IMAGES
-from rtron.planning.plan_file.writer import write_plan
-from rtron.vocabulary import Audit, OnForeign, Plan, StreamKind
+from bench.soak.base_log import BaseLog
+from bench.soak.names import DOCK, IMAGE_RATES
+from bench.soak.plan import soak_plan
+from rtron.vocabulary import (
+    ROS1_CLIENT_TOPICS,
+    ROS1_SERVER_TOPICS,
+    Ros2ActionEntity,
+    flow_topic,
+    output_topic,
+    ros1_topic_name,
+    ros2_entity_name,
+)
+from rtron.vocabulary.action import SERVER_FLOW
 
 _SYSTEM_PYTHON = "/usr/bin/python3"
 _START_S = 60.0
 _GUARD = "the guard begins, process "
+_FLOW = "flow1"
+_RECENT_BYTES = 5000
 PROGRAMS = ("guard", "bulk", "supervisor")
 """The processes of the guard, as the module of each is called."""
+_WRITERS = ("base", "viewer", "camera", "detector", "dock", "planner")
+_OTHERS = ("base", "viewer", "dock", "planner", "detector", "nav", "joystick", "rogue")
 
 
 class SoakedApp:
     """Processes by role; each can be ended and started again."""
 
     def __init__(self, testbed: Testbed, ros: int) -> None:
-        files = [testbed.folder / name for name in ("base.txt", "pictures.txt", "errors.log")]
-        for file in files:
+        self.files = {role: testbed.folder / f"{role}.txt" for role in _WRITERS}
+        errors = testbed.folder / "errors.log"
+        for file in (*self.files.values(), errors):
             file.touch()
-        self.told, self.seen, errors = files
         self.log = LogWatcher(errors)
         self._testbed = testbed
         self._ros = ros
         self._plan = testbed.folder / "soak.yaml"
-        self._plan.write_text(write_plan(_plan(ros)), encoding="utf-8")
+        self._plan.write_text(soak_plan(ros), encoding="utf-8")
         self._socket = Path(mkdtemp(dir=testbed.folder)) / "guard.sock"
         self._running: dict[str, subprocess.Popen[str]] = {}
 
@@ -44,13 +56,22 @@ class SoakedApp:
         """Tell whether a role has a process."""
         return role in self._running
 
-    def start(self, role: str) -> None:
+    def start(self, role: str, *arguments: str) -> None:
         """Start a role's process."""
-        self._running[role] = start(self._testbed, self._command(role), piped=False)
+        command = self._guard_command() if role == "guard" else self._command(role, arguments)
+        self._running[role] = start(self._testbed, command, piped=False)
+
+    def film(self, rate: int = IMAGE_RATES[0]) -> None:
+        """Start the camera, pictures a second."""
+        self.start("camera", str(rate))
 
     def end(self, role: str, number: signal.Signals = signal.SIGINT) -> None:
         """End a role's process."""
         end(self._running.pop(role), number)
+
+    def send_to(self, role: str, number: signal.Signals) -> None:
+        """Send a signal to a role's process."""
+        self._running[role].send_signal(number)
 
     def close(self) -> None:
         """End everything, the guard last."""
@@ -64,12 +85,12 @@ class SoakedApp:
 
     def picture_count(self) -> int:
         """Return how many pictures came through the guard."""
-        return len(self.seen.read_text("utf-8").splitlines())
+        return len(self.files["viewer"].read_text("utf-8").splitlines())
 
     def guard(self) -> int:
         """Return the process that guards, not the one that waits to."""
-        begun = [text for _, text in list(self.log.lines) if _GUARD in text]
-        return int(begun[-1].rpartition(_GUARD)[2].split()[0])
+        begun = next(text for _, text in reversed(self.log.lines) if _GUARD in text)
+        return int(begun.rpartition(_GUARD)[2].split()[0])
 
     def pids(self, program: str) -> list[int]:
         """Return the processes of one of the guard's programs."""
@@ -79,6 +100,11 @@ class SoakedApp:
         """Send a signal to a process, if it is there."""
         with suppress(ProcessLookupError):
             os.kill(pid, number)
+
+    def has_heard_intruder(self, since: int) -> bool:
+        """Tell whether the base has heard who goes past the guard since a time, ns."""
+        base = BaseLog.read(self.files["base"], last=_RECENT_BYTES)
+        return any(each.is_intruders and each.at > since for each in base.outputs)
 
     def clear(self) -> bool:
         """Let the robot drive again after an intrusion; tell whether the guard does."""
@@ -97,36 +123,54 @@ class SoakedApp:
             return False
         return word.encode() in command and str(self._testbed.folder).encode() in environ
 
-    def _command(self, role: str) -> list[str]:
-        if role == "guard":
-            arguments = ("guard", "--plan", self._plan, "--control-socket", self._socket)
-            return python("rtron", *map(str, arguments))
+    def _guard_command(self) -> list[str]:
+        arguments = ("guard", "--plan", self._plan, "--control-socket", self._socket)
+        return python("rtron", *map(str, arguments))
+
+    def _command(self, role: str, arguments: Sequence[str]) -> list[str]:
         interpreter = _SYSTEM_PYTHON if self._ros == 1 else sys.executable
-        files = {"base": [str(self.told)], "viewer": [str(self.seen)]}.get(role, [])
-        return [interpreter, "-m", "bench.soak.node", str(self._ros), role, *files]
+        file = [str(self.files[role])] if role in self.files else []
+        remaps = list(_REMAPS[self._ros](role))
+        module = ["-m", "bench.soak.node", str(self._ros), role]
+        return [interpreter, *module, *file, *arguments, *remaps]
 
 
 def _all_pids() -> Iterator[int]:
     return (int(each.name) for each in Path("/proc").iterdir() if each.name.isdigit())
 
 
-def _plan(ros: int) -> Plan:
-    commands = replace(grcn(COMMANDS, ["/nav"]), successors=("/base",))
-    images = replace(
-        grcn(IMAGES, ["/camera"], IMAGE), kind=StreamKind.STATE, successors=("/viewer",)
-    )
-    audit = Audit(on_foreign=OnForeign.STOP)
-    return Plan(app="soak", ros=ros, grcn=(commands, images), audit=audit)
+def _ros1_remaps(role: str) -> Iterator[str]:
+    """Yield the remaps of the action's ends, as a guarded launch has them."""
+    if role not in ("planner", "dock"):
+        return
+    asked, answered = (_FLOW, "out") if role == "planner" else ("out", SERVER_FLOW)
+    for parts, flow in ((ROS1_CLIENT_TOPICS, asked), (ROS1_SERVER_TOPICS, answered)):
+        for part in parts:
+            topic = ros1_topic_name(DOCK, part)
+            yield f"{topic}:={flow_topic(topic, flow)}"
+
+
+def _ros2_remaps(role: str) -> Iterator[str]:
+    """Yield the remaps of the action's ends, as a guarded launch has them."""
+    if role not in ("planner", "dock"):
+        return
+    private = flow_topic(DOCK, _FLOW) if role == "planner" else output_topic(DOCK)
+    yield "--ros-args"
+    for entity in Ros2ActionEntity:
+        yield from ("-r", f"{ros2_entity_name(DOCK, entity)}:={ros2_entity_name(private, entity)}")
+
+
+_REMAPS = {1: _ros1_remaps, 2: _ros2_remaps}
 
 
 @contextmanager
 def running_app(testbed: Testbed, ros: int) -> Iterator[SoakedApp]:
-    """Run the app until the end of the block; all of it is there when the block begins."""
+    """Run the app without a camera until the end of the block; all of it has been started."""
     app = SoakedApp(testbed, ros)
     try:
         app.start("guard")
         app.log.wait("its delivery is watched", 0, _START_S)
-        for role in ("base", "viewer", "nav", "rogue"):
+        for role in _OTHERS:
             app.start(role)
         yield app
     finally:

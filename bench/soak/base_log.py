@@ -1,64 +1,98 @@
-"""What the base heard during the soak, and what of it must not be."""
+"""What the base heard during the soak: whose commands, and the gaps between them."""
 
+import math
+from bisect import bisect_left, bisect_right
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
 
-from bench.soak.node import FORBIDDEN, INTRUDING, SPEED
 from rtron.vocabulary import SECOND
 
 LONGEST_GAP = SECOND // 10
 """How long a base that moves may hear nothing, ns."""
+_SETTLED = SECOND
+"""How long (ns) the navigation has spoken before a lower flow's command counts as out of turn."""
+_LONGEST_SPAN = 100 * SECOND
+_RECENT = 3 * SECOND // 10
 
 
 @dataclass(frozen=True, slots=True)
 class Command:
-    """A command that came at a time (ns of the steady clock), m/s."""
+    """A command that came at a time (ns of the steady clock), m/s and rad/s.
+
+    The joystick's drive sideways, too; others turn (`bench/soak/names.py`).
+    """
 
     at: int
-    speed: float
+    forward: float
+    side: float = 0.0
+    turn: float = 0.0
+
+    @property
+    def speed(self) -> float:
+        """How fast the base drives, m/s."""
+        return math.hypot(self.forward, self.side)
+
+    @property
+    def is_strangers(self) -> bool:
+        """Whether it is of who is not in the plan and speaks to the guard."""
+        return self.turn > 0
+
+    @property
+    def is_intruders(self) -> bool:
+        """Whether it is of who goes past the guard."""
+        return self.turn < 0
 
 
 @dataclass(frozen=True, slots=True)
-class Gap:
-    """How long (ns) the base heard nothing after `at` although it moved."""
+class Span:
+    """A time that began at `at` and lasted for `length`, ns."""
 
     at: int
     length: int
 
+    def overlap(self, other: "Span") -> int:
+        """Return how long both lasted at once, ns."""
+        end = min(self.at + self.length, other.at + other.length)
+        return max(0, end - max(self.at, other.at))
+
 
 @dataclass(frozen=True, slots=True)
 class BaseLog:
-    """What the navigation said, and what the base was told, each in order.
+    """What the navigation demanded, and what the base heard, each in order.
 
     `stalls` are the times in which the base itself did not run.
     """
 
     inputs: Sequence[Command]
     outputs: Sequence[Command]
-    stalls: Sequence[Gap] = ()
+    stalls: Sequence[Span] = ()
 
     @classmethod
-    def read(cls, path: Path) -> "BaseLog":
-        """Read a file with `in` or `out`, a time and a speed on each line; the last may be cut.
+    def read(cls, path: Path, last: int = 0) -> "BaseLog":
+        """Read a file whose lines are `in` or `out`, a time and three speeds; the last may be cut.
 
-        A line with `stall` has a time and a duration, s.
+        A line with `stall` has a time and a duration, s. With `last`, only so many bytes are read.
         """
-        text = path.read_text("utf-8")
-        rows = [line.split() for line in text[: text.rfind("\n") + 1].splitlines()]
-        sides: dict[str, list[Command]] = {"in": [], "out": []}
-        stalls = [Gap(int(at), int(float(s) * SECOND)) for side, at, s in rows if side == "stall"]
-        for side, at, speed in rows:
-            if side != "stall":
-                sides[side].append(Command(int(at), float(speed)))
-        return cls([each for each in sides["in"] if each.speed == SPEED], sides["out"], stalls)
+        whole, _, _ = path.read_text("utf-8").rpartition("\n")
+        text = whole[-last:].partition("\n")[2] if last and len(whole) > last else whole
+        rows = [line.split() for line in text.splitlines()]
+        sides: dict[str, list[Command]] = {"in": [], "out": [], "stall": []}
+        for side, at, *speeds in rows:
+            sides[side].append(Command(int(at), *map(float, speeds)))
+        stalls = [Span(each.at, int(each.forward * SECOND)) for each in sides["stall"]]
+        return cls(sides["in"], sides["out"], stalls)
 
     def unguarded(self) -> list[Command]:
         """Return the commands of who is not in the plan that came through the guard."""
-        return [each for each in self.outputs if each.speed >= FORBIDDEN]
+        return [each for each in self.outputs if each.is_strangers]
 
-    def unexplained_gaps(self) -> list[Gap]:
+    def guarded(self) -> list[Command]:
+        """Return the commands that the guard let go."""
+        return [each for each in self.outputs if not each.is_intruders]
+
+    def unexplained_gaps(self) -> list[Span]:
         """Return the gaps after which a base that moved heard again, while the navigation spoke.
 
         A base that was told to rest, or whose last word is an intruder's, waits for nobody. Where
@@ -70,48 +104,88 @@ class BaseLog:
         """Return the longest gap of a base that moves while the navigation speaks, ns."""
         return max((gap.length for gap in self._gaps_with_input()), default=0)
 
-    def describe(self, gap: Gap) -> str:
-        """Tell what was said during a gap and what came at its end."""
+    def describe(self, gap: Span) -> str:
+        """Tell what was demanded during a gap and what came at its end."""
         end = next((each.at for each in self.outputs if each.at > gap.at), gap.at + gap.length)
-        said = sum(gap.at < each.at < end for each in self.inputs)
+        demanded = sum(gap.at < each.at < end for each in self.inputs)
         came = sum(0 <= each.at - end < SECOND // 50 for each in self.outputs)
-        return f"the navigation said {said} in it, {came} came within 20 ms after it"
+        return f"the navigation said {demanded} in it, {came} came within 20 ms after it"
 
-    def longest_rest(self) -> int:
-        """Return for how long (ns) the base was at rest at most."""
-        moving = [each.at for each in self.outputs if each.speed == SPEED]
-        return max((after - before for before, after in pairwise(moving)), default=0)
+    def longest_rest(self, explained: Sequence[Span] = ()) -> int:
+        """Return for how long (ns) the base was at rest at most, without the explained times."""
+        moving = [each.at for each in self.guarded() if each.speed]
+        rests = (Span(before, after - before) for before, after in pairwise(moving))
+        return max((each.length - _overlap(each, explained) for each in rests), default=0)
 
-    def share(self, speed: float) -> float:
-        """Return for which share of the time a speed was the base's last word."""
-        if len(self.outputs) < 2:
-            return 0.0
-        total = self.outputs[-1].at - self.outputs[0].at
-        held = sum(b.at - a.at for a, b in pairwise(self.outputs) if a.speed == speed)
-        return held / total
+    def longest_turn_of_lower_flow(self) -> int:
+        """Return for how long (ns) the joystick drove at most although the navigation spoke."""
+        longest, begin = 0, None
+        for command in self.guarded():
+            if not (command.side and self._is_navigation_there(command.at)):
+                begin = None
+                continue
+            begin = command.at if begin is None else begin
+            longest = max(longest, command.at - begin)
+        return longest
 
-    def _gaps(self) -> Iterator[Gap]:
-        last = self.inputs[
-            -1:
-        ]  # what was heard to the end tells how long the base was told nothing
+    def intruder_share(self, intrusions: Sequence[Span]) -> float:
+        """Return for which share of the time an intruder's was the last word while it spoke."""
+        spoken = [each for each in map(self._spoken, intrusions) if each.length]
+        held = (Span(a.at, b.at - a.at) for a, b in pairwise(self.outputs) if a.is_intruders)
+        total = sum(each.length for each in spoken)
+        return sum(_overlap(each, spoken) for each in held) / total if total else 0.0
+
+    def time_to_stop(self, intrusion: Span) -> int:
+        """Return how long (ns) an intruder spoke before the guard told the base to rest."""
+        spoken = self._spoken(intrusion)
+        begin = bisect_left(self.outputs, spoken.at, key=_at)
+        rests = (each.at for each in self.outputs[begin:] if not each.speed)
+        return min(next(rests, spoken.at) - spoken.at, spoken.length)
+
+    def _spoken(self, intrusion: Span) -> Span:
+        """Return the time from an intruder's first command to its last."""
+        begin = bisect_left(self.outputs, intrusion.at, key=_at)
+        end = bisect_left(self.outputs, intrusion.at + intrusion.length, key=_at)
+        times = [each.at for each in self.outputs[begin:end] if each.is_intruders]
+        return Span(times[0], times[-1] - times[0]) if times else Span(intrusion.at, 0)
+
+    def _input_times(self, after: int, before: int) -> list[int]:
+        """Return when the navigation spoke between two times, ns."""
+        begin = bisect_right(self.inputs, after, key=_at)
+        end = bisect_left(self.inputs, before, key=_at)
+        return [each.at for each in self.inputs[begin:end]]
+
+    def _is_navigation_there(self, now: int) -> bool:
+        """Tell whether the navigation speaks at a time, and has for a while."""
+        times = [now - _SETTLED, *self._input_times(now - _SETTLED, now), now]
+        return max(after - before for before, after in pairwise(times)) < _RECENT
+
+    def _gaps(self) -> Iterator[Span]:
+        last = self.inputs[-1:]  # what was demanded to the end tells how long nothing came
         for before, after in pairwise([*self.outputs, *last]):
-            if before.speed not in (0.0, INTRUDING):
-                yield Gap(before.at, after.at - before.at)
+            if before.speed and not before.is_intruders:
+                yield Span(before.at, after.at - before.at)
 
-    def _gaps_with_input(self) -> Iterator[Gap]:
+    def _gaps_with_input(self) -> Iterator[Span]:
         """Yield the gaps, without the time in which the base did not run, where others spoke."""
         for gap in self._gaps():
             if self._has_input(gap):
-                yield replace(gap, length=gap.length - self._stalled(gap))
+                yield replace(gap, length=gap.length - _overlap(gap, self.stalls))
 
-    def _stalled(self, gap: Gap) -> int:
-        ends = ((max(each.at, gap.at), each.at + each.length) for each in self.stalls)
-        return sum(max(0, min(end, gap.at + gap.length) - begin) for begin, end in ends)
-
-    def _has_input(self, gap: Gap) -> bool:
+    def _has_input(self, gap: Span) -> bool:
         """Tell whether the navigation was heard during a gap, without such a gap of its own."""
         begin, end = gap.at, gap.at + gap.length
-        times = [begin, *(each.at for each in self.inputs if begin < each.at < end), end]
-        return max(after - before for before, after in pairwise(times)) < max(
-            gap.length / 2, LONGEST_GAP
-        )
+        times = [begin, *self._input_times(begin, end), end]
+        longest = max(after - before for before, after in pairwise(times))
+        return longest < max(gap.length / 2, LONGEST_GAP)
+
+
+def _overlap(span: Span, others: Sequence[Span]) -> int:
+    """Return how long (ns) others, one after the other, lasted within a span."""
+    end = bisect_left(others, span.at + span.length, key=lambda each: each.at)
+    begin = bisect_left(others, span.at - _LONGEST_SPAN, key=lambda each: each.at)
+    return sum(span.overlap(each) for each in others[begin:end])
+
+
+def _at(command: Command) -> int:
+    return command.at

@@ -1,13 +1,15 @@
-"""A node of the soaked app: `python -m bench.soak.node ROS ROLE [FILE]`, on rospy or rclpy.
+"""A node of the soaked app: `python -m bench.soak.node ROS ROLE [ARGUMENT]`, on rospy or rclpy.
 
-It imports nothing of RTron: rospy has a Python of its own. `base` hears what the navigation sends
-and what the guard lets go, and writes them to FILE, with the times when it did not run itself;
-`viewer` writes the time of each picture.
+It imports nothing of RTron: rospy has a Python of its own. What it writes to its file, others
+judge (`base_log.py`, `policy_checks.py`, `goal_log.py`); times are of the steady clock, ns.
 """
+
+# ruff: noqa: ANN401 - the messages of two ROS have no type in common
 
 from __future__ import annotations
 
 import os
+import random
 import signal
 import sys
 import time
@@ -16,109 +18,64 @@ from pathlib import Path
 from threading import Thread
 from typing import TYPE_CHECKING, Any, TextIO
 
+from bench.soak import names
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-COMMANDS, IMAGES = "/cmd_vel", "/camera/image"
-FLOW, OUT = f"/rtron{COMMANDS}/flow1", f"/rtron{COMMANDS}/out"
-IMAGE_FLOW, IMAGE_OUT = f"/rtron{IMAGES}/flow1", f"/rtron{IMAGES}/out"
-SPEED, FORBIDDEN, INTRUDING = 0.5, 9.0, -0.25
-"""What the navigation, who is not in the plan, and who goes past the guard say, m/s."""
-RATE, INTRUDER_RATE, IMAGE_RATE = 20, 50, 10
-IMAGE_BYTES = 10_000_000
-TWIST, IMAGE = "geometry_msgs/Twist", "sensor_msgs/Image"
 _NICE = 5
-_QUEUE = 10
 _TICK_S, _STALL_S = 0.005, 0.02
-
-
-class Ros1Graph:
-    """A node of rospy."""
-
-    def __init__(self, name: str) -> None:
-        import rospy  # noqa: PLC0415 - of one ROS only
-
-        self._rospy = rospy
-        rospy.init_node(name)
-
-    def publish(self, topic: str, message: Any, rate: int) -> None:  # noqa: ANN401
-        """Say a message again and again, `rate` times a second."""
-        publisher = self._rospy.Publisher(topic, type(message), queue_size=_QUEUE, tcp_nodelay=True)
-        period = self._rospy.Duration(1 / rate)
-        self._rospy.Timer(period, lambda _: publisher.publish(message))
-
-    def listen(self, topic: str, kind: Any, handler: Callable[[Any], None]) -> None:  # noqa: ANN401
-        """Call `handler` with each message."""
-        size = 1 << 25
-        self._rospy.Subscriber(topic, kind, handler, tcp_nodelay=True, buff_size=size)
-
-    def spin(self) -> None:
-        """Run until told to end."""
-        self._rospy.spin()
-
-
-class Ros2Graph:
-    """A node of rclpy."""
-
-    def __init__(self, name: str) -> None:
-        import rclpy  # noqa: PLC0415 - of one ROS only
-
-        rclpy.init()
-        self._rclpy = rclpy
-        self._node = rclpy.create_node(name)
-
-    def publish(self, topic: str, message: Any, rate: int) -> None:  # noqa: ANN401
-        """Say a message again and again, `rate` times a second."""
-        publisher = self._node.create_publisher(type(message), topic, _QUEUE)
-        self._node.create_timer(1 / rate, lambda: publisher.publish(message))
-
-    def listen(self, topic: str, kind: Any, handler: Callable[[Any], None]) -> None:  # noqa: ANN401
-        """Call `handler` with each message."""
-        self._node.create_subscription(kind, topic, handler, _QUEUE)
-
-    def spin(self) -> None:
-        """Run until told to end."""
-        self._rclpy.spin(self._node)
-
-
-Graph = Ros1Graph | Ros2Graph if sys.version_info >= (3, 10) else object
+_GOAL_LIMIT_S, _PAUSE_S = 20.0, 0.2
+_FORGED_RATE = 2.0
+_CANCELED = 0.3
 
 
 def main() -> None:
     """Be a node until told to end."""
-    ros, role, *files = sys.argv[1:]
-    for number in (signal.SIGTERM, signal.SIGINT):
-        signal.signal(number, lambda *_: os._exit(0))
-    graph = Ros1Graph(role) if ros == "1" else Ros2Graph(role)
-    if role == "base":
-        _write_commands(graph, Path(files[0]))
-    elif role in _SPEAKERS:
-        topics, speed, rate = _SPEAKERS[role]
-        for topic in topics:
-            graph.publish(topic, _twist(speed), rate)
-    else:
-        os.nice(_NICE)
-        _handle_images(graph, files)
+    ros, role, *rest = sys.argv[1:]
+    arguments = [each for each in rest if ":=" not in each and not each.startswith("-")]
+    signal.signal(signal.SIGTERM, lambda *_: os._exit(0))
+    graph = import_module(f"bench.soak.ros{ros}_graph").Graph(role)
+    _ROLES[role](graph, *arguments)
     graph.spin()
 
 
-_SPEAKERS = {
-    "nav": ((FLOW,), SPEED, RATE),
-    "rogue": ((COMMANDS, FLOW), FORBIDDEN, RATE),
-    "intruder": ((OUT,), INTRUDING, INTRUDER_RATE),
-}
+def _navigate(graph: Any) -> None:
+    graph.publish(names.FLOW, _twist(), names.RATE)
 
 
-def _write_commands(graph: Any, path: Path) -> None:  # noqa: ANN401
-    file = path.open("a", buffering=1)
-    kind = type(_twist(0.0))
+def _steer_by_hand(graph: Any) -> None:
+    graph.publish(names.LOWER_FLOW, _twist(side=names.SIDE), names.RATE)
 
-    def writer(side: str) -> Callable[[Any], None]:
-        return lambda twist: file.write(f"{side} {time.monotonic_ns()} {twist.linear.x:g}\n")
+
+def _trespass(graph: Any) -> None:
+    """Speak to the guard as who is not in the plan, on public and on private names."""
+    for topic in (names.COMMANDS, names.FLOW):
+        graph.publish(topic, _twist(names.FORBIDDEN, turn=names.TURN), names.RATE)
+    graph.forge_goals(_FORGED_RATE)
+
+
+def _intrude(graph: Any) -> None:
+    """Go past the guard."""
+    graph.publish(names.OUT, _twist(names.INTRUDING, turn=-names.TURN), names.INTRUDER_RATE)
+
+
+def _drive(graph: Any, path: str) -> None:
+    """Write what the navigation demands and what the guard lets go, and when nothing ran here."""
+    file = Path(path).open("a", buffering=1)  # noqa: SIM115 - as long as the process
+    kind = type(_twist())
+
+    def write(twist: Any) -> None:
+        linear, turn = twist.linear, twist.angular.z
+        file.write(f"out {time.monotonic_ns()} {linear.x:g} {linear.y:g} {turn:g}\n")
+
+    def write_input(twist: Any) -> None:
+        if twist.linear.x == names.SPEED:
+            file.write(f"in {time.monotonic_ns()} {twist.linear.x:g} 0 0\n")
 
     Thread(target=_write_stalls, args=[file], daemon=True).start()
-    graph.listen(FLOW, kind, writer("in"))
-    graph.listen(OUT, kind, writer("out"))
+    graph.listen(names.FLOW, kind, write_input)
+    graph.listen(names.OUT, kind, write)
 
 
 def _write_stalls(file: TextIO) -> None:
@@ -128,30 +85,111 @@ def _write_stalls(file: TextIO) -> None:
         time.sleep(_TICK_S)
         stalled_s = (time.monotonic_ns() - begin) / 1e9 - _TICK_S
         if stalled_s > _STALL_S:
-            file.write(f"stall {begin} {stalled_s:.3f}\n")
+            file.write(f"stall {begin} {stalled_s:.3f} 0 0\n")
 
 
-def _handle_images(graph: Any, files: list[str]) -> None:  # noqa: ANN401
-    """See pictures and write when each came, or make them."""
-    message = _message(IMAGE)
-    if files:
-        seen = Path(files[0]).open("a", buffering=1)  # noqa: SIM115 - as long as the process
-        graph.listen(IMAGE_OUT, type(message), lambda _: seen.write(f"{time.monotonic_ns()}\n"))
-        return
-    message.height, message.width, message.encoding = 1, IMAGE_BYTES, "mono8"
-    message.step, message.data = IMAGE_BYTES, bytes(IMAGE_BYTES)
-    graph.publish(IMAGE_FLOW, message, IMAGE_RATE)
+def _see(graph: Any, path: str) -> None:
+    """Write when each picture came."""
+    os.nice(_NICE)
+    write = _time_writer(path)
+    graph.listen(names.IMAGE_OUT, type(_message("sensor_msgs/Image")), lambda _: write())
 
 
-def _twist(speed: float) -> Any:  # noqa: ANN401
-    twist = _message(TWIST)
-    twist.linear.x = speed
+def _film(graph: Any, path: str, rate: str) -> None:
+    """Make pictures, and write when."""
+    os.nice(_NICE)
+    message = _message("sensor_msgs/Image")
+    message.height, message.width, message.encoding = 1, names.IMAGE_BYTES, "mono8"
+    message.step, message.data = names.IMAGE_BYTES, bytes(names.IMAGE_BYTES)
+    graph.publish(names.IMAGE_FLOW, message, float(rate), _time_writer(path))
+
+
+def _detect(graph: Any, path: str) -> None:
+    """Say whether a person is there, which SIGUSR1 changes; write each word."""
+    person = _message("std_msgs/Bool")
+
+    def turn(*_: object) -> None:
+        person.data = not person.data
+
+    signal.signal(signal.SIGUSR1, turn)
+    write = _time_writer(path, lambda: f" {int(person.data)}")
+    graph.publish(names.PERSON, person, names.EVENT_RATE, write)
+
+
+def _time_writer(path: str, more: Callable[[], str] = str) -> Callable[[], object]:
+    file = Path(path).open("a", buffering=1)  # noqa: SIM115 - as long as the process
+    return lambda: file.write(f"{time.monotonic_ns()}{more()}\n")
+
+
+def _dock(graph: Any, path: str) -> None:
+    """Serve goals, which are hundredths of a second of work, and write each."""
+    file = Path(path).open("a", buffering=1)  # noqa: SIM115 - as long as the process
+
+    def work(goal: int, is_cancelled: Callable[[], bool]) -> bool:
+        file.write(f"{time.monotonic_ns()} {goal}\n")
+        end = time.monotonic() + goal / 100
+        while time.monotonic() < end and not is_cancelled():
+            time.sleep(_TICK_S)
+        return time.monotonic() >= end
+
+    graph.serve(work)
+
+
+def _plan(graph: Any, path: str) -> None:
+    """Send goals, cancel some, and write what became of each."""
+    file = Path(path).open("a", buffering=1)  # noqa: SIM115 - as long as the process
+    Thread(target=_send_goals, args=[graph, file], daemon=True).start()
+
+
+def _send_goals(graph: Any, file: TextIO) -> None:
+    client, chance = graph.client(), random.Random()
+    number = 0
+    while True:
+        number += 1
+        _send_goal(client, chance, lambda what, n=number: _write(file, n, what))
+        time.sleep(_PAUSE_S)
+
+
+def _write(file: TextIO, number: int, what: str) -> None:
+    file.write(f"{time.monotonic_ns()} {number} {what}\n")
+
+
+def _send_goal(client: Any, chance: random.Random, write: Callable[[str], None]) -> None:
+    duration = chance.randrange(10, 150)
+    write("sent")
+    goal = client.send(duration, lambda: write("accepted"))
+    state = ""
+    if chance.random() < _CANCELED:
+        state = goal.wait(chance.uniform(0, duration / 100))
+        if not state:
+            write("cancel")
+            goal.cancel()
+    write(state or goal.wait(_GOAL_LIMIT_S) or "lost")
+
+
+def _twist(speed: float = names.SPEED, side: float = 0.0, turn: float = 0.0) -> Any:
+    twist = _message("geometry_msgs/Twist")
+    twist.linear.x, twist.linear.y, twist.angular.z = speed, side, turn
     return twist
 
 
-def _message(name: str) -> Any:  # noqa: ANN401
+def _message(name: str) -> Any:
     package, _, kind = name.partition("/")
     return getattr(import_module(f"{package}.msg"), kind)()
+
+
+_ROLES = {
+    "nav": _navigate,
+    "joystick": _steer_by_hand,
+    "rogue": _trespass,
+    "intruder": _intrude,
+    "base": _drive,
+    "viewer": _see,
+    "camera": _film,
+    "detector": _detect,
+    "dock": _dock,
+    "planner": _plan,
+}
 
 
 if __name__ == "__main__":

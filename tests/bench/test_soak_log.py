@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import pytest
 
-from bench.soak.base_log import LONGEST_GAP, BaseLog, Command, Gap
-from bench.soak.node import FORBIDDEN, INTRUDING, SPEED
+from bench.soak.base_log import LONGEST_GAP, BaseLog, Command, Span
+from bench.soak.names import SIDE, SPEED, TURN
 from rtron.vocabulary import SECOND
 
 PERIOD = SECOND // 20
@@ -31,7 +31,7 @@ def test_a_base_that_hears_all_in_time_has_no_gap():
     assert log.unexplained_gaps() == []
     assert log.longest_gap() == PERIOD
     assert log.unguarded() == []
-    assert log.share(SPEED) == 1
+    assert log.longest_rest() == PERIOD
 
 
 @pytest.mark.parametrize("speed", [SPEED, 0.1])
@@ -41,9 +41,16 @@ def test_a_base_that_moves_and_hears_nothing_has_a_gap(speed):
     assert log_with_gap(speed).longest_gap() == LATE
 
 
-@pytest.mark.parametrize("speed", [0.0, INTRUDING])
-def test_a_base_at_rest_and_one_that_an_intruder_drives_wait_for_nobody(speed):
-    assert log_with_gap(speed).unexplained_gaps() == []
+def test_a_base_at_rest_waits_for_nobody():
+    assert log_with_gap(0.0).unexplained_gaps() == []
+
+
+def test_a_base_that_an_intruder_drives_waits_for_nobody():
+    log = log_with_gap(SPEED)
+    intruders = [replace(each, turn=-TURN) for each in log.outputs if each.at == SECOND]
+    others = [each for each in log.outputs if each.at != SECOND]
+    outputs = sorted([*others, *intruders], key=lambda each: each.at)
+    assert replace(log, outputs=outputs).unexplained_gaps() == []
 
 
 def test_a_gap_of_the_navigation_is_not_the_guards():
@@ -56,7 +63,7 @@ def test_a_gap_of_the_navigation_is_not_the_guards():
 )
 def test_the_time_in_which_the_base_did_not_run_is_not_the_guards(begin, length, left):
     log = log_with_gap(SPEED)
-    stall = Gap(SECOND + begin if begin else 2 * SECOND, length)
+    stall = Span(SECOND + begin if begin else 2 * SECOND, length)
     stalled = replace(log, stalls=[stall])
     assert [each.length for each in stalled.unexplained_gaps()] == [left] * (left > LONGEST_GAP)
 
@@ -73,16 +80,58 @@ def test_silence_to_the_end_is_a_gap():
     assert gap.length >= SECOND - PERIOD
 
 
+STRANGERS, INTRUDERS = Command(2, SPEED, turn=TURN), Command(3, SPEED, turn=-TURN)
+
+
 def test_what_nobody_planned_is_found():
-    log = BaseLog([], [Command(1, SPEED), Command(2, FORBIDDEN), Command(3, INTRUDING)])
-    assert log.unguarded() == [Command(2, FORBIDDEN)]
+    log = BaseLog([], [Command(1, SPEED), STRANGERS, INTRUDERS])
+    assert log.unguarded() == [STRANGERS]
+    assert log.guarded() == [Command(1, SPEED), STRANGERS]
+
+
+def test_a_rest_counts_without_what_explains_it():
+    log = BaseLog([], [Command(0, SPEED), Command(1, 0.0), Command(5 * SECOND, SPEED)])
+    assert log.longest_rest() == 5 * SECOND
+    assert log.longest_rest([Span(SECOND, SECOND), Span(4 * SECOND, 9 * SECOND)]) == 3 * SECOND
+
+
+def intrusion(*outputs):
+    """Return a log in which an intruder speaks from 1 s to 3 s, with `outputs` between."""
+    words = [replace(INTRUDERS, at=SECOND), *outputs, replace(INTRUDERS, at=3 * SECOND)]
+    return BaseLog([], [Command(0, SPEED), *words, Command(4 * SECOND, 0.0)])
+
+
+def test_an_intruder_has_the_time_from_each_of_its_words_to_the_next_of_others():
+    log = intrusion(Command(SECOND * 3 // 2, 0.0))
+    assert log.intruder_share([Span(0, 4 * SECOND)]) == 0.25
+    assert log.time_to_stop(Span(0, 4 * SECOND)) == SECOND // 2
+
+
+def test_an_intruder_whom_nobody_stops_has_all_the_time():
+    log = intrusion()
+    assert log.intruder_share([Span(0, 4 * SECOND)]) == 1
+    assert log.time_to_stop(Span(0, 4 * SECOND)) == 2 * SECOND
+
+
+def test_an_intruder_who_was_not_heard_has_none():
+    log = intrusion()
+    assert log.intruder_share([Span(5 * SECOND, SECOND)]) == 0
+    assert log.time_to_stop(Span(5 * SECOND, SECOND)) == 0
+
+
+def test_a_lower_flow_is_out_of_turn_only_while_the_higher_one_speaks():
+    inputs = commands(SPEED, 0, 2 * SECOND)
+    outputs = [Command(at, SPEED, SIDE) for at in range(0, 4 * SECOND, PERIOD)]
+    assert BaseLog([], outputs).longest_turn_of_lower_flow() == 0
+    longest = BaseLog(inputs, outputs).longest_turn_of_lower_flow()
+    assert SECOND < longest < SECOND * 3 // 2
 
 
 def test_a_file_is_read_up_to_its_last_whole_line(tmp_path):
     path = tmp_path / "base.txt"
-    path.write_text("in 1 0.5\nin 2 9\nstall 2 0.5\nout 3 0.5\nout 4 0\nout 5 0.")
+    path.write_text("in 1 0.5 0 0\nstall 2 0.5 0 0\nout 3 0.5 0.5 1\nout 4 0 0 0\nout 5 0.")
     log = BaseLog.read(path)
     assert log.inputs == [Command(1, 0.5)]
-    assert log.outputs == [Command(3, 0.5), Command(4, 0.0)]
-    assert log.stalls == [Gap(2, SECOND // 2)]
-    assert log.longest_rest() == 0
+    assert log.outputs == [Command(3, 0.5, 0.5, 1.0), Command(4, 0.0)]
+    assert log.stalls == [Span(2, SECOND // 2)]
+    assert BaseLog.read(path, last=24).outputs == [Command(4, 0.0)]

@@ -55,14 +55,14 @@ def base(ros2, guard):
 def test_commands_do_not_wait_for_pictures(ros2):
     """A gap counts where the navigation was heard meanwhile: the machine did not stand still."""
     with running_app(testbed.Testbed(ros2.environ, ros2.folder), ros=2) as app:
-        wait_for(lambda: len(BaseLog.read(app.told).outputs) > 50, what="the navigation")
-        before = len(BaseLog.read(app.told).outputs)
-        app.start("camera")
+        wait_for(lambda: len(BaseLog.read(app.files["base"]).outputs) > 50, what="the navigation")
+        before = len(BaseLog.read(app.files["base"]).outputs)
+        app.film()
         wait_for(lambda: app.picture_count() > 3, what="pictures behind the guard")
-        heard = len(BaseLog.read(app.told).inputs)
+        heard = len(BaseLog.read(app.files["base"]).inputs)
 
         def since():
-            log = BaseLog.read(app.told)
+            log = BaseLog.read(app.files["base"])
             return BaseLog(log.inputs[heard:], log.outputs[before:])
 
         wait_for(lambda: len(since().inputs) > COMMANDS, what="commands", limit_s=120)

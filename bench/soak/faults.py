@@ -1,0 +1,133 @@
+"""What happens to the soaked app, at random."""
+
+import random
+import signal
+import time
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from bench.soak.app import SoakedApp
+from bench.soak.base_log import Span
+from bench.soak.names import IMAGE_RATES
+
+_LIMIT_S, _POLL_S = 60.0, 0.2
+_INTRUSION_S = (0.5, 3.0)
+_FREEZE_S = (0.05, 3.0)
+INTRUSION = "intruder"
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """What was done, and when."""
+
+    name: str
+    span: Span
+
+
+class RandomFaults:
+    """Does one thing after the other to an app; what, a seed decides."""
+
+    def __init__(self, app: SoakedApp, seed: int) -> None:
+        self.history: list[Fault] = []
+        self.refused_clears = 0
+        self._is_person_there = False
+        self._app = app
+        self._random = random.Random(seed)
+        self._actions: tuple[tuple[str, int, Callable[[], None]], ...] = (
+            ("guard killed", 3, lambda: app.send(app.guard(), signal.SIGKILL)),
+            ("guard frozen", 2, lambda: self._freeze(app.guard())),
+            ("bulk process killed", 2, lambda: self._kill("bulk")),
+            ("bulk process frozen", 2, lambda: self._freeze(*app.pids("bulk"))),
+            ("supervisor killed", 1, self._kill_supervisor),
+            ("navigation restarted", 3, lambda: self._restart("nav")),
+            ("joystick restarted", 1, lambda: self._restart("joystick")),
+            ("viewer restarted", 1, lambda: self._restart("viewer")),
+            ("stranger restarted", 1, lambda: self._restart("rogue")),
+            ("dock restarted", 1, lambda: self._restart("dock")),
+            ("camera changed", 5, self._change_camera),
+            ("person in the way", 3, lambda: self._turn_person(is_there=True)),
+            (INTRUSION, 2, self._intrude),
+        )
+
+    def act(self, pause_s: tuple[float, float]) -> str:
+        """Wait for a while, do one thing, and return what; a person who was there leaves."""
+        time.sleep(self._random.uniform(*pause_s))
+        weights = [weight for _, weight, _ in self._actions]
+        ((name, _, action),) = self._random.choices(self._actions, weights)
+        was_person_there = self._is_person_there
+        begin = time.monotonic_ns()
+        action()
+        if was_person_there:
+            self._turn_person(is_there=False)
+        self.history.append(Fault(name, Span(begin, time.monotonic_ns() - begin)))
+        return name
+
+    def times(self, *names: str) -> list[int]:
+        """Return when something of those names was done, ns."""
+        return [each.span.at for each in self.history if each.name in names]
+
+    def intrusions(self) -> list[Span]:
+        """Return the times from an intruder's start until a person has cleared it."""
+        return [each.span for each in self.history if each.name == INTRUSION]
+
+    def counts(self) -> Counter[str]:
+        """Return how often each was done."""
+        done = Counter(each.name for each in self.history)
+        return Counter({name: done[name] for name, _, _ in self._actions})
+
+    def _kill_supervisor(self) -> None:
+        """Kill it, and wait until the next one watches: before, nobody stops for the guard."""
+        now = time.monotonic_ns()
+        self._kill("supervisor")
+        self._app.log.wait("its delivery is watched", now, _LIMIT_S)
+
+    def _kill(self, program: str) -> None:
+        for pid in self._app.pids(program):
+            self._app.send(pid, signal.SIGKILL)
+
+    def _freeze(self, *pids: int) -> None:
+        for pid in pids:
+            self._app.send(pid, signal.SIGSTOP)
+        time.sleep(self._random.uniform(*_FREEZE_S))
+        for pid in pids:
+            self._app.send(pid, signal.SIGCONT)
+
+    def _restart(self, role: str) -> None:
+        gracefully = self._random.random() < 0.5
+        self._app.end(role, signal.SIGINT if gracefully else signal.SIGKILL)
+        self._app.start(role)
+
+    def _change_camera(self) -> None:
+        """End the camera, or start it with one of its rates."""
+        if self._app.is_running("camera"):
+            self._app.end("camera", signal.SIGKILL)
+        else:
+            self._app.film(self._random.choice(IMAGE_RATES))
+
+    def _turn_person(self, *, is_there: bool) -> None:
+        """Let the detector see a person, or nobody any more."""
+        if is_there != self._is_person_there:
+            self._is_person_there = is_there
+            self._app.send_to("detector", signal.SIGUSR1)
+
+    def _intrude(self) -> None:
+        """Let the base hear a node past the guard for a moment; then a person clears the stream."""
+        begin = time.monotonic_ns()
+        self._app.start("intruder")
+        _wait_until(lambda: self._app.has_heard_intruder(begin))
+        time.sleep(self._random.uniform(*_INTRUSION_S))
+        self._app.end("intruder", signal.SIGKILL)
+        _wait_until(self._clear)
+
+    def _clear(self) -> bool:
+        is_cleared = self._app.clear()
+        self.refused_clears += not is_cleared
+        return is_cleared
+
+
+def _wait_until(condition: Callable[[], bool]) -> None:
+    """Wait for a condition, at most for a while: what does not come is judged at the end."""
+    deadline = time.monotonic() + _LIMIT_S
+    while not condition() and time.monotonic() < deadline:
+        time.sleep(_POLL_S)
