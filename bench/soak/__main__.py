@@ -10,6 +10,7 @@ import argparse
 import random
 import sys
 import time
+from dataclasses import asdict
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -47,7 +48,8 @@ def main() -> None:
         for role, file in app.files.items():
             (args.output.parent / f"{args.output.stem}-{role}.txt").write_bytes(file.read_bytes())
     rows = list(findings.rows())
-    write_json(args.output, rows, ros=ros, seed=args.seed, seconds=args.seconds)
+    done = [asdict(each) for each in faults.history]
+    write_json(args.output, rows, ros=ros, seed=args.seed, seconds=args.seconds, faults=done)
     console.print(as_table(rows, title))
     _explain(findings, faults, console)
     over = [row for row in rows if row.is_over]
@@ -61,6 +63,7 @@ def _soak(
     app: SoakedApp, faults: RandomFaults, memory: MemoryWatch, seconds: int, console: Console
 ) -> None:
     """Act for a while, and print each act beside what the base has heard until then."""
+    faults.wait_for_app()
     begin = time.monotonic()
     while (passed := time.monotonic() - begin) < seconds:
         done = faults.act(_PAUSE_S)
@@ -78,7 +81,9 @@ def _explain(findings: Findings, faults: RandomFaults, console: Console) -> None
     for gap in findings.base.unexplained_gaps():
         console.print(f"a gap of {gap.length / _MS:.0f} ms: {_last_faults(faults, gap.at)}")
         waited = findings.wait.within(gap) / _MS
-        console.print(f"  {findings.base.describe(gap)}; the guard waited {waited:.0f} ms to run")
+        console.print(
+            f"  {findings.base.describe(gap)}; guard and supervisor waited {waited:.0f} ms to run"
+        )
     for command in findings.too_fast[:10]:
         console.print(f"{command.speed:.3g} m/s too fast: {_last_faults(faults, command.at)}")
 

@@ -101,6 +101,11 @@ class SoakedApp:
         with suppress(ProcessLookupError):
             os.kill(pid, number)
 
+    def is_driving(self) -> bool:
+        """Tell whether the base moves."""
+        base = BaseLog.read(self.files["base"], last=_RECENT_BYTES)
+        return any(each.speed for each in base.outputs)
+
     def has_heard_intruder(self, since: int) -> bool:
         """Tell whether the base has heard who goes past the guard since a time, ns."""
         base = BaseLog.read(self.files["base"], last=_RECENT_BYTES)

@@ -50,6 +50,10 @@ class RandomFaults:
             (INTRUSION, 2, self._intrude),
         )
 
+    def wait_for_app(self) -> None:
+        """Wait until the app has found together: the base moves."""
+        _wait_until(self._app.is_driving)
+
     def act(self, pause_s: tuple[float, float]) -> str:
         """Wait for a while, do one thing, and return what; a person who was there leaves."""
         time.sleep(self._random.uniform(*pause_s))

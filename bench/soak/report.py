@@ -18,7 +18,7 @@ from figures.table import number
 from rtron.vocabulary import SECOND
 
 _MS = 1e6
-_STOPS_GUARD = ("guard killed", "guard frozen")
+_STOPS_GOALS = ("guard killed", "guard frozen", "dock restarted")
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,6 +69,7 @@ class Findings:
         self._speeds = SpeedCheck([at for at, *_ in rows(app.files["camera"])])
         self._blocks = list(blocks(rows(app.files["detector"])))
         self._goals = read_goals(app.files["planner"])
+        self._guard_cancels = app.log.count(lambda line: "is cancelled: " in line)
         self._started = rows(app.files["dock"])
         self.too_fast = self._speeds.over_limit(self.base.guarded())
 
@@ -93,7 +94,7 @@ class Findings:
         yield Row("commands", "commands at the base", len(base.outputs), "", at_least=1)
         yield Row("unguarded", "commands of strangers through the guard", unguarded, "", 0)
         yield Row("gaps", "gaps that nothing explains", len(gaps), "", 0)
-        yield Row("gaps.waiting", "  of them, the guard waited for a processor", waiting, "")
+        yield Row("gaps.waiting", "  of them, guard or supervisor waited to run", waiting, "")
         yield Row("longest_gap", "longest gap of a moving base", longest, "ms", LONGEST_GAP / _MS)
         yield Row("longest_rest", "longest rest, no person, no intruder", rest, "s", _MAX_REST_S)
         share = base.intruder_share(intrusions)
@@ -114,14 +115,14 @@ class Findings:
     def _actions(self) -> Iterator[Row]:
         goals, ends = self._goals, count_ends(self._goals)
         lost = sum(each.is_lost for each in goals)
-        ignored = len(unexplained(goals, self._faults.times(*_STOPS_GUARD)))
-        others = sum(each.is_canceled_by_others for each in goals)
+        ignored = len(unexplained(goals, self._faults.times(*_STOPS_GOALS)))
+        others = sum(each.is_canceled_by_others for each in goals) - self._guard_cancels
         forbidden = count_forbidden(self._started)
         yield Row("goals", "goals sent", len(goals), "", at_least=1)
         yield Row("goals.forbidden", "goals of strangers that were started", forbidden, "", 0)
-        yield Row("goals.canceled_by_others", "goals that others cancelled", others, "", 0)
+        yield Row("goals.canceled_by_others", "goals that others cancelled", max(0, others), "", 0)
         yield Row("goals.lost", "accepted goals without a result", lost, "", 0)
-        yield Row("goals.ignored", "goals without an answer, guard there", ignored, "", 0)
+        yield Row("goals.ignored", "goals without an answer, all there", ignored, "", 0)
         for name, count in sorted(ends.items()):
             yield Row(f"goals.{name}_count", f"goals {name}", count, "")
 

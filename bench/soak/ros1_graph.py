@@ -54,7 +54,7 @@ class Graph:
         server.start()
 
     def client(self) -> Client:
-        """Return a client of the action, when its server is there."""
+        """Return a client of the action."""
         return Client()
 
     def forge_goals(self, rate: float) -> None:
@@ -74,10 +74,10 @@ class Client:
 
     def __init__(self) -> None:
         self._client = actionlib.SimpleActionClient(DOCK, TestAction)
-        self._client.wait_for_server()
 
     def send(self, goal: int, accepted: Callable[[], None]) -> Client:
-        """Send a goal; call `accepted` when its server works on it."""
+        """Send a goal when there is a server; call `accepted` when it works on the goal."""
+        self._client.wait_for_server()
         self._client.send_goal(TestGoal(goal), active_cb=accepted)
         return self
 

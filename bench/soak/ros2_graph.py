@@ -68,7 +68,7 @@ class Graph:
         )
 
     def client(self) -> Client:
-        """Return a client of the action, when its server is there."""
+        """Return a client of the action."""
         return Client(self._node)
 
     def forge_goals(self, rate: float) -> None:
@@ -94,10 +94,10 @@ class Client:
 
     def __init__(self, node: Any) -> None:
         self._client = ActionClient(node, Fibonacci, DOCK)
-        self._client.wait_for_server()
 
     def send(self, goal: int, accepted: Callable[[], None]) -> Goal:
-        """Send a goal; call `accepted` when the guard or its server has taken it."""
+        """Send a goal when there is a server; call `accepted` when the goal was taken."""
+        self._client.wait_for_server()
         return Goal(self._client.send_goal_async(Fibonacci.Goal(order=goal)), accepted)
 
 

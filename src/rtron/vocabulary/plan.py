@@ -275,7 +275,7 @@ class Supervision:
     supervisor that takes over a running guard until it watches.
     """
 
-    stall_after: int = 55 * SECOND // 1000
+    stall_after: int = 30 * SECOND // 1000
     kill_after: int = SECOND
     deliver_within: int = SECOND // 2
     audit_within: int = 10 * SECOND

@@ -3,6 +3,8 @@
 import signal
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from rtron.guard.supervision.supervisor_fsm import (
     END_TIMEOUT,
@@ -314,6 +316,23 @@ def test_a_guard_is_as_late_as_the_machine_and_no_later_than_the_longest_stall()
     fsm = serving()
     assert fsm.tick(1, silent(LONGEST_STALL - 1, SECOND)) == ()
     assert fsm.tick(2, silent(LONGEST_STALL, SECOND)) == (SupervisorAction.BRAKE,)
+
+
+def time_of_brake(frozen_at, first_look):
+    """Return when the robot is stopped after a guard that beats on time until it freezes, ns."""
+    watchdog, delay, fsm = Watchdog(0), SchedulingDelay(first_look - BEAT_PERIOD), serving()
+    for now in range(first_look, SECOND, BEAT_PERIOD):
+        beat = 1 + min(now, frozen_at) // BEAT_PERIOD
+        silence = watchdog.update(now, beat)
+        if fsm.tick(now, silent(silence, delay.update(now))) == (SupervisorAction.BRAKE,):
+            return now
+    raise AssertionError("the robot is not stopped")
+
+
+@given(st.integers(0, SECOND // 20), st.integers(1, BEAT_PERIOD))
+def test_a_base_that_hears_20_commands_a_second_is_stopped_with_time_to_spare(frozen, look):
+    """A command came at 0, and the next one is not sent: the base should wait 100 ms at most."""
+    assert time_of_brake(frozen, look) <= SECOND // 10 - 2 * BEAT_PERIOD
 
 
 def test_a_plan_may_allow_a_longer_stall():

@@ -203,7 +203,7 @@ Audit
   every 0.05 s; a foreign publisher: alarm
 
 Supervision
-  no sign of life: stop after 0.055 s, kill after 2 s; deliver within 0.5 s, audit 10 s, start 20 s
+  no sign of life: stop after 0.03 s, kill after 2 s; deliver within 0.5 s, audit 10 s, start 20 s
 
 Left out (1)
   warning  /odd

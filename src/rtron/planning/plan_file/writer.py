@@ -76,7 +76,7 @@ _SECTIONS = {
 """,
     "supervision": """
 # When the supervisor acts: it stops the robot when the guard gives no sign of life for
-# `stall_after` (55 ms; on a busy machine up to 100 ms), and kills it after `kill_after` (1 s). It
+# `stall_after` (30 ms; on a busy machine up to 100 ms), and kills it after `kill_after` (1 s). It
 # stops the robot, too, while its own pings do not come back through the guard `deliver_within`
 # (0.5 s). The guard stops a stream if the audit has not looked who speaks past it for
 # `audit_within` (10 s). A start may take `start_within` (20 s).
