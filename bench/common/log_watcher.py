@@ -42,6 +42,10 @@ class LogWatcher:
         """Return how many lines match."""
         return sum(matches(text) for _, text in list(self.lines))
 
+    def times(self, text: str) -> list[int]:
+        """Return when each line with a word was seen, ns of the steady clock."""
+        return [at for at, line in list(self.lines) if text in line]
+
     def _follow(self) -> None:
         with self._path.open("rb") as file:
             rest = b""

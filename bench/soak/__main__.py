@@ -10,6 +10,7 @@ import argparse
 import random
 import sys
 import time
+from collections.abc import Mapping
 from dataclasses import asdict
 from importlib.util import find_spec
 from pathlib import Path
@@ -19,7 +20,7 @@ from rich.console import Console
 from bench.common.testbed import ROOT, open_testbed
 from bench.soak.app import SoakedApp, running_app
 from bench.soak.base_log import LONGEST_GAP, BaseLog
-from bench.soak.faults import RandomFaults
+from bench.soak.faults import WEIGHTS, RandomFaults
 from bench.soak.memory import MemoryWatch
 from bench.soak.processor_wait import ProcessorWait
 from bench.soak.report import Findings, as_table, write_json
@@ -36,17 +37,13 @@ def main() -> None:
     console = Console(width=None if sys.stdout.isatty() else 110)
     title = f"ROS {ros}, {args.seconds} s, --seed {args.seed}"
     console.print(title)
-    with open_testbed() as testbed, running_app(testbed, ros) as app:
-        faults, memory = RandomFaults(app, args.seed), MemoryWatch(app)
+    with open_testbed() as testbed, running_app(testbed, ros, args.stall_after) as app:
+        faults, memory = RandomFaults(app, args.seed, args.only), MemoryWatch(app)
         wait = ProcessorWait(app)
         _soak(app, faults, memory, args.seconds, console)
         wait.close()
         findings = Findings(app, faults, memory, wait)
-        args.output.parent.mkdir(parents=True, exist_ok=True)
-        log = args.output.with_suffix(".log")
-        log.write_bytes((testbed.folder / "errors.log").read_bytes())
-        for role, file in app.files.items():
-            (args.output.parent / f"{args.output.stem}-{role}.txt").write_bytes(file.read_bytes())
+        _keep(args.output, {"log": testbed.folder / "errors.log", **app.files})
     rows = list(findings.rows())
     done = [asdict(each) for each in faults.history]
     write_json(args.output, rows, ros=ros, seed=args.seed, seconds=args.seconds, faults=done)
@@ -55,8 +52,15 @@ def main() -> None:
     over = [row for row in rows if row.is_over]
     for row in over:
         console.print(f"[red]over[/]: {row.name}")
-    console.print(f"written to {args.output}, the log to {log}")
+    console.print(f"written to {args.output}, log and data beside it")
     sys.exit(1 if over else 0)
+
+
+def _keep(output: Path, files: Mapping[str, Path]) -> None:
+    """Copy what the processes wrote to files beside the result."""
+    output.parent.mkdir(parents=True, exist_ok=True)
+    for name, file in files.items():
+        output.with_name(f"{output.stem}-{name}.txt").write_bytes(file.read_bytes())
 
 
 def _soak(
@@ -102,6 +106,12 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument("--seconds", type=int, default=900, help="how long (900)")
     seed = random.SystemRandom().randrange(1 << 31)
     parser.add_argument("--seed", type=int, default=seed, help="repeats what was done")
+    help_only = "do nothing else, e.g. 'guard frozen'; again for more"
+    parser.add_argument(
+        "--only", action="append", default=[], choices=WEIGHTS, metavar="WHAT", help=help_only
+    )
+    help_stall = "of the supervisor, e.g. '55 ms'; without it the default"
+    parser.add_argument("--stall-after", default="", metavar="TIME", help=help_stall)
     default = ROOT / "build" / "soak.json"
     parser.add_argument("-o", "--output", type=Path, default=default, help="the JSON file")
     return parser.parse_args()

@@ -39,7 +39,7 @@ _OTHERS = ("base", "viewer", "dock", "planner", "detector", "nav", "joystick", "
 class SoakedApp:
     """Processes by role; each can be ended and started again."""
 
-    def __init__(self, testbed: Testbed, ros: int) -> None:
+    def __init__(self, testbed: Testbed, ros: int, stall_after: str = "") -> None:
         self.files = {role: testbed.folder / f"{role}.txt" for role in _WRITERS}
         errors = testbed.folder / "errors.log"
         for file in (*self.files.values(), errors):
@@ -48,7 +48,7 @@ class SoakedApp:
         self._testbed = testbed
         self._ros = ros
         self._plan = testbed.folder / "soak.yaml"
-        self._plan.write_text(soak_plan(ros), encoding="utf-8")
+        self._plan.write_text(soak_plan(ros, stall_after), encoding="utf-8")
         self._socket = Path(mkdtemp(dir=testbed.folder)) / "guard.sock"
         self._running: dict[str, subprocess.Popen[str]] = {}
 
@@ -169,9 +169,9 @@ _REMAPS = {1: _ros1_remaps, 2: _ros2_remaps}
 
 
 @contextmanager
-def running_app(testbed: Testbed, ros: int) -> Iterator[SoakedApp]:
+def running_app(testbed: Testbed, ros: int, stall_after: str = "") -> Iterator[SoakedApp]:
     """Run the app without a camera until the end of the block; all of it has been started."""
-    app = SoakedApp(testbed, ros)
+    app = SoakedApp(testbed, ros, stall_after)
     try:
         app.start("guard")
         app.log.wait("its delivery is watched", 0, _START_S)

@@ -4,7 +4,7 @@ import random
 import signal
 import time
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from bench.soak.app import SoakedApp
@@ -14,7 +14,23 @@ from bench.soak.names import IMAGE_RATES
 _LIMIT_S, _POLL_S = 60.0, 0.2
 _INTRUSION_S = (0.5, 3.0)
 _FREEZE_S = (0.05, 3.0)
-INTRUSION = "intruder"
+INTRUSION, FREEZE = "intruder", "guard frozen"
+WEIGHTS = {
+    "guard killed": 3,
+    FREEZE: 2,
+    "bulk process killed": 2,
+    "bulk process frozen": 2,
+    "supervisor killed": 1,
+    "navigation restarted": 3,
+    "joystick restarted": 1,
+    "viewer restarted": 1,
+    "stranger restarted": 1,
+    "dock restarted": 1,
+    "camera changed": 5,
+    "person in the way": 3,
+    INTRUSION: 2,
+}
+"""What can happen, and how often beside the others."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,27 +44,28 @@ class Fault:
 class RandomFaults:
     """Does one thing after the other to an app; what, a seed decides."""
 
-    def __init__(self, app: SoakedApp, seed: int) -> None:
+    def __init__(self, app: SoakedApp, seed: int, only: Sequence[str] = ()) -> None:
         self.history: list[Fault] = []
         self.refused_clears = 0
         self._is_person_there = False
         self._app = app
         self._random = random.Random(seed)
-        self._actions: tuple[tuple[str, int, Callable[[], None]], ...] = (
-            ("guard killed", 3, lambda: app.send(app.guard(), signal.SIGKILL)),
-            ("guard frozen", 2, lambda: self._freeze(app.guard())),
-            ("bulk process killed", 2, lambda: self._kill("bulk")),
-            ("bulk process frozen", 2, lambda: self._freeze(*app.pids("bulk"))),
-            ("supervisor killed", 1, self._kill_supervisor),
-            ("navigation restarted", 3, lambda: self._restart("nav")),
-            ("joystick restarted", 1, lambda: self._restart("joystick")),
-            ("viewer restarted", 1, lambda: self._restart("viewer")),
-            ("stranger restarted", 1, lambda: self._restart("rogue")),
-            ("dock restarted", 1, lambda: self._restart("dock")),
-            ("camera changed", 5, self._change_camera),
-            ("person in the way", 3, lambda: self._turn_person(is_there=True)),
-            (INTRUSION, 2, self._intrude),
-        )
+        self._weights = {name: WEIGHTS[name] for name in only or WEIGHTS}
+        self._actions: dict[str, Callable[[], None]] = {
+            "guard killed": lambda: app.send(app.guard(), signal.SIGKILL),
+            FREEZE: lambda: self._freeze(app.guard()),
+            "bulk process killed": lambda: self._kill("bulk"),
+            "bulk process frozen": lambda: self._freeze(*app.pids("bulk")),
+            "supervisor killed": self._kill_supervisor,
+            "navigation restarted": lambda: self._restart("nav"),
+            "joystick restarted": lambda: self._restart("joystick"),
+            "viewer restarted": lambda: self._restart("viewer"),
+            "stranger restarted": lambda: self._restart("rogue"),
+            "dock restarted": lambda: self._restart("dock"),
+            "camera changed": self._change_camera,
+            "person in the way": lambda: self._turn_person(is_there=True),
+            INTRUSION: self._intrude,
+        }
 
     def wait_for_app(self) -> None:
         """Wait until the app has found together: the base moves."""
@@ -57,11 +74,10 @@ class RandomFaults:
     def act(self, pause_s: tuple[float, float]) -> str:
         """Wait for a while, do one thing, and return what; a person who was there leaves."""
         time.sleep(self._random.uniform(*pause_s))
-        weights = [weight for _, weight, _ in self._actions]
-        ((name, _, action),) = self._random.choices(self._actions, weights)
+        (name,) = self._random.choices([*self._weights], [*self._weights.values()])
         was_person_there = self._is_person_there
         begin = time.monotonic_ns()
-        action()
+        self._actions[name]()
         if was_person_there:
             self._turn_person(is_there=False)
         self.history.append(Fault(name, Span(begin, time.monotonic_ns() - begin)))
@@ -73,12 +89,19 @@ class RandomFaults:
 
     def intrusions(self) -> list[Span]:
         """Return the times from an intruder's start until a person has cleared it."""
-        return [each.span for each in self.history if each.name == INTRUSION]
+        return self._spans(INTRUSION)
+
+    def freezes(self) -> list[Span]:
+        """Return the times in which the guard was frozen."""
+        return self._spans(FREEZE)
+
+    def _spans(self, name: str) -> list[Span]:
+        return [each.span for each in self.history if each.name == name]
 
     def counts(self) -> Counter[str]:
         """Return how often each was done."""
         done = Counter(each.name for each in self.history)
-        return Counter({name: done[name] for name, _, _ in self._actions})
+        return Counter({name: done[name] for name in self._weights})
 
     def _kill_supervisor(self) -> None:
         """Kill it, and wait until the next one watches: before, nobody stops for the guard."""

@@ -156,6 +156,7 @@ def _write(file: TextIO, number: int, what: str) -> None:
 
 def _send_goal(client: Any, chance: random.Random, write: Callable[[str], None]) -> None:
     duration = chance.randrange(10, 150)
+    client.wait_for_server()
     write("sent")
     goal = client.send(duration, lambda: write("accepted"))
     state = ""

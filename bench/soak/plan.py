@@ -60,10 +60,11 @@ audit: {on_foreign: stop}
 """)
 
 
-def soak_plan(ros: int) -> str:
-    """Return the text of the plan for one ROS."""
+def soak_plan(ros: int, stall_after: str = "") -> str:
+    """Return the text of the plan for one ROS, with a `stall_after` of its own if one is given."""
     goals, goal_type = _GOALS[ros]
-    return _PLAN.substitute(
+    supervision = f"supervision: {{stall_after: {stall_after}}}\n" if stall_after else ""
+    return supervision + _PLAN.substitute(
         ros=ros,
         goals=goals,
         goal_type=goal_type,

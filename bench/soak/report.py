@@ -69,6 +69,7 @@ class Findings:
         self._speeds = SpeedCheck([at for at, *_ in rows(app.files["camera"])])
         self._blocks = list(blocks(rows(app.files["detector"])))
         self._goals = read_goals(app.files["planner"])
+        self._stops = app.log.times("the guard stands still: the robot is stopped")
         self._guard_cancels = app.log.count(lambda line: "is cancelled: " in line)
         self._started = rows(app.files["dock"])
         self.too_fast = self._speeds.over_limit(self.base.guarded())
@@ -100,6 +101,7 @@ class Findings:
         share = base.intruder_share(intrusions)
         yield Row("intruder_share", "an intruder's share while it speaks", share, "", _MAX_SHARE)
         yield Row("intruder_start", "an intruder before a stop", start, "s", _MAX_START_S)
+        yield Row("false_stops", "stops for a guard that nobody froze", self._false_stops(), "")
         yield Row("base_stalls", "the base itself did not run", stalled, "ms")
 
     def _policies(self) -> Iterator[Row]:
@@ -133,6 +135,11 @@ class Findings:
             yield Row(f"growth.{each}", f"growth of the {each} process", growth, "MB", most)
             yield Row(f"peak.{each}", f"most memory of the {each} process", peak, "MB", _MAX_PEAK)
 
+    def _false_stops(self) -> int:
+        """Count the supervisor's stops that no freeze explains."""
+        frozen = [Span(each.at, each.length + _AFTER_FREEZE) for each in self._faults.freezes()]
+        return sum(not any(span.overlap(Span(at, 1)) for span in frozen) for at in self._stops)
+
     def _block_spans(self) -> list[Span]:
         return [Span(each.begin, each.end - each.begin + _AFTER_BLOCK) for each in self._blocks]
 
@@ -143,6 +150,7 @@ _MAX_GROWTH = {"guard": 10.0, "supervisor": 10.0, "bulk": 150.0}
 """MB; the bulk process has pictures in its readers and writers, five of 10 MB at most in each."""
 _MAX_PEAK = 400.0
 _AFTER_BLOCK = SECOND // 2
+_AFTER_FREEZE = SECOND
 
 
 def _merged(spans: Sequence[Span]) -> Iterator[Span]:

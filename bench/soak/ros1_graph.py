@@ -75,9 +75,12 @@ class Client:
     def __init__(self) -> None:
         self._client = actionlib.SimpleActionClient(DOCK, TestAction)
 
-    def send(self, goal: int, accepted: Callable[[], None]) -> Client:
-        """Send a goal when there is a server; call `accepted` when it works on the goal."""
+    def wait_for_server(self) -> None:
+        """Wait until there is a server, or a guard for one."""
         self._client.wait_for_server()
+
+    def send(self, goal: int, accepted: Callable[[], None]) -> Client:
+        """Send a goal; call `accepted` when its server works on it."""
         self._client.send_goal(TestGoal(goal), active_cb=accepted)
         return self
 

@@ -95,9 +95,12 @@ class Client:
     def __init__(self, node: Any) -> None:
         self._client = ActionClient(node, Fibonacci, DOCK)
 
-    def send(self, goal: int, accepted: Callable[[], None]) -> Goal:
-        """Send a goal when there is a server; call `accepted` when the goal was taken."""
+    def wait_for_server(self) -> None:
+        """Wait until there is a server, or a guard for one."""
         self._client.wait_for_server()
+
+    def send(self, goal: int, accepted: Callable[[], None]) -> Goal:
+        """Send a goal; call `accepted` when the goal was taken."""
         return Goal(self._client.send_goal_async(Fibonacci.Goal(order=goal)), accepted)
 
 

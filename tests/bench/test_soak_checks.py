@@ -5,6 +5,7 @@ import json
 import pytest
 
 from bench.soak.base_log import Command
+from bench.soak.faults import WEIGHTS, RandomFaults
 from bench.soak.goal_log import count_ends, count_forbidden, read_goals, unexplained
 from bench.soak.names import FORBIDDEN_GOAL
 from bench.soak.plan import LOWEST, MAX_SPEED, THRESHOLD, soak_plan
@@ -122,3 +123,9 @@ def test_programs_get_figures_bounds_and_what_was_over(tmp_path):
     assert (written["seed"], written["over"]) == (3, ["a"])
     assert written["figures"]["a"]["at_most"] == 1.0
     assert written["figures"]["b"]["verdict"] == ""
+
+
+def test_everything_that_can_happen_is_done_by_the_soak():
+    faults = RandomFaults(app=None, seed=1)
+    assert faults.counts() == dict.fromkeys(WEIGHTS, 0)
+    assert set(faults._actions) == set(WEIGHTS)
