@@ -56,6 +56,10 @@ class SoakedApp:
         """Tell whether a role has a process."""
         return role in self._running
 
+    def ended(self) -> list[str]:
+        """Return the roles whose process has ended although nobody ended it."""
+        return [role for role, process in self._running.items() if process.poll() is not None]
+
     def start(self, role: str, *arguments: str) -> None:
         """Start a role's process."""
         command = self._guard_command() if role == "guard" else self._command(role, arguments)

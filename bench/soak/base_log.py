@@ -128,6 +128,11 @@ class BaseLog:
             longest = max(longest, command.at - begin)
         return longest
 
+    def moving_share(self) -> float:
+        """Return for which share of its commands the guard let the base move."""
+        guarded = self.guarded()
+        return sum(each.speed > 0 for each in guarded) / max(1, len(guarded))
+
     def intruder_share(self, intrusions: Sequence[Span]) -> float:
         """Return for which share of the time an intruder's was the last word while it spoke."""
         spoken = [each for each in map(self._spoken, intrusions) if each.length]

@@ -65,6 +65,7 @@ class Findings:
     ) -> None:
         self.base, self.wait = BaseLog.read(app.files["base"]), wait
         self._faults, self._memory = faults, memory
+        self._ended = app.ended()
         self.pictures = app.picture_count()
         self._speeds = SpeedCheck([at for at, *_ in rows(app.files["camera"])])
         self._blocks = list(blocks(rows(app.files["detector"])))
@@ -92,7 +93,10 @@ class Findings:
         longest = base.longest_gap() / _MS
         rest = base.longest_rest([*_merged([*intrusions, *self._block_spans()])]) / SECOND
         stalled = sum(each.length for each in base.stalls) / _MS
+        moving = base.moving_share()
         yield Row("commands", "commands at the base", len(base.outputs), "", at_least=1)
+        yield Row("moving", "share of them that move it", moving, "", at_least=_MIN_MOVING)
+        yield Row("ended", "processes that nobody ended, and are gone", len(self._ended), "", 0)
         yield Row("unguarded", "commands of strangers through the guard", unguarded, "", 0)
         yield Row("gaps", "gaps that nothing explains", len(gaps), "", 0)
         yield Row("gaps.waiting", "  of them, guard or supervisor waited to run", waiting, "")
@@ -145,6 +149,7 @@ class Findings:
 
 
 _MAX_REST_S, _MAX_SHARE, _MAX_START_S = 5.0, 0.5, 2.0
+_MIN_MOVING = 0.25
 _MAX_DRIVE_S, _MAX_TURN_S = 0.9, 3.0
 _MAX_GROWTH = {"guard": 10.0, "supervisor": 10.0, "bulk": 150.0}
 """MB; the bulk process has pictures in its readers and writers, five of 10 MB at most in each."""

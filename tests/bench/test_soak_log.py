@@ -95,6 +95,12 @@ def test_a_rest_counts_without_what_explains_it():
     assert log.longest_rest([Span(SECOND, SECOND), Span(4 * SECOND, 9 * SECOND)]) == 3 * SECOND
 
 
+def test_commands_that_move_have_a_share_of_those_of_the_guard():
+    outputs = [Command(0, SPEED), Command(1, 0.0), Command(2, 0.0), Command(3, 0.0), INTRUDERS]
+    assert BaseLog([], outputs).moving_share() == 0.25
+    assert BaseLog([], []).moving_share() == 0
+
+
 def intrusion(*outputs):
     """Return a log in which an intruder speaks from 1 s to 3 s, with `outputs` between."""
     words = [replace(INTRUDERS, at=SECOND), *outputs, replace(INTRUDERS, at=3 * SECOND)]
