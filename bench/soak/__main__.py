@@ -88,6 +88,8 @@ def _explain(findings: Findings, faults: RandomFaults, console: Console) -> None
         console.print(
             f"  {findings.base.describe(gap)}; guard and supervisor waited {waited:.0f} ms to run"
         )
+    for role in findings.ended:
+        console.print(f"{role} has ended by itself")
     for command in findings.too_fast[:10]:
         console.print(f"{command.speed:.3g} m/s too fast: {_last_faults(faults, command.at)}")
 

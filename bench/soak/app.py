@@ -57,8 +57,9 @@ class SoakedApp:
         return role in self._running
 
     def ended(self) -> list[str]:
-        """Return the roles whose process has ended although nobody ended it."""
-        return [role for role, process in self._running.items() if process.poll() is not None]
+        """Return the app's roles whose process has ended although nobody ended it."""
+        app = (each for each in self._running.items() if each[0] != "guard")
+        return [role for role, process in app if process.poll() is not None]
 
     def start(self, role: str, *arguments: str) -> None:
         """Start a role's process."""

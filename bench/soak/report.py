@@ -65,7 +65,7 @@ class Findings:
     ) -> None:
         self.base, self.wait = BaseLog.read(app.files["base"]), wait
         self._faults, self._memory = faults, memory
-        self._ended = app.ended()
+        self.ended = app.ended()
         self.pictures = app.picture_count()
         self._speeds = SpeedCheck([at for at, *_ in rows(app.files["camera"])])
         self._blocks = list(blocks(rows(app.files["detector"])))
@@ -96,7 +96,7 @@ class Findings:
         moving = base.moving_share()
         yield Row("commands", "commands at the base", len(base.outputs), "", at_least=1)
         yield Row("moving", "share of them that move it", moving, "", at_least=_MIN_MOVING)
-        yield Row("ended", "processes that nobody ended, and are gone", len(self._ended), "", 0)
+        yield Row("ended", "processes that nobody ended, and are gone", len(self.ended), "", 0)
         yield Row("unguarded", "commands of strangers through the guard", unguarded, "", 0)
         yield Row("gaps", "gaps that nothing explains", len(gaps), "", 0)
         yield Row("gaps.waiting", "  of them, guard or supervisor waited to run", waiting, "")
