@@ -134,7 +134,7 @@ class BaseLog:
         return sum(each.speed > 0 for each in guarded) / max(1, len(guarded))
 
     def intruder_share(self, intrusions: Sequence[Span]) -> float:
-        """Return for which share of the time an intruder's was the last word while it spoke."""
+        """Return for which share of the time an intruder's was the last word while it was there."""
         spoken = [each for each in map(self._spoken, intrusions) if each.length]
         held = (Span(a.at, b.at - a.at) for a, b in pairwise(self.outputs) if a.is_intruders)
         total = sum(each.length for each in spoken)
@@ -148,11 +148,11 @@ class BaseLog:
         return min(next(rests, spoken.at) - spoken.at, spoken.length)
 
     def _spoken(self, intrusion: Span) -> Span:
-        """Return the time from an intruder's first command to its last."""
-        begin = bisect_left(self.outputs, intrusion.at, key=_at)
-        end = bisect_left(self.outputs, intrusion.at + intrusion.length, key=_at)
-        times = [each.at for each in self.outputs[begin:end] if each.is_intruders]
-        return Span(times[0], times[-1] - times[0]) if times else Span(intrusion.at, 0)
+        """Return the time from an intruder's first command to its end."""
+        begin, end = intrusion.at, intrusion.at + intrusion.length
+        found = self.outputs[bisect_left(self.outputs, begin, key=_at) :]
+        first = next((each.at for each in found if each.is_intruders), end)
+        return Span(min(first, end), max(0, end - first))
 
     def _input_times(self, after: int, before: int) -> list[int]:
         """Return when the navigation spoke between two times, ns."""

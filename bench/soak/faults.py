@@ -47,6 +47,8 @@ class RandomFaults:
     def __init__(self, app: SoakedApp, seed: int, only: Sequence[str] = ()) -> None:
         self.history: list[Fault] = []
         self.refused_clears = 0
+        self.intruders: list[Span] = []
+        """The time of each intruder, from its start to its end."""
         self._is_person_there = False
         self._app = app
         self._random = random.Random(seed)
@@ -145,6 +147,7 @@ class RandomFaults:
         _wait_until(lambda: self._app.has_heard_intruder(begin))
         time.sleep(self._random.uniform(*_INTRUSION_S))
         self._app.end("intruder", signal.SIGKILL)
+        self.intruders.append(Span(begin, time.monotonic_ns() - begin))
         _wait_until(self._clear)
 
     def _clear(self) -> bool:

@@ -89,7 +89,7 @@ class Findings:
         base, intrusions = self.base, self._faults.intrusions()
         unguarded, gaps = len(base.unguarded()), base.unexplained_gaps()
         waiting = sum(self.wait.within(gap) > gap.length - LONGEST_GAP for gap in gaps)
-        start = max(map(base.time_to_stop, intrusions), default=0) / SECOND
+        start = max(map(base.time_to_stop, self._faults.intruders), default=0) / SECOND
         longest = base.longest_gap() / _MS
         rest = base.longest_rest([*_merged([*intrusions, *self._block_spans()])]) / SECOND
         stalled = sum(each.length for each in base.stalls) / _MS
@@ -102,8 +102,8 @@ class Findings:
         yield Row("gaps.waiting", "  of them, guard or supervisor waited to run", waiting, "")
         yield Row("longest_gap", "longest gap of a moving base", longest, "ms", LONGEST_GAP / _MS)
         yield Row("longest_rest", "longest rest, no person, no intruder", rest, "s", _MAX_REST_S)
-        share = base.intruder_share(intrusions)
-        yield Row("intruder_share", "an intruder's share while it speaks", share, "", _MAX_SHARE)
+        share = base.intruder_share(self._faults.intruders)
+        yield Row("intruder_share", "an intruder's share while it is there", share, "", _MAX_SHARE)
         yield Row("intruder_start", "an intruder before a stop", start, "s", _MAX_START_S)
         yield Row("false_stops", "stops for a guard that nobody froze", self._false_stops(), "")
         yield Row("base_stalls", "the base itself did not run", stalled, "ms")

@@ -109,14 +109,14 @@ def intrusion(*outputs):
 
 def test_an_intruder_has_the_time_from_each_of_its_words_to_the_next_of_others():
     log = intrusion(Command(SECOND * 3 // 2, 0.0))
-    assert log.intruder_share([Span(0, 4 * SECOND)]) == 0.25
-    assert log.time_to_stop(Span(0, 4 * SECOND)) == SECOND // 2
+    assert log.intruder_share([Span(0, 3 * SECOND)]) == 0.25
+    assert log.time_to_stop(Span(0, 3 * SECOND)) == SECOND // 2
 
 
 def test_an_intruder_whom_nobody_stops_has_all_the_time():
     log = intrusion()
-    assert log.intruder_share([Span(0, 4 * SECOND)]) == 1
-    assert log.time_to_stop(Span(0, 4 * SECOND)) == 2 * SECOND
+    assert log.intruder_share([Span(0, 3 * SECOND)]) == 1
+    assert log.time_to_stop(Span(0, 3 * SECOND)) == 2 * SECOND
 
 
 def test_an_intruder_who_was_not_heard_has_none():
