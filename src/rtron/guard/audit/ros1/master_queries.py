@@ -95,11 +95,14 @@ def query_uri(master: str, node: str) -> str | None:
 
 
 def identify_peer(master: str, topic: str, uri: str, names: Iterable[str]) -> PeerIdentity:
-    """Find out who speaks from an address: one of the planned `names`, or whom the master lists."""
+    """Find out who speaks from an address: one of the planned `names`, or whom the master lists.
+
+    The master lists a node that was killed until the next one of its name registers.
+    """
     listed = _listed_publishers(master, topic)
     for name in dict.fromkeys((*names, *(listed or ()))):
         if normalise_uri(look_up_uri(master, name)) == uri:
-            return PeerIdentity(name=name, is_answered=True)
+            return PeerIdentity(name=name, is_refused=refuses_connections(uri), is_answered=True)
     return PeerIdentity(is_refused=refuses_connections(uri), is_answered=listed is not None)
 
 
