@@ -27,6 +27,6 @@ setup(
     install_requires=["setuptools"],
     zip_safe=False,
     entry_points={
-        "console_scripts": ["guard = rtron.cli.main:run_guard_node", "rtron = rtron.cli.main:main"]
+        "console_scripts": ["guard = rtron.cli.main:run_guard_node", "rtron = rtron.__main__:main"]
     },
 )

@@ -2,21 +2,29 @@ import json
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
+import rtron
 from rtron import __version__
-from rtron.cli.command_registry import COMMANDS, load_command
+from rtron.cli.command_registry import COMMANDS, GROUPS, load_command
+from rtron.cli.commands.scan import Level
 from rtron.sources.graph_json import GraphFile
+from rtron.vocabulary import FindingLevel
 
+ALL = [name for table in (COMMANDS, GROUPS) for names in table.values() for name in names]
 EVERY = [load_command(name) for names in COMMANDS.values() for name in names]
 
+HEAVY = {"rich", "yaml", "lxml", "rtron.vocabulary", "rtron.sources", "rtron.findings"}
+SOURCE = str(Path(rtron.__file__).parents[1])
 MODULE = (sys.executable, "-m", "rtron")
 
 
 def run(*arguments, **keys):
     """Run the real command; it is cut off from this terminal's settings."""
-    environment = {"PATH": os.environ["PATH"], "LANG": "C.UTF-8"} | keys.pop("env", {})
+    environment = {"PATH": os.environ["PATH"], "LANG": "C.UTF-8", "PYTHONPATH": SOURCE}
+    environment |= keys.pop("env", {})
     command = [*MODULE, *map(str, arguments)]
     return subprocess.run(command, capture_output=True, env=environment, check=False, **keys)
 
@@ -84,6 +92,69 @@ def test_help_names_every_command_and_shows_an_example_of_each(rtron):
         assert page.code == 0
         assert f"$ rtron {name}" in page.out
         assert max(map(len, page.out.splitlines())) <= 80
+
+
+def test_the_list_of_commands_says_what_their_own_help_says(rtron):
+    for command, summary in summaries():
+        assert command.__doc__.splitlines()[0] == summary
+    for name, summary in (pair for each in GROUPS.values() for pair in each.items()):
+        assert load_command(name).info.help == summary
+        assert rtron(name, "--help").code == 0
+
+
+def summaries():
+    return [
+        (load_command(name), summary)
+        for each in COMMANDS.values()
+        for name, summary in each.items()
+    ]
+
+
+def test_help_loads_nothing_that_only_a_command_needs():
+    declared = "".join(f"load_command({name!r});" for name in ALL)
+    loaded = loaded_modules(f"from rtron.cli.command_registry import load_command;{declared}")
+    assert loaded & {"rtron.cli.commands.scan", "rtron.cli.commands.model"}
+    assert loaded & HEAVY == set()
+
+
+@pytest.mark.parametrize(
+    "words", [("--help",), ("scan", "--help"), ("functions", "graph", "-h"), ("scna",)]
+)
+def test_help_is_shown_without_what_only_a_command_needs(words):
+    words = ["rtron", *words]
+    loaded = loaded_modules(f"import sys, rtron.__main__; sys.argv={words}; rtron.__main__.main()")
+    assert "rtron.cli.main" in loaded
+    assert loaded & HEAVY == set()
+
+
+def loaded_modules(code):
+    show = "lambda: sys.stderr.write('\\n' + ' '.join(sys.modules))"
+    shown = f"import atexit, sys; atexit.register({show})"
+    ran = subprocess.run(
+        [sys.executable, "-c", f"{shown};{code}"], capture_output=True, text=True, check=False
+    )
+    return set(ran.stderr.splitlines()[-1].split())
+
+
+def test_the_levels_are_those_of_findings():
+    assert [each.value for each in Level] == [each.value for each in FindingLevel]
+
+
+@pytest.mark.parametrize("after", ["typer", "rtron.cli.main"])
+def test_ctrl_c_while_it_loads_is_130_without_a_word(after, tmp_path):
+    hook = f"""
+import builtins, os, signal
+load = builtins.__import__
+def load_and_interrupt(name, *rest):
+    loaded = load(name, *rest)
+    if name == {after!r}:
+        os.kill(os.getpid(), signal.SIGINT)
+    return loaded
+builtins.__import__ = load_and_interrupt
+"""
+    (tmp_path / "sitecustomize.py").write_text(hook)
+    ran = run("--help", env={"PYTHONPATH": f"{tmp_path}:{SOURCE}"})
+    assert (ran.returncode, ran.stdout, ran.stderr) == (130, b"", b"")
 
 
 def test_examples_in_help_are_commands_that_exist(rtron):

@@ -3,41 +3,59 @@
 A guard on a robot starts in half the time without the modules that read launch files.
 """
 
-from collections.abc import Iterator, Mapping
 from functools import cache
 from importlib import import_module
-from typing import Any
+from typing import Any, cast
 
 import typer
 from typer.core import TyperCommand, TyperGroup
 from typer.main import get_command, get_group
 
 COMMANDS = {
-    "From an app to a guarded app": (
-        "demo",
-        "scan",
-        "plan",
-        "check",
-        "instrument",
-        "remaps",
-        "replay",
-        "verify",
-    ),
-    "On the robot": ("guard", "master", "override", "clear"),
-    "Security service": ("serve", "events", "upload-graph"),
-    "Study": ("classify", "explain-function", "survey"),
-    "Reference": ("explain", "mission-rules", "schema"),
+    "From an app to a guarded app": {
+        "demo": "Attack a simulated robot, without the guard and with it.",
+        "scan": "Find what the nodes of an app can do to each other.",
+        "plan": "Propose a plan: the coordination nodes for an app.",
+        "check": "Check a plan that you edited.",
+        "instrument": "Write a launch file that starts the app guarded.",
+        "remaps": "List the remaps that put the guard between the nodes of a plan.",
+        "replay": "Play a recording through a plan: which messages pass, and which do not.",
+        "verify": "Check that all guarded traffic of the running app passes through the guard.",
+    },
+    "On the robot": {
+        "guard": "Run the guard: enforce a plan between the nodes of an app, until stopped.",
+        "master": "Run the ROS master behind a proxy that rejects what the plan forbids.",
+        "override": "Suspend an RSRCN or MSRCN for a limited time.",
+        "clear": "Let the robot drive again after an intrusion.",
+    },
+    "Security service": {
+        "serve": "Run the security service: collector of the guards, API and console.",
+        "events": "Show the events of guards: which flow has control, what was blocked and why.",
+        "upload-graph": "Upload the interaction graph of a robot's app for the console.",
+    },
+    "Study": {
+        "classify": "Find the robot functions of repositories.",
+        "explain-function": "Explain why a repository has its functions.",
+        "survey": "Scan every app below a folder, a whole distribution if you like.",
+    },
+    "Reference": {
+        "explain": "Explain a rule or a policy; without a name, list them.",
+        "mission-rules": "Show example rules for a robot's mission; without a name, list them.",
+        "schema": "Print the JSON Schema of a plan or a graph.",
+    },
 }
+"""The commands of each part of the help, with the first line of their own."""
 GROUPS = {
-    "Security service": ("settings", "token", "user"),
-    "Study": ("functions",),
-    "Reference": ("model",),
+    "Security service": {
+        "settings": "Show and change what a guard enforces.",
+        "token": "Create and revoke API tokens.",
+        "user": "Add users and reset passwords.",
+    },
+    "Study": {"functions": "Study the functions of robot apps."},
+    "Reference": {"model": "Write models of known nodes."},
 }
 _MODULES = {"clear": "override"}
 """The modules that do not have the name of their command."""
-_PANELS = {
-    name: panel for table in (COMMANDS, GROUPS) for panel, names in table.items() for name in names
-}
 
 
 def load_command(name: str) -> Any:  # noqa: ANN401 - a function with options of its own, or a group
@@ -50,36 +68,52 @@ def load_command(name: str) -> Any:  # noqa: ANN401 - a function with options of
 def _build_command(name: str) -> TyperCommand | TyperGroup:
     loaded = load_command(name)
     built = get_group(loaded) if isinstance(loaded, typer.Typer) else _single_command(loaded)
-    built.rich_help_panel = _PANELS[name]
+    _show_plainly(built)
     return built
 
 
 def _single_command(function: Any) -> Any:  # noqa: ANN401 - typer's types say less than it gives
-    app = typer.Typer(add_completion=False, rich_markup_mode="rich")
+    app = typer.Typer(add_completion=False)
     app.command()(function)
     return get_command(app)
 
 
-class _LazyCommands(Mapping[str, Any]):
-    """The commands by name; a command is imported when it is looked up."""
+def _show_plainly(command: Any) -> None:  # noqa: ANN401 - likewise
+    """Keep the lines of a command's help as they are written, without rich, which loads slowly."""
+    command.rich_markup_mode = None
+    command.help = _keep_lines(command.help or "")
+    for each in getattr(command, "commands", {}).values():
+        _show_plainly(each)
 
-    def __getitem__(self, name: str) -> TyperCommand | TyperGroup:
-        if name not in _PANELS:
-            raise KeyError(name)
-        return _build_command(name)
 
-    def __contains__(self, name: object) -> bool:
-        return name in _PANELS
+def _keep_lines(help: str) -> str:
+    return "\n\n".join(f"\b\n{paragraph}" for paragraph in help.split("\n\n"))
 
-    def __iter__(self) -> Iterator[str]:
-        return iter(_PANELS)
 
-    def __len__(self) -> int:
-        return len(_PANELS)
+class _LazyCommand(TyperCommand):
+    """A command that is imported when it is called; its name and summary are known before."""
+
+    def make_context(self, *arguments: Any, **options: Any) -> typer.Context:  # noqa: ANN401 - typer's own
+        return cast(
+            "typer.Context", _build_command(self.name or "").make_context(*arguments, **options)
+        )
 
 
 class CommandGroup(TyperGroup):
     """`rtron` with its commands, which are imported when they are called."""
 
     def __init__(self, **options: Any) -> None:  # noqa: ANN401 - typer's own
-        super().__init__(**options | {"commands": _LazyCommands()})
+        commands = {
+            name: _LazyCommand(name, short_help=summary)
+            for table in (COMMANDS, GROUPS)
+            for summaries in table.values()
+            for name, summary in summaries.items()
+        }
+        super().__init__(**options | {"commands": commands})
+        self.help = _keep_lines(self.help or "")
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:  # noqa: ANN401, ARG002 - likewise
+        """List the commands by part, with their summaries."""
+        for part, commands in COMMANDS.items():
+            with formatter.section(part):
+                formatter.write_dl([*commands.items(), *GROUPS.get(part, {}).items()])

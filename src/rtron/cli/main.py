@@ -15,7 +15,7 @@ app = typer.Typer(
     name="rtron",
     cls=CommandGroup,
     no_args_is_help=True,
-    rich_markup_mode="rich",
+    rich_markup_mode=None,
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
@@ -45,7 +45,7 @@ def root(
         typer.Option("--version", callback=_print_version, is_eager=True, help="Show the version."),
     ] = False,
 ) -> None:
-    """Find what the functions of a robot app can do to each other, and guard it while it runs.
+    """Find what the nodes of a robot app can do to each other, and guard it.
 
     From an app to a guarded app:
 

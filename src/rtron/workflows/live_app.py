@@ -4,11 +4,13 @@ import os
 from dataclasses import dataclass
 from enum import Enum
 from importlib.util import find_spec
+from typing import TYPE_CHECKING
 
 from rtron.errors import InputError, RTronError, SourceError
-from rtron.sources.source import GraphSource
-from rtron.wire.ros1.host_address import master_uri
 from rtron.wire.ros2.domain_id import domain_address
+
+if TYPE_CHECKING:
+    from rtron.sources.source import GraphSource
 
 ANSWER_TIMEOUT_S = 5.0
 DISCOVERY_TIMEOUT_S = 15.0
@@ -38,7 +40,7 @@ class LiveApp:
     domain: int | None
     timeout: float | None
 
-    def open_source(self) -> tuple[GraphSource, str]:
+    def open_source(self) -> "tuple[GraphSource, str]":
         """Return the source and its description; SourceError if no ROS is there."""
         if self._detect_ros() is RosGeneration.TWO:
             return self._ros2_source()
@@ -48,7 +50,7 @@ class LiveApp:
         source = Ros1LiveSource(find_private_master(self.master), self.timeout or ANSWER_TIMEOUT_S)
         return source, f"the app running at {self.master}"
 
-    def _ros2_source(self) -> tuple[GraphSource, str]:
+    def _ros2_source(self) -> "tuple[GraphSource, str]":
         try:
             from rtron.sources.live.ros2.source import Ros2LiveSource  # noqa: PLC0415 - needs a ROS 2
         except ImportError as error:
@@ -66,6 +68,8 @@ class LiveApp:
 
     def _ros_from_address(self) -> RosGeneration | None:
         """Return the ROS whose address differs from that of the environment."""
+        from rtron.wire.ros1.host_address import master_uri  # noqa: PLC0415 - not for a command's help
+
         master, domain = self.master != master_uri(), self.domain is not None
         if master and domain:
             help = "ROS 1 has a master, ROS 2 a domain: leave one out, or say --ros 1 or --ros 2"

@@ -6,11 +6,6 @@ from typing import Annotated
 import typer
 
 from rtron.cli.support.outcome import FINDINGS, OK, Outcome
-from rtron.planning.plan_file.loader import read_plan
-from rtron.planning.problem import ProblemLevel
-from rtron.reports.plan.problems import problems_text
-from rtron.sources.graph_json import read_graph
-from rtron.workflows.check_plan import check as check_plan
 
 
 def check(
@@ -32,6 +27,12 @@ def check(
 
     Exit code: 0 good, 1 it does not fit the app, 2 it cannot be read.
     """
+    from rtron.planning.plan_file.loader import read_plan
+    from rtron.planning.problem import ProblemLevel
+    from rtron.reports.plan.problems import problems_text
+    from rtron.sources.graph_json import read_graph
+    from rtron.workflows.check_plan import check as check_plan
+
     checked_plan = read_plan(plan)
     problems = check_plan(checked_plan, read_graph(graph) if graph else None)
     failed = any(problem.level is ProblemLevel.ERROR for problem in problems)

@@ -51,22 +51,22 @@ def classify(
 
     Exit code: 0 classified, 2 nothing can be read.
     """
-    from rtron.functions.reading import read_repositories  # noqa: PLC0415 - the guard starts without it
-    from rtron.workflows.classification import classify_repositories  # noqa: PLC0415 - the guard starts without it
+    from rtron.functions.reading import read_repositories
+    from rtron.workflows.classification import classify_repositories
 
     with report_skipped() as note_skipped, show_progress() as progress:
         repositories = read_repositories(source, readmes, note_skipped)
         classified = classify_repositories(repositories, jobs, cluster, note_skipped, progress)
         classifications = [each for _, each in classified]
     if table:
-        from rtron.functions.classifier.tables import build_tables  # noqa: PLC0415 - the guard starts without it
-        from rtron.reports.functions.tables import tables_text  # noqa: PLC0415 - the guard starts without it
+        from rtron.functions.classifier.tables import build_tables
+        from rtron.reports.functions.tables import tables_text
 
         return Outcome(tables_text(build_tables(classifications)), to=output)
     return Outcome(_json_lines(classifications), to=output)
 
 
 def _json_lines(classifications: "Iterable[Classification]") -> str:
-    from rtron.reports.functions.json_documents import classification_to_json  # noqa: PLC0415 - the guard starts without it
+    from rtron.reports.functions.json_documents import classification_to_json
 
     return "".join(json.dumps(classification_to_json(each)) + "\n" for each in classifications)

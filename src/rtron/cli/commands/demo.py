@@ -90,9 +90,9 @@ def demo(  # noqa: PLR0913 - one for each option
     arrives; 1 otherwise; 2 bad options, or no ROS.
     """
     _check_options(guard=guard, console=console)
-    from rtron.demos.cases import CASES  # noqa: PLC0415 - only with the extra
-    from rtron.demos.experiment.demonstration import DemoRequest, are_as_expected, run_demo  # noqa: PLC0415
-    from rtron.demos.experiment.results_folder import prepare_results_folder  # noqa: PLC0415
+    from rtron.demos.cases import CASES
+    from rtron.demos.experiment.demonstration import DemoRequest, are_as_expected, run_demo
+    from rtron.demos.experiment.results_folder import prepare_results_folder
 
     cases = list(CASES.values()) if case is CaseName.ALL else [CASES[case.value]]
     request = DemoRequest(
@@ -125,8 +125,8 @@ def _check_options(*, guard: bool, console: bool) -> None:
 
 
 def _print_report(request: "DemoRequest", study: "Study", out: Path, format: TextOrJson) -> None:
-    from rtron.demos.experiment.results import results_document, write_results  # noqa: PLC0415
-    from rtron.demos.experiment.terminal_report import demo_text  # noqa: PLC0415
+    from rtron.demos.experiment.results import results_document, write_results
+    from rtron.demos.experiment.terminal_report import demo_text
 
     written = write_results(out, request, study)
     if format is TextOrJson.JSON:

@@ -17,8 +17,6 @@ from rtron.cli.support.service_options import (
     TokenOption,
     connect_to_service,
 )
-from rtron.reports.event_line import event_line
-from rtron.workflows.service_events import follow_events
 
 _PAGE = 1000
 
@@ -63,6 +61,8 @@ def events(  # noqa: PLR0913 - one for each option
 
     Exit code: 0 shown, 2 the service does not answer.
     """
+    from rtron.workflows.service_events import follow_events
+
     client = connect_to_service(service, token_file, ca)
     event_filter = {"robot": robot, "node": node, "kind": kind, "level": level.value}
     stored_events = client.get("events", **event_filter, limit=number or 1)["events"]
@@ -83,4 +83,6 @@ def _warn_of_lost_connection(error: Exception) -> None:
 
 
 def _format_event(event: Mapping[str, Any], format: TextOrJson) -> str:
+    from rtron.reports.event_line import event_line
+
     return (json.dumps(event) if format is TextOrJson.JSON else event_line(event)) + "\n"

@@ -3,19 +3,17 @@
 import sys
 from dataclasses import dataclass
 from difflib import get_close_matches
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.markdown import Markdown
-from rich.text import Text
 
 from rtron.cli.support.outcome import Outcome
 from rtron.errors import InputError
-from rtron.findings import FINDING_RULES, finding_page
-from rtron.policies import POLICIES
-from rtron.reports.text_layout import Report, columns, line
-from rtron.risks import RULES, rule_page
-from rtron.vocabulary import PolicyName
+
+if TYPE_CHECKING:
+    from rich.text import Text
+
+    from rtron.vocabulary import PolicyName
 
 _LONGEST_SHOWN = 80
 
@@ -35,6 +33,8 @@ class ExplanationPage:
 
 def rule_pages() -> list[ExplanationPage]:
     """Return the pages of the paper's rules, in the order in which the rules run."""
+    from rtron.risks import RULES, rule_page
+
     return [
         ExplanationPage(rule.name, rule.title, rule_page(rule.name), rule.kind) for rule in RULES
     ]
@@ -42,11 +42,15 @@ def rule_pages() -> list[ExplanationPage]:
 
 def finding_pages() -> list[ExplanationPage]:
     """Return the pages of the rules of findings, in the order in which the rules run."""
+    from rtron.findings import FINDING_RULES, finding_page
+
     return [ExplanationPage(rule.name, rule.title, finding_page(rule)) for rule in FINDING_RULES]
 
 
 def policy_pages() -> list[ExplanationPage]:
     """Return the pages of the policies that a plan can choose."""
+    from rtron.policies import POLICIES
+
     return [_policy_page(name) for name in POLICIES]
 
 
@@ -73,7 +77,9 @@ def _pages() -> list[ExplanationPage]:
     return [*finding_pages(), *rule_pages(), *policy_pages()]
 
 
-def _policy_page(name: PolicyName) -> ExplanationPage:
+def _policy_page(name: "PolicyName") -> ExplanationPage:
+    from rtron.policies import POLICIES
+
     docstring = (sys.modules[POLICIES[name].__module__].__doc__ or "").strip()
     title, _, text = docstring.partition("\n")
     summary = title.removeprefix(f"{name}: ")
@@ -115,12 +121,18 @@ def explain(
     $ rtron explain gr_st
     $ rtron explain Preemption
     """
+    from rich.markdown import Markdown
+
+    from rtron.reports.text_layout import Report
+
     if name is None:
         return Outcome(Report(lambda _: _list_pages()))
     return Outcome(Markdown("\n".join(page.text for page in find_pages(name))))
 
 
-def _list_pages() -> list[Text]:
+def _list_pages() -> "list[Text]":
+    from rtron.reports.text_layout import columns, line
+
     findings = [(page.name, page.summary) for page in finding_pages()]
     rules = [(page.name, page.kind, page.summary) for page in rule_pages()]
     policies = [(page.name, page.summary) for page in policy_pages()]

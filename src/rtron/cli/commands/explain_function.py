@@ -24,7 +24,7 @@ _COMPLETABLE_NAME = re.compile(r"[\w@.+-]+")
 
 
 def _complete(ctx: typer.Context, incomplete: str) -> list[str]:
-    from rtron.functions.reading import read_repositories  # noqa: PLC0415 - the guard starts without it
+    from rtron.functions.reading import read_repositories
 
     try:
         source = ctx.params.get("source")
@@ -67,16 +67,16 @@ def explain_function(
 
     Exit code: 0 explained, 2 no such repository.
     """
-    from rtron.functions.classifier.pipeline import classify  # noqa: PLC0415 - the guard starts without it
-    from rtron.functions.classifier.rule_trace import trace_rules  # noqa: PLC0415 - the guard starts without it
-    from rtron.reports.functions.classification import evidence_text  # noqa: PLC0415 - the guard starts without it
+    from rtron.functions.classifier.pipeline import classify
+    from rtron.functions.classifier.rule_trace import trace_rules
+    from rtron.reports.functions.classification import evidence_text
 
     found = _find_repository(repo, source, readmes)
     return Outcome(evidence_text(found, classify(found), trace_rules(found)))
 
 
 def _find_repository(repo: str, source: Path | None, readmes: Path | None) -> "SourceRepository":
-    from rtron.functions.reading import read_repositories  # noqa: PLC0415 - the guard starts without it
+    from rtron.functions.reading import read_repositories
 
     if source is None and not is_folder(Path(repo)):
         help = "give its folder, or say --from which file"

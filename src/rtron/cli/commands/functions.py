@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from enum import Enum
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -18,7 +18,9 @@ from rtron.cli.support.options import (
 from rtron.cli.support.outcome import STDOUT, Outcome, as_json
 from rtron.cli.support.progress import show_progress
 from rtron.cli.support.skipped_report import report_skipped
-from rtron.functions.interactions.abstract_graph import AbstractGraph
+
+if TYPE_CHECKING:
+    from rtron.functions.interactions.abstract_graph import AbstractGraph
 
 functions = typer.Typer(
     name="functions", no_args_is_help=True, help="Study the functions of robot apps."
@@ -77,8 +79,8 @@ def graph(
 
     See docs/functions_graph.md. Exit code: 0 drawn, 2 bad input.
     """
-    from rtron.workflows.function_graph import FunctionGraphRequest, build_function_graph  # noqa: PLC0415 - other commands start without it
-    from rtron.workflows.source_app import static_scan_options  # noqa: PLC0415 - likewise
+    from rtron.workflows.function_graph import FunctionGraphRequest, build_function_graph
+    from rtron.workflows.source_app import static_scan_options
 
     request = FunctionGraphRequest(source, readmes, jobs, cluster)
     with report_skipped() as note_skipped, show_progress() as progress:
@@ -112,9 +114,9 @@ def apps(
 
     Exit code: 0 done, 2 nothing can be read.
     """
-    from rtron.functions.app_categories import count_categories  # noqa: PLC0415 - other commands start without it
-    from rtron.reports.functions.app_categories import apps_text, apps_to_json  # noqa: PLC0415 - other commands start without it
-    from rtron.workflows.function_graph import read_app_rows  # noqa: PLC0415 - other commands start without it
+    from rtron.functions.app_categories import count_categories
+    from rtron.reports.functions.app_categories import apps_text, apps_to_json
+    from rtron.workflows.function_graph import read_app_rows
 
     with report_skipped() as note_skipped:
         rows = read_app_rows(graphs, note_skipped)
@@ -130,31 +132,31 @@ def _format_from_suffix(output: Path) -> GraphFormat:
     return next((each for each in GraphFormat if each.value == suffix), GraphFormat.JSON)
 
 
-def _json(graph: AbstractGraph) -> str:
-    from rtron.reports.functions.json_documents import functions_to_json  # noqa: PLC0415 - only this format needs it
+def _json(graph: "AbstractGraph") -> str:
+    from rtron.reports.functions.json_documents import functions_to_json
 
     return as_json(functions_to_json(graph))
 
 
-def _dot(graph: AbstractGraph) -> str:
-    from rtron.reports.functions.dot import functions_to_dot  # noqa: PLC0415 - only this format needs it
+def _dot(graph: "AbstractGraph") -> str:
+    from rtron.reports.functions.dot import functions_to_dot
 
     return functions_to_dot(graph)
 
 
-def _svg(graph: AbstractGraph) -> str:
-    from rtron.reports.functions.svg import functions_to_svg  # noqa: PLC0415 - only this format needs it
+def _svg(graph: "AbstractGraph") -> str:
+    from rtron.reports.functions.svg import functions_to_svg
 
     return functions_to_svg(graph)
 
 
-def _html(graph: AbstractGraph) -> str:
-    from rtron.reports.functions.html import functions_to_html  # noqa: PLC0415 - only this format needs it
+def _html(graph: "AbstractGraph") -> str:
+    from rtron.reports.functions.html import functions_to_html
 
     return functions_to_html(graph)
 
 
-_RENDERERS: Mapping[GraphFormat, Callable[[AbstractGraph], str]] = {
+_RENDERERS: Mapping[GraphFormat, Callable[["AbstractGraph"], str]] = {
     GraphFormat.JSON: _json,
     GraphFormat.DOT: _dot,
     GraphFormat.SVG: _svg,

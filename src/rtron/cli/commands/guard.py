@@ -2,10 +2,9 @@
 
 import logging
 import socket
-from collections.abc import Callable
 from enum import Enum
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -17,13 +16,14 @@ from rtron.cli.support.service_options import (
     warn_if_unencrypted,
 )
 from rtron.errors import InputError
-from rtron.guard.link.options import LinkOptions, state_folder
-from rtron.guard.log_format import start_logging
-from rtron.planning.plan_file.loader import read_plan
-from rtron.vocabulary import InteractionGraph, MeasuredRun, Plan
-from rtron.workflows.check_plan import require_fit
 from rtron.workflows.launch_arguments import parse_assignments
 from rtron.workflows.live_app import app_address
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from rtron.guard.link.options import LinkOptions
+    from rtron.vocabulary import InteractionGraph, MeasuredRun, Plan
 
 log = logging.getLogger(__name__)
 Robot = Annotated[
@@ -43,8 +43,10 @@ def build_link_options(
     robot: str,
     state: Path | None,
     ca: Path | None,
-) -> LinkOptions:
+) -> "LinkOptions":
     """Return the link's options, all of them checked; InputError if one cannot be used."""
+    from rtron.guard.link.options import LinkOptions, state_folder
+
     if token_file is None:
         help = "make one with `rtron token create`, and give --token-file FILE"
         raise InputError("--service without --token-file", help=help)
@@ -136,7 +138,9 @@ def guard(  # noqa: PLR0913 - one for each option
 
     Exit code: 0 stopped, 2 bad plan, or one that does not fit the app.
     """
-    from rtron.guard.supervision.programs import supervise  # noqa: PLC0415 - no other needs a guard
+    from rtron.guard.log_format import start_logging
+    from rtron.guard.supervision.programs import supervise
+    from rtron.planning.plan_file.loader import read_plan
 
     parse_assignments(launch_arguments or ())
     if measurements and not dry_run:
@@ -162,21 +166,23 @@ def guard(  # noqa: PLR0913 - one for each option
     )
 
 
-def _check_plan(plan: Plan, graph: Path | None) -> None:
+def _check_plan(plan: "Plan", graph: Path | None) -> None:
     """Log what is odd in a plan; InputError if it does not fit the app, where one is given."""
+    from rtron.workflows.check_plan import require_fit
+
     for problem in require_fit(plan, _read_graph(graph) if graph else None):
         log.warning("%s: %s", problem.location, problem.message)
     if not graph:
         log.info("not checked: whether the plan's topics, nodes and types are the app's (--graph)")
 
 
-def _read_graph(path: Path) -> InteractionGraph:
-    from rtron.sources.graph_json import read_graph  # noqa: PLC0415 - few guards get a graph
+def _read_graph(path: Path) -> "InteractionGraph":
+    from rtron.sources.graph_json import read_graph
 
     return read_graph(path)
 
 
-def _run_file_writer(path: Path) -> Callable[[MeasuredRun], None]:
-    from rtron.sources.run_json import RunFileWriter  # noqa: PLC0415 - few guards keep figures
+def _run_file_writer(path: Path) -> "Callable[[MeasuredRun], None]":
+    from rtron.sources.run_json import RunFileWriter
 
     return RunFileWriter(path.absolute())

@@ -1,22 +1,17 @@
 """`rtron instrument`."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from rtron.cli.support.options import PlanOption, TextOrJson
 from rtron.cli.support.outcome import FINDINGS, OK, Outcome, as_json
-from rtron.reports.plan.instrumentation import (
-    InstrumentedLaunch,
-    NodeRemap,
-    UnenforceableNode,
-    instrumentation_text,
-    instrumentation_to_json,
-)
-from rtron.workflows.instrument import InstrumentRequest, InstrumentResult
-from rtron.workflows.instrument import instrument as run_instrument
 from rtron.workflows.launch_arguments import parse_assignments
+
+if TYPE_CHECKING:
+    from rtron.reports.plan.instrumentation import InstrumentedLaunch
+    from rtron.workflows.instrument import InstrumentResult
 
 
 def instrument(
@@ -69,7 +64,7 @@ def instrument(
 
     $ rtron instrument app.launch --plan rtron.yaml -o guarded.launch
     $ rtron instrument app.launch model:=waffle --plan rtron.yaml -o out.launch
-    $ rtron instrument app.launch --plan rtron.yaml --graph graph.json -o out.launch
+    $ rtron instrument app.launch --plan rtron.yaml --graph g.json -o out.launch
 
     The plan names its ROS. For ROS 2, RTron rewrites XML and YAML launch files
     and wraps a Python one: the file stays as it is, and its nodes get their
@@ -85,6 +80,10 @@ def instrument(
     Exit code: 0 every flow is guarded; 1 written, but nothing is guarded, or some
     flow cannot be and the plan does not accept that; 2 bad input.
     """
+    from rtron.reports.plan.instrumentation import instrumentation_text, instrumentation_to_json
+    from rtron.workflows.instrument import InstrumentRequest
+    from rtron.workflows.instrument import instrument as run_instrument
+
     result = run_instrument(
         InstrumentRequest(
             launch=launch,
@@ -104,7 +103,9 @@ def instrument(
     return Outcome(report, OK if guarded.is_closed and guarded.remaps else FINDINGS)
 
 
-def _guarded_report(result: InstrumentResult) -> InstrumentedLaunch:
+def _guarded_report(result: "InstrumentResult") -> "InstrumentedLaunch":
+    from rtron.reports.plan.instrumentation import InstrumentedLaunch, NodeRemap, UnenforceableNode
+
     written = result.launch
     return InstrumentedLaunch(
         ros=result.ros,

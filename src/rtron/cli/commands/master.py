@@ -8,10 +8,6 @@ from rtron.cli.commands.guard import LogLevel
 from rtron.cli.support.options import PlanOption
 from rtron.cli.support.outcome import Outcome
 from rtron.errors import InputError, WireError
-from rtron.guard.log_format import start_logging
-from rtron.planning.plan_file.loader import read_plan
-from rtron.wire.ros1.host_address import advertised_host, master_uri
-from rtron.wire.ros1.xmlrpc import split_uri
 
 _LAST_PORT = 65535
 
@@ -60,7 +56,10 @@ def master(
 
     Exit code: 0 stopped, 2 bad plan, port taken, or rosmaster has ended.
     """
-    from rtron.guard.master_proxy.process import run_master  # noqa: PLC0415 - no other command needs it
+    from rtron.guard.log_format import start_logging
+    from rtron.guard.master_proxy.process import run_master
+    from rtron.planning.plan_file.loader import read_plan
+    from rtron.wire.ros1.host_address import advertised_host
 
     start_logging(log_level.value.upper())
     known = read_plan(plan)
@@ -69,6 +68,9 @@ def master(
 
 
 def _master_port() -> int:
+    from rtron.wire.ros1.host_address import master_uri
+    from rtron.wire.ros1.xmlrpc import split_uri
+
     try:
         return split_uri(master_uri())[1]
     except WireError as error:

@@ -1,17 +1,18 @@
 """`rtron model`."""
 
-from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.console import Console
-from rich.text import Text
 
 from rtron.cli.support.options import Output
 from rtron.cli.support.outcome import STDOUT, Outcome
 from rtron.reports.sanitize import sanitize
-from rtron.vocabulary import UnresolvedItem
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from rtron.vocabulary import UnresolvedItem
 
 model = typer.Typer(name="model", no_args_is_help=True, help="Write models of known nodes.")
 
@@ -42,9 +43,9 @@ def draft(
 
     Exit code: 0 drafted, 2 no program.
     """
-    from rtron.sources.static.common.model_draft import draft_model  # noqa: PLC0415 - the guard starts without it
-    from rtron.sources.static.common.worker import deep_recursion  # noqa: PLC0415 - the guard starts without it
-    from rtron.sources.workspace import read_workspace  # noqa: PLC0415 - the guard starts without it
+    from rtron.sources.static.common.model_draft import draft_model
+    from rtron.sources.static.common.worker import deep_recursion
+    from rtron.sources.workspace import read_workspace
 
     workspace = read_workspace(packages or [_package(source)], {})
     with deep_recursion():
@@ -59,7 +60,10 @@ def _package(source: Path) -> Path:
     return next((folder for folder in parents if (folder / "package.xml").is_file()), parents[0])
 
 
-def _print_unresolved(unresolved: Sequence[UnresolvedItem]) -> None:
+def _print_unresolved(unresolved: "Sequence[UnresolvedItem]") -> None:
+    from rich.console import Console
+    from rich.text import Text
+
     console = Console(stderr=True, highlight=False)
     for each in unresolved:
         location = "".join(f"{e.file}:{e.line}: " for e in each.evidence[:1])

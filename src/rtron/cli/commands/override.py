@@ -10,8 +10,6 @@ import typer
 from rtron.cli.support.options import PlanOption
 from rtron.cli.support.outcome import Outcome
 from rtron.errors import InputError, SourceError
-from rtron.planning.plan_file.durations import parse_duration, write_duration
-from rtron.planning.plan_file.loader import read_plan
 
 _PATIENCE_S = 5.0
 _LONGEST = 1 << 16
@@ -45,7 +43,9 @@ def override(
 
     Exit code: 0 granted, 2 not.
     """
-    from rtron.guard.core.control_socket import control_path  # noqa: PLC0415 - no other command needs a guard
+    from rtron.guard.core.control_socket import control_path
+    from rtron.planning.plan_file.durations import parse_duration, write_duration
+    from rtron.planning.plan_file.loader import read_plan
 
     try:
         nanoseconds = parse_duration(duration)
@@ -77,7 +77,8 @@ def clear(
 
     Exit code: 0 cleared, 2 not.
     """
-    from rtron.guard.core.control_socket import control_path  # noqa: PLC0415 - no other command needs a guard
+    from rtron.guard.core.control_socket import control_path
+    from rtron.planning.plan_file.loader import read_plan
 
     request: dict[str, object] = {"clear": topic, "reason": reason}
     answer = _send_request(control_socket or control_path(read_plan(plan).app), request)

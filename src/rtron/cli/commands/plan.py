@@ -2,7 +2,7 @@
 
 from pathlib import Path
 from shlex import quote
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -11,13 +11,9 @@ from rtron.cli.support.options import NameLists, TextOrJson
 from rtron.cli.support.outcome import STDOUT, Outcome, as_json, log_errors, replace_file
 from rtron.cli.support.progress import show_count, show_progress
 from rtron.errors import InputError
-from rtron.planning.plan_file.writer import write_plan
-from rtron.planning.tuning import tuned_yaml
-from rtron.reports.plan.plan_text import plan_text
-from rtron.reports.plan.tuning import tuning_text, tuning_to_json
-from rtron.workflows.app_selection import AppSelection, select_app
-from rtron.workflows.plan import propose, tune_from_run
-from rtron.workflows.scan import scan_graph
+
+if TYPE_CHECKING:
+    from rtron.workflows.app_selection import AppSelection
 
 _SUFFIXES = {1: ("",), 2: (".py", ".xml", ".yaml", ".yml")}
 """The end of a launch file's name behind `.launch`, by ROS; the usual one first."""
@@ -39,7 +35,7 @@ Format = Annotated[TextOrJson, typer.Option(help="With --from-run: a report, or 
 
 @with_app_options
 def plan(
-    selection: AppSelection,
+    selection: "AppSelection",
     *,
     name_lists: NameLists = None,
     output: Output = None,
@@ -85,7 +81,13 @@ def plan(
     return _propose(selection, name_lists, output)
 
 
-def _propose(selection: AppSelection, name_lists: Path | None, output: Path | None) -> Outcome:
+def _propose(selection: "AppSelection", name_lists: Path | None, output: Path | None) -> Outcome:
+    from rtron.planning.plan_file.writer import write_plan
+    from rtron.reports.plan.plan_text import plan_text
+    from rtron.workflows.app_selection import select_app
+    from rtron.workflows.plan import propose
+    from rtron.workflows.scan import scan_graph
+
     with show_progress() as progress:
         app = select_app(selection, progress)
         graph = app.source.read()
@@ -104,6 +106,10 @@ def _propose(selection: AppSelection, name_lists: Path | None, output: Path | No
 
 def _fit_to_run(run: Path, plan: Path | None, output: Path | None, format: TextOrJson) -> Outcome:
     """Return what a run proposes for its plan; write the plan if there is an `output`."""
+    from rtron.planning.tuning import tuned_yaml
+    from rtron.reports.plan.tuning import tuning_text, tuning_to_json
+    from rtron.workflows.plan import tune_from_run
+
     if plan is None:
         help = "add --plan rtron.yaml, the plan that the run was measured under"
         raise InputError("--from-run needs --plan", help=help)

@@ -6,9 +6,6 @@ import typer
 
 from rtron.cli.support.options import PlanOption, TextOrJson
 from rtron.cli.support.outcome import FINDINGS, OK, Outcome, as_json
-from rtron.planning.instrument.common.remaps import planned_remaps
-from rtron.planning.plan_file.loader import read_plan
-from rtron.reports.plan.remaps import remaps_text, remaps_to_json
 
 
 def remaps(
@@ -33,6 +30,10 @@ def remaps(
 
     Exit code: 0 listed, 1 the plan enforces nothing, 2 bad plan or node.
     """
+    from rtron.planning.instrument.common.remaps import planned_remaps
+    from rtron.planning.plan_file.loader import read_plan
+    from rtron.reports.plan.remaps import remaps_text, remaps_to_json
+
     read = read_plan(plan)
     listed = planned_remaps(read, node)
     report = (

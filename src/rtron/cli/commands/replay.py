@@ -8,7 +8,6 @@ import typer
 from rtron.cli.support.options import Output, PlanOption, TextOrJson
 from rtron.cli.support.outcome import STDOUT, Outcome, as_json, log_errors
 from rtron.cli.support.progress import show_count
-from rtron.reports.plan.replay import replay_text, replay_to_json
 
 
 def replay(
@@ -32,7 +31,8 @@ def replay(
 
     Exit code: 0 played, 2 bad input.
     """
-    from rtron.workflows.replay import replay_bag  # noqa: PLC0415 - no other command needs it
+    from rtron.reports.plan.replay import replay_text, replay_to_json
+    from rtron.workflows.replay import replay_bag
 
     log_errors()
     with show_count("messages") as update:

@@ -1,14 +1,11 @@
 """`rtron schema`."""
 
-from collections.abc import Callable, Mapping
 from enum import Enum
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
 from rtron.cli.support.outcome import Outcome, as_json
-from rtron.planning.plan_file.json_schema import plan_json_schema
-from rtron.sources.graph_json import graph_json_schema
 
 
 class Document(str, Enum):
@@ -16,12 +13,6 @@ class Document(str, Enum):
 
     PLAN = "plan"
     GRAPH = "graph"
-
-
-_SCHEMAS: Mapping[Document, Callable[[], dict[str, Any]]] = {
-    Document.PLAN: plan_json_schema,
-    Document.GRAPH: graph_json_schema,
-}
 
 
 def schema(
@@ -34,4 +25,8 @@ def schema(
 
     $ rtron schema plan > rtron.schema.json
     """
-    return Outcome(as_json(_SCHEMAS[document]()))
+    from rtron.planning.plan_file.json_schema import plan_json_schema
+    from rtron.sources.graph_json import graph_json_schema
+
+    is_plan = document is Document.PLAN
+    return Outcome(as_json(plan_json_schema() if is_plan else graph_json_schema()))

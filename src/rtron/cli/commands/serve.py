@@ -15,7 +15,6 @@ from rtron.cli.support.service_database import (
     require_service_packages,
 )
 from rtron.errors import InputError
-from rtron.guard.log_format import start_logging
 
 if TYPE_CHECKING:
     from rtron.service.config import ServiceConfig, Tls
@@ -74,8 +73,8 @@ def serve(  # noqa: PLR0913 - one for each option
     database.
     """
     require_service_packages()
-    from rtron.service.config import ServiceConfig  # noqa: PLC0415 - only with the extra
-    from rtron.service.store.retention import RetentionLimits  # noqa: PLC0415
+    from rtron.service.config import ServiceConfig
+    from rtron.service.store.retention import RetentionLimits
 
     _configure_logging(log_level)
     config = ServiceConfig(
@@ -94,16 +93,18 @@ def serve(  # noqa: PLR0913 - one for each option
 
 def _configure_logging(level: LogLevel) -> None:
     """Log to standard error; httpx would tell whole URLs, and a webhook's may hold a secret."""
+    from rtron.guard.log_format import start_logging
+
     start_logging(level.value.upper())
     for name in ("httpx", "httpcore", "alembic"):
         logging.getLogger(name).setLevel(logging.WARNING)
 
 
 def _run_service(config: "ServiceConfig") -> None:
-    from rtron.service.server.app import create_app  # noqa: PLC0415
-    from rtron.service.server.database_setup import add_first_admin  # noqa: PLC0415
-    from rtron.service.server.http import serve as run  # noqa: PLC0415
-    from rtron.service.server.instance_lock import hold_instance_lock  # noqa: PLC0415 - only with the extra
+    from rtron.service.server.app import create_app
+    from rtron.service.server.database_setup import add_first_admin
+    from rtron.service.server.http import serve as run
+    from rtron.service.server.instance_lock import hold_instance_lock
 
     app = create_app(config)
     service = app.state.service
@@ -135,7 +136,7 @@ def _print_address(config: "ServiceConfig", password: str | None) -> None:
 
 
 def _tls_config(cert: Path | None, key: Path | None) -> "Tls | None":
-    from rtron.service.config import Tls  # noqa: PLC0415 - only with the extra
+    from rtron.service.config import Tls
 
     if cert and key:
         return Tls(cert=cert, key=key)

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -17,10 +17,11 @@ from rtron.cli.support.service_options import (
     connect_to_service,
 )
 from rtron.cli.support.settings_arguments import KEYS, parse_patch
-from rtron.cli.support.settings_report import node_report, nodes_report, outcome_line, stop_line
-from rtron.reports.text_layout import Report
-from rtron.workflows.apply_settings import AppliedSettings, RobotSettings
-from rtron.workflows.service_client import SecurityServiceClient
+
+if TYPE_CHECKING:
+    from rtron.reports.text_layout import Report
+    from rtron.workflows.apply_settings import AppliedSettings, RobotSettings
+    from rtron.workflows.service_client import SecurityServiceClient
 
 settings = typer.Typer(
     name="settings", no_args_is_help=True, help="Show and change what a guard enforces."
@@ -62,6 +63,8 @@ def get(
 
     RTRON_SERVICE, RTRON_TOKEN_FILE and RTRON_ROBOT save typing.
     """
+    from rtron.cli.support.settings_report import node_report, nodes_report
+
     active = _robot_settings(connect_to_service(service, token_file, ca), robot)
     view = active.view()
     if node is not None:
@@ -156,6 +159,8 @@ def release(
 
     Exit code: as for `rtron settings set`.
     """
+    from rtron.cli.support.settings_report import stop_line
+
     client = connect_to_service(service, token_file, ca)
     active = _robot_settings(client, robot, timeout if wait else None)
     before = active.view()
@@ -164,14 +169,18 @@ def release(
 
 
 def _robot_settings(
-    client: SecurityServiceClient, robot: str, timeout: float | None = None
-) -> RobotSettings:
+    client: "SecurityServiceClient", robot: str, timeout: float | None = None
+) -> "RobotSettings":
+    from rtron.workflows.apply_settings import RobotSettings
+
     return RobotSettings(client, client.resolve_robot(robot), timeout)
 
 
-def _outcome(applied: AppliedSettings) -> Outcome:
+def _outcome(applied: "AppliedSettings") -> Outcome:
+    from rtron.cli.support.settings_report import outcome_line
+
     return Outcome(outcome_line(applied.view), FINDINGS if applied.has_failed else OK)
 
 
-def _render(format: TextOrJson, document: Mapping[str, Any], report: Report) -> Outcome:
+def _render(format: TextOrJson, document: Mapping[str, Any], report: "Report") -> Outcome:
     return Outcome(as_json(document) if format is TextOrJson.JSON else report)

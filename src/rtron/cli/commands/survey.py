@@ -11,7 +11,6 @@ from rtron.cli.support.outcome import STDOUT, Outcome
 from rtron.cli.support.progress import show_progress
 from rtron.cli.support.skipped_report import report_skipped
 from rtron.errors import InputError
-from rtron.workflows.parallel_map import choose_executor, map_with_progress
 
 
 def survey(
@@ -41,9 +40,10 @@ def survey(
 
     Exit code: 0 scanned, 2 no app.
     """
-    from rtron.survey.app_listing import find_apps  # noqa: PLC0415 - the guard starts without it
-    from rtron.survey.app_scan import scan_app  # noqa: PLC0415 - the guard starts without it
-    from rtron.survey.report import survey_json_line, survey_text  # noqa: PLC0415 - the guard starts without it
+    from rtron.survey.app_listing import find_apps
+    from rtron.survey.app_scan import scan_app
+    from rtron.survey.report import survey_json_line, survey_text
+    from rtron.workflows.parallel_map import choose_executor, map_with_progress
 
     with report_skipped() as note_skipped, show_progress() as progress:
         apps = list(find_apps(folder, note_skipped))

@@ -65,7 +65,7 @@ def create(
     Exit code: 0 created, 2 bad options or a name that is taken.
     """
     with existing_database(database) as db, secret_writer(token_file) as write_secret:
-        from rtron.service.server.database_accounts import create_token_record  # noqa: PLC0415 - only with the extra
+        from rtron.service.server.database_accounts import create_token_record
 
         scopes = [each.value for each in scope]
         request = {"name": name, "scopes": scopes, "robot": robot, "days": days}
@@ -81,7 +81,7 @@ def revoke(name: Name, *, database: DatabaseOption = DEFAULT_DATABASE) -> Outcom
     Exit code: 0 revoked, 2 no such token.
     """
     with existing_database(database) as db:
-        from rtron.service.server.database_accounts import revoke_token_record  # noqa: PLC0415 - only with the extra
+        from rtron.service.server.database_accounts import revoke_token_record
 
         revoke_token_record(db, OFFLINE_ACTOR, name)
     return Outcome(f"{name} is revoked\n")

@@ -15,8 +15,6 @@ from rtron.cli.support.service_options import (
     TokenOption,
     connect_to_service,
 )
-from rtron.reports.text_layout import counted
-from rtron.sources.bounded_file import read_bounded
 
 _LONGEST = 16 << 20
 
@@ -42,6 +40,9 @@ def upload_graph(
 
     Exit code: 0 stored, 2 rejected.
     """
+    from rtron.reports.text_layout import counted
+    from rtron.sources.bounded_file import read_bounded
+
     client = connect_to_service(service, token_file, ca)
     data = read_bounded(graph, _LONGEST)
     name = client.resolve_robot(robot)

@@ -57,7 +57,7 @@ def add(
     Exit code: 0 added, 2 bad options or a name that is taken.
     """
     with new_or_existing_database(database) as db, secret_writer(password_file) as write_secret:
-        from rtron.service.server.database_accounts import create_user_record  # noqa: PLC0415 - only with the extra
+        from rtron.service.server.database_accounts import create_user_record
 
         return Outcome(
             write_secret(create_user_record(db, OFFLINE_ACTOR, name, [each.value for each in role]))
@@ -80,6 +80,6 @@ def password(
     Exit code: 0 done, 2 no such user.
     """
     with existing_database(database) as db, secret_writer(password_file) as write_secret:
-        from rtron.service.server.database_accounts import reset_password  # noqa: PLC0415 - only with the extra
+        from rtron.service.server.database_accounts import reset_password
 
         return Outcome(write_secret(reset_password(db, OFFLINE_ACTOR, name)))

@@ -15,9 +15,6 @@ from rtron.cli.support.options import (
 )
 from rtron.cli.support.outcome import BAD_INPUT, FINDINGS, OK, Outcome, as_json
 from rtron.errors import InputError
-from rtron.planning.plan_file.loader import read_plan
-from rtron.reports.plan.verification import verification_text, verification_to_json
-from rtron.workflows.verify import verify_running_app
 
 Live = Annotated[bool, typer.Option("--live", help="Verify the running app.")]
 
@@ -65,6 +62,10 @@ def verify(
 
     Exit code: 0 closed, 1 open or drifted, 2 unknown or not seen.
     """
+    from rtron.planning.plan_file.loader import read_plan
+    from rtron.reports.plan.verification import verification_text, verification_to_json
+    from rtron.workflows.verify import verify_running_app
+
     if not live:
         help = "add --live; before the app runs, `rtron check` compares the plan with its graph"
         raise InputError("`rtron verify` needs --live", help=help)

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from functools import wraps
 from inspect import Parameter, signature
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from rtron.cli.support.options import (
     DEFAULT_MASTER,
@@ -21,9 +21,10 @@ from rtron.cli.support.options import (
     RosOption,
 )
 from rtron.cli.support.outcome import Outcome
-from rtron.workflows.app_selection import AppSelection
 from rtron.workflows.live_app import LiveApp, RosGeneration
-from rtron.workflows.source_app import SourceOptions
+
+if TYPE_CHECKING:
+    from rtron.workflows.app_selection import AppSelection
 
 Command: TypeAlias = Callable[..., Outcome]
 
@@ -58,7 +59,10 @@ def _app_selection(  # noqa: PLR0913 - one for each option
     timeout: LiveTimeout = None,
     jobs: Jobs = None,
     no_cache: NoCache = False,
-) -> AppSelection:
+) -> "AppSelection":
+    from rtron.workflows.app_selection import AppSelection
+    from rtron.workflows.source_app import SourceOptions
+
     source = SourceOptions(
         launches=launch or (),
         env=env or (),

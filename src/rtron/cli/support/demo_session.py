@@ -11,15 +11,14 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
-
 from rtron.cli.support.outcome import print_part
 from rtron.cli.support.service_database import require_service_packages
 from rtron.errors import InputError, SourceError
 from rtron.workflows.live_app import RosGeneration
 
 if TYPE_CHECKING:
+    from rich.progress import Progress
+
     from rtron.demos.experiment.study import ProgressListener
     from rtron.demos.metrics.case_run import CaseRun
     from rtron.demos.runtime.service import DemoService
@@ -41,7 +40,7 @@ def require_demo_packages() -> None:
 
 def choose_ros(ros: RosGeneration) -> int:
     """Return the ROS to run on: the one asked for, or else what is there, ROS 2 first."""
-    from rtron.demos.runtime.ros_installation import find_ros_python, missing_requirements  # noqa: PLC0415 - the guard starts without it
+    from rtron.demos.runtime.ros_installation import find_ros_python, missing_requirements
 
     if ros is not RosGeneration.AUTO:
         find_ros_python(int(ros.value))
@@ -64,7 +63,7 @@ def world_seeds(seed: int, runs: int) -> range:
 @contextmanager
 def preserve_logs(work: Path, out: Path) -> Iterator[None]:
     """Copy the logs from the folder of work to `out` if the block fails, and say where they are."""
-    from rtron.demos.experiment.results_folder import copy_logs  # noqa: PLC0415 - only with the extra
+    from rtron.demos.experiment.results_folder import copy_logs
 
     try:
         yield
@@ -79,7 +78,7 @@ class DemoProgress:
     """What shows how far a demonstration is, until it is stopped."""
 
     listener: "ProgressListener"
-    bar: Progress
+    bar: "Progress"
 
     def stop(self) -> None:
         """Show it no more."""
@@ -92,7 +91,10 @@ def show_demo_progress(runs: int) -> Iterator[DemoProgress]:
 
     Nothing is shown where that is no terminal.
     """
-    from rtron.demos.experiment.study import ProgressListener  # noqa: PLC0415 - only with the extra
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+    from rtron.demos.experiment.study import ProgressListener
 
     console = Console(stderr=True)
     parts = (TextColumn("{task.description}", markup=False), BarColumn(), MofNCompleteColumn())

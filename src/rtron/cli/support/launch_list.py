@@ -3,21 +3,26 @@
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from shlex import quote
+from typing import TYPE_CHECKING
 
-from rich.text import Text
+if TYPE_CHECKING:
+    from rich.text import Text
 
-from rtron.reports.text_layout import Report, columns, counted, line
-from rtron.sources.launch.common.launch_file import LaunchFileInfo
+    from rtron.reports.text_layout import Report
+    from rtron.sources.launch.common.launch_file import LaunchFileInfo
+
 
 LAUNCHES_SCHEMA = "rtron.launches/1"
 
 
-def launch_list_text(launches: Mapping[str, LaunchFileInfo], folders: Sequence[Path]) -> Report:
+def launch_list_text(launches: "Mapping[str, LaunchFileInfo]", folders: Sequence[Path]) -> "Report":
     """Return the launch files with their arguments, and the command that scans one."""
+    from rtron.reports.text_layout import Report
+
     return Report(lambda _: _lines(launches, folders))
 
 
-def launch_list_to_json(found: Mapping[str, LaunchFileInfo]) -> dict[str, object]:
+def launch_list_to_json(found: "Mapping[str, LaunchFileInfo]") -> dict[str, object]:
     """Return the launch files as a JSON document."""
     launches = [
         {
@@ -33,7 +38,9 @@ def launch_list_to_json(found: Mapping[str, LaunchFileInfo]) -> dict[str, object
     return {"schema": LAUNCHES_SCHEMA, "launches": launches}
 
 
-def _lines(found: Mapping[str, LaunchFileInfo], folders: Sequence[Path]) -> list[Text]:
+def _lines(found: "Mapping[str, LaunchFileInfo]", folders: Sequence[Path]) -> "list[Text]":
+    from rtron.reports.text_layout import columns, counted, line
+
     rows = [(name, _argument_text(each)) for name, each in found.items()]
     arguments = [
         *map(str, folders),
@@ -48,12 +55,12 @@ def _lines(found: Mapping[str, LaunchFileInfo], folders: Sequence[Path]) -> list
     ]
 
 
-def _argument_text(launch: LaunchFileInfo) -> str:
+def _argument_text(launch: "LaunchFileInfo") -> str:
     if launch.error:
         return "cannot be read"
     required = [f"{name}:=…" for name in launch.required]
     return " ".join((*required, *(f"[{name}:=…]" for name in launch.optional)))
 
 
-def _sort_key(launch: LaunchFileInfo) -> tuple[bool, int]:
+def _sort_key(launch: "LaunchFileInfo") -> tuple[bool, int]:
     return bool(launch.error), len(launch.required)

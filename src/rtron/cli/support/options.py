@@ -13,7 +13,7 @@ from rtron.workflows.live_app import ANSWER_TIMEOUT_S, RosGeneration
 
 def complete_launch(ctx: typer.Context, incomplete: str) -> list[str]:
     """Return the names of launch files for a shell's completion."""
-    from rtron.workflows.source_app import launches_by_name  # noqa: PLC0415 - the guard starts without it
+    from rtron.workflows.source_app import launches_by_name
 
     inputs = ctx.params.get("inputs") or ctx.args or ["."]
     folders = [Path(word) for word in inputs if Path(word).is_dir()]

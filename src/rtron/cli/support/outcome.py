@@ -49,7 +49,7 @@ def deliver(outcome: Outcome, **_: object) -> None:
     if outcome.to == STDOUT:
         _print(outcome.shown)
     else:
-        from rich.console import Console  # noqa: PLC0415 - slow, and a guard shows nothing
+        from rich.console import Console
 
         page = Console(file=StringIO(), width=_FILE_WIDTH, force_terminal=False, color_system=None)
         write_file(outcome.to, _render(outcome.shown, page))
@@ -87,8 +87,8 @@ def log_errors() -> None:
 
 def print_error(error: RTronError) -> None:
     """Say on standard error what is wrong and what to do about it."""
-    from rich.console import Console  # noqa: PLC0415 - slow, and few commands complain
-    from rich.text import Text  # noqa: PLC0415
+    from rich.console import Console
+    from rich.text import Text
 
     console = Console(stderr=True, highlight=False)
     rows = [Text.assemble(("error: ", "bold red"), _neutral_lines(str(error)))]
@@ -120,7 +120,7 @@ def _print(shown: str | Report | Markdown) -> bool:
 
 
 def _for_terminal(shown: Report | Markdown) -> str:
-    from rich.console import Console  # noqa: PLC0415 - slow, and not for plain text
+    from rich.console import Console
 
     return _render(shown, Console())
 
@@ -128,7 +128,7 @@ def _for_terminal(shown: Report | Markdown) -> str:
 def _render(shown: str | Report | Markdown, console: Console) -> str:
     if isinstance(shown, str):
         return shown
-    from rich.markdown import Markdown  # noqa: PLC0415 - slow, and few commands show any
+    from rich.markdown import Markdown
 
     if isinstance(shown, Markdown) and not console.is_terminal:
         return shown.markup

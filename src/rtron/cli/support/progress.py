@@ -2,20 +2,24 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
+from typing import TYPE_CHECKING
 
 from rtron.reports.sanitize import sanitize
-from rtron.sources.static.common.scan_options import Progress as ProgressCallback
-from rtron.sources.static.common.scan_options import ignore_progress
+
+if TYPE_CHECKING:
+    from rtron.sources.static.common.scan_options import Progress as ProgressCallback
 
 _MAX_SHOWN = 40
 
 
 @contextmanager
-def show_progress() -> Iterator[ProgressCallback]:
+def show_progress() -> "Iterator[ProgressCallback]":
     """Yield a callback that shows the progress of a scan until the end of the block."""
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
+
+    from rtron.sources.static.common.scan_options import ignore_progress
+
     console = Console(stderr=True)
     if not console.is_terminal:
         yield ignore_progress
@@ -34,6 +38,9 @@ def show_progress() -> Iterator[ProgressCallback]:
 @contextmanager
 def show_count(what: str) -> Iterator[Callable[[int], None]]:
     """Yield a callback that shows a growing number of `what`, whose total is unknown."""
+    from rich.console import Console
+    from rich.progress import Progress, TextColumn
+
     console = Console(stderr=True)
     if not console.is_terminal:
         yield lambda done: None

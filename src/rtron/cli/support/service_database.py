@@ -41,7 +41,7 @@ def require_service_packages() -> None:
 def existing_database(database: str) -> "Iterator[Database]":
     """Give the database, brought up to date; InputError if it is not there."""
     require_service_packages()
-    from rtron.service.server.database_setup import open_existing_database  # noqa: PLC0415 - only with the extra
+    from rtron.service.server.database_setup import open_existing_database
 
     found = open_existing_database(database)
     try:
@@ -54,7 +54,7 @@ def existing_database(database: str) -> "Iterator[Database]":
 def new_or_existing_database(database: str) -> "Iterator[Database]":
     """Give the database, made if it is not there, brought up to date."""
     require_service_packages()
-    from rtron.service.server.database_setup import open_database  # noqa: PLC0415 - only with the extra
+    from rtron.service.server.database_setup import open_database
 
     found = open_database(database)
     try:

@@ -2,12 +2,14 @@
 
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 from urllib.parse import urlsplit
 
 import typer
 
-from rtron.workflows.service_client import SecurityServiceClient, open_service_client
+if TYPE_CHECKING:
+    from rtron.workflows.service_client import SecurityServiceClient
+
 
 ServiceOption = Annotated[
     str,
@@ -46,8 +48,10 @@ _LOOPBACK = ("localhost", "127.0.0.1", "::1")
 
 def connect_to_service(
     service: str, token_file: Path | None, ca: Path | None
-) -> SecurityServiceClient:
+) -> "SecurityServiceClient":
     """Return a client; warn on standard error if its token crosses a network in clear."""
+    from rtron.workflows.service_client import open_service_client
+
     client = open_service_client(service, token_file, ca)
     warn_if_unencrypted(service)
     return client

@@ -1,13 +1,14 @@
 """The output of `rtron settings`."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from rich.text import Text
-
-from rtron.planning.plan_file.durations import write_duration
 from rtron.reports.sanitize import sanitize
-from rtron.reports.text_layout import Report, columns, heading, line
+
+if TYPE_CHECKING:
+    from rich.text import Text
+
+    from rtron.reports.text_layout import Report
 
 _View = Mapping[str, Any]
 _OUTCOMES = {
@@ -40,23 +41,31 @@ def stop_line(view: _View) -> str:
     return f"stopped by {sanitize(_who_and_why(stop))}\n" if stop else ""
 
 
-def nodes_report(robot: str, view: _View, nodes: Sequence[_View]) -> Report:
+def nodes_report(robot: str, view: _View, nodes: Sequence[_View]) -> "Report":
     """Return the coordination nodes of a robot, a line each."""
+    from rtron.reports.text_layout import Report
+
     return Report(lambda _: [*_heading(robot, view), *_node_rows(nodes)])
 
 
-def node_report(view: _View, node: _View) -> Report:
+def node_report(view: _View, node: _View) -> "Report":
     """Return all of one coordination node that can be set, beside what the plan says."""
+    from rtron.reports.text_layout import Report
+
     return Report(lambda _: _node_lines(view, node))
 
 
-def _heading(robot: str, view: _View) -> Iterator[Text]:
+def _heading(robot: str, view: _View) -> "Iterator[Text]":
+    from rtron.reports.text_layout import line
+
     by = f", by {view['by']}" + (f": {view['reason']}" if view["reason"] else "")
     yield line((robot, "bold"), f"  {outcome_line(view).rstrip()}{by}")
     yield from _stop_lines(view)
 
 
-def _stop_lines(view: _View) -> Iterator[Text]:
+def _stop_lines(view: _View) -> "Iterator[Text]":
+    from rtron.reports.text_layout import line
+
     stop = view["settings"]["stop"]
     if stop:
         yield line((f"EMERGENCY STOP by {_who_and_why(stop)}", "bold red"))
@@ -66,7 +75,11 @@ def _who_and_why(stop: _View) -> str:
     return f"{stop['by']}" + (f": {stop['reason']}" if stop["reason"] else "")
 
 
-def _node_rows(nodes: Sequence[_View]) -> Iterator[Text]:
+def _node_rows(nodes: Sequence[_View]) -> "Iterator[Text]":
+    from rich.text import Text
+
+    from rtron.reports.text_layout import columns
+
     yield Text()
     rows = [
         (node["id"], node["type"], _policy(node), _override(node), " ".join(node["topics"]))
@@ -84,7 +97,11 @@ def _override(node: _View) -> str:
     return f"overridden by {node['override']['by']}" if node["override"] else ""
 
 
-def _node_lines(view: _View, node: _View) -> Iterator[Text]:
+def _node_lines(view: _View, node: _View) -> "Iterator[Text]":
+    from rich.text import Text
+
+    from rtron.reports.text_layout import columns, heading, line
+
     yield line((node["id"], "bold"), f"  {node['type']}  {node['description']}")
     yield line(outcome_line(view).rstrip(), indent=2)
     yield from _stop_lines(view)
@@ -135,6 +152,8 @@ def _row(name: str, key: str, now: _View, planned: _View) -> tuple[str, str, str
 
 
 def _format_value(key: str, value: Any) -> str:  # noqa: ANN401 - JSON
+    from rtron.planning.plan_file.durations import write_duration
+
     if value is None:
         return "none"
     if key in _DURATIONS:

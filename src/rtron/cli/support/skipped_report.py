@@ -3,9 +3,6 @@
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from rich.console import Console
-from rich.text import Text
-
 from rtron.reports.sanitize import sanitize
 
 if TYPE_CHECKING:
@@ -39,5 +36,8 @@ def report_skipped() -> "Iterator[SkippedHandler]":
 
 def print_to_stderr(*rows: str) -> None:
     """Print lines on standard error, beside the result."""
+    from rich.console import Console
+    from rich.text import Text
+
     if rows:
         Console(stderr=True, highlight=False).print(Text("\n".join(rows)), soft_wrap=True)

@@ -1,0 +1,125 @@
+"""What `rtron scan` writes: a scan in one of its formats, and the exit code that it ends with."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from rtron.cli.support.launch_list import launch_list_text, launch_list_to_json
+from rtron.cli.support.outcome import FINDINGS, OK, STDOUT, Outcome, as_json, write_files
+from rtron.cli.support.progress import show_progress
+from rtron.errors import InputError
+from rtron.findings.triage import at_level
+from rtron.reports.app.dot import graph_to_dot
+from rtron.reports.app.html import graph_to_html
+from rtron.reports.app.nodl import graph_to_nodl, nodl_files
+from rtron.reports.app.risks_json import risks_to_json
+from rtron.reports.app.rosgraph import graph_to_rosgraph
+from rtron.reports.app.sarif import risks_to_sarif
+from rtron.reports.app.scan_text import Scan, scan_text
+from rtron.reports.text_layout import Report
+from rtron.sources.graph_json import graph_to_json
+from rtron.vocabulary import FindingLevel, InteractionGraph, Severity, Triage
+from rtron.workflows.app_selection import AppSelection, SelectedApp, select_app
+from rtron.workflows.plan import propose
+from rtron.workflows.scan import ScanResult, scan_graph, triage_scan, with_relative_evidence
+from rtron.workflows.source_app import launches_by_name
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ScanReport:
+    """How a scan is reported: its format, its reader, and what makes it exit with 1."""
+
+    format: str
+    level: FindingLevel
+    fail_on: Severity | None
+    name_lists: Path | None
+    config: Path | None
+    baseline: Path | None
+    output: Path = STDOUT
+
+
+def run_scan(selection: AppSelection, wanted: ScanReport) -> Outcome:
+    """Return the report of an app, or its launch files if none of them is chosen."""
+    if selection.folders and not selection.source.launches and not selection.live:
+        return Outcome(_launch_list(selection.folders, wanted.format), OK, wanted.output)
+    with show_progress() as progress:
+        app = select_app(selection, progress)
+        graph = app.source.read()
+    if wanted.format in _HUMAN_FORMATS:
+        graph = with_relative_evidence(graph, app.root)
+    result = scan_graph(graph, wanted.name_lists)
+    triage = triage_scan(result, app.root, wanted.config, wanted.baseline)
+    shown = at_level(triage, wanted.level)
+    is_failed = wanted.fail_on and (_is_severe(shown, wanted.fail_on) or _is_unread(graph))
+    exit_code = FINDINGS if is_failed else OK
+    if wanted.format == "nodl" and wanted.output.is_dir():
+        write_files(wanted.output, nodl_files(graph))
+        return Outcome("", exit_code)
+    text = _RENDERERS[wanted.format](app, result, triage, wanted.level)
+    return Outcome(text, exit_code, wanted.output)
+
+
+def _launch_list(folders: Sequence[Path], format: str) -> str | Report:
+    """Return the launch files below folders; raise InputError if there are none."""
+    if format not in {"text", "json"}:
+        help = "without it, launch files are listed as text or json"
+        raise InputError("--launch is missing", help=help)
+    launches = launches_by_name(folders)
+    if not launches:
+        help = "give the folder of a ROS workspace, or of a package"
+        raise InputError("no launch files", path=str(folders[0]), help=help)
+    if format == "json":
+        return as_json(launch_list_to_json(launches))
+    return launch_list_text(launches, folders)
+
+
+def _is_severe(shown: Triage, mildest: Severity) -> bool:
+    order = list(Severity)
+    severities = [each.severity for each in shown.findings]
+    severities += [risk.severity for risk in shown.risks]
+    return any(order.index(severity) >= order.index(mildest) for severity in severities)
+
+
+def _is_unread(graph: InteractionGraph) -> bool:
+    """Return whether nothing of an app was read: then no findings say nothing."""
+    return bool(graph.unresolved) and not (graph.nodes or graph.endpoints or graph.topics)
+
+
+def _text(app: SelectedApp, result: ScanResult, triage: Triage, level: FindingLevel) -> Report:
+    shown = at_level(triage, level)
+    scan = Scan(
+        result.graph,
+        result.report,
+        shown,
+        read_from=app.description,
+        next_step=f"rtron plan {app.arguments} -o rtron.yaml",
+        hidden=tuple(each for each in triage.findings if each not in shown.findings),
+        level=level,
+    )
+    return scan_text(scan)
+
+
+def _html(result: ScanResult, triage: Triage, level: FindingLevel) -> str:
+    plan = propose(result).plan
+    return graph_to_html(result.graph, result.report, plan, at_level(triage, level).findings)
+
+
+def _sarif(app: SelectedApp, result: ScanResult, triage: Triage, level: FindingLevel) -> str:
+    """Return findings as SARIF, and the paper's risks where the text would show them too."""
+    shown = at_level(triage, level)
+    report = replace(result.report, risks=shown.risks)
+    return risks_to_sarif(result.graph, report, app.root, shown)
+
+
+_HUMAN_FORMATS = {"text", "html", "dot"}
+_Renderer = Callable[[SelectedApp, ScanResult, Triage, FindingLevel], str | Report]
+_RENDERERS: Mapping[str, _Renderer] = {
+    "text": _text,
+    "json": lambda app, scan, triage, level: as_json(risks_to_json(scan.report, triage)),
+    "graph": lambda app, scan, triage, level: as_json(graph_to_json(scan.graph)),
+    "nodl": lambda app, scan, triage, level: graph_to_nodl(scan.graph),
+    "rosgraph": lambda app, scan, triage, level: as_json(graph_to_rosgraph(scan.graph)),
+    "dot": lambda app, scan, triage, level: graph_to_dot(scan.graph, scan.report),
+    "sarif": _sarif,
+    "html": lambda app, scan, triage, level: _html(scan, triage, level),
+}
