@@ -48,6 +48,11 @@ class WireError(RTronError):
     """A peer sent what the protocol does not allow; its connection is closed."""
 
 
+def plain_reason(message: str) -> str:
+    """Return a message of pydantic without the name of the exception before it."""
+    return message.removeprefix("Value error, ").removeprefix("Assertion failed, ")
+
+
 def suggestion(word: str, known: Collection[str]) -> str:
     """Return "did you mean …?" with the nearest known word, or a short choice if none is near."""
     near = get_close_matches(word[:_MAX_WORD_LENGTH], known, n=1)

@@ -145,8 +145,8 @@ def test_ctrl_c_while_it_loads_is_130_without_a_word(after, tmp_path):
     hook = f"""
 import builtins, os, signal
 load = builtins.__import__
-def load_and_interrupt(name, *rest):
-    loaded = load(name, *rest)
+def load_and_interrupt(name, *rest, **keys):
+    loaded = load(name, *rest, **keys)
     if name == {after!r}:
         os.kill(os.getpid(), signal.SIGINT)
     return loaded

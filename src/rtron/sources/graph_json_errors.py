@@ -8,7 +8,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from rtron.errors import InputError
+from rtron.errors import InputError, plain_reason
 from rtron.vocabulary import (
     GRAPH_SCHEMA,
     Action,
@@ -78,7 +78,7 @@ def _message(details: _ErrorDetails) -> str:
         return "is missing"
     if details["type"] == "unexpected_keyword_argument":
         return "is not a key of the schema"
-    expected = details["msg"].removeprefix("Input should be ")
+    expected = plain_reason(details["msg"]).removeprefix("Input should be ")
     return f"must be {expected}, not {_value_text(details['input'])}"
 
 

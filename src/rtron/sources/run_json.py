@@ -14,7 +14,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import ConfigDict, FailFast, Field, TypeAdapter, ValidationError, with_config
 
-from rtron.errors import InputError
+from rtron.errors import InputError, plain_reason
 from rtron.sources.bounded_file import read_bounded
 from rtron.vocabulary import (
     RUN_SCHEMA,
@@ -104,7 +104,8 @@ def _validation_error(error: ValidationError, path: str) -> InputError:
     json_path = "".join(
         f"[{each}]" if isinstance(each, int) else f".{each}" for each in first["loc"]
     )
-    message = first["msg"][:_MAX_SHOWN].replace("Unexpected keyword argument", "no key of a run")
+    reason = plain_reason(first["msg"])[:_MAX_SHOWN]
+    message = reason.replace("Unexpected keyword argument", "no key of a run")
     shown_path = json_path[: 2 * _MAX_SHOWN].removeprefix(".") or "the document"
     return InputError(f"{shown_path}: {message}", path=path, help=_HELP)
 

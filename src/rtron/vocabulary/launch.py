@@ -122,12 +122,14 @@ class LaunchTree:
 
     `parameters` is the parameter server once everything has started; a value that cannot be
     known is an UnknownValue. `remaps_behind_all` stand behind all that starts in their scope, so
-    that no node gets them. `inputs` are what the tree depends on, so far as that is tracked.
+    that no node gets them. `inputs` are what the tree depends on, so far as that is tracked,
+    `declared` the arguments that its files declare.
     """
 
     root: LaunchFile
     unresolved: tuple[UnresolvedItem, ...] = ()
     inputs: tuple[LaunchInput, ...] = ()
+    declared: frozenset[str] = frozenset()
     parameters: ParameterTree = field(default_factory=ParameterTree)
     remaps_behind_all: tuple[LaunchRemap, ...] = ()
 

@@ -37,7 +37,8 @@ class FunctionAnnotatedSource:
 class SelectedApp:
     """The source of an app, its description for people, and the arguments that select it again.
 
-    For an app in source, `root` is the folder above all its folders.
+    For an app in source, `root` is the folder above all its folders, and `guess` says what was
+    guessed of it.
     """
 
     source: GraphSource
@@ -45,6 +46,7 @@ class SelectedApp:
     arguments: str
     root: Path | None = None
     launches: tuple[str, ...] = ()
+    guess: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -142,7 +144,14 @@ def _source_app(selection: AppSelection, progress: Progress) -> SelectedApp:
         " ".join(map(quote, arguments)),
         root=_common_folder(selection.folders),
         launches=tuple(str(path) for path, _ in source.launches),
+        guess=_distro_guess(source),
     )
+
+
+def _distro_guess(source: WorkspaceSource) -> str:
+    if source.distro is None:
+        return ""
+    return f"ROS_DISTRO={source.distro.name} is a guess, from {source.distro.file}"
 
 
 def _common_folder(folders: Sequence[Path]) -> Path | None:

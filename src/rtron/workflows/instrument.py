@@ -1,9 +1,8 @@
 """Write the launch file that starts an app with its guard."""
 
 import json
-import os
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -19,10 +18,15 @@ from rtron.planning.instrument.common.guard_files import GuardFiles
 from rtron.planning.plan_file.loader import parse_plan
 from rtron.planning.plan_file.yaml_parser import read_text
 from rtron.sources.graph_json import graph_to_json, read_graph
+from rtron.sources.launch.common.environment import LaunchEnvironment
 from rtron.sources.launch.common.launch_file import launch_generation
 from rtron.sources.launch.common.packages import find_packages
+from rtron.sources.launch.common.undeclared_arguments import undeclared_arguments
 from rtron.sources.launch.ros2.reader import read_ros2_launch
+from rtron.sources.static.common.launch_paths import find_launch_file
+from rtron.sources.workspace import read_workspace
 from rtron.vocabulary import Plan
+from rtron.workflows.app_environment import given_environment, launch_environment
 from rtron.workflows.check_plan import require_fit
 
 if TYPE_CHECKING:
@@ -37,12 +41,24 @@ class InstrumentRequest:
     app's `graph` whenever it starts.
     """
 
-    launch: Path
+    launch: str
     arguments: Mapping[str, str]
     folders: Sequence[Path]
     plan: Path
     output: Path
     graph: Path | None = None
+    env: Sequence[str] = ()
+    env_all: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Launch:
+    """The launch file of a request, found, with the environment that it is read in."""
+
+    path: Path
+    arguments: Mapping[str, str]
+    environ: LaunchEnvironment
+    packages: Mapping[str, Path]
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,25 +73,44 @@ def instrument(request: InstrumentRequest) -> InstrumentResult:
     """Write the guarded launch of an app; raise InputError if the launch file or plan is unfit."""
     text = read_text(request.plan)
     plan = parse_plan(text, str(request.plan))
-    _check_launch_generation(request.launch, plan, str(request.plan))
+    source = _find_launch(request, plan.ros)
+    _check_launch_generation(source.path, plan, str(request.plan))
     guarded = _instrument_ros1 if plan.ros == 1 else _instrument_ros2
-    launch = guarded(request, plan, GuardFiles(text, _graph_text(request, plan)))
+    launch = guarded(request, source, plan, GuardFiles(text, _graph_text(request, plan)))
+    notes = (*launch.notes, *(f"{note.what} {note.why}" for note in source.environ.notes()))
+    launch = replace(launch, notes=notes)
     write_guarded_launch(launch)
     return InstrumentResult(plan.ros, launch)
 
 
-def _instrument_ros1(request: InstrumentRequest, plan: Plan, guard: GuardFiles) -> GuardedLaunch:
+def _find_launch(request: InstrumentRequest, ros: int) -> _Launch:
+    """Return the launch file of a request; raise InputError if it is nowhere."""
+    given = given_environment(request.env, take_all=request.env_all)
+    environ, _ = launch_environment(given, request.folders, ros)
+    workspace = read_workspace(request.folders, environ)
+    return _Launch(
+        path=find_launch_file(request.launch, workspace, environ),
+        arguments=request.arguments,
+        environ=environ,
+        packages=find_packages(request.folders, environ),
+    )
+
+
+def _instrument_ros1(
+    request: InstrumentRequest, source: _Launch, plan: Plan, guard: GuardFiles
+) -> GuardedLaunch:
     from rtron.sources.static.ros1.app import scan_app  # noqa: PLC0415 - ROS 2 does without it
 
-    app = scan_app(request.folders, [(request.launch, request.arguments)], os.environ)
-    return instrument_ros1(
+    app = scan_app(request.folders, [(source.path, source.arguments)], source.environ)
+    launch = instrument_ros1(
         app.trees[0],
         plan,
         request.output,
         guard,
         started=_started_launches(app),
-        packages=find_packages(request.folders),
+        packages=source.packages,
     )
+    return _with_undeclared(launch, source, app.trees[0].declared)
 
 
 def _graph_text(request: InstrumentRequest, plan: Plan) -> str:
@@ -95,10 +130,20 @@ def _started_launches(app: "StaticApp") -> Sequence[RuntimeLaunchTree]:
     ]
 
 
-def _instrument_ros2(request: InstrumentRequest, plan: Plan, guard: GuardFiles) -> GuardedLaunch:
-    packages = find_packages(request.folders)
-    tree = read_ros2_launch(request.launch, request.arguments, os.environ, packages)
-    return instrument_ros2(tree, plan, request.output, guard)
+def _instrument_ros2(
+    request: InstrumentRequest, source: _Launch, plan: Plan, guard: GuardFiles
+) -> GuardedLaunch:
+    tree = read_ros2_launch(source.path, source.arguments, source.environ, source.packages)
+    launch = instrument_ros2(tree, plan, request.output, guard)
+    return _with_undeclared(launch, source, tree.declared)
+
+
+def _with_undeclared(
+    launch: GuardedLaunch, source: _Launch, declared: Collection[str]
+) -> GuardedLaunch:
+    """Return a guarded launch with notes on the arguments that none of its files declares."""
+    notes = undeclared_arguments(source.arguments, declared)
+    return replace(launch, notes=(*launch.notes, *(f"{note.what}: {note.why}" for note in notes)))
 
 
 def _check_launch_generation(launch: Path, plan: Plan, path: str) -> None:

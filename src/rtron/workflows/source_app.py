@@ -1,6 +1,5 @@
 """An app in source: folders, the launch files in them, and those that start it."""
 
-import os
 import shlex
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -11,14 +10,14 @@ from typing import TYPE_CHECKING
 from rtron.errors import InputError
 from rtron.sources.static.common.scan_options import Progress, ScanOptions
 from rtron.vocabulary import InteractionGraph
-from rtron.workflows.launch_arguments import ASSIGNMENT, parse_assignments
+from rtron.workflows.launch_arguments import parse_assignments
 
 if TYPE_CHECKING:
+    from rtron.sources.launch.common.environment import LaunchEnvironment
     from rtron.sources.launch.common.launch_file import LaunchFileInfo
     from rtron.sources.launch.ros2.executed.execution import Execution
     from rtron.sources.workspace import Workspace
-
-_INHERITED = ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH")
+    from rtron.sources.workspace.distro_guess import DistroGuess
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -26,11 +25,13 @@ class SourceOptions:
     """The options that only an app in source has.
 
     Each of `launches` is a launch file with its own arguments, quoted as in a shell. `execute`
-    allows the Python of ROS 2 launch files to run, in the interpreter `python`.
+    allows the Python of ROS 2 launch files to run, in the interpreter `python`. `env` are variables
+    as `given_environment` takes them, `env_all` takes all of the user's.
     """
 
     launches: Sequence[str] = ()
     env: Sequence[str] = ()
+    env_all: bool = False
     jobs: int | None = None
     use_cache: bool = True
     execute: bool = False
@@ -41,6 +42,7 @@ class SourceOptions:
         """The words of a command line that choose the same app."""
         words = [word for launch in self.launches for word in ("--launch", launch)]
         words += [word for each in self.env for word in ("--env", each)]
+        words += ["--env-all"] if self.env_all else []
         words += ["--execute-launch"] if self.execute else []
         return words + (["--launch-python", self.python] if self.python else [])
 
@@ -51,17 +53,20 @@ class WorkspaceSource:
 
     folders: tuple[Path, ...]
     launches: tuple[tuple[Path, Mapping[str, str]], ...]
-    environ: Mapping[str, str]
+    environ: "LaunchEnvironment"
     options: ScanOptions
     workspace: "Workspace"
     ros: int = 1
     execution: "Execution | None" = None
+    distro: "DistroGuess | None" = None
 
     def read(self) -> InteractionGraph:
         """Return the graph; raise InputError if a launch file cannot be read."""
         from rtron.sources.static.common.unread_publishers import with_unread_publishers  # noqa: PLC0415 - likewise
 
-        return with_unread_publishers(self._read(), self.workspace)
+        graph = with_unread_publishers(self._read(), self.workspace)
+        notes = dict.fromkeys((*graph.unresolved, *self.environ.notes()))
+        return replace(graph, unresolved=tuple(notes))
 
     def _read(self) -> InteractionGraph:
         if self.ros > 1:
@@ -87,22 +92,24 @@ def open_workspace_source(
     from rtron.sources.launch.common.launch_file import launch_generation  # noqa: PLC0415 - the guard starts without it
     from rtron.sources.static.common.launch_paths import find_launch_file  # noqa: PLC0415 - likewise
     from rtron.sources.workspace import read_workspace  # noqa: PLC0415 - likewise
+    from rtron.workflows.app_environment import given_environment, launch_environment  # noqa: PLC0415 - likewise
 
     if not options.launches:
         help = f"rtron scan {shlex.quote(str(folders[0]))} lists the launch files"
         raise InputError("--launch is missing", help=help)
-    environ = _environ(options.env)
-    workspace = read_workspace(folders, environ)
+    given = given_environment(options.env, take_all=options.env_all)
+    workspace = read_workspace(folders, given)
     shared = parse_assignments(arguments)
     launch_lines = [_split_launch(launch) for launch in options.launches]
     launches = [
         (
-            find_launch_file(spelled, workspace, environ),
+            find_launch_file(spelled, workspace, given),
             {**shared, **parse_assignments(launch_arguments)},
         )
         for spelled, *launch_arguments in launch_lines
     ]
     ros = _single_generation({path: launch_generation(path) for path, _ in launches})
+    environ, distro = launch_environment(given, folders, ros)
     return WorkspaceSource(
         tuple(folders),
         tuple(launches),
@@ -111,6 +118,7 @@ def open_workspace_source(
         workspace,
         ros,
         _launch_execution(options, ros),
+        distro,
     )
 
 
@@ -141,14 +149,6 @@ def _single_generation(generations: Mapping[Path, int]) -> int:
         message = f"{first[1].name} is of ROS 1 and {first[2].name} of ROS 2"
         raise InputError(message, help="scan the two apps apart: one --launch each")
     return next(iter(first))
-
-
-def _environ(assignments: Sequence[str]) -> dict[str, str]:
-    for each in assignments:
-        if "=" not in each or each.startswith("=") or ASSIGNMENT in each:
-            raise InputError(f"what is --env {each}?", help="write --env NAME=VALUE")
-    environ = {name: os.environ[name] for name in _INHERITED if name in os.environ}
-    return environ | dict(each.split("=", 1) for each in assignments)
 
 
 def _split_launch(launch: str) -> list[str]:

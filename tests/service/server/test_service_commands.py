@@ -21,6 +21,11 @@ from rtron.service.store.accounts.users import get_user
 from rtron.service.store.database import Database
 
 
+@pytest.fixture(autouse=True)
+def state_home(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
+
+
 def start_rtron(folder, *arguments):
     command = [sys.executable, "-m", "rtron", *map(str, arguments)]
     return subprocess.run(
@@ -80,10 +85,11 @@ def test_the_first_start_tells_the_password_once(tmp_path):
         said = serving.said.read_text()
         (password,) = re.findall(r"password (\S+)\n", said)
         assert serving.url in said
+        assert f"database: {tmp_path / 'rtron' / 'rtron.db'}\n" in said
         assert serving.login(password) == 200
         serving.process.send_signal(signal.SIGTERM)
         assert serving.process.wait(60) == 0
-    assert stat.S_IMODE((tmp_path / "rtron.db").stat().st_mode) == 0o600
+    assert stat.S_IMODE((tmp_path / "rtron" / "rtron.db").stat().st_mode) == 0o600
     with ServeProcess(tmp_path, "--log-level", "debug") as serving:
         assert serving.login(password) == 200
         reset = start_rtron(tmp_path, "user", "password", "admin")
@@ -159,7 +165,7 @@ def test_bad_options_are_2_with_a_help_line(tmp_path, here, arguments, said):
     assert code == 2
     assert said in err
     assert "help: " in err
-    assert not (tmp_path / "rtron.db").exists()
+    assert not (tmp_path / "rtron" / "rtron.db").exists()
 
 
 def test_without_tls_the_network_is_warned_of(tmp_path):
@@ -204,7 +210,7 @@ def test_a_database_that_is_not_there_is_not_made(tmp_path, here, words):
     assert code == 2
     assert "there is no such database" in err
     assert "give --database as `rtron serve` has it" in err
-    assert not (tmp_path / "rtron.db").exists()
+    assert not (tmp_path / "rtron" / "rtron.db").exists()
 
 
 def test_a_guards_token_is_made_before_the_first_start(tmp_path, here):
@@ -216,7 +222,7 @@ def test_a_guards_token_is_made_before_the_first_start(tmp_path, here):
     assert stat.S_IMODE(file.stat().st_mode) == 0o600
     secret = file.read_text().strip()
     assert secret not in out
-    service = create_app(ServiceConfig(database=tmp_path / "rtron.db")).state
+    service = create_app(ServiceConfig(database=tmp_path / "rtron" / "rtron.db")).state
     assert service.collector.authenticate(secret) == "car1"
     assert here("token", "revoke", "car1")[0] == 0
     assert service.collector.authenticate(secret) is None
@@ -263,7 +269,7 @@ def test_a_user_is_added_with_a_password_that_works(tmp_path, here):
     assert (code, err) == (0, "")
     password = (tmp_path / "p").read_text().strip()
     assert password not in out
-    service = create_app(ServiceConfig(database=tmp_path / "rtron.db")).state.service
+    service = create_app(ServiceConfig(database=tmp_path / "rtron" / "rtron.db")).state.service
     with service.database.session() as session:
         assert verify_password(password, get_user(session, "mary").password_hash)
     service.database.close()

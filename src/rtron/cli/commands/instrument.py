@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from rtron.cli.support.options import PlanOption, TextOrJson
+from rtron.cli.support.options import Env, EnvAll, PlanOption, TextOrJson
 from rtron.cli.support.outcome import FINDINGS, OK, Outcome, as_json
 from rtron.workflows.launch_arguments import parse_assignments
 
@@ -14,12 +14,13 @@ if TYPE_CHECKING:
     from rtron.workflows.instrument import InstrumentResult
 
 
-def instrument(
+def instrument(  # noqa: PLR0913 - one for each option
     launch: Annotated[
-        Path,
+        str,
         typer.Argument(
-            metavar="APP.launch",
-            help="The launch file that starts the app; in ROS 2 one of .xml, .yaml or .py.",
+            metavar="PKG/FILE",
+            help="The launch file that starts the app, `pkg/file.launch` below --packages, or a "
+            "path; in ROS 2 one of .xml, .yaml or .py.",
         ),
     ],
     arguments: Annotated[
@@ -51,6 +52,8 @@ def instrument(
             help="Search packages here first; can be repeated.",
         ),
     ] = None,
+    env: Env = None,
+    env_all: EnvAll = False,
     format: Annotated[
         TextOrJson, typer.Option(help="A report, or the same as JSON.")
     ] = TextOrJson.TEXT,
@@ -64,6 +67,7 @@ def instrument(
 
     $ rtron instrument app.launch --plan rtron.yaml -o guarded.launch
     $ rtron instrument app.launch model:=waffle --plan rtron.yaml -o out.launch
+    $ rtron instrument pkg/app.launch --packages src --plan rtron.yaml -o out.launch
     $ rtron instrument app.launch --plan rtron.yaml --graph g.json -o out.launch
 
     The plan names its ROS. For ROS 2, RTron rewrites XML and YAML launch files
@@ -73,8 +77,8 @@ def instrument(
     $ rtron instrument app.launch.py --plan rtron.yaml -o guarded.launch.py
     $ rtron instrument app.launch.xml --plan rtron.yaml -o guarded.launch.xml
 
-    A guarded XML or YAML file is valid for the given arguments and your
-    environment. Started with others, it ends at once and names them; instrument
+    A guarded XML or YAML file is valid for the given arguments and variables of
+    the environment (--env). Started with others, it ends at once and names them; instrument
     again for those. A guarded Python launch file takes any arguments.
 
     Exit code: 0 every flow is guarded; 1 written, but nothing is guarded, or some
@@ -89,6 +93,8 @@ def instrument(
             launch=launch,
             arguments=parse_assignments(arguments or ()),
             folders=packages or (),
+            env=env or (),
+            env_all=env_all,
             plan=plan,
             output=output,
             graph=graph,

@@ -1,6 +1,7 @@
 """`rtron serve`."""
 
 import logging
+import re
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -12,6 +13,7 @@ from rtron.cli.support.outcome import Outcome
 from rtron.cli.support.service_database import (
     DEFAULT_DATABASE,
     DatabaseOption,
+    prepare_database,
     require_service_packages,
 )
 from rtron.errors import InputError
@@ -52,7 +54,8 @@ def serve(  # noqa: PLR0913 - one for each option
 ) -> Outcome:
     r"""Run the security service: collector of the guards, API and console.
 
-    Without options it serves this machine only, with the database rtron.db.
+    Without options it serves this machine only, with a database of yours below
+    ~/.local/state. It says where the database is.
 
     $ rtron serve
     $ rtron serve --database /var/lib/rtron/rtron.db
@@ -78,7 +81,7 @@ def serve(  # noqa: PLR0913 - one for each option
 
     _configure_logging(log_level)
     config = ServiceConfig(
-        database=database,
+        database=prepare_database(database),
         host=host,
         port=port,
         tls=_tls_config(tls_cert, tls_key),
@@ -120,6 +123,7 @@ def _print_address(config: "ServiceConfig", password: str | None) -> None:
     scheme = "https" if config.tls else "http"
     host = f"[{config.host}]" if ":" in config.host else config.host
     sys.stderr.write(f"RTron security service: {scheme}://{host}:{config.port}/\n")
+    sys.stderr.write(f"database: {_without_password(str(config.database))}\n")
     if password:
         sys.stderr.write(f"first start: log in as admin with the password {password}\n")
         sys.stderr.write("it is shown this once; change it in the console\n")
@@ -133,6 +137,11 @@ def _print_address(config: "ServiceConfig", password: str | None) -> None:
             "WARNING: no TLS: whoever is on the network between can read passwords and tokens, "
             "and steer the robots with them\n"
         )
+
+
+def _without_password(location: str) -> str:
+    """Return a database's address without the password that a URL may have."""
+    return re.sub(r"(//[^:/@]*):[^@]*@", r"\1@", location)
 
 
 def _tls_config(cert: Path | None, key: Path | None) -> "Tls | None":

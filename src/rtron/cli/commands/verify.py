@@ -10,22 +10,25 @@ from rtron.cli.support.options import (
     DEFAULT_TIMEOUT,
     Domain,
     Master,
+    RosOption,
     TextOrJson,
     Timeout,
 )
 from rtron.cli.support.outcome import BAD_INPUT, FINDINGS, OK, Outcome, as_json
 from rtron.errors import InputError
+from rtron.workflows.live_app import RosGeneration
 
 Live = Annotated[bool, typer.Option("--live", help="Verify the running app.")]
 
 
-def verify(
+def verify(  # noqa: PLR0913 - one for each option
     *,
     live: Live = False,
     plan: Annotated[
         Path, typer.Option("--plan", metavar="rtron.yaml", help="The plan of the guarded app.")
     ] = Path("rtron.yaml"),
     master: Master = DEFAULT_MASTER,
+    ros: RosOption = RosGeneration.AUTO,
     domain: Domain = None,
     timeout: Timeout = DEFAULT_TIMEOUT,
     absent: Annotated[
@@ -53,7 +56,7 @@ def verify(
 
     $ rtron verify --live
     $ rtron verify --live --plan rtron.yaml --master http://robot:11311
-    $ rtron verify --live --domain 7                a plan that says `ros: 2`
+    $ rtron verify --live --ros 2 --domain 7        a plan that says `ros: 2`
     $ rtron verify --live --absent /teleop          teleop is switched off
     $ rtron verify --live --format json | jq .verdict
 
@@ -70,8 +73,16 @@ def verify(
         help = "add --live; before the app runs, `rtron check` compares the plan with its graph"
         raise InputError("`rtron verify` needs --live", help=help)
     guard_plan = read_plan(plan)
+    _check_generation(ros, guard_plan.ros, str(plan))
     verification = verify_running_app(guard_plan, master, domain, timeout, absent or ())
     code = OK if verification.is_closed else FINDINGS if verification.is_conclusive else BAD_INPUT
     if format is TextOrJson.JSON:
         return Outcome(as_json(verification_to_json(verification)), code)
     return Outcome(verification_text(str(plan), verification), code)
+
+
+def _check_generation(ros: RosGeneration, of_plan: int, plan: str) -> None:
+    """Raise InputError if a person asks for another ROS than the plan's, which decides."""
+    if ros is not RosGeneration.AUTO and int(ros.value) != of_plan:
+        help = "leave --ros out, or give the plan of that app with --plan"
+        raise InputError(f"says `ros: {of_plan}`, not {ros.value}", path=plan, help=help)

@@ -9,6 +9,7 @@ from rtron.cli.support.options import (
     DEFAULT_MASTER,
     Domain,
     Env,
+    EnvAll,
     Execute,
     Inputs,
     Jobs,
@@ -50,6 +51,7 @@ def _app_selection(  # noqa: PLR0913 - one for each option
     *,
     launch: Launches = None,
     env: Env = None,
+    env_all: EnvAll = False,
     execute_launch: Execute = False,
     launch_python: LaunchPython = None,
     live: Live = False,
@@ -66,6 +68,7 @@ def _app_selection(  # noqa: PLR0913 - one for each option
     source = SourceOptions(
         launches=launch or (),
         env=env or (),
+        env_all=env_all,
         jobs=jobs,
         use_cache=not no_cache,
         execute=execute_launch,

@@ -45,7 +45,7 @@ def _lines(found: "Mapping[str, LaunchFileInfo]", folders: Sequence[Path]) -> "l
     arguments = [
         *map(str, folders),
         "--launch",
-        min(found, key=lambda name: _sort_key(found[name])),
+        min(found, key=lambda name: _unlikeliness(name, found[name])),
     ]
     return [
         line((counted(len(found), "launch file"), "bold")),
@@ -62,5 +62,20 @@ def _argument_text(launch: "LaunchFileInfo") -> str:
     return " ".join((*required, *(f"[{name}:=…]" for name in launch.optional)))
 
 
-def _sort_key(launch: "LaunchFileInfo") -> tuple[bool, int]:
-    return bool(launch.error), len(launch.required)
+_LIKELY = ("bringup", "navigation", "nav2", "navigate", "robot", "demo", "main", "start")
+"""Words in the names of launch files that start a whole app, the likeliest first."""
+_PARTS = ("test", "rviz", "teleop", "description", "upload", "calibrat", "spawn", "example")
+"""Words in the names of those that start a part of one, or a tool."""
+
+
+def _unlikeliness(name: str, launch: "LaunchFileInfo") -> tuple[bool, bool, int, int, str]:
+    """Return how far a launch file is from being the one that starts the app, the least first.
+
+    Its own name counts before its package's, and of two the one that includes more.
+    """
+    file = launch.path.name.lower()
+    words = [i for i, word in enumerate(_LIKELY) if word in file]
+    in_package = [i for i, word in enumerate(_LIKELY) if word in launch.package.lower()]
+    likely = min(words, default=len(_LIKELY) + min(in_package, default=len(_LIKELY)))
+    is_part = any(word in file for word in _PARTS)
+    return bool(launch.error), is_part, likely, len(launch.required) - len(launch.includes), name

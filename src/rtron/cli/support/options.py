@@ -46,10 +46,14 @@ Env = Annotated[
     list[str] | None,
     typer.Option(
         "--env",
-        metavar="NAME=VALUE",
-        help="A variable of the app's environment; can be repeated. Of yours only "
-        "ROS_PACKAGE_PATH and AMENT_PREFIX_PATH count.",
+        metavar="NAME[=VALUE]",
+        help="A variable of the app's environment, by default with the value that it has here; "
+        "can be repeated. Of your environment nothing else counts but ROS_PACKAGE_PATH and "
+        "AMENT_PREFIX_PATH.",
     ),
+]
+EnvAll = Annotated[
+    bool, typer.Option("--env-all", help="Your whole environment is the app's, as at a launch.")
 ]
 Execute = Annotated[
     bool,

@@ -95,6 +95,7 @@ def _text(app: SelectedApp, result: ScanResult, triage: Triage, level: FindingLe
         next_step=f"rtron plan {app.arguments} -o rtron.yaml",
         hidden=tuple(each for each in triage.findings if each not in shown.findings),
         level=level,
+        guess=app.guess,
     )
     return scan_text(scan)
 

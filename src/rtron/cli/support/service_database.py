@@ -20,13 +20,34 @@ DatabaseOption = Annotated[
         "--database",
         envvar="RTRON_DATABASE",
         metavar="FILE|URL",
-        help="The service's database: a file, or postgresql://user@host/name.",
+        help="The service's database: a file, or postgresql://user@host/name.  "
+        "[default: rtron/rtron.db in XDG_STATE_HOME, or ~/.local/state]",
+        show_default=False,
     ),
 ]
-DEFAULT_DATABASE = "rtron.db"
+DEFAULT_DATABASE = ""
 OFFLINE_ACTOR = "rtron"
 """Who did it, in the audit log, when it was done on the database itself."""
 _NEEDED = ("alembic", "argon2", "fastapi", "httpx", "prometheus_client", "sqlalchemy", "uvicorn")
+
+
+def database_location(given: str) -> str:
+    """Return the database that is given, or else the user's own (XDG base folders)."""
+    root = Path(os.environ.get("XDG_STATE_HOME", ""))
+    base = root if root.is_absolute() else Path.home() / ".local" / "state"
+    return given or str(base / "rtron" / "rtron.db")
+
+
+def prepare_database(given: str) -> str:
+    """Return the database's location; the folder of the user's own is made, or InputError."""
+    location = database_location(given)
+    try:
+        if not given:
+            Path(location).parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+    except OSError as error:
+        help = "give a file with --database"
+        raise InputError(error.strerror or "no such folder", path=location, help=help) from None
+    return location
 
 
 def require_service_packages() -> None:
@@ -43,7 +64,7 @@ def existing_database(database: str) -> "Iterator[Database]":
     require_service_packages()
     from rtron.service.server.database_setup import open_existing_database
 
-    found = open_existing_database(database)
+    found = open_existing_database(database_location(database))
     try:
         yield found
     finally:
@@ -56,7 +77,7 @@ def new_or_existing_database(database: str) -> "Iterator[Database]":
     require_service_packages()
     from rtron.service.server.database_setup import open_database
 
-    found = open_database(database)
+    found = open_database(prepare_database(database))
     try:
         yield found
     finally:

@@ -9,6 +9,7 @@ from rich.text import Text
 
 from rtron.reports.app.contention import contention
 from rtron.reports.app.finding_list import finding_list, findings_verdict, triage_notes
+from rtron.reports.app.missing_inputs import missing_inputs
 from rtron.reports.app.node_functions import node_functions
 from rtron.reports.app.risk_list import MILDEST_LAST, SEVERITY_STYLE, risk_list
 from rtron.reports.app.unresolved_list import nodes_read, unresolved_list
@@ -29,7 +30,7 @@ from rtron.vocabulary import (
 class Scan:
     """A scan to report: the graph, where it was read from, what was found, and what to do next.
 
-    `triage` has the findings of `level`, `hidden` are the others.
+    `triage` has the findings of `level`, `hidden` are the others. `guess` is what was guessed.
     """
 
     graph: InteractionGraph
@@ -39,6 +40,7 @@ class Scan:
     next_step: str
     hidden: tuple[Finding, ...] = ()
     level: FindingLevel = FindingLevel.REGULAR
+    guess: str = ""
 
 
 def scan_text(scan: Scan) -> Report:
@@ -82,6 +84,9 @@ def _header(scan: Scan, page: TextPage) -> Iterator[Text]:
     yield from paragraph(summary or "the graph is empty", page)
     unread = nodes_read(graph)
     yield from paragraph(unread, page, style="yellow") if unread else ()
+    for missing in missing_inputs(graph):
+        yield from paragraph(missing, page, style="yellow")
+    yield from paragraph(scan.guess, page, style="dim") if scan.guess else ()
     yield findings_verdict(scan.triage.findings, scan.hidden, is_whole=not graph.unresolved)
 
 

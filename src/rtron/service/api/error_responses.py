@@ -11,7 +11,7 @@ from sqlalchemy.exc import IntegrityError, SQLAlchemyError
 from starlette.exceptions import HTTPException
 from starlette.responses import JSONResponse, Response
 
-from rtron.errors import InputError, RTronError
+from rtron.errors import InputError, RTronError, plain_reason
 from rtron.service.api.schemas import ErrorResponse
 from rtron.service.domain.errors import (
     AuthenticationError,
@@ -79,7 +79,9 @@ async def _handle_validation_error(_request: Request, error: Exception) -> Respo
     """Say where and what, but not the value: it may be a password."""
     assert isinstance(error, RequestValidationError)  # noqa: S101 - registered for it alone
     errors = error.errors()[:_MAX_ERRORS]
-    message = "; ".join(f"{_field_location(each['loc'])}: {each['msg']}" for each in errors)
+    message = "; ".join(
+        f"{_field_location(each['loc'])}: {plain_reason(each['msg'])}" for each in errors
+    )
     return error_response(HTTPStatus.UNPROCESSABLE_ENTITY, message, "see /openapi.json")
 
 

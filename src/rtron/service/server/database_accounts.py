@@ -5,7 +5,7 @@ from typing import TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from rtron.errors import InputError
+from rtron.errors import InputError, plain_reason
 from rtron.service.api.schemas import NewToken, NewUser
 from rtron.service.domain.audit_events import AuditEvent
 from rtron.service.domain.clock import wall_clock
@@ -70,4 +70,4 @@ def _validated(model: type[_Model], values: Mapping[str, object]) -> _Model:
         problem = error.errors(include_input=False)[0]
         location = ".".join(map(str, problem["loc"]))
         help = "names are letters, digits and . _ @ -"
-        raise InputError(f"{location}: {problem['msg']}", help=help) from None
+        raise InputError(f"{location}: {plain_reason(problem['msg'])}", help=help) from None

@@ -137,3 +137,24 @@ def test_the_guard_checks_its_plan_against_the_graph_at_each_start(
     refused = instrument("rate:=9", "--graph", quiet_file)
     assert refused.code == 2
     assert "error: the plan does not fit the app" in refused.err
+
+
+def test_a_launch_file_by_its_package_and_an_argument_that_no_file_declares(
+    rtron, launch_file, plan_file, tmp_path
+):
+    package = tmp_path / "ws" / "car"
+    package.mkdir(parents=True)
+    (package / "package.xml").write_text("<package><name>car</name></package>")
+    text = launch_file.read_text()
+    (package / "app.launch").write_text(
+        text.replace("</launch>", '<arg name="x$(optenv SIDE)" default="1"/></launch>')
+    )
+    words = ("--packages", tmp_path / "ws", "--plan", plan_file, "-o", tmp_path / "out.launch")
+    ran = rtron("instrument", "car/app.launch", "rate:=9", "rat:=1", *words)
+    assert ran.code == 0
+    said = " ".join(ran.out.split())
+    assert "launch argument rat: no launch file declares it: did you mean rate?" in said
+    assert "environment variable SIDE is not given" in said
+    ran = rtron("instrument", "car/ap.launch", *words)
+    assert ran.code == 2
+    assert "did you mean car/app.launch" in ran.err

@@ -133,6 +133,57 @@ def test_a_plan_of_an_app_in_source(rtron, folder, tmp_path):
     assert "/cmd_vel" in (tmp_path / "rtron.yaml").read_text()
 
 
+BRANCHES = """<launch><arg name="mission" default="patrol"/>
+<node pkg="robot" type="$(optenv KIND base).py" name="kind"/>
+<node pkg="elsewhere" type="arm" name="arm"/>
+<include file="$(find absent)/launch/arm.launch"/>
+</launch>"""
+
+
+@pytest.fixture
+def branches(folder):
+    (folder / "launch" / "branches.launch").write_text(BRANCHES)
+    return ("--launch", "robot/branches.launch", "-j", "1", "--fail-on", "never")
+
+
+def scanned_executable(rtron, folder, *words):
+    document = json.loads(rtron("scan", folder, *words, "--format", "graph").out)
+    return next(node["executable"] for node in document["nodes"] if node["name"] == "/kind")
+
+
+def test_the_users_own_environment_counts_where_it_is_asked_for(
+    rtron, folder, branches, monkeypatch
+):
+    monkeypatch.setenv("KIND", "drive")
+    assert scanned_executable(rtron, folder, *branches) == "base.py"
+    for words in (("--env", "KIND"), ("--env-all",), ("--env", "KIND=drive")):
+        assert scanned_executable(rtron, folder, *branches, *words) == "drive.py"
+    assert "--env-all -o rtron.yaml" in rtron("plan", folder, *branches[:2], "--env-all").out
+
+
+def head(ran):
+    return " ".join(ran.out.split("\n\n")[0].split())
+
+
+def test_the_head_says_what_is_missing_and_how_to_give_it(rtron, folder, branches):
+    said = head(rtron("scan", folder, *branches, "misson:=parking"))
+    assert "not here: packages absent, elsewhere; give the folders of their source too" in said
+    assert "not given: environment variable KIND; --env KIND takes your own value" in said
+    assert "launch argument misson: no launch file declares it: did you mean mission?" in said
+    said = head(rtron("scan", folder, *branches, "--env", "KIND=base", "mission:=parking"))
+    assert "not given" not in said
+    assert "no launch file declares" not in said
+
+
+def test_the_distribution_is_guessed_from_the_workspace(rtron, folder, branches, monkeypatch):
+    monkeypatch.setenv("ROS_DISTRO", "kinetic")
+    assert "ROS_DISTRO" not in head(rtron("scan", folder, *branches))
+    (folder / ".travis.yml").write_text("env: ROS_DISTRO=melodic\n")
+    said = head(rtron("scan", folder, *branches))
+    assert "ROS_DISTRO=melodic is a guess, from robot/.travis.yml" in said
+    assert "a guess" not in head(rtron("scan", folder, *branches, "--env", "ROS_DISTRO"))
+
+
 @pytest.mark.parametrize(
     ("arguments", "said", "help"),
     [
@@ -145,7 +196,7 @@ def test_a_plan_of_an_app_in_source(rtron, folder, tmp_path):
         (["--launch", ""], "no launch file", ""),
         (["--launch", "robot/broken.launch"], "broken.launch", ""),
         (["--launch", "robot/plain.launch 'x"], "quotation", "quote"),
-        (["--launch", "robot/plain.launch", "--env", "X"], "--env X", "NAME=VALUE"),
+        (["--launch", "robot/plain.launch", "--env", "X"], "X is not set here", "--env X=VALUE"),
         (["--launch", "robot/plain.launch", "--env", "=1"], "--env =1", "NAME=VALUE"),
         (["--launch", "robot/plain.launch", ":=1"], ":=1", "NAME:=VALUE"),
         (["--format", "html"], "--launch is missing", "text or json"),

@@ -56,6 +56,7 @@ class LaunchFileReader:
     def _read_element(self, tag: Tag, context: LoaderContext) -> None:
         number = self.document.element_numbers[tag.element]
         if tag.name == "arg":
+            self.state.declared_arguments.add(tag.optional("name") or "")
             read_argument(tag, context)
         elif tag.name == "group":
             self._group(tag, context.child(tag.optional("ns")))

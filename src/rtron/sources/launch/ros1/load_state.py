@@ -89,5 +89,6 @@ class LoadState:
     parameters: LaunchParameters = field(default_factory=LaunchParameters)
     unresolved: UnresolvedNotes = field(default_factory=UnresolvedNotes)
     remaps_behind_all: list[LaunchRemap] = field(default_factory=list)
+    declared_arguments: set[str] = field(default_factory=set)
     include_count: int = 0
     element_count: int = 0

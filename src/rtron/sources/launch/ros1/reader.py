@@ -81,6 +81,7 @@ def _read(path: Path, args: Mapping[str, str], state: LoadState) -> LaunchTree:
     tree = LaunchTree(
         root=reader.result(),
         unresolved=tuple(state.unresolved.unresolved),
+        declared=frozenset(state.declared_arguments),
         remaps_behind_all=tuple(state.remaps_behind_all),
     )
     return replace(tree, unresolved=tree.unresolved + _duplicate_names(tree))

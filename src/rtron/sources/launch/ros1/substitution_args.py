@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TypeAlias
 
+from rtron.sources.launch.common.environment import look_up
 from rtron.sources.launch.common.errors import MissingArgumentError, UnresolvableError
 from rtron.sources.launch.common.expression import evaluate, typed_argument
 from rtron.sources.launch.common.expression_library import ANONYMOUS_SUFFIX, Function, Value
@@ -107,12 +108,13 @@ class SubstitutionArgs:
         return typed_argument(self._argument(name))
 
     def _env(self, name: str) -> str:
-        if name not in self.environ:
+        value = look_up(self.environ, name)
+        if value is None:
             raise UnresolvableError(f"environment variable {name} is not set")
-        return self.environ[name]
+        return value
 
     def _optenv(self, name: str, default: str = "") -> str:
-        return self.environ.get(name, default)
+        return look_up(self.environ, name, default) or ""
 
     def _find(self, package: str) -> str:
         if package not in self.packages:

@@ -50,6 +50,7 @@ def read_app_launch(
         starts=tuple(collector.starts),
         arguments=tuple(collector.arguments),
         includes=contexts.includes,
+        declared=frozenset(choices.declared),
         unresolved=tuple(evaluator.unresolved),
         generated_files=evaluator.files.generated_files,
     )

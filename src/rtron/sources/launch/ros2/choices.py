@@ -14,6 +14,7 @@ class LaunchChoices:
     arguments: Mapping[str, str]
     environ: Mapping[str, str]
     _deciding: set[LaunchVariable] = field(default_factory=set)
+    declared: set[str] = field(default_factory=set)
     _defaults: dict[str, set[str | None]] = field(default_factory=dict)
 
     def decide(self, variables: Iterable[LaunchVariable]) -> None:

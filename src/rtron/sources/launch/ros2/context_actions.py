@@ -127,6 +127,7 @@ class ContextActions:
     def _argument(self, site: ElementSite) -> None:
         context = site.context
         variable = LaunchVariable(site.plain_text("name"))
+        self.evaluator.choices.declared.add(variable.name)
         if variable.name in context.configurations or variable in context.unknown:
             return
         if not site.has("default"):

@@ -7,6 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import TypeAlias
 
+from rtron.sources.launch.common.environment import look_up
 from rtron.sources.launch.common.errors import UnresolvableError
 from rtron.sources.launch.ros2.choices import LaunchChoices
 from rtron.sources.launch.ros2.context_view import ContextView
@@ -133,6 +134,8 @@ class LaunchEvaluator(UnresolvedNotes):
             function: Function, arguments: list[str], *, environment: bool = False
         ) -> str:
             variable = LaunchVariable("".join(arguments[:1]), environment)
+            if environment and variable.name not in context.environ:
+                look_up(self.environ, *arguments[:2])
             self.dependencies |= context.dependencies_of(variable)
             if variable in context.unknown:
                 raise UnresolvableError(f"the value of '{variable.name}' is not known")

@@ -68,7 +68,12 @@ def read_ros2_launch(
         help = f"add {error.name}:=…"
         raise InputError(str(error), path=str(path), help=help) from None
     unresolved = tuple(evaluator.unresolved)
-    return LaunchTree(root=file.launch_file(), unresolved=unresolved, inputs=choices.all())
+    return LaunchTree(
+        root=file.launch_file(),
+        unresolved=unresolved,
+        inputs=choices.all(),
+        declared=frozenset(choices.declared),
+    )
 
 
 def absolute_path(path: Path | str) -> str:

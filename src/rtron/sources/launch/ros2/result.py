@@ -98,7 +98,8 @@ class IncludedFile:
 class AppLaunch:
     """What a launch file starts, in the order of starting, with all that it includes.
 
-    `arguments` are those that the file itself declares; `unresolved` is what could not be read.
+    `arguments` are those that the file itself declares, `declared` the names of those that all
+    files declare; `unresolved` is what could not be read.
     `generated_files` are the files that exist only while the launch runs, by what they are called.
     """
 
@@ -107,4 +108,5 @@ class AppLaunch:
     starts: tuple[LaunchStart, ...] = ()
     arguments: tuple[DeclaredArgument, ...] = ()
     includes: tuple[IncludedFile, ...] = ()
+    declared: frozenset[str] = frozenset()
     unresolved: tuple[UnresolvedItem, ...] = ()

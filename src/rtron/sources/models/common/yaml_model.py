@@ -7,7 +7,7 @@ from typing import Any, TypeVar
 import yaml
 from pydantic import BaseModel, ValidationError
 
-from rtron.errors import InputError
+from rtron.errors import InputError, plain_reason
 from rtron.sources.bounded_file import read_bounded
 from rtron.yaml_safety import SAFE_LOADER, YamlRules, yaml_errors
 from rtron.yaml_safety import compose_yaml as safe_tree
@@ -53,7 +53,7 @@ def _model_error(
     path_keys = [part for part in details["loc"] if part != "[key]"]
     line = _line(root, path_keys)
     dotted_path = ".".join(str(part) for part in path_keys)
-    message = f"{dotted_path}: {details['msg']}"[:200]
+    message = f"{dotted_path}: {plain_reason(details['msg'])}"[:200]
     return InputError(message, path=str(path), line=line, help=_help(path_keys, schema))
 
 

@@ -5,6 +5,7 @@ from contextlib import closing
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from rtron.sources.launch.common.undeclared_arguments import undeclared_arguments
 from rtron.sources.models.packages import known_packages
 from rtron.sources.static.common.app_node import AppNode
 from rtron.sources.static.common.cache import open_cache
@@ -113,6 +114,8 @@ def _assemble(
     assembly.add_parameters(launch_trees.parameters)
     assembly.add_wiring(*unread_parameters(parts, launch_trees.parameters))
     assembly.add_unresolved(*(note for tree in launch_trees.trees for note in tree.unresolved))
+    for (_, passed), tree in zip(launch_trees.requested, launch_trees.trees, strict=False):
+        assembly.add_unresolved(*undeclared_arguments(passed, tree.declared))
     assembly.add_unresolved(*launch_trees.unresolved.entries, *simulation.unresolved())
     assembly.add_unresolved(*_workspace_notes(workspace, nodes))
     assembly.add_unresolved(

@@ -8,6 +8,7 @@ from pathlib import Path
 from rtron.errors import InputError
 from rtron.sources.code.workspace_sources import WorkspaceSources
 from rtron.sources.launch.common.packages import find_packages
+from rtron.sources.launch.common.undeclared_arguments import undeclared_arguments
 from rtron.sources.launch.common.yaml_tree import YamlTree
 from rtron.sources.launch.ros2.app import read_app_launch
 from rtron.sources.launch.ros2.executed.execution import Execution, add_lines, is_incomplete
@@ -76,6 +77,8 @@ def scan_ros2_app(
         assembly.add_wiring(*sections_without_node(parts, set(assembly.nodes)))
     assembly.add_wiring_facts()
     assembly.add_unresolved(*(note for launch in app_launches for note in launch.unresolved))
+    for (_, passed), launch in zip(launches, app_launches, strict=True):
+        assembly.add_unresolved(*undeclared_arguments(passed, launch.declared))
     assembly.add_unresolved(*node_builder.unresolved.entries, *gazebo_servers.unresolved.entries)
     return assembly.build(Path(app_launches[0].file).name.split(".")[0] if app_launches else "")
 

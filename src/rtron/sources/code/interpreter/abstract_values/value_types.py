@@ -101,6 +101,10 @@ class MapValue:
         """Whether there may be entries that are not known."""
         return OPEN in self.fields
 
+    def missing_note(self, key: object) -> tuple[str, str] | None:  # noqa: ARG002 - for others
+        """Return what to note, and why, if a key is read that is not there; None for nothing."""
+        return None
+
 
 class _OpenKey:
     """The key of a MapValue's unknown entries."""

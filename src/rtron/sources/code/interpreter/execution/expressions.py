@@ -73,6 +73,7 @@ def _index(machine: AbstractMachine, node: Index, frame: StackFrame) -> Value:
     owner, key = machine.evaluate(node.owner, frame), machine.evaluate(node.key, frame)
     if isinstance(owner, MapValue) and isinstance(key, Scalar):
         _insert_default(machine, owner, key)
+        _note_missing(machine, owner, key, frame)
     return join([element(one, other) for one in options(owner) for other in options(key)])
 
 
@@ -80,6 +81,15 @@ def _insert_default(machine: AbstractMachine, owner: MapValue, key: Scalar) -> N
     """`m[key]` makes an entry where std::map has none."""
     if owner.default_factory is not None and not owner.open and key.value not in owner.fields:
         machine.undo_log.set(owner.fields, key.value, owner.default_factory())
+
+
+def _note_missing(
+    machine: AbstractMachine, owner: MapValue, key: Scalar, frame: StackFrame
+) -> None:
+    note = None if key.value in owner.fields else owner.missing_note(key.value)
+    if note:
+        place = Arguments(values=(), slots=(), line=0, frame=frame)
+        machine.recorder.add_unresolved(*note, place.evidence)
 
 
 def _new(machine: AbstractMachine, node: New, frame: StackFrame) -> Value:

@@ -14,11 +14,16 @@ from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMa
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.library_models.common.containers import DICT_METHODS, LibraryMethods
 from rtron.sources.declaration import NodeSite
+from rtron.sources.launch.common.environment import VARIABLE, unset_reason
 
 
 @dataclass(eq=False, slots=True)
 class EnvironmentValue(MapValue):
     """The variables of a node's environment."""
+
+    def missing_note(self, key: object) -> tuple[str, str] | None:
+        """Return that a variable is not given."""
+        return f"{VARIABLE}{key}", unset_reason(None)
 
 
 def environment_value(site: NodeSite) -> EnvironmentValue:
@@ -36,8 +41,8 @@ def getenv(machine: AbstractMachine, owner: object, arguments: Arguments) -> Val
         return Unknown("environ")
     if name.value in fields:
         return fields[name.value]
-    what = f"environment variable {name.value}"
-    why = f"is not given; `{text_with_holes(default)}` counts"
+    shown = None if default is NONE else text_with_holes(default)
+    what, why = f"{VARIABLE}{name.value}", unset_reason(shown)
     machine.recorder.add_unresolved(what, why, arguments.evidence)
     return default
 

@@ -177,7 +177,9 @@ def add_lines(executed: AppLaunch, read: AppLaunch) -> AppLaunch:
     for start in read.starts:
         locations[_key(start)].add(start.evidence)
     return replace(
-        executed, starts=tuple(_with_line(start, locations) for start in executed.starts)
+        executed,
+        starts=tuple(_with_line(start, locations) for start in executed.starts),
+        declared=read.declared,
     )
 
 

@@ -5,7 +5,7 @@ from typing import Annotated, Literal, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from rtron.errors import InputError, SourceError
+from rtron.errors import InputError, SourceError, plain_reason
 from rtron.sources.bounded_file import read_bounded
 from rtron.sources.launch.ros2.limits import MAX_FILES, MAX_NAMES, MAX_NODES
 from rtron.sources.launch.ros2.substitutions.substitution import MAX_COMMAND_OUTPUT, MAX_GRAPH_TEXT
@@ -123,7 +123,7 @@ def read_report(path: Path) -> VisitReport:
         first = error.errors(include_url=False, include_input=False)[0]
         json_path = ".".join(map(str, first["loc"][:6]))
         raise SourceError(
-            f"the visit of the launch file wrote: {json_path}: {first['msg']}"
+            f"the visit of the launch file wrote: {json_path}: {plain_reason(first['msg'])}"
         ) from None
     except InputError as error:
         raise SourceError(f"the visit of the launch file wrote a file {error.reason}") from None

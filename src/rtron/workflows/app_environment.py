@@ -1,0 +1,48 @@
+"""The environment of an app in source: what the user gives of it; nothing else counts.
+
+A scan is the same on every machine: of the user's own environment only the folders of packages
+count, and what `--env NAME` or `--env-all` asks for. The distribution is guessed from the
+workspace where it is not given.
+"""
+
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from rtron.errors import InputError
+from rtron.sources.launch.common.environment import LaunchEnvironment
+from rtron.sources.workspace.distro_guess import DistroGuess, guess_distro
+
+_INHERITED = ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH")
+_DISTRO = "ROS_DISTRO"
+
+
+def given_environment(
+    assignments: Sequence[str], *, take_all: bool, own: Mapping[str, str] = os.environ
+) -> dict[str, str]:
+    """Return the variables that count: `NAME=VALUE`, or `NAME` with its value in `own`.
+
+    Raise InputError for one of another form, or that is not set.
+    """
+    names = own if take_all else [name for name in _INHERITED if name in own]
+    return {name: own[name] for name in names} | dict(_pair(each, own) for each in assignments)
+
+
+def _pair(assignment: str, own: Mapping[str, str]) -> tuple[str, str]:
+    name, equals, value = assignment.partition("=")
+    if not name or name.endswith(":"):
+        help = "write --env NAME=VALUE, or --env NAME for your own value"
+        raise InputError(f"what is --env {assignment}?", help=help)
+    if equals:
+        return name, value
+    if name not in own:
+        raise InputError(f"{name} is not set here", help=f"give its value: --env {name}=VALUE")
+    return name, own[name]
+
+
+def launch_environment(
+    given: Mapping[str, str], folders: Sequence[Path], ros: int
+) -> tuple[LaunchEnvironment, DistroGuess | None]:
+    """Return the environment of a launch, with a guess at its distribution where none is given."""
+    guess = None if _DISTRO in given else guess_distro(folders, ros)
+    return LaunchEnvironment({_DISTRO: guess.name, **given} if guess else given), guess
