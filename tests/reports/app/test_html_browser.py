@@ -7,7 +7,7 @@ from pathlib import Path
 from xml.etree import ElementTree as ET
 
 import pytest
-from finding_cases import HIGH
+from finding_cases import HIGH, LOW
 from report_cases import GRAPH, report_of, speaks
 
 from rtron.planning import propose_plan
@@ -87,6 +87,14 @@ def press(page, selector):
     page.find_element(By.CSS_SELECTOR, selector).send_keys(Keys.ENTER)
 
 
+def show_all(page):
+    """Fit the whole graph into the stage, and wait until it is."""
+    scale = "return document.getElementById('world').getScreenCTM().a"
+    opened = page.execute_script(scale)
+    click(page, "#zoom-fit")
+    until(page, lambda: page.execute_script(scale) < opened)
+
+
 def lit(page):
     return labels(page, ".box.lit > .press") | labels(page, "[data-topic].lit > .row")
 
@@ -95,6 +103,7 @@ def test_all_nodes_are_drawn_where_they_can_be_seen(autorace):
     nodes = {label for label in labels(autorace) if label.startswith("node ")}
     assert len(nodes) == 25
     stage = autorace.find_element(By.ID, "stage").rect
+    show_all(autorace)
     for box in autorace.find_elements(By.CSS_SELECTOR, ".box"):
         rect = box.rect
         assert rect["x"] >= stage["x"] - 1
@@ -255,6 +264,7 @@ def test_the_keys_lead_through_the_graph(autorace):
 
 def test_a_box_is_dragged_with_its_edges(autorace):
     box = autorace.find_element(By.CSS_SELECTOR, "[aria-label='node /map_server']")
+    show_all(autorace)
     before = box.rect
     edges = "return [...document.querySelectorAll('.edge .hit')].map((e) => e.getAttribute('d'))"
     ways = autorace.execute_script(edges)
@@ -273,6 +283,7 @@ def test_what_is_left_out_comes_when_it_is_chosen(autorace):
 
 def test_zoom_and_fit(autorace):
     box = autorace.find_element(By.CSS_SELECTOR, "[aria-label='node /gazebo']")
+    show_all(autorace)
     before = box.rect["width"]
     click(autorace, "#zoom-in")
     until(autorace, lambda: box.rect["width"] > 1.2 * before)
@@ -341,3 +352,75 @@ def test_a_finding_stands_first_and_tells_what_to_do(opened):
         assert text in detail
     assert "1 finding" in texts(page, "#counts")[0]
     assert {"node /lane", "topic /cmd_vel"} <= lit(page)
+
+
+LABEL_SIZES = """
+const stage = document.getElementById("picture").getBoundingClientRect();
+const isSeen = (r) => r.right > stage.left && r.left < stage.right
+  && r.bottom > stage.top && r.top < stage.bottom;
+return [...document.querySelectorAll("#world text")]
+  .filter((each) => getComputedStyle(each).display !== "none")
+  .filter((each) => isSeen(each.getBoundingClientRect()))
+  .map((each) => parseFloat(getComputedStyle(each).fontSize) * each.getScreenCTM().a);
+"""
+
+
+@pytest.fixture
+def screen(chromium):
+    """Give the browser a screen's size; it has its own again after the test."""
+
+    def set_size(width, height):
+        size = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 500}
+        chromium.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+
+    yield set_size
+    chromium.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+
+
+@pytest.mark.parametrize(("width", "height"), [(1300, 900), (390, 844)])
+def test_the_graph_opens_readable(screen, opened, width, height):
+    screen(width, height)
+    graph = read_graph(FIXTURES / "autorace.json")
+    report = discover_risks(graph)
+    page = opened(graph, report, propose_plan(graph, report), [HIGH])
+    WebDriverWait(page, 10).until(lambda page: page.execute_script(LABEL_SIZES))
+    assert min(page.execute_script(LABEL_SIZES)) >= 11
+    assert len(page.execute_script(LABEL_SIZES)) >= 5
+    assert page.execute_script("return document.documentElement.scrollWidth") <= width
+
+
+def test_the_head_counts_findings_by_severity(opened):
+    others = [replace(LOW, subject=f"/other{i}") for i in range(2)]
+    page = opened(GRAPH, report_of(), None, [HIGH, *others])
+    assert texts(page, "#counts .severity") == ["1 high", "2 low"]
+
+
+def test_a_finding_has_an_address_with_its_remedy_rule_and_lines(opened, tmp_path):
+    place = HIGH.evidence[0]
+    path = tmp_path / "lines.html"
+    lines = {place: "pub = Publisher('/cmd_vel')"}
+    path.write_text(graph_to_html(GRAPH, report_of(), None, [HIGH], lines), encoding="utf-8")
+    page = opened(GRAPH, report_of())
+    page.get(f"{path.as_uri()}#finding:{HIGH.id}")
+    said = page.find_element(By.ID, "detail").text
+    for text in (HIGH.summary, HIGH.remedy, HIGH.rule, "pub = Publisher('/cmd_vel')"):
+        assert text in said
+    page.find_element(By.CSS_SELECTOR, "#detail .close").click()
+    assert "#" not in page.current_url
+    page.find_element(By.CSS_SELECTOR, "#findings .item").click()
+    assert page.current_url.endswith(f"#finding:{HIGH.id}")
+    page.execute_script("location.hash = '#finding:none%'")
+    assert page.find_element(By.ID, "detail").is_displayed()
+
+
+def test_the_findings_are_printed_in_full(opened):
+    page = opened(GRAPH, report_of(), None, [HIGH])
+    assert not page.find_element(By.ID, "printed").is_displayed()
+    page.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print"})
+    try:
+        said = page.find_element(By.ID, "printed").text
+        assert not page.find_element(By.TAG_NAME, "main").is_displayed()
+    finally:
+        page.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": ""})
+    assert HIGH.summary in said
+    assert HIGH.remedy in said

@@ -62,7 +62,7 @@ def _argument_text(launch: "LaunchFileInfo") -> str:
     return " ".join((*required, *(f"[{name}:=…]" for name in launch.optional)))
 
 
-_LIKELY = ("bringup", "navigation", "nav2", "navigate", "robot", "demo", "main", "start")
+_LIKELY = ("bringup", "navigation", "nav2", "navigate", "robot", "core", "main", "demo", "start")
 """Words in the names of launch files that start a whole app, the likeliest first."""
 _PARTS = ("test", "rviz", "teleop", "description", "upload", "calibrat", "spawn", "example")
 """Words in the names of those that start a part of one, or a tool."""

@@ -23,6 +23,7 @@ from rtron.workflows.app_selection import AppSelection, SelectedApp, select_app
 from rtron.workflows.plan import propose
 from rtron.workflows.scan import ScanResult, scan_graph, triage_scan, with_relative_evidence
 from rtron.workflows.source_app import launches_by_name
+from rtron.workflows.source_lines import read_source_lines
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -100,9 +101,10 @@ def _text(app: SelectedApp, result: ScanResult, triage: Triage, level: FindingLe
     return scan_text(scan)
 
 
-def _html(result: ScanResult, triage: Triage, level: FindingLevel) -> str:
-    plan = propose(result).plan
-    return graph_to_html(result.graph, result.report, plan, at_level(triage, level).findings)
+def _html(app: SelectedApp, result: ScanResult, triage: Triage, level: FindingLevel) -> str:
+    plan, findings = propose(result).plan, at_level(triage, level).findings
+    lines = read_source_lines(findings, app.root)
+    return graph_to_html(result.graph, result.report, plan, findings, lines)
 
 
 def _sarif(app: SelectedApp, result: ScanResult, triage: Triage, level: FindingLevel) -> str:
@@ -122,5 +124,5 @@ _RENDERERS: Mapping[str, _Renderer] = {
     "rosgraph": lambda app, scan, triage, level: as_json(graph_to_rosgraph(scan.graph)),
     "dot": lambda app, scan, triage, level: graph_to_dot(scan.graph, scan.report),
     "sarif": _sarif,
-    "html": lambda app, scan, triage, level: _html(scan, triage, level),
+    "html": _html,
 }

@@ -12,7 +12,7 @@ from html import escape
 from string import Template
 from typing import Any
 
-from rtron.reports.app.page_data import page_data
+from rtron.reports.app.page_data import NO_LINES, SourceLines, page_data
 from rtron.reports.inline_page import page_text, policy
 from rtron.vocabulary import Finding, InteractionGraph, Plan, RiskReport
 
@@ -28,9 +28,13 @@ def graph_to_html(
     report: RiskReport,
     plan: Plan | None,
     findings: Sequence[Finding] = (),
+    source_lines: SourceLines = NO_LINES,
 ) -> str:
-    """Return the page of a graph, findings, risks and, with a plan, its coordination nodes."""
-    data = page_data(graph, report, plan, findings)
+    """Return the page of a graph, findings, risks and, with a plan, its coordination nodes.
+
+    `source_lines` are the lines of source at the places of findings, as far as they are known.
+    """
+    data = page_data(graph, report, plan, findings, source_lines)
     layout, program, style = "".join(map(page_text, _LAYOUT)), _program(), page_text("page.css")
     return Template(page_text("page.html")).substitute(
         title=escape(data["app"]),

@@ -1,7 +1,7 @@
 """What the page knows: the graph, its risks and the plan, with numbers in place of names."""
 
-from collections.abc import Iterable
-from typing import Any
+from collections.abc import Iterable, Mapping
+from typing import Any, TypeAlias
 
 from rtron.reports.app.page_coordination import plan_data
 from rtron.reports.app.page_ids import PageIds, page_ids
@@ -22,12 +22,16 @@ from rtron.vocabulary import (
     UnresolvedItem,
 )
 
+SourceLines: TypeAlias = Mapping[Evidence, str]
+NO_LINES: SourceLines = {}
+
 
 def page_data(
     graph: InteractionGraph,
     report: RiskReport,
     plan: Plan | None,
     findings: Iterable[Finding] = (),
+    source_lines: SourceLines = NO_LINES,
 ) -> Any:  # noqa: ANN401
     """Return all that the page shows as plain JSON, every text on one line and harmless."""
     names, colours = page_ids(graph, report, plan), risk_marks(graph, report)
@@ -41,7 +45,7 @@ def page_data(
         "services": [_side(names, s.node, s.name, s.type, "") for s in graph.services],
         "actions": [_side(names, a.node, a.name, a.type, a.role.value) for a in graph.actions],
         "risks": [_risk(risk, names) for risk in sorted(report.risks, key=worst_first)],
-        "findings": [_finding(finding, names) for finding in findings],
+        "findings": [_finding(finding, names, source_lines) for finding in findings],
         "unresolved": [_unresolved(item) for item in graph.unresolved],
         "notRun": [list(item) for item in report.not_run.items()],
         "coordination": plan_data(plan, names) if plan else [],
@@ -128,7 +132,7 @@ def _risk(risk: Risk, names: PageIds) -> dict[str, Any]:
     }
 
 
-def _finding(finding: Finding, names: PageIds) -> dict[str, Any]:
+def _finding(finding: Finding, names: PageIds, source_lines: SourceLines) -> dict[str, Any]:
     """Return a finding with those of its nodes and topics that are in the graph."""
     return {
         "id": finding.id,
@@ -141,6 +145,7 @@ def _finding(finding: Finding, names: PageIds) -> dict[str, Any]:
         "nodes": [names.nodes[node] for node in finding.nodes if node in names.nodes],
         "topics": [names.topics[topic] for topic in finding.topics if topic in names.topics],
         "evidence": _locations(finding.evidence),
+        "lines": [source_lines.get(place, "") for place in finding.evidence],
     }
 
 

@@ -1,7 +1,7 @@
 // Starts the page.
 import { definitions, dragBox, draw, highlight, isLit } from "./graph/draw.js";
 import { extent, graphLayout } from "./graph/layout.js";
-import { isGRCN, related } from "./graph/model.js";
+import { isGRCN, related, sameChoice } from "./graph/model.js";
 import { Viewport } from "./graph/viewport.js";
 
 const svg = byId("picture"), world = byId("world");
@@ -25,6 +25,7 @@ function flowLabel(e) {
   return { text: [...e.names, ...new Set(flows.map((flow) => flow.name))].join(", "), look: "flow", at: (path) => path.middle };
 }
 
+const NAMED = { node: (m) => m.nodes, topic: (m) => m.topics, risk: (m) => m.riskById, finding: (m) => m.findingById, coordination: (m) => m.coordinationById };
 const choiceParts = () => state.choice && related(MODEL, state.choice);
 const highlightChoice = () => highlight(layout, world, choiceParts(), state.choice, document);
 
@@ -34,8 +35,28 @@ function press(choice) {
   redraw();
 }
 
+// Where the picture opens: at the worst finding, if not all of it can be read.
+function firstBoxes() {
+  const [worst] = MODEL.findings, parts = worst && related(MODEL, { kind: "finding", name: worst.id });
+  return parts ? layout.boxes.filter((box) => isLit(box, parts)) : [];
+}
+
+// Each choice with a name has an address: what is behind # names it.
+const address = ({ kind, name }) => `#${kind}:${encodeURI(name).replaceAll("#", "%23")}`;
+function addressed() {
+  return Object.keys(NAMED).flatMap((kind) => [...NAMED[kind](MODEL).keys()].map((name) => ({ kind, name }))).find((choice) => address(choice) === location.hash);
+}
+
+function openAddress() {
+  const choice = addressed();
+  if (!choice || sameChoice(choice, state.choice)) return;
+  choose(choice);
+  focusOnChoice();
+}
+
 function choose(choice) {
   state.choice = choice;
+  history.replaceState(null, "", choice?.name === undefined ? location.pathname + location.search : address(choice));
   reveal(choice);
   showDetail();
   highlightChoice();
@@ -43,7 +64,8 @@ function choose(choice) {
 
 function focusOnChoice() {
   const parts = choiceParts();
-  view.focusOn(layout.boxes.filter((box) => isLit(box, parts)));
+  view.touched = true;
+  view.open(layout.boxes.filter((box) => isLit(box, parts)));
 }
 
 // A topic that is chosen by name is shown, even if it is a leaf or in a folded box.
@@ -63,7 +85,7 @@ function refilter() {
   }
   byId("only-risks").setAttribute("aria-pressed", state.hidden.risk.has(NO_RISK));
   redraw();
-  view.fit();
+  view.open(firstBoxes());
 }
 
 // Keys of the whole page; those of the picture are the viewport's.
@@ -109,13 +131,14 @@ function save() {
 function start() {
   const explicit = MODEL.endpoints.filter((e) => !e.implicit);
   byId("title").textContent = MODEL.app;
-  byId("counts").textContent = [`ROS ${MODEL.ros}`, plural(MODEL.nodes.size, "node"), plural(MODEL.topics.size, "topic"), plural(explicit.length, "endpoint"), plural(MODEL.findings.length, "finding")].join(" · ");
+  byId("counts").append([`ROS ${MODEL.ros}`, plural(MODEL.nodes.size, "node"), plural(MODEL.topics.size, "topic"), plural(explicit.length, "endpoint"), plural(MODEL.findings.length, "finding")].join(" · "), ...severityCounts());
   svg.querySelector("defs").append(...definitions());
   fillFindings();
   fillRisks();
   fillCoordination();
   fillFacets();
   fillUnresolved();
+  fillPrinted();
   fillLegend();
   byId("leaves").textContent = `Leaf topics ${leafTopics()}`;
   toggle("only-risks", (on) => { state.hidden.risk[on ? "add" : "delete"](NO_RISK); refilter(); });
@@ -132,6 +155,8 @@ function start() {
   byId("search").addEventListener("keydown", (event) => event.key === "Enter" && byId("found").querySelector("button")?.click());
   document.addEventListener("keydown", keys);
   redraw();
-  view.show(layout.boxes);
+  view.show(layout.boxes, firstBoxes);
+  addEventListener("hashchange", openAddress);
+  openAddress();
 }
 start();

@@ -26,6 +26,23 @@ const locations = (evidence) => evidence.length ? tag("ul", { class: "places" },
 const section = (name, ...children) => children.length ? tag("section", {}, tag("h3", {}, name), ...children) : null;
 const facts = (rows) => tag("dl", {}, ...rows.filter(([, value]) => value).flatMap(([name, value]) => [tag("dt", {}, name), tag("dd", {}, value)]));
 
+// How many findings have each severity, the worst first.
+function severityCounts() {
+  const counts = new Map();
+  for (const { severity: each } of MODEL.findings) counts.set(each, (counts.get(each) ?? 0) + 1);
+  return ["high", "medium", "low"].filter((each) => counts.has(each)).map((each) => tag("span", { class: `severity ${each}` }, `${counts.get(each)} ${each}`));
+}
+
+// Where a finding comes from, each place with the line that stands there, as far as it is known.
+const sourceLines = ({ evidence, lines }) => evidence.length ? tag("ul", { class: "places" }, ...evidence.map((at, i) => tag("li", {}, tag("code", {}, at), lines[i] ? tag("pre", {}, lines[i]) : null))) : null;
+
+// What is printed instead of the picture: each finding in full.
+function fillPrinted() {
+  byId("printed").append(...MODEL.findings.map((finding) => tag("article", {},
+    tag("h2", {}, severity(finding), " ", finding.summary), tag("p", {}, finding.cause), tag("p", {}, `What to do: ${finding.remedy}`),
+    sourceLines(finding), tag("p", { class: "note" }, `${finding.rule}, ${finding.certainty}`))));
+}
+
 function fillFindings() {
   byId("finding-count").textContent = MODEL.findings.length;
   const items = MODEL.findings.map((finding) => item({ kind: "finding", name: finding.id }, {}, severity(finding), tag("span", { class: "about" }, finding.summary)));
@@ -137,10 +154,10 @@ const DETAIL = {
     const finding = MODEL.findingById.get(name);
     return [tag("p", { class: "what" }, severity(finding), " ", finding.certainty), tag("h2", {}, finding.summary), tag("p", { class: "reason" }, finding.cause),
       section("What to do", tag("p", { class: "reason" }, finding.remedy)),
+      section("Source", ...[sourceLines(finding)].filter(Boolean)),
+      facts([["rule", finding.rule], ["explained by", `rtron explain ${finding.rule}`]]),
       section("Topics", ...finding.topics.map(topicLink)),
-      section("Nodes", ...finding.nodes.map(nodeLink)),
-      section("Evidence", ...[locations(finding.evidence)].filter(Boolean)),
-      facts([["rule", finding.rule], ["explained by", `rtron explain ${finding.rule}`]])];
+      section("Nodes", ...finding.nodes.map(nodeLink))];
   },
   coordination({ name }) {
     const c = MODEL.coordinationById.get(name);

@@ -18,11 +18,13 @@ export class Viewport {
     on("keydown", this.key);
   }
 
-  // Until somebody moves the picture, all of it stays in view.
-  show(boxes) {
+  // Until somebody moves the picture, all of it stays in view. With `first`, which returns boxes, those come
+  // into view where all would be too small to read.
+  show(boxes, first = null) {
     Object.assign(this, { boxes, touched: false });
-    this.fit();
-    const observer = new ResizeObserver(() => this.touched || this.fit());
+    const place = () => first ? this.open(first()) : this.fit();
+    place();
+    const observer = new ResizeObserver(() => this.touched || place());
     observer.observe(this.svg);
     return () => observer.disconnect();
   }
@@ -62,6 +64,17 @@ export class Viewport {
     this.k = Math.max(Math.min((width - 2 * MARGIN) / (right - left), (height - 2 * MARGIN) / (bottom - top), maxScale), MIN_SCALE);
     this.x = width / 2 - this.k * (left + right) / 2;
     this.y = height / 2 - this.k * (top + bottom) / 2;
+    this.apply();
+  }
+
+  // All of it, or where its words would be too small then, these boxes at full size.
+  open(boxes) {
+    this.fit();
+    if (this.k >= 1 || !this.boxes.length) return;
+    const whole = extent(this.boxes), part = extent(boxes.length ? boxes : this.boxes.slice(0, 1));
+    this.k = 1;
+    this.x = placed(this.svg.clientWidth, part.left, part.right, whole.left, whole.right);
+    this.y = placed(this.svg.clientHeight - (this.covered?.() ?? 0), part.top, part.bottom, whole.top, whole.bottom);
     this.apply();
   }
 
@@ -127,6 +140,14 @@ export class Viewport {
     const dx = Math.max(stage.left + 20 - at.left, 0) || Math.min(stage.right - 20 - at.right, 0), dy = Math.max(stage.top + 20 - at.top, 0) || Math.min(stage.bottom - 20 - at.bottom, 0);
     if (dx || dy) this.pan(dx, dy);
   }
+}
+
+// By how much to move along one axis so that a part is in the middle, or begins at the edge if it is longer, and
+// no more of the stage than a margin stays empty.
+function placed(length, from, to, least, most) {
+  if (most - least + 2 * MARGIN <= length) return length / 2 - (least + most) / 2;
+  const wanted = to - from + 2 * MARGIN <= length ? length / 2 - (from + to) / 2 : MARGIN - from;
+  return Math.min(Math.max(wanted, length - MARGIN - most), MARGIN - least);
 }
 
 function nearest(from, all, sx, sy) {
