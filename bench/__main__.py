@@ -15,6 +15,7 @@ from figures.figure import Figure
 from figures.table import number, table, write
 
 PARTS = {
+    "command_line": "common.command_line:figures",
     "policies": "common.policies:figures",
     "rules": "common.rules:figures",
     "violations": "common.violations:figures",

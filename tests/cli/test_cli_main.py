@@ -16,7 +16,7 @@ from rtron.vocabulary import FindingLevel
 ALL = [name for table in (COMMANDS, GROUPS) for names in table.values() for name in names]
 EVERY = [load_command(name) for names in COMMANDS.values() for name in names]
 
-HEAVY = {"rich", "yaml", "lxml", "rtron.vocabulary", "rtron.sources", "rtron.findings"}
+HEAVY = {"rich", "pydantic", "yaml", "lxml", "rtron.vocabulary", "rtron.sources", "rtron.findings"}
 SOURCE = str(Path(rtron.__file__).parents[1])
 MODULE = (sys.executable, "-m", "rtron")
 
