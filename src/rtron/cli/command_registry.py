@@ -110,7 +110,20 @@ class CommandGroup(TyperGroup):
             for name, summary in summaries.items()
         }
         super().__init__(**options | {"commands": commands})
+        self._has_options = True
         self.help = _keep_lines(self.help or "")
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:  # noqa: ANN401 - likewise
+        """Read the options of `rtron` itself only where some are given: typer loads pydantic."""
+        self._has_options = args[0].startswith("-") if args else not ctx.resilient_parsing
+        try:
+            return super().parse_args(ctx, args)
+        finally:
+            self._has_options = True
+
+    def get_params(self, ctx: Any) -> list[Any]:  # noqa: ANN401 - likewise
+        """Return the options of `rtron` itself, where they are read."""
+        return super().get_params(ctx) if self._has_options else []
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:  # noqa: ANN401, ARG002 - likewise
         """List the commands by part, with their summaries."""

@@ -32,7 +32,7 @@ def main() -> None:
         sys.exit(BAD_INPUT)
 
 
-def _print_version(is_requested: bool | None) -> None:  # noqa: FBT001 - typer hands over the option's value
+def _print_version(is_requested: bool) -> None:  # noqa: FBT001 - typer hands over the option's value
     if is_requested:
         deliver(Outcome(f"rtron {__version__}\n"))
 
@@ -41,9 +41,9 @@ def _print_version(is_requested: bool | None) -> None:  # noqa: FBT001 - typer h
 def root(
     *,
     version: Annotated[
-        bool | None,  # None, so that typer does not load pydantic for a value that is not given
+        bool,
         typer.Option("--version", callback=_print_version, is_eager=True, help="Show the version."),
-    ] = None,
+    ] = False,
 ) -> None:
     """Find what the nodes of a robot app can do to each other, and guard it.
 

@@ -1,12 +1,15 @@
 """Scan an app: its interaction graph, and what its nodes can do to each other."""
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
+from rtron.errors import InputError
 from rtron.findings import FINDING_RULES, find_findings
 from rtron.findings.triage import triage
 from rtron.risks import RULES, RiskLists, discover_risks, load_lists
+from rtron.sources.bounded_file import read_regular_file
 from rtron.sources.ignores.baseline_file import read_baseline
 from rtron.sources.ignores.comments import comment_ignores
 from rtron.sources.ignores.config_file import CONFIG_NAME, read_config
@@ -20,6 +23,10 @@ from rtron.vocabulary import (
     Triage,
     UnresolvedItem,
 )
+
+_MAX_SOURCE_BYTES = 4 << 20
+_MAX_LINE_LENGTH = 200
+_MAX_LINES = 2000
 
 
 @dataclass(frozen=True)
@@ -96,3 +103,33 @@ def _comment_ignores(result: ScanResult, root: Path | None) -> tuple[Ignore, ...
         return ()
     evidence = (each for finding in result.findings for each in finding.evidence if each.file)
     return tuple(comment_ignores(evidence, root))
+
+
+def read_source_lines(findings: Iterable[Finding], root: Path | None) -> dict[Evidence, str]:
+    """Return the line of each place in a file below `root`; what cannot be read is left out."""
+    if root is None:
+        return {}
+    places = dict.fromkeys(at for each in findings for at in each.evidence if at.file and at.line)
+    files: dict[str, list[str]] = {}
+    return dict(_source_lines(list(places)[:_MAX_LINES], root, files))
+
+
+def _source_lines(
+    places: Iterable[Evidence], root: Path, files: dict[str, list[str]]
+) -> Iterator[tuple[Evidence, str]]:
+    for at in places:
+        if at.file not in files:
+            files[at.file] = _file_lines(root, at.file)
+        if at.line <= len(files[at.file]):
+            yield at, files[at.file][at.line - 1].strip()[:_MAX_LINE_LENGTH]
+
+
+def _file_lines(root: Path, name: str) -> list[str]:
+    path = (root / name).resolve()
+    if not path.is_relative_to(root.resolve()):
+        return []
+    try:
+        data = read_regular_file(path, _MAX_SOURCE_BYTES)
+    except InputError:
+        return []
+    return data.decode("utf-8", errors="replace").splitlines()

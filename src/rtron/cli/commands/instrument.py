@@ -67,7 +67,7 @@ def instrument(  # noqa: PLR0913 - one for each option
 
     $ rtron instrument app.launch --plan rtron.yaml -o guarded.launch
     $ rtron instrument app.launch model:=waffle --plan rtron.yaml -o out.launch
-    $ rtron instrument pkg/app.launch --packages src --plan rtron.yaml -o out.launch
+    $ rtron instrument pkg/app.launch --packages src --plan rtron.yaml -o o.launch
     $ rtron instrument app.launch --plan rtron.yaml --graph g.json -o out.launch
 
     The plan names its ROS. For ROS 2, RTron rewrites XML and YAML launch files
@@ -78,8 +78,8 @@ def instrument(  # noqa: PLR0913 - one for each option
     $ rtron instrument app.launch.xml --plan rtron.yaml -o guarded.launch.xml
 
     A guarded XML or YAML file is valid for the given arguments and variables of
-    the environment (--env). Started with others, it ends at once and names them; instrument
-    again for those. A guarded Python launch file takes any arguments.
+    the environment (--env). Started with others, it ends at once and names them;
+    instrument again for those. A guarded Python launch file takes any arguments.
 
     Exit code: 0 every flow is guarded; 1 written, but nothing is guarded, or some
     flow cannot be and the plan does not accept that; 2 bad input.

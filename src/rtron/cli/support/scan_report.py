@@ -21,9 +21,14 @@ from rtron.sources.graph_json import graph_to_json
 from rtron.vocabulary import FindingLevel, InteractionGraph, Severity, Triage
 from rtron.workflows.app_selection import AppSelection, SelectedApp, select_app
 from rtron.workflows.plan import propose
-from rtron.workflows.scan import ScanResult, scan_graph, triage_scan, with_relative_evidence
+from rtron.workflows.scan import (
+    ScanResult,
+    read_source_lines,
+    scan_graph,
+    triage_scan,
+    with_relative_evidence,
+)
 from rtron.workflows.source_app import launches_by_name
-from rtron.workflows.source_lines import read_source_lines
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -39,25 +44,25 @@ class ScanReport:
     output: Path = STDOUT
 
 
-def run_scan(selection: AppSelection, wanted: ScanReport) -> Outcome:
+def run_scan(selection: AppSelection, options: ScanReport) -> Outcome:
     """Return the report of an app, or its launch files if none of them is chosen."""
     if selection.folders and not selection.source.launches and not selection.live:
-        return Outcome(_launch_list(selection.folders, wanted.format), OK, wanted.output)
+        return Outcome(_launch_list(selection.folders, options.format), OK, options.output)
     with show_progress() as progress:
         app = select_app(selection, progress)
         graph = app.source.read()
-    if wanted.format in _HUMAN_FORMATS:
+    if options.format in _HUMAN_FORMATS:
         graph = with_relative_evidence(graph, app.root)
-    result = scan_graph(graph, wanted.name_lists)
-    triage = triage_scan(result, app.root, wanted.config, wanted.baseline)
-    shown = at_level(triage, wanted.level)
-    is_failed = wanted.fail_on and (_is_severe(shown, wanted.fail_on) or _is_unread(graph))
+    result = scan_graph(graph, options.name_lists)
+    triage = triage_scan(result, app.root, options.config, options.baseline)
+    shown = at_level(triage, options.level)
+    is_failed = options.fail_on and (_is_severe(shown, options.fail_on) or _is_unread(graph))
     exit_code = FINDINGS if is_failed else OK
-    if wanted.format == "nodl" and wanted.output.is_dir():
-        write_files(wanted.output, nodl_files(graph))
+    if options.format == "nodl" and options.output.is_dir():
+        write_files(options.output, nodl_files(graph))
         return Outcome("", exit_code)
-    text = _RENDERERS[wanted.format](app, result, triage, wanted.level)
-    return Outcome(text, exit_code, wanted.output)
+    text = _RENDERERS[options.format](app, result, triage, options.level)
+    return Outcome(text, exit_code, options.output)
 
 
 def _launch_list(folders: Sequence[Path], format: str) -> str | Report:
