@@ -10,7 +10,7 @@ from typing import Any
 
 from rtron.executors.base import Item, ItemFailure, Result
 from rtron.executors.chunked_map import CHUNK_SIZE, LostWorkerError, map_in_order
-from rtron.executors.parent_process import follow_parent
+from rtron.executors.parent_process import follow_parent, without_ctrl_c
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,11 +38,15 @@ class _ProcessPool:
     def submit(self, function: Callable[..., Any], *arguments: object) -> Callable[[], Any]:
         """Begin a call; the answer waits for its result."""
         try:
-            future = self._running_executor().submit(function, *arguments)
+            future = self._submit(function, *arguments)
         except BrokenProcessPool:
             self.close()
-            future = self._running_executor().submit(function, *arguments)
+            future = self._submit(function, *arguments)
         return lambda: self._result(future)
+
+    def _submit(self, function: Callable[..., Any], *arguments: object) -> "Future[Any]":
+        with without_ctrl_c():
+            return self._running_executor().submit(function, *arguments)
 
     def close(self) -> None:
         """End the processes."""

@@ -141,3 +141,9 @@ def test_the_next_step_leads_to_the_same_app(rtron, opened_sources):
     ran = rtron("scan", "--live", "--ros", "2", "--domain", "4")
     assert "the app running in ROS 2 domain x" in ran.out
     assert "rtron plan --live --ros 2 --domain 4 -o rtron.yaml" in ran.out
+
+
+def test_verify_refuses_another_ros_than_the_plans(rtron, plan_file):
+    ran = rtron("verify", "--live", "--ros", "2", "--plan", plan_file)
+    assert (ran.code, ran.out) == (2, "")
+    assert "says `ros: 1`, not 2" in ran.err

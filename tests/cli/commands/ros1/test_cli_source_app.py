@@ -58,6 +58,12 @@ def test_a_folder_alone_lists_its_launch_files(rtron, folder):
     assert f"rtron scan {folder} --launch robot/plain.launch" in ran.out
 
 
+def test_the_launch_file_that_is_likeliest_to_start_the_app_is_proposed(rtron, folder):
+    for name in ("a_teleop", "navigation", "zz_bringup"):
+        (folder / "launch" / f"{name}.launch").write_text(PLAIN)
+    assert "--launch robot/zz_bringup.launch\n" in rtron("scan", folder).out
+
+
 def test_the_list_as_json(rtron, folder):
     document = json.loads(rtron("scan", folder, "--format", "json").out)
     assert document["schema"] == "rtron.launches/1"

@@ -109,3 +109,39 @@ def test_what_is_no_package_is_not_looked_for_where_packages_are(rtron, folder, 
     prefix = f"AMENT_PREFIX_PATH={tmp_path / 'install'}"
     ran = rtron("scan", folder, "--launch", spelled, "--env", prefix)
     assert (ran.code, "no launch file" in ran.err) == (2, True)
+
+
+ENVIRONMENT_LAUNCH = """import os
+from launch import LaunchDescription
+from launch.substitutions import EnvironmentVariable
+from launch_ros.actions import Node
+
+def generate_launch_description():
+    return LaunchDescription([
+        Node(package="parts", executable="x", name=os.environ["MODEL"]),
+        Node(package="parts", executable="x", name=os.environ.get("LIDAR", "ld08")),
+        Node(package="parts", executable="x", name=EnvironmentVariable("ARM", default_value="no")),
+    ])
+"""
+
+
+def test_python_launch_files_get_the_variables_that_are_given(rtron, folder, monkeypatch):
+    (folder / "parts" / "launch" / "env.launch.py").write_text(ENVIRONMENT_LAUNCH)
+    for name in ("MODEL", "LIDAR", "ARM"):
+        monkeypatch.setenv(name, f"my_{name.lower()}")
+    app = ("scan", folder, "--launch", "parts/env.launch.py", "-j", "1", "--fail-on", "never")
+
+    def names(*words):
+        document = json.loads(rtron(*app, *words, "--format", "graph").out)
+        return {node["name"] for node in document["nodes"]}
+
+    assert {"/ld08", "/no"} <= names()
+    assert names("--env-all") == {"/my_model", "/my_lidar", "/my_arm"}
+    assert names("--env", "MODEL", "--env", "LIDAR=a", "--env", "ARM") == {
+        "/my_model",
+        "/a",
+        "/my_arm",
+    }
+    said = " ".join(rtron(*app).out.split())
+    assert "not given: environment variables" in said
+    assert all(name in said for name in ("MODEL", "LIDAR", "ARM"))

@@ -6,6 +6,7 @@ from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from multiprocessing import get_context
 
+from rtron.executors.parent_process import without_ctrl_c
 from rtron.sources.static.common.scan_options import default_workers
 from rtron.sources.static.common.task import InterpretationTask, TaskResult
 from rtron.sources.static.common.worker import failed_result, run_in_worker, start_worker
@@ -49,13 +50,16 @@ class WorkerPool:
         self, tasks: Sequence[InterpretationTask]
     ) -> Iterator[tuple[InterpretationTask, "Future[TaskResult]"]]:
         executor = self._start_executor(min(self.workers, len(tasks), default_workers()))
-        futures = {executor.submit(run_in_worker, task, self.seconds): task for task in tasks}
+        with without_ctrl_c():
+            futures = {executor.submit(run_in_worker, task, self.seconds): task for task in tasks}
         for future in as_completed(futures):
             yield futures[future], future
 
     def _run_isolated(self, task: InterpretationTask) -> TaskResult:
         """Run a task in a process of its own, since one of several ended theirs."""
-        result = _result_or_none(self._start_executor(1).submit(run_in_worker, task, self.seconds))
+        with without_ctrl_c():
+            future = self._start_executor(1).submit(run_in_worker, task, self.seconds)
+        result = _result_or_none(future)
         if result is None:
             self.close()
         return result or failed_result(task, "the process that interpreted it ended")
