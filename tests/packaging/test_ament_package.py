@@ -10,7 +10,7 @@ import pytest
 from rtron import __version__
 from rtron.cli import main
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 AMENT = ROOT / "ament"
 
 
