@@ -23,6 +23,7 @@ ROOT = Path(__file__).parents[2]
 SOURCE = ROOT / "src" / "rtron"
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
 ADDRESS = PROJECT["urls"]["Source"]
+UNITS = {path.name for path in (ROOT / "deploy" / "systemd").iterdir()}
 BESIDES = {"CHANGELOG.md", "LICENSE", "README.md", "pyproject.toml", "PKG-INFO", ".gitignore"}
 
 
@@ -64,14 +65,18 @@ def source_files():
 def test_the_sdist_has_the_source_and_what_builds_it(sdist):
     with tarfile.open(sdist) as archive:
         names = {name.partition("/")[2] for name in archive.getnames()}
-    assert names == BESIDES | {f"src/{name}" for name in source_files()}
+    units = {f"deploy/systemd/{name}" for name in UNITS}
+    assert names == BESIDES | units | {f"src/{name}" for name in source_files()}
 
 
 def test_the_wheel_has_every_module_and_data_file_and_nothing_else(wheel):
     with zipfile.ZipFile(wheel) as archive:
         names = set(archive.namelist())
-    info = f"rtron-{__version__}.dist-info/"
-    assert {name for name in names if not name.startswith(info)} == source_files()
+    info, data = (f"rtron-{__version__}.{kind}/" for kind in ("dist-info", "data"))
+    code = {name for name in names if not name.startswith((info, data))}
+    assert code == source_files()
+    units = {f"{data}data/share/rtron/systemd/{name}" for name in UNITS}
+    assert {name for name in names if name.startswith(data)} == units
     assert {"rtron/py.typed", "rtron/service/console/static/index.html"} <= names
     licences = {name.removeprefix(f"{info}licenses/") for name in names if "/licenses/" in name}
     assert licences == {
