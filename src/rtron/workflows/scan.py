@@ -67,7 +67,7 @@ def _relative_to(evidence: tuple[Evidence, ...], prefix: str) -> tuple[Evidence,
     return tuple(replace(each, file=each.file.removeprefix(prefix)) for each in evidence)
 
 
-RULE_NAMES = tuple(rule.name for rule in (*FINDING_RULES, *RULES))
+RULE_NAMES = (*(rule.name for rule in FINDING_RULES), *(rule.name for rule in RULES))
 """What `rtron.toml` can name."""
 
 

@@ -69,5 +69,5 @@ def take_notifier(environment: MutableMapping[str, str]) -> SystemdNotifier:
     if address and address[0] not in "/@":
         log.warning("NOTIFY_SOCKET is no Unix socket: systemd is told nothing")
         address = ""
-    is_asked = period.isascii() and period.isdecimal() and pid == str(os.getpid())
-    return SystemdNotifier(address, int(period) * _NS if is_asked else 0)
+    is_watched = period.isascii() and period.isdecimal() and pid == str(os.getpid())
+    return SystemdNotifier(address, int(period) * _NS if is_watched else 0)
