@@ -11,6 +11,9 @@ ROOT = Path(__file__).parents[2]
 BLOCKS = re.findall(r"```sh\n(.*?)```", (ROOT / "docs" / "install.md").read_text(), re.DOTALL)
 COMMANDS = {"rtron": '-m rtron "$@"', "python": '"$@"'}
 
+_HEAD = "set -e; trap 'kill $(jobs -p) || true' EXIT"
+_OWN_DOMAIN = "ROS_DOMAIN_ID=42 "
+
 
 @pytest.mark.ros2
 @pytest.mark.long
@@ -22,10 +25,7 @@ def test_a_stranger_gets_to_a_guarded_app(ros2, tmp_path):
         program.parent.mkdir(exist_ok=True)
         program.write_text(f'#!/bin/sh\nexec "{sys.executable}" {words}\n')
         program.chmod(0o755)
-    script = "\n".join(["set -e", *blocks]).replace(
-        "kill $(jobs -p); wait", "kill $(jobs -p); wait || true"
-    )
-    script = script.replace("ROS_DOMAIN_ID=42 ", "")
+    script = "\n".join([_HEAD, *blocks]).replace(_OWN_DOMAIN, "")
     environment = ros2.environ | {"PATH": f"{tmp_path / 'bin'}:{ros2.environ['PATH']}"}
     ran = subprocess.run(
         ["bash", "-c", script],
