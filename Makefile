@@ -31,6 +31,7 @@ lint: setup ## Check style, types, names, sizes, imports and whether the generat
 	$(BIN)/lint-imports
 	$(PYTHON) scripts/docs_rules.py --check
 	$(PYTHON) scripts/docs_policies.py --check
+	$(PYTHON) scripts/docs_schemas.py --check
 
 coverage: setup ## Run the tests of policies, risks, plans and vocabulary, which must run every branch (1 minute)
 	$(BIN)/pytest -m covered $(addprefix tests/,policies risks coherence vocabulary planning/plan_file) $(WORKERS) $(EXAMPLES) \
@@ -69,9 +70,10 @@ soak: setup ## Load, kill, freeze and attack a guarded app at random, on each RO
 eval: setup ## Evaluate on the apps in RTRON_APPS and RTRON_DATA, and write build/eval.json (as long as the apps take)
 	$(PYTHON) -m evaluation
 
-docs: setup ## Write the pages that are made from the code (10 seconds)
+docs: setup ## Write the pages and schemas that are made from the code (10 seconds)
 	$(PYTHON) scripts/docs_rules.py
 	$(PYTHON) scripts/docs_policies.py
+	$(PYTHON) scripts/docs_schemas.py
 
 lock: setup ## Pin and hash every dependency in requirements.lock (1 minute)
 	$(BIN)/uv pip compile pyproject.toml --extra dev --universal --python-version 3.10 \

@@ -1,7 +1,7 @@
 # ruff: noqa: INP001 - beside the package
 """RTron as an `ament_python` package: the same code, where `ros2 run` and `ros2 launch` look.
 
-Its requirements come with `pip install` of the repository; rosdep does not know all of them.
+Its Python requirements come with `pip install` of the repository: rosdep knows no fitting ones.
 """
 
 import re
@@ -27,6 +27,10 @@ setup(
     install_requires=["setuptools"],
     zip_safe=False,
     entry_points={
-        "console_scripts": ["guard = rtron.cli.main:run_guard_node", "rtron = rtron.__main__:main"]
+        "console_scripts": [
+            "guard = rtron.cli.main:run_guard_node",
+            "rtron = rtron.__main__:main",
+        ],
+        "ros2cli.command": ["rtron = rtron.cli.ros2_extension:RtronCommand"],
     },
 )

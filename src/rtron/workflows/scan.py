@@ -74,6 +74,10 @@ def _relative_to(evidence: tuple[Evidence, ...], prefix: str) -> tuple[Evidence,
     return tuple(replace(each, file=each.file.removeprefix(prefix)) for each in evidence)
 
 
+RULE_NAMES = (*(rule.name for rule in FINDING_RULES), *(rule.name for rule in RULES))
+"""What `rtron.toml` can name."""
+
+
 def triage_scan(
     result: ScanResult,
     root: Path | None = None,
@@ -94,8 +98,7 @@ def _config_ignores(config: Path | None) -> tuple[Ignore, ...]:
     path = config or Path(CONFIG_NAME)
     if config is None and not path.is_file():
         return ()
-    rules = [*(rule.name for rule in FINDING_RULES), *(rule.name for rule in RULES)]
-    return read_config(path, rules)
+    return read_config(path, RULE_NAMES)
 
 
 def _comment_ignores(result: ScanResult, root: Path | None) -> tuple[Ignore, ...]:

@@ -50,8 +50,11 @@ def test_a_terminal_gets_it_laid_out(rtron, monkeypatch):
     assert "# General" not in rtron("explain", "gr_st").out
 
 
-@pytest.mark.parametrize("document", ["plan", "graph"])
-def test_schemas_are_json(rtron, document):
+@pytest.mark.parametrize(
+    ("document", "title"),
+    [("plan", "rtron.plan/1"), ("graph", "rtron.graph/1"), ("config", "rtron.toml")],
+)
+def test_schemas_are_json(rtron, document, title):
     schema = json.loads(rtron("schema", document).out)
-    assert schema["title"] == f"rtron.{document}/1"
+    assert schema["title"] == title
     assert schema["additionalProperties"] is False

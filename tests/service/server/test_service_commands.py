@@ -10,6 +10,7 @@ import sys
 import httpx
 import pytest
 from harness import free_port, wait_for
+from systemd_socket import SystemdSocket
 
 from rtron.cli.main import main
 from rtron.errors import InputError
@@ -274,3 +275,15 @@ def test_a_user_is_added_with_a_password_that_works(tmp_path, here):
         assert verify_password(password, get_user(session, "mary").password_hash)
     service.database.close()
     assert re.fullmatch(r"([a-z2-9]{6}-){3}[a-z2-9]{6}", password)
+
+
+def test_systemd_hears_of_the_start_the_loop_and_the_end(tmp_path, monkeypatch):
+    with SystemdSocket(tmp_path) as systemd:
+        for name, value in systemd.environment.items():
+            monkeypatch.setenv(name, value)
+        with ServeProcess(tmp_path) as serving:
+            wait_for(lambda: systemd.lines().count("WATCHDOG=1") > 3)
+            assert systemd.lines()[:3] == ["STATUS=serving", "READY=1", "WATCHDOG=1"]
+            serving.process.send_signal(signal.SIGTERM)
+            assert serving.process.wait(30) == 0
+        assert systemd.lines()[-1] == "STOPPING=1"

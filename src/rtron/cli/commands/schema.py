@@ -13,20 +13,28 @@ class Document(str, Enum):
 
     PLAN = "plan"
     GRAPH = "graph"
+    CONFIG = "config"
 
 
 def schema(
     document: Annotated[Document, typer.Argument(help="The document to describe.")],
 ) -> Outcome:
-    """Print the JSON Schema of a plan or a graph.
+    """Print the JSON Schema of a plan (rtron.yaml), a graph, or a config (rtron.toml).
 
-    Give it to your editor: it then completes and checks rtron.yaml while you
-    write.
+    Give it to your editor: it then completes and checks the file while you
+    write. A plan that `rtron plan` proposes names its schema, and editors with
+    the YAML language server find it.
 
     $ rtron schema plan > rtron.schema.json
     """
     from rtron.planning.plan_file.json_schema import plan_json_schema
     from rtron.sources.graph_json import graph_json_schema
+    from rtron.sources.ignores.config_file import config_json_schema
+    from rtron.workflows.scan import RULE_NAMES
 
-    is_plan = document is Document.PLAN
-    return Outcome(as_json(plan_json_schema() if is_plan else graph_json_schema()))
+    schemas = {
+        Document.PLAN: plan_json_schema,
+        Document.GRAPH: graph_json_schema,
+        Document.CONFIG: lambda: config_json_schema(RULE_NAMES),
+    }
+    return Outcome(as_json(schemas[document]()))

@@ -34,6 +34,7 @@ from rtron.guard.supervision.supervisor_handover import (
 from rtron.guard.supervision.watchdog import BEAT_PERIOD, SchedulingDelay, Watchdog
 from rtron.guard.transport.factory import open_transport
 from rtron.vocabulary import SECOND
+from rtron.wire.common.systemd import take_notifier
 
 log = logging.getLogger(__name__)
 
@@ -62,6 +63,7 @@ class Supervisor:
         self._transport = open_transport(config.plan.ros, config.master, loop)
         self._transport.set_shutdown_handler(self._refuse_shutdown)
         self._log_throttle = LogThrottle()
+        self._systemd = take_notifier(os.environ)
         memory = self._guard.memory if self._guard else GuardMemory.create(self._stream_count)
         self._memory = memory
         self._intrusions = intrusion_file(config)
@@ -140,6 +142,8 @@ class Supervisor:
             self._intrusions.follow(self._memory.handover_state)
         self._reap(now)
         self._prepare_spare(now)
+        is_serving = self._fsm.phase is GuardPhase.SERVING
+        self._systemd.report(now, f"guard {self._fsm.phase.name.lower()}", is_well=is_serving)
         if self._memory[StatusWord.SERVING] and not self._is_leaving:
             self._tick_helpers(now)
 
@@ -306,6 +310,7 @@ class Supervisor:
     def _end(self) -> None:
         """End; who says so twice does not want to wait until the robot is at rest."""
         now = self._loop.now()
+        self._systemd.stopping()
         self._skips_final_stop = self._is_end_requested
         self._is_end_requested = True
         self._perform(self._fsm.shut_down(now), now)

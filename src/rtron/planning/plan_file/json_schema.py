@@ -8,11 +8,15 @@ from rtron.planning.plan_file.fields import PLAN_TYPES, PlanField, plan_fields
 from rtron.planning.plan_file.quantities import Quantity
 from rtron.vocabulary import PLAN_SCHEMA, SECOND, Plan
 
+PLAN_SCHEMA_URL = "https://raw.githubusercontent.com/rtron/rtron/main/schemas/rtron.plan.json"
+"""Where editors find the schema: the repository's `schemas/`, as pyproject.toml has its address."""
+
 
 def plan_json_schema() -> dict[str, Any]:
     """Return the JSON Schema of `rtron.yaml`, for editors and other programs."""
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "$id": PLAN_SCHEMA_URL,
         "title": PLAN_SCHEMA,
         **_plan_type(Plan),
         "$defs": {

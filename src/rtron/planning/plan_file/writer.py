@@ -10,6 +10,7 @@ import yaml
 
 from rtron.planning.plan_file.durations import write_duration
 from rtron.planning.plan_file.fields import PLAN_TYPES, PlanField, plan_fields
+from rtron.planning.plan_file.json_schema import PLAN_SCHEMA_URL
 from rtron.vocabulary import (
     PLAN_SCHEMA,
     EventFlow,
@@ -21,7 +22,8 @@ from rtron.vocabulary import (
     WatchedFlow,
 )
 
-_HEADER = """\
+_HEADER = f"""\
+# yaml-language-server: $schema={PLAN_SCHEMA_URL}
 # What stands between the nodes of this app, and under which policies. Edit it freely, then run
 # `rtron check`. Durations take a unit: 200 ms, 0.5 s, 2 min; so do velocities and all that is
 # measured: 0.22 m/s, 0.8 km/h. What is left out has its default.

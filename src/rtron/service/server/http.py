@@ -1,9 +1,11 @@
 """The HTTP server: uvicorn, with a bound on everything that a client may hold."""
 
 import asyncio
+import os
 import signal
 import socket
 import ssl
+import time
 from collections.abc import Callable
 from functools import partial
 from typing import Any
@@ -15,6 +17,7 @@ from rtron.errors import InputError, SourceError
 from rtron.service.config import ServiceConfig, Tls
 from rtron.service.server.http_protocol import ConnectionLimit, LimitedHttpProtocol
 from rtron.wire.common.link_protocol import MAX_MESSAGE_BYTES
+from rtron.wire.common.systemd import take_notifier
 
 _MAX_CONNECTIONS = 1000
 _KEEP_ALIVE_S = 5
@@ -23,16 +26,25 @@ _SHUTDOWN_TIMEOUT_S = 5
 
 
 class _NotifyingServer(uvicorn.Server):
-    """Says when it listens."""
+    """Says when it listens, to `on_ready` and to systemd, which also hears that the loop runs."""
 
     def __init__(self, config: uvicorn.Config, on_ready: Callable[[], None]) -> None:
         super().__init__(config)
         self._on_ready = on_ready
+        self._systemd = take_notifier(os.environ)
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         await super().startup(sockets)
         if self.started:
             await asyncio.to_thread(self._on_ready)
+
+    async def on_tick(self, counter: int) -> bool:
+        self._systemd.report(time.monotonic_ns(), "serving", is_well=True)
+        return await super().on_tick(counter)
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        self._systemd.stopping()
+        await super().shutdown(sockets)
 
 
 def serve(app: FastAPI, config: ServiceConfig, on_ready: Callable[[], None]) -> None:

@@ -38,6 +38,33 @@ def read_config(path: Path, rules: Collection[str]) -> tuple[Ignore, ...]:
     return tuple(_ignores(document, Evidence(file=str(path)), rules, lines))
 
 
+def config_json_schema(rules: Collection[str]) -> dict[str, Any]:
+    """Return the JSON Schema of `rtron.toml`, for editors."""
+    text = {"type": "string", "pattern": r"\S"}
+    entry = {
+        "type": "object",
+        "description": "A finding that the report does not show again.",
+        "properties": {
+            "rule": {"enum": list(rules), "description": "The rule of the finding."},
+            "topic": text
+            | {
+                "description": "The topic, service or node; * stands for anything.",
+                "default": "*",
+            },
+            "reason": text | {"description": "Why it is no problem here."},
+        },
+        "required": ["rule", "reason"],
+        "additionalProperties": False,
+    }
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": CONFIG_NAME,
+        "type": "object",
+        "properties": {"ignore": {"type": "array", "items": entry}},
+        "additionalProperties": False,
+    }
+
+
 def _entry_lines(text: str) -> list[int]:
     """Return the lines of the `[[ignore]]` heads, from 1."""
     stripped = (line.replace(" ", "") for line in text.splitlines())
