@@ -6,7 +6,6 @@ import logging
 from time import time_ns
 from typing import TYPE_CHECKING, Protocol
 
-from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.qos import DurabilityPolicy
 
 from rtron.guard.core.log_throttle import LogThrottle
@@ -14,6 +13,11 @@ from rtron.guard.core.out_of_memory import exit_out_of_memory
 from rtron.guard.transport.common.protocol import NumberedMessage
 from rtron.guard.transport.ros2.delivery import LatenessDetector
 from rtron.guard.transport.ros2.event_fd import EventFd
+
+try:
+    from rclpy.event_handler import SubscriptionEventCallbacks
+except ImportError:  # Humble
+    from rclpy.qos_event import SubscriptionEventCallbacks
 
 if TYPE_CHECKING:
     from rclpy.node import Node
