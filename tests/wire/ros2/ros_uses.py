@@ -14,6 +14,7 @@ from pathlib import Path
 SOURCE = Path(__file__).parents[3] / "src" / "rtron"
 _LIBRARIES = ("rclpy", "launch", "launch_ros", "action_msgs", "rosidl_runtime_py")
 _C_FUNCTION = re.compile(r"(?:rcl|rmw|rcutils)_[a-z0-9_]+(?<!_t)")
+_NAMED_FUNCTION = re.compile(r"rcl_[a-z0-9_]+(?<!_t)")
 _OBJECTS = {
     "_node": "Node",
     "ros_node": "Node",
@@ -134,7 +135,7 @@ class _Reader(ast.NodeVisitor):
 
     def visit_Constant(self, node: ast.Constant) -> None:
         """Take a function of C that a string names."""
-        if isinstance(node.value, str) and _C_FUNCTION.fullmatch(node.value):
+        if isinstance(node.value, str) and _NAMED_FUNCTION.fullmatch(node.value):
             self._add(node.value, node)
 
     def _add_wrapped(self, node: ast.Call) -> None:
