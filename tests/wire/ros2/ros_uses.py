@@ -157,7 +157,7 @@ class _Reader(ast.NodeVisitor):
         """Return the name of a use, "" if it is none."""
         if not isinstance(node, ast.Attribute) or self._path(node):
             return self._path(node)
-        if _C_FUNCTION.fullmatch(node.attr):
+        if _C_FUNCTION.fullmatch(node.attr) and _is_shared_library(node.value):
             return node.attr
         owner, name = self._owner(node.value), node.attr
         is_known = not owner or hasattr(str, name) or name.startswith("__")
@@ -185,6 +185,12 @@ class _Reader(ast.NodeVisitor):
             if name == path or name.startswith((f"{path}.", f"{path}(")):
                 names = frozenset(each + name.removeprefix(path) for each in replacements)
         self.found.append((names, getattr(node, "lineno", 0)))
+
+
+def _is_shared_library(node: ast.expr) -> bool:
+    """Return whether a name or call is a library that ctypes has loaded."""
+    text = ast.unparse(node)
+    return "CDLL(" in text or text.rpartition(".")[2] in ("rcl", "rmw", "_rmw", "utils")
 
 
 def structures() -> Iterator[str]:
