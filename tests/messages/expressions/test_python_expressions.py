@@ -108,6 +108,8 @@ def test_what_is_not_known(text, said):
         ("event", "gives a.Robot, not a truth"),
         ("event.count >", "Syntax error"),
         ("", "Syntax error"),
+        ("(" * 80 + "event.flag" + ")" * 80, "recursion limit"),
+        ("1" + "+1" * 80 + " == 81", "recursion limit"),
         ("(" * 80 + "!" * 80 + "event.flag" + ")" * 80, "recursion limit"),
         ("9223372036854775808 > 1", "invalid int literal"),
         ("event.name.foo()", "foo cannot be applied to (string)"),

@@ -99,16 +99,17 @@ class PythonCompiler:
         return functions.AreaShape(area)
 
     def _term(self, part: Node) -> Term:
-        node = _unwrapped(part)
-        self._depth += 1
+        node, outer = _unwrapped(part), self._depth
+        self._depth += 1 + _bracket_count(part)
         if self._depth > _MAX_DEPTH:
-            raise _error(node, f"more than {_MAX_DEPTH} levels: the recursion limit is exceeded")
+            what = f"more than {_MAX_DEPTH} levels: the recursion limit is exceeded"
+            raise CheckError(f"ERROR: <input>:-1:-1: {what}")
         kind = str(node.data)
         compile_node = getattr(self, f"_{kind}", None)
         if compile_node is None:
             raise _error(node, _not_here(kind.replace("_", " ")))
         found: Term = compile_node(node, *node.children)
-        self._depth -= 1
+        self._depth = outer
         return found
 
     def _expr(self, tree: Any, *parts: Node) -> Term:  # noqa: ANN401 - lark's
@@ -298,6 +299,15 @@ def _unwrapped(node: Any) -> Any:  # noqa: ANN401 - a tree
     while getattr(node, "data", "") in _WRAPPERS and len(node.children) == 1:
         node = node.children[0]
     return node
+
+
+def _bracket_count(node: Any) -> int:  # noqa: ANN401 - a tree
+    """Return how many pairs of brackets are around a part."""
+    count = 0
+    while getattr(node, "data", "") in _WRAPPERS and len(node.children) == 1:
+        count += node.data == "paren_expr"
+        node = node.children[0]
+    return count
 
 
 def _arguments(rest: tuple[Any, ...]) -> list[Any]:
