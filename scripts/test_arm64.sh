@@ -19,7 +19,7 @@ command -v debootstrap >/dev/null || give_up "run: apt-get install debootstrap q
 
 if [ ! -x "$root/usr/bin/python3" ]; then
   mkdir -p "$root"
-  debootstrap --arch=arm64 --variant=minbase --include=ca-certificates,python3,python3-venv \
+  debootstrap --arch=arm64 --variant=minbase --include=python3,python3-venv \
     bookworm "$root"
 fi
 # The wheels are fetched from here, so that Debian needs no network.
