@@ -1,6 +1,6 @@
 # `make help` lists what this can do.
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test test-main test-ros2 test-all lint coverage mutation fuzz bench soak eval docs lock
+.PHONY: help setup demo test test-main test-ros2 test-all test-pythons test-arm64 lint coverage mutation fuzz bench soak eval docs lock check-locks
 
 BIN := .venv/bin
 PYTHON := $(BIN)/python
@@ -10,6 +10,9 @@ CODE := src tests scripts bench evaluation figures
 WORKERS := -n 3 --dist loadfile --no-loadscope-reorder
 SHORT := and not long
 EXAMPLES :=
+PYTHONS := 3.10 3.13
+LOCKED_PYTHONS := 3.10 3.11 3.12 3.13 3.14
+LOCKED_PLATFORMS := x86_64-manylinux_2_28 aarch64-manylinux_2_28
 # The tests start hundreds of Python processes, each of which would compile all modules again.
 unexport PYTHONDONTWRITEBYTECODE
 
@@ -52,6 +55,12 @@ test-all: SHORT :=
 test-all: EXAMPLES := --hypothesis-profile=thorough
 test-all: test ## Run all of that, the case studies, and the soak, load and fault runs (an hour)
 
+test-pythons: ## Run the tests that need no ROS 2 on Python 3.10 and 3.13 (20 minutes each)
+	for python in $(PYTHONS); do scripts/test_python.sh $$python $(WORKERS) $(EXAMPLES) || exit 1; done
+
+test-arm64: setup ## Run the tests of policies, plans, messages and wire on arm64, with qemu, as root (an hour)
+	scripts/test_arm64.sh $(EXAMPLES)
+
 mutation: setup ## Change the policies in over a thousand small ways; the tests must fail (hours)
 	$(BIN)/mutmut run --max-children 1
 	$(PYTHON) -W ignore scripts/mutate.py
@@ -81,3 +90,10 @@ lock: setup ## Pin and hash every dependency in requirements.lock (1 minute)
 	$(BIN)/uv pip compile pyproject.toml --extra ros2-dev --universal --python-version 3.10 \
 	  --generate-hashes --custom-compile-command "make lock" --quiet -o requirements-ros2.lock \
 	  -c requirements.lock
+
+check-locks: setup ## Check that there are wheels of what is pinned for every Python and processor (2 minutes)
+	for python in $(LOCKED_PYTHONS); do for platform in $(LOCKED_PLATFORMS); do \
+	  echo "$$python $$platform"; \
+	  $(BIN)/uv pip compile -q pyproject.toml --extra service --extra demo -c requirements.lock --only-binary :all: \
+	    --python-version $$python --python-platform $$platform -o /dev/null || exit 1; \
+	done; done

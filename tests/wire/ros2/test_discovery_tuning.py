@@ -10,17 +10,25 @@ SPACE = "{http://www.eprosima.com}"
 
 
 @pytest.mark.parametrize(
-    ("distribution", "name", "heartbeat"),
+    ("version", "name", "heartbeat"),
     [
-        ("", NAMES[0], "heartbeat_period"),
-        ("kilted", NAMES[0], "heartbeat_period"),
-        ("jazzy", NAMES[1], "heartbeatPeriod"),
+        ("?", NAMES[0], "heartbeat_period"),
+        ("7.8.2", NAMES[0], "heartbeat_period"),
+        ("7.3.2", NAMES[1], "heartbeatPeriod"),
+        ("6.1.2", NAMES[1], "heartbeatPeriod"),
     ],
 )
-def test_fast_dds_is_given_a_profile_with_a_short_period(distribution, name, heartbeat):
-    environ = {"ROS_DISTRO": distribution}
+def test_fast_dds_is_given_a_profile_with_a_short_period(
+    version, name, heartbeat, tmp_path, monkeypatch
+):
+    """The release tells which one, also where nobody has sourced it: wheels set no ROS_DISTRO."""
+    folder = tmp_path / "share" / "rmw"
+    folder.mkdir(parents=True)
+    (folder / "package.xml").write_text(f"<package><version>{version}</version></package>")
+    monkeypatch.setenv("AMENT_PREFIX_PATH", str(tmp_path))
+    environ = {}
     assert enable_fast_announcements(environ)
-    assert set(environ) == {"ROS_DISTRO", name}
+    assert set(environ) == {name}
     found = parse(environ[name]).getroot()
     (period,) = found.iter(f"{SPACE}leaseAnnouncement")
     assert [each.text for each in period] == ["0", "100000000"]

@@ -1,35 +1,36 @@
 """Expressions over the fields of messages, in CEL (cel.dev), checked against the definition.
 
-Google's C++ runtime evaluates them: expressions have no loops but the macros over lists, whose
-rounds it bounds; regular expressions are RE2's, which take linear time. Besides CEL's own there
+Google's C++ runtime evaluates them, where it has wheels; elsewhere `python_compiler` does.
+Expressions have no loops but the macros over lists, whose rounds are bounded; regular expressions
+are RE2's, which take linear time. Besides CEL's own there
 are `inside(point, area)`, `distance(point, point or area)` in metres on the ground, 0 inside, and
 `place(x, y)`, a point in the frame that the rule names.
 """
 
 import importlib
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import Any
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 from rtron.errors import InputError
 from rtron.messages.common.definition import Definition
-from rtron.messages.expressions.errors import expression_error
+from rtron.messages.expressions.errors import CheckError, expression_error
 from rtron.messages.expressions.frames import is_point, without_slash
-from rtron.messages.expressions.functions import (
-    FUNCTIONS,
-    NOT_FINITE,
-    declarations,
-    expand_functions,
-)
-from rtron.messages.expressions.number_checks import NOT_A_NUMBER, check_numbers
+from rtron.messages.expressions.functions import FUNCTIONS, NOT_FINITE
+from rtron.messages.expressions.number_checks import NOT_A_NUMBER
 from rtron.messages.expressions.protobuf_types import (
     AREA,
-    area_value,
+    POINT,
     descriptor_pool,
     protobuf_name,
     types_of,
 )
+from rtron.messages.expressions.static_types import AREA_TYPE, message_type
 from rtron.vocabulary import Area
+
+if TYPE_CHECKING:
+    from rtron.messages.expressions.google_compiler import GoogleCompiler
+    from rtron.messages.expressions.python_compiler import PythonCompiler
 
 MAX_EXPRESSION = 1 << 12
 """The longest expression accepted, in characters."""
@@ -48,54 +49,45 @@ class ExpressionCompiler:
     """The expressions over messages of one type, which they call `subject`."""
 
     def __init__(self, definition: Definition, subject: str, areas: Sequence[Area] = ()) -> None:
-        cel = _cel("cel")
         self._definition = definition
         self._subject = subject
         self._areas = {_checked_area(area, subject).name: area for area in areas}
         self._pool = descriptor_pool(definition)
         self.message = self._class(definition.type)
         """The protobuf class of the messages."""
-        self._env = cel.NewEnv(
-            descriptor_pool=self._pool,
-            variables={
-                subject: cel.Type(protobuf_name(definition.type)),
-                **{name: cel.Type(protobuf_name(AREA)) for name in self._areas},
-            },
-            functions=declarations(cel, self._points()),
-            extensions=[_cel("ext.ext_math").ExtMath()],
-        )
+        self._cel = self._compiler()
         make = self._class(AREA)
-        self._area_values = {name: area_value(make, area) for name, area in self._areas.items()}
+        self._area_values = {name: self._cel.area(make, area) for name, area in self._areas.items()}
 
-    def compile(self, text: str) -> Any:  # noqa: ANN401 - CEL's expression has no types
-        """Return the expression; InputError, with the place in the text, if it is not boolean."""
+    def _compiler(self) -> "GoogleCompiler | PythonCompiler":
+        """Return Google's CEL if it is installed, else the one in Python."""
+        cel = _google_cel()
+        if cel:
+            from rtron.messages.expressions.google_compiler import GoogleCompiler  # noqa: PLC0415
+
+            subject = self._subject, self._definition.type
+            return GoogleCompiler(cel, subject, self._areas, self._pool, self._points())
+        return python_compiler(self._definition, self._subject, self._areas)
+
+    def compile(self, text: str) -> Callable[[Any], Any]:
+        """Return what evaluates an expression; InputError, with the place, if it is not boolean."""
         _check_text(text)
         try:
-            compiled = self._env.compile(text)
-        except RuntimeError as error:
+            type, compiled = self._cel.compile(text)
+        except (RuntimeError, CheckError) as error:
             raise expression_error(
                 str(error), text, types_of(self._definition), self._names()
             ) from error
-        if compiled.return_type().name() != "BOOL":
+        if type != "BOOL":
             raise InputError(
-                f"the expression {_short(text)} gives {compiled.return_type().name()}, not a truth",
+                f"the expression {_short(text)} gives {type}, not a truth",
                 help="compare it with something: == != < <= > >=",
             )
-        expanded = expand_functions(check_numbers(text), self._areas)
-        return compiled if expanded == text else self._compile_expanded(expanded)
-
-    def _compile_expanded(self, expanded: str) -> Any:  # noqa: ANN401 - CEL's expression has no types
-        try:
-            return self._env.compile(expanded)
-        except RuntimeError as error:
-            raise InputError(
-                f"the expression compares in too deep a way: {str(error)[:_MAX_MESSAGE]}",
-                help="name areas directly in inside() and distance(), and nest fewer brackets",
-            ) from error
+        return compiled
 
     def activate(self, message: Any, areas: Mapping[str, Any]) -> Any:  # noqa: ANN401 - CEL's
         """Return what expressions about this message and these areas are evaluated with."""
-        return self._env.Activation({self._subject: message, **areas})
+        return self._cel.activate({self._subject: message, **areas})
 
     def areas(self, texts: Iterable[str]) -> dict[str, Any]:
         """Return the areas that `texts` name, as values."""
@@ -141,10 +133,10 @@ class ExpressionCompiler:
         return [each.type for each in types_of(self._definition).values() if is_point(each)]
 
 
-def evaluate(expression: Any, activation: Any) -> bool | str:  # noqa: ANN401 - CEL has no types
+def evaluate(expression: Callable[[Any], Any], activation: Any) -> bool | str:  # noqa: ANN401 - CEL's
     """Return whether an expression holds, or why that is not known."""
     try:
-        value = expression.eval(activation).value()
+        value = expression(activation)
     except Exception as error:  # noqa: BLE001 - a stranger's message must not end the guard
         value = str(error)
     if value is True or value is False:
@@ -155,15 +147,33 @@ def evaluate(expression: Any, activation: Any) -> bool | str:  # noqa: ANN401 - 
     return re.sub(r"^[A-Z_]+: | \[[A-Z_]+\]$", "", str(value)[:_MAX_MESSAGE]) or "no value"
 
 
-def _cel(module: str) -> Any:  # noqa: ANN401 - CEL has no types
+def _google_cel() -> Any:  # noqa: ANN401 - CEL has no types
+    """Return Google's CEL, None where it has no wheel."""
     try:
-        return importlib.import_module(f"cel_expr_python.{module}")
+        importlib.import_module("cel_expr_python.ext.ext_math")
+        importlib.import_module("cel_expr_python.cel")
+        return importlib.import_module("cel_expr_python")
+    except ImportError:
+        return None
+
+
+def python_compiler(
+    definition: Definition, subject: str, areas: Mapping[str, Area]
+) -> "PythonCompiler":
+    """Return the compiler in Python; InputError if its parser is not installed."""
+    try:
+        importlib.import_module("celpy")
     except ImportError as error:
         raise InputError(
-            "expressions over message fields need the package cel-expr-python",
-            help="pip install cel-expr-python; there are wheels for x86_64 and Python 3.11 or newer"
-            " only. Presence, silence and combinations of eflows work without it.",
+            "expressions over message fields need the package cel-expr-python or cel-python",
+            help="pip install cel-python. Presence, silence and combinations of eflows work"
+            " without it.",
         ) from error
+    from rtron.messages.expressions.python_compiler import PythonCompiler  # noqa: PLC0415
+
+    point = message_type(types_of(definition)[POINT])
+    variables = {subject: message_type(definition), **dict.fromkeys(areas, AREA_TYPE)}
+    return PythonCompiler(variables, point)
 
 
 def _short(text: str) -> str:

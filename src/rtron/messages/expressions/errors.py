@@ -20,6 +20,10 @@ _TAKES = {
 _MAX_MESSAGE = 300
 
 
+class CheckError(Exception):
+    """A fault in an expression, in the words and with the place of Google's compiler."""
+
+
 def expression_error(
     compiler_message: str, text: str, types: Mapping[str, Definition], names: Collection[str]
 ) -> InputError:

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import ctypes
 from ctypes import (
-    POINTER,
     Structure,
     addressof,
     c_bool,
@@ -24,6 +23,8 @@ from ctypes import (
     py_object,
 )
 from typing import Any
+
+from rtron.wire.ros2.rmw_version import IRON, Version
 
 GID_SIZE = 16
 """RMW_GID_STORAGE_SIZE: 16 from Iron on; 24 before, of which 8 are padding."""
@@ -68,7 +69,7 @@ class TypeHash(Structure):
 class EndpointInfo(Structure):
     """rmw_topic_endpoint_info_t. Iron (rmw 7.1) to Kilted (7.8).
 
-    Humble has no hash and a longer GID. ros2/rmw#419 appends a field: arrays have another stride.
+    ros2/rmw#419 appends a field: arrays have another stride.
     """
 
     _fields_ = (
@@ -82,10 +83,31 @@ class EndpointInfo(Structure):
     )
 
 
-class EndpointInfoArray(Structure):
-    """rmw_topic_endpoint_info_array_t. Foxy and later."""
+class HumbleEndpointInfo(Structure):
+    """rmw_topic_endpoint_info_t. Foxy (rmw 1.0) to Humble (6.1)."""
 
-    _fields_ = (("size", c_size_t), ("infos", POINTER(EndpointInfo)))
+    hash = TypeHash()
+    """There is none, which its version 0 says."""
+    _fields_ = (
+        ("node", c_char_p),
+        ("space", c_char_p),
+        ("type", c_char_p),
+        ("kind", c_int),
+        ("gid", c_uint8 * GID_SIZE),
+        ("gid_padding", c_uint8 * 8),
+        ("qos", QosProfile),
+    )
+
+
+class EndpointInfoArray(Structure):
+    """rmw_topic_endpoint_info_array_t; `infos` has the address of the first. Foxy and later."""
+
+    _fields_ = (("size", c_size_t), ("infos", c_void_p))
+
+
+def endpoint_info(version: Version | None) -> type[EndpointInfo | HumbleEndpointInfo]:
+    """Return the layout of an endpoint in a version of rmw, of an unknown one the newest."""
+    return HumbleEndpointInfo if version and version < IRON else EndpointInfo
 
 
 class MessageInfo(Structure):

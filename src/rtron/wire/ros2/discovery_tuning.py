@@ -14,6 +14,8 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from rtron.wire.ros2.rmw_version import KILTED, Version, rmw_version
+
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, MutableMapping
 
@@ -22,8 +24,6 @@ log = logging.getLogger(__name__)
 
 _FILE = "FASTDDS_DEFAULT_PROFILES_FILE"
 _FASTDDS_2_FILE = "FASTRTPS_DEFAULT_PROFILES_FILE"
-_FASTDDS_2_DISTRIBUTIONS = ("humble", "iron", "jazzy")
-"""The distributions with Fast DDS 2, which reads the former variable."""
 _PROFILES = {
     _FILE: str(Path(__file__).with_name("announce.xml")),
     _FASTDDS_2_FILE: str(Path(__file__).with_name("announce_fastdds2.xml")),
@@ -42,9 +42,14 @@ def enable_fast_announcements(environ: MutableMapping[str, str] = os.environ) ->
     if profile:
         log.info("your profiles of Fast DDS count: intruders may be found up to 3 s later")
         return False
-    name = _FASTDDS_2_FILE if environ.get("ROS_DISTRO") in _FASTDDS_2_DISTRIBUTIONS else _FILE
+    name = _file_variable(rmw_version())
     environ[name] = _PROFILES[name]
     return True
+
+
+def _file_variable(version: Version | None) -> str:
+    """Return the variable that a release reads: before Kilted there is Fast DDS 2."""
+    return _FASTDDS_2_FILE if version and version < KILTED else _FILE
 
 
 def publishes_without_waiting(environ: Mapping[str, str] = os.environ) -> bool:

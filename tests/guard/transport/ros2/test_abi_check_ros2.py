@@ -1,7 +1,7 @@
 """A ROS 2 whose structures are laid out in another way is refused before anything is guarded."""
 
 from contextlib import closing
-from ctypes import POINTER, Structure, c_size_t, c_uint64
+from ctypes import Structure, c_uint64
 
 import pytest
 
@@ -58,11 +58,7 @@ def new_structure(structure, parts):
 
 def break_endpoint_info(monkeypatch, info):
     """Let the guard read endpoints by another layout than rcl's."""
-    array = new_structure(
-        c_structures.EndpointInfoArray, [("size", c_size_t), ("infos", POINTER(info))]
-    )
-    monkeypatch.setattr(f"{TRANSPORT}.graph_query.EndpointInfo", info)
-    monkeypatch.setattr(f"{TRANSPORT}.graph_query.EndpointInfoArray", array)
+    monkeypatch.setattr(f"{TRANSPORT}.graph_query.endpoint_info", lambda version: info)
 
 
 def endpoints_of(node):
@@ -151,7 +147,7 @@ def test_the_guard_does_not_start_and_says_what_to_do(ros2, monkeypatch):
     with closing(EventLoop()) as loop, pytest.raises(SourceError) as refused:
         open_transport(2, domain_address(ros2.domain), loop)
     assert str(refused.value).startswith("rmw 7.")
-    assert "use Iron, Jazzy or Kilted" in refused.value.help
+    assert "use Humble, Jazzy or Kilted" in refused.value.help
 
 
 @pytest.fixture
@@ -167,10 +163,16 @@ def rmw(tmp_path, monkeypatch):
     return install
 
 
-def test_a_release_before_iron_is_refused_before_its_memory_is_read(node, rmw, monkeypatch):
-    rmw("6.1.2")
+def test_a_release_before_humble_is_refused_before_its_memory_is_read(node, rmw, monkeypatch):
+    rmw("3.3.1")
     monkeypatch.setattr(f"{TRANSPORT}.abi_check.GraphQuery", None)
-    with pytest.raises(SourceError, match=r"rmw 6\.1 is older than ROS 2 Iron"):
+    with pytest.raises(SourceError, match=r"rmw 3\.3 is older than ROS 2 Humble"):
+        check_endpoint_info(node)
+
+
+def test_a_later_release_that_says_it_is_humble_is_refused(node, rmw):
+    rmw("6.1.2")
+    with pytest.raises(SourceError, match=r"rmw 6\.1 lays out rmw_topic_endpoint_info_t"):
         check_endpoint_info(node)
 
 

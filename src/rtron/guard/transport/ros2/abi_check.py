@@ -26,7 +26,7 @@ from rtron.guard.transport.ros2.service_calls import ServiceCalls, request_id_pa
 from rtron.vocabulary import PRIVATE_ROOT, Direction
 from rtron.wire.ros2.endpoints import PARTICIPANT_SIZE, Ros2Endpoint, publishers_of
 from rtron.wire.ros2.interfaces import find_interface
-from rtron.wire.ros2.rmw_version import IRON, KILTED, release_name, rmw_version
+from rtron.wire.ros2.rmw_version import HUMBLE, KILTED, release_name, rmw_version
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -43,7 +43,7 @@ _ENDPOINT_INFO = "rmw_topic_endpoint_info_t"
 _MESSAGE_INFO = "rmw_message_info_t"
 _SERVICE_INFO = "rmw_service_info_t"
 _EMPTY_MESSAGE = b"\0\1\0\0\0"
-_HELP = "use Iron, Jazzy or Kilted (rmw 7.1 to 7.8), or report which release this is"
+_HELP = "use Humble, Jazzy or Kilted (rmw 6.1 to 7.8), or report which release this is"
 _PROFILES = (
     QoSProfile(
         depth=7,
@@ -77,8 +77,8 @@ def check_abi(node: Node) -> None:
 def check_endpoint_info(node: Node) -> None:
     """Check how the domain's endpoints are read; SourceError also if the release is too old."""
     version = rmw_version()
-    if version and version < IRON:
-        raise SourceError(f"{release_name(version)} is older than ROS 2 Iron", help=_HELP)
+    if version and version < HUMBLE:
+        raise SourceError(f"{release_name(version)} is older than ROS 2 Humble", help=_HELP)
     if version is None or version > KILTED:
         log.warning("%s is not known: only its structures are checked", release_name(version))
     topic, cls = _unique_name(), find_interface("std_msgs/Empty").cls

@@ -7,7 +7,6 @@ from functools import partial
 from time import time_ns
 from typing import TYPE_CHECKING, Protocol
 
-from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.qos import DurabilityPolicy, HistoryPolicy
 
 from rtron.guard.core.log_throttle import LogThrottle
@@ -22,6 +21,11 @@ from rtron.guard.transport.ros2.qos import (
     most_size,
     with_depth,
 )
+
+try:
+    from rclpy.event_handler import SubscriptionEventCallbacks
+except ImportError:  # Humble
+    from rclpy.qos_event import SubscriptionEventCallbacks
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -23,20 +23,23 @@ from rtron.vocabulary import (
 )
 from rtron.wire.ros2.c_structures import (
     GID_SIZE,
-    EndpointInfo,
     EndpointInfoArray,
     QosProfile,
     RmwTime,
     TypeHash,
     default_allocator,
+    endpoint_info,
     typed_function,
 )
 from rtron.wire.ros2.endpoints import PARTICIPANT_SIZE, Ros2Endpoint, node_name
+from rtron.wire.ros2.rmw_version import rmw_version
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Sequence
 
     from rclpy.node import Node
+
+    from rtron.wire.ros2.c_structures import EndpointInfo, HumbleEndpointInfo
 
 _BEST_EFFORT, _TRANSIENT_LOCAL, _MANUAL_BY_TOPIC = 2, 1, 3
 _NEVER = 1 << 62
@@ -54,6 +57,7 @@ class GraphQuery:
         self._allocator = default_allocator()
         self._node = node
         self._raw = raw
+        self._layout = endpoint_info(rmw_version())
         self._query_functions = {
             Direction.PUBLISH: typed_function(
                 rcl.rcl_get_publishers_info_by_topic, *_QUERY_SIGNATURE
@@ -81,18 +85,19 @@ class GraphQuery:
         with self._infos(topic, direction) as infos:
             index_by_gid = {
                 gid: at
-                for at, gid in enumerate(_gids(infos))
+                for at, gid in enumerate(self._gids(infos))
                 if gid[:PARTICIPANT_SIZE] not in excluded
             }
             chosen = select_endpoints(index_by_gid, {each.gid for each in known})
+            entries = (self._layout * infos.size).from_address(infos.infos) if chosen else ()
             return tuple(
-                _endpoint(topic, direction, gid, infos.infos[index_by_gid[gid]]) for gid in chosen
+                _endpoint(topic, direction, gid, entries[index_by_gid[gid]]) for gid in chosen
             )
 
     def gids(self, topic: str, direction: Direction) -> list[bytes]:
         """Return the GIDs of all publishers or subscribers of a topic; WireError if it fails."""
         with self._infos(topic, direction) as infos:
-            return _gids(infos)
+            return self._gids(infos)
 
     @contextmanager
     def _infos(self, topic: str, direction: Direction) -> Iterator[EndpointInfoArray]:
@@ -105,15 +110,16 @@ class GraphQuery:
         finally:
             self._free(addressof(infos), allocator)
 
+    def _gids(self, infos: EndpointInfoArray) -> list[bytes]:
+        """Return the GIDs of all endpoints, without reading the rest."""
+        size, first = ctypes.sizeof(self._layout), self._layout.gid.offset
+        data = string_at(infos.infos, infos.size * size) if infos.size else b""
+        return [data[at : at + GID_SIZE] for at in range(first, len(data), size)]
 
-def _gids(infos: EndpointInfoArray) -> list[bytes]:
-    """Return the GIDs of all endpoints, without reading the rest."""
-    size = ctypes.sizeof(EndpointInfo)
-    data = string_at(infos.infos, infos.size * size) if infos.size else b""
-    return [data[at : at + GID_SIZE] for at in range(EndpointInfo.gid.offset, len(data), size)]
 
-
-def _endpoint(topic: str, direction: Direction, gid: bytes, info: EndpointInfo) -> Ros2Endpoint:
+def _endpoint(
+    topic: str, direction: Direction, gid: bytes, info: EndpointInfo | HumbleEndpointInfo
+) -> Ros2Endpoint:
     return Ros2Endpoint(
         topic=topic,
         direction=direction,
