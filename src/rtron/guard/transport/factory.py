@@ -86,12 +86,16 @@ def _open_session(address: str, node: str) -> Ros2Session:
     """
     try:
         from rtron.guard.transport.ros2.abi_check import check_abi  # noqa: PLC0415
-        from rtron.wire.ros2.discovery_tuning import enable_fast_announcements  # noqa: PLC0415
+        from rtron.wire.ros2.discovery_tuning import (  # noqa: PLC0415
+            configure_cyclone,
+            enable_fast_announcements,
+        )
         from rtron.wire.ros2.session import Ros2Session  # noqa: PLC0415
     except ImportError as error:
         help = "pip install 'rtron[ros2]', or source your ROS 2"
         raise SourceError(f"ROS 2 is not there: {error}", help=help) from error
     enable_fast_announcements()
+    configure_cyclone()
     session = Ros2Session(domain_at(address))
     try:
         check_abi(session.node(node))

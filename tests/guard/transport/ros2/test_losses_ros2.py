@@ -84,7 +84,7 @@ def test_what_comes_late_counts_although_nothing_follows_it(world, monkeypatch):
 def test_what_a_subscriber_is_too_slow_for_is_counted_and_the_guard_does_not_wait(
     world, ros2, monkeypatch
 ):
-    monkeypatch.setattr(middleware, "publishes_without_waiting", lambda: True)
+    monkeypatch.setattr(middleware, "publishes_without_waiting", lambda _rmw: True)
     monkeypatch.setattr(publication, "MAX_BYTES", 1000)
     output = world.transport.advertise(NODE, TOPIC, TWIST, keep_all=True)
     output.learn_type(world.info(TWIST))
@@ -131,7 +131,7 @@ def memory_bytes():
 
 
 def test_only_reliable_states_of_common_size_are_kept(world, monkeypatch):
-    monkeypatch.setattr(middleware, "publishes_without_waiting", lambda: True)
+    monkeypatch.setattr(middleware, "publishes_without_waiting", lambda _rmw: True)
 
     def writer(type, **options):
         output = world.transport.advertise(NODE, f"/t{len(made)}", type, **options)
@@ -143,5 +143,5 @@ def test_only_reliable_states_of_common_size_are_kept(world, monkeypatch):
     assert isinstance(writer(STRING, keep_all=True), LosslessWriter)
     assert not isinstance(writer(STRING), LosslessWriter)
     assert not isinstance(writer("sensor_msgs/Image", keep_all=True), LosslessWriter)
-    monkeypatch.setattr(middleware, "publishes_without_waiting", lambda: False)
+    monkeypatch.setattr(middleware, "publishes_without_waiting", lambda _rmw: False)
     assert not isinstance(writer(STRING, keep_all=True), LosslessWriter)

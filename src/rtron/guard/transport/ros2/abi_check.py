@@ -28,7 +28,7 @@ from rtron.guard.transport.ros2.sender_ids import find_sender_ids
 from rtron.guard.transport.ros2.service_calls import ServiceCalls, request_id_parts
 from rtron.vocabulary import PRIVATE_ROOT, Direction
 from rtron.wire.ros2.c_structures import typed_function
-from rtron.wire.ros2.endpoints import PARTICIPANT_SIZE, Ros2Endpoint, publishers_of
+from rtron.wire.ros2.endpoints import PARTICIPANT_SIZE, Ros2Endpoint, await_publishers
 from rtron.wire.ros2.interfaces import find_interface
 from rtron.wire.ros2.rmw_version import IRON, KILTED, release_name, rmw_version
 from rtron.wire.ros2.session import rmw_identifier
@@ -96,7 +96,7 @@ def check_endpoint_info(node: Node) -> None:
         for profile in _PROFILES:
             publisher = node.create_publisher(cls, topic, profile)
             stack.callback(node.destroy_publisher, publisher)
-        expected = {each.gid: each for each in publishers_of(node, topic)}
+        expected = {each.gid: each for each in await_publishers(node, topic, len(_PROFILES))}
         _compare_endpoints(GraphQuery(node), topic, expected)
 
 
@@ -130,7 +130,7 @@ def _check_message_info(node: Node, ids: SenderIds) -> bytes:
         stack.callback(node.destroy_publisher, publisher)
         subscription = node.create_subscription(cls, topic, lambda _: None, profile, raw=True)
         stack.callback(node.destroy_subscription, subscription)
-        (gid,) = (endpoint.gid for endpoint in publishers_of(node, topic))
+        (gid,) = (endpoint.gid for endpoint in await_publishers(node, topic, 1))
         source, target = publisher.handle.pointer, subscription.handle.pointer
         rcl.notify("subscription", subscription.handle, fd)
         _expect_nothing(rcl.take(target), _MESSAGE_INFO)

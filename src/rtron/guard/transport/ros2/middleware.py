@@ -31,6 +31,7 @@ from rtron.messages.common.encoding import Encoding
 from rtron.vocabulary import GUARD_NODE, SECOND, QoS, Reliability
 from rtron.wire.ros2.discovery_tuning import publishes_without_waiting
 from rtron.wire.ros2.interfaces import find_interface
+from rtron.wire.ros2.session import rmw_identifier
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -121,7 +122,7 @@ class Ros2Transport:
         successors: tuple[str, ...] = (),
     ) -> Output:
         """Publish `topic` as `node`; see `Transport`."""
-        keep_all = keep_all and publishes_without_waiting()
+        keep_all = keep_all and publishes_without_waiting(rmw_identifier())
         return self._publication(node, topic, type, queue_size, successors, keep_all=keep_all)
 
     def subscribe(

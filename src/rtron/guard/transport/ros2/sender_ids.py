@@ -22,7 +22,7 @@ from rtron.errors import SourceError
 from rtron.guard.transport.ros2.cyclone_ids import CycloneSenderIds
 from rtron.vocabulary import PRIVATE_ROOT
 from rtron.wire.ros2.c_structures import GID_SIZE, RequestId, typed_function
-from rtron.wire.ros2.endpoints import PARTICIPANT_SIZE, publishers_of
+from rtron.wire.ros2.endpoints import PARTICIPANT_SIZE, await_publishers
 from rtron.wire.ros2.interfaces import find_interface
 from rtron.wire.ros2.session import rmw_identifier
 
@@ -89,7 +89,7 @@ def find_sender_ids(node: Node) -> SenderIds:
         publishers = [node.create_publisher(cls, topic, 1) for _ in range(2)]
         for publisher in publishers:
             stack.callback(node.destroy_publisher, publisher)
-        gids = {each.gid for each in publishers_of(node, topic)}
+        gids = {each.gid for each in await_publishers(node, topic, len(publishers))}
         ids = {_message_id(publisher.handle.pointer) for publisher in publishers}
         found = _fitting_ids(node, ids, gids)
     if found is None:
