@@ -9,6 +9,7 @@ import pytest
 from rtron.vocabulary import QoS
 
 pytest.importorskip("rclpy", reason="needs ROS 2")
+from rmw_marks import needs_fast_dds
 from ros2_harness import NODES2
 
 from rtron.guard.transport.common.protocol import InputOptions
@@ -24,6 +25,7 @@ pytestmark = [
 ]
 NODE, TOPIC, STRING, TWIST = "/rtron/a", "/burst", "std_msgs/String", "geometry_msgs/Twist"
 COUNT, QUEUE = 300, 20
+NEEDS_NUMBERS = needs_fast_dds("without sequence numbers, what is replaced in a queue is not known")
 IMAGE, PICTURE_BYTES = "sensor_msgs/Image", 1 << 22
 
 
@@ -61,6 +63,7 @@ def test_all_of_a_burst_waits_where_all_is_kept(world):
     assert (reader.heard, reader.lost) == (said, 0)
 
 
+@NEEDS_NUMBERS
 @pytest.mark.parametrize("options", [{}, {"keep_all": True, "is_command": lambda _peer: True}])
 def test_what_a_queue_has_no_room_for_is_counted_to_the_last_message(world, options):
     reader = Reader(world, **options)
@@ -70,6 +73,7 @@ def test_what_a_queue_has_no_room_for_is_counted_to_the_last_message(world, opti
     assert reader.lost
 
 
+@NEEDS_NUMBERS
 def test_what_comes_late_counts_although_nothing_follows_it(world, monkeypatch):
     taken = []
     monkeypatch.setattr(

@@ -46,7 +46,8 @@ class DataListener(Protocol):
 class DataReader:
     """Reads publishers of one QoS, with `profile`.
 
-    Transient-local messages get their numbers, since DDS sends them again to every new reader.
+    Transient-local messages get their numbers, since DDS sends them again to every new reader;
+    where the RMW has none, the time at which they were sent.
     Messages of an `is_command` reader are dropped if they are late.
     """
 
@@ -106,9 +107,10 @@ class DataReader:
         return count
 
     def _numbered(self, gid: bytes, message: bytes) -> bytes:
+        """Return a message with its number, or with when it was sent: that grows, too."""
         number = self._rcl.sequence_number
         if number is None:
-            return message
+            number = self._rcl.source_time
         return NumberedMessage.of(message, gid.hex(), number, self._rcl.source_time)
 
     def _is_late(self, lateness: LatenessDetector, gid: bytes) -> bool:
