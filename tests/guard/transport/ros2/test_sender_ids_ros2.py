@@ -8,6 +8,7 @@ from harness import wait_for
 
 pytest.importorskip("rclpy", reason="needs ROS 2")
 from rclpy.qos import DurabilityPolicy, QoSProfile
+from ros2_world import OnRos2
 from test_msgs.srv import Empty
 
 from rtron.errors import SourceError
@@ -25,6 +26,7 @@ pytestmark = [
     pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
 ]
 TOPIC, EMPTY = "/words", b"\0\1\0\0\0"
+UNKNOWN = b"\xff" * 16
 KEPT = QoSProfile(depth=8, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
@@ -139,6 +141,25 @@ def test_a_request_is_its_client_s_and_is_answered(session, stranger, ids):
 def test_an_answer_to_a_client_that_is_gone_is_no_error(session, ids):
     service = session.node("/guard").create_service(Empty, "/ask", print)
     ServiceCalls(ids).respond(service.handle, bytes(ids.request_id_size), Empty.Response())
+
+
+def test_a_message_waits_until_its_sender_is_known(ros2, session, monkeypatch):
+    with OnRos2(ros2) as world:
+        ids, real = world.transport._context.sender_ids, world.transport.rcl._gid_of
+        monkeypatch.setattr(
+            world.transport.rcl, "_gid_of", lambda told: UNKNOWN[:8] + real(told)[8:]
+        )
+        heard, asked = [], []
+        world.transport.subscribe("/guard", "/text", "std_msgs/String", lambda _peer: heard.append)
+        world.publisher("/talker", "/text", latched=True).say(world.text("kept"))
+        (gid,) = (each.gid for each in await_publishers(world.session.node("/talker"), "/text", 1))
+        monkeypatch.setattr(ids, "gid", lambda told: asked.append(told) or told)
+        world.until(lambda: len(asked) > 2)
+        assert heard == []
+        assert set(asked) == {UNKNOWN[:8] + gid[8:]}
+        monkeypatch.setattr(ids, "gid", lambda _told: gid)
+        world.until(lambda: heard)
+        assert heard == [world.text("kept")]
 
 
 def test_an_rmw_with_ids_that_nobody_knows_is_refused(session, monkeypatch):

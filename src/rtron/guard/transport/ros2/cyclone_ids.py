@@ -126,7 +126,7 @@ class CycloneSenderIds:
     def rmw_request_id(self, request_id: bytes) -> bytes:
         """Return the RMW's id here of a request; that of nobody, if its client is not there."""
         self.update()
-        gid, number = request_id[:GID_SIZE], request_id[GID_SIZE:-_HANDLE_SIZE]
+        gid, number = self.gid(request_id[:GID_SIZE]), request_id[GID_SIZE:-_HANDLE_SIZE]
         handle = next((id for id, each in self._gids.items() if each == gid), bytes(GID_SIZE))
         return request_id[-_HANDLE_SIZE:] + handle[:_HANDLE_SIZE] + number
 
