@@ -120,8 +120,8 @@ class CycloneSenderIds:
 
     def request_id(self, rmw_request_id: bytes) -> bytes:
         """Return our id of a request that was taken."""
-        said, handle = rmw_request_id[:_HANDLE_SIZE], rmw_request_id[_HANDLE_SIZE:GID_SIZE]
-        return self.gid(_padded(handle)) + rmw_request_id[GID_SIZE:] + said
+        claim, handle = rmw_request_id[:_HANDLE_SIZE], rmw_request_id[_HANDLE_SIZE:GID_SIZE]
+        return self.gid(_padded(handle)) + rmw_request_id[GID_SIZE:] + claim
 
     def rmw_request_id(self, request_id: bytes) -> bytes:
         """Return the RMW's id here of a request; that of nobody, if its client is not there."""
