@@ -4,6 +4,7 @@ from contextlib import closing
 from ctypes import POINTER, Structure, c_size_t, c_uint64
 
 import pytest
+from harness import wait_for
 
 pytest.importorskip("rclpy", reason="needs ROS 2")
 
@@ -75,9 +76,10 @@ def endpoints_of(node):
 
 
 def test_what_is_installed_here_is_known_and_leaves_nothing_behind(node):
+    wait_for(node.get_topic_names_and_types, what="the node's own topics")
     before = endpoints_of(node)
     check_abi(node)
-    assert endpoints_of(node) == before
+    wait_for(lambda: endpoints_of(node) == before, what="the end of what was made")
 
 
 def info_with_qos(qos):
