@@ -18,6 +18,7 @@ from bench.ros2.messages import DEPTH, MESSAGES, WARM_UP, Message
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.transport.ros2.event_fd import EventFd
 from rtron.guard.transport.ros2.rcl import Rcl
+from rtron.guard.transport.ros2.sender_ids import GraphSenderIds
 
 _SILENCE_S = 1.0
 
@@ -28,7 +29,7 @@ def main() -> None:
     signal.alarm(args.limit)
     message = MESSAGES[args.message]
     recorder = LatencyRecorder(set(args.subscribe), args.count)
-    loop, rcl, receiver_node = EventLoop(), Rcl(), node(args.node)
+    loop, rcl, receiver_node = EventLoop(), Rcl(GraphSenderIds()), node(args.node)
     for topic in args.subscribe:
         subscription = receiver_node.create_subscription(
             class_of(message.type), topic, print, qos(), raw=True

@@ -41,7 +41,7 @@ COMMANDS = {
     "Reference": {
         "explain": "Explain a rule or a policy; without a name, list them.",
         "mission-rules": "Show example rules for a robot's mission; without a name, list them.",
-        "schema": "Print the JSON Schema of a plan (rtron.yaml), a graph, or a config (rtron.toml).",
+        "schema": "Print the JSON Schema of a plan, a graph, or a configuration.",
     },
 }
 """The commands of each part of the help, with the first line of their own."""

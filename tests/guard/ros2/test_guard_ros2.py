@@ -14,6 +14,7 @@ from harness import wait_for
 
 pytest.importorskip("rclpy", reason="needs ROS 2")
 from rclpy_nodes import STRING, kept, twist
+from rmw_marks import RMW
 from ros2_harness import LASTING
 from ros2_plans import driving, written
 
@@ -28,6 +29,8 @@ PATIENT = written(driving("teleop", "nav", silent_after=10 * SECOND))
 TOPIC = "/cmd_vel"
 NAV, OUT = flow_topic(TOPIC, "nav"), output_topic(TOPIC)
 EVIL = "9.0"
+DDS_THREADS = "recv" if "cyclonedds" in RMW else "dds."
+"""How the names of the threads begin that bring what others send."""
 SETTLED = 300
 """Words of the navigation, 50 a second, after which the guard knows whose a name is."""
 
@@ -174,7 +177,7 @@ def test_a_guard_stops_the_robot_while_its_middleware_stands_still_and_its_loop_
     wait_for(lambda: speeds(driver)["0.5"] > 50, what="the navigation")
     wait_for(lambda: "its delivery is watched" in supervisor.log, what="the first ping")
     before = stops(driver)
-    with frozen(threads_named(guard_of(supervisor), "dds.")):
+    with frozen(threads_named(guard_of(supervisor), DDS_THREADS)):
         wait_for(lambda: "does not deliver: the robot is stopped" in supervisor.log, what="word")
         wait_for(lambda: stops(driver) > before, what="the stop")
         alarm = "what goes into the guard does not come out"

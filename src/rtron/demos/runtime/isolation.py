@@ -80,9 +80,9 @@ def ros1_environ(port: int) -> dict[str, str]:
 
 
 def ros2_environ(domain: int) -> dict[str, str]:
-    """Return what leads to a ROS 2 domain on this machine alone."""
+    """Return what leads to a ROS 2 domain on this machine alone, by the user's RMW."""
     return {
-        "RMW_IMPLEMENTATION": "rmw_fastrtps_cpp",
+        "RMW_IMPLEMENTATION": os.environ.get("RMW_IMPLEMENTATION", "rmw_fastrtps_cpp"),
         "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
         "ROS_DOMAIN_ID": str(domain),
         "ROS_LOCALHOST_ONLY": "1",

@@ -23,8 +23,6 @@ if TYPE_CHECKING:
 
 log = logging.getLogger(__name__)
 
-_RMW_PREFIX = "rmw_fastrtps"
-
 
 def prepare_session(ros: int, address: str) -> Ros2Session | None:
     """Join the domain of an address before a guard is needed there: discovery takes a second.
@@ -84,20 +82,20 @@ def _open_session(address: str, node: str) -> Ros2Session:
     """Join the domain of an address with a first node.
 
     SourceError if ROS 2 is not installed here, if its structures have another layout than the guard
-    reads, or if its RMW is not Fast DDS: with another one, the publisher's id in a message differs
-    from its id in the graph.
+    reads, or if its RMW does not tell who sent a message.
     """
     try:
         from rtron.guard.transport.ros2.abi_check import check_abi  # noqa: PLC0415
-        from rtron.wire.ros2.discovery_tuning import enable_fast_announcements  # noqa: PLC0415
-        from rtron.wire.ros2.session import Ros2Session, rmw_identifier  # noqa: PLC0415
+        from rtron.wire.ros2.discovery_tuning import (  # noqa: PLC0415
+            configure_cyclone,
+            enable_fast_announcements,
+        )
+        from rtron.wire.ros2.session import Ros2Session  # noqa: PLC0415
     except ImportError as error:
         help = "pip install 'rtron[ros2]', or source your ROS 2"
         raise SourceError(f"ROS 2 is not there: {error}", help=help) from error
-    if not (rmw := rmw_identifier()).startswith(_RMW_PREFIX):
-        help = "export RMW_IMPLEMENTATION=rmw_fastrtps_cpp for the whole app"
-        raise SourceError(f"the guard cannot tell publishers apart with {rmw}", help=help)
     enable_fast_announcements()
+    configure_cyclone()
     session = Ros2Session(domain_at(address))
     try:
         check_abi(session.node(node))

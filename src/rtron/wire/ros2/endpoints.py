@@ -6,6 +6,7 @@ Node names are not unique in ROS 2, GIDs are.
 
 from __future__ import annotations
 
+import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -26,6 +27,8 @@ PARTICIPANT_SIZE = 12
 """How many bytes of a GID name the participant."""
 _UNKNOWN = "_NODE_NAME_UNKNOWN_"
 _INFINITE = 1 << 62
+_TIMEOUT_S = 5.0
+_POLL_S = 0.001
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -52,6 +55,17 @@ class Ros2Endpoint:
 def publishers_of(node: Node, topic: str) -> list[Ros2Endpoint]:
     """Return who publishes a topic now."""
     return _endpoints(topic, Direction.PUBLISH, node.get_publishers_info_by_topic(topic))
+
+
+def await_publishers(node: Node, topic: str, count: int) -> list[Ros2Endpoint]:
+    """Return who publishes a topic, once they are so many, at the latest after 5 s.
+
+    Of an endpoint of this process, too, Cyclone DDS tells only in a moment.
+    """
+    until = time.monotonic() + _TIMEOUT_S
+    while len(found := publishers_of(node, topic)) < count and time.monotonic() < until:
+        time.sleep(_POLL_S)
+    return found
 
 
 def subscribers_of(node: Node, topic: str) -> list[Ros2Endpoint]:

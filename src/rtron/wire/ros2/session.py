@@ -17,7 +17,7 @@ from rtron.errors import SourceError
 from rtron.vocabulary import PRIVATE_ROOT
 from rtron.wire.ros2.discovery_tuning import large_receive_buffers
 from rtron.wire.ros2.domain_id import domain_id
-from rtron.wire.ros2.endpoints import publishers_of
+from rtron.wire.ros2.endpoints import await_publishers
 from rtron.wire.ros2.interfaces import find_interface
 
 
@@ -68,7 +68,7 @@ class Ros2Session:
         node, topic = self.node(name), f"{PRIVATE_ROOT}/self_{uuid.uuid4().hex}"
         publisher = node.create_publisher(find_interface("std_msgs/Empty").cls, topic, 1)
         try:
-            found = {each.participant for each in publishers_of(node, topic)}
+            found = {each.participant for each in await_publishers(node, topic, 1)}
         finally:
             node.destroy_publisher(publisher)
         if len(found) != 1:

@@ -8,6 +8,7 @@ from harness import wait_for
 
 pytest.importorskip("rclpy", reason="needs ROS 2")
 from guarded_base2 import CMD_VEL, FLOW1, GRCN, OUT, GuardedBase2
+from rmw_marks import needs_fast_dds
 from ros2_harness import LASTING
 
 from rtron.guard.transport.ros2.participants import ParticipantLiveness, ParticipantState
@@ -157,6 +158,7 @@ def test_an_intrusion_outlives_the_guard(ros2, kill):
     wait_for(lambda: base.speeds("0.5") > passed + 5, what="navigation again")
 
 
+@needs_fast_dds("the GIDs of Cyclone DDS hold no process ids")
 def test_a_killed_process_is_known_to_be_gone_while_the_domain_still_lists_it(ros2):
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")

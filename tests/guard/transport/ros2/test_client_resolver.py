@@ -8,6 +8,7 @@ pytest.importorskip("rclpy", reason="needs ROS 2")
 from rtron.guard.transport.common.protocol import TypeInfo
 from rtron.guard.transport.ros2.client_resolver import ClientResolver
 from rtron.guard.transport.ros2.participants import NameOwners
+from rtron.guard.transport.ros2.sender_ids import GraphSenderIds
 
 pytestmark = pytest.mark.ros2
 ONE, GIDS = b"participant1", (b"participant1:001", b"participant1:002")
@@ -47,7 +48,9 @@ class Domain:
 
     def _context(self):
         loop = SimpleNamespace(now=lambda: 0)
-        return SimpleNamespace(graph=self, loop=loop, owners=self.owners)
+        return SimpleNamespace(
+            graph=self, loop=loop, owners=self.owners, sender_ids=GraphSenderIds()
+        )
 
 
 def test_an_approved_client_keeps_its_name_whatever_it_is_called():

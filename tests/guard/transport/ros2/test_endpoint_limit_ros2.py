@@ -1,6 +1,6 @@
 """A crowd of a stranger's endpoints on a topic of a real domain: who is known stays known."""
 
-from contextlib import closing
+from contextlib import ExitStack, closing
 
 import pytest
 
@@ -20,7 +20,7 @@ TOPIC = "/words"
 
 @pytest.fixture
 def stranger(ros2, monkeypatch):
-    """Be a participant that comes first by its GID."""
+    """Be a participant of somebody else."""
     monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     with closing(Ros2Session(domain=ros2.domain)) as session:
         session.node("/mallory")
@@ -29,7 +29,11 @@ def stranger(ros2, monkeypatch):
 
 @pytest.fixture
 def world(ros2, stranger):
-    with OnRos2(ros2) as world:
+    """Have a world whose participants come behind the stranger's by their GIDs."""
+    with ExitStack() as worlds:
+        first = stranger.participant("/mallory")
+        while (world := worlds.enter_context(OnRos2(ros2))).session.participant("/nav") < first:
+            pass
         yield world
 
 

@@ -9,12 +9,13 @@ from harness import wait_for
 pytest.importorskip("rclpy", reason="needs ROS 2")
 from rclpy.duration import Duration
 from rclpy.qos import DurabilityPolicy, LivelinessPolicy, QoSProfile, ReliabilityPolicy
+from rmw_marks import needs_fast_dds
 from ros2_harness import NODES2
 
 from rtron.guard.transport.ros2.graph_query import GraphQuery
 from rtron.guard.transport.ros2.participants import MAX_ENDPOINTS
 from rtron.vocabulary import Direction
-from rtron.wire.ros2.endpoints import publishers_of, subscribers_of
+from rtron.wire.ros2.endpoints import await_publishers, publishers_of, subscribers_of
 from rtron.wire.ros2.interfaces import find_interface
 from rtron.wire.ros2.session import Ros2Session
 
@@ -54,6 +55,10 @@ def test_it_tells_what_rclpy_tells(session):
         nodes[0].create_publisher(kind, "/topic", profile)
         nodes[1].create_subscription(kind, "/topic", lambda _message: None, profile)
     listing = GraphQuery(nodes[2])
+    await_publishers(nodes[2], "/topic", len(PROFILES))
+    wait_for(
+        lambda: len(subscribers_of(nodes[2], "/topic")) == len(PROFILES), what="who subscribes"
+    )
     told = {side: listing.endpoints("/topic", side, ()) for side in Direction}
     assert told[Direction.PUBLISH] == by_gid(publishers_of(nodes[2], "/topic"))
     assert told[Direction.SUBSCRIBE] == by_gid(subscribers_of(nodes[2], "/topic"))
@@ -68,7 +73,10 @@ def test_the_ends_of_services_are_told_by_their_middlewares_names(session):
     services = pytest.importorskip("std_srvs.srv", reason="needs std_srvs of ROS 2")
     node, trigger = session.node("/server"), services.Trigger
     node.create_service(trigger, "/go", lambda _request, response: response)
-    (end,) = GraphQuery(node, raw=True).endpoints("rq/goRequest", Direction.SUBSCRIBE, ())
+    listing = GraphQuery(node, raw=True)
+    (end,) = wait_for(
+        lambda: listing.endpoints("rq/goRequest", Direction.SUBSCRIBE, ()), what="the server"
+    )
     assert (end.node, end.type) == ("/server", "std_srvs::srv::dds_::Trigger_Request_")
     assert GraphQuery(node).endpoints("rq/goRequest", Direction.SUBSCRIBE, ()) == ()
 
@@ -79,9 +87,10 @@ def test_of_a_crowd_it_tells_of_some_and_of_those_that_are_known(session):
         GraphQuery(node),
         [node.create_publisher(kind, "/t", 1) for _ in range(MAX_ENDPOINTS)],
     )
+    await_publishers(node, "/t", len(crowd))
     first = listing.endpoints("/t", Direction.PUBLISH, ())
     crowd += [node.create_publisher(kind, "/t", 1) for _ in range(MAX_ENDPOINTS)]
-    last = by_gid(publishers_of(node, "/t"))[-9:]
+    last = by_gid(await_publishers(node, "/t", len(crowd)))[-9:]
     found = listing.endpoints("/t", Direction.PUBLISH, last)
     assert len(first) == len(found) == MAX_ENDPOINTS
     assert set(last) <= set(found)
@@ -93,6 +102,7 @@ PROFILE = """<dds xmlns="http://www.eprosima.com"><profiles>
 </participant></profiles></dds>"""
 
 
+@needs_fast_dds("a profile of Fast DDS chooses the id")
 def test_who_chooses_an_odd_id_is_told_like_anybody(ros2, session, tmp_path):
     profile = tmp_path / "profile.xml"
     profile.write_text(PROFILE)

@@ -10,6 +10,7 @@ from rtron.vocabulary import QoS
 
 pytest.importorskip("rclpy", reason="needs ROS 2")
 from harness import wait_for
+from rmw_marks import needs_fast_dds
 from ros2_harness import NODES2
 
 from rtron.guard.transport.common.protocol import InputOptions
@@ -25,6 +26,7 @@ pytestmark = [
 ]
 NODE, TOPIC, STRING, TWIST = "/rtron/a", "/burst", "std_msgs/String", "geometry_msgs/Twist"
 COUNT, QUEUE = 300, 20
+NEEDS_NUMBERS = needs_fast_dds("without sequence numbers, what is replaced in a queue is not known")
 IMAGE, ARRAY = "sensor_msgs/Image", "std_msgs/UInt8MultiArray"
 LARGE_BYTES, SCAN_BYTES, SENT_50 = 1 << 22, 1 << 21, "sent 50 more"
 
@@ -63,6 +65,7 @@ def test_all_of_a_burst_waits_where_all_is_kept(world):
     assert (reader.heard, reader.lost) == (said, 0)
 
 
+@NEEDS_NUMBERS
 @pytest.mark.parametrize("options", [{}, {"keep_all": True, "is_command": lambda _peer: True}])
 def test_what_a_queue_has_no_room_for_is_counted_to_the_last_message(world, options):
     reader = Reader(world, **options)
@@ -72,6 +75,7 @@ def test_what_a_queue_has_no_room_for_is_counted_to_the_last_message(world, opti
     assert reader.lost
 
 
+@NEEDS_NUMBERS
 def test_what_comes_late_counts_although_nothing_follows_it(world, monkeypatch):
     taken = []
     monkeypatch.setattr(
@@ -86,7 +90,7 @@ def test_what_comes_late_counts_although_nothing_follows_it(world, monkeypatch):
 def test_what_a_subscriber_is_too_slow_for_is_counted_and_the_guard_does_not_wait(
     world, ros2, monkeypatch
 ):
-    monkeypatch.setattr(middleware, "publishes_without_waiting", lambda: True)
+    monkeypatch.setattr(middleware, "publishes_without_waiting", lambda _rmw: True)
     monkeypatch.setattr(writer, "MAX_QUEUE_BYTES", 1000)
     output = world.transport.advertise(NODE, TOPIC, TWIST, keep_all=True)
     output.learn_type(world.info(TWIST))
@@ -176,7 +180,7 @@ def test_messages_that_become_large_pass_a_reader_whole_and_once(world):
 
 @pytest.mark.parametrize("keep_all", [False, True])
 def test_messages_that_become_large_reach_a_subscriber_whole(world, monkeypatch, keep_all):
-    monkeypatch.setattr(middleware, "publishes_without_waiting", lambda: True)
+    monkeypatch.setattr(middleware, "publishes_without_waiting", lambda _rmw: True)
     heard = world.listener("/listener", TOPIC)
     output = world.transport.advertise(NODE, TOPIC, STRING, keep_all=keep_all)
     output.learn_type(world.info())
@@ -193,7 +197,7 @@ def test_messages_that_become_large_reach_a_subscriber_whole(world, monkeypatch,
 
 
 def test_only_reliable_states_are_kept(world, monkeypatch):
-    monkeypatch.setattr(middleware, "publishes_without_waiting", lambda: True)
+    monkeypatch.setattr(middleware, "publishes_without_waiting", lambda _rmw: True)
 
     def writer(type, **options):
         output = world.transport.advertise(NODE, f"/t{len(made)}", type, **options)
@@ -205,5 +209,5 @@ def test_only_reliable_states_are_kept(world, monkeypatch):
     assert isinstance(writer(STRING, keep_all=True), LosslessWriter)
     assert not isinstance(writer(STRING), LosslessWriter)
     assert isinstance(writer(IMAGE, keep_all=True), LosslessWriter)
-    monkeypatch.setattr(middleware, "publishes_without_waiting", lambda: False)
+    monkeypatch.setattr(middleware, "publishes_without_waiting", lambda _rmw: False)
     assert not isinstance(writer(STRING, keep_all=True), LosslessWriter)

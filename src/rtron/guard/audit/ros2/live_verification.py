@@ -9,7 +9,7 @@ from rtron.errors import SourceError
 from rtron.guard.audit.ros2.expected_graph import ExpectedGraph
 from rtron.guard.audit.ros2.observed_graph import ROSOUT_TOPIC, GraphReader
 from rtron.guard.audit.ros2.verification import verify_ros2
-from rtron.wire.ros2.discovery_tuning import enable_fast_announcements
+from rtron.wire.ros2.discovery_tuning import configure_cyclone, enable_fast_announcements
 
 if TYPE_CHECKING:
     from rtron.guard.audit.ros2.observed_graph import ObservedGraph
@@ -38,6 +38,7 @@ def verify_domain(plan: Plan, timeout: float, domain: int | None = None) -> Veri
     except ImportError as error:
         raise SourceError("ROS 2 is not there: no rclpy", help=_HELP_RCLPY) from error
     enable_fast_announcements()
+    configure_cyclone()
     session = Ros2Session(domain)
     try:
         check_endpoint_info(session.node(_NODE))

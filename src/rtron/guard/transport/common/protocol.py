@@ -238,7 +238,7 @@ class LiveTransport(Transport, Protocol):
 
 
 class NumberedMessage(bytes):
-    """A message with its DDS sequence number.
+    """A message with its DDS sequence number, or its source time where the RMW gives no numbers.
 
     `writer` identifies the publisher, and not the one that replaces it after a restart. `number`
     grows with each message; one that is sent again keeps its number. `source_time` is when the

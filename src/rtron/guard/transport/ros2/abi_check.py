@@ -7,12 +7,14 @@ ones. So it first reads endpoints, messages and requests of its own, of which it
 
 from __future__ import annotations
 
+import ctypes
 import logging
 import os
 import select
 import time
 import uuid
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, closing, contextmanager
+from ctypes import c_bool, c_int
 from dataclasses import fields
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -22,16 +24,21 @@ from rclpy.qos import DurabilityPolicy, LivelinessPolicy, QoSProfile, Reliabilit
 from rtron.errors import SourceError, WireError
 from rtron.guard.transport.ros2.graph_query import GraphQuery
 from rtron.guard.transport.ros2.rcl import Rcl
+from rtron.guard.transport.ros2.sender_ids import find_sender_ids
 from rtron.guard.transport.ros2.service_calls import ServiceCalls, request_id_parts
 from rtron.vocabulary import PRIVATE_ROOT, Direction
-from rtron.wire.ros2.endpoints import PARTICIPANT_SIZE, Ros2Endpoint, publishers_of
+from rtron.wire.ros2.c_structures import typed_function
+from rtron.wire.ros2.endpoints import PARTICIPANT_SIZE, Ros2Endpoint, await_publishers
 from rtron.wire.ros2.interfaces import find_interface
 from rtron.wire.ros2.rmw_version import HUMBLE, KILTED, release_name, rmw_version
+from rtron.wire.ros2.session import rmw_identifier
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from rclpy.node import Node
+
+    from rtron.guard.transport.ros2.sender_ids import SenderIds
 
 log = logging.getLogger(__name__)
 
@@ -42,6 +49,8 @@ _POLL_S = 0.005
 _ENDPOINT_INFO = "rmw_topic_endpoint_info_t"
 _MESSAGE_INFO = "rmw_message_info_t"
 _SERVICE_INFO = "rmw_service_info_t"
+_SEQUENCE_NUMBERS = 0
+"""RMW_FEATURE_MESSAGE_INFO_PUBLICATION_SEQUENCE_NUMBER"""
 _EMPTY_MESSAGE = b"\0\1\0\0\0"
 _HELP = "use Humble, Jazzy or Kilted (rmw 6.1 to 7.8), or report which release this is"
 _PROFILES = (
@@ -67,11 +76,12 @@ def check_abi(node: Node) -> None:
     What this makes at `node` is gone again when it returns.
     """
     check_endpoint_info(node)
-    try:
-        participant = _check_message_info(node)
-        _check_service_info(node, participant)
-    except WireError as error:
-        raise SourceError(f"{release_name(rmw_version())}: {error}", help=_HELP) from error
+    with closing(find_sender_ids(node)) as ids:
+        try:
+            participant = _check_message_info(node, ids)
+            _check_service_info(node, participant, ids)
+        except WireError as error:
+            raise SourceError(f"{release_name(rmw_version())}: {error}", help=_HELP) from error
 
 
 def check_endpoint_info(node: Node) -> None:
@@ -86,7 +96,7 @@ def check_endpoint_info(node: Node) -> None:
         for profile in _PROFILES:
             publisher = node.create_publisher(cls, topic, profile)
             stack.callback(node.destroy_publisher, publisher)
-        expected = {each.gid: each for each in publishers_of(node, topic)}
+        expected = {each.gid: each for each in await_publishers(node, topic, len(_PROFILES))}
         _compare_endpoints(GraphQuery(node), topic, expected)
 
 
@@ -107,12 +117,12 @@ def _differences(found: Any, expected: Any) -> Iterator[str]:  # noqa: ANN401 - 
     return (name for name in names if getattr(found, name) != getattr(expected, name))
 
 
-def _check_message_info(node: Node) -> bytes:
+def _check_message_info(node: Node, ids: SenderIds) -> bytes:
     """Check what a message says of itself: who has sent it and when, and its number.
 
     Returns which participant `node` is in.
     """
-    rcl, topic, cls = Rcl(), _unique_name(), find_interface("std_msgs/Empty").cls
+    rcl, topic, cls = Rcl(ids), _unique_name(), find_interface("std_msgs/Empty").cls
     profile = QoSProfile(depth=2, durability=DurabilityPolicy.TRANSIENT_LOCAL)
     with ExitStack() as stack:
         fd = stack.enter_context(_event_fd())
@@ -120,7 +130,7 @@ def _check_message_info(node: Node) -> bytes:
         stack.callback(node.destroy_publisher, publisher)
         subscription = node.create_subscription(cls, topic, lambda _: None, profile, raw=True)
         stack.callback(node.destroy_subscription, subscription)
-        (gid,) = (endpoint.gid for endpoint in publishers_of(node, topic))
+        (gid,) = (endpoint.gid for endpoint in await_publishers(node, topic, 1))
         source, target = publisher.handle.pointer, subscription.handle.pointer
         rcl.notify("subscription", subscription.handle, fd)
         _expect_nothing(rcl.take(target), _MESSAGE_INFO)
@@ -136,16 +146,22 @@ def _compare_message_info(rcl: Rcl, has_gid: bool, number: int, sent_at: int) ->
     """Compare what came with the message that was taken last with what is known of it."""
     if not has_gid:
         raise _layout_error(_MESSAGE_INFO, "publisher_gid")
-    if rcl.sequence_number != number:
+    if rcl.sequence_number != (number if _has_sequence_numbers() else None):
         raise _layout_error(_MESSAGE_INFO, "publication_sequence_number")
     if not sent_at <= rcl.source_time <= time.time_ns():
         raise _layout_error(_MESSAGE_INFO, "source_timestamp")
 
 
-def _check_service_info(node: Node, participant: bytes) -> None:
+def _has_sequence_numbers() -> bool:
+    """Ask the RMW whether its messages have numbers (rmw/features.h, Humble and later)."""
+    rmw = ctypes.CDLL(f"lib{rmw_identifier()}.so")
+    return bool(typed_function(rmw.rmw_feature_supported, c_bool, c_int)(_SEQUENCE_NUMBERS))
+
+
+def _check_service_info(node: Node, participant: bytes, ids: SenderIds) -> None:
     """Check whose a request is, and that its response finds the way back."""
     cls: Any = find_interface("rcl_interfaces/srv/GetParameters").cls
-    rcl, calls, name = Rcl(), ServiceCalls(), _unique_name()
+    rcl, calls, name = Rcl(ids), ServiceCalls(ids), _unique_name()
     with ExitStack() as stack:
         fd = stack.enter_context(_event_fd())
         service = node.create_service(cls, name, lambda _, response: response)

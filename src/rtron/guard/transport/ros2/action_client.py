@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from rclpy.node import Node
 
     from rtron.guard.action.ros2.endpoints import CancelReply, GoalReply, ServerListener
+    from rtron.guard.transport.ros2.sender_ids import SenderIds
     from rtron.messages.ros2.actions import GoalMessage
     from rtron.wire.ros2.endpoints import Ros2Endpoint
 
@@ -308,9 +309,9 @@ def _nanoseconds(time: Any) -> int:  # noqa: ANN401 - builtin_interfaces/Time
 class GoalCanceller:
     """A client of an action's cancels under its public name; answers are not waited for."""
 
-    def __init__(self, node: Node, action: str) -> None:
+    def __init__(self, node: Node, action: str, sender_ids: SenderIds) -> None:
         self._action = action
-        self._requests = ServiceCalls()
+        self._requests = ServiceCalls(sender_ids)
         name = ros2_entity_name(action, Ros2ActionEntity.CANCEL_GOAL)
         self._client = node.create_client(
             CancelGoal, name, qos_profile=qos_profile_services_default

@@ -46,7 +46,7 @@ class ActionRelay:
             interface_type.name, interface_type.md5sum, interface_type.definition
         )
         action_context = ActionContext(
-            node, interface_type.cls, self.type_info, context, ServiceCalls()
+            node, interface_type.cls, self.type_info, context, ServiceCalls(context.sender_ids)
         )
         self._listener = listener
         self._loop = context.loop

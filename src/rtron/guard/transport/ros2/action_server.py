@@ -15,7 +15,7 @@ from rtron.errors import WireError
 from rtron.guard.core.log_throttle import LogThrottle
 from rtron.guard.transport.ros2.client_resolver import ClientResolver
 from rtron.guard.transport.ros2.event_fd import EventFd
-from rtron.guard.transport.ros2.service_calls import REQUEST_ID_SIZE, ResponsePacer
+from rtron.guard.transport.ros2.service_calls import ResponsePacer
 from rtron.messages.ros2.actions import GoalMessage
 from rtron.vocabulary import ROS2_ACTION_SERVICES, SECOND, Ros2ActionEntity, ros2_entity_name
 from rtron.wire.ros2.c_structures import GID_SIZE
@@ -137,7 +137,7 @@ class ActionServer:
             request_id = bytes.fromhex(token)
         except ValueError:
             return None
-        if len(request_id) != REQUEST_ID_SIZE:
+        if len(request_id) != self._context.shared.sender_ids.request_id_size:
             return None
         return ResultResponder(self.flow, request_id, self._send_inherited_result)
 

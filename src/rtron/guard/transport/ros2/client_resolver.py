@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from rtron.guard.transport.common.protocol import Peer, TypeInfo
 from rtron.vocabulary import ROS2_ACTION_TOPICS, SECOND, matches_node, ros2_entity_name
+from rtron.wire.ros2.c_structures import GID_SIZE
 from rtron.wire.ros2.endpoints import PARTICIPANT_SIZE
 
 if TYPE_CHECKING:
@@ -39,6 +40,7 @@ class ClientResolver:
         self._graph = context.graph
         self._loop = context.loop
         self._owners = context.owners
+        self._sender_ids = context.sender_ids
         self._unresolved: deque[tuple[int, bytes, PeerHandler]] = deque()
         self._approved: dict[bytes, str] = {}
         for topic in self._topics:
@@ -51,18 +53,19 @@ class ClientResolver:
 
     def resolve(self, request_id: bytes, on_peer: PeerHandler) -> None:
         """Call `on_peer` with the client of a request, now or once the graph knows it."""
-        participant = request_id[:PARTICIPANT_SIZE]
+        gid = request_id[:GID_SIZE]
+        participant = gid[:PARTICIPANT_SIZE]
         peer = self._peer(participant)
         if peer or self._is_full(participant):
             on_peer(peer or self._unapproved_peer(participant))
         else:
-            self._unresolved.append((self._loop.now(), participant, on_peer))
+            self._unresolved.append((self._loop.now(), gid, on_peer))
             for topic in self._topics:
                 self._graph.query_if_due(topic)
 
     def _is_full(self, participant: bytes) -> bool:
         """Return whether no more requests may wait, in all or of this participant."""
-        own_count = sum(each == participant for _, each, _ in self._unresolved)
+        own_count = sum(gid.startswith(participant) for _, gid, _ in self._unresolved)
         return own_count >= _MAX_PER_PARTICIPANT or len(self._unresolved) >= _MAX_UNRESOLVED
 
     def update(self) -> None:
@@ -74,12 +77,13 @@ class ClientResolver:
         }
         now, unresolved = self._loop.now(), list(self._unresolved)
         self._unresolved.clear()
-        for since, participant, on_peer in unresolved:
+        for since, gid, on_peer in unresolved:
+            participant = self._sender_ids.gid(gid)[:PARTICIPANT_SIZE]
             peer = self._peer(participant)
             if peer or now - since >= _NAME_TIMEOUT:
                 on_peer(peer or self._unapproved_peer(participant))
             else:
-                self._unresolved.append((since, participant, on_peer))
+                self._unresolved.append((since, gid, on_peer))
 
     def _nodes(self, participant: bytes) -> list[str]:
         """Return the nodes of a participant that are clients of the action."""

@@ -12,17 +12,19 @@ if TYPE_CHECKING:
     from rtron.guard.transport.ros2.graph import RosGraph
     from rtron.guard.transport.ros2.participants import NameOwners, ParticipantLiveness
     from rtron.guard.transport.ros2.rcl import Rcl
+    from rtron.guard.transport.ros2.sender_ids import SenderIds
 
 
 @dataclass(slots=True)
 class TransportContext:
-    """The event loop, rcl's calls, the graph, the owners of its node names, and their liveness.
+    """The event loop, rcl and its senders' ids, the graph, the owners of its names, their liveness.
 
     `report_unreadable` takes a topic, a node, and why a message of that node cannot be read.
     """
 
     loop: EventLoop
     rcl: Rcl
+    sender_ids: SenderIds
     graph: RosGraph
     owners: NameOwners
     liveness: ParticipantLiveness

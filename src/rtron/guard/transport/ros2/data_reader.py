@@ -95,9 +95,10 @@ class _Queue:
 class DataReader:
     """Reads publishers of one QoS, with `profile`.
 
-    Transient-local messages get their numbers, since DDS sends them again to every new reader.
-    Messages of an `is_command` reader are dropped if they are late. Fewer messages wait where they
-    turn out to be large; while that changes (`is_changing`), some come twice.
+    Transient-local messages get their numbers, since DDS sends them again to every new reader;
+    where the RMW has none, the time at which they were sent. Messages of an `is_command` reader
+    are dropped if they are late. Fewer messages wait where they turn out to be large; while that
+    changes (`is_changing`), some come twice.
     """
 
     def __init__(
@@ -191,9 +192,10 @@ class DataReader:
             self._former = None if self._former is former else self._former
 
     def _numbered(self, gid: bytes, message: bytes) -> bytes:
+        """Return a message with its number, or with when it was sent: that grows, too."""
         number = self._rcl.sequence_number
         if number is None:
-            return message
+            number = self._rcl.source_time
         return NumberedMessage.of(message, gid.hex(), number, self._rcl.source_time)
 
     def _is_late(self, lateness: LatenessDetector, gid: bytes) -> bool:

@@ -26,11 +26,13 @@ from rtron.guard.transport.ros2.process_table import ProcessTable
 from rtron.guard.transport.ros2.publication import Publication
 from rtron.guard.transport.ros2.qos import profile
 from rtron.guard.transport.ros2.rcl import Rcl
+from rtron.guard.transport.ros2.sender_ids import find_sender_ids
 from rtron.guard.transport.ros2.subscription import Subscription, SubscriptionHandlers
 from rtron.messages.common.encoding import Encoding
 from rtron.vocabulary import GUARD_NODE, SECOND, QoS, Reliability
 from rtron.wire.ros2.discovery_tuning import publishes_without_waiting
 from rtron.wire.ros2.interfaces import find_interface
+from rtron.wire.ros2.session import rmw_identifier
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -58,7 +60,8 @@ class Ros2Transport:
 
     def __init__(self, loop: EventLoop, session: Ros2Session) -> None:
         self.session = session
-        self.rcl = Rcl()
+        self._sender_ids = find_sender_ids(session.node(GUARD_NODE))
+        self.rcl = Rcl(self._sender_ids)
         self.graph = RosGraph(loop, session, self.rcl)
         self.processes = ProcessTable()
         liveness = ParticipantLiveness(self.graph.participant, self.processes)
@@ -67,7 +70,13 @@ class Ros2Transport:
         self.now = loop.now
         self.call_at = loop.call_at
         self._context = TransportContext(
-            loop, self.rcl, self.graph, self._owners, liveness, _log_unreadable
+            loop,
+            self.rcl,
+            self._sender_ids,
+            self.graph,
+            self._owners,
+            liveness,
+            _log_unreadable,
         )
         self._publications: list[Publication] = []
         self._subscriptions: list[Subscription] = []
@@ -119,7 +128,7 @@ class Ros2Transport:
         successors: tuple[str, ...] = (),
     ) -> Output:
         """Publish `topic` as `node`; see `Transport`."""
-        keep_all = keep_all and publishes_without_waiting()
+        keep_all = keep_all and publishes_without_waiting(rmw_identifier())
         return self._publication(node, topic, type, queue_size, successors, keep_all=keep_all)
 
     def subscribe(
@@ -161,7 +170,7 @@ class Ros2Transport:
 
     def goal_canceller(self, node: str, action: str) -> GoalCanceller:
         """Return a canceller of goals of an unguarded action; see `CancelTransport`."""
-        return GoalCanceller(self.session.node(node), action)
+        return GoalCanceller(self.session.node(node), action, self._sender_ids)
 
     def link_nodes(self, publisher: str, subscriber: str, topic: str, type: str) -> Output:
         """Show two nodes of ours as connected; see `Transport`."""
@@ -181,6 +190,7 @@ class Ros2Transport:
             publication.close()
         for action in self._actions:
             action.close()
+        self._sender_ids.close()
         self.session.close()
 
     def _publication(
@@ -207,6 +217,7 @@ class Ros2Transport:
 
     def _update_names(self) -> None:
         """Update the owners of names; ended participants own none."""
+        self._sender_ids.update()
         is_settled = self.now() - self._start_time > _SETTLING_TIME
         self._owners.update(self._live_names(), is_settled=is_settled)
 

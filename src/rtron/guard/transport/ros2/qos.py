@@ -29,6 +29,9 @@ HANDOVER_S = 1.0
 _COMMAND_LIFESPAN = SECOND
 """How long a writer keeps commands: a reader on a busy machine may need them (ns)."""
 
+_MIN_PERIOD = SECOND // 1000
+"""The shortest deadline or lease that is offered: for one of 1 ns Cyclone DDS does nothing else."""
+
 
 def requested_profile(offered: QoS, queue_size: int, *, keep_all: bool = False) -> QoSProfile:
     """Return the profile that gets all messages of a publisher, transient-local ones included.
@@ -57,7 +60,8 @@ def fitting_depth(size: int) -> int:
 def strongest(profiles: Iterable[QoS]) -> QoS:
     """Return QoS that matches every subscriber that one of these matches (ROS 2, compatibility).
 
-    The shortest deadline and lease of those that have one, the longest lifespan.
+    The shortest deadline and lease of those that have one, but no less than 1 ms; the longest
+    lifespan.
     """
     profiles_list = list(profiles)
     reliable = any(qos.reliability is Reliability.RELIABLE for qos in profiles_list)
@@ -118,4 +122,4 @@ def with_depth(former: QoSProfile, depth: int) -> QoSProfile:
 
 
 def _minimum(durations: Iterable[int]) -> int:
-    return min((each for each in durations if each), default=0)
+    return max(_MIN_PERIOD, min(finite)) if (finite := [each for each in durations if each]) else 0

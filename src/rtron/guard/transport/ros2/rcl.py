@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import ctypes
 from ctypes import addressof, c_int, c_void_p
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rtron.errors import WireError
 from rtron.wire.ros2.c_structures import (
@@ -21,6 +21,9 @@ from rtron.wire.ros2.c_structures import (
     typed_function,
 )
 
+if TYPE_CHECKING:
+    from rtron.guard.transport.ros2.sender_ids import SenderIds
+
 _OK, _NO_MESSAGE = 0, 401
 """RCL_RET_OK and RCL_RET_SUBSCRIPTION_TAKE_FAILED (rcl/types.h), Foxy and later."""
 _UNSUPPORTED = (1 << 64) - 1
@@ -30,7 +33,8 @@ _UNSUPPORTED = (1 << 64) - 1
 class Rcl:
     """Calls of rcl, and the one buffer that messages are taken into."""
 
-    def __init__(self) -> None:
+    def __init__(self, sender_ids: SenderIds) -> None:
+        self._gid_of = sender_ids.gid
         rcl = ctypes.CDLL("librcl.so")
         pointers = c_void_p, c_void_p, c_void_p
         self._take = typed_function(rcl.rcl_take_serialized_message, c_int, *pointers, c_void_p)
@@ -49,7 +53,7 @@ class Rcl:
         self._in_at, self._out_at = self._input_buffer.address, addressof(self._output)
         self._info_at = addressof(self._info)
         gid_at = MessageInfo.gid.offset
-        self._gid = memoryview(self._info).cast("B")[gid_at : gid_at + GID_SIZE]
+        self._id = memoryview(self._info).cast("B")[gid_at : gid_at + GID_SIZE]
 
     def notify(self, kind: str, handle: Any, fd: int) -> None:  # noqa: ANN401 - rclpy's handle
         """Let rcl add to the eventfd `fd` whenever a message arrives for a handle.
@@ -69,7 +73,7 @@ class Rcl:
             return None
         if code:
             self._check(code, "take a message")
-        return self._input_buffer.message_bytes(begin), self._gid.tobytes()
+        return self._input_buffer.message_bytes(begin), self._gid_of(self._id.tobytes())
 
     @property
     def size(self) -> int:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import ctypes
 from collections import deque
 from contextlib import contextmanager
-from ctypes import byref, c_bool, c_int, c_int64, c_void_p, py_object, sizeof
+from ctypes import byref, c_bool, c_int, c_int64, c_void_p, py_object
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 from weakref import finalize
@@ -23,14 +23,12 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from rtron.guard.core.event_loop import EventLoop
-
+    from rtron.guard.transport.ros2.sender_ids import SenderIds
 
 _OK, _TIMED_OUT = 0, 2
 _NO_MESSAGE = frozenset({401, 501, 601})
 """RCL_RET_{SUBSCRIPTION,CLIENT,SERVICE}_TAKE_FAILED (rcl/types.h), Foxy and later."""
 _POINTERS = c_void_p, c_void_p, c_void_p
-REQUEST_ID_SIZE = sizeof(RequestId)
-"""The size of a request id: the writer's GUID, and the number of its request."""
 
 
 def request_id_parts(request_id: bytes) -> tuple[bytes, int]:
@@ -83,7 +81,8 @@ class ServiceMessage:
 class ServiceCalls:
     """Calls of rcl; services and clients are rclpy's handles, messages rclpy's objects."""
 
-    def __init__(self) -> None:
+    def __init__(self, sender_ids: SenderIds) -> None:
+        self._ids = sender_ids
         rcl, utils = ctypes.CDLL("librcl.so"), ctypes.CDLL("librcutils.so")
         self._take_request = typed_function(rcl.rcl_take_request_with_info, c_int, *_POINTERS)
         self._send_response = typed_function(rcl.rcl_send_response, c_int, *_POINTERS)
@@ -98,7 +97,7 @@ class ServiceCalls:
         """
         info = ServiceInfo()
         request = self._take_message(self._take_request, service, cls, info)
-        return None if request is None else (bytes(info.request_id), request)
+        return None if request is None else (self._ids.request_id(bytes(info.request_id)), request)
 
     def respond(self, service: Any, request_id: bytes, response: object) -> None:  # noqa: ANN401
         """Respond to a request; nothing happens if its client is not there."""
@@ -106,7 +105,7 @@ class ServiceCalls:
         converter = _converter_for(cls)
         with converter.new_message() as message:
             converter.from_python(response, message)
-            header = RequestId.from_buffer_copy(request_id)
+            header = RequestId.from_buffer_copy(self._ids.rmw_request_id(request_id))
             code = self._send_response(service.pointer, byref(header), message)
         if code != _TIMED_OUT:
             self._check(code, "respond to a request")

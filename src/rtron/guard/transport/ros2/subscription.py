@@ -277,6 +277,7 @@ class Subscription:
         now, unresolved = self._context.loop.now(), list(self._unresolved)
         self._unresolved.clear()
         for each in unresolved:
+            each.gid = self._context.sender_ids.gid(each.gid)
             if each.gid in self._senders:
                 self._deliver_late(each, now - each.since)
             elif now - each.since < 2 * _NAME_TIMEOUT:
