@@ -24,6 +24,7 @@ def interrupts():
 def _runtime_folder():
     with TemporaryDirectory(prefix="rtron-") as folder, pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_RUNTIME_DIR", folder)
+        patch.setenv("XDG_STATE_HOME", f"{folder}/state")
         yield
 
 

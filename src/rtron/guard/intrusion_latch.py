@@ -10,12 +10,13 @@ import json
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
+from rtron.guard.core.handover_state import INTRUSIONS
+
 if TYPE_CHECKING:
     from rtron.guard.core.handover_state import HandoverState
 
 OnRefusal = Callable[[str], None]
 """Takes why something is refused, "" if it is not."""
-_KEY = "intrusions"
 _MAX_REASON_LENGTH = 300
 
 
@@ -25,7 +26,7 @@ class IntrusionLatch:
     def __init__(self, handover: HandoverState) -> None:
         """Take over what the guard before has left."""
         self._handover = handover
-        self._reasons = _checked(handover.inherited(_KEY))
+        self._reasons = _checked(handover.inherited(INTRUSIONS))
         self.clear: Callable[[str, OnRefusal], None] = _refuse
         """Clears a stream, and tells why that is refused, "" if it is not. Set by the audit."""
         self.on_clear: Callable[[str, str], None] = lambda topic, reason: None
@@ -48,7 +49,7 @@ class IntrusionLatch:
             self._store()
 
     def _store(self) -> None:
-        self._handover.store(_KEY, self._reasons or None)
+        self._handover.store(INTRUSIONS, self._reasons or None)
 
 
 def intrusions_in(handover_document: bytes) -> dict[str, str]:
@@ -60,12 +61,12 @@ def intrusions_in(handover_document: bytes) -> dict[str, str]:
         document = json.loads(handover_document or b"{}")
     except (ValueError, RecursionError):
         return {}
-    return _checked(document.get(_KEY) if isinstance(document, dict) else None)
+    return _checked(document.get(INTRUSIONS) if isinstance(document, dict) else None)
 
 
 def handover_document(reasons: Mapping[str, str]) -> bytes:
     """Return the handover state of a guard that has stopped these streams, with the reasons."""
-    return json.dumps({_KEY: dict(reasons)}).encode()
+    return json.dumps({INTRUSIONS: dict(reasons)}).encode()
 
 
 def _refuse(topic: str, on_refusal: OnRefusal) -> None:

@@ -4,7 +4,12 @@ import json
 
 import pytest
 
-from rtron.guard.core.handover_state import MOST_BYTES, HandoverState
+from rtron.guard.core.handover_state import (
+    INTRUSIONS,
+    MOST_BYTES,
+    RESERVED_BYTES,
+    HandoverState,
+)
 from rtron.guard.supervision.shared_memory import GuardMemory
 
 
@@ -43,13 +48,25 @@ def test_none_is_not_kept():
 def test_a_will_as_long_as_is_allowed_is_kept_and_one_byte_more_is_not(page):
     will = HandoverState(b"", page.handover_state.write)
     will.store("other", 1)
-    room = MOST_BYTES - len('{"other":1,"long":""}')
+    room = MOST_BYTES - RESERVED_BYTES - len('{"other":1,"long":""}')
     will.store("long", "x" * room)
     assert HandoverState(page.handover_state.read()[1]).inherited("long") == "x" * room
     will.store("long", "x" * (room + 1))
     after = HandoverState(page.handover_state.read()[1])
     assert after.inherited("long") is None
     assert after.inherited("other") == 1
+
+
+def test_there_is_room_for_intrusions_whatever_else_is_kept(page):
+    will = HandoverState(b"", page.handover_state.write)
+    will.store("long", "x" * (MOST_BYTES - RESERVED_BYTES - len('{"long":""}')))
+    room = RESERVED_BYTES - len(',"intrusions":""')
+    will.store(INTRUSIONS, "x" * room)
+    assert HandoverState(page.handover_state.read()[1]).inherited(INTRUSIONS) == "x" * room
+    will.store("other", 1)
+    after = HandoverState(page.handover_state.read()[1])
+    assert after.inherited("other") is None
+    assert after.inherited(INTRUSIONS) == "x" * room
 
 
 @pytest.mark.parametrize("left", [b"{", b"[1]", b"\xff", b'{"a":' * 100_000])

@@ -4,6 +4,7 @@ import json
 from dataclasses import replace
 
 import pytest
+from harness import wait_for
 from plans import grcn, plan_of
 
 from rtron.errors import SourceError
@@ -11,7 +12,7 @@ from rtron.guard.intrusion_latch import handover_document, intrusions_in
 from rtron.guard.supervision.guard_config import GuardConfig
 from rtron.guard.supervision.intrusion_file import intrusion_file
 from rtron.guard.supervision.shared_memory import GuardMemory
-from rtron.vocabulary import Audit, OnForeign
+from rtron.vocabulary import SECOND, Audit, OnForeign
 
 PLAN = plan_of(grcn("/cmd_vel", ("/nav",), ("/driver",)))
 TOPIC = PLAN.grcn[0].topic
@@ -20,9 +21,8 @@ STOPPED = {TOPIC: "a ghost"}
 
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
-    tmp_path.chmod(0o700)
-    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
-    return tmp_path
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
+    return tmp_path / "rtron" / PLAN.app
 
 
 @pytest.fixture
@@ -41,8 +41,11 @@ def inherited(**more):
 
 
 def keep(state, reasons, file=None):
+    """Let a guard tell of intrusions, and wait until they are saved."""
+    file = file or file_of()
     state.write(handover_document(reasons))
-    (file or file_of()).follow(state)
+    file.follow(state, 0)
+    wait_for(lambda: file.is_saved, what="the file")
 
 
 def test_the_next_guard_inherits_what_was_not_cleared(folder, state):
@@ -87,7 +90,7 @@ def test_two_writers_that_write_one_count_are_both_followed(folder, state):
     keep(state, {}, file)
     late = GuardMemory.create(1)
     late.handover_state.write(b"{}")
-    file.follow(late.handover_state)
+    file.follow(late.handover_state, 0)
     late.handover_state._write_count = 0
     keep(late.handover_state, STOPPED, file)
     assert inherited() == STOPPED
@@ -111,13 +114,36 @@ def test_a_file_that_cannot_be_read_is_refused(folder, state, content):
     assert "remove the file" in error.value.help
 
 
-def test_a_folder_that_others_may_enter_is_refused(folder, state, caplog):
+def test_a_folder_that_others_may_enter_is_refused(folder):
+    folder.mkdir(parents=True)
     folder.chmod(0o755)
     with pytest.raises(SourceError, match="others may enter"):
         file_of().handover_document()
-    keep(state, STOPPED)
-    assert "is not kept" in caplog.text
+
+
+def test_what_could_not_be_written_is_tried_again(folder, state, caplog):
+    folder.mkdir(parents=True)
+    folder.chmod(0o755)
+    file = file_of()
+    state.write(handover_document(STOPPED))
+    file.follow(state, 0)
+    wait_for(lambda: "is not kept" in caplog.text, what="the failure")
+    folder.chmod(0o700)
+    file.follow(state, SECOND - 1)
     assert list(folder.iterdir()) == []
+    file.follow(state, SECOND)
+    wait_for(lambda: file.is_saved, what="the file")
+    assert inherited() == STOPPED
+
+
+def test_a_guard_that_has_told_nothing_yet_leaves_the_file_as_it_is(folder, state):
+    keep(state, STOPPED)
+    file = file_of()
+    empty = GuardMemory.create(1)
+    file.follow(empty.handover_state, 0)
+    file._save()
+    empty.close()
+    assert inherited() == STOPPED
 
 
 def test_a_strange_reason_comes_back_as_it_was(folder, state):

@@ -20,6 +20,10 @@ log = logging.getLogger(__name__)
 
 MOST_BYTES = 1 << 18
 """The longest handover state, bytes of JSON."""
+INTRUSIONS = "intrusions"
+"""The key of what intruders have stopped."""
+RESERVED_BYTES = 1 << 16
+"""The last bytes, which nothing but the intrusions may use."""
 
 
 class HandoverState:
@@ -58,7 +62,8 @@ class HandoverState:
         self._length -= len(self._stored.pop(key, b""))
 
     def _add_member(self, key: str, member: bytes) -> None:
-        if self._length + len(member) + len(self._stored) + len("{}") > MOST_BYTES:
+        most = MOST_BYTES if key == INTRUSIONS else MOST_BYTES - RESERVED_BYTES
+        if self._length + len(member) + len(self._stored) + len("{}") > most:
             log.warning("%s is not handed over to the next guard: it is too long", key)
             return
         self._stored[key] = member

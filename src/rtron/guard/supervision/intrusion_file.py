@@ -1,6 +1,6 @@
 """The intrusions that nobody has cleared, in a file: they outlive the guard and its supervisor.
 
-It lies in the user's runtime folder, which a reboot empties: that ends the intruders, too.
+It lies in the user's state folder (XDG base folders): a logout and a reboot leave it there, too.
 """
 
 import json
@@ -9,29 +9,43 @@ import os
 from pathlib import Path
 
 from rtron.errors import RTronError, SourceError
-from rtron.guard.core.control_socket import control_path
+from rtron.guard.core.event_loop import BackgroundWorker
 from rtron.guard.core.unix_socket import open_own_folder
 from rtron.guard.intrusion_latch import handover_document, intrusions_in
+from rtron.guard.link.options import state_folder
 from rtron.guard.supervision.double_buffer import DoubleBuffer
 from rtron.guard.supervision.guard_config import GuardConfig
-from rtron.vocabulary import OnForeign, build_streams
+from rtron.vocabulary import SECOND, OnForeign, build_streams
 
 log = logging.getLogger(__name__)
 
 _PRIVATE = 0o600
 _MOST_BYTES = 1 << 18
-_HELP = "set XDG_RUNTIME_DIR to a folder of your own (mode 700)"
+_HELP = "set XDG_STATE_HOME to a folder of your own (mode 700)"
+_RETRY = SECOND
 
 
 class IntrusionFile:
-    """What intruders have stopped under one plan at one master, and why."""
+    """What intruders have stopped under one plan at one master, and why.
+
+    A thread writes the file, since a disk may hang; what could not be written is tried again.
+    """
 
     def __init__(self, path: Path, topics: frozenset[str]) -> None:
         """`topics` are the plan's: what stands in the file of others, of an older plan, is void."""
         self._path = path
         self._topics = topics
+        self._reasons: dict[str, str] | None = None
         self._saved: dict[str, str] | None = None
         self._seen: tuple[DoubleBuffer, tuple[int, int, int]] | None = None
+        self._retry_at = 0
+        self._failure = ""
+        self._worker = BackgroundWorker(self._save, "intrusions")
+
+    @property
+    def is_saved(self) -> bool:
+        """Whether the file has what a guard has told last."""
+        return self._reasons is None or self._reasons == self._saved
 
     def handover_document(self) -> bytes:
         """Return what the first guard inherits.
@@ -50,24 +64,34 @@ class IntrusionFile:
             log.warning("%s is still stopped, nobody has cleared it: %s", topic, reason)
         return handover_document(self._saved)
 
-    def follow(self, handover_state: DoubleBuffer) -> None:
-        """Keep the intrusions that a guard's handover state tells of, if it has changed."""
+    def follow(self, handover_state: DoubleBuffer, now: int) -> None:
+        """Have the intrusions saved that a guard's handover state tells of; `now` in ns."""
         head = handover_state.head()
-        if self._seen == (handover_state, head):
-            return
-        count, document = handover_state.read()
-        if count == head[0]:
-            self._seen = handover_state, head
-            self._save(intrusions_in(document))
+        if self._seen != (handover_state, head):
+            self._look(handover_state, head)
+        if not self.is_saved and now >= self._retry_at:
+            self._retry_at = now + _RETRY
+            self._worker.request()
 
-    def _save(self, reasons: dict[str, str]) -> None:
-        if reasons == self._saved:
+    def _look(self, handover_state: DoubleBuffer, head: tuple[int, int, int]) -> None:
+        count, document = handover_state.read()
+        if count and count == head[0]:  # else the guard has told nothing, or is writing it
+            self._seen = handover_state, head
+            self._reasons = intrusions_in(document)
+            self._retry_at = 0
+
+    def _save(self) -> None:
+        reasons, failure = self._reasons, ""
+        if reasons is None:
             return
-        self._saved = reasons
         try:
             self._write(reasons)
+            self._saved = reasons
         except (OSError, RTronError) as error:
-            log.warning("what intruders have stopped is not kept: %s", error)
+            failure = str(error)
+        if failure and failure != self._failure:
+            log.error("what intruders have stopped is not kept for a new guard: %s", failure)
+        self._failure = failure
 
     def _write(self, reasons: dict[str, str]) -> None:
         self._check_folder()
@@ -80,6 +104,8 @@ class IntrusionFile:
         new.replace(self._path)
 
     def _read(self) -> dict[str, str]:
+        if not self._path.parent.is_dir():
+            return {}
         self._check_folder()
         try:
             with self._path.open("rb") as file:
@@ -91,6 +117,7 @@ class IntrusionFile:
         return {topic: str(reason) for topic, reason in reasons.items()}
 
     def _check_folder(self) -> None:
+        self._path.parent.parent.mkdir(parents=True, exist_ok=True)
         os.close(open_own_folder(self._path.parent, _HELP))
 
 
@@ -100,6 +127,5 @@ def intrusion_file(config: GuardConfig) -> IntrusionFile | None:
     if config.options.get("dry_run") or plan.audit.on_foreign is not OnForeign.STOP:
         return None
     master = "".join(each if each.isalnum() else "_" for each in config.master)
-    control = control_path(plan.app)
-    path = control.with_name(f"{control.stem}-{master[:64]}.intrusions")
+    path = state_folder(plan.app) / f"intrusions-{master[:64]}.json"
     return IntrusionFile(path, frozenset(each.topic for each in build_streams(plan)))

@@ -138,14 +138,14 @@ class Supervisor:
         self._memory[StatusWord.UNDELIVERED] = self._fsm.is_undelivered
         self._memory[StatusWord.UNWATCHED] = self._delivery.is_unwatched
         self._perform(actions, now)
-        if self._intrusions:
-            self._intrusions.follow(self._memory.handover_state)
         self._reap(now)
         self._prepare_spare(now)
         is_serving = self._fsm.phase is GuardPhase.SERVING
         self._systemd.report(now, f"guard {self._fsm.phase.name.lower()}", is_well=is_serving)
         if self._memory[StatusWord.SERVING] and not self._is_leaving:
             self._tick_helpers(now)
+        if self._intrusions:
+            self._intrusions.follow(self._memory.handover_state, now)
 
     def _tick_helpers(self, now: int) -> None:
         for helper in self._helpers:
