@@ -112,9 +112,13 @@ class BaseLog:
         return f"the navigation said {demanded} in it, {came} came within 20 ms after it"
 
     def longest_rest(self, explained: Sequence[Span] = ()) -> int:
-        """Return for how long (ns) the base was at rest at most, without the explained times."""
+        """Return for how long (ns) the base was at rest at most, without the explained times.
+
+        The last rest ends with the log: a guard that has stopped the base and is gone for good lets
+        it rest until then.
+        """
         moving = [each.at for each in self.guarded() if each.speed]
-        rests = (Span(before, after - before) for before, after in pairwise(moving))
+        rests = (Span(before, after - before) for before, after in pairwise([*moving, self._end()]))
         return max((each.length - _overlap(each, explained) for each in rests), default=0)
 
     def longest_turn_of_lower_flow(self) -> int:
@@ -146,6 +150,10 @@ class BaseLog:
         begin = bisect_left(self.outputs, spoken.at, key=_at)
         rests = (each.at for each in self.outputs[begin:] if not each.speed)
         return min(next(rests, spoken.at) - spoken.at, spoken.length)
+
+    def _end(self) -> int:
+        """Return when the base heard the navigation or anybody else for the last time, ns."""
+        return max((each.at for each in (*self.inputs[-1:], *self.outputs[-1:])), default=0)
 
     def _spoken(self, intrusion: Span) -> Span:
         """Return the time from an intruder's first command to its end."""

@@ -95,6 +95,15 @@ def test_a_rest_counts_without_what_explains_it():
     assert log.longest_rest([Span(SECOND, SECOND), Span(4 * SECOND, 9 * SECOND)]) == 3 * SECOND
 
 
+def test_a_rest_to_the_end_counts():
+    stopped = [*commands(SPEED, 0, SECOND), Command(SECOND, 0.0)]
+    log = BaseLog(commands(SPEED, 0, 20 * SECOND + 1), stopped)
+    assert log.unexplained_gaps() == []
+    assert log.longest_rest() == 19 * SECOND + PERIOD
+    assert log.longest_rest([Span(18 * SECOND, 9 * SECOND)]) == 17 * SECOND + PERIOD
+    assert replace(log, inputs=[]).longest_rest() == PERIOD
+
+
 def test_commands_that_move_have_a_share_of_those_of_the_guard():
     outputs = [Command(0, SPEED), Command(1, 0.0), Command(2, 0.0), Command(3, 0.0), INTRUDERS]
     assert BaseLog([], outputs).moving_share() == 0.25
