@@ -145,11 +145,19 @@ class BaseLog:
         return sum(_overlap(each, spoken) for each in held) / total if total else 0.0
 
     def time_to_stop(self, intrusion: Span) -> int:
-        """Return how long (ns) an intruder spoke before the guard told the base to rest."""
+        """Return how long (ns) an intruder spoke before the guard told the base to rest.
+
+        Where the guard never did, it is the time to the end of the log.
+        """
         spoken = self._spoken(intrusion)
+        if not spoken.length:
+            return 0
         begin = bisect_left(self.outputs, spoken.at, key=_at)
         rests = (each.at for each in self.outputs[begin:] if not each.speed)
-        return min(next(rests, spoken.at) - spoken.at, spoken.length)
+        stopped = next(rests, None)
+        if stopped is None:
+            return self._end() - spoken.at
+        return min(stopped - spoken.at, spoken.length)
 
     def _end(self) -> int:
         """Return when the base heard the navigation or anybody else for the last time, ns."""

@@ -128,6 +128,12 @@ def test_an_intruder_whom_nobody_stops_has_all_the_time():
     assert log.time_to_stop(Span(0, 3 * SECOND)) == 2 * SECOND
 
 
+def test_an_intruder_after_whom_the_base_never_rests_was_never_stopped():
+    words = [replace(INTRUDERS, at=at) for at in (SECOND, 3 * SECOND // 2)]
+    log = BaseLog([], [Command(0, SPEED), *words, Command(9 * SECOND, SPEED)])
+    assert log.time_to_stop(Span(0, 2 * SECOND)) == 8 * SECOND
+
+
 def test_an_intruder_who_was_not_heard_has_none():
     log = intrusion()
     assert log.intruder_share([Span(5 * SECOND, SECOND)]) == 0
