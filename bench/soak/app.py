@@ -57,9 +57,14 @@ class SoakedApp:
         return role in self._running
 
     def ended(self) -> list[str]:
-        """Return the app's roles whose process has ended although nobody ended it."""
+        """Return who has ended for good although nobody ended it: the app's roles, and programs.
+
+        The process of `rtron guard` is the first supervisor only; a program is gone when it has no
+        process at all.
+        """
         app = (each for each in self._running.items() if each[0] != "guard")
-        return [role for role, process in app if process.poll() is not None]
+        roles = [role for role, process in app if process.poll() is not None]
+        return roles + [program for program in PROGRAMS if not self.pids(program)]
 
     def start(self, role: str, *arguments: str) -> None:
         """Start a role's process."""
