@@ -52,10 +52,14 @@ class Span:
     at: int
     length: int
 
+    @property
+    def end(self) -> int:
+        """When it was over."""
+        return self.at + self.length
+
     def overlap(self, other: "Span") -> int:
         """Return how long both lasted at once, ns."""
-        end = min(self.at + self.length, other.at + other.length)
-        return max(0, end - max(self.at, other.at))
+        return max(0, min(self.end, other.end) - max(self.at, other.at))
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,6 +135,11 @@ class BaseLog:
             begin = command.at if begin is None else begin
             longest = max(longest, command.at - begin)
         return longest
+
+    def duration(self) -> int:
+        """Return how long (ns) the base heard anybody, from the first word to the last."""
+        begin = min((each.at for each in (*self.inputs[:1], *self.outputs[:1])), default=0)
+        return self._end() - begin
 
     def moving_share(self) -> float:
         """Return for which share of its commands the guard let the base move."""

@@ -4,19 +4,22 @@ import random
 import signal
 import time
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 from bench.soak.app import SoakedApp
 from bench.soak.base_log import Span
 from bench.soak.names import IMAGE_RATES
+from rtron.vocabulary import SECOND
 
 _LIMIT_S, _POLL_S = 60.0, 0.2
 _INTRUSION_S = (0.5, 3.0)
 _FREEZE_S = (0.05, 3.0)
-INTRUSION, FREEZE = "intruder", "guard frozen"
+INTRUSION, FREEZE, KILL = "intruder", "guard frozen", "guard killed"
+_AFTER = SECOND
+"""How long (ns) after a freeze or a kill the guard may still be late for its supervisor."""
 WEIGHTS = {
-    "guard killed": 3,
+    KILL: 3,
     FREEZE: 2,
     "bulk process killed": 2,
     "bulk process frozen": 2,
@@ -46,7 +49,6 @@ class RandomFaults:
 
     def __init__(self, app: SoakedApp, seed: int, only: Sequence[str] = ()) -> None:
         self.history: list[Fault] = []
-        self.refused_clears = 0
         self.intruders: list[Span] = []
         """The time of each intruder, from its start to its end."""
         self._is_person_there = False
@@ -54,7 +56,7 @@ class RandomFaults:
         self._random = random.Random(seed)
         self._weights = {name: WEIGHTS[name] for name in only or WEIGHTS}
         self._actions: dict[str, Callable[[], None]] = {
-            "guard killed": lambda: app.send(app.guard(), signal.SIGKILL),
+            KILL: lambda: app.send(app.guard(), signal.SIGKILL),
             FREEZE: lambda: self._freeze(app.guard()),
             "bulk process killed": lambda: self._kill("bulk"),
             "bulk process frozen": lambda: self._freeze(*app.pids("bulk")),
@@ -93,9 +95,18 @@ class RandomFaults:
         """Return the times from an intruder's start until a person has cleared it."""
         return self._spans(INTRUSION)
 
-    def freezes(self) -> list[Span]:
-        """Return the times in which the guard was frozen."""
-        return self._spans(FREEZE)
+    def longest_clear(self) -> int | None:
+        """Return how long (ns) a person needed at most to clear the stop of an intruder that left.
+
+        None without an intruder.
+        """
+        pairs = zip(self.intrusions(), self.intruders, strict=True)
+        return max((until.end - intruder.end for until, intruder in pairs), default=None)
+
+    def count_unexplained(self, stops: Iterable[int]) -> int:
+        """Count the supervisor's stops (ns) that no frozen or killed guard explains."""
+        spans = [*self._spans(FREEZE), *self._spans(KILL)]
+        return sum(not any(each.at <= at < each.end + _AFTER for each in spans) for at in stops)
 
     def _spans(self, name: str) -> list[Span]:
         return [each.span for each in self.history if each.name == name]
@@ -148,12 +159,7 @@ class RandomFaults:
         time.sleep(self._random.uniform(*_INTRUSION_S))
         self._app.end("intruder", signal.SIGKILL)
         self.intruders.append(Span(begin, time.monotonic_ns() - begin))
-        _wait_until(self._clear)
-
-    def _clear(self) -> bool:
-        is_cleared = self._app.clear()
-        self.refused_clears += not is_cleared
-        return is_cleared
+        _wait_until(self._app.clear)
 
 
 def _wait_until(condition: Callable[[], bool]) -> None:

@@ -83,7 +83,6 @@ class Findings:
         yield from self._sizes()
         for name, count in self._faults.counts().items():
             yield Row(f"times.{name.replace(' ', '_')}", f"times: {name}", count, "")
-        yield Row("refused_clears", "times: not cleared yet", self._faults.refused_clears, "")
 
     def _commands(self) -> Iterator[Row]:
         base, intrusions = self.base, self._faults.intrusions()
@@ -105,7 +104,11 @@ class Findings:
         share = base.intruder_share(self._faults.intruders)
         yield Row("intruder_share", "an intruder's share while it is there", share, "", _MAX_SHARE)
         yield Row("intruder_start", "an intruder before a stop", start, "s", _MAX_START_S)
-        yield Row("false_stops", "stops for a guard that nobody froze", self._false_stops(), "")
+        clear = self._faults.longest_clear()
+        clear_s = None if clear is None else clear / SECOND
+        yield Row("clear", "an intruder gone, until it is cleared", clear_s, "s", _MAX_CLEAR_S)
+        stops = 60 * self._faults.count_unexplained(self._stops) / max(60, base.duration() / SECOND)
+        yield Row("false_stops", "stops, none frozen or killed", stops, "/min", _MAX_FALSE_STOPS)
         yield Row("base_stalls", "the base itself did not run", stalled, "ms")
 
     def _policies(self) -> Iterator[Row]:
@@ -139,11 +142,6 @@ class Findings:
             yield Row(f"growth.{each}", f"growth of the {each} process", growth, "MB", most)
             yield Row(f"peak.{each}", f"most memory of the {each} process", peak, "MB", _MAX_PEAK)
 
-    def _false_stops(self) -> int:
-        """Count the supervisor's stops that no freeze explains."""
-        frozen = [Span(each.at, each.length + _AFTER_FREEZE) for each in self._faults.freezes()]
-        return sum(not any(span.overlap(Span(at, 1)) for span in frozen) for at in self._stops)
-
     def _block_spans(self) -> list[Span]:
         return [Span(each.begin, each.end - each.begin + _AFTER_BLOCK) for each in self._blocks]
 
@@ -154,8 +152,8 @@ _MAX_DRIVE_S, _MAX_TURN_S = 0.9, 3.0
 _MAX_GROWTH = {"guard": 10.0, "supervisor": 10.0, "bulk": 150.0}
 """MB; the bulk process has pictures in its readers and writers, five of 10 MB at most in each."""
 _MAX_PEAK = 400.0
+_MAX_CLEAR_S, _MAX_FALSE_STOPS = 30.0, 8.0
 _AFTER_BLOCK = SECOND // 2
-_AFTER_FREEZE = SECOND
 
 
 def _merged(spans: Sequence[Span]) -> Iterator[Span]:

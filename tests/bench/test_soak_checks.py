@@ -4,8 +4,8 @@ import json
 
 import pytest
 
-from bench.soak.base_log import Command
-from bench.soak.faults import WEIGHTS, RandomFaults
+from bench.soak.base_log import Command, Span
+from bench.soak.faults import FREEZE, INTRUSION, KILL, WEIGHTS, Fault, RandomFaults
 from bench.soak.goal_log import count_ends, count_forbidden, read_goals, unexplained
 from bench.soak.names import FORBIDDEN_GOAL
 from bench.soak.plan import LOWEST, MAX_SPEED, THRESHOLD, soak_plan
@@ -129,3 +129,21 @@ def test_everything_that_can_happen_is_done_by_the_soak():
     faults = RandomFaults(app=None, seed=1)
     assert faults.counts() == dict.fromkeys(WEIGHTS, 0)
     assert set(faults._actions) == set(WEIGHTS)
+
+
+def test_stops_are_explained_by_a_guard_that_was_frozen_or_killed_a_moment_ago():
+    faults = RandomFaults(app=None, seed=1)
+    spans = {FREEZE: Span(10 * SECOND, SECOND), KILL: Span(20 * SECOND, 1)}
+    faults.history += [Fault(name, span) for name, span in spans.items()]
+    faults.history.append(Fault("bulk process killed", Span(30 * SECOND, 1)))
+    explained = [10 * SECOND, 12 * SECOND - 1, 21 * SECOND]
+    assert faults.count_unexplained(explained) == 0
+    assert faults.count_unexplained([*explained, 9 * SECOND, 13 * SECOND, 30 * SECOND]) == 3
+
+
+def test_a_clear_lasts_from_an_intruders_end():
+    faults = RandomFaults(app=None, seed=1)
+    assert faults.longest_clear() is None
+    faults.intruders += [Span(0, 2 * SECOND), Span(20 * SECOND, SECOND)]
+    faults.history += [Fault(INTRUSION, Span(at * SECOND, 7 * SECOND)) for at in (0, 20)]
+    assert faults.longest_clear() == 6 * SECOND
