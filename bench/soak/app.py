@@ -158,8 +158,8 @@ def _ros1_remaps(role: str) -> Iterator[str]:
     """Yield the remaps of the action's ends, as a guarded launch has them."""
     if role not in ("planner", "dock"):
         return
-    asked, answered = (_FLOW, "out") if role == "planner" else ("out", SERVER_FLOW)
-    for parts, flow in ((ROS1_CLIENT_TOPICS, asked), (ROS1_SERVER_TOPICS, answered)):
+    client_flow, server_flow = (_FLOW, "out") if role == "planner" else ("out", SERVER_FLOW)
+    for parts, flow in ((ROS1_CLIENT_TOPICS, client_flow), (ROS1_SERVER_TOPICS, server_flow)):
         for part in parts:
             topic = ros1_topic_name(DOCK, part)
             yield f"{topic}:={flow_topic(topic, flow)}"
