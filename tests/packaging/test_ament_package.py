@@ -112,7 +112,7 @@ def test_ros2_rtron_is_rtron(tmp_path):
     assert (scan.returncode, scan.stderr) == (1, "")
     assert "/cmd_vel" in scan.stdout
     assert ros2("scan", tmp_path / "none").returncode == 2
-    assert "From an app to a guarded app" in ros2().stdout
+    assert "From an app to a guarded app" in ros2().stderr
 
 
 def test_argcomplete_completes_the_commands():

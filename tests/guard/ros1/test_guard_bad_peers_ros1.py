@@ -20,6 +20,7 @@ PLAN = """\
 schema: rtron.plan/1
 app: robustness
 ros: 1
+audit: {on_foreign: alarm}  # the master does not know these peers, so nobody can look after them
 grcn:
   - id: grcn_cmd_vel
     topic: /cmd_vel

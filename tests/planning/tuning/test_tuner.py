@@ -685,7 +685,7 @@ def test_the_yaml_has_the_figures_above_the_node():
     at = lines.index("  - id: grcn_cmd_vel")
     told = " ".join(line.strip().removeprefix("#").strip() for line in lines[at - 4 : at])
     assert "release_after: 0.5 s -> 2.5 s (flow1: 1 000 gaps, largest 2 s," in told
-    assert all(len(line) <= 100 for line in lines)
+    assert all(len(line) <= 100 for line in lines[1:])  # the first is an address
 
 
 def test_a_hostile_name_stays_in_its_comment():

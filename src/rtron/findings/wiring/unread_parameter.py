@@ -56,7 +56,7 @@ def _without_node(group: WiringGroup) -> Finding:
     near = join_names(group.others)
     return make_finding(
         RULE.name,
-        group.subject,
+        f"{group.subject}:section",
         summary=f"the parameters that the launch sets for {group.subject} reach no node",
         cause=f"no node of this launch has this name, and {near} has no section",
         remedy=f"did you mean {near}?",
