@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from rtron.findings import find_findings
@@ -113,6 +113,16 @@ def test_no_graph_breaks_the_rules(graph):
 
 
 @given(graphs | hostile)
+@example(
+    InteractionGraph(
+        app="app",
+        ros=1,
+        wiring=tuple(
+            WiringFact(kind=kind, subject="/a", value="p", others=("q",))
+            for kind in (WiringFactKind.SECTION_WITHOUT_NODE, WiringFactKind.MISSPELT_PARAMETER)
+        ),
+    )
+)
 def test_a_finding_has_an_id_of_its_own(graph):
     ids = [finding.id for finding in find_findings(graph)]
     assert len(ids) == len(set(ids))

@@ -44,10 +44,12 @@ _READS = {1: "read", 2: "declare"}
 def check(app: AppFacts) -> Iterator[Finding]:
     """Yield a finding for each node, or name of none, whose parameters a launch sets in vain."""
     reads = _READS[app.graph.ros]
-    for group in wiring_groups(app.graph, WiringFactKind.SECTION_WITHOUT_NODE):
-        yield _without_node(group)
+    sections = list(wiring_groups(app.graph, WiringFactKind.SECTION_WITHOUT_NODE))
+    yield from map(_without_node, sections)
+    without_node = {group.subject for group in sections}
     for group in wiring_groups(app.graph, WiringFactKind.MISSPELT_PARAMETER):
-        yield _misspelt(group, reads)
+        if group.subject not in without_node:
+            yield _misspelt(group, reads)
     for group in wiring_groups(app.graph, WiringFactKind.UNREAD_PARAMETER):
         yield _unread(group, reads)
 
@@ -56,7 +58,7 @@ def _without_node(group: WiringGroup) -> Finding:
     near = join_names(group.others)
     return make_finding(
         RULE.name,
-        f"{group.subject}:section",
+        group.subject,
         summary=f"the parameters that the launch sets for {group.subject} reach no node",
         cause=f"no node of this launch has this name, and {near} has no section",
         remedy=f"did you mean {near}?",
