@@ -187,6 +187,16 @@ def test_a_driver_that_does_not_tell_who_speaks_to_it_is_stopped(impatient):
     assert_stopped_until_watched(impatient)
 
 
+def test_the_stop_outlives_the_guard(ros1, impatient):
+    """The next one begins with it: it has not heard of an audit by then."""
+    impatient.driver.tell(signal.SIGSTOP)
+    wait_for(lambda: is_unwatched(impatient, "/driver cannot be audited"), what="the stop")
+    os.kill(ros1.ask(ros1.uri_of(GUARD_NODE), "getPid"), signal.SIGKILL)
+    wait_for(lambda: is_unwatched(impatient, "the audit does not answer"), what="the next stop")
+    impatient.driver.tell(signal.SIGCONT)
+    assert_stopped_until_watched(impatient)
+
+
 def test_a_robot_drives_on_without_the_master_and_an_alarm_tells_it(ros1, impatient):
     ros1.master.kill()
     gone = "unseen: the master does not answer"
