@@ -23,12 +23,14 @@ from rtron.vocabulary import (
     MSRCN,
     RSRCN,
     SECOND,
+    Audit,
     EventFlow,
     Flow,
     FlowSettings,
     GuardedTopic,
     Mode,
     NodeSettings,
+    OnForeign,
     Plan,
     PolicyName,
     Settings,
@@ -169,3 +171,16 @@ def test_a_stall_of_over_a_tenth_of_a_second_is_a_doubt():
     (doubt,) = doubts(Plan(app="x", supervision=Supervision(stall_after=2 * LONGEST_STALL)))
     text = "supervision: stall_after is 0.2 s: so long the robot goes on without a guard"
     assert doubt == text
+
+
+def test_a_short_absence_of_the_audit_is_a_doubt_where_a_crash_takes_longer():
+    def plan(seconds, ros=2, on_foreign=OnForeign.STOP):
+        supervision = Supervision(audit_within=seconds * SECOND)
+        return Plan(app="x", ros=ros, audit=Audit(on_foreign=on_foreign), supervision=supervision)
+
+    assert doubts(plan(8)) == []
+    assert doubts(plan(7)) == [
+        "supervision: audit_within is 7 s: a crash of the bulk process may stop the robot"
+    ]
+    assert doubts(plan(7, ros=1)) == []
+    assert doubts(plan(7, on_foreign=OnForeign.ALARM)) == []

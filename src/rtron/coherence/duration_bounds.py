@@ -9,7 +9,7 @@ What is allowed and still odd is a doubt, for `rtron check`.
 from collections.abc import Iterator, Mapping
 
 from rtron.coherence.flows import CoherenceProblem
-from rtron.vocabulary import GRCN, SECOND, EventFlow, Flow, Mode, Plan, StreamKind
+from rtron.vocabulary import GRCN, SECOND, EventFlow, Flow, Mode, OnForeign, Plan, StreamKind
 from rtron.vocabulary.plan import LONGEST_STALL
 
 _MINUTE, _HOUR, _DAY = 60 * SECOND, 3600 * SECOND, 24 * 3600 * SECOND
@@ -17,6 +17,8 @@ LONGEST_SILENCE = 10 * SECOND
 """A velocity that is older than this says nothing of where the robot should go now."""
 LONG_SILENCE = 2 * SECOND
 LONG_EVENT_AGE = _MINUTE
+_SHORT_ABSENCE = 8 * SECOND
+"""In ROS 2 the audit of a new bulk process needs 6 s, of which it takes 4 s to know the domain."""
 _SHORTEST_HOLD = SECOND // 100
 """With less, nobody keeps the output between two messages, and no priority holds."""
 
@@ -54,7 +56,7 @@ def command_duration_problems(grcn: GRCN) -> Iterator[CoherenceProblem]:
 
 
 def duration_doubts(plan: Plan) -> Iterator[tuple[str, str]]:
-    """Yield the durations that are allowed and longer than most robots can bear: where, and why."""
+    """Yield the durations that are allowed and that few robots can bear: where, and why."""
     for grcn in plan.grcn:
         if grcn.mode is Mode.ENFORCE and grcn.kind is StreamKind.COMMAND:
             yield from ((f"GRCN {grcn.id}", message) for message in _long_waits(grcn))
@@ -62,9 +64,7 @@ def duration_doubts(plan: Plan) -> Iterator[tuple[str, str]]:
         if flow.silent_after > LONG_SILENCE:
             how_long = _seconds(flow.silent_after)
             yield where, f"silent_after is {how_long}: so long the robot goes on without a command"
-    if plan.supervision.stall_after > LONGEST_STALL:
-        how_long = _seconds(plan.supervision.stall_after)
-        yield "supervision", f"stall_after is {how_long}: so long the robot goes on without a guard"
+    yield from (("supervision", message) for message in _odd_bounds(plan))
     for event in plan.msrcn.eflows if plan.msrcn else ():
         yield from ((f"MSRCN, {event.name}", message) for message in _long_events(event))
 
@@ -91,6 +91,16 @@ def _velocity_flows(plan: Plan) -> Iterator[tuple[str, Flow]]:
         yield from ((f"RSRCN, {flow.name}", flow) for flow in topic.flows)
     for topic in plan.msrcn.aflows if plan.msrcn else ():
         yield from ((f"MSRCN, {flow.name}", flow) for flow in topic.flows)
+
+
+def _odd_bounds(plan: Plan) -> Iterator[str]:
+    stall_after, audit_within = plan.supervision.stall_after, plan.supervision.audit_within
+    if stall_after > LONGEST_STALL:
+        yield f"stall_after is {_seconds(stall_after)}: so long the robot goes on without a guard"
+    is_stopped = plan.ros != 1 and plan.audit.on_foreign is OnForeign.STOP
+    if is_stopped and audit_within < _SHORT_ABSENCE:
+        how_long = _seconds(audit_within)
+        yield f"audit_within is {how_long}: a crash of the bulk process may stop the robot"
 
 
 def _long_events(event: EventFlow) -> Iterator[str]:

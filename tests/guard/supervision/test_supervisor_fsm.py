@@ -293,6 +293,16 @@ def test_time_in_which_nobody_looked_is_not_the_silence_of_the_other():
     assert watchdog.update(BEAT_PERIOD + 60 * SECOND, 7) < STALL_TIMEOUT
 
 
+@given(st.integers(BEAT_PERIOD, SECOND))
+def test_a_look_that_is_late_is_no_stall_by_itself(since):
+    watchdog, delay = Watchdog(0), SchedulingDelay(0)
+    watchdog.update(BEAT_PERIOD, 7)
+    delay.update(BEAT_PERIOD)
+    now = BEAT_PERIOD + since
+    fsm = serving(bounds=Supervision(stall_after=2 * BEAT_PERIOD))
+    assert fsm.tick(now, silent(watchdog.update(now, 7), delay.update(now))) == ()
+
+
 def test_the_bounds_are_those_of_the_plan():
     stall, kill, start = SECOND // 20, 2 * SECOND, 5 * SECOND
     bounds = Supervision(stall_after=stall, kill_after=kill, start_within=start)

@@ -5,7 +5,10 @@ from rtron.vocabulary import SECOND
 BEAT_PERIOD = SECOND // 100
 """The time between two beats, and between two looks at them, ns."""
 _MAX_PERIOD = 5 * BEAT_PERIOD // 2
-"""What one look counts at most, ns: one that is late is no stall by itself."""
+"""What one look counts at most, ns.
+
+With `adapt_bound`, which allows for how late it is, one that is late is no stall by itself.
+"""
 
 
 class Watchdog:

@@ -18,6 +18,10 @@ from rtron.vocabulary import SECOND, AlarmKind, Mode
 OUT, DRIVER, GUARD, BULK = "/rtron/cmd_vel/out", "/driver", "/rtron/grcn_cmd_vel", "/rtron_bulk"
 PLAN = plan_of(grcn("/cmd_vel", ["/nav"], [DRIVER]))
 OURS, NEXT, OTHER = (f"http://127.0.0.1:{port}/" for port in (7, 8, 9))
+HANGS = (
+    "/driver cannot be audited: no answer within 1 s "
+    "(end it or start it again; if its machine is gone, `rosnode cleanup`)"
+)
 LIMIT_S = 60
 SOON_S = 1.5
 
@@ -175,11 +179,20 @@ def test_a_stream_is_looked_after_while_its_driver_answers(audit):
     assert audit.run(lambda: not audit.gap)
     audit.driver.may_answer.clear()
     assert audit.run(lambda: audit.gap)
-    assert audit.run(lambda: audit.gap == "/driver cannot be audited: no answer within 1 s")
+    assert audit.run(lambda: audit.gap == HANGS)
     audit.driver.may_answer.set()
     assert audit.run(lambda: not audit.gap)
     audit.unknown = frozenset({"/cmd_vel"})
     assert audit.gap == "the command process has not told its nodes"
+
+
+def test_a_driver_whose_machine_is_gone_is_not_waited_for_when_the_master_forgets_it(audit):
+    """`rosnode cleanup` takes a node that does not answer out of the master's list."""
+    audit.driver.may_answer.clear()
+    audit.auditor.open()
+    assert audit.run(lambda: audit.gap == HANGS)
+    audit.master.subscribers = []
+    assert audit.run(lambda: not audit.gap)
 
 
 def test_an_audit_that_asks_nobody_any_more_looks_after_nothing(audit):

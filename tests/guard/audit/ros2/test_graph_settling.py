@@ -36,11 +36,12 @@ class Domain:
             participant=OWN,
             ended=frozenset(),
             listeners=[],
+            is_current=True,
             watch=lambda topic: None,
             endpoints=self._endpoints,
             is_own=lambda gid: False,
         )
-        self._listeners = graph.listeners
+        self.graph = graph
         session = SimpleNamespace(node=lambda name: None)
         transport = SimpleNamespace(graph=graph, processes=None, session=session)
         self.response = SimpleNamespace(
@@ -80,7 +81,7 @@ class Domain:
         """Look at the graph twice a second."""
         for _ in range(int(duration_s * 2)):
             self.now += SECOND // 2
-            for listener in self._listeners:
+            for listener in self.graph.listeners:
                 listener()
 
 
@@ -123,6 +124,36 @@ def test_a_stream_is_looked_after_at_each_look_at_a_domain_that_is_known(domain)
     assert domain.gap == "the graph does not answer"
     domain.pass_time(1)
     assert domain.gap == ""
+
+
+def test_a_graph_that_does_not_answer_is_not_looked_at(domain):
+    domain.pass_time(5)
+    assert domain.gap == ""
+    domain.graph.is_current = False
+    domain.pass_time(1)
+    assert domain.gap == "the graph does not answer"
+    domain.graph.is_current = True
+    domain.pass_time(1)
+    assert domain.gap == ""
+
+
+def test_a_look_that_fails_is_none(domain, monkeypatch):
+    def fail(*_):
+        raise ValueError
+
+    domain.pass_time(5)
+    monkeypatch.setattr(auditor_module, "drift_alarms", fail)
+    for _ in range(2):
+        with pytest.raises(ValueError):
+            domain.pass_time(0.5)
+    assert domain.gap == "the graph does not answer"
+
+
+def test_another_look_at_what_was_known_is_none(domain):
+    domain.pass_time(5)
+    domain.now += SECOND
+    domain.commands.on_change()
+    assert domain.gap == "the graph does not answer"
 
 
 def test_who_waits_for_its_name_is_told_before_the_graph_is_known(domain):

@@ -9,6 +9,7 @@ from velocity_messages import speeds, twist
 
 from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.core.handover_state import HandoverState
 from rtron.guard.lanes.command.audit_watchdog import AuditWatchdog
 from rtron.guard.lanes.exchange.messages import AuditProgress, AuditRound
 from rtron.guard.transport.common.memory import MemoryTransport
@@ -37,9 +38,11 @@ class Connection:
 class World:
     """A guard whose time the test passes, second by second."""
 
-    def __init__(self, loop, on_foreign=OnForeign.STOP):
+    def __init__(self, loop, on_foreign=OnForeign.STOP, left=b"", now=0):
         self.transport, self.bulk, self.loop = MemoryTransport(), Connection(), loop
+        self.transport.advance(now)
         loop.now = self.transport.now
+        self.left = left
         nodes = grcn("/cmd_vel", ["/nav"], ["/driver"]), grcn("/arm", ["/mover"], ["/servo"])
         supervision = Supervision(audit_within=SECONDS * SECOND)
         plan = plan_of(*nodes, audit=Audit(on_foreign=on_foreign), supervision=supervision)
@@ -47,7 +50,15 @@ class World:
         self.host.open()
         self.driver = self.transport.listen(OUT)
         self.nav = self.transport.publisher(NAV, peer("/nav"))
-        AuditWatchdog(self.bulk, self.host, loop, plan).open()
+        handover = HandoverState(left, self._keep)
+        AuditWatchdog(self.bulk, self.host, loop, plan, handover).open()
+
+    def _keep(self, document):
+        self.left = document
+
+    def successor(self):
+        """Return the guard that takes this one's place a second after it has ended."""
+        return World(self.loop, left=self.left, now=self.transport.now() + SECOND)
 
     def pass_seconds(self, number, message=None):
         for _ in range(number):
@@ -145,3 +156,43 @@ def test_where_intruders_stop_nothing_there_is_an_alarm_only(loop):
     assert set(world.alarms) == {"/cmd_vel", "/arm"}
     world.pass_seconds(1, ALL_SEEN)
     assert world.alarms == {}
+
+
+def test_the_stop_outlives_the_guard(world):
+    world.pass_seconds(SECONDS + 1)
+    successor = world.successor()
+    assert not successor.drives
+    assert set(successor.alarms) == {"/cmd_vel", "/arm"}
+    successor.pass_seconds(2, HANGS)
+    assert not successor.drives
+    assert list(successor.alarms) == ["/cmd_vel"]
+    successor.pass_seconds(1, ALL_SEEN)
+    assert successor.drives
+    assert successor.alarms == {}
+
+
+def test_guards_that_end_one_after_the_other_are_late_together(world):
+    world.pass_seconds(SECONDS // 2)
+    second = world.successor()
+    assert second.drives
+    second.pass_seconds(SECONDS // 2)
+    assert second.drives
+    third = second.successor()
+    assert not third.drives
+
+
+def test_a_guard_after_one_that_was_audited_drives(world):
+    world.pass_seconds(2 * SECONDS, ALL_SEEN)
+    successor = world.successor()
+    assert successor.drives
+    successor.pass_seconds(SECONDS - 2)
+    assert successor.drives
+
+
+@pytest.mark.parametrize("left", ["[]", '{"/cmd_vel": "x"}', f'{{"/cmd_vel": {10**30}}}'])
+def test_times_that_nobody_can_have_left_count_as_none(loop, left):
+    world = World(loop, left=f'{{"audited": {left}}}'.encode())
+    world.pass_seconds(SECONDS)
+    assert world.drives
+    world.pass_seconds(1)
+    assert not world.drives

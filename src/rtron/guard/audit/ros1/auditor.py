@@ -42,6 +42,7 @@ _MASTER_DELAY = 5 * SECOND
 """How long a master may be silent before that is an alarm, ns: one that restarts is back sooner."""
 _MASTER_SILENT = "the master does not answer: impostors and nodes that come are not found"
 _UNKNOWN_NODES = "the command process has not told its nodes"
+_WAY_OUT = "end it or start it again; if its machine is gone, `rosnode cleanup`"
 
 
 class Ros1Auditor:
@@ -265,7 +266,8 @@ class Ros1Auditor:
         unseen = dict.fromkeys(self._guard.unknown_streams(), _UNKNOWN_NODES)
         for node in self._audited_nodes.by_name.values():
             if (node.failure or node.last_response_at <= since) and self._is_there(node):
-                why = f"{node.name} cannot be audited: {node.failure or 'it is asked seldom'}"
+                failure = f"{node.failure} ({_WAY_OUT})" if node.failure else "it is asked seldom"
+                why = f"{node.name} cannot be audited: {failure}"
                 unseen |= {each.stream_topic: why for each in node.audited_topics.values()}
         return unseen
 

@@ -101,21 +101,27 @@ class Ros2Auditor:
         for topic in (*self._expected.topics, ROSOUT_TOPIC):
             if not is_service_topic(topic):
                 self._graph.watch(topic)
-        self._graph.listeners.append(self._update)
+        self._graph.listeners.append(self._look)
 
     def close(self) -> None:
         """Audit no more."""
-        if self._update in self._graph.listeners:
-            self._graph.listeners.remove(self._update)
+        if self._look in self._graph.listeners:
+            self._graph.listeners.remove(self._look)
 
     def look_again(self) -> None:
         """Look at the graph as it is known: the participants of the guard have changed."""
         if self._graph_reader:
             self._update()
 
+    def _look(self) -> None:
+        """Look at the graph after a refresh; it counts when all was asked for, and judged."""
+        now = self._loop.now()
+        self._update()
+        if self._graph.is_current:
+            self._looked_at = now
+
     def _update(self) -> None:
         now, observed = self._loop.now(), ObservedGraph(self._endpoints())
-        self._looked_at = now
         present = {endpoint.participant for endpoint in observed.endpoints}
         self._liveness.update(present, now)
         listed = {endpoint.gid for endpoint in observed.endpoints}

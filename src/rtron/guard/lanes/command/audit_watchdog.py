@@ -1,9 +1,11 @@
 """The stop of a stream after which the audit has not looked: an intruder would not be found."""
 
 import logging
+from collections.abc import Iterable
 
 from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.core.handover_state import HandoverState
 from rtron.guard.core.stream import GuardedStream
 from rtron.guard.lanes.command.bulk_connection import BulkConnection
 from rtron.guard.lanes.exchange.messages import AuditRound
@@ -14,17 +16,24 @@ log = logging.getLogger(__name__)
 _CHECK_S = 1.0
 _SOURCE = "no audit"
 _NO_ANSWER = "the audit does not answer"
+_KEY = "audited"
 
 
 class AuditWatchdog:
     """Raises an alarm for each stream that is not looked after, and keeps it stopped.
 
     The time is this process's own: an audit that hangs, that gets no answers, or that ends before
-    its first round, again and again, is late in the same way.
+    its first round, again and again, is late in the same way. The next guard inherits when each
+    stream was looked after last: guards that end one after the other are late together.
     """
 
     def __init__(
-        self, connection: BulkConnection, host: Coordinator, loop: EventLoop, plan: Plan
+        self,
+        connection: BulkConnection,
+        host: Coordinator,
+        loop: EventLoop,
+        plan: Plan,
+        handover: HandoverState,
     ) -> None:
         """Take from the plan how long a stream may go on, and whether it is stopped then."""
         self._host = host
@@ -33,7 +42,8 @@ class AuditWatchdog:
         self._stops_streams = plan.audit.on_foreign is OnForeign.STOP
         enforced = [each for each in host.streams if each.spec.mode is Mode.ENFORCE]
         self._streams = {each.spec.topic: each for each in enforced}
-        self._seen_at = dict.fromkeys(self._streams, loop.now())
+        self._handover = handover
+        self._seen_at = _inherited_times(handover, self._streams, loop.now())
         self._gaps: dict[str, str] = {}
         """Why a stream was not looked after in the last round."""
         self._alarms: dict[str, Alarm] = {}
@@ -50,6 +60,7 @@ class AuditWatchdog:
                 self._hold(topic, stream)
             elif not is_late and topic in self._alarms:
                 self._release(topic, stream)
+        self._handover.store(_KEY, self._seen_at)
 
     def close(self) -> None:
         """Look no more."""
@@ -74,3 +85,11 @@ class AuditWatchdog:
         self._host.alarms.clear(self._alarms.pop(topic))
         if self._stops_streams:
             stream.release(_SOURCE)
+
+
+def _inherited_times(handover: HandoverState, topics: Iterable[str], now: int) -> dict[str, int]:
+    """Return when each stream was looked after last, ns: now, if no guard before has told it."""
+    stored = handover.inherited(_KEY)
+    times = stored if isinstance(stored, dict) else {}
+    inherited = {topic: times.get(topic) for topic in topics}
+    return {k: min(v, now) if isinstance(v, int) else now for k, v in inherited.items()}

@@ -42,7 +42,10 @@ _MAX_FORMER = 8
 _GREETING_S = 20.0
 """How long a bulk process may listen before it greets: it joins the graph in between, s."""
 HANG_TIMEOUT = SECOND
-"""Silence after which the bulk process is killed, ns; 30 ms of each time between looks count."""
+"""Silence after which the bulk process is killed, ns, as `Watchdog` counts it.
+
+Of each `REFRESH_PERIOD` between two looks it counts a half: by the clock it takes twice as long.
+"""
 LONGEST_HANG = 5 * SECOND
 """The same where it is late again and again: it goes after others, and is not killed for that."""
 

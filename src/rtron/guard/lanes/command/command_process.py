@@ -84,7 +84,7 @@ def run_command_process(
         DiagnosticsReports(connection, coordinator, loop, topics),
         NodeReports(connection, middleware, loop, lambda: supervisor.supervisor),
         middleware.create_listener(response),
-        AuditWatchdog(connection, coordinator, loop, plan),
+        AuditWatchdog(connection, coordinator, loop, plan, handover),
     ]
     if link:
         settings = SettingsInForce(SettingsApplier(plan, coordinator, transport, command_part))

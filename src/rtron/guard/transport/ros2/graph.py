@@ -71,6 +71,8 @@ class RosGraph:
         """The guard's own participant."""
         self.ended: frozenset[bytes] = frozenset()
         """The participants of the guards before: killed, they stay in the graph for a while."""
+        self.is_current = False
+        """Whether every query since the last refresh began has succeeded."""
         self._is_refresh_due = False
         self._is_closing = False
         self._last_queries: dict[str, int] = {}
@@ -129,6 +131,7 @@ class RosGraph:
         self._is_refresh_due = False
         if self._is_closing:
             return
+        self.is_current = True
         with self._pause_afterwards():
             self._endpoints = {topic: self._query_endpoints(topic) for topic in self._endpoints}
         for listener in list(self.listeners):
@@ -164,6 +167,7 @@ class RosGraph:
                 subscribers=self._other_endpoints(topic, Direction.SUBSCRIBE, known.subscribers),
             )
         except WireError as error:
+            self.is_current = False
             if self._log_throttle.allows(None, self._loop.now()):
                 log.warning("%s", error)
             return known
