@@ -10,6 +10,7 @@ from rtron.vocabulary import QoS
 
 pytest.importorskip("rclpy", reason="needs ROS 2")
 from harness import wait_for
+from rclpy.duration import Duration
 from rmw_marks import needs_fast_dds
 from ros2_harness import NODES2
 
@@ -113,6 +114,24 @@ def test_what_a_subscriber_is_too_slow_for_is_counted_and_the_guard_does_not_wai
     lost = output.lost
     output.close()
     assert output.lost == lost
+
+
+def test_a_subscriber_that_has_all_now_and_then_loses_nothing(world, ros2, monkeypatch):
+    """It is asked before the bound: at the bound the last message is on its way."""
+    monkeypatch.setattr(middleware, "publishes_without_waiting", lambda _rmw: True)
+    twist = b"\0\1\0\0" + bytes(48)
+    monkeypatch.setattr(writer, "MAX_QUEUE_BYTES", 32 * len(twist))
+    output = world.transport.advertise(NODE, TOPIC, TWIST, keep_all=True)
+    output.learn_type(world.info(TWIST))
+    output.offer("one", QoS())
+    ros2.node("twist_subscriber.py", TOPIC, name="/quick")
+    world.until(lambda: output.is_subscribed_by("/quick") and output._writer.count())
+    for _ in range(6):
+        for _ in range(16):
+            output.publish(twist)
+        assert output._writer._writer._publisher.wait_for_all_acked(Duration(seconds=30))
+    assert output.lost == 0
+    output.close()
 
 
 @pytest.mark.parametrize("type", [IMAGE, ARRAY])
