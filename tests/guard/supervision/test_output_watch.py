@@ -74,6 +74,33 @@ def test_bytes_that_seem_to_come_back_are_no_progress():
     assert watched.stuck == STUCK
 
 
+def test_what_is_not_known_for_a_moment_is_no_progress():
+    watched = Watched()
+    watched.show(100)
+    watched.advance(2 * BOUND)
+    watched.show(None)
+    watched.advance(BOUND)
+    assert watched.stuck == STUCK
+    watched.show(152)
+    watched.advance(BOUND // 4)
+    assert watched.stuck == []
+
+
+def test_a_look_that_fails_is_not_the_last(monkeypatch):
+    watched = Watched()
+    watched.show(100)
+    with monkeypatch.context() as patch:
+        patch.setattr(watched, "subscriber_progress", broken)
+        with pytest.raises(OSError, match="broken"):
+            watched.advance(BOUND // 4)
+    watched.advance(3 * BOUND)
+    assert watched.stuck == STUCK
+
+
+def broken(_topic):
+    raise OSError("broken")
+
+
 def test_nobody_waits_for_who_gets_nothing():
     watched = Watched()
     watched.show(100, is_awaited=False)

@@ -32,7 +32,9 @@ class _Connection:
     silence: int = 0
 
     def update(self, progress: SubscriberProgress, elapsed: int) -> None:
-        """Take what is seen after `elapsed` ns."""
+        """Take what is seen after `elapsed` ns; what is not known changes nothing."""
+        if progress.taken is None:
+            return
         is_stuck = progress.is_awaited and progress.taken <= self.taken
         self.silence = self.silence + elapsed if is_stuck else 0
         self.taken = max(self.taken, progress.taken)
@@ -76,6 +78,7 @@ class OutputWatch:
 
     def _look(self) -> None:
         now = self._transport.now()
+        self._transport.call_at(now + self._period, self._look)
         since, self._looked_at = now - self._looked_at, now
         self._late = max(since - self._period, self._late // 2)
         found = {
@@ -87,7 +90,6 @@ class OutputWatch:
         self._forget(self._connections.keys() - found.keys())
         for key, (spec, progress) in found.items():
             self._check(key, spec, progress, min(since, 2 * self._period))
-        self._transport.call_at(now + self._period, self._look)
 
     def _check(
         self, key: tuple[str, str], spec: Stream, progress: SubscriberProgress, elapsed: int

@@ -67,5 +67,21 @@ def test_where_the_kernel_does_not_tell_what_waits_elsewhere_its_own_queue_count
     queues.close()
 
 
+def test_how_far_a_subscriber_is_may_not_be_known(world):
+    output = advertised(world)
+    with RawSubscriber(world.transport.port) as base:
+        base.ask(TOPIC, callerid="/base", type="std_msgs/String", md5sum=world.info().md5sum)
+        world.until(lambda: output.is_subscribed_by("/base"))
+        base.frame()
+        world.until(lambda: not progress(world).is_awaited)
+        output.publish(world.text("go"))
+        (link,) = world.transport._publications[TOPIC].links
+        queues = kernel_queues.KernelQueues()
+        queues._diag.close()
+        assert link.progress(queues).taken is None
+        base.frame()
+        world.until(lambda: not progress(world).is_awaited)
+
+
 def test_of_a_topic_that_is_not_ours_nothing_is_told(world):
     assert list(world.transport.subscriber_progress("/other")) == []

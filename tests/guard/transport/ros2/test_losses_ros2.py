@@ -10,11 +10,13 @@ from rtron.vocabulary import QoS
 
 pytest.importorskip("rclpy", reason="needs ROS 2")
 from harness import wait_for
+from rclpy.duration import Duration
 from rmw_marks import needs_fast_dds
 from ros2_harness import NODES2
 
+from rtron.errors import WireError
 from rtron.guard.transport.common.protocol import InputOptions
-from rtron.guard.transport.ros2 import middleware, writer
+from rtron.guard.transport.ros2 import data_reader, middleware, writer
 from rtron.guard.transport.ros2.delivery import LatenessDetector
 from rtron.guard.transport.ros2.writer import LosslessWriter
 
@@ -115,6 +117,24 @@ def test_what_a_subscriber_is_too_slow_for_is_counted_and_the_guard_does_not_wai
     assert output.lost == lost
 
 
+def test_a_subscriber_that_has_all_now_and_then_loses_nothing(world, ros2, monkeypatch):
+    """It is asked before the bound: at the bound the last message is on its way."""
+    monkeypatch.setattr(middleware, "publishes_without_waiting", lambda _rmw: True)
+    twist = b"\0\1\0\0" + bytes(48)
+    monkeypatch.setattr(writer, "MAX_QUEUE_BYTES", 32 * len(twist))
+    output = world.transport.advertise(NODE, TOPIC, TWIST, keep_all=True)
+    output.learn_type(world.info(TWIST))
+    output.offer("one", QoS())
+    ros2.node("twist_subscriber.py", TOPIC, name="/quick")
+    world.until(lambda: output.is_subscribed_by("/quick") and output._writer.count())
+    for _ in range(6):
+        for _ in range(16):
+            output.publish(twist)
+        assert output._writer._writer._publisher.wait_for_all_acked(Duration(seconds=30))
+    assert output.lost == 0
+    output.close()
+
+
 @pytest.mark.parametrize("type", [IMAGE, ARRAY])
 @pytest.mark.parametrize("keep_all", [False, True])
 def test_what_a_frozen_subscriber_does_not_take_fills_no_memory(world, ros2, type, keep_all):
@@ -176,6 +196,46 @@ def test_messages_that_become_large_pass_a_reader_whole_and_once(world):
     world.until(lambda: heard[-1:] == said[-1:])
     assert [word for word in heard if word != world.text("?")] == said
     assert missed == []
+
+
+class ChangingReader(Reader):
+    """A reader of all that has just seen a large message; `talker` sends to both its queues."""
+
+    def __init__(self, world, monkeypatch):
+        monkeypatch.setattr(data_reader, "HANDOVER_S", 600.0)
+        super().__init__(world, keep_all=True)
+        self.talker = world.publisher("/talker", TOPIC)
+        world.until(lambda: self.talker.readers == 1 and self.is_connected)
+        self.talker.say(world.text("x" * LARGE_BYTES))
+        world.until(lambda: self.heard and self.talker.readers == 2)
+        self.heard.clear()
+        (self.reader,) = world.transport._subscriptions[0]._readers.values()
+        assert self.reader.is_changing
+
+
+def test_what_waits_in_a_former_queue_is_taken_a_part_at_a_time(world, monkeypatch):
+    changing, word = ChangingReader(world, monkeypatch), world.text("x" * (1 << 18))
+    for _ in range(20):
+        changing.talker.say(word)
+    reader = changing.reader
+    wait_for(lambda: (reader._on_count(reader._queue, 1), changing.heard)[1], what="the first")
+    former = len(changing.heard)
+    world.until(lambda: len(changing.heard) >= 20)
+    assert set(changing.heard) == {word}
+    assert former <= 4
+
+
+def test_a_former_queue_that_cannot_be_read_is_closed(world, monkeypatch):
+    reader = ChangingReader(world, monkeypatch).reader
+
+    def fail(*_):
+        raise WireError("rcl cannot take a message: error 1")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(world.transport.rcl, "take", fail)
+        with pytest.raises(WireError):
+            reader._close_former(reader._former)
+    assert not reader.is_changing
 
 
 @pytest.mark.parametrize("keep_all", [False, True])

@@ -101,11 +101,14 @@ Greeting = Callable[[], bytes | None]
 
 @dataclass(frozen=True, slots=True)
 class SubscriberProgress:
-    """How far a subscriber has come: bytes that it has taken, and whether more wait for it."""
+    """How far a subscriber has come: bytes that it has taken, and whether more wait for it.
+
+    `taken` is None where that is not known at the moment.
+    """
 
     node: str
     address: str
-    taken: int
+    taken: int | None
     is_awaited: bool
 
 
@@ -220,7 +223,7 @@ class LiveTransport(Transport, Protocol):
     def subscriber_progress(self, topic: str) -> Sequence[SubscriberProgress]:
         """Return how far each subscriber of a topic of ours has come, where that is known.
 
-        DDS does not tell it.
+        rcl does not tell it.
         """
         ...
 

@@ -41,13 +41,16 @@ class KernelQueues:
             self._diag.close()
             self._diag = None
 
-    def untaken(self, sock: socket.socket) -> int:
-        """Return how many bytes of what `sock` has sent are known to wait, 0 if it is closed."""
+    def untaken(self, sock: socket.socket) -> int | None:
+        """Return how many bytes of what `sock` has sent are known to wait.
+
+        None if the kernel cannot be asked now, or the socket is closed.
+        """
         try:
             count = fcntl.ioctl(sock, termios.TIOCOUTQ, bytes(_COUNT.size))
             return int(_COUNT.unpack(count)[0]) + self._unread_here(sock)
-        except OSError:
-            return 0
+        except (OSError, ValueError):  # ValueError: it has no descriptor any more
+            return None
 
     def _unread_here(self, sock: socket.socket) -> int:
         """Return how many bytes the other end has not read, 0 if it is on another machine."""

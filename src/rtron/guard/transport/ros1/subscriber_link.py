@@ -72,11 +72,11 @@ class SubscriberLink:
 
     def progress(self, queues: KernelQueues) -> SubscriberProgress:
         """Return how far the subscriber has come; the kernel is asked where it may have moved."""
-        if self._taken != self.sent_bytes:
-            self._taken = self.sent_bytes - queues.untaken(self._sock)
-        is_awaited = bool(
-            self._taken < self.sent_bytes or self._unsent_head is not None or self._queue
-        )
+        untaken = queues.untaken(self._sock) if self._taken != self.sent_bytes else 0
+        if untaken is None:
+            return SubscriberProgress(self.node, self.address, taken=None, is_awaited=True)
+        self._taken = self.sent_bytes - untaken
+        is_awaited = bool(untaken or self._unsent_head is not None or self._queue)
         return SubscriberProgress(self.node, self.address, self._taken, is_awaited)
 
     def accept(self, fields: dict[str, str]) -> None:

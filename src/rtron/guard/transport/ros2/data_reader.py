@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import math
 from functools import partial
 from time import time_ns
 from typing import TYPE_CHECKING, Protocol
@@ -142,9 +143,9 @@ class DataReader:
 
     def _on_count(self, queue: _Queue, count: int) -> int:
         """Take some messages, fewer of large ones; return how many are left to take."""
-        if self._former and queue is not self._former:
-            self._empty(self._former)
         size = 0
+        if self._former and queue is not self._former:
+            size = self._empty(self._former, _MAX_BYTES)
         while count and size < _MAX_BYTES:
             if not self._take_next(queue):
                 if queue is self._queue:
@@ -153,10 +154,12 @@ class DataReader:
             count, size = count - 1, size + self._rcl.size
         return count
 
-    def _empty(self, former: _Queue) -> None:
-        """Take what came before the messages of another queue."""
-        while self._take_next(former):
-            pass
+    def _empty(self, former: _Queue, limit: float) -> int:
+        """Take what came before the messages of another queue, until `limit` bytes; return them."""
+        size = 0
+        while size < limit and self._take_next(former):
+            size += self._rcl.size
+        return size
 
     def _take_next(self, queue: _Queue) -> bool:
         """Take a message, and pass it on unless it is late; return whether there was one."""
@@ -185,11 +188,16 @@ class DataReader:
         self._loop.call_later(HANDOVER_S, partial(self._close_former, self._former))
 
     def _close_former(self, former: _Queue | None) -> None:
-        """Take what is left in the former queue, and close it; nothing if it is another one."""
+        """Take what is left in the former queue, and close it; nothing if it is another one.
+
+        It is closed whatever fails, so that the change has an end.
+        """
         if former and former is self._former:
-            self._empty(former)
-            former.close()
-            self._former = None if self._former is former else self._former
+            try:
+                self._empty(former, math.inf)
+            finally:
+                former.close()
+                self._former = None if self._former is former else self._former
 
     def _numbered(self, gid: bytes, message: bytes) -> bytes:
         """Return a message with its number, or with when it was sent: that grows, too."""

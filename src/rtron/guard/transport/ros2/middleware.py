@@ -106,7 +106,7 @@ class Ros2Transport:
         self.processes.supervisor = process_id
 
     def subscriber_progress(self, topic: str) -> Sequence[SubscriberProgress]:
-        """Return nothing: a writer of DDS tells no reader's acknowledgements; see `Transport`."""
+        """Return nothing: rcl tells no single reader's acknowledgements; see `LiveTransport`."""
         del topic
         return ()
 

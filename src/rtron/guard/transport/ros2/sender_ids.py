@@ -112,9 +112,13 @@ def _fitting_ids(node: Node, ids: Collection[bytes], gids: Collection[bytes]) ->
 
 
 class _Gid(Structure):
-    """rmw_gid_t. Iron and later."""
+    """rmw_gid_t. Before Iron the GID is padded by 8 bytes, and Humble's rmw writes them."""
 
-    _fields_ = (("implementation", c_char_p), ("data", c_uint8 * GID_SIZE))
+    _fields_ = (
+        ("implementation", c_char_p),
+        ("data", c_uint8 * GID_SIZE),
+        ("padding", c_uint8 * 8),
+    )
 
 
 def _message_id(publisher: int) -> bytes:
