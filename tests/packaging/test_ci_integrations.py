@@ -91,6 +91,25 @@ def test_the_action_fails_on_a_finding_and_leaves_its_reports(tmp_path):
     }
 
 
+def test_arguments_may_stand_on_lines_of_their_own(tmp_path):
+    runner = Runner(tmp_path, launch=LAUNCH_FILE, arguments="first:=1\nsecond:=2\n")
+    assert runner.run() == 1
+    report = runner.summary.read_text()
+    assert "launch argument first" in report
+    assert "launch argument second" in report
+
+
+def test_no_line_of_the_report_is_a_command_to_the_runner(tmp_path, capfd):
+    runner = Runner(tmp_path, launch=LAUNCH_FILE)
+    assert runner.run() == 1
+    said = capfd.readouterr().out.splitlines()
+    begin = next(at for at, line in enumerate(said) if line.startswith("::stop-commands::"))
+    end = said.index(f"::{said[begin].removeprefix('::stop-commands::')}::")
+    assert any("/cmd_vel" in line for line in said[begin:end])
+    assert not any("/cmd_vel" in line for line in said[:begin] + said[end:])
+    assert all(line.startswith("    ") for line in runner.summary.read_text().splitlines())
+
+
 def test_what_the_baseline_has_does_not_fail_again(tmp_path):
     first = Runner(tmp_path / "first", launch=LAUNCH_FILE, fail_on="never")
     assert first.run() == 0

@@ -40,6 +40,17 @@ def _pair(assignment: str, own: Mapping[str, str]) -> tuple[str, str]:
     return name, own[name]
 
 
+def robot_environment(
+    given: Mapping[str, str], own: Mapping[str, str] = os.environ
+) -> LaunchEnvironment:
+    """Return the environment of a launch that is to run: its distribution is no guess.
+
+    It is the one that was given, or else that of the ROS which is sourced here.
+    """
+    sourced = {_DISTRO: own[_DISTRO]} if _DISTRO in own else {}
+    return LaunchEnvironment({**sourced, **given})
+
+
 def launch_environment(
     given: Mapping[str, str], folders: Sequence[Path], ros: int
 ) -> tuple[LaunchEnvironment, DistroGuess | None]:

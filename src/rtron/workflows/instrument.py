@@ -26,7 +26,7 @@ from rtron.sources.launch.ros2.reader import read_ros2_launch
 from rtron.sources.static.common.launch_paths import find_launch_file
 from rtron.sources.workspace import read_workspace
 from rtron.vocabulary import Plan
-from rtron.workflows.app_environment import given_environment, launch_environment
+from rtron.workflows.app_environment import given_environment, robot_environment
 from rtron.workflows.check_plan import require_fit
 
 if TYPE_CHECKING:
@@ -73,7 +73,7 @@ def instrument(request: InstrumentRequest) -> InstrumentResult:
     """Write the guarded launch of an app; raise InputError if the launch file or plan is unfit."""
     text = read_text(request.plan)
     plan = parse_plan(text, str(request.plan))
-    source = _find_launch(request, plan.ros)
+    source = _find_launch(request)
     _check_launch_generation(source.path, plan, str(request.plan))
     guarded = _instrument_ros1 if plan.ros == 1 else _instrument_ros2
     launch = guarded(request, source, plan, GuardFiles(text, _graph_text(request, plan)))
@@ -83,10 +83,10 @@ def instrument(request: InstrumentRequest) -> InstrumentResult:
     return InstrumentResult(plan.ros, launch)
 
 
-def _find_launch(request: InstrumentRequest, ros: int) -> _Launch:
+def _find_launch(request: InstrumentRequest) -> _Launch:
     """Return the launch file of a request; raise InputError if it is nowhere."""
     given = given_environment(request.env, take_all=request.env_all)
-    environ, _ = launch_environment(given, request.folders, ros)
+    environ = robot_environment(given)
     workspace = read_workspace(request.folders, environ)
     return _Launch(
         path=find_launch_file(request.launch, workspace, environ),

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterator, Sequence
+from shlex import quote
 
 from rtron.vocabulary import InteractionGraph, UnresolvedItem
 
@@ -26,7 +27,7 @@ def missing_inputs(graph: InteractionGraph) -> Iterator[str]:
             "give the folder that has it, or correct the include"
         )
     if variables := _named(unresolved, _VARIABLE):
-        first = variables[0]
+        first = quote(variables[0])
         yield (
             f"not given: {_names('environment variable', variables)}; "
             f"--env {first} takes your own value, --env {first}=VALUE another, --env-all all"

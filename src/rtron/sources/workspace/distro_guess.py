@@ -30,6 +30,8 @@ _SOURCES = (_BRANCH, _REPOSITORIES, _CI, _MANIFESTS)
 _MAX_BYTES = 1 << 20
 _MAX_FILES = 200
 _WORD = re.compile("[a-z]+")
+_BRANCH_NAME = re.compile(r"refs/heads/(?:ros2?/)?([a-z]+)(?:-devel)?\s*$")
+"""`humble-devel` and `ros2/jazzy` are of a distribution, `fix/rolling-window` is not."""
 _CONDITION = re.compile(r"\$ROS_DISTRO\W+([a-z]+)")
 """A manifest says many words; of a distribution it speaks in conditions (REP 149)."""
 
@@ -79,8 +81,13 @@ def _names(file: Path, known: Sequence[str]) -> set[str]:
         text = read_regular_file(file, _MAX_BYTES).decode("utf-8", errors="replace")
     except InputError:
         return set()
-    pattern = _CONDITION if file.name == "package.xml" else _WORD
-    return set(pattern.findall(text)) & set(known)
+    return set(_pattern(file).findall(text)) & set(known)
+
+
+def _pattern(file: Path) -> re.Pattern[str]:
+    if file.name == "package.xml":
+        return _CONDITION
+    return _BRANCH_NAME if file.name == "HEAD" else _WORD
 
 
 def _shown(file: Path, tops: Sequence[Path]) -> str:
