@@ -55,6 +55,9 @@ def test_the_table_names_all_that_is_used_and_nothing_else():
 @pytest.mark.parametrize("release", RELEASES)
 def test_what_is_used_is_in_every_release(release):
     assert lacking(release) == {}
+    unread = [name for name, row in TABLE["uses"].items() if row[release] == "unchecked"]
+    if unread:
+        pytest.skip(f"{len(unread)} uses were not looked up in {release}: no source of it was read")
 
 
 def test_a_use_that_a_release_lacks_is_found(monkeypatch):
