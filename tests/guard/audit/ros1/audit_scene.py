@@ -15,7 +15,12 @@ from rtron.vocabulary.names import GUARD_NODE
 OUT = f"/rtron{CMD_VEL}/out"
 ROGUE = "/intruder"
 STOP = ("0", "0")
-NOT_OF_THE_AUDIT = (AlarmKind.GUARD, AlarmKind.SUPERVISOR, AlarmKind.INTRUSION)
+NOT_OF_THE_AUDIT = (
+    AlarmKind.GUARD,
+    AlarmKind.SUPERVISOR,
+    AlarmKind.INTRUSION,
+    AlarmKind.UNDELIVERED,
+)
 KINDS = tuple(f": {kind}:" for kind in AlarmKind if kind not in NOT_OF_THE_AUDIT)
 
 
