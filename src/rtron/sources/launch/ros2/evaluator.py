@@ -134,6 +134,8 @@ class LaunchEvaluator(UnresolvedNotes):
             function: Function, arguments: list[str], *, environment: bool = False
         ) -> str:
             variable = LaunchVariable("".join(arguments[:1]), environment)
+            if not environment:  # who gives it is heard, declared or not
+                self.choices.declared.add(variable.name)
             if environment and variable.name not in context.environ:
                 look_up(self.environ, *arguments[:2])
             self.dependencies |= context.dependencies_of(variable)

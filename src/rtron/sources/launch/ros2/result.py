@@ -99,7 +99,7 @@ class AppLaunch:
     """What a launch file starts, in the order of starting, with all that it includes.
 
     `arguments` are those that the file itself declares, `declared` the names of those that all
-    files declare; `unresolved` is what could not be read.
+    files declare or read; `unresolved` is what could not be read.
     `generated_files` are the files that exist only while the launch runs, by what they are called.
     """
 

@@ -149,6 +149,14 @@ def test_an_argument_that_must_be_given_stands_in_braces(python):
     assert app.arguments[0].default is None
 
 
+def test_an_argument_that_is_read_counts_as_one_that_can_be_given(python):
+    app = python(
+        "DeclareLaunchArgument('name', default_value='a'), "
+        "Node(executable='e', name=LaunchConfiguration('other', default='b'))"
+    )
+    assert app.declared == {"name", "other"}
+
+
 def test_containers_and_the_components_loaded_into_them(python):
     component = (
         "ComposableNode(package='p', plugin='P::{0}', name='{0}', parameters=[{{'k': '{0}'}}], "
