@@ -70,6 +70,8 @@ def in_google(text, message=None, definition=ROBOT, **more):
         "event.flag ? event.count > 2 : event.ranges[9] > 1.0",
         "event // a comment\n.count == 3",
         "1.0 / 0.0 > event.speed && 0x10 == 16 && 1e-3 < 0.01",
+        r"'\101\x41\X41\u0041\U00000041\?\`' == 'AAAAA?`' && r'\q' == '\\q' && '\xe4' == 'ä'",
+        r"b'\377\X01\n' == b'\xff\x01\x0a' && br'ä' == b'\303\244' && b'\?' == br'?'",
     ],
 )
 def test_what_holds(text):
@@ -112,6 +114,14 @@ def test_what_is_not_known(text, said):
         ("1" + "+1" * 80 + " == 81", "recursion limit"),
         ("(" * 80 + "!" * 80 + "event.flag" + ")" * 80, "recursion limit"),
         ("9223372036854775808 > 1", "invalid int literal"),
+        (r"event.name == '\q'", r"column 15 of the expression: illegal escape sequence \q"),
+        (r"event.name == '\777'", r"illegal escape sequence \7"),
+        (r"event.name == '\uD800'", r"illegal escape sequence \uD800: no character"),
+        (r"event.data == '\UFFFFFFFF'", r"illegal escape sequence \UFFFFFFFF: no character"),
+        (r"event.data == b'\777'", r"illegal escape sequence \7"),
+        (r"event.data == b'\u0041'", r"\u0041 cannot be used in bytes"),
+        (r"event.name == r'a\'b'", "is not one literal"),
+        ("1.==1.0", "a digit must follow the point of 1."),
         ("event.name.foo()", "foo cannot be applied to (string)"),
         ("event.ranges.exists(r)", ELSEWHERE),
         ("dyn(event.count) == 3", "dyn cannot be applied to (int)"),

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 from rtron.messages.expressions import python_functions as functions
 from rtron.messages.expressions.errors import CheckError
 from rtron.messages.expressions.frames import is_point
+from rtron.messages.expressions.python_literals import literal_value
 from rtron.messages.expressions.python_terms import (
     MACROS,
     Scope,
@@ -48,7 +49,6 @@ if TYPE_CHECKING:
     Node = Tree[Token] | Token
 
 _MAX_DEPTH = 64
-_LIMIT = 1 << 63
 _OPERATORS = {
     "relation_lt": "<",
     "relation_le": "<=",
@@ -200,7 +200,10 @@ class PythonCompiler:
         kind = str(token.type)
         if kind in ("UINT_LIT", "NULL_LIT"):
             raise _error(tree, _not_here(str(token)))
-        value = _literal_value(token)
+        try:
+            value = literal_value(kind, str(token))
+        except ValueError as error:
+            raise _error(token, str(error)) from error
         return Term(_LITERALS.get(kind, STRING), lambda _: value)
 
     def _ident_arg(self, tree: Any, name: Token, *rest: Any) -> Term:  # noqa: ANN401
@@ -317,24 +320,6 @@ def _arguments(rest: tuple[Any, ...]) -> list[Any]:
 def _variable_name(node: Any) -> str:  # noqa: ANN401
     found = _unwrapped(node)
     return str(found.children[0]) if found.data == "ident" else ""
-
-
-def _literal_value(token: Token) -> Any:  # noqa: ANN401 - of the literal's type
-    from celpy.evaluation import celbytes, celstr  # noqa: PLC0415 - where it is needed only
-
-    kind, text = token.type, str(token)
-    if kind == "BOOL_LIT":
-        return text == "true"
-    if kind == "FLOAT_LIT":
-        return float(text)
-    if kind == "BYTES_LIT":
-        return bytes(celbytes(token))
-    if kind != "INT_LIT":
-        return str(celstr(token))
-    value = int(text, 16 if "x" in text else 10)
-    if not -_LIMIT <= value < _LIMIT:
-        raise _error(token, "invalid int literal")
-    return value
 
 
 @cache
