@@ -122,6 +122,15 @@ def test_what_is_not_known(text, said):
         (r"event.data == b'\u0041'", r"\u0041 cannot be used in bytes"),
         (r"event.name == r'a\'b'", "is not one literal"),
         ("1.==1.0", "a digit must follow the point of 1."),
+        ("startsWith(event.name, 'a')", "startsWith cannot be applied to (string, string)"),
+        ("contains(event.name, 'a')", "contains cannot be applied to (string, string)"),
+        ("event.count.int() == 1", "int cannot be applied to (int)"),
+        (".size(event.name) == 1", ELSEWHERE),
+        ("[1] in [[], [true]]", "in cannot be applied to (list(int), list(list(bool)))"),
+        ("[[], [1], [true]] == []", ELSEWHERE),
+        ("[[], [1]].exists(each, each == [true])", "== cannot be applied to (list(int), list(bool"),
+        ("(event.flag ? [] : [1]) == [true]", "== cannot be applied to (list(int), list(bool))"),
+        ("[[]].exists(each, each == [1])", ELSEWHERE),
         ("event.name.foo()", "foo cannot be applied to (string)"),
         ("event.ranges.exists(r)", ELSEWHERE),
         ("dyn(event.count) == 3", "dyn cannot be applied to (int)"),
@@ -141,6 +150,24 @@ def test_macros_are_bounded():
     nested = "event.ranges.all(a, event.ranges.all(b, event.ranges.all(c, true)))"
     assert in_python(nested, robot(ranges=(1.0,) * 21)) is True
     assert "budget" in in_python(f"{nested} || true", robot(ranges=(1.0,) * 22))
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "event.pose.position.inside(zone)",
+        "event.pose.position.distance(zone) < 1.0",
+        "distance(event.pose.position, 1.0.place(2.0)) < 1.0",
+        "distance(event.pose.position, (zone)) < 1.0",
+        "[1.0].exists(zone, distance(event.pose.position, zone) < 1.0)",
+        "[event.pose.position].exists(zone, distance(event.pose.position, zone) < 1.0)",
+    ],
+)
+@pytest.mark.parametrize("compile", [in_python, in_google])
+def test_places_that_are_refused(compile, text):
+    message, definition = pose_stamped(Encoding.ROS1), DefinitionRegistry().find(POSE)
+    with pytest.raises(InputError, match=r"cannot be applied|nothing is called|too deep"):
+        compile(text, message, definition, areas=[square()], frames=["map"])
 
 
 PLACES = [

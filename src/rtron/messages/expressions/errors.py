@@ -14,7 +14,7 @@ _STATUS = re.compile(r"^[A-Z_]+: | \[[A-Z_]+\]$")
 _OPERATOR = re.compile(r"_(.+)_|(.+)_")
 _TAKES = {
     "inside": "inside takes a Point and an area",
-    "distance": "distance takes a Point, and a Point or an area",
+    "distance": "distance takes a Point, and a Point or the name of an area",
     "place": "place takes two numbers with decimal points, for example place(3.0, 4.0)",
 }
 _MAX_MESSAGE = 300

@@ -114,9 +114,10 @@ class PythonCompiler:
 
     def _expr(self, tree: Any, *parts: Node) -> Term:  # noqa: ANN401 - lark's
         condition, one, other = map(self._term, parts)
-        if condition.type != BOOL or not one.type.matches(other.type):
+        type = one.type.joined(other.type)
+        if condition.type != BOOL or type is None:
             raise _mismatch(tree, "_?_:_", condition, one, other)
-        return choice(condition, one, other)
+        return choice(type, condition, one, other)
 
     def _conditionalor(self, tree: Any, *parts: Node) -> Term:  # noqa: ANN401
         return self._junction(tree, "_||_", *parts)
@@ -166,7 +167,10 @@ class PythonCompiler:
         variable = str(name)
         return Term(type, lambda scope: scope.values[variable])
 
-    _dot_ident = _ident
+    def _dot_ident(self, tree: Any, *_: Any) -> Term:  # noqa: ANN401
+        raise _error(tree, _not_here("a name after a dot alone"))
+
+    _dot_ident_arg = _dot_ident
 
     def _member_dot(self, _: Any, owner_node: Node, name: Token) -> Term:  # noqa: ANN401
         owner = self._term(owner_node)
@@ -185,16 +189,20 @@ class PythonCompiler:
 
     def _member_index(self, tree: Any, *parts: Node) -> Term:  # noqa: ANN401
         values, index = map(self._term, parts)
+        if values.type.is_list and not values.type.is_known:
+            raise _error(tree, _not_here(f"an element of {values.type}"))
         if not values.type.element or index.type != INT:
             raise _mismatch(tree, "_[_]", values, index)
         return item(values, index, values.type.element)
 
     def _list_lit(self, tree: Any, *parts: Any) -> Term:  # noqa: ANN401
         elements = [self._term(each) for each in _arguments(parts)]
-        types = [each.type for each in elements]
-        if any(not types[0].matches(each) for each in types):
+        type = elements[0].type if elements else None
+        for each in elements:
+            type = type and type.joined(each.type)
+        if elements and type is None:
             raise _error(tree, _not_here("a list of several types"))
-        return call(list_of(types[0] if types else None), lambda *values: list(values), elements)
+        return call(list_of(type), lambda *values: list(values), elements)
 
     def _literal(self, tree: Any, token: Token) -> Term:  # noqa: ANN401
         kind = str(token.type)
@@ -210,26 +218,28 @@ class PythonCompiler:
         arguments = _arguments(rest)
         if name == "has":
             return self._has(tree, arguments)
-        return self._call(tree, str(name), [self._term(each) for each in arguments], arguments)
-
-    _dot_ident_arg = _ident_arg
+        terms = [self._term(each) for each in arguments]
+        types = tuple(each.type for each in terms)
+        known = _function(str(name), types) or self._place_function(name, types, arguments)
+        return _call(tree, str(name), known, terms)
 
     def _member_dot_arg(self, tree: Any, owner: Node, name: Token, *rest: Any) -> Term:  # noqa: ANN401
         arguments = _arguments(rest)
         if _variable_name(owner) == "math" and "math" not in self._variables:
             terms = [self._term(each) for each in arguments]
-            return self._call(tree, f"math.{name}", terms, arguments)
+            known = _function(f"math.{name}", tuple(each.type for each in terms))
+            return _call(tree, f"math.{name}", known, terms)
         values = self._term(owner)
         if name in MACROS and arguments:
             return self._macro(tree, str(name), values, arguments)
         terms = [values, *map(self._term, arguments)]
-        return self._call(tree, str(name), terms, [owner, *arguments])
+        return _call(tree, str(name), _method(name, tuple(each.type for each in terms)), terms)
 
     def _macro(self, tree: Any, name: str, values: Term, arguments: list[Any]) -> Term:  # noqa: ANN401
         variable = _variable_name(arguments[0])
         if len(arguments) != 2 or not variable:  # noqa: PLR2004 - a variable and a body
             raise _error(tree, _not_here(f"{name}() with other than a variable and a body"))
-        if not values.type.is_list or values.type.element is None:
+        if not values.type.element or not values.type.is_known:
             raise _error(tree, _not_here(f"{name}() of {values.type}"))
         outer, self._variables = self._variables, {**self._variables, variable: values.type.element}
         body = self._term(arguments[1])
@@ -246,17 +256,6 @@ class PythonCompiler:
         found = self._term(selected)
         return call(BOOL, bool if found.type.is_list else lambda _: True, [found])
 
-    def _call(self, tree: Any, name: str, terms: list[Term], nodes: list[Any]) -> Term:  # noqa: ANN401
-        types = tuple(each.type for each in terms)
-        known = (
-            functions.FUNCTIONS_OF_TYPES.get((name, types))
-            or self._place_function(name, types, nodes)
-            or _list_function(name, types)
-        )
-        if known is None:
-            raise _mismatch(tree, name, *terms)
-        return call(*known, terms)
-
     def _place_function(
         self, name: str, types: tuple[StaticType, ...], nodes: list[Any]
     ) -> tuple[StaticType, Function] | None:
@@ -266,10 +265,11 @@ class PythonCompiler:
             return None
         if name == "inside" and types[1] == AREA_TYPE:
             return BOOL, functions.inside
-        if name == "distance" and _is_point(types[1]):
-            return DOUBLE, functions.distance_to_point
-        if name == "distance" and _variable_name(nodes[1]) in self._areas:
+        is_area = _variable_name(nodes[1]) in self._areas and not _bracket_count(nodes[1])
+        if name == "distance" and is_area and types[1] == AREA_TYPE:
             return DOUBLE, functions.distance_to_area
+        if name == "distance" and not is_area and _is_point(types[1]):
+            return DOUBLE, functions.distance_to_point
         return None
 
 
@@ -280,6 +280,28 @@ def _relation_function(name: str, left: StaticType, right: StaticType) -> Functi
     if not left.matches(right) or not left.is_plain:
         return None
     return functions.EQUALITY.get(name) or (None if left.is_list else functions.ORDER.get(name))
+
+
+def _function(name: str, types: tuple[StaticType, ...]) -> tuple[StaticType, Function] | None:
+    return functions.FUNCTIONS_OF_TYPES.get((name, types)) or _list_function(name, types)
+
+
+def _method(name: str, types: tuple[StaticType, ...]) -> tuple[StaticType, Function] | None:
+    """Return what is called on the first of the types."""
+    return functions.METHODS_OF_TYPES.get((name, types)) or (
+        _list_function(name, types) if name == "size" else None
+    )
+
+
+def _call(
+    tree: Any,  # noqa: ANN401 - lark's
+    name: str,
+    known: tuple[StaticType, Function] | None,
+    terms: list[Term],
+) -> Term:
+    if known is None:
+        raise _mismatch(tree, name, *terms)
+    return call(*known, terms)
 
 
 def _list_function(name: str, types: tuple[StaticType, ...]) -> tuple[StaticType, Function] | None:

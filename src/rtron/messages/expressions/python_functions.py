@@ -141,11 +141,22 @@ def _square_root(value: float) -> float:
     return math.sqrt(value) if value >= 0 else math.nan
 
 
-FUNCTIONS_OF_TYPES: dict[tuple[str, Signature], tuple[StaticType, Function]] = {
-    **{("size", (each,)): (INT, len) for each in (STRING, BYTES)},
+_SIZES: dict[tuple[str, Signature], tuple[StaticType, Function]] = {
+    ("size", (each,)): (INT, len) for each in (STRING, BYTES)
+}
+METHODS_OF_TYPES: dict[tuple[str, Signature], tuple[StaticType, Function]] = {
+    **_SIZES,
     ("startsWith", (STRING, STRING)): (BOOL, str.startswith),
     ("endsWith", (STRING, STRING)): (BOOL, str.endswith),
     ("contains", (STRING, STRING)): (BOOL, operator.contains),
+    ("matches", (STRING, STRING)): (BOOL, matches),
+}
+"""Methods by their name and the types of what they are called on and of their arguments: the type
+of the result, and what it is.
+"""
+
+FUNCTIONS_OF_TYPES: dict[tuple[str, Signature], tuple[StaticType, Function]] = {
+    **_SIZES,
     ("matches", (STRING, STRING)): (BOOL, matches),
     ("int", (INT,)): (INT, int),
     ("int", (DOUBLE,)): (INT, _rounded_to_integer),
@@ -161,7 +172,7 @@ FUNCTIONS_OF_TYPES: dict[tuple[str, Signature], tuple[StaticType, Function]] = {
 }
 """Functions by their name and the types of their arguments: the type of the result, and what it is.
 
-A method's first argument is what it is called on.
+Methods are none of them: CEL knows `size` and `matches` as both.
 """
 
 

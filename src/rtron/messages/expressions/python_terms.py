@@ -64,10 +64,10 @@ def junction(left: Term, right: Term, *, decisive: bool) -> Term:
     return Term(BOOL, run)
 
 
-def choice(condition: Term, one: Term, other: Term) -> Term:
-    """Return `condition ? one : other`."""
+def choice(type: StaticType, condition: Term, one: Term, other: Term) -> Term:
+    """Return `condition ? one : other`, of a type that both have."""
     test, yes, no = condition.run, one.run, other.run
-    return Term(one.type, lambda scope: yes(scope) if test(scope) else no(scope))
+    return Term(type, lambda scope: yes(scope) if test(scope) else no(scope))
 
 
 def call(type: StaticType, function: Callable[..., Any], arguments: list[Term]) -> Term:

@@ -28,13 +28,23 @@ class StaticType:
         """Whether its values compare: no message or area is in it."""
         return self in _PLAIN or (self.is_list and (self.element is None or self.element.is_plain))
 
+    @property
+    def is_known(self) -> bool:
+        """Whether no list without elements is in it."""
+        return not self.is_list or (self.element is not None and self.element.is_known)
+
+    def joined(self, other: "StaticType") -> "StaticType | None":
+        """Return the type of what may be a value of either; None if they have none in common."""
+        if not (self.is_list and other.is_list):
+            return self if self.name == other.name else None
+        if self.element is None or other.element is None:
+            return other if self.element is None else self
+        element = self.element.joined(other.element)
+        return list_of(element) if element else None
+
     def matches(self, other: "StaticType") -> bool:
         """Return whether values of both may stand in the same place."""
-        if self.is_list and other.is_list:
-            if self.element is None or other.element is None:
-                return True
-            return self.element.matches(other.element)
-        return self.name == other.name
+        return self.joined(other) is not None
 
 
 BOOL, INT, DOUBLE, STRING, BYTES = map(StaticType, ("bool", "int", "double", "string", "bytes"))
