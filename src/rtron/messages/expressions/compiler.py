@@ -16,7 +16,7 @@ from rtron.errors import InputError
 from rtron.messages.common.definition import Definition
 from rtron.messages.expressions.errors import CheckError, expression_error
 from rtron.messages.expressions.frames import is_point, without_slash
-from rtron.messages.expressions.functions import FUNCTIONS, NOT_FINITE
+from rtron.messages.expressions.functions import FUNCTIONS, NOT_FINITE, RESERVED
 from rtron.messages.expressions.number_checks import NOT_A_NUMBER
 from rtron.messages.expressions.protobuf_types import (
     AREA,
@@ -36,10 +36,6 @@ MAX_EXPRESSION = 1 << 12
 """The longest expression accepted, in characters."""
 _MAX_MESSAGE = 300
 _MAX_SHOWN = 60
-_RESERVED = re.compile(
-    "as|break|const|continue|else|false|for|function|if|import|in|let|loop|namespace|null|package"
-    "|return|true|var|void|while"
-)
 _WORD = re.compile(r"[A-Za-z_]\w*", re.ASCII)
 _POINT_CALL = re.compile(r"(?<!\w)place(?:\s|//[^\n]*\n)*\(", re.ASCII)
 _MIN_POINTS = 3
@@ -191,7 +187,7 @@ def _check_text(text: str) -> None:
 
 def _checked_area(area: Area, subject: str) -> Area:
     name = area.name
-    is_reserved = name in (*FUNCTIONS, "math", subject) or _RESERVED.fullmatch(name)
+    is_reserved = name in (*FUNCTIONS, "math", subject) or name in RESERVED
     if is_reserved or not _WORD.fullmatch(name):
         raise InputError(f"an area cannot be called {name!r}", help="take letters, digits and _")
     if len(area.polygon) < _MIN_POINTS:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 from rtron.messages.expressions import python_functions as functions
 from rtron.messages.expressions.errors import CheckError
 from rtron.messages.expressions.frames import is_point
+from rtron.messages.expressions.functions import RESERVED
 from rtron.messages.expressions.python_literals import literal_value
 from rtron.messages.expressions.python_terms import (
     MACROS,
@@ -67,6 +68,7 @@ _WRAPPERS = frozenset(
     {"expr", "conditionalor", "conditionaland", "relation", "addition", "multiplication"}
     | {"unary", "member", "primary", "paren_expr"}
 )
+_ACCUMULATOR = "__result__"  # what CEL calls the result of a macro in its body
 _EXTREMES = {"math.greatest": max, "math.least": min}
 _LITERALS = {"BOOL_LIT": BOOL, "INT_LIT": INT, "FLOAT_LIT": DOUBLE, "BYTES_LIT": BYTES}
 
@@ -239,6 +241,8 @@ class PythonCompiler:
         variable = _variable_name(arguments[0])
         if len(arguments) != 2 or not variable:  # noqa: PLR2004 - a variable and a body
             raise _error(tree, _not_here(f"{name}() with other than a variable and a body"))
+        if variable in RESERVED or variable == _ACCUMULATOR:
+            raise _error(arguments[0], f"reserved identifier: {variable}")
         if not values.type.element or not values.type.is_known:
             raise _error(tree, _not_here(f"{name}() of {values.type}"))
         outer, self._variables = self._variables, {**self._variables, variable: values.type.element}
