@@ -89,6 +89,11 @@ def test_what_holds(text):
         ("event.name.matches(event.name + '(')", "invalid regular expression"),
         ("0.0 / 0.0 < event.speed", "a number is NaN"),
         ("event.ranges.exists(r, r > event.ranges[9])", "Index error"),
+        ("math.greatest(event.ranges.filter(r, false)) > 1.0", "an empty list has no greatest"),
+        (
+            "math.least(event.ranges.filter(r, false)) > 1.0",
+            "an empty list has no greatest or least",
+        ),
     ],
 )
 def test_what_is_not_known(text, said):

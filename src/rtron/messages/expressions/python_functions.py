@@ -177,9 +177,11 @@ Methods are none of them: CEL knows `size` and `matches` as both.
 
 
 def extreme(choose: Function) -> Function:
-    """Return what takes the greatest or least of its arguments; NaN is an error."""
+    """Return what takes the greatest or least of its arguments; none and NaN are errors."""
 
     def chosen(*values: Any) -> Any:  # noqa: ANN401
+        if not values:
+            raise EvaluationError("an empty list has no greatest or least element")
         check_nan(*values)
         return choose(values)
 
