@@ -160,6 +160,16 @@ def test_macros_are_bounded():
     assert "budget" in in_python(f"{nested} || true", robot(ranges=(1.0,) * 22))
 
 
+def test_a_refused_macro_leaves_no_variable():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(compiler, "_google_cel", lambda: None)
+        expressions = compiler.ExpressionCompiler(ROBOT, "event")
+    with pytest.raises(InputError, match="cannot be applied"):
+        expressions.compile("event.ranges.exists(r, r > 1)")
+    with pytest.raises(InputError, match="nothing is called 'r'"):
+        expressions.compile("r > 1.0")
+
+
 @pytest.mark.parametrize(
     "text",
     [

@@ -246,8 +246,10 @@ class PythonCompiler:
         if not values.type.element or not values.type.is_known:
             raise _error(tree, _not_here(f"{name}() of {values.type}"))
         outer, self._variables = self._variables, {**self._variables, variable: values.type.element}
-        body = self._term(arguments[1])
-        self._variables = outer
+        try:
+            body = self._term(arguments[1])
+        finally:
+            self._variables = outer
         if name != "map" and body.type != BOOL:
             raise _error(tree, f"the body of {name}() gives {body.type}, not a truth")
         return macro(name, values, variable, body)
