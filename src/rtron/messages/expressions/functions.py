@@ -13,8 +13,8 @@ from rtron.messages.expressions.protobuf_types import AREA, POINT, protobuf_name
 
 FUNCTIONS = ("inside", "distance", "place")
 RESERVED = frozenset(
-    ("as", "break", "const", "continue", "else", "false", "for", "function", "if", "import", "in")
-    + ("let", "loop", "namespace", "null", "package", "return", "true", "var", "void", "while")
+    {"as", "break", "const", "continue", "else", "false", "for", "function", "if", "import", "in"}
+    | {"let", "loop", "namespace", "null", "package", "return", "true", "var", "void", "while"}
 )
 """The words of CEL that name no variable."""
 NOT_FINITE = "a position is not finite"

@@ -9,7 +9,6 @@ What plans need of CEL is there, with the same values; the rest (maps, timestamp
 from __future__ import annotations
 
 import operator
-from functools import cache
 from typing import TYPE_CHECKING, Any
 
 from rtron.messages.expressions import python_functions as functions
@@ -17,6 +16,13 @@ from rtron.messages.expressions.errors import CheckError
 from rtron.messages.expressions.frames import is_point
 from rtron.messages.expressions.functions import RESERVED
 from rtron.messages.expressions.python_literals import literal_value
+from rtron.messages.expressions.python_parser import (
+    argument_nodes,
+    bracket_count,
+    parse,
+    unwrapped,
+    variable_name,
+)
 from rtron.messages.expressions.python_terms import (
     MACROS,
     Scope,
@@ -64,10 +70,6 @@ _OPERATORS = {
     "multiplication_div": "/",
     "multiplication_mod": "%",
 }
-_WRAPPERS = frozenset(
-    {"expr", "conditionalor", "conditionaland", "relation", "addition", "multiplication"}
-    | {"unary", "member", "primary", "paren_expr"}
-)
 _ACCUMULATOR = "__result__"  # what CEL calls the result of a macro in its body
 _EXTREMES = {"math.greatest": max, "math.least": min}
 _LITERALS = {"BOOL_LIT": BOOL, "INT_LIT": INT, "FLOAT_LIT": DOUBLE, "BYTES_LIT": BYTES}
@@ -88,7 +90,7 @@ class PythonCompiler:
         CheckError if it is none, or not one that works here.
         """
         self._depth = 0
-        term = self._term(_parse(text))
+        term = self._term(parse(text))
         type = term.type.name
         return type.upper() if "." not in type else type, lambda values: term.run(Scope(values))
 
@@ -101,8 +103,8 @@ class PythonCompiler:
         return functions.AreaShape(area)
 
     def _term(self, part: Node) -> Term:
-        node, outer = _unwrapped(part), self._depth
-        self._depth += 1 + _bracket_count(part)
+        node, outer = unwrapped(part), self._depth
+        self._depth += 1 + bracket_count(part)
         if self._depth > _MAX_DEPTH:
             what = f"more than {_MAX_DEPTH} levels: the recursion limit is exceeded"
             raise CheckError(f"ERROR: <input>:-1:-1: {what}")
@@ -147,6 +149,8 @@ class PythonCompiler:
         left, right = self._term(operation.children[0]), self._term(right_node)
         name = _OPERATORS[operation.data]
         compute = functions.ARITHMETIC[name].get(left.type) if left.type == right.type else None
+        if name == "+" and left.type.is_list and left.type.matches(right.type):
+            raise _error(operation, _not_here("+ of lists"))
         if compute is None:
             raise _operator_mismatch(operation, name, left, right)
         return call(left.type, compute, [left, right])
@@ -198,7 +202,7 @@ class PythonCompiler:
         return item(values, index, values.type.element)
 
     def _list_lit(self, tree: Any, *parts: Any) -> Term:  # noqa: ANN401
-        elements = [self._term(each) for each in _arguments(parts)]
+        elements = [self._term(each) for each in argument_nodes(parts)]
         type = elements[0].type if elements else None
         for each in elements:
             type = type and type.joined(each.type)
@@ -217,7 +221,7 @@ class PythonCompiler:
         return Term(_LITERALS.get(kind, STRING), lambda _: value)
 
     def _ident_arg(self, tree: Any, name: Token, *rest: Any) -> Term:  # noqa: ANN401
-        arguments = _arguments(rest)
+        arguments = argument_nodes(rest)
         if name == "has":
             return self._has(tree, arguments)
         terms = [self._term(each) for each in arguments]
@@ -226,8 +230,8 @@ class PythonCompiler:
         return _call(tree, str(name), known, terms)
 
     def _member_dot_arg(self, tree: Any, owner: Node, name: Token, *rest: Any) -> Term:  # noqa: ANN401
-        arguments = _arguments(rest)
-        if _variable_name(owner) == "math" and "math" not in self._variables:
+        arguments = argument_nodes(rest)
+        if variable_name(owner) == "math" and "math" not in self._variables:
             terms = [self._term(each) for each in arguments]
             known = _function(f"math.{name}", tuple(each.type for each in terms))
             return _call(tree, f"math.{name}", known, terms)
@@ -235,10 +239,13 @@ class PythonCompiler:
         if name in MACROS and arguments:
             return self._macro(tree, str(name), values, arguments)
         terms = [values, *map(self._term, arguments)]
-        return _call(tree, str(name), _method(name, tuple(each.type for each in terms)), terms)
+        known = _method(name, tuple(each.type for each in terms))
+        if known is None:
+            raise _mismatch(tree, str(name), *terms)
+        return call(*known, terms)
 
     def _macro(self, tree: Any, name: str, values: Term, arguments: list[Any]) -> Term:  # noqa: ANN401
-        variable = _variable_name(arguments[0])
+        variable = variable_name(arguments[0])
         if len(arguments) != 2 or not variable:  # noqa: PLR2004 - a variable and a body
             raise _error(tree, _not_here(f"{name}() with other than a variable and a body"))
         if variable in RESERVED or variable == _ACCUMULATOR:
@@ -256,7 +263,7 @@ class PythonCompiler:
 
     def _has(self, tree: Any, arguments: list[Any]) -> Term:  # noqa: ANN401
         """Return whether a field is there: each one is, a list if it is not empty."""
-        selected = _unwrapped(arguments[0]) if len(arguments) == 1 else tree
+        selected = unwrapped(arguments[0]) if len(arguments) == 1 else tree
         if selected.data != "member_dot":
             raise _error(tree, "invalid argument to has() macro")
         found = self._term(selected)
@@ -271,7 +278,7 @@ class PythonCompiler:
             return None
         if name == "inside" and types[1] == AREA_TYPE:
             return BOOL, functions.inside
-        is_area = _variable_name(nodes[1]) in self._areas and not _bracket_count(nodes[1])
+        is_area = variable_name(nodes[1]) in self._areas and not bracket_count(nodes[1])
         if name == "distance" and is_area and types[1] == AREA_TYPE:
             return DOUBLE, functions.distance_to_area
         if name == "distance" and not is_area and _is_point(types[1]):
@@ -305,9 +312,12 @@ def _call(
     known: tuple[StaticType, Function] | None,
     terms: list[Term],
 ) -> Term:
-    if known is None:
-        raise _mismatch(tree, name, *terms)
-    return call(*known, terms)
+    """Return a call of a function that is no method."""
+    if known is not None:
+        return call(*known, terms)
+    if functions.is_elsewhere(name, tuple(each.type for each in terms)):
+        raise _error(tree, _not_here(f"{name}({', '.join(str(each.type) for each in terms)})"))
+    raise _mismatch(tree, name, *terms)
 
 
 def _list_function(name: str, types: tuple[StaticType, ...]) -> tuple[StaticType, Function] | None:
@@ -324,47 +334,6 @@ def _list_function(name: str, types: tuple[StaticType, ...]) -> tuple[StaticType
 
 def _is_point(type: StaticType) -> bool:
     return type.definition is not None and is_point(type.definition)
-
-
-def _unwrapped(node: Any) -> Any:  # noqa: ANN401 - a tree
-    while getattr(node, "data", "") in _WRAPPERS and len(node.children) == 1:
-        node = node.children[0]
-    return node
-
-
-def _bracket_count(node: Any) -> int:  # noqa: ANN401 - a tree
-    """Return how many pairs of brackets are around a part."""
-    count = 0
-    while getattr(node, "data", "") in _WRAPPERS and len(node.children) == 1:
-        count += node.data == "paren_expr"
-        node = node.children[0]
-    return count
-
-
-def _arguments(rest: tuple[Any, ...]) -> list[Any]:
-    return list(rest[0].children) if rest else []
-
-
-def _variable_name(node: Any) -> str:  # noqa: ANN401
-    found = _unwrapped(node)
-    return str(found.children[0]) if found.data == "ident" else ""
-
-
-@cache
-def _parser() -> Any:  # noqa: ANN401 - celpy's
-    from celpy.celparser import CELParser  # noqa: PLC0415 - as above
-
-    return CELParser()
-
-
-def _parse(text: str) -> Any:  # noqa: ANN401 - lark's
-    from celpy.celparser import CELParseError  # noqa: PLC0415 - as above
-
-    try:
-        return _parser().parse(text)
-    except CELParseError as error:
-        line, column = error.line or 1, error.column or 1
-        raise CheckError(f"ERROR: <input>:{line}:{column}: Syntax error") from error
 
 
 def _error(node: Any, what: str, before: int = 0) -> CheckError:  # noqa: ANN401

@@ -175,6 +175,32 @@ FUNCTIONS_OF_TYPES: dict[tuple[str, Signature], tuple[StaticType, Function]] = {
 Methods are none of them: CEL knows `size` and `matches` as both.
 """
 
+_NUMBERS = frozenset({INT, DOUBLE})
+_PLAIN = _NUMBERS | {BOOL, STRING, BYTES}
+_ELSEWHERE: dict[str, frozenset[StaticType]] = {
+    "int": frozenset({STRING}),
+    "double": frozenset({STRING}),
+    "uint": _NUMBERS | {STRING},
+    "string": _PLAIN,
+    "bytes": frozenset({STRING, BYTES}),
+    "bool": frozenset({BOOL, STRING}),
+    "duration": frozenset({STRING}),
+    "timestamp": frozenset({INT, STRING}),
+    "math.sign": _NUMBERS,
+    **dict.fromkeys(("math.greatest", "math.least"), _NUMBERS),
+    **dict.fromkeys(
+        [f"math.{each}" for each in ("ceil", "floor", "round", "trunc")], frozenset({DOUBLE})
+    ),
+    **dict.fromkeys([f"math.bit{each}" for each in ("And", "Or", "Xor", "Not")], frozenset({INT})),
+    **dict.fromkeys(("math.bitShiftLeft", "math.bitShiftRight"), frozenset({INT})),
+}
+
+
+def is_elsewhere(name: str, types: Signature) -> bool:
+    """Tell whether only Google's CEL has a function, with arguments of these types."""
+    known = _ELSEWHERE.get(name, frozenset())
+    return name in ("dyn", "type") or (bool(types) and known.issuperset(types))
+
 
 def extreme(choose: Function) -> Function:
     """Return what takes the greatest or least of its arguments; none and NaN are errors."""
