@@ -278,7 +278,7 @@ def test_generated_expressions_have_google_s_values(text, flag, count, speed, ra
 
 WORDS = ["event", ".", "flag", "count", "speed", "ranges", "exists", "(", ")", ",", "r", ">", "==",
          "1", "1.0", "&&", "!", "'a'", "[", "]", "?", ":", "-", "size", "in", "has", "true",
-         "math.abs"]  # fmt: skip
+         "math.abs", "startsWith", "int", "package", r"'\q'", r"'\uD800'", "1.", "[]"]  # fmt: skip
 
 
 @settings(max_examples=examples(300), deadline=None)
@@ -290,4 +290,45 @@ def test_what_python_accepts_google_s_cel_accepts(text):
     except InputError:
         return
     expected = in_google(text)
+    assert found is expected or (isinstance(found, str) and isinstance(expected, str))
+
+
+NAMES = st.sampled_from(
+    ["inside", "distance", "place", "startsWith", "contains", "matches", "size", "int", "double",
+     "string", "type", "math.abs", "math.greatest", "math.ceil", "has", ".size", ".inside"]
+)  # fmt: skip
+VARIABLES = st.sampled_from(["v", "zone", "event", "math", "size", "package", "in", "__result__"])
+OPERANDS = st.recursive(
+    st.sampled_from(["event.pose.position", "event.header.frame_id", "zone", "v", "1", "1.0", "1.",
+                     "'a'", r"'\q'", r"'\uD800'", r"b'\777'", r"'\x41'", "[]", "true", "math"]),
+    lambda inner: (
+        st.tuples(NAMES, st.lists(inner, max_size=2)).map(
+            lambda each: f"{each[0]}({', '.join(each[1])})"
+        )
+        | st.tuples(inner, NAMES, st.lists(inner, max_size=2)).map(
+            lambda each: f"{each[0]}.{each[1]}({', '.join(each[2])})"
+        )
+        | st.lists(inner, max_size=3).map(lambda each: f"[{', '.join(each)}]")
+        | _binary(["==", "<", "in", "+", "||"], inner)
+        | st.tuples(inner, inner, inner).map(lambda each: "({} ? {} : {})".format(*each))
+        | st.tuples(inner, inner).map(lambda each: f"{each[0]}[{each[1]}]")
+        | st.tuples(inner, st.sampled_from(["exists", "all", "map"]), VARIABLES, inner).map(
+            lambda each: "{}.{}({}, {})".format(*each)
+        )
+    ),
+    max_leaves=6,
+)  # fmt: skip
+
+
+@settings(max_examples=examples(400), deadline=None)
+@given(OPERANDS)
+def test_calls_that_python_accepts_google_s_cel_accepts(text):
+    pytest.importorskip("cel_expr_python.cel", reason=NO_GOOGLE)
+    message, definition = pose_stamped(Encoding.ROS1, x=1.0), DefinitionRegistry().find(POSE)
+    asked = {"message": message, "definition": definition, "areas": [square()], "frames": ["map"]}
+    try:
+        found = in_python(text, **asked)
+    except InputError:
+        return
+    expected = in_google(text, **asked)
     assert found is expected or (isinstance(found, str) and isinstance(expected, str))
