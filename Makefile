@@ -41,7 +41,7 @@ coverage: setup ## Run the tests of policies, risks, plans and vocabulary, which
 	  --cov=rtron.policies --cov=rtron.risks --cov=rtron.coherence --cov=rtron.vocabulary --cov-branch \
 	  --cov-report=term-missing:skip-covered --cov-fail-under=100
 
-# One group after the other: side by side they are done 2 minutes sooner, and late more often.
+# One group after the other: side by side six processes share two cores, and what is tested is late.
 test: lint coverage test-ros2 ## Run lint, coverage and the tests (20 minutes)
 	$(BIN)/pytest -m "not ros2 and not covered $(SHORT)" $(WORKERS) $(EXAMPLES)
 
