@@ -1,8 +1,7 @@
 """What a soak judges of an app whose guard fails for good."""
 
-import time
-
 import pytest
+from harness import wait_for
 
 from bench.common import testbed
 from bench.soak.app import SoakedApp
@@ -63,9 +62,7 @@ def test_stops_that_nothing_explains_have_a_rate(app, faults, tmp_path, stops, a
     drive(app, seconds=60)
     with (tmp_path / "errors.log").open("a") as log:
         log.write(STOP * stops)
-    deadline = time.monotonic() + LIMIT_S
-    while len(app.log.times(STOP.strip())) < stops and time.monotonic() < deadline:
-        time.sleep(0.001)
+    wait_for(lambda: len(app.log.times(STOP.strip())) >= stops, what="the log's lines")
     assert ("false_stops" in over(app, faults)) == are_over
 
 
