@@ -10,6 +10,7 @@ from harness import NODES, ROS_PYTHON, wait_for
 
 from bench.ros1.intruder import Intruder
 from rtron.vocabulary import Audit, OnForeign
+from rtron.vocabulary.names import BULK_NODE
 
 pytestmark = pytest.mark.ros1
 OFF = ("--absent", "/nav", "--absent", "/rogue")
@@ -63,7 +64,8 @@ def test_what_a_new_master_does_not_list_is_not_closed(ros1, scene):
     """No client library registers again; the guard does, and knows whom it is connected to."""
     ros1.master.kill()
     ros1.start_master()
-    wait_for(lambda: ros1.uri_of(CMD_VEL_GUARD), what="the guard at the new master")
+    for node in (CMD_VEL_GUARD, BULK_NODE):
+        wait_for(lambda node=node: ros1.uri_of(node), what=f"{node} at the new master")
     found = verified(ros1, 2, *OFF, "--format", "json")
     (path,) = (path for path in found["paths"] if path["node"] == "/driver")
     assert path["state"] == "unknown"
