@@ -249,3 +249,22 @@ def test_a_navigation_that_was_killed_is_followed_by_the_next(ros2, guard):
     nav.kill()
     speaker(ros2, "/nav", NAV, "0.7", "50")
     wait_for(lambda: speeds(driver)["0.7"], what="the next, before the lease of the first is over")
+
+
+@pytest.mark.parametrize("is_followed", [True, False])
+def test_the_next_guard_knows_that_a_navigation_was_killed_before(ros2, guard, is_followed):
+    """It has never seen the process that has ended; the killed one's lease lasts for ever."""
+    driver = ros2.node("twist_subscriber.py", OUT, name="/driver")
+    supervisor = guard()
+    wait_for_spare(supervisor)
+    nav = speaker(ros2, "/nav", NAV, "0.5", "50", **LASTING)
+    wait_for(lambda: speeds(driver)["0.5"], what="the navigation")
+    nav.kill()
+    if is_followed:
+        speaker(ros2, "/nav", NAV, "0.7", "50")
+        wait_for(lambda: speeds(driver)["0.7"], what="the next")
+    kill_guard(supervisor, driver)
+    if not is_followed:
+        speaker(ros2, "/nav", NAV, "0.7", "50")
+    back = speeds(driver)["0.7"]
+    wait_for(lambda: speeds(driver)["0.7"] > back + 100, what="the next, past the next guard")

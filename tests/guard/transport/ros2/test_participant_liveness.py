@@ -79,6 +79,46 @@ def test_who_was_never_seen_running_here_is_not_said_to_be_gone(machine, lives, 
     assert lives.not_ended([unseen, NEW]) == {unseen, NEW}
 
 
+class TestInheritance:
+    """What a guard has seen for certain, the one after it knows, and nothing else."""
+
+    def successor(self, machine, lives, *present):
+        following = ParticipantLiveness(OWN, machine.processes())
+        following.inherit(lives.certain_processes())
+        following.update(present, 0)
+        return following
+
+    def test_a_process_that_ended_before_the_successor_came(self, machine, lives):
+        lives.update([OLD, NEW], 0)
+        machine.end(1002)
+        following = self.successor(machine, lives, OLD, NEW)
+        assert following.not_ended([OLD, NEW]) == {NEW}
+
+    def test_its_id_given_to_another_process(self, machine, lives):
+        lives.update([OLD, NEW], 0)
+        machine.start(1002, began=8)
+        assert self.successor(machine, lives, OLD).state(OLD) is ParticipantState.ENDED
+
+    def test_who_is_not_discovered_yet_is_handed_on(self, machine, lives):
+        lives.update([OLD, NEW], 0)
+        following = self.successor(machine, lives, NEW)
+        assert following.certain_processes() == lives.certain_processes()
+
+    def test_what_was_in_doubt_is_not_inherited(self, machine, lives):
+        rival = participant(1002, chance=0x1111)
+        lives.update([OLD, rival], 0)
+        machine.end(1002)
+        following = self.successor(machine, lives, OLD, rival)
+        assert following.state(OLD) is ParticipantState.UNKNOWN
+
+    def test_a_rival_that_comes_later_takes_the_certainty(self, machine, lives):
+        lives.update([OLD], 0)
+        following = self.successor(machine, lives, OLD, participant(1002, chance=0x1111))
+        machine.end(1002)
+        assert following.state(OLD) is ParticipantState.UNKNOWN
+        assert OLD not in following.certain_processes()
+
+
 class TestCertainty:
     """Nobody who may be in a process that is not the one that has ended is said to be gone."""
 

@@ -6,6 +6,7 @@ import logging
 from collections import defaultdict
 from typing import TYPE_CHECKING
 
+from rtron.guard.core.handover_state import HandoverState
 from rtron.guard.transport.common.protocol import (
     DEFAULT_INPUT,
     ConnectHandler,
@@ -39,15 +40,18 @@ if TYPE_CHECKING:
 
     from rtron.guard.action.ros2.endpoints import ActionListener
     from rtron.guard.core.event_loop import EventLoop
-    from rtron.guard.core.handover_state import HandoverState
+    from rtron.guard.transport.ros2.process_table import Process
     from rtron.vocabulary import Stream
     from rtron.wire.ros2.session import Ros2Session
 
 log = logging.getLogger(__name__)
 
 _PARTICIPANTS = "participants"
+_PROCESSES = "processes"
 _MAX_PARTICIPANTS = 32
 """More guards do not end within a lease."""
+_MAX_PROCESSES = 256
+"""So many participants' processes are handed over, the last to come."""
 _READER_DEPTH = 100
 _SETTLING_TIME = 4 * SECOND
 """Fast DDS repeats its announcements every 3 s."""
@@ -66,6 +70,8 @@ class Ros2Transport:
         self.processes = ProcessTable()
         liveness = ParticipantLiveness(self.graph.participant, self.processes)
         self._owners = NameOwners()
+        self._handover = HandoverState()
+        self._processes_handed_over: dict[bytes, Process] = {}
         self._start_time = loop.now()
         self.now = loop.now
         self.call_at = loop.call_at
@@ -96,10 +102,16 @@ class Ros2Transport:
         self.graph.ended = frozenset(map(bytes.fromhex, ended))
         self.call_at(self.now() + MAX_LEASE, self._forget_ended)
         handover.store(_PARTICIPANTS, [*ended, self.graph.participant.hex()][-_MAX_PARTICIPANTS:])
+        processes: dict[str, list[int]] = handover.inherited(_PROCESSES) or {}
+        self._context.liveness.inherit(
+            {bytes.fromhex(each): (pid, start) for each, (pid, start) in processes.items()}
+        )
+        self._handover = handover
 
     def _forget_ended(self) -> None:
         """Hide nobody any more: who is still in the graph has another's id."""
         self.graph.ended = frozenset()
+        self._context.liveness.inherit({})
 
     def set_supervisor(self, process_id: Callable[[], int]) -> None:
         """Take the process whose participants count as the guard's."""
@@ -220,6 +232,15 @@ class Ros2Transport:
         self._sender_ids.update()
         is_settled = self.now() - self._start_time > _SETTLING_TIME
         self._owners.update(self._live_names(), is_settled=is_settled)
+        self._hand_over_processes()
+
+    def _hand_over_processes(self) -> None:
+        """Let the next guard know whose process ends, even before it looks."""
+        processes = self._context.liveness.certain_processes()
+        if processes != self._processes_handed_over:
+            self._processes_handed_over = processes
+            latest = list(processes.items())[-_MAX_PROCESSES:]
+            self._handover.store(_PROCESSES, {each.hex(): process for each, process in latest})
 
     def _live_names(self) -> list[tuple[str, bytes]]:
         """Return each node name with each participant that has it.

@@ -14,6 +14,9 @@ lease. Limits: a guard in a container with process ids of its own does not see a
 always waits for the lease; a process that was forked from one which used Fast DDS already, and did
 not start another program, has its parent's GIDs and counts as ended with it; and a GID is only a
 claim.
+
+A guard that starts can match no process that has ended before: it gets the matches of the guard
+before it.
 """
 
 from __future__ import annotations
@@ -23,12 +26,13 @@ from dataclasses import replace
 from itertools import islice
 from typing import TYPE_CHECKING
 
+from rtron.guard.transport.ros2.process_table import ProcessMatch
 from rtron.vocabulary import SECOND, StringEnum
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable, Iterator
+    from collections.abc import Collection, Iterable, Iterator, Mapping
 
-    from rtron.guard.transport.ros2.process_table import Process, ProcessMatch, ProcessTable
+    from rtron.guard.transport.ros2.process_table import Process, ProcessTable
 
 
 MAX_LEASE = 25 * SECOND
@@ -60,6 +64,20 @@ class ParticipantLiveness:
         self._processes = processes
         self._first_seen: dict[bytes, int] = {}
         self._matches: dict[bytes, ProcessMatch | None] = {}
+        self._inherited: Mapping[bytes, Process] = {}
+
+    def inherit(self, processes: Mapping[bytes, Process]) -> None:
+        """Take what the guard before knew for certain, in place of what was inherited before."""
+        self._inherited = processes
+
+    def certain_processes(self) -> dict[bytes, Process]:
+        """Return the participants that belong to one process for certain, for the next guard."""
+        undiscovered = self._inherited.keys() - self._matches.keys()
+        certain = {each: self._inherited[each] for each in sorted(undiscovered)}
+        for each, match in self._matches.items():
+            if match and match.is_certain:
+                certain[each] = match.process
+        return certain
 
     def update(self, participants: Iterable[bytes], now: int) -> None:
         """Take all the participants that are in the graph now."""
@@ -119,12 +137,18 @@ class ParticipantLiveness:
 
     def _match_process(self, participant: bytes) -> None:
         """Find a participant's process; those of one process have the same random bytes."""
-        match = self._processes.find(int.from_bytes(participant[_HOST:_PID], "little"))
+        match = self._find_process(participant)
         self._matches[participant] = match
         if match:
             rivals = [each for each in self._matches if self._are_rivals(each, participant)]
             for each in (participant, *rivals) if rivals else ():
                 self._matches[each] = replace(match, is_certain=False)
+
+    def _find_process(self, participant: bytes) -> ProcessMatch | None:
+        inherited = self._inherited.get(participant)
+        if inherited:
+            return ProcessMatch(inherited, is_certain=True)
+        return self._processes.find(int.from_bytes(participant[_HOST:_PID], "little"))
 
     def _are_rivals(self, participant: bytes, other: bytes) -> bool:
         process = self.process(participant)
