@@ -30,6 +30,7 @@ from rtron.guard.supervision.supervisor_handover import (
     guard_address,
 )
 from rtron.guard.transport.common.memory import MemoryTransport
+from rtron.guard.transport.common.protocol import SupervisorId
 from rtron.vocabulary import SECOND, Plan, Supervision
 
 NO_FILE = 1 << 14
@@ -91,6 +92,23 @@ def tied(loop, master):
     made = ConnectedGuard(loop, master)
     yield made
     made.close()
+
+
+def test_a_supervisor_is_identified_once_it_has_told_its_participant(tied):
+    changes = []
+    tied.tie.on_change = lambda: changes.append(tied.tie.identify_supervisor())
+    ours = os.getpid()
+    assert tied.tie.identify_supervisor() == SupervisorId(ours)
+    tied.page.supervisor_participant.write(b"first")
+    assert tied.tie.identify_supervisor() == SupervisorId(ours, frozenset({b"first"}))
+    tied.supervisor.close()
+    tied.run(SECOND // 20)
+    assert changes == [SupervisorId()]
+    tied.give_another()
+    assert changes[1:] == [SupervisorId(ours)]
+    tied.page.supervisor_participant.write(b"second")
+    both = frozenset({b"first", b"second"})
+    assert tied.tie.identify_supervisor() == SupervisorId(ours, both)
 
 
 def test_a_caller_that_leaves_before_the_answer_leaves_no_descriptor_behind(loop, master):
@@ -221,6 +239,9 @@ def test_a_delivery_that_nobody_watches_is_an_alarm_with_what_to_do(loop, tied):
 def test_a_supervisor_that_is_gone_says_nothing_of_delivery(loop, tied):
     tied.page[StatusWord.UNWATCHED] = 1
     tied.supervisor.close()
-    wait_for(lambda: loop.step(0.01) or not tied.tie.supervisor, what="the end of the supervisor")
+    wait_for(
+        lambda: loop.step(0.01) or not tied.tie.identify_supervisor().process,
+        what="the end of the supervisor",
+    )
     tied.run(SECOND // 10)
     assert all("delivers" not in alarm.reason for alarm in tied.tie._host.alarms.active)

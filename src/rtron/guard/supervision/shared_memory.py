@@ -16,6 +16,7 @@ from rtron.guard.transport.common.protocol import TypeInfo
 
 _WORD = 8
 _FAILURE_REPORT_BYTES = 1 << 12
+_PARTICIPANT_BYTES = 16
 _TYPE_INFO_BYTES = 1 << 16
 _LAST_MESSAGE_BYTES = 1 << 12
 
@@ -46,7 +47,8 @@ class StatusWord(IntEnum):
 class GuardMemory:
     """The shared memory of one guard with `streams` streams that it can stop.
 
-    The guard writes `handover_state`, the supervisor `failure_report`. `type_infos` has the message
+    The guard writes `handover_state`, the supervisor `failure_report` and, once it is in the domain
+    of ROS 2, `supervisor_participant`. `type_infos` has the message
     type of each stream, once the guard has learned it, and `last_messages` what it sent last.
     """
 
@@ -57,6 +59,7 @@ class GuardMemory:
         self._end = mmap.PAGESIZE
         self.handover_state = self._add_buffer(MOST_BYTES)
         self.failure_report = self._add_buffer(_FAILURE_REPORT_BYTES)
+        self.supervisor_participant = self._add_buffer(_PARTICIPANT_BYTES)
         self.type_infos = [self._add_buffer(_TYPE_INFO_BYTES) for _ in range(streams)]
         self.last_messages = [self._add_buffer(_LAST_MESSAGE_BYTES) for _ in range(streams)]
 
@@ -97,6 +100,7 @@ def _size(streams: int) -> int:
         mmap.PAGESIZE
         + DoubleBuffer.size(MOST_BYTES)
         + DoubleBuffer.size(_FAILURE_REPORT_BYTES)
+        + DoubleBuffer.size(_PARTICIPANT_BYTES)
         + streams * each
     )
 

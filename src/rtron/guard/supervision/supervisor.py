@@ -65,6 +65,7 @@ class Supervisor:
         self._log_throttle = LogThrottle()
         self._systemd = take_notifier(os.environ)
         memory = self._guard.memory if self._guard else GuardMemory.create(self._stream_count)
+        memory.supervisor_participant.write(self._transport.participant)
         self._memory = memory
         self._intrusions = intrusion_file(config)
         if self._intrusions and self._guard is None:
@@ -190,6 +191,7 @@ class Supervisor:
             self._owner(),
             now,
         )
+        guard.memory.supervisor_participant.write(self._transport.participant)
         failure_report = (
             json.dumps({"why": self._failure_report}).encode() if self._failure_report else b""
         )

@@ -6,6 +6,7 @@ import os
 import signal
 import socket
 import subprocess
+from collections import deque
 from contextlib import suppress
 from functools import partial
 from itertools import count
@@ -37,7 +38,7 @@ from rtron.guard.supervision.supervisor_handover import (
     is_running,
 )
 from rtron.guard.supervision.watchdog import BEAT_PERIOD, Watchdog
-from rtron.guard.transport.common.protocol import TypeInfo
+from rtron.guard.transport.common.protocol import SupervisorId, TypeInfo
 from rtron.vocabulary import (
     GUARD_NODE,
     SECOND,
@@ -48,6 +49,8 @@ from rtron.vocabulary import (
 )
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from rtron.wire.ros2.session import Ros2Session
 
 log = logging.getLogger(__name__)
@@ -58,6 +61,8 @@ _DISMISS_TIMEOUT = SECOND
 """How long a supervisor that is dismissed may take to end before it is killed, ns."""
 UNSUPERVISED_LIMIT = 2 * SECOND
 """How long the guard waits for a supervisor to come before it starts one, ns."""
+_MAX_FORMER = 8
+"""More supervisors do not end within the time that a dead one may stay in the graph."""
 _ALARM_DURATION = 30 * SECOND
 _DELIVERY = "delivery"
 _UNDELIVERED = "what goes into the guard does not come out in time: the robot is stopped"
@@ -105,6 +110,11 @@ class SupervisorClient:
         self._disconnected_at = 0
         self._is_ending = False
         self._turn = count()
+        self.on_change: Callable[[], None] = lambda: None
+        """Called when a supervisor has come or gone."""
+        self._announcement = 0
+        """The last announcement of a supervisor that has gone."""
+        self._former_participants: deque[bytes] = deque(maxlen=_MAX_FORMER)
 
     def attach(self, loop: EventLoop, host: Coordinator) -> None:
         """Keep what the streams of a host say."""
@@ -134,10 +144,15 @@ class SupervisorClient:
         if self._guard_socket:
             self._handover_socket.close()
 
-    @property
-    def supervisor(self) -> int:
-        """Who supervises the guard now, by its process id, 0 if nobody does."""
-        return peer_credentials(self._connection)[0] if self._connection else 0
+    def identify_supervisor(self) -> SupervisorId:
+        """Return who supervises the guard now, and who did so before."""
+        if self._connection is None:
+            return SupervisorId()
+        process = peer_credentials(self._connection)[0]
+        announcement, participant = self._memory.supervisor_participant.read()
+        if announcement == self._announcement:
+            return SupervisorId(process)
+        return SupervisorId(process, frozenset((participant, *self._former_participants)))
 
     def _beat(self) -> None:
         now = self._loop.now()
@@ -252,6 +267,7 @@ class SupervisorClient:
     def _on_accept(self, connection: socket.socket) -> None:
         former = self._connection
         if former:
+            self._note_former_supervisor()
             with suppress(OSError):  # it may have just died
                 former.send(HAND_OVER_MESSAGE)
             self._loop.forget(former)
@@ -260,6 +276,7 @@ class SupervisorClient:
 
     def _use_connection(self, connection: socket.socket) -> None:
         self._connection = connection
+        self.on_change()
         self._watchdog = Watchdog(self._loop.now())
         self._is_starting, self._is_dismissed = connection is not self._first_connection, False
         connection.settimeout(0)
@@ -281,7 +298,14 @@ class SupervisorClient:
     def _on_connection_lost(self, connection: socket.socket) -> None:
         self._loop.forget(connection)
         self._connection, self._disconnected_at = None, self._loop.now()
+        self._note_former_supervisor()
+        self.on_change()
         self._raise_temporary_alarm(AlarmKind.SUPERVISOR, "it is gone; the guard goes on")
+
+    def _note_former_supervisor(self) -> None:
+        """Await the next one's announcement; the participant of this one stays in the graph."""
+        self._announcement, participant = self._memory.supervisor_participant.read()
+        self._former_participants.append(participant)
 
     def _report_failure(self) -> None:
         """Tell what became of the guard before, if there was one."""

@@ -1,6 +1,7 @@
 """Which participants are taken for the supervisors': what only looks like one, is not."""
 
 import os
+from types import SimpleNamespace
 
 import pytest
 from domain_scene import publisher, subscriber
@@ -8,6 +9,7 @@ from proc_folder import ANOTHER, FIRST_NAMESPACE, ProcFolder
 
 from rtron.guard.audit.ros2.observed_graph import ObservedGraph
 from rtron.guard.audit.ros2.supervisor_participants import SupervisorParticipants
+from rtron.guard.transport.common.protocol import SupervisorId
 from rtron.guard.transport.ros2.participants import ParticipantLiveness
 from rtron.vocabulary import GUARD_NODE, SUPERVISOR_NODE
 
@@ -32,7 +34,9 @@ class Audit:
             self.machine.start(pid)
         self._processes = self.machine.processes()
         self.lives = ParticipantLiveness(OURS, self._processes)
-        self._kin = SupervisorParticipants(self.lives, self._processes)
+        self.supervisor = SupervisorId()
+        transport = SimpleNamespace(processes=self._processes, supervisor=lambda: self.supervisor)
+        self._kin = SupervisorParticipants(self.lives, transport)
 
     def found(self, *ends):
         self.lives.update((end.participant for end in ends), 0)
@@ -91,8 +95,27 @@ def test_in_a_container_who_gets_another_name_is_kin_no_more(contained):
     assert contained.found(speaks(ELSEWHERE, "/rogue"), speaks(SUPERVISOR)) == {SUPERVISOR}
 
 
-def test_where_gids_tell_no_process_the_only_one_with_the_name_is_kin(audit):
-    audit.lives.has_process_ids = False
-    found = [speaks(participant(4711)), subscriber("/rosout", SUPERVISOR_NODE, participant(4711))]
-    assert audit.found(*found) == {participant(4711)}
-    assert audit.found(*found, speaks(SUPERVISOR)) == {participant(4711)}
+class TestWithoutProcessIds:
+    """Where GIDs tell no process, the supervisors' own word counts."""
+
+    FORMER, PRESENT, ROGUE = participant(4711), participant(4712), participant(4713)
+
+    @pytest.fixture
+    def audit(self, audit):
+        audit.lives.has_process_ids = False
+        return audit
+
+    def test_until_one_has_told_all_with_the_name_are_kin(self, audit):
+        found = [speaks(self.PRESENT), subscriber("/rosout", "/rogue", self.ROGUE)]
+        assert audit.found(*found) == {self.PRESENT}
+
+    def test_then_the_name_is_nothing(self, audit):
+        found = [speaks(self.PRESENT), speaks(self.ROGUE)]
+        assert audit.found(*found) == {self.PRESENT, self.ROGUE}
+        audit.supervisor = SupervisorId(1, frozenset({self.PRESENT}))
+        assert audit.found(*found) == {self.PRESENT}
+
+    def test_one_before_it_stays_kin_as_long_as_it_is_there(self, audit):
+        audit.supervisor = SupervisorId(1, frozenset({self.FORMER, self.PRESENT}))
+        assert audit.found(speaks(self.FORMER)) == {self.FORMER}
+        assert audit.found(speaks(self.PRESENT)) == {self.PRESENT}

@@ -75,7 +75,7 @@ class Ros2Auditor:
         self._other_participants = other_participants
         self._unknown_streams = unknown_streams
         self._liveness = ParticipantLiveness(self._graph.participant, transport.processes)
-        self._supervisors = SupervisorParticipants(self._liveness, transport.processes)
+        self._supervisors = SupervisorParticipants(self._liveness, transport)
         self._braking_alarms = BrakingAlarms(self._response)
         self._drift_alarms = DebouncedAlarms(self._response, _DRIFT_DELAY)
         self._dismissed: dict[bytes, int] = {}

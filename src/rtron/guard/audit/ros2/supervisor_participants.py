@@ -1,7 +1,9 @@
 """Which participants are the supervisors': they may say in the guard's place what stops the robot.
 
 A supervisor is the process that has started the guard, one that the guard has started, or one that
-has taken a running guard over; it has one participant.
+has taken a running guard over; it has one participant. Where GIDs contain process ids the
+processes tell which participants these are, elsewhere the supervisors themselves do, in the memory
+that they share with the guard.
 """
 
 from __future__ import annotations
@@ -14,8 +16,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from rtron.guard.audit.ros2.observed_graph import ObservedGraph
+    from rtron.guard.transport.ros2.middleware import Ros2Transport
     from rtron.guard.transport.ros2.participants import ParticipantLiveness
-    from rtron.guard.transport.ros2.process_table import Process, ProcessTable
+    from rtron.guard.transport.ros2.process_table import Process
 
 _SUPERVISOR_NODES = frozenset({GUARD_NODE, SUPERVISOR_NODE})
 """It sees the graph as the guard does."""
@@ -24,9 +27,10 @@ _SUPERVISOR_NODES = frozenset({GUARD_NODE, SUPERVISOR_NODE})
 class SupervisorParticipants:
     """Remembers them as long as they are there: one that has died is in the graph for a while."""
 
-    def __init__(self, liveness: ParticipantLiveness, processes: ProcessTable) -> None:
+    def __init__(self, liveness: ParticipantLiveness, transport: Ros2Transport) -> None:
         self._liveness = liveness
-        self._processes = processes
+        self._processes = transport.processes
+        self._transport = transport
         self._known: dict[bytes, Process | None] = {}
 
     def update(self, observed: ObservedGraph) -> frozenset[bytes]:
@@ -40,10 +44,15 @@ class SupervisorParticipants:
         self._known |= self._with_own_process(
             each for each in new if self._is_supervisor(each, observed)
         )
-        named = observed.participants.get(SUPERVISOR_NODE, set())
-        if not self._liveness.has_process_ids and len(named) == 1:
-            self._known |= dict.fromkeys(named)
-        return frozenset(self._known)
+        has_process_ids = self._liveness.has_process_ids
+        return frozenset(self._known) if has_process_ids else self._announced(present, observed)
+
+    def _announced(self, present: set[bytes], observed: ObservedGraph) -> frozenset[bytes]:
+        """Return those that our supervisors had; until one has told, all that have its name."""
+        announced = self._transport.supervisor().participants
+        if announced is None:
+            return frozenset(observed.participants.get(SUPERVISOR_NODE, ()))
+        return announced & present
 
     def _with_own_process(self, participants: Iterable[bytes]) -> dict[bytes, Process | None]:
         """Return those of processes that have no other participant here, with their processes."""

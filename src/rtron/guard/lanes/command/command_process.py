@@ -82,7 +82,7 @@ def run_command_process(
         DeliveryEcho(transport),
         OutputWatch(streams, coordinator.alarms, transport, plan.supervision.deliver_within),
         DiagnosticsReports(connection, coordinator, loop, topics),
-        NodeReports(connection, middleware, loop, lambda: supervisor.supervisor),
+        NodeReports(connection, middleware, loop, supervisor),
         middleware.create_listener(response),
         AuditWatchdog(connection, coordinator, loop, plan, handover),
     ]
@@ -131,7 +131,7 @@ def _set_handlers(
 ) -> None:
     """Let the transport tell what it cannot read, and know our supervisor."""
     transport.set_unreadable_handler(UnreadableInputAlarms(coordinator.alarms, transport).report)
-    transport.set_supervisor(lambda: supervisor.supervisor)
+    transport.set_supervisor(supervisor.identify_supervisor)
 
 
 def _handover_state(supervisor: SupervisorClient, heartbeat: HeartbeatFile) -> HandoverState:

@@ -1,7 +1,7 @@
 """What the command process tells the audit in the bulk process about its nodes."""
 
-from collections.abc import Callable
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.lanes.command.bulk_connection import BulkConnection
@@ -16,6 +16,9 @@ from rtron.guard.middleware import Middleware
 from rtron.guard.node_shutdown import ShutdownRefusal
 from rtron.vocabulary import SECOND
 
+if TYPE_CHECKING:
+    from rtron.guard.supervision.supervisor_client import SupervisorClient
+
 MAX_TEXT = 256
 """How much is sent of what a stranger says, characters."""
 
@@ -28,9 +31,8 @@ class NodeReports:
         connection: BulkConnection,
         middleware: Middleware,
         loop: EventLoop,
-        supervisor: Callable[[], int],
+        supervisor: "SupervisorClient",
     ) -> None:
-        """`supervisor` tells the process id of the supervisor."""
         self._connection = connection
         self._middleware = middleware
         self._loop = loop
@@ -42,6 +44,7 @@ class NodeReports:
 
     def open(self) -> None:
         """Report from now on."""
+        self._supervisor.on_change = self._report
         send = self._sender.send
         self._middleware.set_listener_handlers(
             lambda topic, node: send(NewListener(topic, node)),
@@ -64,7 +67,9 @@ class NodeReports:
     def _report(self) -> None:
         report = self._middleware.report_nodes()
         former = report.former_participants | self._connection.former_participants()
-        report = replace(report, former_participants=former, supervisor=self._supervisor())
+        report = replace(
+            report, former_participants=former, supervisor=self._supervisor.identify_supervisor()
+        )
         if report != self._last_report:
             self._last_report = report
             self._connection.send(report)

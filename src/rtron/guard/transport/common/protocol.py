@@ -201,6 +201,17 @@ class Transport(Protocol):
         ...
 
 
+@dataclass(frozen=True, slots=True)
+class SupervisorId:
+    """The guard's supervisor: its process id, 0 if there is none, and its participants (ROS 2).
+
+    `participants` are those of the supervisors so far; None until the present one has told its own.
+    """
+
+    process: int = 0
+    participants: frozenset[bytes] | None = None
+
+
 class LiveTransport(Transport, Protocol):
     """A transport in a running graph, where other nodes make requests and send what they like."""
 
@@ -216,8 +227,13 @@ class LiveTransport(Transport, Protocol):
         """Take over from the guard before, and leave to the next one what it must know (ROS 2)."""
         ...
 
-    def set_supervisor(self, process_id: Callable[[], int]) -> None:
-        """Take the guard's supervisor, 0 if there is none, whose nodes are the guard's (ROS 2)."""
+    @property
+    def participant(self) -> bytes:
+        """What identifies this process in the graph: the first bytes of its GIDs (ROS 2)."""
+        ...
+
+    def set_supervisor(self, supervisor: Callable[[], SupervisorId]) -> None:
+        """Take the guard's supervisor, whose nodes are the guard's (ROS 2)."""
         ...
 
     def subscriber_progress(self, topic: str) -> Sequence[SubscriberProgress]:

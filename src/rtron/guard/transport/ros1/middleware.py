@@ -14,6 +14,7 @@ from rtron.guard.transport.common.protocol import (
     LostHandler,
     Output,
     SubscriberProgress,
+    SupervisorId,
     TypeInfo,
     ignore_lost,
 )
@@ -126,7 +127,12 @@ class Ros1Transport:
     def succeed(self, handover: HandoverState) -> None:
         """Do nothing: a node that registers again takes the place of the one before."""
 
-    def set_supervisor(self, process_id: Callable[[], int]) -> None:
+    @property
+    def participant(self) -> bytes:
+        """Nothing: nodes are known by their names and addresses."""
+        return b""
+
+    def set_supervisor(self, supervisor: Callable[[], SupervisorId]) -> None:
         """Do nothing: the supervisor's nodes are known by their names."""
 
     def subscriber_progress(self, topic: str) -> Sequence[SubscriberProgress]:

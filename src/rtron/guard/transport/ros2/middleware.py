@@ -14,6 +14,7 @@ from rtron.guard.transport.common.protocol import (
     LostHandler,
     Output,
     SubscriberProgress,
+    SupervisorId,
     ignore_lost,
 )
 from rtron.guard.transport.common.stage import Stage
@@ -68,6 +69,7 @@ class Ros2Transport:
         self.rcl = Rcl(self._sender_ids)
         self.graph = RosGraph(loop, session, self.rcl)
         self.processes = ProcessTable()
+        self.supervisor: Callable[[], SupervisorId] = SupervisorId
         liveness = ParticipantLiveness(self.graph.participant, self.processes)
         self._owners = NameOwners()
         self._handover = HandoverState()
@@ -113,9 +115,15 @@ class Ros2Transport:
         self.graph.ended = frozenset()
         self._context.liveness.inherit({})
 
-    def set_supervisor(self, process_id: Callable[[], int]) -> None:
+    @property
+    def participant(self) -> bytes:
+        """The first bytes of the GIDs of this process."""
+        return self.graph.participant
+
+    def set_supervisor(self, supervisor: Callable[[], SupervisorId]) -> None:
         """Take the process whose participants count as the guard's."""
-        self.processes.supervisor = process_id
+        self.supervisor = supervisor
+        self.processes.supervisor = lambda: supervisor().process
 
     def subscriber_progress(self, topic: str) -> Sequence[SubscriberProgress]:
         """Return nothing: rcl tells no single reader's acknowledgements; see `LiveTransport`."""
