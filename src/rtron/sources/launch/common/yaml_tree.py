@@ -38,6 +38,22 @@ class YamlLeaf:
     line: int
 
 
+class YamlMapping(dict[str, "YamlTree"]):
+    """A mapping; of a key that stands twice the last entry counts.
+
+    rcl, unlike libraries for YAML, also takes the `earlier` ones.
+    """
+
+    def __init__(self) -> None:
+        self.earlier: list[tuple[str, YamlTree]] = []
+
+    def add(self, key: str, tree: "YamlTree") -> None:
+        """Take the next entry."""
+        if key in self:
+            self.earlier.append((key, self[key]))
+        self[key] = tree
+
+
 YamlTree: TypeAlias = "YamlLeaf | dict[str, YamlTree]"
 YamlDocument: TypeAlias = "YamlTree | None"
 
@@ -62,6 +78,13 @@ def parse_yaml(text: str, path: str, first_line: int = 1) -> YamlFile:
         roots = list(yaml.compose_all(text, Loader=_Loader))
     documents = tuple(None if _is_empty(root) else builder.tree(root) for root in roots)
     return YamlFile(path=path, documents=documents, errors=tuple(builder.errors))
+
+
+def all_entries(mapping: dict[str, YamlTree]) -> Iterator[tuple[str, YamlTree]]:
+    """Yield the entries of a mapping, before them those whose keys stand again further down."""
+    if isinstance(mapping, YamlMapping):
+        yield from mapping.earlier
+    yield from mapping.items()
 
 
 def plain_value(tree: YamlTree) -> ParameterValue:
@@ -92,12 +115,13 @@ class _TreeBuilder:
 
     def _mapping(self, node: yaml.MappingNode) -> dict[str, YamlTree]:
         self._enter_level(node)
-        mapping: dict[str, YamlTree] = {}
+        mapping = YamlMapping()
         for key, inner in self._pairs(node):
             name = self._key(key)
             tree = self.tree(inner)
             if name is not None:
-                mapping[name] = tree if isinstance(tree, dict) else self._with_key_line(tree, key)
+                is_mapping = isinstance(tree, dict)
+                mapping.add(name, tree if is_mapping else self._with_key_line(tree, key))
         self._depth -= 1
         return mapping
 

@@ -66,6 +66,31 @@ def test_a_pattern_counts_by_its_first_place(python, package, order, expected):
     assert values(started) == {"a": expected}
 
 
+TWICE = """
+/**: {ros__parameters: {a: 1, both: first, deep: {x: 1}}}
+/other: {ros__parameters: {a: 2}}
+/**: {ros__parameters: {b: 3, both: last, deep: {y: 2}}}
+"""
+
+
+@pytest.mark.parametrize("source", ["'{}'", "ParameterFile('{}', allow_substs=True)"])
+def test_a_pattern_that_stands_twice_in_a_file(python, package, source):
+    """rcl takes both sections; turtlebot3's files for Jazzy are written so."""
+    (package / "p.yaml").write_text(TWICE)
+    [started] = python(node(source.format(package / "p.yaml"))).starts
+    assert values(started) == {"a": 1, "both": "last", "deep.x": 1, "deep.y": 2, "b": 3}
+
+
+def test_of_a_pattern_that_stands_twice_a_component_takes_the_last(python, package):
+    """launch_ros loads the file in Python, where one key has one value."""
+    (package / "p.yaml").write_text(TWICE)
+    loaded = f"ComposableNode(package='p', plugin='P', parameters=['{package}/p.yaml'])"
+    app = python(
+        f"LoadComposableNodes(target_container='c', composable_node_descriptions=[{loaded}])"
+    )
+    assert values(app.starts[0]) == {"both": "last", "deep.y": 2, "b": 3}
+
+
 def test_a_component_takes_its_sources_one_after_the_other(python, file, package):
     text = "{ros__parameters: {both: last}}\n/**/n: {ros__parameters: {both: other}}"
     (package / "p.yaml").write_text(f"/**: {text}")

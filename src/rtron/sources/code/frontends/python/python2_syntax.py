@@ -150,7 +150,8 @@ def _except_edits(tokens: list[Token]) -> Iterator[Edit]:
     for index in top_level_indices(tokens, ",")[:1]:
         comma, behind = tokens[index], tokens[index + 1 : -1]
         if len(behind) == 1 and behind[0].kind == "name":
-            yield Edit(comma.start, comma.end, " as")
+            space = " " if comma.end == behind[0].start else ""
+            yield Edit(comma.start, comma.end, f" as{space}")
         elif tokens[-1].text == ":":
             yield Edit(comma.start, tokens[-1].start, "")
 

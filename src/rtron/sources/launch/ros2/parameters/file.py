@@ -6,7 +6,7 @@ from pathlib import Path
 from rtron.errors import InputError
 from rtron.folders import path_exists
 from rtron.sources.bounded_file import read_bounded
-from rtron.sources.launch.common.yaml_tree import YamlLeaf, YamlTree, parse_yaml
+from rtron.sources.launch.common.yaml_tree import YamlLeaf, YamlTree, all_entries, parse_yaml
 from rtron.sources.launch.ros2.parameters.merge import Entries
 from rtron.sources.launch.ros2.substitutions.template import display_text, has_placeholder
 from rtron.vocabulary import Evidence, ParameterValue, UnknownValue
@@ -43,7 +43,7 @@ def parameter_entries(tree: YamlTree, path: str) -> Entries:
 def _entries(
     tree: YamlTree, namespace: str, path: str
 ) -> Iterator[tuple[str, dict[str, Parameter]]]:
-    for key, inner in tree.items() if isinstance(tree, dict) else ():
+    for key, inner in all_entries(tree) if isinstance(tree, dict) else ():
         if key == _PARAMETERS_KEY:
             yield namespace or "/", dict(flatten(inner, "", path))
         else:
@@ -56,7 +56,7 @@ def flatten(tree: YamlTree, prefix: str, path: str) -> Iterator[tuple[str, Param
         location = Evidence(file=path.partition("#")[0], line=tree.line)
         yield prefix, Parameter(value=tree.value, evidence=location)
         return
-    for key, inner in tree.items():
+    for key, inner in all_entries(tree):
         yield from flatten(inner, f"{prefix}.{key}" if prefix else key, path)
 
 

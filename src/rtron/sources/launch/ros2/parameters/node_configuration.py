@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 from rtron.errors import InputError
-from rtron.sources.launch.common.yaml_tree import YamlLeaf, YamlTree
+from rtron.sources.launch.common.yaml_tree import YamlLeaf, YamlMapping, YamlTree, all_entries
 from rtron.sources.launch.ros2.command_line import argument_parameters
 from rtron.sources.launch.ros2.element_site import ElementSite
 from rtron.sources.launch.ros2.evaluator import LaunchEvaluator
@@ -123,7 +123,10 @@ class NodeConfiguration:
         """Return a file's tree with the substitutions in its texts replaced."""
         if isinstance(tree, YamlLeaf):
             return YamlLeaf(value=self._substituted_value(tree.value, site), line=tree.line)
-        return {key: self._substituted_tree(inner, site) for key, inner in tree.items()}
+        mapping = YamlMapping()
+        for key, inner in all_entries(tree):
+            mapping.add(key, self._substituted_tree(inner, site))
+        return mapping
 
     def _substituted_value(self, value: ParameterValue, site: ElementSite) -> ParameterValue:
         if isinstance(value, list):
