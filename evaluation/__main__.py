@@ -8,7 +8,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
-from evaluation.common import demos, findings, functions
+from evaluation.common import demos, findings, functions, graph_truths
 from evaluation.common.datasets import (
     Datasets,
     MissingDatasetError,
@@ -33,6 +33,7 @@ PARTS: dict[str, Part] = {
     "launch2": ros2_launch_files.figures,
     "nav2": navigation2.figures,
     "universe": autoware_universe.figures,
+    "graphs": graph_truths.figures,
     "functions": functions.figures,
     "findings": findings.judged,
     "bugs": findings.bugs,

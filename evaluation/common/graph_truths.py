@@ -1,0 +1,271 @@
+"""Whole launches of public apps against graphs that were read in their sources by hand.
+
+Each truth was written before the app was scanned, and stands in `evaluation/data/graphs/` with its
+commit, the places that show each endpoint, and what was decided where the source leaves it open.
+"""
+
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import yaml
+
+from evaluation.common.datasets import Datasets, Reporter
+from figures.figure import Figure
+from rtron.errors import InputError
+from rtron.sources.static.common.scan_options import ScanOptions
+from rtron.sources.static.ros1.app import scan_app
+from rtron.sources.static.ros2.app import scan_ros2_app
+from rtron.vocabulary import ActionRole, Direction, InteractionGraph, Resolution, UnresolvedItem
+
+TRUTHS = Path(__file__).parents[1] / "data" / "graphs"
+KINDS = {
+    "publishes": "topic",
+    "subscribes": "topic",
+    "services": "service",
+    "clients": "service",
+    "action_servers": "action",
+    "action_clients": "action",
+}
+"""What a node has, and what its name is called in a truth."""
+_ENDPOINT_KINDS = {Direction.PUBLISH: "publishes", Direction.SUBSCRIBE: "subscribes"}
+GOALS = {"recall": 0.95, "precision": 0.98}
+_SHORT_COMMIT = 7
+_UNLISTED = ("/rosout", "/rosout_agg", "/parameter_events", "/clock", "/bond")
+_UNLISTED_ENDINGS = (
+    *("/transition_event", "/get_loggers", "/set_logger_level", "/get_logger_levels"),
+    *("/change_state", "/get_state", "/get_available_states", "/get_available_transitions"),
+    *("/get_transition_graph", "/set_logger_levels", "/bond"),
+)
+_PARAMETER_SERVICES = frozenset(
+    f"{verb}_parameters" for verb in ("get", "set", "list", "describe")
+) | {"get_parameter_types", "set_parameters_atomically"}
+
+
+class Triple(NamedTuple):
+    """A node, what it has, and the name of that."""
+
+    node: str
+    kind: str
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class GraphScore:
+    """The triples that are live and explicit, all that may be reported, and what was reported.
+
+    `untold` are those that were missed although no note speaks of their node or their file.
+    """
+
+    live: frozenset[Triple]
+    allowed: frozenset[Triple]
+    reported: frozenset[Triple]
+    untold: frozenset[Triple]
+
+    @property
+    def found(self) -> frozenset[Triple]:
+        """Return the live triples that were reported."""
+        return self.live & self.reported
+
+    @property
+    def wrong(self) -> frozenset[Triple]:
+        """Return what was reported and is not there."""
+        return self.reported - self.allowed
+
+    @property
+    def recall(self) -> float:
+        """Return the share of the live triples that were found."""
+        return len(self.found) / len(self.live) if self.live else 1.0
+
+    @property
+    def precision(self) -> float:
+        """Return the share of what was reported that is there."""
+        return 1 - len(self.wrong) / len(self.reported) if self.reported else 1.0
+
+    def differences(self) -> Iterator[str]:
+        """Yield a line for each triple that was missed, or is not there."""
+        missed = self.live - self.reported
+        for word, triples in (
+            ("SILENT", missed & self.untold),
+            ("MISSED", missed - self.untold),
+            ("WRONG", self.wrong),
+        ):
+            yield from (f"  {word} {' '.join(triple)}" for triple in sorted(triples))
+
+
+@dataclass(frozen=True)
+class GraphTruth:
+    """The document of a truth."""
+
+    document: Mapping[str, Any]
+
+    @property
+    def name(self) -> str:
+        """Return the name of the app's repository, without its owner."""
+        return str(self.document["repository"]).rpartition("/")[2]
+
+    def repositories(self) -> list[str]:
+        """Return the app's repository, and others of its owner that it uses."""
+        owner = str(self.document["repository"]).partition("/")[0]
+        others = self.document.get("sources") or {}
+        ours = {name: sha for name, sha in others.items() if name.partition("/")[0] == owner}
+        return [_folder(self.document["repository"], self.document["commit"]), *_folders(ours)]
+
+    def dependencies(self) -> list[str]:
+        """Return the repositories of others that were read for the truth."""
+        return _folders(self.document.get("sources") or {})
+
+    def scan(self, datasets: Datasets, *, with_dependencies: bool) -> InteractionGraph:
+        """Return the graph of the app, others' nodes known by models or by their source."""
+        own = datasets.repositories(self.repositories())
+        others = datasets.present(self.dependencies()) if with_dependencies else []
+        folders = list(dict.fromkeys([*own, *others]))
+        arguments = {
+            key: str(value) for key, value in (self.document.get("arguments") or {}).items()
+        }
+        launches = [(own[0] / self.document["launch"], arguments)]
+        environ = {
+            "ROS_DISTRO": self.document["distro"],
+            **(self.document.get("environment") or {}),
+        }
+        if self.document["ros"] == 1:
+            return scan_app(folders, launches, environ, ScanOptions()).graph
+        return scan_ros2_app(folders, launches, environ, ScanOptions())
+
+    @cached_property
+    def known_nodes(self) -> frozenset[str]:
+        """The nodes whose source could be read."""
+        return frozenset(
+            node["name"] for node in self.document["nodes"] if node.get("source") != "none"
+        )
+
+    def score(self, graph: InteractionGraph, *, own_only: bool = False) -> GraphScore:
+        """Score what a graph says of the nodes of the truth, or of the app's own."""
+        nodes = [n for n in self.document["nodes"] if not (own_only and n.get("third_party"))]
+        names = {node["name"] for node in nodes} & self.known_nodes
+        entries = [each for node in nodes for each in _entries(node)]
+        live = frozenset(triple for triple, entry in entries if _is_live(entry))
+        explicit = frozenset(
+            t for t, entry in entries if _is_live(entry) and not entry.get("implicit")
+        )
+        reported = frozenset(each for each in triples_of(graph) if each.node in names)
+        places = {triple: (node, entry) for node in nodes for triple, entry in _entries(node)}
+        missed = explicit - reported
+        untold = frozenset(t for t in missed if not _is_told(*places[t], graph.unresolved))
+        return GraphScore(explicit, live, reported, untold)
+
+
+def figures(datasets: Datasets, reporter: Reporter) -> Iterator[Figure]:
+    """Score every app whose repositories are here, and all of them together."""
+    truths = [
+        GraphTruth(yaml.safe_load(path.read_text())) for path in sorted(TRUTHS.glob("*.yaml"))
+    ]
+    for variant, with_dependencies in (("models", False), ("sources", True)):
+        whole, own = [], []
+        for truth in truths:
+            reporter.progress(f"{truth.name} with {variant}")
+            graph = _scanned(truth, datasets, reporter, with_dependencies=with_dependencies)
+            whole.append(truth.score(graph))
+            own.append(truth.score(graph, own_only=True))
+            title = f"{truth.name} with {variant}, ROS {truth.document['ros']}"
+            reporter.lines([_row(title, whole[-1]), _row("  its own nodes", own[-1])])
+            reporter.detail([*whole[-1].differences(), *_node_differences(truth, graph)])
+        yield from _totals(f"graphs.{variant}", whole, reporter)
+        yield from _totals(f"graphs.{variant}.own", own, reporter)
+
+
+def _scanned(
+    truth: GraphTruth, datasets: Datasets, reporter: Reporter, *, with_dependencies: bool
+) -> InteractionGraph:
+    """Return the graph of an app, one with only a note if it is refused."""
+    try:
+        return truth.scan(datasets, with_dependencies=with_dependencies)
+    except InputError as error:
+        reporter.lines([f"{truth.name} is refused: {error}"])
+        names = " ".join(sorted(truth.known_nodes))
+        return InteractionGraph(app="", unresolved=(UnresolvedItem(what=names, why=str(error)),))
+
+
+def triples_of(graph: InteractionGraph) -> Iterator[Triple]:
+    """Yield what a graph says that truths list: no symbolic name, and nothing that is implicit."""
+    for end in graph.endpoints:
+        if end.resolution is not Resolution.SYMBOLIC and not end.implicit:
+            yield from _listed(end.node, _ENDPOINT_KINDS[end.direction], end.topic)
+    for kind, ends in (("services", graph.services), ("clients", graph.clients)):
+        for service in ends:
+            if not service.implicit:
+                yield from _listed(service.node, kind, service.name)
+    for action in graph.actions:
+        is_server = action.role is ActionRole.SERVER
+        yield Triple(action.node, "action_servers" if is_server else "action_clients", action.name)
+
+
+def _listed(node: str, kind: str, name: str) -> Iterator[Triple]:
+    last = name.rpartition("/")[2]
+    unlisted = name in _UNLISTED or name.endswith(_UNLISTED_ENDINGS) or last in _PARAMETER_SERVICES
+    if not unlisted and "/_action/" not in name:
+        yield Triple(node, kind, name)
+
+
+def _entries(node: Mapping[str, Any]) -> Iterator[tuple[Triple, Mapping[str, Any]]]:
+    for kind, key in KINDS.items():
+        for entry in node.get(kind) or ():
+            for triple in _listed(node["name"], kind, entry[key]):
+                yield triple, {**entry, "is_dead": node.get("live") is False}
+
+
+def _is_live(entry: Mapping[str, Any]) -> bool:
+    return entry.get("live") is not False and not entry["is_dead"]
+
+
+def _is_told(
+    node: Mapping[str, Any], entry: Mapping[str, Any], notes: Collection[UnresolvedItem]
+) -> bool:
+    """Tell whether a note speaks of the node, of its program, or of the file of an endpoint."""
+    file = str(entry.get("evidence", "")).rpartition(":")[0].rpartition("/")[2]
+    words = {node["name"], f"{node.get('package')}/{node.get('program')}"}
+    for note in notes:
+        texts = {note.what, note.why, note.missing}
+        if any(word in text for word in words for text in texts):
+            return True
+        if file and any(Path(place.file).name == file for place in note.evidence):
+            return True
+    return False
+
+
+def _node_differences(truth: GraphTruth, graph: InteractionGraph) -> Iterator[str]:
+    expected = {node["name"] for node in truth.document["nodes"] if node.get("live") is not False}
+    found = {node.name for node in graph.nodes}
+    yield from (f"  MISSED node {name}" for name in sorted(expected - found))
+    yield from (f"  OTHER node {name}" for name in sorted(found - expected))
+
+
+def _totals(name: str, scores: Sequence[GraphScore], reporter: Reporter) -> Iterator[Figure]:
+    live, found, reported, wrong, untold = (
+        sum(len(getattr(score, part)) for score in scores)
+        for part in ("live", "found", "reported", "wrong", "untold")
+    )
+    recall, precision = found / live, 1 - wrong / reported
+    reporter.lines(
+        [f"{name}: {found} of {live} found, {wrong} of {reported} wrong, {untold} silent", ""]
+    )
+    yield Figure(f"{name}.recall", recall, None, "share", at_least=GOALS["recall"])
+    yield Figure(f"{name}.precision", precision, None, "share", at_least=GOALS["precision"])
+    yield Figure(f"{name}.silent", untold, None, "endpoints", at_most=0)
+
+
+def _row(title: str, score: GraphScore) -> str:
+    return (
+        f"{title:44} recall {score.recall:.3f} of {len(score.live):4}  "
+        f"precision {score.precision:.3f} of {len(score.reported):4}  silent {len(score.untold)}"
+    )
+
+
+def _folders(repositories: Mapping[str, str]) -> list[str]:
+    return [_folder(name, commit) for name, commit in repositories.items()]
+
+
+def _folder(repository: str, commit: str) -> str:
+    return f"{repository}@{commit[:_SHORT_COMMIT]}"
