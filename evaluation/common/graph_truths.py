@@ -4,6 +4,7 @@ Each truth was written before the app was scanned, and stands in `evaluation/dat
 commit, the places that show each endpoint, and what was decided where the source leaves it open.
 """
 
+import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -54,25 +55,16 @@ class Triple(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class GraphScore:
-    """The triples that are live and explicit, all that may be reported, and what was reported.
+    """The triples that are live and those of them that were found; what was claimed, and wrongly.
 
     `untold` are those that were missed although no note speaks of their node or their file.
     """
 
     live: frozenset[Triple]
-    allowed: frozenset[Triple]
+    found: frozenset[Triple]
     reported: frozenset[Triple]
+    wrong: frozenset[Triple]
     untold: frozenset[Triple]
-
-    @property
-    def found(self) -> frozenset[Triple]:
-        """Return the live triples that were reported."""
-        return self.live & self.reported
-
-    @property
-    def wrong(self) -> frozenset[Triple]:
-        """Return what was reported and is not there."""
-        return self.reported - self.allowed
 
     @property
     def recall(self) -> float:
@@ -86,7 +78,7 @@ class GraphScore:
 
     def differences(self) -> Iterator[str]:
         """Yield a line for each triple that was missed, or is not there."""
-        missed = self.live - self.reported
+        missed = self.live - self.found
         for word, triples in (
             ("SILENT", missed & self.untold),
             ("MISSED", missed - self.untold),
@@ -150,11 +142,26 @@ class GraphTruth:
         explicit = frozenset(
             t for t, entry in entries if _is_live(entry) and not entry.get("implicit")
         )
-        reported = frozenset(each for each in triples_of(graph) if each.node in names)
+        reported = [(t, is_implicit) for t, is_implicit in triples_of(graph) if t.node in names]
+        found = explicit & {triple for triple, _ in reported}
+        claimed = frozenset(
+            t for t, is_implicit in reported if not is_implicit and not self._is_open(t)
+        )
         places = {triple: (node, entry) for node in nodes for triple, entry in _entries(node)}
-        missed = explicit - reported
-        untold = frozenset(t for t in missed if not _is_told(*places[t], graph.unresolved))
-        return GraphScore(explicit, live, reported, untold)
+        untold = frozenset(
+            t for t in explicit - found if not _is_told(*places[t], graph.unresolved)
+        )
+        return GraphScore(explicit, found, claimed, claimed - live, untold)
+
+    def _is_open(self, triple: Triple) -> bool:
+        """Tell whether only a run decides on something, by the node and the name's beginning."""
+        for entry in self.document.get("open") or ():
+            topics = [entry, *entry.get("publishes", ()), *entry.get("subscribes", ())]
+            names = [each["topic"] for each in topics if isinstance(each, dict) and "topic" in each]
+            is_of_node = triple.node in (entry.get("node"), entry.get("process"))
+            if is_of_node and any(triple.name.startswith(_known_part(name)) for name in names):
+                return True
+        return False
 
 
 def figures(datasets: Datasets, reporter: Reporter) -> Iterator[Figure]:
@@ -188,32 +195,39 @@ def _scanned(
         return InteractionGraph(app="", unresolved=(UnresolvedItem(what=names, why=str(error)),))
 
 
-def triples_of(graph: InteractionGraph) -> Iterator[Triple]:
-    """Yield what a graph says that truths list: no symbolic name, and nothing that is implicit."""
+def triples_of(graph: InteractionGraph) -> Iterator[tuple[Triple, bool]]:
+    """Yield what a graph says that truths list, no symbolic name, and whether it is implicit."""
     for end in graph.endpoints:
-        if end.resolution is not Resolution.SYMBOLIC and not end.implicit:
-            yield from _listed(end.node, _ENDPOINT_KINDS[end.direction], end.topic)
+        kind = _ENDPOINT_KINDS[end.direction]
+        if end.resolution is not Resolution.SYMBOLIC and _is_listed(end.topic):
+            yield Triple(end.node, kind, end.topic), end.implicit
     for kind, ends in (("services", graph.services), ("clients", graph.clients)):
-        for service in ends:
-            if not service.implicit:
-                yield from _listed(service.node, kind, service.name)
+        for service in filter(lambda each: _is_listed(each.name), ends):
+            yield Triple(service.node, kind, service.name), service.implicit
     for action in graph.actions:
         is_server = action.role is ActionRole.SERVER
-        yield Triple(action.node, "action_servers" if is_server else "action_clients", action.name)
+        kind = "action_servers" if is_server else "action_clients"
+        yield Triple(action.node, kind, action.name), False
 
 
-def _listed(node: str, kind: str, name: str) -> Iterator[Triple]:
+def _is_listed(name: str) -> bool:
+    """Tell whether a truth lists such a name; every node has the others."""
     last = name.rpartition("/")[2]
     unlisted = name in _UNLISTED or name.endswith(_UNLISTED_ENDINGS) or last in _PARAMETER_SERVICES
-    if not unlisted and "/_action/" not in name:
-        yield Triple(node, kind, name)
+    return not unlisted and "/_action/" not in name
+
+
+def _known_part(name: str) -> str:
+    """Return the beginning of a name up to what a run decides: `robot0..15`, `robot<id>`."""
+    return re.split(r"<|\d+\.\.", name)[0]
 
 
 def _entries(node: Mapping[str, Any]) -> Iterator[tuple[Triple, Mapping[str, Any]]]:
     for kind, key in KINDS.items():
         for entry in node.get(kind) or ():
-            for triple in _listed(node["name"], kind, entry[key]):
-                yield triple, {**entry, "is_dead": node.get("live") is False}
+            if _is_listed(entry[key]):
+                is_dead = node.get("live") is False
+                yield Triple(node["name"], kind, entry[key]), {**entry, "is_dead": is_dead}
 
 
 def _is_live(entry: Mapping[str, Any]) -> bool:
@@ -227,8 +241,9 @@ def _is_told(
     file = str(entry.get("evidence", "")).rpartition(":")[0].rpartition("/")[2]
     words = {node["name"], f"{node.get('package')}/{node.get('program')}"}
     for note in notes:
-        texts = {note.what, note.why, note.missing}
-        if any(word in text for word in words for text in texts):
+        texts = (note.what, note.why, note.missing)
+        is_of_package = note.missing.startswith(f"{node.get('package')}/")
+        if is_of_package or any(word in text for word in words for text in texts):
             return True
         if file and any(Path(place.file).name == file for place in note.evidence):
             return True
