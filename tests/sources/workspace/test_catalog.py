@@ -145,7 +145,11 @@ def test_python_modules_are_looked_for_near_then_in_packages(tmp_path):
     p = package(tmp_path / "p", {"setup.py": setup, "lib/p/__init__.py": "", "scripts/near.py": ""})
     q = package(tmp_path / "q", {"setup.py": "setup(package_dir={'q': 'py/q'})", "py/q/m.py": ""})
     r = package(tmp_path / "r", {"src/r.py": "", "setup.py": "("})
+    cmake = {"tools/__init__.py": "", "tools/m.py": "", "launch/a.py": ""}
+    s = package(tmp_path / "s", {"CMakeLists.txt": "ament_python_install_package(tools)", **cmake})
     found, script = workspace(tmp_path), p / "scripts" / "n"
+    assert found.python_module("tools.m", "p", script) == s / "tools/m.py"
+    assert found.python_module("launch.a", "p", script) is None
     assert found.python_module("p", "p", script) == p / "lib/p/__init__.py"
     assert found.python_module("near", "p", script) == p / "scripts" / "near.py"
     assert found.python_module("q.m", "p", script) == q / "py/q/m.py"

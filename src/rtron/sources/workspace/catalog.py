@@ -161,8 +161,11 @@ class Workspace:
     def python_module(self, dotted: str, from_package: str, from_file: Path) -> Path | None:
         """Return the file of a module as a script imports it: its folder first, then packages."""
         ours = [self._module_folders[from_package]] if from_package in self._module_folders else []
-        others = self._module_folders_by_name.get(dotted.partition(".")[0], ())
-        found = (module_file(folder, dotted) for folder in (from_file.parent, *ours, *others))
+        top = dotted.partition(".")[0]
+        others = self._module_folders_by_name.get(top, ())
+        installed = (each for each in self._roots_by_name.get(top, ()) if module_file(each, top))
+        folders = (from_file.parent, *ours, *others, *installed)
+        found = (module_file(folder, dotted) for folder in folders)
         path = next(filter(None, found), None)
         return path if path and is_inside(path, self._allowed_folders) else None
 
@@ -212,6 +215,11 @@ class Workspace:
     @cached_property
     def _module_folders_by_name(self) -> Mapping[str, tuple[Path, ...]]:
         return index_folders(dict.fromkeys(self._module_folders.values()))
+
+    @cached_property
+    def _roots_by_name(self) -> Mapping[str, tuple[Path, ...]]:
+        """The packages by what stands in them: CMake installs Python from there by any name."""
+        return index_folders(self.packages.values())
 
     @cached_property
     def _libraries(self) -> Mapping[str, tuple[PackageContents, BuildTarget]]:

@@ -67,6 +67,7 @@ QUIET = [
     "from PyQt5 import QtWidgets\nclass A(QtWidgets.QWidget): pass",
     "class A(Exception): pass",
     "import os; os.system('rostopic list')",
+    "import subprocess; subprocess.Popen('link | cut -d \" \" -f 2', shell=True)",
 ]
 
 

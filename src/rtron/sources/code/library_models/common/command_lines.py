@@ -67,7 +67,8 @@ def _tool_commands(words: list[str]) -> Iterator[tuple[str, list[str]]]:
 
 def _inner_words(word: str) -> list[str]:
     inner = shell_words(word) if " " in word else [word]
-    return inner if inner[0].rpartition("/")[2] in _ROS_TOOLS | _WRAPPERS else [word]
+    program = inner[0].rpartition("/")[2] if inner else ""
+    return inner if program in _ROS_TOOLS | _WRAPPERS else [word]
 
 
 def _is_prefix(word: str) -> bool:
