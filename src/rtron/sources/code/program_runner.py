@@ -209,7 +209,7 @@ def _create_cpp_machine(
     sources: tuple[Path, ...], site: NodeSite, files: SourceProvider, volatile: frozenset[str]
 ) -> tuple[CppRuntime, AbstractMachine]:
     ros2 = site.ros > 1
-    symbols = SymbolTable(files, sources, searches_packages=ros2)
+    symbols = SymbolTable(files, sources)
     for source in sources:
         symbols.load(source)
     runtime = CppRuntime(

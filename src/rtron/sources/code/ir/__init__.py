@@ -15,6 +15,7 @@ from rtron.sources.code.ir.declarations import (
     Unit,
 )
 from rtron.sources.code.ir.expressions import (
+    BRACES,
     Attr,
     Binary,
     Call,
@@ -59,6 +60,7 @@ from rtron.sources.code.ir.types import (
 )
 
 __all__ = [
+    "BRACES",
     "Assign", "Attr", "Binary", "Break", "Call", "Class", "Comprehension", "Concat",
     "Conditional", "Const", "Continue", "Declare", "Define", "Delete", "Evaluate", "Expr",
     "ForEach", "Function", "Global", "If", "Import", "Index", "Lambda", "Logic", "MappingExpr",

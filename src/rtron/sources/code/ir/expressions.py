@@ -116,9 +116,12 @@ class Concat:
     parts: tuple["Expr", ...]
 
 
+BRACES = "braces"
+
+
 @record(frozen=True, slots=True)
 class SequenceExpr:
-    """A list, tuple or set that is written out; C++ `{a, b}` without a type is a list."""
+    """A list, tuple or set that is written out, or `{a, b}` of C++ without a type (`BRACES`)."""
 
     items: tuple["Expr", ...]
     kind: str = "list"

@@ -6,7 +6,7 @@ and the values that aliases multiply are bounded.
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, TypeAlias
 
 import yaml
@@ -120,13 +120,12 @@ class _TreeBuilder:
             name = self._key(key)
             tree = self.tree(inner)
             if name is not None:
-                is_mapping = isinstance(tree, dict)
-                mapping.add(name, tree if is_mapping else self._with_key_line(tree, key))
+                mapping.add(name, self._with_key_line(tree, key))
         self._depth -= 1
         return mapping
 
-    def _with_key_line(self, leaf: YamlLeaf, key: yaml.Node) -> YamlLeaf:
-        return YamlLeaf(value=leaf.value, line=self._line(key))
+    def _with_key_line(self, tree: YamlTree, key: yaml.Node) -> YamlTree:
+        return tree if isinstance(tree, dict) else replace(tree, line=self._line(key))
 
     def _value(self, node: yaml.Node) -> ParameterValue:
         if isinstance(node, yaml.MappingNode) and node.tag == _MAP:

@@ -4,6 +4,7 @@ import pytest
 from cpp_cases import FOO, INT, A, B, C, expression, initial, statement, statements
 
 from rtron.sources.code.ir import (
+    BRACES,
     Assign,
     Attr,
     Binary,
@@ -80,7 +81,7 @@ def test_literals(text, value):
         ("&C::m", Name("C::m")),
         ("a[b]", Index(A, B)),
         ("a[b][1]", Index(Index(A, B), ONE)),
-        ("m[{a, b}]", Index(Name("m"), SequenceExpr((A, B)))),
+        ("m[{a, b}]", Index(Name("m"), SequenceExpr((A, B), BRACES))),
         ("(a)", A),
         ("static_cast<int>(a)", A),
         ("boost::shared_ptr<Foo>(a)", Call(Name("boost::shared_ptr", (FOO,)), (A,), (), 2)),
@@ -114,7 +115,12 @@ def test_literals(text, value):
         ("sizeof(a)", Opaque((), "sizeof(a)")),
         (
             'f({{"a", 1}})',
-            Call(Name("f"), (SequenceExpr((SequenceExpr((Const("a"), ONE)),)),), (), 2),
+            Call(
+                Name("f"),
+                (SequenceExpr((SequenceExpr((Const("a"), ONE), BRACES),), BRACES),),
+                (),
+                2,
+            ),
         ),
         (
             "boost::bind(&C::m, this, _1)",

@@ -4,6 +4,7 @@ import pytest
 from cpp_cases import FOO, INT, A, B, C, initial, statement, statements, unit
 
 from rtron.sources.code.ir import (
+    BRACES,
     Assign,
     Attr,
     Binary,
@@ -50,7 +51,7 @@ VECTOR = TypeRef("std::vector", (INT,))
         ("Foo x{a};", Declare("x", FOO, New(FOO, (A,), 2), line=2)),
         ("Foo x{};", Declare("x", FOO, New(FOO, (), 2), line=2)),
         ("Foo x = a;", Declare("x", FOO, A, line=2)),
-        ("Foo x = {a, b};", Declare("x", FOO, SequenceExpr((A, B)), line=2)),
+        ("Foo x = {a, b};", Declare("x", FOO, SequenceExpr((A, B), BRACES), line=2)),
         ("std::vector<int> x(a);", Declare("x", VECTOR, New(VECTOR, (A,), 2), line=2)),
         ("Foo* x = new Foo(1);", Declare("x", FOO, New(FOO, (ONE,), 2), pointer=True, line=2)),
         ("Foo* x(a);", Declare("x", FOO, A, pointer=True, line=2)),
@@ -72,7 +73,9 @@ VECTOR = TypeRef("std::vector", (INT,))
         ("struct Foo x;", Declare("x", FOO, line=2)),
         (
             "Foo x[4] = {a, b};",
-            Declare("x", TypeRef("array", (FOO, TypeRef("4"))), SequenceExpr((A, B)), line=2),
+            Declare(
+                "x", TypeRef("array", (FOO, TypeRef("4"))), SequenceExpr((A, B), BRACES), line=2
+            ),
         ),
         ("T<Foo>::B x;", Declare("x", TypeRef("T::B", (FOO,)), line=2)),
         (
@@ -105,7 +108,8 @@ def test_one_declaration_declares_several():
 
 
 def test_maps_are_lists_of_pairs():
-    pairs = SequenceExpr((SequenceExpr((Const("a"), ONE)), SequenceExpr((Const("b"), TWO))))
+    items = ((Const("a"), ONE), (Const("b"), TWO))
+    pairs = SequenceExpr(tuple(SequenceExpr(item, BRACES) for item in items), BRACES)
     assert initial('std::map<std::string, int> m = {{"a", 1}, {"b", 2}};') == pairs
 
 

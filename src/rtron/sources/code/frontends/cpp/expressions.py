@@ -12,6 +12,7 @@ from rtron.sources.code.frontends.cpp.node_lowering import (
 )
 from rtron.sources.code.frontends.cpp.types import qualified_name, type_of
 from rtron.sources.code.ir import (
+    BRACES,
     Attr,
     Call,
     Const,
@@ -149,7 +150,7 @@ def lower_arguments(context: LoweringContext, node: Node | None) -> tuple[Expr, 
 
 @lowers_expression("initializer_list")
 def _list(context: LoweringContext, node: Node) -> Expr:
-    return SequenceExpr(lower_arguments(context, node))
+    return SequenceExpr(lower_arguments(context, node), BRACES)
 
 
 @lowers_expression("initializer_pair")

@@ -1,6 +1,7 @@
 """Functions, methods, constructors and lambdas."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 from tree_sitter import Node
 
@@ -21,7 +22,7 @@ from rtron.sources.code.frontends.cpp.node_lowering import (
     lowers_statement,
 )
 from rtron.sources.code.frontends.cpp.types import qualified_name, type_of
-from rtron.sources.code.ir import Declare, Expr, Function, Lambda, Param, Stmt, TypeRef
+from rtron.sources.code.ir import Declare, Expr, Function, Lambda, New, Param, Stmt, TypeRef
 
 
 def lambda_captures(
@@ -162,16 +163,24 @@ def lower_parameters(context: LoweringContext, node: Node | None) -> tuple[Param
 
 def _parameter(context: LoweringContext, node: Node) -> Param:
     found = read_declarator(node.child_by_field_name("declarator"))
-    default = node.child_by_field_name("default_value")
+    type = found.array_type(context, type_of(context, node.child_by_field_name("type")))
     const = has_specifier(context, node, "type_qualifier", b"const")
     return Param(
         qualified_name(context, found.name)[0],
-        found.array_type(context, type_of(context, node.child_by_field_name("type"))),
-        lower_expression(context, default) if default else None,
+        type,
+        _default(context, node.child_by_field_name("default_value"), type),
         "star" if node.type == "variadic_parameter_declaration" else "plain",
         reference=(found.reference or found.pointer) and not const,
         constant=is_constant(context, node, found) and not found.sizes,
     )
+
+
+def _default(context: LoweringContext, node: Node | None, type: TypeRef | None) -> Expr | None:
+    """Return a parameter's default; what stands in braces alone makes one of its type."""
+    default = lower_expression(context, node) if node else None
+    if isinstance(default, New) and not default.type.name and type:
+        return replace(default, type=type)
+    return default
 
 
 @lowers_expression("lambda_expression")

@@ -96,11 +96,19 @@ def _note_errors(context: LoweringContext, root: Node) -> None:
     noted = 0
     while open_nodes and noted < _MAX_ERRORS:
         node = open_nodes.pop()
+        if _is_list_without_type(node):
+            continue
         if node.is_error or node.is_missing:
             noted += 1
             context.add_problem(line_of(node), f"cannot be read: {context.text(node)[:60]!r}")
         else:
             open_nodes += [child for child in reversed(node.children) if _has_error(child)]
+
+
+def _is_list_without_type(node: Node) -> bool:
+    """Tell whether the type is missing of `T parameter = {}`, which is no error."""
+    parent = node.parent
+    return node.is_missing and parent is not None and parent.type == "compound_literal_expression"
 
 
 def _has_error(node: Node) -> bool:

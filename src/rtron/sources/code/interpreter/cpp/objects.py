@@ -25,6 +25,7 @@ from rtron.sources.code.interpreter.execution.calls import note_passed_handle
 from rtron.sources.code.interpreter.execution.source_provider import PluginSource
 from rtron.sources.code.interpreter.execution.stack_frame import StackFrame
 from rtron.sources.code.ir import (
+    BRACES,
     Call,
     Declare,
     Expr,
@@ -34,6 +35,7 @@ from rtron.sources.code.ir import (
     TypeRef,
 )
 from rtron.sources.code.library_models.common.containers import copy_instance
+from rtron.sources.code.library_models.cpp_std.containers import CONTAINER_CONSTRUCTORS
 
 _MAX_DEPTH = 24
 _MAX_RECURSION = 3
@@ -95,12 +97,8 @@ class CppObjects(CppCalls):
 
     def _load_plugin_class(self, found: PluginSource) -> ClassValue | None:
         """Take in a plugin's sources: those that name its class, the others only if need be."""
-        sources = found.sources
-        if self.symbols.searches_packages:
-            sources = self.files.sources_containing(
-                sources, found.class_name.partition("<")[0].rpartition("::")[2]
-            )
-        for source in sources:
+        plain = found.class_name.partition("<")[0].rpartition("::")[2]
+        for source in self.files.sources_containing(found.sources, plain):
             self.symbols.load(source)
         cls = self._class_by_alias(found.class_name)
         for source in found.sources if cls is None else ():
@@ -131,25 +129,33 @@ class CppObjects(CppCalls):
         if isinstance(node.value, Name):
             value = dereference(value)
         if node.type is not None and not node.pointer and isinstance(value, ListValue):
-            return self._convert_initialiser_list(node.type, value, node, frame)
+            return self._convert_initialiser_list(node.type, value, node.line, frame)
         if node.type is not None and not (
             node.pointer or node.reference or _is_temporary(node.value)
         ):
             return copy_instance(value)
         return value
 
+    def call_frame(self, called: FunctionValue, arguments: Arguments) -> StackFrame:
+        """Return the frame of a call; `f({"a", 1})` makes an object of the parameter's type."""
+        frame = CppCalls.call_frame(self, called, arguments)
+        for param in called.function.params:
+            value = frame.variables.get(param.name)
+            if isinstance(value, ListValue) and value.kind == BRACES and param.type:
+                made = self._convert_initialiser_list(param.type, value, arguments.line, frame)
+                frame.variables[param.name] = made
+        return frame
+
     def _convert_initialiser_list(
-        self, type: TypeRef, value: ListValue, node: Declare, frame: StackFrame
+        self, type: TypeRef, value: ListValue, line: int, frame: StackFrame
     ) -> Value:
         """`std::map<…> m = {{"a", 1}}`: the list makes an object of the declared type."""
         found = self.class_of(type, frame)
-        if isinstance(found, LibraryClass) and found.construct is not None:
-            resolved = self.resolve_type(type, frame)
-            arguments = Arguments(values=(value,), types=resolved.args, line=node.line, frame=frame)
-            return found.construct(self.machine, arguments)
-        if isinstance(found, ClassValue):
-            return self.construct(type, Arguments(values=value.items, line=node.line, frame=frame))
-        return value
+        if isinstance(found, LibraryClass) and found.construct in CONTAINER_CONSTRUCTORS:
+            return self.construct(type, Arguments(values=(value,), line=line, frame=frame))
+        is_class = isinstance(found, ClassValue) or (found is not None and found.construct)
+        made = Arguments(values=value.items, line=line, frame=frame)
+        return self.construct(type, made) if is_class else value
 
     def construct_instance(
         self, cls: ClassValue, arguments: Arguments, types: tuple[TypeRef, ...]

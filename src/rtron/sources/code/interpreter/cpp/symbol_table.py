@@ -25,14 +25,10 @@ _MAX_ALIASES = 12
 
 @dataclass(eq=False, slots=True)
 class SymbolTable:
-    """Functions, classes, variables, aliases and enumerators, by their qualified names.
-
-    `searches_packages` says that a definition of another package is searched in its sources.
-    """
+    """Functions, classes, variables, aliases and enumerators, by their qualified names."""
 
     files: SourceProvider
     sources: tuple[Path, ...] = ()
-    searches_packages: bool = False
     functions: dict[str, list[Function]] = field(default_factory=dict)
     classes: dict[str, Class] = field(default_factory=dict)
     variables: dict[str, tuple[Declare, str]] = field(default_factory=dict)
@@ -79,7 +75,7 @@ class SymbolTable:
         """
         owner, _, plain = function.name.rpartition("::")
         word = owner.rpartition("::")[2] if owner in self.classes else plain
-        if not self.searches_packages or (function.file, word) in self._searched:
+        if (function.file, word) in self._searched:
             return False
         self._searched.add((function.file, word))
         found = self.files.sources_defining(Path(function.file), word)

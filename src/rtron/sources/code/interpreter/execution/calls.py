@@ -118,6 +118,21 @@ def _call_message(_: AbstractMachine, called: MessageType, arguments: Arguments)
     return make_message(called.name, dict(arguments.keywords))
 
 
+def _call_function(machine: AbstractMachine, called: FunctionValue, arguments: Arguments) -> Value:
+    """Call a scanned function; one that is only declared may write to what it gets by reference."""
+    returned = machine.call(called, arguments)
+    function = called.function
+    if function.body is None:
+        machine.escape_arguments(arguments)
+        note_passed_handle(machine, function.name, arguments)
+        for param, slot in zip(function.params, arguments.slots, strict=False):
+            if param.reference and slot is not None:
+                before = slot.holder.get(slot.key)
+                after = Unknown(str(slot.key), is_tainted(before) if before else False)
+                machine.undo_log.set(*slot, after)
+    return returned
+
+
 def _call_unknown(machine: AbstractMachine, called: Value, arguments: Arguments) -> Value:
     """Escape the arguments: an unknown function may call back what it gets."""
     if isinstance(called, Instance):
@@ -216,7 +231,7 @@ _DISPATCH: Mapping[type, Callable[..., Value]] = {
         machine, called.owner, arguments
     ),
     LibraryClass: _call_library_class,
-    FunctionValue: lambda machine, called, arguments: machine.call(called, arguments),
+    FunctionValue: _call_function,
     ClassValue: lambda machine, called, arguments: machine.runtime.instantiate(called, arguments),
     MessageType: _call_message,
 }

@@ -114,3 +114,7 @@ def get_tuple_item(_: AbstractMachine, __: object, arguments: Arguments) -> Valu
     at = arguments.types[0].name if arguments.types else ""
     items, _certain = items_of(arguments.get(0) or NONE)
     return items[int(at)] if at.isdigit() and int(at) < len(items) else Unknown("get")
+
+
+CONTAINER_CONSTRUCTORS = (make_vector, make_map, make_array)
+"""They take a list in braces whole; other classes take what stands in it."""

@@ -1,0 +1,55 @@
+"""`f({…})` and `T parameter = {…}` make an object of the parameter's type."""
+
+import pytest
+from ros1_runs import cpp, names
+
+ADVERTISE = 'nh.advertise<std_msgs::Bool>("x", 1);'
+CLASS = """namespace filters {
+class Filter {
+ public:
+  Filter(const ros::NodeHandle& nh = {}, const ros::NodeHandle& own = { "~" })
+    : nh_{ nh }, own_{ own, "part" } { setup(); }
+ private:
+  ros::NodeHandle nh_, own_;
+  void setup() { nh_.advertise<std_msgs::Bool>("x", 1); own_.advertise<std_msgs::Bool>("y", 1); }
+};
+}"""
+TABLE = """void all(ros::NodeHandle nh, std::map<std::string, int> sizes) {
+  for (auto& [name, size] : sizes) nh.advertise<std_msgs::Bool>(name, size);
+}"""
+
+
+@pytest.mark.parametrize(
+    ("parameter", "call", "name"),
+    [
+        ("const ros::NodeHandle& nh = {}", "f();", "x"),
+        ('ros::NodeHandle nh = {"k"}', "f();", "k/x"),
+        ('const ros::NodeHandle& nh = ros::NodeHandle("k")', "f();", "k/x"),
+        ("const ros::NodeHandle& nh", 'f({"k"});', "k/x"),
+        ("const ros::NodeHandle& nh", "f({});", "x"),
+    ],
+)
+def test_a_node_handle(parameter, call, name):
+    interface = cpp(call, top=f"void f({parameter}) {{ {ADVERTISE} }}")
+    assert (names(interface), interface.unresolved) == ([name], ())
+
+
+def test_defaults_of_a_constructor_whose_object_is_called_like_its_namespace():
+    interface = cpp("filters::Filter filters{};", top=CLASS)
+    assert (names(interface), interface.unresolved) == (["x", "n/part/y"], ())
+
+
+def test_a_function_that_is_only_declared_may_write_to_what_it_gets_by_reference():
+    top = "bool fill(const std::string& key, std::string& value);"
+    interface = cpp('std::string s = "k"; fill("a", s); nh.advertise<std_msgs::Bool>(s, 1);', top)
+    assert names(interface) == ["{s}"]
+
+
+def test_a_function_that_is_only_declared_and_gets_a_node_handle_is_noted():
+    interface = cpp("join(nh);", "void join(ros::NodeHandle& nh);")
+    assert [note.what for note in interface.unresolved] == ["join()"]
+
+
+def test_a_map():
+    interface = cpp('all(nh, {{"a", 1}, {"b", 2}});', top=TABLE)
+    assert (names(interface), interface.unresolved) == (["a", "b"], ())
