@@ -1,5 +1,6 @@
-"""Text becomes Python's own syntax tree: as Python 3, else Python 2, else without what is broken.
+"""Text becomes Python's own syntax tree.
 
+As Python 3, else as Python 3.12 or Python 2 rewritten, else without what is broken.
 The text is parsed, never compiled. Python's parser bounds its own depth.
 """
 
@@ -8,6 +9,7 @@ import warnings
 
 from rtron.sources.code.frontends.python.error_recovery import RecoverableText
 from rtron.sources.code.frontends.python.python2_syntax import as_python3
+from rtron.sources.code.frontends.python.python312_syntax import as_python311
 from rtron.sources.code.ir import SourceProblem
 
 _MAX_REPAIRS = 3
@@ -23,7 +25,7 @@ def parse(text: str) -> tuple[ast.Module, tuple[SourceProblem, ...]]:
             tree = _try_parse(text)
             if isinstance(tree, ast.Module):
                 return tree, ()
-            repaired = as_python3(text)
+            repaired = as_python3(as_python311(text))
             if repaired == text:
                 break
             text = repaired

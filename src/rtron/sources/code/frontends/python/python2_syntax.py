@@ -5,8 +5,8 @@ What changed is listed in "What's New In Python 3.0" and PEPs 3105, 3109, 3110, 
 
 import re
 from collections.abc import Iterator
-from typing import NamedTuple
 
+from rtron.sources.code.frontends.python.edits import Edit, apply_edits
 from rtron.sources.code.frontends.python.tokenizer import (
     Token,
     bracket_depth_after,
@@ -27,27 +27,13 @@ _MAX_LAMBDAS = 20
 _CLOSING = frozenset({")", "]", "}", ",", ";", "for"})
 
 
-class Edit(NamedTuple):
-    """Text from `start` to `end` is replaced."""
-
-    start: int
-    end: int
-    text: str
-
-
 def as_python3(text: str) -> str:
     """Return Python 2 text as Python 3 of the same meaning, as far as that is a matter of syntax.
 
     A parameter `(a, b)` of a function becomes one whose name begins with `TUPLE_PARAMETER` and
     whose annotation is the tuple. What is already Python 3 stays.
     """
-    edits = [edit for tokens in statements(text) for edit in _edits(text, tokens)]
-    pieces, done = [], 0
-    for edit in sorted(edits, key=lambda edit: (edit.start, edit.end)):
-        if edit.start >= done:
-            pieces += [text[done : edit.start], edit.text]
-            done = edit.end
-    return "".join([*pieces, text[done:]])
+    return apply_edits(text, (e for tokens in statements(text) for e in _edits(text, tokens)))
 
 
 def _edits(text: str, tokens: list[Token]) -> Iterator[Edit]:
