@@ -32,6 +32,7 @@ from rtron.sources.code.library_models.python_std.data_classes import DATACLASSE
 from rtron.sources.code.library_models.python_std.data_files import DATA_FILE_FUNCTIONS
 from rtron.sources.code.library_models.python_std.dynamic_code import DYNAMIC_CODE_FUNCTIONS
 from rtron.sources.code.library_models.python_std.environment import environment_value, getenv
+from rtron.sources.code.library_models.python_std.package_paths import PACKAGE_PATHS
 from rtron.sources.code.library_models.python_std.paths import PYTHON_PATHS
 from rtron.sources.code.library_models.python_std.threads import THREADS
 
@@ -73,19 +74,6 @@ def _myargv(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
 def _exit(_: AbstractMachine, __: object, ___: Arguments) -> Value:
     """`sys.exit()` ends the program, as an exception does."""
     raise ThrownError("SystemExit")
-
-
-def _package_path(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
-    name = arguments.get(0)
-    if isinstance(name, Scalar):
-        path = machine.runtime.files.package_path(str(name.value))
-        if path is not None:
-            return Scalar(str(path))
-    return Unknown(f"path of {text_with_holes(name or NONE)}")
-
-
-def _rospack(_: AbstractMachine, __: object, ___: Arguments) -> Value:
-    return Instance(_ROSPACK)
 
 
 def _run_command(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
@@ -142,7 +130,6 @@ def _launch_node(machine: AbstractMachine, _: object, arguments: Arguments) -> V
     return Instance(_LAUNCH)
 
 
-_ROSPACK = LibraryClass("rospkg.RosPack", methods={"get_path": _package_path})
 _LAUNCH = LibraryClass(
     "roslaunch",
     methods={
@@ -175,10 +162,7 @@ _CALLS: Mapping[str, Callable[..., Value]] = {
         for n in ("Popen", "call", "check_call", "check_output", "run")
     },
     "rospy.myargv": _myargv,
-    "rospkg.RosPack": _rospack,
-    "rospkg.rospack.RosPack": _rospack,
-    "roslib.packages.get_pkg_dir": _package_path,
-    "roslib.packages.get_dir_pkg": _package_path,
+    **PACKAGE_PATHS,
     "roslaunch.parent.ROSLaunchParent": _launch_parent,
     "roslaunch.rlutil.resolve_launch_arguments": _resolve_launch,
     "roslaunch.scriptapi.ROSLaunch": _make_launch,
