@@ -13,11 +13,11 @@ PATHS = {
     "resource": "import resource_retriever as rr\n"
     "p = rr.get_filename('package://p/', use_protocol=False)",
 }
+AMENT = "from ament_index_python import get_package_share_directory\n"
 UNKNOWN = [
     "import resource_retriever as rr\np = rr.get_filename('http://p/n.py')",
     "import resource_retriever as rr\np = rr.get_filename('package://none/n.py')",
-    "from ament_index_python import get_package_share_directory\n"
-    "p = get_package_share_directory('none')",
+    f"{AMENT}p = get_package_share_directory('none')",
 ]
 
 
