@@ -83,7 +83,8 @@ def open_control_socket(
     except SourceError as error:
         if control:
             raise
-        log.warning("no overrides: %s", error)
+        unreachable = "`rtron override` and `rtron clear` do not reach this guard: %s; %s"
+        log.error(unreachable, error, error.help)  # noqa: TRY400 - no fault of RTron's
         return None
 
 

@@ -152,3 +152,17 @@ def test_a_strange_reason_comes_back_as_it_was(folder, state):
     (path,) = folder.iterdir()
     assert json.loads(path.read_text()) == reasons
     assert inherited() == reasons
+
+
+def test_an_end_waits_for_the_disk_and_says_what_is_not_on_it(folder, state, caplog):
+    file = file_of()
+    state.write(handover_document(STOPPED))
+    file.follow(state, 0)
+    file.finish(20.0)
+    assert inherited() == STOPPED
+    folder.chmod(0o755)
+    state.write(handover_document({}))
+    file.follow(state, SECOND)
+    file.finish(0.0)
+    assert "what intruders have stopped is not saved" in caplog.text
+    folder.chmod(0o700)

@@ -28,6 +28,7 @@ from rtron.guard.supervision.supervisor_handover import (
     HandoverSocket,
     bind_guard_socket,
     guard_address,
+    request_handover,
 )
 from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.guard.transport.common.protocol import SupervisorId
@@ -245,3 +246,13 @@ def test_a_supervisor_that_is_gone_says_nothing_of_delivery(loop, tied):
     )
     tied.run(SECOND // 10)
     assert all("delivers" not in alarm.reason for alarm in tied.tie._host.alarms.active)
+
+
+def test_a_guard_in_another_pid_namespace_is_neither_adopted_nor_signalled(master, monkeypatch):
+    """The kernel calls it 0, and a signal to 0 is one to ourselves."""
+    listener = bind_guard_socket(master)
+    monkeypatch.setattr(supervisor_handover, "peer_credentials", lambda _: (0, os.getuid()))
+    assert request_handover(master, "digest") is None
+    with pytest.raises(GuardExistsError, match="in another container"):
+        bind_guard_socket(master)
+    listener.close()

@@ -1,6 +1,7 @@
 """`rtron override` and `rtron clear`: what a person asks of a guard on this machine."""
 
 import json
+import os
 import socket
 from pathlib import Path
 from typing import Annotated
@@ -87,16 +88,27 @@ def clear(
     return Outcome(f"{names}: cleared, the robot may drive again\n")
 
 
+def _check_answerer(sock: socket.socket, path: Path) -> None:
+    """SourceError if another user listens there, who could answer anything."""
+    from rtron.guard.core.unix_socket import peer_credentials
+
+    uid = peer_credentials(sock)[1]
+    if os.getuid() not in (0, uid) and uid != 0:
+        help = "name the guard's own socket: `--control-socket`"
+        raise SourceError(f"user {uid} listens at {path}, not you", help=help)
+
+
 def _send_request(path: Path, request: dict[str, object]) -> dict[str, object]:
     """Return the guard's answer; InputError if it refuses, SourceError if no guard answers."""
     try:
         with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as sock:
             sock.settimeout(_PATIENCE_S)
             sock.connect(str(path))
+            _check_answerer(sock, path)
             sock.sendall(json.dumps(request).encode() + b"\n")
             answer = json.loads(sock.makefile("rb").readline(_LONGEST))
     except (OSError, ValueError) as error:
-        help = "is the guard running, as your user? `rtron guard` says where it listens"
+        help = "is the guard running, as your user? it says where it listens: `--control-socket`"
         raise SourceError(f"no guard answers at {path}: {error}", help=help) from None
     if not isinstance(answer, dict) or "error" in answer:
         raise InputError(str(answer["error"]) if isinstance(answer, dict) else "not an answer")

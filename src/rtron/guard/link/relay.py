@@ -11,6 +11,7 @@ from contextlib import suppress
 from dataclasses import replace
 
 from rtron.errors import RTronError, SourceError
+from rtron.guard.core.process_priority import lower_priority
 from rtron.guard.core.unix_socket import peer_credentials
 from rtron.guard.link.event_counter import forget_run, former_runs
 from rtron.guard.link.options import LinkOptions
@@ -277,8 +278,7 @@ def _in_local_time(message: NewSettings, now: int) -> Settings:
 
 def run_relay(options: LinkOptions) -> None:
     """Be the link process until told to end."""
-    os.nice(_NICE)
-    os.sched_setscheduler(0, os.SCHED_BATCH, os.sched_param(0))
+    lower_priority(_NICE)
     asyncio.run(_run(options))
 
 

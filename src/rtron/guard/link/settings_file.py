@@ -1,11 +1,11 @@
 """The last settings on disk: the guard begins with them, whether or not the service is there."""
 
 import logging
-import os
 from dataclasses import replace
 from pathlib import Path
 
 from rtron.errors import WireError
+from rtron.guard.core.durable_file import replace_file
 from rtron.vocabulary import Settings
 from rtron.wire.common.link_protocol import NewSettings, decode_to_guard, encode_to_guard
 
@@ -32,14 +32,4 @@ def read_settings(path: Path, now: int) -> Settings | None:
 
 def write_settings(path: Path, settings: Settings, now: int) -> None:
     """Write settings so that a crash at any moment leaves the old or the new ones, whole."""
-    temporary = path.with_suffix(".new")
-    with temporary.open("wb") as file:
-        file.write(encode_to_guard(NewSettings(settings=settings, now=now)))
-        file.flush()
-        os.fsync(file.fileno())
-    temporary.replace(path)
-    folder = os.open(path.parent, os.O_RDONLY)
-    try:
-        os.fsync(folder)
-    finally:
-        os.close(folder)
+    replace_file(path, encode_to_guard(NewSettings(settings=settings, now=now)))

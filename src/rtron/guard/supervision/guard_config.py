@@ -11,6 +11,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from rtron.guard.core.unix_socket import runtime_folder
+from rtron.guard.link.options import state_folder
 from rtron.vocabulary import Mode, Plan, Stream, StreamKind, build_streams
 
 
@@ -25,8 +27,9 @@ class GuardConfig:
 
     @property
     def digest(self) -> str:
-        """What tells one configuration from another."""
-        content = repr((self.plan, self.master)).encode() + pickle.dumps(self.options)
+        """What tells one configuration from another: processes meet in the user's folders, too."""
+        folders = runtime_folder(), state_folder(self.plan.app)
+        content = repr((self.plan, self.master, folders)).encode() + pickle.dumps(self.options)
         return hashlib.sha256(content).hexdigest()
 
     def write_to_memory(self) -> int:

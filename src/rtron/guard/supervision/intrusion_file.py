@@ -6,9 +6,11 @@ It lies in the user's state folder (XDG base folders): a logout and a reboot lea
 import json
 import logging
 import os
+import time
 from pathlib import Path
 
 from rtron.errors import RTronError, SourceError
+from rtron.guard.core.durable_file import remove_file, replace_file
 from rtron.guard.core.event_loop import BackgroundWorker
 from rtron.guard.core.unix_socket import open_own_folder
 from rtron.guard.intrusion_latch import handover_document, intrusions_in
@@ -19,10 +21,10 @@ from rtron.vocabulary import SECOND, OnForeign, build_streams
 
 log = logging.getLogger(__name__)
 
-_PRIVATE = 0o600
 _MOST_BYTES = 1 << 18
 _HELP = "set XDG_STATE_HOME to a folder of your own (mode 700)"
 _RETRY = SECOND
+_PAUSE_S = 0.01
 
 
 class IntrusionFile:
@@ -73,6 +75,14 @@ class IntrusionFile:
             self._retry_at = now + _RETRY
             self._worker.request()
 
+    def finish(self, timeout: float) -> None:
+        """Wait for what is being saved, s; say so if it is not on the disk then."""
+        until = time.monotonic() + timeout
+        while not self.is_saved and time.monotonic() < until:
+            time.sleep(_PAUSE_S)
+        if not self.is_saved:
+            log.error("%s: what intruders have stopped is not saved", self._path)
+
     def _look(self, handover_state: DoubleBuffer, head: tuple[int, int, int]) -> None:
         count, document = handover_state.read()
         if count and count == head[0]:  # else the guard has told nothing, or is writing it
@@ -95,13 +105,10 @@ class IntrusionFile:
 
     def _write(self, reasons: dict[str, str]) -> None:
         self._check_folder()
-        if not reasons:
-            self._path.unlink(missing_ok=True)
-            return
-        new = self._path.with_suffix(".new")
-        new.touch(mode=_PRIVATE)
-        new.write_text(json.dumps(reasons))
-        new.replace(self._path)
+        if reasons:
+            replace_file(self._path, json.dumps(reasons).encode())
+        else:
+            remove_file(self._path)
 
     def _read(self) -> dict[str, str]:
         if not self._path.parent.is_dir():

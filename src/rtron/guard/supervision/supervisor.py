@@ -40,6 +40,8 @@ log = logging.getLogger(__name__)
 
 _SPARE_AFTER = SECOND
 _OWNER_S = 0.5
+_SAVE_S = 1.0
+"""How long an end waits for the disk."""
 _SPARE_RETRY = 5 * SECOND
 
 
@@ -108,6 +110,8 @@ class Supervisor:
             self._spare.discard()
         for helper in self._helpers:
             helper.stop()
+        if self._intrusions:
+            self._intrusions.finish(_SAVE_S)
         self._transport.close()
         self._loop.close()
         if self._is_dismissed:
@@ -141,8 +145,8 @@ class Supervisor:
         self._perform(actions, now)
         self._reap(now)
         self._prepare_spare(now)
-        is_serving = self._fsm.phase is GuardPhase.SERVING
-        self._systemd.report(now, f"guard {self._fsm.phase.name.lower()}", is_well=is_serving)
+        is_well = self._fsm.phase is GuardPhase.SERVING and not self._delivery.is_unwatched
+        self._systemd.report(now, f"guard {self._fsm.phase.name.lower()}", is_well=is_well)
         if self._memory[StatusWord.SERVING] and not self._is_leaving:
             self._tick_helpers(now)
         if self._intrusions:

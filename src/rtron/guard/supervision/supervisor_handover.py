@@ -49,6 +49,7 @@ _TIMEOUT_S = 3.0
 _PAUSE_S = 0.5
 _RETRY_S = 0.05
 _RETRIES = 20
+_STOP_IT = "stop it first"
 
 
 class GuardExistsError(SourceError):
@@ -91,7 +92,7 @@ class HandoverSocket:
     def _accept_caller(self) -> None:
         caller, _ = self._sock.accept()
         caller.settimeout(0)
-        if peer_credentials(caller)[1] == os.getuid():
+        if _is_visible_and_ours(caller):
             forget = self._loop.forget
             self._loop.watch(caller, lambda: self._answer(caller), lambda error: forget(caller))
         else:
@@ -133,7 +134,8 @@ def bind_guard_socket(master: str) -> socket.socket | None:
         time.sleep(_RETRY_S)  # it may be dying
     if holder is None:
         return None
-    raise GuardExistsError(f"another guard is running on {master}", help="stop it first")
+    pid = holder[0] or "unknown, in another container or too busy to tell"
+    raise GuardExistsError(f"another guard is running on {master}, process {pid}", help=_STOP_IT)
 
 
 def request_handover(
@@ -150,12 +152,22 @@ def request_handover(
     except OSError:
         sock.close()
         return None
-    pid, uid = peer_credentials(sock)
-    if uid != os.getuid():
+    if not _is_visible_and_ours(sock):
         sock.close()
         return None
+    pid, _ = peer_credentials(sock)
     answer, memory = _send_offer(sock, digest)
     return answer, pid, sock, memory
+
+
+def _is_visible_and_ours(sock: socket.socket) -> bool:
+    """Tell whether the other end is of our user, and in a PID namespace that we see.
+
+    The kernel gives 0 for a process that we do not see (pid_namespaces(7)), and a signal to 0
+    would reach ourselves.
+    """
+    pid, uid = peer_credentials(sock)
+    return pid > 0 and uid == os.getuid()
 
 
 def _send_offer(sock: socket.socket, digest: str) -> tuple[HandoverAnswer, int]:

@@ -16,6 +16,7 @@ from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.alarms import UnreadableInputAlarms
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.observations import observations_of
+from rtron.guard.core.process_priority import lower_priority
 from rtron.guard.lanes.assignment import bulk_part, command_part
 from rtron.guard.lanes.bulk.board_writer import BoardWriter
 from rtron.guard.lanes.bulk.command_connection import CommandConnection
@@ -59,8 +60,7 @@ def run_bulk_process(
 
     `configuration` is the digest of the guard's. SourceError if it has a bulk process already.
     """
-    os.nice(_NICE)
-    os.sched_setscheduler(0, os.SCHED_BATCH, os.sched_param(0))
+    lower_priority(_NICE)
     raise_file_limit()
     loop = EventLoop()
     middleware = open_middleware(plan, master, loop)
