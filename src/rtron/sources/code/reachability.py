@@ -53,7 +53,8 @@ ROS2_CPP_API = _ROS2_API | {
     *("createSharedInstance", "createUniqueInstance", "createUnmanagedInstance"),
     *("registerFromPlugin", "registerNodeType", "registerBuilder", "InteractiveMarkerServer"),
     *("CameraInfoManager", "ParameterEventHandler", "AsyncParametersClient"),
-    *("SyncParametersClient", "popen"),
+    *("SyncParametersClient", "popen", "ServiceClient", "SimpleActionServer"),
+    *("shared_from_this", "weak_from_this"),
 }
 """The same for ROS 2; parameters decide names there, so declaring one counts."""
 ROS2_PYTHON_API = _ROS2_API | {

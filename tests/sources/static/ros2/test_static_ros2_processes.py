@@ -191,3 +191,26 @@ def test_another_process_is_noted(started, line):
     (note,) = started(*line.split()).unresolved
     assert note.what == f"process {' '.join(line.split()[:2])}"
     assert not started(*line.split()).nodes
+
+
+PROGRAMS = {
+    "/opt/ros/humble/lib/tf2_ros/buffer_server": ("tf2_ros", "buffer_server"),
+    "/ws/install/arm/lib/arm/driver": ("arm", "driver"),
+    "rviz2": ("rviz2", "rviz2"),
+    "/opt/ros/jazzy/bin/rviz2": ("rviz2", "rviz2"),
+}
+
+
+@pytest.mark.parametrize("program", PROGRAMS)
+def test_a_program_that_is_run_by_its_file_is_its_package_s_node(started, program):
+    words = ["--ros-args", "-r", "__node:=named", "-r", "__ns:=/bot"]
+    nodes = {node.name: node for node in started(program, *words, shell=False).nodes}
+    node = nodes["/bot/named"]
+    assert (node.package, node.executable) == PROGRAMS[program]
+
+
+@pytest.mark.parametrize("program", ["lib/p/x", "/usr/lib/x", "/lib/x", "/ws/libs/p/x"])
+def test_a_program_elsewhere_is_noted(started, program):
+    graph = started(program, shell=False)
+    assert not graph.nodes
+    assert [note.what for note in graph.unresolved] == [f"process {program}"]

@@ -23,6 +23,7 @@ _COMMANDS_WITHOUT_NODE = frozenset(
 )
 """Commands that join nothing; Gazebo's client draws the world."""
 _ROS2 = "ros2"
+_RVIZ = "rviz2"
 _VERBS: Mapping[str, frozenset[str]] = {
     "topic": frozenset({"pub", "echo", "hz", "bw", "delay"}),
     "service": frozenset({"call"}),
@@ -38,21 +39,36 @@ def joins_nothing(command: Sequence[str]) -> bool:
 
 
 def ros2_verb_node(process: LaunchStart) -> LaunchStart | None:
-    """Return the node that a verb of `ros2` is; None for another command."""
+    """Return the node that a verb of `ros2` is, in a package called after its kind.
+
+    None for another command.
+    """
     program, kind, verb, *words = (*process.arguments, "", "", "")
     if Path(program).name != _ROS2 or verb not in _VERBS.get(kind, ()):
         return None
-    return _verb_node(process, kind, verb, words[:-3])
+    return _as_node(process, f"{_ROS2}{kind}", verb, words[:-3])
 
 
-def _verb_node(process: LaunchStart, kind: str, verb: str, words: Sequence[str]) -> LaunchStart:
-    """Return a verb's node: its package is called after its kind."""
+def installed_program_node(process: LaunchStart) -> LaunchStart | None:
+    """Return the node of a program that is run by its file; None for another command.
+
+    ROS 2 installs a package's programs in `lib/PACKAGE` (REP 122); rviz2 is on the PATH, too.
+    """
+    program, words = Path("".join(process.arguments[:1])), process.arguments[1:]
+    if program.name == _RVIZ:
+        return _as_node(process, _RVIZ, _RVIZ, words)
+    is_installed = program.parent.parent.name == "lib" and program.is_absolute()
+    return _as_node(process, program.parent.name, program.name, words) if is_installed else None
+
+
+def _as_node(process: LaunchStart, package: str, program: str, words: Sequence[str]) -> LaunchStart:
+    """Return a process as the node that its command line makes."""
     remaps = tuple(argument_remaps(words))
     return replace(
         process,
         kind=StartKind.NODE,
-        package=f"{_ROS2}{kind}",
-        program=verb,
+        package=package,
+        program=program,
         arguments=tuple(words),
         name=special_remap(words, "__node"),
         namespace=special_remap(words, "__ns") or "/",
@@ -87,7 +103,8 @@ class AppNodeBuilder:
                 yield self._node(start)
 
     def _process(self, process: LaunchStart) -> Iterator[AppNode]:
-        server, node = gazebo_server_node(process, self.environ), ros2_verb_node(process)
+        server = gazebo_server_node(process, self.environ)
+        node = ros2_verb_node(process) or installed_program_node(process)
         words = process.arguments
         if server is not None:
             self.gazebo_servers.append(server)

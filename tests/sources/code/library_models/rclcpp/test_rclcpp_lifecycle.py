@@ -145,5 +145,6 @@ def test_a_plugin_that_is_nowhere_is_noted(workspace):
 def test_a_plugin_that_only_a_running_app_names_is_noted(workspace, tmp_path):
     named = HOST.replace('declare_parameter(name + ".plugin", "layers::Static")', "asked()")
     (tmp_path / "host" / "host.cpp").write_text(named)
-    (note,) = hosted(workspace).unresolved
+    note, passed = hosted(workspace).unresolved
     assert (note.what, note.why) == ("plugin {asked()}", "which one it is, is not known")
+    assert "gets what it takes to join nodes" in passed.why

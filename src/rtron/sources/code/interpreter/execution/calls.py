@@ -48,6 +48,16 @@ READ_ONLY_FUNCTIONS = frozenset(
     ]
 )
 """Functions of the C and C++ libraries that leave the texts as they are which they are given."""
+_HANDLE_FIELDS = frozenset({"namespace", "node.name"})
+"""What node handles of roscpp have, and nodes of ROS 2."""
+_ADD_NOTHING = frozenset(
+    [
+        *("spin", "spin_some", "spin_all", "spin_once", "spin_until_future_complete"),
+        *("add_node", "remove_node", "get_node", "CreateTimerROS", "ParamListener"),
+        *("rclpy.spin", "rclpy.spin_once", "rclpy.spin_until_future_complete"),
+    ]
+)
+"""What takes a node and adds no endpoint to it; the last is of generate_parameter_library."""
 ROS_API_METHODS = frozenset({"advertise", "subscribe", "advertiseService", "serviceClient"})
 
 
@@ -150,8 +160,8 @@ def _call_unknown(machine: AbstractMachine, called: Value, arguments: Arguments)
 
 def note_passed_handle(machine: AbstractMachine, name: str, arguments: Arguments) -> None:
     """Note that code which is not here gets what it takes to join nodes."""
-    for value in arguments.values:
-        is_handle = isinstance(value, Instance) and "namespace" in value.fields
+    for value in arguments.values if name.rpartition("::")[2] not in _ADD_NOTHING else ():
+        is_handle = isinstance(value, Instance) and not _HANDLE_FIELDS.isdisjoint(value.fields)
         is_library = isinstance(value, (ExternalSymbol, LibraryFunction)) and value.name.startswith(
             "rospy"
         )

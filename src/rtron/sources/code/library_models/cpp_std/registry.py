@@ -150,7 +150,7 @@ _STD_FUNCTIONS: Mapping[str, Callable[..., Value]] = {
     "make_pair": make_pair_function,
     "to_string": to_string,
     "lexical_cast": lexical_cast,
-    "bind": bind,
+    **dict.fromkeys(("bind", "bind_front"), bind),
     "mem_fn": return_argument,
     "getline": getline,
     "stoi": partial(parse_number, int),

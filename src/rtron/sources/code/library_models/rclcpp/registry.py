@@ -23,6 +23,7 @@ from rtron.sources.code.library_models.rclcpp.component_manager import COMPONENT
 from rtron.sources.code.library_models.rclcpp.endpoints import ENDPOINT_FUNCTIONS
 from rtron.sources.code.library_models.rclcpp.image_transport import IMAGE_CLASSES, IMAGE_FUNCTIONS
 from rtron.sources.code.library_models.rclcpp.libraries import CONTROLLER_CLASSES, LIBRARY_CLASSES
+from rtron.sources.code.library_models.rclcpp.nav2_util import NAV2_CLASSES
 from rtron.sources.code.library_models.rclcpp.node import NODE_CLASSES
 from rtron.sources.code.library_models.rclcpp.parameters import PARAMETER_CLASSES
 from rtron.sources.code.library_models.rclcpp.pluginlib import PLUGIN_CLASSES
@@ -87,6 +88,7 @@ RCLCPP_CLASSES: dict[str, LibraryClass] = {
     **QOS_CLASSES,
     **OVERRIDING_CLASSES,
     **LIBRARY_CLASSES,
+    **NAV2_CLASSES,
     **IMAGE_CLASSES,
     **PLUGIN_CLASSES,
     **TREE_CLASSES,
