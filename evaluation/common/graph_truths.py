@@ -57,7 +57,8 @@ class Triple(NamedTuple):
 class GraphScore:
     """The triples that are live and those of them that were found; what was claimed, and wrongly.
 
-    `untold` are those that were missed although no note speaks of their node or their file.
+    `untold` are those that were missed although no note speaks of their node or their file, and no
+    endpoint of that kind is reported there whose name is open.
     """
 
     live: frozenset[Triple]
@@ -148,9 +149,9 @@ class GraphTruth:
             t for t, is_implicit in reported if not is_implicit and not self._is_open(t)
         )
         places = {triple: (node, entry) for node in nodes for triple, entry in _entries(node)}
-        untold = frozenset(
-            t for t in explicit - found if not _is_told(*places[t], graph.unresolved)
-        )
+        told = {t for t in explicit if _is_told(*places[t], graph.unresolved)}
+        symbolic = set(_symbolic_kinds(graph))
+        untold = frozenset(t for t in explicit - found - told if t[:2] not in symbolic)
         return GraphScore(explicit, found, claimed, claimed - live, untold)
 
     def _is_open(self, triple: Triple) -> bool:
@@ -208,6 +209,15 @@ def triples_of(graph: InteractionGraph) -> Iterator[tuple[Triple, bool]]:
         is_server = action.role is ActionRole.SERVER
         kind = "action_servers" if is_server else "action_clients"
         yield Triple(action.node, kind, action.name), False
+
+
+def _symbolic_kinds(graph: InteractionGraph) -> Iterator[tuple[str, str]]:
+    """Yield the nodes that have endpoints whose names are not known, with their kinds."""
+    for end in graph.endpoints:
+        if end.resolution is Resolution.SYMBOLIC:
+            yield end.node, _ENDPOINT_KINDS[end.direction]
+    for kind, ends in (("services", graph.services), ("clients", graph.clients)):
+        yield from ((service.node, kind) for service in ends if "{" in service.name)
 
 
 def _is_listed(name: str) -> bool:

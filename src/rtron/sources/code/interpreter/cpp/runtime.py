@@ -58,6 +58,8 @@ class CppRuntime(CppObjects):
     _globals: dict[str, Value] = field(default_factory=dict)
     _candidate_cache: dict[tuple[str, str], tuple[str, ...]] = field(init=False)
 
+    _statics: dict[tuple[object, ...], Value] = field(default_factory=dict)
+
     passes_by_reference = True
 
     def __post_init__(self) -> None:
@@ -131,6 +133,9 @@ class CppRuntime(CppObjects):
     def declare(self, node: Declare, frame: StackFrame) -> None:
         """Make a local variable."""
         frame.constants[node.name] = node.constant and self._may_be_constant(node.name, frame)
+        if node.static:
+            self._declare_static(node, frame)
+            return
         if (node.reference or node.pointer) and node.value is not None:
             slot = slot_of(self.machine, node.value, frame)
             if slot is not None and _may_alias(node, slot.holder.get(slot.key)):
@@ -138,6 +143,13 @@ class CppRuntime(CppObjects):
                 return
         frame.aliases.pop(node.name, None)
         self.machine.undo_log.set(frame.variables, node.name, self.initial_value(node, frame))
+
+    def _declare_static(self, node: Declare, frame: StackFrame) -> None:
+        """Let a variable stand for the one of all calls, which the first call makes."""
+        key = frame.function and frame.function.key, node.name, *sorted(frame.types.items())
+        if key not in self._statics:
+            self.machine.undo_log.set(self._statics, key, self.initial_value(node, frame))
+        frame.aliases[node.name] = StorageSlot(self._statics, key)
 
     def _may_be_constant(self, name: str, frame: StackFrame) -> bool:
         """Tell whether no variable that may change has the name already: blocks share a frame."""
