@@ -292,7 +292,8 @@ class CppObjects(CppCalls):
 
 def _is_delegation(name: str, cls: ClassValue) -> bool:
     """Tell whether an initialiser names the class itself: another constructor runs first."""
-    return f"::{cls.name}".endswith(f"::{name}")
+    plain = cls.name.rpartition("::")[2]
+    return f"::{cls.name}".endswith(f"::{name.removesuffix(f'::{plain}')}")
 
 
 def _is_temporary(node: Expr) -> bool:

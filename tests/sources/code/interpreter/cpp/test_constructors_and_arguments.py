@@ -1,4 +1,4 @@
-"""`f({…})` and `T parameter = {…}` make an object of the parameter's type."""
+"""What C++ functions and constructors get: `f({…})`, defaults in braces, delegation."""
 
 import pytest
 from ros1_runs import cpp, names
@@ -53,3 +53,22 @@ def test_a_function_that_is_only_declared_and_gets_a_node_handle_is_noted():
 def test_a_map():
     interface = cpp('all(nh, {{"a", 1}, {"b", 2}});', top=TABLE)
     assert (names(interface), interface.unresolved) == (["a", "b"], ())
+
+
+DELEGATING = """template<class T> class Filter {
+ public:
+  Filter(ros::NodeHandle nh, ros::NodeHandle own, std::string name);
+  Filter(ros::NodeHandle nh, ros::NodeHandle own);
+  ros::NodeHandle nh_, own_;
+};
+template<typename T> Filter<T>::Filter(ros::NodeHandle nh, ros::NodeHandle own, std::string name)
+  : nh_(nh), own_(own) { own_.advertise<std_msgs::Bool>(name, 1); }
+template<typename T> Filter<T>::Filter(ros::NodeHandle nh, ros::NodeHandle own)
+  : %s(nh, own, "x") {}
+"""
+
+
+@pytest.mark.parametrize("name", ["Filter", "Filter<T>", "Filter<T>::Filter"])
+def test_a_constructor_that_delegates_by_any_of_its_names(name):
+    interface = cpp('ros::NodeHandle own("~"); Filter<int> f(nh, own);', DELEGATING % name)
+    assert (names(interface), interface.unresolved) == (["n/x"], ())
