@@ -33,10 +33,12 @@ def runtime_folder() -> Path:
 def open_own_folder(folder: Path, help: str) -> int:
     """Return a descriptor of a folder that only this user may enter, which is made if need be.
 
-    SourceError with this `help` if others may enter it, OSError if it cannot be opened.
+    SourceError with this `help` if others may enter it, OSError if it cannot be opened; a link is
+    not followed, since others could change where it leads.
     """
     folder.mkdir(mode=0o700, exist_ok=True)
-    descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
+    flags = os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW | os.O_CLOEXEC
+    descriptor = os.open(folder, flags)
     state = os.fstat(descriptor)
     if state.st_uid != os.getuid() or state.st_mode & 0o077:
         os.close(descriptor)

@@ -11,6 +11,7 @@ from dataclasses import asdict, dataclass
 from enum import IntEnum
 
 from rtron.guard.core.handover_state import MOST_BYTES
+from rtron.guard.core.sealed_memory import create_sealed_memory
 from rtron.guard.supervision.double_buffer import DoubleBuffer
 from rtron.guard.transport.common.protocol import TypeInfo
 
@@ -66,9 +67,8 @@ class GuardMemory:
     @classmethod
     def create(cls, streams: int) -> "GuardMemory":
         """Return a page of its own, all zero."""
-        descriptor = os.memfd_create("rtron", os.MFD_CLOEXEC)
+        descriptor = create_sealed_memory("rtron", _size(streams))
         try:
-            os.truncate(descriptor, _size(streams))
             return cls(descriptor, streams)
         except BaseException:
             os.close(descriptor)

@@ -10,6 +10,7 @@ import os
 import struct
 from dataclasses import dataclass
 
+from rtron.guard.core.sealed_memory import create_sealed_memory
 from rtron.guard.supervision.double_buffer import DoubleBuffer
 from rtron.policies.mission.event_bits import EventState
 from rtron.vocabulary import SECOND
@@ -56,9 +57,7 @@ class Board:
     @classmethod
     def create(cls, rates: int, events: int) -> "Board":
         """Return one without any record."""
-        descriptor = os.memfd_create("rtron-board", os.MFD_CLOEXEC)
-        os.truncate(descriptor, _size(rates, events))
-        return cls(descriptor, rates, events)
+        return cls(create_sealed_memory("rtron-board", _size(rates, events)), rates, events)
 
     @property
     def written_at(self) -> int:
