@@ -5,19 +5,14 @@ import re
 import signal
 
 import pytest
+from bulk_load import MOST_DELAY, commands_beside_pictures
 from harness import lives, wait_for
 from ros2_plans import driving, telling, written
 
-from bench.common import testbed
-from bench.soak.app import running_app
-from bench.soak.base_log import BaseLog
 from rtron.vocabulary import SECOND, flow_topic, output_topic
 
 pytestmark = pytest.mark.ros2
 PICTURE_RATE = 10
-COMMANDS = 300
-MOST_DELAY = SECOND // 2
-"""Other tests run beside this one; with the pictures in the way of the commands it was 1 to 5 s."""
 PLAN = written(
     driving("nav", silent_after=8 * SECOND),
     telling("/image", "sensor_msgs/msg/Image", "/viewer", "camera"),
@@ -54,21 +49,9 @@ def base(ros2, guard):
 
 def test_commands_do_not_wait_for_pictures(ros2):
     """A gap counts where the navigation was heard meanwhile: the machine did not stand still."""
-    with running_app(testbed.Testbed(ros2.environ, ros2.folder), ros=2) as app:
-        wait_for(lambda: len(BaseLog.read(app.files["base"]).outputs) > 50, what="the navigation")
-        before = len(BaseLog.read(app.files["base"]).outputs)
-        app.film()
-        wait_for(lambda: app.picture_count() > 3, what="pictures behind the guard")
-        heard = len(BaseLog.read(app.files["base"]).inputs)
-
-        def since():
-            log = BaseLog.read(app.files["base"])
-            return BaseLog(log.inputs[heard:], log.outputs[before:])
-
-        wait_for(lambda: len(since().inputs) > COMMANDS, what="commands", limit_s=120)
-        wait_for(lambda: len(since().outputs) > COMMANDS, what="commands behind the guard")
-        assert since().longest_gap() <= MOST_DELAY
-        assert since().unguarded() == []
+    heard = commands_beside_pictures(ros2.environ, ros2.folder, ros=2)
+    assert heard.longest_gap() <= MOST_DELAY
+    assert heard.unguarded() == []
 
 
 def bulk_process(guard):
@@ -84,6 +67,8 @@ def test_commands_go_on_without_the_process_of_the_pictures(ros2, guard, base, n
     wait_for(lambda: not lives(pid), what="the end of the bulk process")
     wait_for(lambda: bulk_process(guard) != pid, what="the next bulk process")
     assert last_count(base.log, OUT)[0] > before
+    longest = {topic: last_count(base.log, topic)[1] for topic in (NAV, OUT)}
+    assert longest[OUT] <= longest[NAV] + MOST_DELAY / SECOND
     viewer = ros2.node("gap_meter.py", f"{SEEN}=sensor_msgs/Image", name="/viewer")
     ros2.node("image_publisher.py", PICTURE, 1000, PICTURE_RATE, name="/camera")
     wait_for(lambda: last_count(viewer.log, SEEN)[0] > 3, what="pictures behind the next one")

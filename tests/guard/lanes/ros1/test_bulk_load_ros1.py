@@ -1,0 +1,13 @@
+"""Pictures of megabytes through the guard on ROS 1, and commands beside them that must not wait."""
+
+import pytest
+from bulk_load import MOST_DELAY, commands_beside_pictures
+
+pytestmark = pytest.mark.ros1
+
+
+def test_commands_do_not_wait_for_pictures(ros1):
+    """A gap counts where the navigation was heard meanwhile: the machine did not stand still."""
+    heard = commands_beside_pictures(ros1.environ, ros1.folder, ros=1)
+    assert heard.longest_gap() <= MOST_DELAY
+    assert heard.unguarded() == []
