@@ -55,7 +55,8 @@ def test_a_map():
     assert (names(interface), interface.unresolved) == (["a", "b"], ())
 
 
-DELEGATING = """template<class T> class Filter {
+DELEGATING = """namespace filters {
+template<class T> class Filter {
  public:
   Filter(ros::NodeHandle nh, ros::NodeHandle own, std::string name);
   Filter(ros::NodeHandle nh, ros::NodeHandle own);
@@ -65,10 +66,10 @@ template<typename T> Filter<T>::Filter(ros::NodeHandle nh, ros::NodeHandle own, 
   : nh_(nh), own_(own) { own_.advertise<std_msgs::Bool>(name, 1); }
 template<typename T> Filter<T>::Filter(ros::NodeHandle nh, ros::NodeHandle own)
   : %s(nh, own, "x") {}
-"""
+}"""
 
 
-@pytest.mark.parametrize("name", ["Filter", "Filter<T>", "Filter<T>::Filter"])
+@pytest.mark.parametrize("name", ["Filter", "Filter<T>", "Filter<T>::Filter", "filters::Filter<T>"])
 def test_a_constructor_that_delegates_by_any_of_its_names(name):
-    interface = cpp('ros::NodeHandle own("~"); Filter<int> f(nh, own);', DELEGATING % name)
+    interface = cpp('ros::NodeHandle own("~"); filters::Filter<int> f(nh, own);', DELEGATING % name)
     assert (names(interface), interface.unresolved) == (["n/x"], ())

@@ -292,8 +292,9 @@ class CppObjects(CppCalls):
 
 def _is_delegation(name: str, cls: ClassValue) -> bool:
     """Tell whether an initialiser names the class itself: another constructor runs first."""
-    plain = cls.name.rpartition("::")[2]
-    return f"::{cls.name}".endswith(f"::{name.removesuffix(f'::{plain}')}")
+    full = f"::{cls.name}"
+    constructor = full + full[full.rindex("::") :]
+    return full.endswith(f"::{name}") or constructor.endswith(f"::{name}")
 
 
 def _is_temporary(node: Expr) -> bool:
